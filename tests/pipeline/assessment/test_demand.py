@@ -14,7 +14,7 @@ from rockpulse.assessment.demand import demand_factors, stored_demands
 from rockpulse.assessment.verdict import verdicts
 from rockpulse.config.settings import DemandSettings
 from rockpulse.record.intensity import pgv, spectral_acceleration, spectrum_intensity
-from rockpulse.record.measures import DEMAND
+from rockpulse.record.measures import DEMAND, PERIODIC, ROWS, RecordOnBodies
 
 BODIES = {"wall": Block(half_width=0.15, half_height=1.2), "stele": Block(half_width=0.2, half_height=1.5)}
 LANES = Block.stack([body.lanes(1) for body in BODIES.values()])
@@ -104,10 +104,12 @@ def test_a_velocity_ratio_asks_each_body_for_its_own_factor():
 
 @pytest.mark.parametrize("measure", DEMAND)
 def test_the_verdict_at_a_demand_is_that_of_the_records_scaled_by_hand(measure):
-    value = {"pga": 2.5, "pgv": 0.5, "si": 0.6, "velocity_ratio": 0.6, "sa": 7.0}[measure]
-    asked = DemandSettings(name="ULS", measure=measure, value=value, period=0.8 if measure == "sa" else None)
-    config = rp.Config(models=rp.ModelSettings(use=["nonlinear"]), demands=(asked,))
     bodies = dict([*BODIES.items()][:1])  # a velocity ratio asks another factor of another body
+    row, period = ROWS[measure], 0.8 if measure in PERIODIC else None
+    on = RecordOnBodies.slender(RECORDS[0], lambda: rp.half_waves(RECORDS[0]), LANES.chosen(slice(1)))
+    value = 1.25 * float(np.squeeze(row.at(period).value(on)))
+    asked = DemandSettings(name="ULS", measure=measure, value=value, period=period)
+    config = rp.Config(models=rp.ModelSettings(use=["nonlinear"]), demands=(asked,))
     tree = rp.assess(RECORDS, config, bodies)
     factor = tree["summary"]["demand_factor"].squeeze().values
     assert np.all(factor[::2] == factor[1::2])

@@ -83,16 +83,12 @@ def test_what_knows_no_body_depends_on_the_record_alone():
 
 
 def test_hazards_are_given_in_units_of_the_kind_of_the_measure():
-    kinds = {name: MEASURES[name].known_units.keys() & {"g", "cm/s"} for name in HAZARD}
-    assert kinds == {name: {"g"} if name == "pga" or name.startswith("sa_") else {"cm/s"} for name in HAZARD}
+    kinds = {name: MEASURES[name].known_units.keys() & {"g", "cm/s"} for name in ("pga", "sa_0.5", "pgv", "si")}
+    assert kinds == {"pga": {"g"}, "sa_0.5": {"g"}, "pgv": {"cm/s"}, "si": {"cm/s"}}
     assert all(MEASURES[name].openquake in {"", *MEASURES[name].known_units} for name in HAZARD)
 
 
 def test_a_member_of_a_family_is_named_by_its_period():
     one = ROWS["sa"].at(0.75)
-    assert (one.name, one.title, one.long_name, one.column) == (
-        "sa_0.75",
-        "Sa(0.75 s)",
-        "Sa(0.75 s), 5 %",
-        ("Sa(0.75 s)", "g", 9.80665),
-    )
+    assert (one.name, one.title, one.long_name) == ("sa_0.75", "Sa(0.75 s)", "Sa(0.75 s), 5 %")
+    assert one.column == ("Sa(0.75 s)", "g", 9.80665)
