@@ -35,7 +35,6 @@ from rockpulse.storage.atomic_file import ASSESSMENT
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["Assessment", "assess", "assess_motion", "assess_scene"]
 
 #: The motion of a body on the ground without a direction of its own.
 RECORD_ITSELF = Place(None, ())

@@ -18,7 +18,6 @@ from rockpulse.record.record import Record
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["FARTHEST", "Demand", "demand_factors", "stored_demands"]
 
 #: Factors on a record between which it still stands for a recorded earthquake of that strength (docs/limits.md).
 FARTHEST = (0.25, 4.0)

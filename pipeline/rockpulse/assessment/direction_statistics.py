@@ -17,8 +17,6 @@ from rockpulse.record.measures import PGA
 from rockpulse.storage.assessment_variables import DIRECTIONS
 from rockpulse.storage.probability_variables import MEAN
 
-__all__ = ["direction_statistics", "largest_over", "median_over", "smallest_over"]
-
 
 def direction_statistics(
     summary: xr.Dataset,

@@ -27,8 +27,6 @@ from rockpulse.ladder import Scene
 from rockpulse.record.record import Record
 from rockpulse.storage.probability_variables import AT_DEMAND, PROBABILITY, READ, SOURCES
 
-__all__ = ["RecordProbability", "record_probability"]
-
 ENDS = ("", "_low", "_high")
 
 #: Probability of uplift at the largest factor below which a body counts as one that never moves.

@@ -10,8 +10,6 @@ from rockpulse.errors import ConfigError
 from rockpulse.option import KeyType, Section, choice, choices, is_number, key, number, text
 from rockpulse.record.measures import FRAGILITY, REFERENCE
 
-__all__ = ["DATA", "EQUATIONS", "MODELS", "OVERTURNING", "UPLIFT", "FragilitySettings"]
-
 #: Limit states that are no rotation.
 UPLIFT, OVERTURNING = "uplift", "overturning"
 

@@ -8,8 +8,6 @@ from rockpulse.errors import ConfigError
 from rockpulse.option import Section, choice, number, text
 from rockpulse.record.measures import HAZARD, MEASURES, PGA
 
-__all__ = ["HAZARD_UNITS", "HazardSettings"]
-
 #: Units of the levels of the measures that a hazard is given in.
 HAZARD_UNITS = tuple(dict.fromkeys(unit for name in HAZARD for unit in MEASURES[name].known_units))
 

@@ -17,19 +17,6 @@ from rockpulse.option import KeyType, Section, boolean, choice, count, entries, 
 from rockpulse.readers.format import FileSettings
 from rockpulse.record.measures import DEMAND, PERIODIC, PGA, ROWS, SCALING, quoted, units_in_words
 
-__all__ = [
-    "SECTIONS",
-    "CalibrationSettings",
-    "ConditioningSettings",
-    "DemandSettings",
-    "HalfWaveSettings",
-    "IntensePhaseSettings",
-    "RecordSettings",
-    "RunSettings",
-    "SequenceSettings",
-    "SiteSettings",
-]
-
 #: The words a key knows. The modules that act on them import numba or scipy, so they are stated here once more; a test
 #: compares these with theirs.
 COMPONENTS = ("horizontal", "azimuth", "strongest", "sweep")

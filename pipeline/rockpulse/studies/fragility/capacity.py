@@ -25,8 +25,6 @@ from rockpulse.storage.fact_variables import FACTS, facts_of
 from rockpulse.storage.fragility_variables import QUALITIES
 from rockpulse.studies.fragility.limit_states import NOT_KNOWN, reached_at, scale_capacities
 
-__all__ = ["Lanes", "motion_capacity", "nothing", "record_measures", "record_qualities"]
-
 #: Half-waves with more than this share of the largest impulse are strong.
 STRONG_SHARE = 0.5
 

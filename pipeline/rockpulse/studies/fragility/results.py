@@ -30,11 +30,8 @@ from rockpulse.storage.fragility_variables import (
 )
 from rockpulse.storage.variables import failure_table, with_values
 from rockpulse.studies.fragility.curves import Curve
-from rockpulse.studies.fragility.efficiency import dispersion_ratio
-from rockpulse.studies.fragility.ensemble import Ensemble, Fits, fit_ensemble, gather
+from rockpulse.studies.fragility.ensemble import Ensemble, Fits, dispersion_ratio, fit_ensemble, gather
 from rockpulse.studies.fragility.limit_states import limit_state_names
-
-__all__ = ["build_fragility_tree"]
 
 #: Points of a curve, and how many dispersions they reach beyond the outermost medians of a body.
 POINTS, REACH = 41, 3.0
