@@ -281,6 +281,6 @@ def test_an_internal_error_is_shown_with_what_differs_in_the_file(changed, tmp_p
     assert main(["inspect", str(path)]) == 2
     said = capsys.readouterr().err
     assert "KeyError: 'absent'" in said
-    assert "variable summary/pga" in said
+    assert "is not as it was written" in said
     assert "Traceback" not in said
     assert caplog.records[-1].exc_info[0] is KeyError
