@@ -72,7 +72,8 @@ CASES: dict[str, dict[str, Any]] = {
         "stiffness": 40000.0,
         "tie_height": 1.75,
     },
-    "vertical": {"kind": "vertical", "vertical": "-3 4 -2", "ground": "4 -6 2", "quiet": 0},
+    "vertical": {"kind": "vertical", "ground": "2.5 -3.5 2", "vertical": "-3 4 -2", "quiet": 0},
+    "vertical, overturned": {"kind": "vertical", "ground": "2.5 -3.5 2", "vertical": "-4 4 -4", "quiet": 0},
     "vertical, ten pulses": {"kind": "vertical", "ground": MANY, "vertical": "2 -3 4 -4 3 -2 2 -3 2 -1", "samples": 16},
     "on a floor": {"kind": "floor", "ground": "1.5 -2 1.5", "floor": 0.5, "samples": 16},
 }
