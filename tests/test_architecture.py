@@ -25,6 +25,7 @@ rockpulse.input_table
 rockpulse.record
 rockpulse.readers
 rockpulse.calibration
+rockpulse.model_row
 rockpulse.model_table
 rockpulse.config
 rockpulse.motions

@@ -13,6 +13,11 @@ PIPELINE = {dotted(path): parsed(path) for path in SOURCES if path.is_relative_t
 
 #: Words that are names of models in their own table, and of something else in these modules.
 NO_MODEL = {
+    "an input of models, and the equations of the solver, as a row says them": {
+        ("rockpulse.model_row", "sequence"),
+        ("rockpulse.model_row", "linear"),
+        ("rockpulse.model_row", "nonlinear"),
+    },
     "a section of the configuration": {
         ("rockpulse.config.settings", "sequence"),
         ("rockpulse.storage.save_load", "sequence"),

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from nominal import Config
 
-from rockpulse import DemandSettings, ModelSettings, RecordSettings, SearchSettings
+from rockpulse import BlockSettings, DemandSettings, ModelSettings, RecordSettings, SearchSettings
 from rockpulse.assessment.assessment import assess
 from rockpulse.assessment.scene import prepare
 from rockpulse.model_table import (
@@ -45,13 +45,8 @@ def scene(motion=MOTION, **options):
     return prepare(Record(motion, 0.01, id="one", processed=True), Config(**options))
 
 
-def intervals(one, block=BLOCKS):
-    """The factors of all models in use."""
-    return {name: MODELS[name].intervals(block, one) for name in one.models.use}
-
-
 def test_every_model_answers_and_is_searched():
-    one = scene(models=ModelSettings(use=NAMES))
+    one = scene()
     for name, model in MODELS.items():
         assert model.name == name
         assert model.respond(BLOCKS, one).outcome.shape == (3,), name
@@ -110,7 +105,7 @@ def test_models_are_told_apart_without_their_colour():
 
 def test_each_model_is_searched_with_its_own_input():
     one = scene(search=SearchSettings(factor_max=5.0, points=40, step=1.02))
-    found = intervals(one)
+    found = {name: MODELS[name].intervals(BLOCKS, one) for name in ALL_MODELS}
     record, waves = one.record, one.waves
     expected = {
         "resonance": resonance_critical_scale(BLOCKS, one.sequence, 5.0),
@@ -127,19 +122,29 @@ def test_each_model_is_searched_with_its_own_input():
 
 
 def test_models_that_are_not_searched_have_no_factor():
-    found = intervals(scene(search=SearchSettings(models=("linear",))))
-    for model, scales in found.items():
-        assert np.all(np.isnan(scales.safety_factor)) == np.all(np.isnan(scales.step)) == (model != "linear")
-        assert (scales.lane.size == 0) == (model != "linear")
+    record, asked = Record(MOTION, 0.01, id="one", processed=True), SearchSettings(models=("linear", "sequence"))
+    for intervals, searched in ((False, {"sequence"}), (True, {"linear", "sequence"})):
+        config = Config(blocks=(BlockSettings(name="a", width=0.2, height=2.0),), search=asked)
+        config = replace(config, search=replace(asked, intervals=intervals))
+        tree = assess([record], config)
+        for model in ALL_MODELS:
+            own = tree["summary"].sel(model=model)
+            assert (
+                np.all(np.isnan(own["safety_factor"]))
+                == np.all(np.isnan(own["search_step"]))
+                == (model not in searched)
+            )
+        rows = np.unique(tree["overturning_intervals"]["model_index"].values)
+        assert {ALL_MODELS[row] for row in rows} <= searched
 
 
 def test_a_record_without_a_sequence_has_no_factors_of_the_sequences():
     one = scene(np.concatenate((np.zeros(50), 0.5 * np.sin(np.linspace(0.0, np.pi, 50)), np.zeros(20))))
     assert one.sequence is None
-    found = intervals(one)
-    assert np.all(np.isnan(found["sequence"].safety_factor))
-    assert np.all(np.isnan(found["resonance"].safety_factor))
-    assert not np.any(np.isnan(found["nonlinear"].safety_factor))
+    found = {name: MODELS[name].intervals(BLOCKS, one).safety_factor for name in ALL_MODELS}
+    assert np.all(np.isnan(found["sequence"]))
+    assert np.all(np.isnan(found["resonance"]))
+    assert not np.any(np.isnan(found["nonlinear"]))
 
 
 def with_free_flight(strength, up):

@@ -9,7 +9,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from rocking.block import Block
 from rocking.capacity import uplift_scale
+from rocking.scale_search import ScaleIntervals
 from rocking.sliding import sliding_demand
 from rockpulse.assessment.places import aloft, joined_intervals, joined_responses, places_of, turned
 from rockpulse.assessment.probability import record_probability
@@ -21,7 +23,8 @@ from rockpulse.assessment.tree import EVENT, build_tree, dimension_of, nothing, 
 from rockpulse.config.bodies import Bodies, Place, gather_bodies
 from rockpulse.config.configuration import Config, given_config
 from rockpulse.failures import Failure
-from rockpulse.model_table import MODELS, Scene
+from rockpulse.model_row import Scene
+from rockpulse.model_table import MODELS
 from rockpulse.motions.directions import Motion, PlannedMotion, swept_directions
 from rockpulse.motions.runner import Analysis, Blocks, Part, Watch, Work, run
 from rockpulse.record.components import Pair
@@ -190,7 +193,7 @@ def _assess_at(
     """Assess bodies that stand on the same ground or floor, whose peak is `stronger` than that of the ground."""
     lanes = bodies.lanes
     sides = senses(bodies, scene.record)
-    responses = {name: sides.worse(MODELS[name].response(sides.block, scene)) for name in scene.models.use}
+    responses = {name: sides.worse(MODELS[name].response(sides.block, scene)) for name in config.models.use}
     for model, response in responses.items():
         contact = response.ground_contact if MODELS[model].paired else None
         if scene.sequence is not None and contact is not None and np.any(contact):
@@ -215,12 +218,19 @@ def _assess_at(
         bodies=bodies,
         config=config,
         responses=responses,
-        scales={name: sides.smaller(MODELS[name].intervals(sides.block, scene)) for name in responses},
+        scales={name: sides.smaller(_intervals(name, sides.block, scene, config)) for name in responses},
         applicable={name: MODELS[name].applicable(lanes, scene).astype(np.int8) for name in responses},
         probability=overturning.values,
         strength=_strength(scene, bodies, stronger),
         spectrum=overturning.spectrum,
     )
+
+
+def _intervals(model: str, block: Block, scene: Scene, config: Config) -> ScaleIntervals:
+    """The factors at which bodies overturn by a model; NaN where they are not asked for."""
+    if not config.search.asks_for(model):
+        return ScaleIntervals.unknown(block.shape)
+    return MODELS[model].intervals(block, scene)
 
 
 def _strength(scene: Scene, bodies: Bodies, stronger: float) -> dict[str, np.ndarray]:

@@ -17,7 +17,7 @@ from rocking.sequence import ImpulseSequence
 from rockpulse.assessment.overturning import spectrum_values
 from rockpulse.config.bodies import Bodies
 from rockpulse.config.configuration import Config
-from rockpulse.model_table import Scene
+from rockpulse.model_row import Scene
 from rockpulse.record.record import Record
 from rockpulse.storage.spectrum_variables import AXIS_SIZES, SPECTRUM
 

@@ -12,7 +12,8 @@ from rocking.capacity import critical_scale, uplift_scale
 from rocking.recorded import recorded_response
 from rocking.response import Outcome
 from rockpulse.config.fragility_settings import OVERTURNING, UPLIFT
-from rockpulse.model_table import MODELS, Equation, Scene
+from rockpulse.model_row import Equation, Scene
+from rockpulse.model_table import MODELS
 
 __all__ = ["NOT_KNOWN", "Capacities", "limit_state_names", "reached_at", "scale_capacities"]
 

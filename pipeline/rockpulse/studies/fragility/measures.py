@@ -14,7 +14,7 @@ import numpy as np
 
 from rocking.block import Block
 from rocking.demand import Demand, ground_demand
-from rockpulse.model_table import Scene
+from rockpulse.model_row import Scene
 from rockpulse.record.intensity import fajfar_index, largest_change, pgv, spectral_acceleration, spectrum_intensity
 from rockpulse.storage.fragility_variables import STATED, STRENGTH
 

@@ -16,7 +16,7 @@ from rockpulse.assessment.scene import extract
 from rockpulse.calibration.response import calibrate_response
 from rockpulse.config.configuration import Config
 from rockpulse.errors import RecordRefused, TooWeak
-from rockpulse.model_table import Scene
+from rockpulse.model_row import Scene
 from rockpulse.motions.directions import Motion
 from rockpulse.motions.runner import Part, Watch
 from rockpulse.record.intensity import pgv

@@ -14,7 +14,8 @@ from rockpulse.assessment.places import floor_record
 from rockpulse.assessment.senses import acting
 from rockpulse.config.restraint_settings import floors_from_text
 from rockpulse.errors import ResultsError
-from rockpulse.model_table import MODELS, ModelSettings, Scene, SearchSettings
+from rockpulse.model_row import Scene
+from rockpulse.model_table import MODELS
 from rockpulse.motions.directions import FACING_WITHIN
 from rockpulse.record.half_wave import HalfWaves
 from rockpulse.record.intensity import IntensePhase
@@ -103,8 +104,7 @@ def _scene(tree: xr.DataTree, record: Record, waves: dict[str, np.ndarray]) -> S
         waves=HalfWaves(**waves, **others, dt=record.dt, record_id=record.id),
         phase=IntensePhase(0.0, record.duration),
         sequence=None,
-        models=ModelSettings(gain=gain_of(tree)),
-        search=SearchSettings(),
+        gain=gain_of(tree),
     )
 
 
