@@ -18,8 +18,8 @@ from rocking.response import Outcome, Reason
 from rockpulse.assessment.demand import Demand, stored_demands
 from rockpulse.assessment.motion_shares import Motions, Share
 from rockpulse.motions.events import UNKNOWN
-from rockpulse.storage.hdf5_reader import flag_words, slab, worded
-from rockpulse.storage.probability_variables import MEAN, PROBABILITY, SOURCES
+from rockpulse.storage.hdf5.netcdf4 import flag_words, slab, worded
+from rockpulse.storage.variables.probability import MEAN, PROBABILITY, SOURCES
 
 if TYPE_CHECKING:
     import xarray as xr

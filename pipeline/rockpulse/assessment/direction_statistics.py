@@ -13,8 +13,8 @@ import numpy as np
 import xarray as xr
 
 from rocking.response import Outcome
-from rockpulse.storage.assessment_variables import DIRECTIONS
-from rockpulse.storage.probability_variables import MEAN
+from rockpulse.storage.variables.assessment import DIRECTIONS
+from rockpulse.storage.variables.probability import MEAN
 
 __all__ = ["direction_statistics", "largest_over", "median_over", "smallest_over"]
 

@@ -63,7 +63,7 @@ def results_fault(args: argparse.Namespace) -> str:
 
     Asked where a verb has failed for a reason of its own, to tell a defect of the program from one of the file.
     """
-    from rockpulse.storage.verification import verify
+    from rockpulse.storage.hdf5.verification import verify
 
     named = [value for name in RESULTS if isinstance(value := getattr(args, name, None), str)]
     for path in named:

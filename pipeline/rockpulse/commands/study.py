@@ -79,7 +79,7 @@ def _add_numbers(parser: argparse.ArgumentParser, name: str, metavar: str, words
 
 
 def _run(args: argparse.Namespace) -> int:
-    from rockpulse.storage.save_load import check_target, save
+    from rockpulse.storage.hdf5.results_file import check_target, save
     from rockpulse.storage.study_variables import STUDY
     from rockpulse.studies.paper.options import scan_values
     from rockpulse.views.shared.output_files import csv_bytes, csv_files, write_files
@@ -112,7 +112,7 @@ def _run(args: argparse.Namespace) -> int:
 
 def _run_codes(args: argparse.Namespace, files: dict[str, Path]) -> int:
     from rockpulse.config.check_settings import CheckSettings
-    from rockpulse.storage.save_load import save
+    from rockpulse.storage.hdf5.results_file import save
     from rockpulse.studies.check.against_histories import check_cases, check_study
     from rockpulse.studies.paper.tables import study_tables
     from rockpulse.views.shared.files_used import count_files

@@ -7,7 +7,7 @@ from record_writers import at2
 from rockpulse.assessment.answers import answers_of
 from rockpulse.assessment.verdict import verdicts
 from rockpulse.cli import main
-from rockpulse.storage.save_load import load
+from rockpulse.storage.hdf5.results_file import load
 
 CONFIG = """
 [check]

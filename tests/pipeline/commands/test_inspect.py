@@ -14,11 +14,11 @@ from rockpulse import CalibrationSettings
 from rockpulse.calibration.rule import POINTS, Rule
 from rockpulse.cli import main
 from rockpulse.record.synthetic import synthetic_motion
-from rockpulse.storage.fragility_variables import FRAGILITY
+from rockpulse.storage.hdf5.results_file import ASSESSMENT, KINDS, save
 from rockpulse.storage.rule_variables import RULE_KIND
-from rockpulse.storage.save_load import ASSESSMENT, KINDS, save
-from rockpulse.storage.site_variables import SITE_KIND
 from rockpulse.storage.study_variables import STUDY
+from rockpulse.storage.variables.fragility import FRAGILITY
+from rockpulse.storage.variables.site import SITE_KIND
 from rockpulse.studies.paper.parametric_analysis import figure4
 from rockpulse.studies.rule.judgement import judge_rules
 

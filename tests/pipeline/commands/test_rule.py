@@ -8,7 +8,7 @@ import pytest
 import rockpulse as rp
 from rockpulse.cli import main
 from rockpulse.record.synthetic import synthetic_motion
-from rockpulse.storage import save_load as store
+from rockpulse.storage.hdf5 import results_file as store
 from rockpulse.studies.rule import truth
 
 

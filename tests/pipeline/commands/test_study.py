@@ -11,7 +11,7 @@ from record_writers import at2
 from results_tree import results_bytes
 
 from rockpulse.cli import main
-from rockpulse.storage.save_load import load
+from rockpulse.storage.hdf5.results_file import load
 from rockpulse.storage.study_variables import AXES, FIGURE4, FIGURE5, INTERVALS, STATEMENTS
 from rockpulse.studies.paper.paper_blocks import DURATION, RESTITUTIONS
 from rockpulse.studies.paper.parametric_analysis import COUNTS, IMPULSE_RATIOS

@@ -18,7 +18,7 @@ from rockpulse.motions.directions import Motion
 from rockpulse.motions.runner import Part, Watch
 from rockpulse.motions.tables import Selection
 from rockpulse.record.components import Pair
-from rockpulse.storage.fact_variables import FACTS, facts_of
+from rockpulse.storage.variables.summary import FACTS, facts_of
 from rockpulse.studies.fragility.limit_states import NOT_KNOWN, reached_at, scale_capacities
 from rockpulse.studies.fragility.measures import QUALITIES, record_measures, record_qualities
 

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.special import stdtr
 
-from rockpulse.storage.fragility_variables import Status
+from rockpulse.storage.variables.fragility import Status
 from rockpulse.studies.fragility.curves import Curve, half_width, jackknife_error, standardised
 from rockpulse.studies.fragility.likelihood import FAMILIES, maximise
 from rockpulse.studies.fragility.observations import Observations

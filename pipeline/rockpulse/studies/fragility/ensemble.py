@@ -12,8 +12,8 @@ from rockpulse.config.configuration import Config, config_from_text
 from rockpulse.config.fragility_settings import OVERTURNING
 from rockpulse.motions.runner import Part, joined
 from rockpulse.motions.tables import Selection
-from rockpulse.storage.fact_variables import FACTS
-from rockpulse.storage.fragility_variables import STATED, Status
+from rockpulse.storage.variables.fragility import STATED, Status
+from rockpulse.storage.variables.summary import FACTS
 from rockpulse.studies.fragility.capacity import nothing
 from rockpulse.studies.fragility.curves import fit_curve
 from rockpulse.studies.fragility.efficiency import sufficiency

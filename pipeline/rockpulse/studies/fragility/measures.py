@@ -16,7 +16,7 @@ from rocking.block import Block
 from rocking.demand import Demand, ground_demand
 from rockpulse.ladder import Scene
 from rockpulse.record.intensity import fajfar_index, largest_change, pgv, spectral_acceleration, spectrum_intensity
-from rockpulse.storage.fragility_variables import STATED, STRENGTH
+from rockpulse.storage.variables.fragility import STATED, STRENGTH
 
 __all__ = ["LARGEST_LOBES", "MEASURES", "QUALITIES", "TESTED", "Measure", "record_measures", "record_qualities"]
 

@@ -13,7 +13,8 @@ from rockpulse.config.configuration import Config
 from rockpulse.failures import Failure
 from rockpulse.motions.runner import Part
 from rockpulse.motions.tables import Selection
-from rockpulse.storage.fragility_variables import (
+from rockpulse.storage.variables import failure_table, with_values
+from rockpulse.storage.variables.fragility import (
     CAPACITIES,
     COORDINATES,
     CURVE,
@@ -25,7 +26,6 @@ from rockpulse.storage.fragility_variables import (
     STRIPES,
     Status,
 )
-from rockpulse.storage.variables import failure_table, with_values
 from rockpulse.studies.fragility.curves import Curve
 from rockpulse.studies.fragility.efficiency import dispersion_ratio
 from rockpulse.studies.fragility.ensemble import Ensemble, Fits, fit_ensemble, gather

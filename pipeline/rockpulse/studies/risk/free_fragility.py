@@ -15,7 +15,7 @@ from scipy.special import ndtr
 
 from rocking.block import Block
 from rockpulse.errors import ConfigError
-from rockpulse.storage.risk_variables import FREE_FRAGILITY
+from rockpulse.storage.variables.risk import FREE_FRAGILITY
 from rockpulse.studies.risk.body_curves import curves_in_parts, event_weights, spectra_of
 
 if TYPE_CHECKING:

@@ -14,8 +14,8 @@ import numpy as np
 
 from rockpulse.config.fragility_settings import OVERTURNING, UPLIFT
 from rockpulse.errors import ConfigError, ResultsError
-from rockpulse.storage.fragility_variables import FRAGILITY, Status
-from rockpulse.storage.risk_variables import RISK, RiskStatus
+from rockpulse.storage.variables.fragility import FRAGILITY, Status
+from rockpulse.storage.variables.risk import RISK, RiskStatus
 from rockpulse.studies.fragility.ensemble import stored_ensemble
 from rockpulse.studies.fragility.likelihood import FAMILIES, Family
 from rockpulse.studies.fragility.observations import ABOVE, NOT_ABOVE, Observations

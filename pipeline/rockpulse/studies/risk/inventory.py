@@ -17,7 +17,7 @@ from scipy.special import stdtrit
 from rocking.block import Block
 from rockpulse.config.configuration import config_from_text
 from rockpulse.errors import ConfigError
-from rockpulse.storage.risk_variables import INVENTORY, RiskStatus
+from rockpulse.storage.variables.risk import INVENTORY, RiskStatus
 from rockpulse.studies.risk.assumptions import hazard_assumed, several_events
 from rockpulse.studies.risk.bands import FEWEST_EVENTS
 from rockpulse.studies.risk.body_curves import BodyCurves, chosen, curves_in_parts, event_weights, spectra_of

@@ -22,8 +22,8 @@ from rockpulse.motions.runner import Part, Watch
 from rockpulse.record.intensity import pgv
 from rockpulse.record.record import Record
 from rockpulse.remark import Remark, find
-from rockpulse.storage.fact_variables import facts_of
-from rockpulse.storage.site_variables import OF_RECORDS
+from rockpulse.storage.variables.site import OF_RECORDS
+from rockpulse.storage.variables.summary import facts_of
 from rockpulse.studies.site.design import PARAMETERS
 from rockpulse.studies.site.scaling import largest_impulse, scale_factor, scaled
 

@@ -13,7 +13,7 @@ from rockpulse.errors import RecordRefused
 from rockpulse.motions.directions import Motion
 from rockpulse.motions.runner import Part, Watch
 from rockpulse.record.half_wave import half_waves
-from rockpulse.storage.spectrum_variables import RESTITUTIONS
+from rockpulse.storage.variables.probability import RESTITUTIONS
 from rockpulse.studies.site.record import facts_of_record, no_facts, scaled_motion
 
 __all__ = ["no_spectrum_record", "site_spectrum_record"]

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from rockpulse.storage.accuracy_variables import REPORT
-from rockpulse.storage.save_load import check_schema, load, opened, readable
+from rockpulse.storage.hdf5.results_file import check_schema, load, opened, readable
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -34,7 +34,7 @@ def open_results(path: str | Path) -> xr.DataTree:
     OSError
         Where the file cannot be opened.
     """
-    from rockpulse.storage.hdf5_dataset import read_tree
+    from rockpulse.storage.hdf5.netcdf4 import read_tree
 
     if check_schema(path, reports=True) != REPORT:
         return load(path)

@@ -13,9 +13,9 @@ from rockpulse.assessment.answers import Answers, Body, bodies_of
 from rockpulse.config.configuration import stored_sections
 from rockpulse.errors import ResultsError
 from rockpulse.failures import some
-from rockpulse.storage.fragility_variables import FRAGILITY
-from rockpulse.storage.hdf5_reader import flag_words
-from rockpulse.storage.site_variables import SITE_KIND
+from rockpulse.storage.hdf5.netcdf4 import flag_words
+from rockpulse.storage.variables.fragility import FRAGILITY
+from rockpulse.storage.variables.site import SITE_KIND
 from rockpulse.views.report.wording import Words
 
 if TYPE_CHECKING:

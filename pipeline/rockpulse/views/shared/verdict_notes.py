@@ -11,7 +11,7 @@ from rockpulse.assessment.answers import Answers, Motions
 from rockpulse.assessment.screens import sliding, worse_screens
 from rockpulse.assessment.verdict import BodyVerdict
 from rockpulse.ladder import MODELS, UPPER_BOUND, is_upper_bound
-from rockpulse.storage.hdf5_reader import flag_words
+from rockpulse.storage.hdf5.netcdf4 import flag_words
 from rockpulse.views.shared.record_marks import doubt_notes, record_cells
 from rockpulse.views.shared.table import Mark
 from rockpulse.views.shared.terminal import lower_bound, ratio, rough, several

@@ -7,7 +7,7 @@ import pytest
 
 import rockpulse as rp
 from rockpulse import models
-from rockpulse.storage.risk_variables import RiskStatus
+from rockpulse.storage.variables.risk import RiskStatus
 from rockpulse.studies.fragility.likelihood import FAMILIES
 from rockpulse.studies.fragility.observations import ABOVE, NOT_ABOVE, Observations
 from rockpulse.studies.risk.bands import band_of, fitted_lines
