@@ -1,7 +1,7 @@
 """The choice of the model for a lane: the cheapest rung of the fidelity ladder that still gives the answer.
 
 .. note:: What a rung may decide is either derived (:data:`Rung.STATIC`, and overturning of :data:`Rung.SETTLED`) or
-   measured against the nonlinear equation on an ensemble (``benchmarks/measure_fidelity.py``; docs/decisions/007). The
+   measured against the nonlinear equation on an ensemble (``benchmarks/measure_fidelity.py``; docs/decisions/006). The
    sequence models answer questions about sequences and are no rung here.
 """
 
@@ -94,9 +94,9 @@ def choose_response(
     -------
     response : Response
         Arrays (q, m), a scalar axis dropped. Outcomes are those of the nonlinear equation, by measurement and not by
-        proof: weak pulses locked to the block's own impacts are known to break it (docs/decisions/007). With
+        proof: weak pulses locked to the block's own impacts are known to break it (docs/decisions/006). With
         `output="outcome"` the other numbers are those of the rung that answered: a peak of the impulsive rung is the
-        motion under the strongest half-waves (spread against the nonlinear one: docs/decisions/007), one of the
+        motion under the strongest half-waves (spread against the nonlinear one: docs/decisions/006), one of the
         settled rung leaves out what comes after it was settled, and its overturning time is that of the angle of no
         return. `active_samples` is -1 for the impulsive rung, `impacts` for the settled one where the block rocks.
     model_used : int or (q, m) ndarray

@@ -45,17 +45,17 @@ class Demand(NamedTuple):
 
 
 def stored_demands(summary: xr.Dataset) -> dict[str, Demand]:
-    """The demands of the node /summary by their names; of files before schema 1.4 the measure is the PGA."""
-    if "demand_acceleration" not in summary:
+    """The demands of the node /summary by their names."""
+    if "demand" not in summary.dims:
         return {}
     found = {}
     for place, name in enumerate(summary["demand"].values):
-        told = {str(key): one.values[place] for key, one in summary.variables.items() if one.dims == ("demand",)}
-        value = float(told.get("demand_value", told["demand_acceleration"]))
-        period = float(told.get("demand_period", math.nan))
-        title = _TITLES[str(told.get("demand_measure", "pga"))] + ("" if math.isnan(period) else f"({period:g} s)")
-        words = f"{title} {value:.4g} {_SHOWN_UNITS[str(told.get('demand_units', 'm s-2'))]}".rstrip()
-        found[str(name)] = Demand(value, str(told.get("limit_state", "")), words)
+        own = summary.isel(demand=place)
+        period = float(own["demand_period"])
+        title = _TITLES[str(own["demand_measure"].values)] + ("" if math.isnan(period) else f"({period:g} s)")
+        value = float(own["demand_value"])
+        words = f"{title} {value:.4g} {_SHOWN_UNITS[str(own['demand_units'].values)]}".rstrip()
+        found[str(name)] = Demand(value, str(own["limit_state"].values), words)
     return found
 
 

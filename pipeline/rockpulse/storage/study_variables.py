@@ -108,12 +108,7 @@ FIGURE5: Declared = {
             "second_impulse_time": real("s", "time of the second main impulse without secondary ones"),
         },
     ),
-    **along(
-        _LANES,
-        {
-            **_LANE,
-        },
-    ),
+    **along(_LANES, {**_LANE}),
     **along(
         (*_LANES, "half_cycle"),
         {
@@ -135,7 +130,7 @@ FIGURE5: Declared = {
                 "theta/alpha_c, positive about the right-hand corner; NaN once an overturning block has passed alpha_c",
                 explanation="the first main impulse pushes the ground to the right and the block to the left, so it "
                 "starts negative",
-            ),
+            )
         },
     ),
 }
@@ -231,7 +226,7 @@ def no_motion(ground_contact: Any, *peaks: Any) -> np.ndarray:
     """True where the closed form stands for no motion of a block: see the variable of that name.
 
     A block whose largest theta/alpha_c is beyond 1 does not come back: with "start" x(T) = 0 has roots for velocities
-    of up to 1 + I_s/I on motions that do (docs/decisions/016).
+    of up to 1 + I_s/I on motions that do (docs/decisions/013).
 
     Examples
     --------

@@ -291,10 +291,7 @@ def _column(name: str, variable: xr.Variable, attrs: Mapping[str, Any] | None = 
 
 
 def _masks(
-    dataset: xr.Dataset,
-    named: Mapping[str, np.ndarray],
-    labels: Sequence[TableColumn],
-    selection: Selection,
+    dataset: xr.Dataset, named: Mapping[str, np.ndarray], labels: Sequence[TableColumn], selection: Selection
 ) -> tuple[list[tuple[tuple[str, ...], np.ndarray]], Selection]:
     """Filters by a name that the rows only point at, and the selection without them."""
     masks, left = [], dict(selection.names)

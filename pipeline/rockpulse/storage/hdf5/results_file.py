@@ -1,17 +1,14 @@
-"""The results file: an xarray tree written whole or not at all, with its provenance, and read back the same.
+"""The results file: a tree written whole or not at all, with its provenance, and read back the same, whole or in part.
 
-A results file opened without reading it: what is asked for is read, and nothing else.
-
-:func:`rockpulse.load` takes a whole file into memory; a table of the worst twenty of two million answers needs a few
-variables, which are read when their values are.
+:func:`load` takes a whole file into memory; a table of the worst twenty of two million answers needs a few variables,
+which a file of :func:`open_results` reads when their values are asked for.
 """
 
 from __future__ import annotations
 
-import math
 import os
 import platform
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
@@ -22,22 +19,15 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rockpulse.config.configuration import stored_sections
-from rockpulse.config.settings import SPACINGS, SequenceSettings
 from rockpulse.errors import ResultsError, RockpulseError
 from rockpulse.input_file import check_regular
 from rockpulse.option import hint
-from rockpulse.remark import find, recognised, with_codes
 from rockpulse.storage.accuracy_variables import REPORT
 from rockpulse.storage.hdf5.atomic import ASSESSMENT, check_target, named, remove_parts, replacing
-from rockpulse.storage.hdf5.writer import CHECKSUM, CHECKSUM_OF_ATTRIBUTES
 from rockpulse.storage.rule_variables import RULE_KIND
 from rockpulse.storage.study_variables import STUDY
-from rockpulse.storage.variables import NOT_KNOWN
-from rockpulse.storage.variables.assessment import minor_of
 from rockpulse.storage.variables.fragility import FRAGILITY
 from rockpulse.storage.variables.site import SITE_KIND
-from rockpulse.storage.variables.summary import BLOCK, FACTS, RECORD
 from rockpulse.version import __version__
 
 if TYPE_CHECKING:
@@ -46,13 +36,11 @@ if TYPE_CHECKING:
 
 __all__ = [
     "ASSESSMENT",
-    "OF_RECORDS",
     "SCHEMA_VERSION",
     "ResultsFile",
     "check_described",
     "check_schema",
     "check_target",
-    "completed",
     "load",
     "named",
     "open_results",
@@ -62,33 +50,16 @@ __all__ = [
     "remove_parts",
     "replacing",
     "save",
-    "with_facts",
 ]
 
-#: MAJOR.MINOR of the layout described in docs/schema.md; another MAJOR is refused.
-SCHEMA_VERSION = "1.5"
+#: Of the layout described in docs/schema.md; files of any other are refused.
+SCHEMA_VERSION = "2.0"
 
 #: Kinds of files that are read back, and the group that each of them has.
 KINDS = {ASSESSMENT: "summary", SITE_KIND: "site", FRAGILITY: "fragility", RULE_KIND: "rates", STUDY: "statements"}
 
-#: Of the kinds that have facts of records: the group with a row for every record.
-OF_RECORDS = {ASSESSMENT: "summary", SITE_KIND: "site", FRAGILITY: "capacities"}
-
-#: Variables of /summary that tell how the sequence model answers, but for the spacing.
-OF_SEQUENCES = {
-    "main_impulse",
-    "secondary_impulse",
-    "secondary_interval",
-    "sequence_duration",
-    "main_count",
-    "p",
-    "alpha_c",
-    "radius",
-    "restitution",
-}
-
-#: Variables of /half_cycles that tell the spacing of a sequence.
-OF_HALF_CYCLES = {"record_index", "model_index", "duration"}
+#: The verb that makes each kind of file.
+VERBS = {ASSESSMENT: "assess", SITE_KIND: "calibrate", FRAGILITY: "fragility", RULE_KIND: "rule", STUDY: "study"}
 
 CONVENTIONS = "CF-1.11"
 PACKAGES = ("numpy", "numba", "scipy", "xarray", "h5netcdf", "h5py", "obspy")
@@ -136,125 +107,9 @@ def load(path: str | os.PathLike[str]) -> xr.DataTree:
     """Read results into memory, as :func:`rockpulse.load` does, which adds the accessor of an assessment."""
     from rockpulse.storage.hdf5.netcdf4 import read_tree
 
-    with opened(path) as (hdf5, kind), readable(path):
+    with opened(path) as (hdf5, _), readable(path):
         tree = read_tree(hdf5)
-    tree = tree.map_over_datasets(_as_saved)
-    if (group := OF_RECORDS.get(kind, "")) in tree.children:
-        tree[group].dataset = with_facts(tree[group].to_dataset(), tree.attrs)
-    if kind == ASSESSMENT:
-        summary = tree["summary"].to_dataset()
-        tree["summary"].dataset = completed(
-            summary, tree.attrs, lambda: tree["half_cycles"].to_dataset() if "half_cycles" in tree else None
-        )
-    return tree
-
-
-def completed(
-    summary: xr.Dataset, attrs: Mapping[Any, Any], half_cycles: Callable[[], xr.Dataset | None]
-) -> xr.Dataset:
-    """The group /summary of an assessment with what its version did not store worked out from what it did.
-
-    `attrs` are those of the root; `half_cycles` gives the group of that name, None where the file has none, and is
-    called only where the spacing of a file of schema 1.0 depends on it.
-    """
-    summary = _coded(summary)
-    if attrs["schema_version"] != "1.0":
-        return summary
-    found = {}
-    if "block" in summary.dims:
-        found["gravity"] = BLOCK["gravity"].variable(_gravity(summary))
-    if "main_impulse" in summary:
-        calibrated = np.isfinite(summary["main_impulse"].values)
-        code = _spacing(summary, calibrated, attrs.get("configuration"), half_cycles) if calibrated.any() else NOT_KNOWN
-        found["spacing"] = RECORD["spacing"].variable(np.where(calibrated, code, NOT_KNOWN))
-    return summary.assign(found)
-
-
-def with_facts(dataset: xr.Dataset, attrs: Mapping[Any, Any]) -> xr.Dataset:
-    """A group with a row for every record, what its version did not store of earthquake and site said to be unknown.
-
-    `attrs` are those of the root.
-    """
-    if "record" not in dataset.sizes:
-        return dataset
-    count, minor = dataset.sizes["record"], minor_of(attrs["schema_version"])
-    lacking = {name: fact for name, fact in FACTS.items() if fact.since > minor and name not in dataset}
-    return dataset.assign({name: fact.variable([fact.absent] * count) for name, fact in lacking.items()})
-
-
-def _gravity(summary: xr.Dataset) -> list[float]:
-    """Gravity at each block from its p and R, which are those of a rectangle: g = 4 R p^2/3; NaN without them."""
-    if not {"p", "radius"} <= set(summary):
-        return [math.nan] * summary.sizes["block"]
-    p, radius = summary["p"].values, summary["radius"].values
-    return [float(f"{value:.12g}") for value in 4.0 * radius * p * p / 3.0]
-
-
-def _spacing(
-    summary: xr.Dataset, calibrated: np.ndarray, configuration: Any, half_cycles: Callable[[], xr.Dataset | None]
-) -> int:
-    """The code of the spacing of the sequences, of the records that are `calibrated`, in a file of schema 1.0.
-
-    The spacing is that of the configuration, unless the half-cycles of the first sequence say otherwise: a design
-    sequence has its own. It is not known where the configuration or the half-cycles cannot be asked.
-    """
-    from rocking.block import Block
-    from rocking.sequence import ImpulseSequence, sequence_response
-
-    try:
-        configured = stored_sections(str(configuration)).get("sequence", {}).get("spacing", SequenceSettings().spacing)
-    except ResultsError:  # no TOML, or none at all
-        return NOT_KNOWN
-    if configured not in SPACINGS:
-        return NOT_KNOWN
-    models = summary["model"].values.tolist()
-    if "sequence" not in models:
-        return SPACINGS.index(configured)
-    table = half_cycles()
-    if table is None or not (set(summary) >= OF_SEQUENCES and set(table) >= OF_HALF_CYCLES):
-        return NOT_KNOWN
-    first = int(np.argmax(calibrated))
-    rows = np.flatnonzero(table["record_index"].values == first)
-    own = table.isel(row=slice(rows[0], rows[-1] + 1) if rows.size else slice(0))
-    of_first = (own["record_index"].values == first) & (own["model_index"].values == models.index("sequence"))
-    stored = own["duration"].values[of_first]
-    p, restitution = summary["p"].values, summary["restitution"].values
-    cases = restitution.size // p.size
-    block = Block.from_parameters(
-        np.repeat(p, cases),
-        np.repeat(summary["alpha_c"].values, cases),
-        restitution=restitution.ravel(),
-        gravity=_gravity(summary)[0],
-        log=False,
-    )
-    main, secondary, interval, duration, count = (
-        summary[name].values[first].item()
-        for name in ("main_impulse", "secondary_impulse", "secondary_interval", "sequence_duration", "main_count")
-    )
-    for spacing in dict.fromkeys((configured, *SPACINGS)):
-        sequence = ImpulseSequence(main, secondary, interval, duration, None if count < 0 else count, None, spacing)
-        found = sequence_response(block, sequence).half_cycles
-        assert found is not None
-        durations = found.duration.T[np.isfinite(found.start_velocity).T]
-        if durations.shape == stored.shape and np.allclose(durations, stored, rtol=1e-6):
-            return SPACINGS.index(spacing)
-    return NOT_KNOWN
-
-
-def _coded(summary: xr.Dataset) -> xr.Dataset:
-    """The group /summary with codes beside the remarks, which in files of before 0.2.0 the texts have to tell."""
-    if "warning_codes" in summary or "warnings" not in summary:
-        return summary
-    codes = [with_codes(map(recognised, str(text).splitlines()))[1] for text in summary["warnings"].values]
-    found = {"warning_codes": RECORD["warning_codes"].variable(codes)}
-    if "processing" in summary:
-        acting = [
-            find(map(recognised, str(text).splitlines()), "vertical_acceleration")
-            for text in summary["processing"].values
-        ]
-        names = ["" if one is None else one.values["record"] for one in acting]
-        found["vertical_channel"] = RECORD["vertical_channel"].variable(names)
-    return summary.assign(found)
+    return tree.map_over_datasets(_as_saved)
 
 
 def check_schema(path: str | os.PathLike[str], reports: bool = False) -> str:
@@ -290,10 +145,10 @@ def check_schema(path: str | os.PathLike[str], reports: bool = False) -> str:
             f"{path}: an HDF5 file, not written by rockpulse (or of a kind that this version does not know): attribute "
             f"'schema_version' or group '{KINDS.get(kind, KINDS[ASSESSMENT])}' is missing"
         )
-    if found.split(".")[0] != SCHEMA_VERSION.split(".")[0]:
+    if found != SCHEMA_VERSION:
         raise ResultsError(
-            f"{path}: expected schema version {SCHEMA_VERSION.split('.')[0]}.x, found {found}; run the assessment "
-            "again with this version, or open the file with the version of rockpulse named in it"
+            f"{path}: expected schema version {SCHEMA_VERSION}, found {found}; run 'rockpulse {VERBS.get(kind, '')}' "
+            "again with this version, or open the file with the version that its attribute 'rockpulse_version' names"
         )
     return kind
 
@@ -357,6 +212,8 @@ def _versions() -> dict[str, str]:
 
 def _as_saved(dataset: xr.Dataset) -> xr.Dataset:
     """Strings come back as objects; the encoding would tie a copy to the old file; checksums are of the file."""
+    from rockpulse.storage.hdf5.writer import CHECKSUM, CHECKSUM_OF_ATTRIBUTES
+
     strings = {name: variable.astype(str) for name, variable in dataset.variables.items() if variable.dtype == object}
     plain = dataset.assign(strings).drop_encoding()
     for attrs in (plain.attrs, *(variable.attrs for variable in plain.variables.values())):
@@ -388,22 +245,13 @@ class ResultsFile:
         if group not in self._opened:
             try:
                 with self.reading():
-                    dataset = dataset_of(self._hdf5[group])
+                    self._opened[group] = dataset_of(self._hdf5[group])
             except (KeyError, ValueError) as error:  # a dimension is gone, or a variable came without any
                 raise ResultsError(
                     f"{self.path}: /{group} is not as it was written ({error}); 'rockpulse verify' says what else, run "
                     "the assessment again"
                 ) from error
-            if group == OF_RECORDS.get(self.kind):
-                dataset = with_facts(dataset, self.attrs)
-            if group == "summary" and self.kind == ASSESSMENT:
-                with self.reading():
-                    dataset = completed(dataset, self.attrs, self._half_cycles)
-            self._opened[group] = dataset
         return self._opened[group]
-
-    def _half_cycles(self) -> xr.Dataset | None:
-        return self.dataset("half_cycles") if "half_cycles" in self.groups else None
 
     def tree(self, *groups: str) -> xr.DataTree:
         """The named groups that the file has (all by default) as a tree whose values are not yet read."""

@@ -27,15 +27,7 @@ from rockpulse.storage.hdf5.netcdf4 import attributes, groups_of, variables_of
 from rockpulse.storage.hdf5.results_file import check_schema, readable
 from rockpulse.storage.hdf5.writer import CHECKSUM, CHECKSUM_OF_ATTRIBUTES, VariableChecksum, attributes_checksum
 
-__all__ = [
-    "Verification",
-    "in_place",
-    "input_checksums",
-    "input_files",
-    "record_folders",
-    "stored_checksums",
-    "verify",
-]
+__all__ = ["Verification", "in_place", "input_checksums", "input_files", "record_folders", "stored_checksums", "verify"]
 
 #: Values that are read at once [bytes].
 CHUNK = 32 * 1024**2
@@ -82,7 +74,7 @@ def verify(
         root = file.attrs["/"]
         schema = str(root["schema_version"])
         differences, count = _wrong_checksums(file, progress)
-        differences += [*missing_variables(file.variables, kind, schema), *wrong_variables(file.variables, kind)]
+        differences += [*missing_variables(file.variables, kind), *wrong_variables(file.variables, kind)]
         stored = stored_checksums(hdf5) if inputs else []
         folders = record_folders(str(root.get("configuration", "")))
     sources = input_files(stored)
@@ -118,7 +110,7 @@ def _listed(hdf5: h5py.File) -> _Listed:
 def _wrong_checksums(file: _Listed, progress: Callable[[list[Any]], Any]) -> tuple[list[str], int]:
     of_all = file.attrs["/"].get(CHECKSUM_OF_ATTRIBUTES)
     if of_all is None and not any(CHECKSUM in file.attrs[path] for path in file.variables):
-        return ["the file has no checksums: it was written by an earlier version, or by another program"], 0
+        return ["the file has no checksums: it was written by another program"], 0
     found = []
     for path in progress(list(file.variables)):
         stored = file.attrs[path].get(CHECKSUM)

@@ -232,11 +232,7 @@ def write_tree(tree: xr.DataTree, path: Path, attrs: Mapping[str, Any]) -> None:
 
 
 def add_dataset(
-    writer: TreeWriter,
-    path: str,
-    dataset: xr.Dataset,
-    attrs: Mapping[str, Any],
-    sizes: Mapping[str, int] | None = None,
+    writer: TreeWriter, path: str, dataset: xr.Dataset, attrs: Mapping[str, Any], sizes: Mapping[str, int] | None = None
 ) -> None:
     """Add a group with the variables of a dataset, without their values.
 

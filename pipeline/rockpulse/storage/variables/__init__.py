@@ -1,7 +1,6 @@
 """The description of a variable of a results file, declared once for whoever writes, checks or describes it.
 
-A variable is added to the declarations of its kind of file: `assessment_variables`, `accuracy_variables`,
-`fragility_variables`, `rule_variables`, `site_variables`, `study_variables`. docs/schema.md is made of them.
+A variable is added to the declarations of its kind of file, a module of this folder. docs/schema.md is made of them.
 """
 
 from __future__ import annotations
@@ -21,6 +20,7 @@ if TYPE_CHECKING:
 __all__ = [
     "FAILURE",
     "NOT_KNOWN",
+    "NO_YES",
     "Declared",
     "StoredVariable",
     "along",
@@ -34,6 +34,8 @@ __all__ = [
 
 #: Value of a flag that is not known.
 NOT_KNOWN = -1
+
+NO_YES = ("no", "yes")
 
 
 @dataclass(frozen=True)
@@ -51,7 +53,6 @@ class StoredVariable:
     words: tuple[str, ...] = ()  # of a flag, for its values, which count up from `first`
     first: int = 0
     explanation: str = ""  # what docs/schema.md says beyond the long name
-    since: int = 0  # the MINOR of the schema that it came with
     stored: Callable[[Config], bool] | None = None  # whether an assessment by a configuration has it; None: every one
     comment: Callable[[Config], str] | None = None  # its attribute in an assessment by a configuration
     of_ground: bool = False  # whether it is absent where a sequence of impulses stands in place of a record
@@ -107,9 +108,14 @@ def flag(
     return StoredVariable(np.int8, "1", long_name, take, words=tuple(words), first=first, **more)
 
 
-def along(dims: tuple[str, ...], declared: Declared) -> dict[str, StoredVariable]:
-    """The same variables along some dimensions."""
-    return {name: replace(variable, dims=dims) for name, variable in declared.items()}
+def along(
+    dims: tuple[str, ...], declared: Declared, by: Callable[[str], Callable[..., Any]] | None = None, **more: Any
+) -> dict[str, StoredVariable]:
+    """The same variables along some dimensions, with what they share; each without a `take` is taken `by` its name."""
+    return {
+        name: replace(one, dims=dims, take=by(name) if by is not None and one.take is None else one.take, **more)
+        for name, one in declared.items()
+    }
 
 
 def with_values(declared: Declared, values: Mapping[str, Any]) -> dict[str, xr.Variable]:

@@ -173,7 +173,6 @@ STRIPES: Declared = {
         "weight of the record at that factor in the fits",
         dims=("record", "stripe"),
         explanation="1 without a selection of records",
-        since=5,
     ),
     "reached": flag(
         ("not_known", "not_reached", "reached"),

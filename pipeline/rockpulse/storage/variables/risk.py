@@ -9,14 +9,7 @@ from enum import IntEnum
 
 from rockpulse.storage.variables import NOT_KNOWN, Declared, along, flag, real, text, whole
 
-__all__ = [
-    "CHECK",
-    "FREE_FRAGILITY",
-    "INVENTORY",
-    "RISK",
-    "STANDING",
-    "RiskStatus",
-]
+__all__ = ["CHECK", "FREE_FRAGILITY", "INVENTORY", "RISK", "STANDING", "RiskStatus"]
 
 
 class RiskStatus(IntEnum):

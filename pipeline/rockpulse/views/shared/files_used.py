@@ -100,8 +100,6 @@ def files_used(tree: xr.DataTree) -> FilesUsed:
     if group is None:
         return count_files((), failure_rows(tree))
     records = tree[group].to_dataset()
-    if "source" not in records:  # a file of rule verdicts of before 0.2.0
-        return FilesUsed(None)
     sources = records["source"].values.tolist()
     if "source_sha256" not in records:
         return count_files((name for source in sources for name in _apart(source)), failure_rows(tree))

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rocking.response import Outcome
-from rockpulse.assessment.answers import Answers, Margin, bodies_of, complete, fullest_model
+from rockpulse.assessment.answers import Answers, Margin, bodies_of, fullest_model
 from rockpulse.record.record import STANDARD_GRAVITY
 from rockpulse.storage.export.selection import Selection, rows
 from rockpulse.storage.hdf5.netcdf4 import flag_words, pointwise, worded
@@ -59,7 +59,6 @@ def case_list(summary: xr.Dataset, selection: Selection) -> str:
 
     Raises ResultsError for a name or variable that is not there.
     """
-    summary = complete(summary)
     if not selection.names.get("model"):
         selection = replace(selection, names={**selection.names, "model": (fullest_model(summary),)})
     dims = [dim for dim in ("record", "block", "case", "model") if dim in summary["outcome"].dims]

@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 import pytest
 import xarray as xr
-from results_tree import BLOCKS, MODELS, RECORDS, results_tree
+from results_tree import BLOCKS, MODELS, RECORDS, demanding, results_tree
 
 import rockpulse as rp
 from rockpulse.errors import ResultsError
@@ -23,11 +23,8 @@ def full_tree(cases=None):
     tree = results_tree(cases)
     summary = tree["summary"].to_dataset()
     ratio = summary["safety_factor"].values[..., np.newaxis] * np.array([1.0, 0.4])
-    name = SUMMARY["demand"].variable(["damage", "collapse"])
-    summary = summary.assign_coords(demand=name).assign(
-        demand_acceleration=SUMMARY["demand_acceleration"].variable([1.0, 2.5]),
-        capacity_ratio=SUMMARY["capacity_ratio"].variable(ratio, (*summary["safety_factor"].dims, "demand")),
-    )
+    ratio = SUMMARY["capacity_ratio"].variable(ratio, (*summary["safety_factor"].dims, "demand"))
+    summary = demanding(summary, {"damage": 1.0, "collapse": 2.5}, capacity_ratio=ratio)
     tree["summary"] = xr.DataTree(summary)
     index = {"record_index": [0, 0, 2], "block_index": [1, 1, 0], "case_index": [0] * 3, "model_index": [1, 1, 2]}
     values = {name: index.get(name, np.arange(3.0) + 1) for name in HALF_CYCLE}

@@ -19,7 +19,7 @@ from rockpulse.storage.hdf5 import atomic as target_file
 from rockpulse.storage.hdf5 import results_file as store
 from rockpulse.storage.hdf5.results_file import check_target, load, save
 
-TESTS = Path(__file__).parents[2]
+TESTS = Path(__file__).parents[3]
 
 
 def assert_same_nodes(one, other):
@@ -254,15 +254,23 @@ def _with_attribute(path, **attrs):
         file.attrs.update(attrs)
 
 
-def test_another_major_schema_is_refused_with_what_to_do(tmp_path):
-    _with_attribute(tmp_path / "results.h5", schema_version="2.3")
-    with pytest.raises(ResultsError, match=r"expected schema version 1\.x, found 2\.3; run the assessment again"):
+@pytest.mark.parametrize("version", ["1.5", "2.1", "3.0"])
+def test_another_schema_is_refused_with_what_to_do(tmp_path, version):
+    _with_attribute(tmp_path / "results.h5", schema_version=version)
+    with pytest.raises(
+        ResultsError, match=rf"expected schema version 2\.0, found {version}; run 'rockpulse assess' again"
+    ):
         load(tmp_path / "results.h5")
 
 
-def test_another_minor_schema_is_read(tmp_path):
-    _with_attribute(tmp_path / "results.h5", schema_version="1.7")
-    assert "summary" in load(tmp_path / "results.h5").children
+@pytest.mark.parametrize(("kind", "verb"), [("site calibration", "calibrate"), ("fragility", "fragility")])
+def test_a_refused_file_names_the_verb_that_makes_it(tmp_path, kind, verb):
+    group = store.KINDS[kind]
+    save(xr.DataTree.from_dict({"/": xr.Dataset(attrs={"kind": kind}), f"/{group}": xr.Dataset()}), tmp_path / "f.h5")
+    with h5py.File(tmp_path / "f.h5", "a") as file:
+        file.attrs["schema_version"] = "1.5"
+    with pytest.raises(ResultsError, match=f"run 'rockpulse {verb}' again"):
+        load(tmp_path / "f.h5")
 
 
 def test_files_that_are_not_ours_are_refused(tmp_path):

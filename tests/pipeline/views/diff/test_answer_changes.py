@@ -5,7 +5,7 @@ from contextlib import nullcontext
 import numpy as np
 import pytest
 import xarray as xr
-from results_tree import RECORDS, results_tree
+from results_tree import RECORDS, demanding, results_tree
 
 from rockpulse.views.diff.differences import CAPACITY, FACTOR, compare_results
 from rockpulse.views.diff.overview import difference_overview
@@ -38,9 +38,10 @@ def demanded(factors, outcomes=None, kept=(0, 1, 2)):
         summary["outcome"].values[..., 2] = outcomes
     strength = summary["pga"].values[:, None, None, None] / np.array([1.0, 5.0])
     ratio = summary["safety_factor"].values[..., None] * strength
-    summary = summary.assign_coords(demand=("demand", ["SLD", "SLV"])).assign(
+    summary = demanding(
+        summary,
+        {"SLD": 1.0, "SLV": 5.0},
         safe_up_to=(("record", "block", "model"), np.full((3, 3, 3), 10.0)),
-        demand_acceleration=("demand", [1.0, 5.0]),
         capacity_ratio=(("record", "block", "model", "demand"), ratio),
     )
     made["summary"] = xr.DataTree(summary.isel(record=list(kept)))

@@ -6,6 +6,7 @@ import xarray as xr
 from matplotlib.colors import same_color
 from nominal import Config
 from report_cases import probable
+from results_tree import demanding
 
 import rockpulse as rp
 from rockpulse import ModelSettings
@@ -201,8 +202,7 @@ def asked_for(assessed, changed):
     """The results with a demand [m/s2]."""
 
     def with_demand(acceleration, **variables):
-        demand = xr.Variable("demand", [acceleration], {"units": "m s-2", "long_name": "demand"})
-        summary = assessed["summary"].to_dataset().assign_coords(demand=["damage"]).assign(demand_acceleration=demand)
+        summary = demanding(assessed["summary"].to_dataset(), {"damage": acceleration})
         return changed({"/summary": summary}, **variables)
 
     return with_demand
