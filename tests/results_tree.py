@@ -46,9 +46,9 @@ def completed(summary):
     for name, one in SUMMARY.items():
         if name not in summary.variables and ("demand" in summary.dims or "demand" not in one.dims):
             order = [dim for dim in summary.get("outcome", summary["restitution"]).dims if dim in one.dims]
-            dims = [dim for dim in one.dims if dim in summary.dims and (dim != "case" or dim in order)]
-            shape = [summary.sizes[dim] for dim in dims]
-            added[name] = one.variable(np.broadcast_to(known.get(name, one.absent), shape), tuple(dims))
+            dims = (*order, *(dim for dim in one.dims if dim in summary.dims and dim not in order and dim != "case"))
+            values = np.broadcast_to(known.get(name, one.absent), [summary.sizes[dim] for dim in dims])
+            added[name] = one.variable(values.copy(), dims)
     return summary.assign(added)
 
 

@@ -46,7 +46,8 @@ def _run(args: argparse.Namespace) -> int:
     from dataclasses import replace
 
     from rockpulse.storage.accuracy_variables import REPORT
-    from rockpulse.storage.hdf5.results_file import check_target, save
+    from rockpulse.storage.hdf5.atomic import check_target
+    from rockpulse.storage.hdf5.results_file import save
     from rockpulse.views.shared.output_files import PICTURES, check_file, csv_bytes, csv_files, write_files
 
     check_target(args.output, args.overwrite, REPORT)

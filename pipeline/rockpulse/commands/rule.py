@@ -95,7 +95,8 @@ def _fit(args: argparse.Namespace) -> int:
 
 def _judge(args: argparse.Namespace) -> int:
     from rockpulse.calibration.rule import POINTS, load_rule
-    from rockpulse.storage.hdf5.results_file import check_target, save
+    from rockpulse.storage.hdf5.atomic import check_target
+    from rockpulse.storage.hdf5.results_file import save
     from rockpulse.storage.rule_variables import RULE_KIND
     from rockpulse.studies.rule.judgement import judge_rules
     from rockpulse.views.text.rule import rule_overview

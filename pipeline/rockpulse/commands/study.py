@@ -79,7 +79,8 @@ def _add_numbers(parser: argparse.ArgumentParser, name: str, metavar: str, words
 
 
 def _run(args: argparse.Namespace) -> int:
-    from rockpulse.storage.hdf5.results_file import check_target, save
+    from rockpulse.storage.hdf5.atomic import check_target
+    from rockpulse.storage.hdf5.results_file import save
     from rockpulse.storage.study_variables import STUDY
     from rockpulse.studies.paper.options import scan_values
     from rockpulse.views.shared.output_files import csv_bytes, csv_files, write_files

@@ -14,7 +14,8 @@ from rockpulse import CalibrationSettings
 from rockpulse.calibration.rule import POINTS, Rule
 from rockpulse.cli import main
 from rockpulse.record.synthetic import synthetic_motion
-from rockpulse.storage.hdf5.results_file import ASSESSMENT, KINDS, save
+from rockpulse.storage.hdf5.atomic import ASSESSMENT
+from rockpulse.storage.hdf5.results_file import KINDS, save
 from rockpulse.storage.rule_variables import RULE_KIND
 from rockpulse.storage.study_variables import STUDY
 from rockpulse.storage.variables.fragility import FRAGILITY

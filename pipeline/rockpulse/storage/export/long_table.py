@@ -23,7 +23,6 @@ if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
 
-__all__ = ["LongTable", "TableColumn", "long_table", "results_table"]
 
 #: Dimensions that become columns, one for each label, where they are the only one beyond those of the table.
 SPREAD = ("demand", "parameter")

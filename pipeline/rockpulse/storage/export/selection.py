@@ -18,7 +18,6 @@ from rockpulse.storage.hdf5.netcdf4 import flag_words, slab
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["SHOWN", "Condition", "Selection", "label_positions", "rows", "unknown"]
 
 #: Longest list of known names in a message.
 LISTED = 12

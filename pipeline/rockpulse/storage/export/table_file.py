@@ -1,7 +1,4 @@
-"""A long table as a file, with a README of its columns beside it.
-
-A long table as a workbook (.xlsx) or as Parquet, by the libraries that pandas takes for them.
-"""
+"""A long table as a file (CSV, a workbook, Parquet), with a README of its columns beside it."""
 
 from __future__ import annotations
 
@@ -20,16 +17,6 @@ from rockpulse.storage.export.long_table import LongTable
 if TYPE_CHECKING:
     import pandas as pd
 
-__all__ = [
-    "TYPED",
-    "check_library",
-    "check_table_target",
-    "one_line",
-    "readme_of",
-    "safe_texts",
-    "write_table",
-    "write_typed",
-]
 
 #: Rows of a sheet, the headings among them.
 SHEET_ROWS = 1_048_576

@@ -1,6 +1,7 @@
-"""Whether the variables of a results file are those that docs/schema.md describes: type, dimensions, unit, words.
+"""Whether a file, which may come from anybody, is one of results: what it may hold at all, and what of its variables.
 
-Whether an HDF5 file, which may come from anybody, holds all that it shows: no link out of it, no endless array.
+All that it shows is to be in it: no link out of it, no endless array. Its variables are to be those that docs/schema.md
+describes: type, dimensions, unit, words.
 """
 
 from __future__ import annotations
@@ -21,8 +22,6 @@ from rockpulse.storage.variables import Declared, StoredVariable
 from rockpulse.storage.variables.assessment import ASSESSMENT_GROUPS
 from rockpulse.storage.variables.fragility import FRAGILITY, FRAGILITY_GROUPS
 from rockpulse.storage.variables.site import SITE_GROUPS, SITE_KIND
-
-__all__ = ["GROUPS", "contained", "missing_variables", "wrong_variables"]
 
 #: Declarations by the kind of file, and by group; after a comma stands the sort of results that a group is of.
 GROUPS: dict[str, dict[str, Declared]] = {

@@ -1,12 +1,9 @@
-"""A group of a netCDF-4 file as an xarray.Dataset whose numbers are read when they are asked for, by h5py alone.
-
-xarray's own way through h5netcdf looks every object up anew at every property, which takes several times as long for a
-hundred variables (docs/decisions/005). Nothing is decoded: texts are texts, NaN is NaN.
-
-The conventions by which netCDF-4 stores variables, dimensions and attributes in HDF5, read by h5py alone.
+"""The conventions by which netCDF-4 stores variables, dimensions and attributes in HDF5, read by h5py alone.
 
 A dimension is a dimension scale: the variable of its name, or a dataset without values that stands for it. Every other
-variable is attached to the scales of its dimensions.
+variable is attached to the scales of its dimensions. A group becomes an xarray.Dataset whose numbers are read when they
+are asked for, and not decoded: texts are texts, NaN is NaN. xarray's own way through h5netcdf looks every object up
+anew at every property, which takes several times as long for a hundred variables (docs/decisions/005).
 """
 
 from __future__ import annotations
@@ -23,23 +20,6 @@ from xarray.core import indexing
 
 if TYPE_CHECKING:
     from collections.abc import Hashable
-
-__all__ = [
-    "HIDDEN",
-    "NOT_A_COORDINATE",
-    "NO_VARIABLE",
-    "Variable",
-    "attributes",
-    "dataset_of",
-    "flag_words",
-    "groups_of",
-    "pointwise",
-    "read_tree",
-    "says_no_variable",
-    "slab",
-    "variables_of",
-    "worded",
-]
 
 
 class _Stored(BackendArray):

@@ -23,7 +23,7 @@ from rockpulse.errors import ResultsError, RockpulseError
 from rockpulse.input_file import check_regular
 from rockpulse.option import hint
 from rockpulse.storage.accuracy_variables import REPORT
-from rockpulse.storage.hdf5.atomic import ASSESSMENT, check_target, named, remove_parts, replacing
+from rockpulse.storage.hdf5.atomic import ASSESSMENT, replacing
 from rockpulse.storage.rule_variables import RULE_KIND
 from rockpulse.storage.study_variables import STUDY
 from rockpulse.storage.variables.fragility import FRAGILITY
@@ -34,23 +34,6 @@ if TYPE_CHECKING:
     import h5py
     import xarray as xr
 
-__all__ = [
-    "ASSESSMENT",
-    "SCHEMA_VERSION",
-    "ResultsFile",
-    "check_described",
-    "check_schema",
-    "check_target",
-    "load",
-    "named",
-    "open_results",
-    "opened",
-    "provenance",
-    "readable",
-    "remove_parts",
-    "replacing",
-    "save",
-]
 
 #: Of the layout described in docs/schema.md; files of any other are refused.
 SCHEMA_VERSION = "2.0"

@@ -1,7 +1,4 @@
-"""Whether a results file is what was written, and its inputs are what was read.
-
-The files that results rest on: which they are, what they were, and what they are now.
-"""
+"""Whether a results file is what was written, and the files that it rests on are what was read."""
 
 from __future__ import annotations
 
@@ -26,8 +23,6 @@ from rockpulse.storage.hdf5.layout import missing_variables, wrong_variables
 from rockpulse.storage.hdf5.netcdf4 import attributes, groups_of, variables_of
 from rockpulse.storage.hdf5.results_file import check_schema, readable
 from rockpulse.storage.hdf5.writer import CHECKSUM, CHECKSUM_OF_ATTRIBUTES, VariableChecksum, attributes_checksum
-
-__all__ = ["Verification", "in_place", "input_checksums", "input_files", "record_folders", "stored_checksums", "verify"]
 
 #: Values that are read at once [bytes].
 CHUNK = 32 * 1024**2

@@ -17,20 +17,6 @@ if TYPE_CHECKING:
     from rockpulse.config.configuration import Config
     from rockpulse.failures import Failure
 
-__all__ = [
-    "FAILURE",
-    "NOT_KNOWN",
-    "NO_YES",
-    "Declared",
-    "StoredVariable",
-    "along",
-    "failure_table",
-    "flag",
-    "real",
-    "text",
-    "whole",
-    "with_values",
-]
 
 #: Value of a flag that is not known.
 NOT_KNOWN = -1

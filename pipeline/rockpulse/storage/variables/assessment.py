@@ -12,8 +12,6 @@ from rockpulse.storage.variables import FAILURE, NO_YES, Declared, StoredVariabl
 from rockpulse.storage.variables.probability import SPECTRA
 from rockpulse.storage.variables.summary import LANES, SUMMARY
 
-__all__ = ["ASSESSMENT_GROUPS", "DIRECTIONS", "GROWING", "HALF_CYCLE", "OVERTURNING", "WAVES"]
-
 #: Dimensions that grow with the records.
 GROWING = frozenset({"record", "row", "interval", "wave", "sample", "history", "instant"})
 

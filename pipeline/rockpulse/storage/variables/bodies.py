@@ -13,8 +13,6 @@ from rockpulse.config.configuration import Config
 from rockpulse.config.restraint_settings import floors_as_text
 from rockpulse.storage.variables import NO_YES, along, flag, real, text
 
-__all__ = ["BLOCK", "CASE"]
-
 
 def _lifting(lanes: Block) -> np.ndarray:
     """Smallest horizontal acceleration that lifts each of (m,) bodies [m/s2], g tan(alpha_c) where nothing holds it."""

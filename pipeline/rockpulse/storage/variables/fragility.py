@@ -5,25 +5,8 @@ from __future__ import annotations
 from enum import IntEnum
 
 from rockpulse.storage.variables import FAILURE, NOT_KNOWN, Declared, along, flag, real, text, whole
-from rockpulse.storage.variables.summary import BLOCK, CASE, FACTS, RECORD
-
-__all__ = [
-    "CAPACITIES",
-    "COORDINATES",
-    "CURVE",
-    "CURVES",
-    "EFFICIENCY",
-    "FRAGILITY",
-    "FRAGILITY_GROUPS",
-    "IDA",
-    "POOLED",
-    "STATED",
-    "STRENGTH",
-    "STRIPES",
-    "Band",
-    "Extrapolated",
-    "Status",
-]
+from rockpulse.storage.variables.bodies import BLOCK, CASE
+from rockpulse.storage.variables.summary import FACTS, RECORD
 
 #: Root attribute `kind` of a fragility file, and its first group.
 FRAGILITY = "fragility"

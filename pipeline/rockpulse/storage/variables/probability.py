@@ -1,7 +1,4 @@
-"""The variables of /summary that tell the probability of overturning of a body, and the factors that it grows with.
-
-The variables of an overturning spectrum, in memory and in /spectra of a results file.
-"""
+"""The variables of the probability of overturning in /summary, and of overturning spectra, also those in /spectra."""
 
 from __future__ import annotations
 
@@ -14,21 +11,6 @@ import numpy as np
 from rocking.block_limits import RATES
 from rockpulse.config.configuration import Config
 from rockpulse.storage.variables import Declared, StoredVariable, along, flag, real
-
-__all__ = [
-    "AT_DEMAND",
-    "AXIS_SIZES",
-    "LEVELS",
-    "MEAN",
-    "PROBABILITY",
-    "READ",
-    "RESTITUTIONS",
-    "ROTATIONS",
-    "SOURCES",
-    "SPECTRA",
-    "SPECTRUM",
-    "SPECTRUM_AXES",
-]
 
 #: The mean over direction of the probability of overturning: that of a body whose direction is not known.
 MEAN = "overturning_probability_mean"

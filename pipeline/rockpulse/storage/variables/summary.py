@@ -1,8 +1,6 @@
 """The variables of /summary in an assessment, and how each is taken: of a record, or of bodies and configuration.
 
 The order is that of the file, and of the columns of an export.
-
-What the file of a record states about its earthquake and its site, stored for every record in every study.
 """
 
 from __future__ import annotations
@@ -23,8 +21,6 @@ from rockpulse.remark import find, with_codes
 from rockpulse.storage.variables import NOT_KNOWN, Declared, along, flag, real, text, whole
 from rockpulse.storage.variables.bodies import BLOCK, CASE
 from rockpulse.storage.variables.probability import AT_DEMAND, PROBABILITY
-
-__all__ = ["ANSWER", "BLOCK", "CASE", "DEMAND", "FACTS", "RECORD", "SUMMARY", "facts_of"]
 
 LANES = ("record", "block", "case")
 

@@ -14,7 +14,7 @@ from rockpulse.errors import ResultsError
 from rockpulse.record.half_wave import HalfWaves
 from rockpulse.record.record import Record
 from rockpulse.storage.accuracy_variables import REPORT
-from rockpulse.storage.hdf5.results_file import ASSESSMENT, named
+from rockpulse.storage.hdf5.atomic import ASSESSMENT, named
 from rockpulse.storage.study_variables import STUDY
 from rockpulse.storage.variables.fragility import FRAGILITY
 from rockpulse.storage.variables.site import SITE_KIND

@@ -17,7 +17,8 @@ from results_tree import CONFIGURATION, results_bytes, results_tree
 from rockpulse.errors import ResultsError
 from rockpulse.storage.hdf5 import atomic as target_file
 from rockpulse.storage.hdf5 import results_file as store
-from rockpulse.storage.hdf5.results_file import check_target, load, save
+from rockpulse.storage.hdf5.atomic import check_target
+from rockpulse.storage.hdf5.results_file import load, save
 
 TESTS = Path(__file__).parents[3]
 

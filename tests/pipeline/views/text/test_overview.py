@@ -328,7 +328,7 @@ def test_a_capacity_that_was_not_found_names_how_far_it_was_searched(searched):
     weak = summary.isel(record=[2])
     text = smallest_capacities(Answers(weak))
     assert row(text, "boundary wall")[1:] == [">0.1,", ">0.1", ">0.04,", ">0.04"]
-    strong = summary.assign(pga=summary["pga"] * 100.0)
+    strong = summary.assign(demand_factor=summary["demand_factor"] / 100.0)
     text = smallest_capacities(Answers(strong.isel(record=[2])))
     assert row(text, "boundary wall")[1:] == [">10,", ">10", ">4,", ">4"]
     assert "too weak" not in text
