@@ -44,7 +44,6 @@ KINDS = {ASSESSMENT: "summary", SITE_KIND: "site", FRAGILITY: "fragility", RULE_
 #: The verb that makes each kind of file.
 VERBS = {ASSESSMENT: "assess", SITE_KIND: "calibrate", FRAGILITY: "fragility", RULE_KIND: "rule", STUDY: "study"}
 
-CONVENTIONS = "CF-1.11"
 PACKAGES = ("numpy", "numba", "scipy", "xarray", "h5netcdf", "h5py", "obspy")
 
 
@@ -80,10 +79,12 @@ def save(tree: xr.DataTree, path: str | os.PathLike[str], overwrite: bool = Fals
 
 def check_described(tree: xr.DataTree, path: str | os.PathLike[str]) -> None:
     """A ResultsError where a variable of the tree, which is to be written to the path, has no unit or no name."""
-    for name, variable in _variables(tree):
-        for attribute in ("units", "long_name"):
-            if not isinstance(variable.attrs.get(attribute), str):
-                raise ResultsError(f"{path}: the variable {name} has no {attribute!r}; set it before saving")
+    for node in tree.subtree:
+        for name, variable in node.to_dataset(inherit=False).variables.items():
+            for attribute in ("units", "long_name"):
+                if not isinstance(variable.attrs.get(attribute), str):
+                    where = f"{node.path.rstrip('/')}/{name}"
+                    raise ResultsError(f"{path}: the variable {where} has no {attribute!r}; set it before saving")
 
 
 def load(path: str | os.PathLike[str]) -> xr.DataTree:
@@ -105,8 +106,7 @@ def check_schema(path: str | os.PathLike[str], reports: bool = False) -> str:
     from rockpulse.storage.hdf5.layout import contained
 
     check_regular(path, ResultsError)
-    with Path(path).open("rb"):
-        pass
+    Path(path).open("rb").close()
     try:
         with h5py.File(path, "r") as file:
             contained(file)
@@ -165,18 +165,12 @@ def readable(path: str | os.PathLike[str]) -> Iterator[None]:
         raise ResultsError(f"{path}: the results file is damaged ({error}); run the assessment again") from error
 
 
-def _variables(tree: xr.DataTree) -> Iterator[tuple[str, Any]]:
-    for node in tree.subtree:
-        for name, variable in node.to_dataset(inherit=False).variables.items():
-            yield f"{node.path.rstrip('/')}/{name}", variable
-
-
 def provenance(attrs: Mapping[Any, Any]) -> dict[str, Any]:
     """Attributes of the root of a file that tell its origin; those that are there already, as a title, stay."""
     stamp = f"{datetime.now(UTC):%Y-%m-%dT%H:%M:%SZ} written by rockpulse {__version__}"
     before = attrs.get("history")
     return {
-        "Conventions": CONVENTIONS,
+        "Conventions": "CF-1.11",
         "kind": ASSESSMENT,
         "title": "Overturning safety of rigid blocks under recorded ground motion",
         "rockpulse_version": __version__,

@@ -58,6 +58,8 @@ def _words(values: type[IntEnum]) -> list[str]:
     return [value.name.lower() for value in values]
 
 
+_LANES = ("block", "limit_state", "measure")
+
 COORDINATES: Declared = {
     "record": text("record id", dims=("record",)),
     "block": text("name of the body", dims=("block",), explanation="with the restitution where a body has several"),
@@ -85,7 +87,7 @@ _JUDGED: Declared = {
 
 #: Of the fits of each body, limit state and measure, and what they rest on.
 CURVE = along(
-    ("block", "limit_state", "measure"),
+    _LANES,
     {
         **_FIT,
         "status": flag(_words(Status), "whether there is a curve, and why not"),
@@ -208,8 +210,8 @@ def _pooled(declared: Declared) -> Declared:
 
 #: Of each body, then of all bodies together, for which only dimensionless measures have values.
 EFFICIENCY: Declared = {
-    **along(("block", "limit_state", "measure"), _RATIO),
-    **along(("block", "limit_state", "measure", "quality"), _QUALITY),
+    **along(_LANES, _RATIO),
+    **along((*_LANES, "quality"), _QUALITY),
     **along(("limit_state", "measure"), _pooled(_RATIO)),
     **along(("limit_state", "measure", "quality"), _pooled(_QUALITY)),
     "quality_records": whole("number of records that have the quality", dims=("quality",)),

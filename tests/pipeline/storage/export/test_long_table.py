@@ -80,6 +80,9 @@ def test_a_selection_takes_names_conditions_order_and_limit(results):
         "pga": [5.5574] * 2,
     }
     assert len(results_table(results, where=["pga > 1e9"])) == 0
+    names, one, other = ["record", "block", "model"], "capacity_ratio[damage]", "capacity_ratio[collapse]"
+    assert results_table(results, columns=["pga", other]).columns.tolist() == [*names, "pga", other]
+    assert results_table(results, columns=["capacity_ratio"]).columns.tolist() == [*names, one, other]
 
 
 @pytest.mark.parametrize(
@@ -117,13 +120,6 @@ def test_the_rows_of_a_ragged_array_say_whose_they_are(results):
 def test_a_group_of_several_tables_asks_which(results):
     with pytest.raises(ResultsError, match=r"/records holds several tables: .*--rows.* they have record; wave"):
         results_table(results, "records")
-
-
-def test_a_column_of_each_demand_is_chosen_by_its_heading_or_with_all_of_them(results):
-    names = ["record", "block", "model"]
-    one, every = "capacity_ratio[collapse]", ["capacity_ratio[damage]", "capacity_ratio[collapse]"]
-    assert results_table(results, columns=["pga", one]).columns.tolist() == [*names, "pga", one]
-    assert results_table(results, columns=["capacity_ratio"]).columns.tolist() == [*names, *every]
 
 
 def test_unknown_groups_dimensions_and_columns_are_answered_with_the_known_ones(results):
