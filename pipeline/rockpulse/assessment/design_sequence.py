@@ -26,8 +26,6 @@ from rockpulse.remark import Remark
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["assess_sequence"]
-
 
 def assess_sequence(
     sequence: ImpulseSequence | DesignSpectrum,

@@ -20,6 +20,12 @@ STRENGTH = "strength"
 #: The qualities that the files of some records state, by the names of the facts.
 STATED = ("magnitude", "epicentral_distance", "vs30")
 
+#: The qualities of a record beside its intensity, which every record has.
+QUALITIES = ("duration", "period", "strong_half_waves")
+
+#: All that capacity is tested to depend on, in the order of the results.
+TESTED = (*QUALITIES, STRENGTH, *STATED)
+
 
 class Status(IntEnum):
     """Whether there is a curve, and why not."""

@@ -5,7 +5,8 @@ The order is that of the file, and of the columns of an export.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -16,9 +17,9 @@ from rockpulse.config.bodies import Bodies
 from rockpulse.config.configuration import Config
 from rockpulse.config.settings import SPACINGS
 from rockpulse.ladder import USED
-from rockpulse.record.intensity import arias_intensity, pgv
+from rockpulse.record.measures import PGA, ROWS, STORED, STORED_OF_BODIES, Measure, RecordOnBodies
 from rockpulse.remark import find, with_codes
-from rockpulse.storage.variables import NOT_KNOWN, Declared, along, flag, real, text, whole
+from rockpulse.storage.variables import NOT_KNOWN, Declared, StoredVariable, along, flag, real, text, whole
 from rockpulse.storage.variables.bodies import BLOCK, CASE
 from rockpulse.storage.variables.probability import AT_DEMAND, PROBABILITY
 
@@ -74,9 +75,6 @@ _OF_RECORD: dict[str, Callable[[Any], Any] | None] = {
     "event": None,  # known once all records are
     "event_title": _of_record("event"),
     "start_time": lambda one: "" if one.record.start_time is None else one.record.start_time.isoformat(),
-    "pgv": lambda one: pgv(one.record),
-    "pgv_drift": lambda one: find(one.record.warnings, "baseline_drift") is not None,
-    "arias_intensity": lambda one: arias_intensity(one.record),
     "intense_start": lambda one: one.scene.phase.start,
     "intense_end": lambda one: one.scene.phase.end,
     "main_impulse": _of_sequence(lambda sequence: float(sequence.main)),
@@ -128,6 +126,26 @@ def _of_strength(name: str) -> Callable[[Any], Any]:
     return lambda one: one.per_lane(one.strength[name])
 
 
+def _of_motion(measure: Measure, one: Any) -> Any:
+    return measure.value(RecordOnBodies(one.record, lambda: one.scene.waves))
+
+
+def _measured(measures: Iterable[Measure], take: Callable[[Measure], Callable[..., Any]]) -> dict[str, StoredVariable]:
+    """The variable of each measure, and after it whether a drifting baseline puts it in doubt."""
+    found = {}
+    for one in measures:
+        long_name = f"{one.meaning or one.long_name}{one.stored}"
+        found[one.name] = real(one.unit, long_name, take(one), of_ground=True, explanation=one.explanation)
+        if one.drifts:
+            found[f"{one.name}_drift"] = flag(
+                ("reliable", "drift"),
+                "whether the ground velocity does not come back to zero, so that the "
+                f"{one.title} may be off by as much",
+                lambda one: find(one.record.warnings, "baseline_drift") is not None,
+            )
+    return found
+
+
 RECORD = along(
     ("record",),
     {
@@ -147,13 +165,7 @@ RECORD = along(
         "start_time": text("UTC time of the first sample, ISO 8601"),
         "npts": whole("number of samples", of_ground=True),
         "dt": real("s", "sampling interval", of_ground=True),
-        "pga": real("m s-2", "peak ground acceleration after conditioning", of_ground=True),
-        "pgv": real("m s-1", "peak ground velocity after conditioning, from rest at the first sample", of_ground=True),
-        "pgv_drift": flag(
-            ("reliable", "drift"),
-            "whether the ground velocity does not come back to zero, so that the PGV may be off by as much",
-        ),
-        "arias_intensity": real("m s-1", "Arias intensity", of_ground=True, explanation="after conditioning"),
+        **_measured(STORED, lambda measure: partial(_of_motion, measure)),
         "intense_start": real("s", "start of the intense phase from the first sample", of_ground=True),
         "intense_end": real("s", "end of the intense phase from the first sample", of_ground=True),
         "main_impulse": real("m s-1", "main impulse I of the calibrated sequence"),
@@ -181,13 +193,7 @@ RECORD = along(
 DEMAND = along(
     LANES,
     {
-        "uplift_ratio": real(
-            "1",
-            "PGA/(g tan alpha_c)",
-            of_ground=True,
-            explanation="over `uplift_acceleration`; of a body on a floor the PGA is the floor's",
-        ),
-        "velocity_ratio": real("1", "p PGV/(g tan alpha_c)", of_ground=True),
+        **_measured(STORED_OF_BODIES, lambda measure: _of_strength(measure.name)),
         "impulse_ratio": real("1", "I/I_1c; NaN where the record gave no sequence"),
         "floor_amplification": real(
             "1",
@@ -271,9 +277,6 @@ ANSWER = along(
     by=lambda name: _OF_ANSWER.get(name, _of_response(name)),
 )
 
-#: Units of the measures of a demand.
-_DEMAND_UNITS = {"pga": "m s-2", "pgv": "m s-1", "si": "m s-1", "velocity_ratio": "1", "sa": "m s-2"}
-
 
 def _demanded(config: Config) -> bool:
     return bool(config.demands)
@@ -306,7 +309,7 @@ SITE_DEMAND = along(
         "demand_acceleration": real(
             "m s-2",
             "ground acceleration that the site asks for, a_g S; NaN for another measure",
-            _of_demands(lambda demand: demand.strength if demand.measure == "pga" else np.nan),
+            _of_demands(lambda demand: demand.strength if demand.measure == PGA else np.nan),
         ),
         "demand_measure": text(
             "measure of the strength that the site asks for", _of_demands(lambda demand: demand.measure)
@@ -314,7 +317,7 @@ SITE_DEMAND = along(
         "demand_value": real(
             "1", "strength that the site asks for, in demand_units", _of_demands(lambda demand: demand.strength)
         ),
-        "demand_units": text("unit of demand_value", _of_demands(lambda demand: _DEMAND_UNITS[demand.measure])),
+        "demand_units": text("unit of demand_value", _of_demands(lambda demand: ROWS[demand.measure].unit)),
         "demand_period": real(
             "s",
             "period of the oscillator whose pseudo-acceleration the site asks for; NaN for another measure",
