@@ -107,7 +107,8 @@ def test_what_the_text_names_exists():
         for code in re.findall(r"`([^`\n]+)`", prose):
             where = f"{name(page)}: `{code}`"
             for option in re.findall(r"(?:^|\s)(--?[a-z][\w-]*)", code):
-                assert option in options or (re.match("(python )?benchmarks/|make ", code) and f'"{option}"' in benchmarks), where
+                of_script = re.match("(python )?benchmarks/|make ", code) and f'"{option}"' in benchmarks
+                assert option in options or of_script, where
             for verb in re.findall(r"^rockpulse (\w[\w-]*)", code):
                 assert verb in verbs, where
             for target in re.findall(r"^make (\w[\w-]*)", code):
