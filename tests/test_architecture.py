@@ -25,7 +25,8 @@ rockpulse.input_table
 rockpulse.record
 rockpulse.readers
 rockpulse.calibration
-rockpulse.ladder
+rockpulse.model_row
+rockpulse.model_table
 rockpulse.config
 rockpulse.motions
 rockpulse.storage
