@@ -1,6 +1,5 @@
 from . import models as models
 from . import plots as plots
-from . import study as study
 from .assessment.assessment import assess as assess
 from .assessment.design_sequence import assess_sequence as assess_sequence
 from .assessment.overturning import overturning_factors as overturning_factors
@@ -50,8 +49,8 @@ from .errors import RockpulseError as RockpulseError
 from .errors import StoppedAtFailure as StoppedAtFailure
 from .errors import TooWeak as TooWeak
 from .errors import UnitError as UnitError
-from .ladder import ModelSettings as ModelSettings
-from .ladder import SearchSettings as SearchSettings
+from .model_table import ModelSettings as ModelSettings
+from .model_table import SearchSettings as SearchSettings
 from .readers import read as read
 from .readers.conversion import write as write
 from .readers.folders import read_all as read_all

@@ -16,14 +16,14 @@ import numpy as np
 from rocking.response import Outcome
 from rockpulse.assessment.demand import Demand, stored_demands
 from rockpulse.assessment.motion_shares import Motions, Share
-from rockpulse.storage.hdf5.netcdf4 import flag_words, slab, worded
+from rockpulse.model_table import fullest, is_full
+from rockpulse.storage.hdf5.netcdf4 import slab, worded
 from rockpulse.storage.variables.probability import MEAN, SOURCES
 
 if TYPE_CHECKING:
     import xarray as xr
 
 __all__ = [
-    "PROBABLE",
     "Answers",
     "Body",
     "Margin",
@@ -37,8 +37,6 @@ __all__ = [
     "swept_answers",
 ]
 
-#: Models whose probability of overturning results hold: that of the nonlinear one.
-PROBABLE = ("nonlinear", "auto")
 
 #: Over what a margin is taken for: every body, every block with the worst of its restitutions, every motion with the
 #: worst of the blocks under it.
@@ -132,11 +130,6 @@ class Answers:
         return np.asarray(self["demand_probability"][..., [*self.demands].index(demand)])
 
     @cached_property
-    def used(self) -> np.ndarray:
-        """(records, bodies) name of the model that gave the answer; empty where the results do not say."""
-        return worded(self["model_used"], {-1: "", **flag_words(self.summary["model_used"])})
-
-    @cached_property
     def source(self) -> np.ndarray:
         """(records, bodies) what the probability was read from, in a word."""
         return worded(self["probability_source"], dict(enumerate(SOURCES)))
@@ -149,7 +142,7 @@ class Answers:
     @cached_property
     def probable(self) -> bool:
         """Whether the probability of overturning by the model is known."""
-        return self.model in PROBABLE and not bool(np.isnan(self["overturning_probability"]).all())
+        return is_full(self.model) and not bool(np.isnan(self["overturning_probability"]).all())
 
     @property
     def factor(self) -> str:
@@ -281,8 +274,7 @@ def bodies_of(summary: xr.Dataset) -> list[Body]:
 
 def fullest_model(summary: xr.Dataset) -> str:
     """The model nearest to the full equation of motion."""
-    models = [str(model) for model in summary["model"].values]
-    return "nonlinear" if "nonlinear" in models else models[-1]
+    return fullest(str(model) for model in summary["model"].values)
 
 
 def searched_up_to(factor: np.ndarray, proven: np.ndarray) -> float:

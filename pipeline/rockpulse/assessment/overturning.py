@@ -42,7 +42,7 @@ ALPHA = 0.1
 def _of_rule(
     record: Record, rates: np.ndarray = RATES, threads: int | None = None, waves: HalfWaves | None = None
 ) -> SpectrumLanes:
-    return load_rule("balanced").spectrum_lanes(waves or half_waves(record), rates, threads)
+    return load_rule().spectrum_lanes(waves or half_waves(record), rates, threads)
 
 
 def _of_record(

@@ -153,7 +153,7 @@ def _in_dims(variable: StoredVariable, values: np.ndarray, bodies: Bodies) -> np
 
 def _absent(variable: StoredVariable, rows: int, bodies: Bodies, config: Config) -> np.ndarray:
     """So many rows without a value."""
-    sizes = {"block": len(bodies.names), "case": bodies.cases, "model": len(config.models.answering)}
+    sizes = {"block": len(bodies.names), "case": bodies.cases, "model": len(config.models.use)}
     sizes |= {"demand": len(config.demands), **AXIS_SIZES}
     shape = (rows, *(sizes[dim] for dim in _dims(variable, bodies)[1:]))
     return np.full(shape, variable.absent, dtype=variable.kind)

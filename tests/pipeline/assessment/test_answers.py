@@ -141,7 +141,11 @@ def test_every_model_has_answers_under_the_same_motions():
 
 @pytest.mark.parametrize(
     ("models", "fullest"),
-    [(["nonlinear", "auto"], "nonlinear"), (["resonance", "sequence", "linear"], "linear"), (["sequence"], "sequence")],
+    [
+        (["nonlinear", "linear"], "nonlinear"),
+        (["resonance", "conservative"], "conservative"),
+        (["sequence", "x"], "sequence"),
+    ],
 )
 def test_the_fullest_model_answers(models, fullest):
     each = [summary_of([1.0 + k]).assign_coords(model=[name]) for k, name in enumerate(models)]
@@ -154,16 +158,13 @@ def test_without_a_search_or_a_probability_nothing_is_told():
     found = Answers(summary_of([np.nan, np.nan]))
     assert (found.motions.kind, found.motions.event_count) == ("record", 1)
     assert (found.searched, found.told, found.probable, found.factor) == (False, False, False, "safety_factor")
-    assert (found.used.tolist(), found.source.tolist(), found.demands) == ([[""]] * 2, [["none"]] * 2, {})
+    assert (found.source.tolist(), found.demands) == ([["none"]] * 2, {})
 
 
-def test_models_and_sources_are_told_in_words():
-    flags = {"flag_values": np.array([0, 1]), "flag_meanings": "static nonlinear"}
+def test_sources_are_told_in_words():
     summary = summary_of([2.0, 3.0, 4.0])
-    summary["model_used"] = (summary["outcome"].dims, np.reshape([1, -1, 0], (3, 1, 1)), flags)
     summary["probability_source"] = (("record", "block"), [[2], [0], [1]])
     found = Answers(summary)
-    assert found.used.tolist() == [["nonlinear"], [""], ["static"]]
     assert found.source.tolist() == [["own_lanes"], ["none"], ["spectrum"]]
 
 

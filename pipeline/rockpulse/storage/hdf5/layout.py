@@ -13,11 +13,8 @@ import h5py
 import numpy as np
 
 from rockpulse.errors import ResultsError
-from rockpulse.storage.accuracy_variables import REPORT, TABLES
 from rockpulse.storage.hdf5.atomic import ASSESSMENT
 from rockpulse.storage.hdf5.netcdf4 import NOT_A_COORDINATE, says_no_variable
-from rockpulse.storage.rule_variables import RULE_KIND, RULE_TABLES
-from rockpulse.storage.study_variables import STUDY, STUDY_GROUPS
 from rockpulse.storage.variables import Declared, StoredVariable
 from rockpulse.storage.variables.assessment import ASSESSMENT_GROUPS
 from rockpulse.storage.variables.fragility import FRAGILITY, FRAGILITY_GROUPS
@@ -27,10 +24,7 @@ from rockpulse.storage.variables.site import SITE_GROUPS, SITE_KIND
 GROUPS: dict[str, dict[str, Declared]] = {
     ASSESSMENT: ASSESSMENT_GROUPS,
     FRAGILITY: FRAGILITY_GROUPS,
-    REPORT: {f"/{name}": table for name, table in TABLES.items()},
     SITE_KIND: SITE_GROUPS,
-    STUDY: STUDY_GROUPS,
-    RULE_KIND: {f"/{name}": table for name, table in RULE_TABLES.items()},
 }
 
 #: Groups that every file of a kind has.

@@ -22,10 +22,7 @@ import numpy as np
 from rockpulse.errors import ResultsError, RockpulseError
 from rockpulse.input_file import check_regular
 from rockpulse.option import hint
-from rockpulse.storage.accuracy_variables import REPORT
 from rockpulse.storage.hdf5.atomic import ASSESSMENT, replacing
-from rockpulse.storage.rule_variables import RULE_KIND
-from rockpulse.storage.study_variables import STUDY
 from rockpulse.storage.variables.fragility import FRAGILITY
 from rockpulse.storage.variables.site import SITE_KIND
 from rockpulse.version import __version__
@@ -39,10 +36,10 @@ if TYPE_CHECKING:
 SCHEMA_VERSION = "2.0"
 
 #: Kinds of files that are read back, and the group that each of them has.
-KINDS = {ASSESSMENT: "summary", SITE_KIND: "site", FRAGILITY: "fragility", RULE_KIND: "rates", STUDY: "statements"}
+KINDS = {ASSESSMENT: "summary", SITE_KIND: "site", FRAGILITY: "fragility"}
 
 #: The verb that makes each kind of file.
-VERBS = {ASSESSMENT: "assess", SITE_KIND: "calibrate", FRAGILITY: "fragility", RULE_KIND: "rule", STUDY: "study"}
+VERBS = {ASSESSMENT: "assess", SITE_KIND: "calibrate", FRAGILITY: "fragility"}
 
 PACKAGES = ("numpy", "numba", "scipy", "xarray", "h5netcdf", "h5py", "obspy")
 
@@ -96,11 +93,8 @@ def load(path: str | os.PathLike[str]) -> xr.DataTree:
     return tree.map_over_datasets(_as_saved)
 
 
-def check_schema(path: str | os.PathLike[str], reports: bool = False) -> str:
-    """The kind of a file of results, a key of `KINDS` or `REPORT`; errors as of :func:`load` where it cannot be read.
-
-    `reports` says whether an accuracy report, which is not read back, will do.
-    """
+def check_schema(path: str | os.PathLike[str]) -> str:
+    """The kind of a file of results, a key of `KINDS`; errors as of :func:`load` where it cannot be read."""
     import h5py
 
     from rockpulse.storage.hdf5.layout import contained
@@ -112,17 +106,12 @@ def check_schema(path: str | os.PathLike[str], reports: bool = False) -> str:
             contained(file)
             found = file.attrs.get("schema_version")
             kind = str(file.attrs.get("kind", ASSESSMENT))
-            known = (kind == REPORT or KINDS.get(kind, "?") in file) and isinstance(found, str)
+            known = KINDS.get(kind, "?") in file and isinstance(found, str)
     except (OSError, RuntimeError, KeyError) as error:
         raise ResultsError(
             f"{path}: expected a results file of rockpulse (HDF5), found something else or a truncated file ({error}); "
             "records are assessed with 'rockpulse assess'"
         ) from error
-    if kind == REPORT and not reports:
-        raise ResultsError(
-            f"{path}: expected results of 'rockpulse assess'; this is an accuracy report: open it with xarray or h5py, "
-            "see docs/schema.md"
-        )
     if not known:
         raise ResultsError(
             f"{path}: an HDF5 file, not written by rockpulse (or of a kind that this version does not know): attribute "
@@ -130,20 +119,20 @@ def check_schema(path: str | os.PathLike[str], reports: bool = False) -> str:
         )
     if found != SCHEMA_VERSION:
         raise ResultsError(
-            f"{path}: expected schema version {SCHEMA_VERSION}, found {found}; run 'rockpulse {VERBS.get(kind, '')}' "
+            f"{path}: expected schema version {SCHEMA_VERSION}, found {found}; run 'rockpulse {VERBS[kind]}' "
             "again with this version, or open the file with the version that its attribute 'rockpulse_version' names"
         )
     return kind
 
 
 @contextmanager
-def opened(path: str | os.PathLike[str], reports: bool = False) -> Iterator[tuple[h5py.File, str]]:
+def opened(path: str | os.PathLike[str]) -> Iterator[tuple[h5py.File, str]]:
     """An open file of results, whose variables are as docs/schema.md describes them, and its kind; errors as `load`."""
     import h5py
 
     from rockpulse.storage.hdf5.layout import contained, wrong_variables
 
-    kind = check_schema(path, reports)
+    kind = check_schema(path)
     with h5py.File(path, "r") as hdf5:
         with readable(path):
             wrong = next(wrong_variables(contained(hdf5), kind, units=False), "")

@@ -63,7 +63,7 @@ def verify(
     OSError
         Where it cannot be opened.
     """
-    kind = check_schema(path, reports=True)
+    kind = check_schema(path)
     with readable(path), h5py.File(path, "r") as hdf5:
         file = _listed(hdf5)
         root = file.attrs["/"]

@@ -11,12 +11,10 @@ from typing import Any
 
 import numpy as np
 
-from rocking.predictability import NOT_CHECKED
 from rocking.response import Outcome, Reason
 from rockpulse.config.bodies import Bodies
 from rockpulse.config.configuration import Config
 from rockpulse.config.settings import SPACINGS
-from rockpulse.ladder import USED
 from rockpulse.record.measures import PGA, ROWS, STORED, STORED_OF_BODIES, Measure, RecordOnBodies
 from rockpulse.remark import find, with_codes
 from rockpulse.storage.variables import NOT_KNOWN, Declared, StoredVariable, along, flag, real, text, whole
@@ -259,19 +257,6 @@ ANSWER = along(
             "block, or is strong enough to overturn it",
         ),
         "capacity_pga": real("m s-2", "safety factor times PGA; NaN where not computed", of_ground=True),
-        "predictable": flag(
-            ("not_checked", "no", "yes"),
-            "whether the answer stays when C or the record changes in the ninth digit",
-            lambda one: one.per_model(one.predictable.__getitem__),
-            first=NOT_CHECKED,
-            explanation="yes: outcome and peak stay when C and the record change by 1e-9; of `auto` with "
-            '`output = "outcome"`: the outcome alone',
-            comment=lambda config: (
-                f"relative changes of C and the record by 1e-9; peaks to {config.models.tolerance:g}"
-                + ("; of auto the outcome alone" if config.models.output == "outcome" else "")
-            ),
-        ),
-        "model_used": flag(USED, "model that gave the answer", lambda one: one.per_model(one.used.__getitem__)),
         "applicable": flag(("outside_range", "applicable"), "whether the block is within the range of the model"),
     },
     by=lambda name: _OF_ANSWER.get(name, _of_response(name)),
@@ -297,8 +282,8 @@ CAPACITY_RATIO = real(
 COORDINATES = {
     "block": text("name of the body", lambda bodies, config: bodies.names, dims=("block",)),
     "model": text(
-        "model, from the cheapest to the dearest; auto: the cheapest that answers, see model_used",
-        lambda bodies, config: config.models.answering,
+        "model, from the cheapest to the dearest",
+        lambda bodies, config: config.models.use,
         dims=("model",),
     ),
 }

@@ -18,7 +18,7 @@ from rockpulse.assessment.scene import extract
 from rockpulse.calibration.response import calibrate_response
 from rockpulse.config.configuration import Config
 from rockpulse.errors import RecordRefused, TooWeak
-from rockpulse.ladder import Scene
+from rockpulse.model_row import Scene
 from rockpulse.motions.directions import Motion
 from rockpulse.motions.runner import Part, Watch
 from rockpulse.record.half_wave import half_waves

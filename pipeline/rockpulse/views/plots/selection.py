@@ -14,7 +14,7 @@ from rocking.impulse_sequence import ImpulseSequence
 from rocking.restraint import Restraints
 from rockpulse.config.configuration import stored_sections
 from rockpulse.errors import ResultsError
-from rockpulse.ladder import ModelSettings
+from rockpulse.model_table import ModelSettings
 from rockpulse.storage.hdf5.netcdf4 import flag_words
 from rockpulse.views.shared.terminal import restitution
 

@@ -27,7 +27,7 @@ _OF_FILES = frozenset({"find", "read"})
 #: The steps whose rows of what failed are about a table or a pattern of the user, no file of records.
 _OF_OPTIONS = frozenset({"events", "select"})
 #: Groups with a row for each record of the results, by the kind of file; the first that is there counts.
-_GROUPS = ("summary", "site", "cases", "capacities")
+_GROUPS = ("summary", "site", "capacities")
 #: Reasons in a sentence, files named with each, and characters of each.
 _REASONS, _NAMED, _LONGEST = 3, 2, 120
 
