@@ -119,7 +119,7 @@ def check_schema(path: str | os.PathLike[str]) -> str:
         )
     if found != SCHEMA_VERSION:
         raise ResultsError(
-            f"{path}: expected schema version {SCHEMA_VERSION}, found {found}; run 'rockpulse {VERBS.get(kind, '')}' "
+            f"{path}: expected schema version {SCHEMA_VERSION}, found {found}; run 'rockpulse {VERBS[kind]}' "
             "again with this version, or open the file with the version that its attribute 'rockpulse_version' names"
         )
     return kind
