@@ -24,7 +24,7 @@ rockpulse.option rockpulse.file_set rockpulse.foreign_text rockpulse.input_file
 rockpulse.input_table
 rockpulse.record
 rockpulse.readers
-rockpulse.calibration
+rockpulse.sequences
 rockpulse.ladder
 rockpulse.config
 rockpulse.motions

@@ -14,12 +14,6 @@ from .batch.run import BatchReport as BatchReport
 from .batch.run import assess_files as assess_files
 from .batch.run import calibrate_files as calibrate_files
 from .batch.run import fragility_files as fragility_files
-from .calibration.design_spectrum import DesignSpectrum as DesignSpectrum
-from .calibration.estimators import calibrate as calibrate
-from .calibration.response import calibrate_response as calibrate_response
-from .calibration.response_result import ResponseCalibration as ResponseCalibration
-from .calibration.rule import Rule as Rule
-from .calibration.rule import load_rule as load_rule
 from .config.block_settings import BlockSettings as BlockSettings
 from .config.check_settings import CheckSettings as CheckSettings
 from .config.configuration import Config as Config
@@ -68,6 +62,12 @@ from .record.pair_conditioning import condition_pair as condition_pair
 from .record.record import Record as Record
 from .record.rotation import rotate as rotate
 from .record.rotation import strongest_azimuth as strongest_azimuth
+from .sequences.design_spectrum import DesignSpectrum as DesignSpectrum
+from .sequences.estimators import calibrate as calibrate
+from .sequences.response import calibrate_response as calibrate_response
+from .sequences.response_result import ResponseCalibration as ResponseCalibration
+from .sequences.rule import Rule as Rule
+from .sequences.rule import load_rule as load_rule
 from .storage.design_file import load_design as load_design
 from .storage.long_table import results_table as results_table
 from .storage.save_load import save as save

@@ -21,7 +21,7 @@ from rockpulse.record.intensity import IntensePhase
 from rockpulse.record.record import Record
 
 if TYPE_CHECKING:
-    from rockpulse.calibration.rule import Rule
+    from rockpulse.sequences.rule import Rule
 
 __all__ = [
     "ALL_MODELS",
@@ -87,7 +87,7 @@ def _search_rule(block: rocking.Block, scene: Scene, *, point: str) -> rocking.S
 
 
 def _loaded(point: str) -> Rule:
-    from rockpulse.calibration.rule import load_rule
+    from rockpulse.sequences.rule import load_rule
 
     return load_rule(point)
 

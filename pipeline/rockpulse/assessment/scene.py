@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from rockpulse.calibration.estimators import calibrate
 from rockpulse.config.configuration import Config
 from rockpulse.errors import RecordRefused
 from rockpulse.ladder import Scene
@@ -14,6 +13,7 @@ from rockpulse.record.half_wave import half_waves
 from rockpulse.record.intensity import intense_phase
 from rockpulse.record.record import Record
 from rockpulse.remark import Remark
+from rockpulse.sequences.estimators import calibrate
 
 __all__ = ["extract", "matched", "prepare"]
 
@@ -57,7 +57,7 @@ def matched(scene: Scene, config: Config) -> Scene:
     """
     if config.sequence.method != "response" or scene.sequence is None or "sequence" not in scene.models.use:
         return scene
-    from rockpulse.calibration.response import calibrate_response  # a second, and rarely asked for
+    from rockpulse.sequences.response import calibrate_response  # a second, and rarely asked for
 
     try:
         found = calibrate_response(

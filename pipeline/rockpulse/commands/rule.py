@@ -94,7 +94,7 @@ def _fit(args: argparse.Namespace) -> int:
 
 
 def _judge(args: argparse.Namespace) -> int:
-    from rockpulse.calibration.rule import POINTS, load_rule
+    from rockpulse.sequences.rule import POINTS, load_rule
     from rockpulse.storage.rule_variables import RULE_KIND
     from rockpulse.storage.save_load import check_target, save
     from rockpulse.studies.rule.judgement import judge_rules

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rocking.sequence import ImpulseSequence
-from rockpulse.calibration.design_spectrum import DesignSpectrum
 from rockpulse.errors import ResultsError
+from rockpulse.sequences.design_spectrum import DesignSpectrum
 from rockpulse.storage.save_load import ASSESSMENT, load, named
 from rockpulse.storage.site_variables import SITE_KIND
 

@@ -11,9 +11,9 @@ from results_tree import RECORDS, results_bytes, results_tree
 
 import rockpulse as rp
 from rockpulse import CalibrationSettings
-from rockpulse.calibration.rule import POINTS, Rule
 from rockpulse.cli import main
 from rockpulse.record.synthetic import synthetic_motion
+from rockpulse.sequences.rule import POINTS, Rule
 from rockpulse.storage.fragility_variables import FRAGILITY
 from rockpulse.storage.rule_variables import RULE_KIND
 from rockpulse.storage.save_load import ASSESSMENT, KINDS, save

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from rocking.block import Block
-from rockpulse.calibration.design_spectrum import at_blocks, within
 from rockpulse.errors import ConfigError, ResultsError
+from rockpulse.sequences.design_spectrum import at_blocks, within
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -19,7 +19,6 @@ import pandas as pd
 from rocking.half_wave_demand import demand_of_half_waves
 from rocking.recorded import recorded_response
 from rocking.response import Outcome
-from rockpulse.calibration.rule import traits
 from rockpulse.config.settings import RecordSettings
 from rockpulse.errors import ConfigError, RockpulseError
 from rockpulse.failures import Failure, some
@@ -30,6 +29,7 @@ from rockpulse.record.components import select_horizontal
 from rockpulse.record.conditioning import condition
 from rockpulse.record.half_wave import half_waves
 from rockpulse.record.record import STANDARD_GRAVITY, Record
+from rockpulse.sequences.rule import traits
 from rockpulse.studies.accuracy.model_form import blocks
 from rockpulse.studies.rule.measures import other_measures
 from rockpulse.studies.rule.truth import nonlinear_capacity

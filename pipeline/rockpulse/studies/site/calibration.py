@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rocking.block import Block
-from rockpulse.calibration.response_targets import block_family
 from rockpulse.config.bodies import gather_bodies, refuse_aloft
 from rockpulse.config.configuration import Config, given_config, located
 from rockpulse.config.settings import WEIGHTS
@@ -19,6 +18,7 @@ from rockpulse.motions.directions import PlannedMotion, planned_ids
 from rockpulse.motions.runner import Analysis, Blocks, Part, Prepared, Work, joined, run
 from rockpulse.motions.tables import read_weight_table, record_weights
 from rockpulse.record.record import Record
+from rockpulse.sequences.response_targets import block_family
 from rockpulse.storage.site_variables import SITE_KIND
 from rockpulse.studies.site.record import no_site_record, site_record
 from rockpulse.studies.site.record_spectrum import no_spectrum_record, site_spectrum_record
@@ -55,7 +55,7 @@ def calibrate_site(
     blocks : mapping of str to (width, height), Block or BlockSettings, or sequence of BlockSettings, optional
         The bodies that the design is read for, or whose rotations it is to cover, in place of those of the
         configuration. Where neither names one, the spectrum is stored alone, and one sequence covers a family of 100
-        (:func:`rockpulse.calibration.response_targets.block_family`).
+        (:func:`rockpulse.sequences.response_targets.block_family`).
     failures : iterable of Failure
         Files and channels that reading has left out, to be stored with the results.
     progress : callable, optional

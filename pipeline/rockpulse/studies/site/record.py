@@ -13,7 +13,6 @@ from rocking.recorded import recorded_response
 from rocking.response import Outcome
 from rocking.sequence import ImpulseSequence, sequence_response
 from rockpulse.assessment.scene import extract
-from rockpulse.calibration.response import calibrate_response
 from rockpulse.config.configuration import Config
 from rockpulse.errors import RecordRefused, TooWeak
 from rockpulse.ladder import Scene
@@ -22,6 +21,7 @@ from rockpulse.motions.runner import Part, Watch
 from rockpulse.record.intensity import pgv
 from rockpulse.record.record import Record
 from rockpulse.remark import Remark, find
+from rockpulse.sequences.response import calibrate_response
 from rockpulse.storage.fact_variables import facts_of
 from rockpulse.storage.site_variables import OF_RECORDS
 from rockpulse.studies.site.design import PARAMETERS

@@ -11,9 +11,9 @@ import xarray as xr
 
 from rocking.block import Block
 from rocking.spectrum_lanes import RATES
-from rockpulse.calibration.design_spectrum import DesignSpectrum
 from rockpulse.config.configuration import Config
 from rockpulse.failures import Failure
+from rockpulse.sequences.design_spectrum import DesignSpectrum
 from rockpulse.storage.site_spectrum_variables import SITE, SITE_AXES, SPECTRA, SPECTRA_AXES
 from rockpulse.storage.site_variables import OF_RECORDS, SITE_KIND
 from rockpulse.storage.spectrum_variables import RESTITUTIONS

@@ -6,7 +6,7 @@ import json
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from rockpulse.calibration.rule import POINTS
+from rockpulse.sequences.rule import POINTS
 from rockpulse.studies.rule.judgement import LIMIT
 from rockpulse.studies.rule.measures import MEASURES
 from rockpulse.views.shared.files_used import files_used
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
 
-    from rockpulse.calibration.rule import Rule
+    from rockpulse.sequences.rule import Rule
 
 __all__ = ["rule_overview", "rule_text"]
 
@@ -119,7 +119,7 @@ def rule_text(rules: Mapping[str, Rule], tree: xr.DataTree, provenance: Mapping[
     capacities = tree["capacities"].to_dataset().to_dataframe().set_index(["measure", "target", "kind"])
     measured: dict[Any, Any] = capacities.to_dict("index")
     lines = [
-        "# The rule of rockpulse.calibration.rule: demand = factor x march, an overturning at 1 and above.",
+        "# The rule of rockpulse.sequences.rule: demand = factor x march, an overturning at 1 and above.",
         "# Written by `rockpulse rule fit`; bias and log-dispersion of 1/demand against the nonlinear capacity, on",
         "# earthquakes left out.",
         "",

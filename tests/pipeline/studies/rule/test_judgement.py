@@ -11,7 +11,6 @@ from made_up_cases import made_up
 
 import rockpulse as rp
 from rockpulse.assessment.scene import extract
-from rockpulse.calibration.rule import POINTS, Rule, load_rule
 from rockpulse.errors import ConfigError
 from rockpulse.failures import Failure
 from rockpulse.ladder import MODELS
@@ -19,6 +18,7 @@ from rockpulse.models import Outcome
 from rockpulse.record.intensity import pgv
 from rockpulse.record.synthetic import synthetic_motion
 from rockpulse.remark import Remark
+from rockpulse.sequences.rule import POINTS, Rule, load_rule
 from rockpulse.storage.rule_variables import RULE_TABLES
 from rockpulse.studies.rule import truth
 from rockpulse.studies.rule.cases import StrongMotion, motion_cases, rule_cases, strong_motions

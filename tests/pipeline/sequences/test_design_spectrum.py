@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from rocking.sequence_safety import sequence_critical_scale
-from rockpulse.calibration.design_spectrum import DesignSpectrum, at_blocks, within
 from rockpulse.models import Block, Outcome, sequence_response
+from rockpulse.sequences.design_spectrum import DesignSpectrum, at_blocks, within
 
 P, C = np.geomspace(0.5, 8.0, 7), np.linspace(0.75, 1.0, 4)
 DESIGN = DesignSpectrum(

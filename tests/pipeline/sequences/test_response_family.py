@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 from rocking.recorded import recorded_response
-from rockpulse.calibration.response_family import describe_family, motion_family, recorded_family
 from rockpulse.errors import RecordRefused
 from rockpulse.models import ImpulseSequence, Outcome, sequence_response
 from rockpulse.record.record import Record
+from rockpulse.sequences.response_targets import describe_family, motion_family, recorded_family
 
 
 def motion(main, main_count=1, ratio=0.0):

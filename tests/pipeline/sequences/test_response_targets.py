@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from rockpulse.calibration.response_targets import ResponseTargets, TooWeak, block_family, recorded_targets
 from rockpulse.errors import ConfigError, RecordRefused
 from rockpulse.models import Block, Outcome, recorded_response
 from rockpulse.record.record import Record
+from rockpulse.sequences.response_targets import ResponseTargets, TooWeak, block_family, recorded_targets
 
 NUMBERS = [0.1, 0.2, 0.3, 0.4, 0.5, 0.6]
 

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from rockpulse.calibration.response_independence import independent_share
-from rockpulse.calibration.response_targets import ResponseTargets, block_family
 from rockpulse.models import Block, Outcome
+from rockpulse.sequences.response_posterior import independent_share
+from rockpulse.sequences.response_targets import ResponseTargets, block_family
 
 FAMILY = block_family()
 

@@ -15,31 +15,40 @@ import numpy as np
 from rocking.block import Block
 from rocking.quantities import ArrayLike
 from rocking.sequence import SPACINGS, ImpulseSequence, sequence_response
-from rockpulse.calibration.estimators import calibrate
-from rockpulse.calibration.response_envelope import enveloping_main
-from rockpulse.calibration.response_family import describe_family, recorded_family
-from rockpulse.calibration.response_independence import independent_share
-from rockpulse.calibration.response_posterior import sample_posterior
-from rockpulse.calibration.response_profile import (
-    PARAMETERS,
-    correlations,
-    deviance_threshold,
-    flat_ends,
-    intervals,
-    main_counts,
-    parameter_values,
-    profiles,
-)
-from rockpulse.calibration.response_remarks import remarks
-from rockpulse.calibration.response_result import ResponseCalibration
-from rockpulse.calibration.response_search import explore, search_space, start_point
-from rockpulse.calibration.response_targets import SMALL, ResponseTargets, recorded_targets
 from rockpulse.errors import ConfigError
 from rockpulse.record.half_wave import half_waves
 from rockpulse.record.intensity import intense_phase
 from rockpulse.record.record import Record
+from rockpulse.sequences.estimators import calibrate
+from rockpulse.sequences.response_posterior import (
+    PARAMETERS,
+    correlations,
+    deviance_threshold,
+    flat_ends,
+    independent_share,
+    intervals,
+    main_counts,
+    parameter_values,
+    profiles,
+    sample_posterior,
+)
+from rockpulse.sequences.response_result import ResponseCalibration, remarks
+from rockpulse.sequences.response_search import explore, search_space, start_point
+from rockpulse.sequences.response_targets import (
+    SMALL,
+    ResponseTargets,
+    describe_family,
+    recorded_family,
+    recorded_targets,
+)
 
-__all__ = ["FORMS", "calibrate_response", "envelope", "fit_sequence"]
+__all__ = [
+    "FORMS",
+    "calibrate_response",
+    "envelope",
+    "enveloping_main",
+    "fit_sequence",
+]
 
 #: Forms of the calibration: the likeliest sequence, or one that covers a share of the blocks.
 FORMS = ("fit", "enveloping")
@@ -67,7 +76,7 @@ def calibrate_response(
         Conditioned.
     blocks : Block, optional
         (m,) blocks, the site's own. Without, 100 of engineering size about the edge at which this motion overturns
-        (:func:`rockpulse.calibration.response_family.motion_family`); a remark names their ranges.
+        (:func:`rockpulse.sequences.response_targets.motion_family`); a remark names their ranges.
     vertical : (n,) array_like, optional
         Vertical ground acceleration on the samples of the record [m/s2], positive up; it acts on the blocks whose
         rotations are the targets.
@@ -105,7 +114,7 @@ def calibrate_response(
     -----
     The targets are theta_max/alpha_c of the nonlinear equation. ln(target/peak) is taken as normal with an estimated
     spread; blocks that overturn are known to reach at least 1 only, blocks that hardly move to stay below `smallest`,
-    and blocks at rest say nothing (:mod:`rockpulse.calibration.response_targets`).
+    and blocks at rest say nothing (:mod:`rockpulse.sequences.response_targets`).
 
     References
     ----------
@@ -242,3 +251,45 @@ def _check(form: str, share: float, spacing: str, confidence: float) -> None:
         raise ConfigError(f"calibrate_response: share: expected a share above 0 and at most 1, got {share!r}")
     if not 0.0 < confidence < 1.0:
         raise ConfigError(f"calibrate_response: confidence: expected a level between 0 and 1, got {confidence!r}")
+
+
+#: Factors of the scan, and of each refinement.
+SCANNED, REFINED = 400, 33
+
+#: Relative width of the last bracket.
+TOLERANCE = 1e-6
+
+
+def enveloping_main(
+    targets: ResponseTargets, sequence: ImpulseSequence, share: float, threads: int | None = None
+) -> tuple[float, bool]:
+    """The factor on both impulses of a sequence at which it first covers a share of the targets.
+
+    I_s/I, dT, main count and duration are kept. Silent targets do not count: they are covered by anything. Returned are
+    the upper end of the first bracket, and whether a larger factor of the scan covers less than the share.
+
+    Notes
+    -----
+    The peak of a block is not monotonic in I (its number of secondary impulses jumps), so the range is scanned and the
+    first edge refined. It ends where every block overturns at once: (I/I_1c)(1 - sigma/2) of 2, above the root of
+    every spacing. A band of cover narrower than a step of the scan may be missed.
+    """
+    speaks = ~targets.silent
+    critical = np.asarray(targets.blocks.critical_impulse)[speaks]
+    last = 4.0 * critical.max() / sequence.main
+    first = 1e-3 * critical.min() / sequence.main
+
+    def covered(factors: np.ndarray) -> np.ndarray:
+        response = sequence_response(targets.blocks, sequence.scaled(factors), table_rows=0, threads=threads)
+        return 1.0 - targets.short_of(np.asarray(response.peak_rotation_ratio)) >= share - 1e-12
+
+    factors = np.geomspace(first, last, SCANNED)
+    enough = covered(factors)
+    edge = int(np.argmax(enough))
+    again = not bool(np.all(enough[edge:]))
+    low, high = factors[max(edge - 1, 0)], factors[edge]
+    while high - low > TOLERANCE * high:
+        inner = np.linspace(low, high, REFINED)
+        edge = max(int(np.argmax(covered(inner[1:]))) + 1, 1)
+        low, high = inner[edge - 1], inner[edge]
+    return float(high), again

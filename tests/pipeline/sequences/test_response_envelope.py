@@ -5,10 +5,10 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from rockpulse.calibration import response_envelope
-from rockpulse.calibration.response_envelope import enveloping_main
-from rockpulse.calibration.response_targets import ResponseTargets
 from rockpulse.models import Block, ImpulseSequence, Outcome
+from rockpulse.sequences import response as response_envelope
+from rockpulse.sequences.response import enveloping_main
+from rockpulse.sequences.response_targets import ResponseTargets
 
 BLOCKS = Block.from_parameters(np.linspace(1.0, 3.0, 10), np.linspace(0.1, 0.3, 10)[::-1], 0.9)
 PEAKS = np.array([0.3, 0.1, 0.8, 0.5, 0.2, 0.7, np.inf, 0.02, 0.0, 0.4])

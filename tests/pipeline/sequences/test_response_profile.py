@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from scipy.stats import chi2, f
 
-from rockpulse.calibration.response_posterior import Posterior
-from rockpulse.calibration.response_profile import (
+from rockpulse.sequences.response_posterior import (
+    Posterior,
     correlations,
     deviance_threshold,
     flat_ends,

@@ -7,8 +7,8 @@ import pytest
 from scipy.special import logsumexp
 from scipy.stats import multivariate_normal, norm
 
-from rockpulse.calibration import response_posterior
-from rockpulse.calibration.response_posterior import Posterior, sample_posterior
+from rockpulse.sequences import response_posterior
+from rockpulse.sequences.response_posterior import Posterior, sample_posterior
 
 LOW, HIGH = np.array([-5.0, 0.0, -5.0, 1.0]), np.array([5.0, 1.0, 5.0, 9.0])
 

@@ -9,12 +9,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from rocking.sequence import SPACINGS
-from rockpulse.calibration.estimators import INTERVAL, MAIN, MAIN_COUNT, SECONDARY, calibrate
 from rockpulse.config import settings as configuration
 from rockpulse.errors import ConfigError, RecordRefused
 from rockpulse.record.half_wave import HalfWaves, half_waves
 from rockpulse.record.intensity import IntensePhase, intense_phase
 from rockpulse.record.record import Record
+from rockpulse.sequences.estimators import INTERVAL, MAIN, MAIN_COUNT, SECONDARY, calibrate
 
 properties = settings(derandomize=True, deadline=None, max_examples=60)
 impulses = st.lists(st.floats(1e-3, 10.0), min_size=4, max_size=40)

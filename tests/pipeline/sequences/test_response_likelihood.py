@@ -5,9 +5,9 @@ import pytest
 from scipy.optimize import minimize_scalar
 from scipy.stats import norm
 
-from rockpulse.calibration.response_likelihood import SMALLEST_SPREAD, log_likelihood
-from rockpulse.calibration.response_targets import ResponseTargets
 from rockpulse.models import Block, Outcome
+from rockpulse.sequences.response_search import SMALLEST_SPREAD, log_likelihood
+from rockpulse.sequences.response_targets import ResponseTargets
 
 
 def targets(numbers, overturned=0, small=0):

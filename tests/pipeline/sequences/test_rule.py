@@ -11,10 +11,10 @@ import rockpulse as rp
 from rocking import OverturningSpectrum
 from rocking.half_wave_demand import HalfWaveDemand, demand_of_half_waves
 from rocking.half_wave_lanes import half_wave_lanes
-from rockpulse.calibration.rule import POINTS, Rule, load_rule, sequence_of_demand, traits
 from rockpulse.errors import ConfigError
 from rockpulse.models import Block, Outcome, sequence_response
 from rockpulse.record.synthetic import synthetic_motion
+from rockpulse.sequences.rule import POINTS, Rule, load_rule, sequence_of_demand, traits
 
 RULE = Rule("balanced", 1.0)
 

@@ -3,16 +3,15 @@
 import numpy as np
 import pytest
 
-from rockpulse.calibration import response as module
-from rockpulse.calibration import response_posterior, response_search
-from rockpulse.calibration.response import calibrate_response, envelope, fit_sequence
-from rockpulse.calibration.response_family import motion_family
-from rockpulse.calibration.response_profile import deviance_threshold
-from rockpulse.calibration.response_targets import block_family
 from rockpulse.errors import ConfigError, RecordRefused
 from rockpulse.models import Block, ImpulseSequence, Outcome, sequence_response
 from rockpulse.record.conditioning import condition
 from rockpulse.record.record import Record
+from rockpulse.sequences import response as module
+from rockpulse.sequences import response_posterior, response_search
+from rockpulse.sequences.response import calibrate_response, envelope, fit_sequence
+from rockpulse.sequences.response_posterior import deviance_threshold
+from rockpulse.sequences.response_targets import block_family, motion_family
 
 NAMES = ("main", "ratio", "interval", "main_count")
 
@@ -178,7 +177,7 @@ def test_a_vertical_acceleration_reaches_the_targets(monkeypatch, strong):
         seen["vertical"] = vertical
         raise RecordRefused("seen")
 
-    monkeypatch.setattr("rockpulse.calibration.response.recorded_targets", targets)
+    monkeypatch.setattr("rockpulse.sequences.response.recorded_targets", targets)
     up = np.zeros(strong.npts)
     with pytest.raises(RecordRefused, match="seen"):
         calibrate_response(strong, THIRD, vertical=up)

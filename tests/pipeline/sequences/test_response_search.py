@@ -5,8 +5,9 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from rockpulse.calibration import response_search
-from rockpulse.calibration.response_search import (
+from rockpulse.models import Block, ImpulseSequence, Outcome, sequence_response
+from rockpulse.sequences import response_search
+from rockpulse.sequences.response_search import (
     INTERVAL,
     MAIN_COUNT,
     RATIO,
@@ -16,8 +17,7 @@ from rockpulse.calibration.response_search import (
     search_space,
     start_point,
 )
-from rockpulse.calibration.response_targets import ResponseTargets, block_family
-from rockpulse.models import Block, ImpulseSequence, Outcome, sequence_response
+from rockpulse.sequences.response_targets import ResponseTargets, block_family
 
 
 def targets(sequence):

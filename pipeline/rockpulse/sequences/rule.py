@@ -236,7 +236,7 @@ def load_rule(point: str = "balanced", path: str | Path | None = None) -> Rule:
     """
     if point not in POINTS:
         raise ConfigError(f"rule: expected a working point of {', '.join(POINTS)}, got {point!r}")
-    source = files("rockpulse.calibration").joinpath(SHIPPED) if path is None else Path(path)
+    source = files("rockpulse.sequences").joinpath(SHIPPED) if path is None else Path(path)
     text = source.read_text(encoding="utf-8") if path is None else read_text(Path(path), TOML_LIMIT, "a TOML file")
     table = parse_toml(text, str(source))
     section = table.get(point)

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from rockpulse.calibration.response_remarks import remarks
+from rockpulse.sequences.response_result import remarks
 
 LOW, HIGH = np.array([0.1, 0.0, -3.0, 1.0]), np.array([1.0, 1.0, 0.0, 20.0])
 SPACE = SimpleNamespace(low=LOW, high=HIGH, spacing="end")
