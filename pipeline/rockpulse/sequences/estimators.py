@@ -18,17 +18,11 @@ from rockpulse.errors import ConfigError, RecordRefused
 from rockpulse.record.half_wave import HalfWaves
 from rockpulse.record.intensity import IntensePhase
 
-__all__ = ["INTERVAL", "MAIN", "MAIN_COUNT", "SECONDARY", "calibrate"]
-
 #: A sequence needs a main impulse, another one, and an interval that more than one pair has a say in.
 FEWEST_WAVES = 3
 
 #: Half-waves above this share of the largest one count as main.
 MAIN_SHARE = 0.5
-
-
-def _largest(sizes: np.ndarray, m: int, quantile: float) -> tuple[float, int]:
-    return float(sizes[0]), 1
 
 
 def _mean_of_largest(sizes: np.ndarray, m: int, quantile: float) -> tuple[float, int]:
@@ -48,7 +42,7 @@ def _quantile(sizes: np.ndarray, m: int, quantile: float) -> tuple[float, int]:
 #: Main impulse from the absolute impulses in falling order: its size [m/s], and how many of the first are not
 #: secondary.
 MAIN: dict[str, Callable[[np.ndarray, int, float], tuple[float, int]]] = {
-    "largest": _largest,
+    "largest": lambda sizes, m, quantile: (float(sizes[0]), 1),
     "mean-largest": _mean_of_largest,
     "quantile": _quantile,
 }
@@ -119,10 +113,9 @@ def calibrate(
     Raises
     ------
     ConfigError
-        For an unknown estimator, or an option that makes no sense.
+        For an unknown estimator or an option out of range.
     RecordRefused
-        With fewer than 3 half-waves in the phase: one is the main impulse, and an interval needs a spacing to the
-        others.
+        With fewer than 3 half-waves in the phase.
 
     References
     ----------
@@ -137,7 +130,26 @@ def calibrate(
     >>> round(sequence.main, 6), round(sequence.secondary, 6), sequence.main_count
     (0.425, 0.1625, 1)
     """
-    _check(main, secondary, interval, main_count, spacing, duration_s, m, quantile)
+    choices: tuple[tuple[str, str, Mapping[str, object]], ...] = (
+        ("main", main, MAIN),
+        ("secondary", secondary, SECONDARY),
+        ("interval", interval, INTERVAL),
+        ("spacing", spacing, SPACINGS),
+    )
+    for name, value, table in choices:
+        if value not in table:
+            raise ConfigError(f"calibrate: {name}: expected one of {', '.join(table)}, got {value!r}")
+    if not (main_count in MAIN_COUNT if isinstance(main_count, str) else _is_count(main_count)):
+        raise ConfigError(
+            f"calibrate: main_count: expected one of {', '.join(MAIN_COUNT)} or a whole number from 1, "
+            f"got {main_count!r}"
+        )
+    if duration_s is not None and not (math.isfinite(duration_s) and duration_s > 0.0):
+        raise ConfigError(f"calibrate: duration_s: expected a positive duration in s, got {duration_s!r}")
+    if not _is_count(m):
+        raise ConfigError(f"calibrate: m: expected a whole number from 1, got {m!r}")
+    if not 0.0 <= quantile <= 1.0:
+        raise ConfigError(f"calibrate: quantile: expected a level from 0 to 1, got {quantile!r}")
     inside = waves if phase is None else waves.between(phase.start, phase.end)
     where = waves.record_id or "half-waves"
     if len(inside) < FEWEST_WAVES:
@@ -162,38 +174,6 @@ def calibrate(
         main_count=MAIN_COUNT[main_count](sizes) if isinstance(main_count, str) else int(main_count),
         spacing=spacing,
     )
-
-
-def _check(
-    main: str,
-    secondary: str,
-    interval: str,
-    main_count: str | int,
-    spacing: str,
-    duration: float | None,
-    m: int,
-    quantile: float,
-) -> None:
-    choices: tuple[tuple[str, str, Mapping[str, object]], ...] = (
-        ("main", main, MAIN),
-        ("secondary", secondary, SECONDARY),
-        ("interval", interval, INTERVAL),
-        ("spacing", spacing, SPACINGS),
-    )
-    for name, value, table in choices:
-        if value not in table:
-            raise ConfigError(f"calibrate: {name}: expected one of {', '.join(table)}, got {value!r}")
-    if not (main_count in MAIN_COUNT if isinstance(main_count, str) else _is_count(main_count)):
-        raise ConfigError(
-            f"calibrate: main_count: expected one of {', '.join(MAIN_COUNT)} or a whole number from 1, "
-            f"got {main_count!r}"
-        )
-    if duration is not None and not (math.isfinite(duration) and duration > 0.0):
-        raise ConfigError(f"calibrate: duration_s: expected a positive duration in s, got {duration!r}")
-    if not _is_count(m):
-        raise ConfigError(f"calibrate: m: expected a whole number from 1, got {m!r}")
-    if not 0.0 <= quantile <= 1.0:
-        raise ConfigError(f"calibrate: quantile: expected a level from 0 to 1, got {quantile!r}")
 
 
 def _is_count(value: object) -> bool:

@@ -8,13 +8,12 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
 from rocking.block import Block
 from rocking.quantities import ArrayLike
-from rocking.sequence import SPACINGS, ImpulseSequence, sequence_response
+from rocking.sequence import SPACINGS, ImpulseSequence
 from rockpulse.errors import ConfigError
 from rockpulse.record.half_wave import half_waves
 from rockpulse.record.intensity import intense_phase
@@ -42,16 +41,11 @@ from rockpulse.sequences.response_targets import (
     recorded_targets,
 )
 
-__all__ = [
-    "FORMS",
-    "calibrate_response",
-    "envelope",
-    "enveloping_main",
-    "fit_sequence",
-]
-
 #: Forms of the calibration: the likeliest sequence, or one that covers a share of the blocks.
 FORMS = ("fit", "enveloping")
+
+#: Main impulses of the scan of an envelope, of each refinement, and the relative width of the last bracket.
+SCANNED, REFINED, TOLERANCE = 400, 33, 1e-6
 
 
 def calibrate_response(
@@ -113,62 +107,39 @@ def calibrate_response(
     Notes
     -----
     The targets are theta_max/alpha_c of the nonlinear equation. ln(target/peak) is taken as normal with an estimated
-    spread; blocks that overturn are known to reach at least 1 only, blocks that hardly move to stay below `smallest`,
-    and blocks at rest say nothing (:mod:`rockpulse.sequences.response_targets`).
+    spread; overturned blocks are known to reach at least 1 only, blocks that hardly move to stay below `smallest`, and
+    blocks at rest say nothing.
 
     References
     ----------
     Casapulla, C., Maione, A. (2017), COMPDYN 2017, section 5, doi:10.7712/120117.5612.17190.
     """
-    _check(form, share, spacing, confidence)
-    given = blocks is not None
-    if blocks is None:
-        blocks = recorded_family(record, threads, vertical)
-    targets = recorded_targets(record, blocks, smallest, threads, vertical)
+    for name, value, known in (("form", form, FORMS), ("spacing", spacing, SPACINGS)):
+        if value not in known:
+            raise ConfigError(f"calibrate_response: {name}: expected one of {', '.join(known)}, got {value!r}")
+    if not 0.0 < share <= 1.0:
+        raise ConfigError(f"calibrate_response: share: expected a share above 0 and at most 1, got {share!r}")
+    if not 0.0 < confidence < 1.0:
+        raise ConfigError(f"calibrate_response: confidence: expected a level between 0 and 1, got {confidence!r}")
+    family = recorded_family(record, threads, vertical) if blocks is None else blocks
+    targets = recorded_targets(record, family, smallest, threads, vertical)
     if start is None:
         start = calibrate(half_waves(record), phase=intense_phase(record), spacing=spacing)
-    key = np.random.SeedSequence([seed, *record.id.encode()])
-    fit = _fit(targets, start, spacing, confidence, np.random.default_rng(key), threads, record.id)
-    if not given:
-        fit = replace(fit, remarks=(describe_family(blocks), *fit.remarks))
+    rng = np.random.default_rng(np.random.SeedSequence([seed, *record.id.encode()]))
+    fit = fit_sequence(targets, start, spacing, confidence, rng, threads, record.id)
+    if blocks is None:
+        fit = replace(fit, remarks=(describe_family(family), *fit.remarks))
     return envelope(fit, share, threads) if form == "enveloping" else fit
 
 
-def fit_sequence(
-    blocks: Block,
-    peaks: Any,
-    outcomes: Any,
-    *,
-    start: ImpulseSequence | None = None,
-    spacing: str = "end",
-    smallest: float = SMALL,
-    confidence: float = 0.9,
-    seed: int = 0,
-    threads: int | None = None,
-    name: str = "",
-) -> ResponseCalibration:
-    """Impulse sequence that reproduces given peak rotations, of a test or of another model.
-
-    `peaks` (m,) are theta_max/alpha_c [-] of the (m,) blocks, ignored where a block overturns or stays at rest;
-    `outcomes` (m,) are :class:`rocking.Outcome`. Without `start` main impulses are limited by their number only. The
-    other options, and the errors, are those of :func:`calibrate_response`; errors also for arrays that do not go
-    together. The answer is of the form "fit" and carries `name`.
-    """
-    _check("fit", 1.0, spacing, confidence)
-    targets = ResponseTargets(blocks, peaks, outcomes, smallest)
-    return _fit(targets, start, spacing, confidence, np.random.default_rng(seed), threads, name)
-
-
 def envelope(fit: ResponseCalibration, share: float, threads: int | None = None) -> ResponseCalibration:
-    """The calibration with the smallest main impulse that covers a share of the family, from one of the form "fit".
+    """The calibration with the smallest main impulse that covers a share of the moved blocks [-], from a "fit".
 
-    I_s/I, dT, main count, duration, intervals and profiles stay those of the fit. `share` counts the blocks that the
-    motion moves, above 0 and at most 1 [-]; ConfigError otherwise.
+    I_s/I, dT, main count, duration, intervals and profiles stay those of the fit.
     """
-    _check("enveloping", share, fit.sequence.spacing, fit.confidence)
     factor, again = enveloping_main(fit.targets, fit.sequence, share, threads)
     sequence = fit.sequence.scaled(factor)
-    peaks = _peaks(fit.targets, sequence, threads)
+    peaks = fit.targets.reached(sequence, threads)
     said = f"the enveloping main impulse is {factor:.3g} times the fitted one and covers {share:.0%} of the blocks"
     if again:
         said += "; between larger impulses that do, some do not: cover is not monotonic in the impulse"
@@ -184,15 +155,16 @@ def envelope(fit: ResponseCalibration, share: float, threads: int | None = None)
     )
 
 
-def _fit(
+def fit_sequence(
     targets: ResponseTargets,
     start: ImpulseSequence | None,
     spacing: str,
     confidence: float,
     rng: np.random.Generator,
     threads: int | None,
-    name: str,
+    record_id: str,
 ) -> ResponseCalibration:
+    """The likeliest sequence of a set of targets; without `start` main impulses are limited by their number only."""
     space = search_space(targets, start, spacing)
     point = None if start is None or start.main == 0.0 else start_point(space, start)
     threshold = deviance_threshold(int(np.count_nonzero(targets.number)), confidence)
@@ -207,10 +179,10 @@ def _fit(
     best = explored.best(limits, parameter_values(space, explored.points))
     sequence = space.sequence(explored.points[best])
     values = parameter_values(space, explored.points[[best]])
-    peaks = _peaks(targets, sequence, threads)
-    of_start = None if start is None else _peaks(targets, start, threads)
+    peaks = targets.reached(sequence, threads)
+    of_start = None if start is None else targets.reached(start, threads)
     calibration = ResponseCalibration(
-        record_id=name,
+        record_id=record_id,
         form="fit",
         sequence=sequence,
         parameters={name: values[name].item() for name in PARAMETERS},
@@ -237,29 +209,6 @@ def _fit(
     return replace(calibration, remarks=remarks(calibration, space, ends))
 
 
-def _peaks(targets: ResponseTargets, sequence: ImpulseSequence, threads: int | None) -> np.ndarray:
-    """(1, m) peaks of one sequence [-]."""
-    response = sequence_response(targets.blocks, sequence, table_rows=0, threads=threads)
-    return np.asarray(response.peak_rotation_ratio)[np.newaxis]
-
-
-def _check(form: str, share: float, spacing: str, confidence: float) -> None:
-    for name, value, known in (("form", form, FORMS), ("spacing", spacing, tuple(SPACINGS))):
-        if value not in known:
-            raise ConfigError(f"calibrate_response: {name}: expected one of {', '.join(known)}, got {value!r}")
-    if not 0.0 < share <= 1.0:
-        raise ConfigError(f"calibrate_response: share: expected a share above 0 and at most 1, got {share!r}")
-    if not 0.0 < confidence < 1.0:
-        raise ConfigError(f"calibrate_response: confidence: expected a level between 0 and 1, got {confidence!r}")
-
-
-#: Factors of the scan, and of each refinement.
-SCANNED, REFINED = 400, 33
-
-#: Relative width of the last bracket.
-TOLERANCE = 1e-6
-
-
 def enveloping_main(
     targets: ResponseTargets, sequence: ImpulseSequence, share: float, threads: int | None = None
 ) -> tuple[float, bool]:
@@ -280,8 +229,7 @@ def enveloping_main(
     first = 1e-3 * critical.min() / sequence.main
 
     def covered(factors: np.ndarray) -> np.ndarray:
-        response = sequence_response(targets.blocks, sequence.scaled(factors), table_rows=0, threads=threads)
-        return 1.0 - targets.short_of(np.asarray(response.peak_rotation_ratio)) >= share - 1e-12
+        return 1.0 - targets.short_of(targets.reached(sequence.scaled(factors), threads)) >= share - 1e-12
 
     factors = np.geomspace(first, last, SCANNED)
     enough = covered(factors)

@@ -27,21 +27,6 @@ from scipy.special import logsumexp
 from rockpulse.sequences.response_search import INTERVAL, MAIN_COUNT, RATIO, Explored, SearchSpace
 from rockpulse.sequences.response_targets import ResponseTargets
 
-__all__ = [
-    "PARAMETERS",
-    "Posterior",
-    "correlations",
-    "deviance_threshold",
-    "flat_ends",
-    "independent_share",
-    "intervals",
-    "likeliest_counts",
-    "main_counts",
-    "parameter_values",
-    "profiles",
-    "sample_posterior",
-]
-
 #: Powers of the likelihood from round to round: the first proposals are wider than the posterior.
 TEMPERED = (0.2, 0.4, 0.7, 1.0, 1.0, 1.0)
 

@@ -11,11 +11,6 @@ from rockpulse.sequences.response_posterior import PARAMETERS
 from rockpulse.sequences.response_search import INTERVAL, MAIN_COUNT, RATIO, SearchSpace
 from rockpulse.sequences.response_targets import ResponseTargets
 
-__all__ = [
-    "ResponseCalibration",
-    "remarks",
-]
-
 
 @dataclass(frozen=True, eq=False)
 class ResponseCalibration:

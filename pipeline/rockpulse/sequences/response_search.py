@@ -22,21 +22,8 @@ from scipy.optimize import differential_evolution
 from scipy.special import log_ndtr
 from scipy.stats import qmc
 
-from rocking.sequence import ImpulseSequence, sequence_response
+from rocking.sequence import ImpulseSequence
 from rockpulse.sequences.response_targets import ResponseTargets
-
-__all__ = [
-    "INTERVAL",
-    "MAIN_COUNT",
-    "OFFSET",
-    "RATIO",
-    "SMALLEST_SPREAD",
-    "Explored",
-    "SearchSpace",
-    "explore",
-    "log_likelihood",
-    "search_space",
-]
 
 #: No sequence is taken to be better than this [-]: 1 % of a peak.
 SMALLEST_SPREAD = 0.01
@@ -211,9 +198,7 @@ class Explored:
 
     def peaks(self, points: np.ndarray) -> np.ndarray:
         """(q, m) peaks of (q, 4) points [-]."""
-        sequences = self.space.sequences(points)
-        response = sequence_response(self.targets.blocks, sequences, table_rows=0, threads=self.threads)
-        return np.asarray(response.peak_rotation_ratio)
+        return self.targets.reached(self.space.sequences(points), self.threads)
 
     def try_points(self, points: np.ndarray) -> np.ndarray:
         """(q,) log-likelihoods of (q, 4) points, which are kept."""

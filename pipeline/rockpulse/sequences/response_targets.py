@@ -32,18 +32,9 @@ from rocking.block import Block
 from rocking.quantities import ArrayLike
 from rocking.recorded import recorded_response
 from rocking.response import Outcome, Response
+from rocking.sequence import ImpulseSequence, sequence_response
 from rockpulse.errors import ConfigError, RecordRefused, TooWeak
 from rockpulse.record.record import Record
-
-__all__ = [
-    "SMALL",
-    "ResponseTargets",
-    "block_family",
-    "describe_family",
-    "motion_family",
-    "recorded_family",
-    "recorded_targets",
-]
 
 #: Peaks below this are known to be small, and no more [-]: just after uplift the size of a peak is decided by how far
 #: the acceleration exceeds the threshold, of which a sequence knows nothing.
@@ -51,6 +42,23 @@ SMALL = 0.05
 
 #: Fewest peaks that are numbers: four parameters and a spread, and one to spare.
 FEWEST_NUMBERS = 6
+
+#: Frequency parameters [1/s]: half-diagonals of 7.4 to 0.3 m. On smaller blocks a half-wave is no impulse.
+FREQUENCIES = (1.0, 5.0)
+
+#: Critical angles [rad]: slenderness 12.5 to 3.
+ANGLES = (0.08, 0.32)
+
+#: Restitutions over Housner's, which tell the parameters apart (docs/decisions/013). At 0.4 hardly more than the last
+#: main impulse counts; no free block is that dull, but the equation that its peak comes from is the same.
+RESTITUTIONS = (1.0, 0.8, 0.6, 0.4)
+
+#: I_1c of a family over that of the edge. Blocks below the edge overturn and are bounds; at 3, the impulse that takes
+#: a block of the edge to alpha_c takes one to 1 - sqrt(1 - 1/9) = 0.06 of it, just above what counts as a number.
+ABOUT_EDGE = (0.8, 3.0)
+
+#: Values of p and of alpha_c in the pool, blocks chosen for each restitution, and points they are chosen from.
+POOL, CHOSEN, POINTS = 10, 25, 8192
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,7 +69,7 @@ class ResponseTargets:
     with fewer than 6 blocks whose peak is a number; TooWeak where no 6 of enough blocks move, be it to overturn.
     """
 
-    blocks: Block  # (m,) blocks
+    blocks: Block  # (m,)
     peaks: np.ndarray  # (m,) theta_max/alpha_c [-]; inf where overturned, 0 at rest
     outcomes: np.ndarray  # (m,) :class:`rocking.Outcome`
     smallest: float = SMALL  # peaks below this are known to be small only [-]
@@ -111,6 +119,11 @@ class ResponseTargets:
         """(m,) bool: nothing is known of the sequence's peak."""
         return ~(self.number | self.small | self.overturned)
 
+    def reached(self, sequences: ImpulseSequence, threads: int | None = None) -> np.ndarray:
+        """Peaks (q, m) of the blocks under q sequences, or (1, m) under one [-]."""
+        response = sequence_response(self.blocks, sequences, table_rows=0, threads=threads)
+        return np.atleast_2d(response.peak_rotation_ratio)
+
     def short_of(self, peaks: np.ndarray) -> np.ndarray:
         """Share (q,) of the moved blocks whose peak (q, m) [-] is below the target: the unsafe side.
 
@@ -155,11 +168,8 @@ def block_family() -> Block:
     >>> family.shape, round(float(family.radius.max()), 2), round(float(family.slenderness.max()), 1)
     ((100,), 7.35, 12.5)
     """
-    p, alpha, factor = np.meshgrid(
-        np.geomspace(1.0, 5.0, 5), np.geomspace(0.08, 0.32, 5), [1.0, 0.9, 0.75, 0.6], indexing="ij"
-    )
-    housner = 1.0 - 1.5 * np.sin(alpha.ravel()) ** 2
-    return Block.from_parameters(p.ravel(), alpha.ravel(), factor.ravel() * housner)
+    axes = np.geomspace(*FREQUENCIES, 5), np.geomspace(*ANGLES, 5), [1.0, 0.9, 0.75, 0.6]
+    return _blocks(*(axis.ravel() for axis in np.meshgrid(*axes, indexing="ij")))
 
 
 def recorded_targets(
@@ -179,24 +189,6 @@ def recorded_targets(
         return ResponseTargets(blocks, np.asarray(response.peak_rotation_ratio), np.asarray(response.outcome), smallest)
     except RecordRefused as error:
         raise type(error)(f"{record.id}: {error}") from None
-
-
-#: Frequency parameters [1/s]: half-diagonals of 7.4 to 0.3 m. On smaller blocks a half-wave is no impulse.
-FREQUENCIES = (1.0, 5.0)
-
-#: Critical angles [rad]: slenderness 12.5 to 3.
-ANGLES = (0.08, 0.32)
-
-#: Restitutions over Housner's, which tell the parameters apart (docs/decisions/013). At 0.4 hardly more than the last
-#: main impulse counts; no free block is that dull, but the equation that its peak comes from is the same.
-RESTITUTIONS = (1.0, 0.8, 0.6, 0.4)
-
-#: I_1c of the family over that of the edge. Blocks below the edge overturn and are bounds; at 3, the impulse that takes
-#: a block of the edge to alpha_c takes one to 1 - sqrt(1 - 1/9) = 0.06 of it, just above what counts as a number.
-ABOUT_EDGE = (0.8, 3.0)
-
-#: Values of p and of alpha_c in the pool, blocks chosen for each restitution, and points they are chosen from.
-POOL, CHOSEN, POINTS = 10, 25, 8192
 
 
 def motion_family(answer: Callable[[Block], Response]) -> Block:
@@ -232,7 +224,8 @@ def motion_family(answer: Callable[[Block], Response]) -> Block:
             f"{1.0 / np.tan(ANGLES[0]):.3g}: there is nothing to calibrate on"
         )
     spread = qmc.Halton(2, scramble=False).random(POINTS)
-    p_, alpha_ = _between(spread[:, 0], *FREQUENCIES), _between(spread[:, 1], ANGLES[0], alpha[moved].max())
+    p_ = FREQUENCIES[0] * (FREQUENCIES[1] / FREQUENCIES[0]) ** spread[:, 0]
+    alpha_ = ANGLES[0] * (alpha[moved].max() / ANGLES[0]) ** spread[:, 1]
     impulses = np.asarray(_blocks(p_, alpha_, np.ones(POINTS)).critical_impulse)
     chosen = []
     for restitution in RESTITUTIONS:
@@ -261,22 +254,15 @@ def recorded_family(record: Record, threads: int | None = None, vertical: Any = 
 
 def describe_family(blocks: Block) -> str:
     """A remark that names the ranges of the chosen blocks."""
-    ranges = [
-        (name, f"{np.min(values):.3g} to {np.max(values):.3g}{unit}")
-        for name, values, unit in (
-            ("I_1c", blocks.critical_impulse, " m/s"),
-            ("p", blocks.p, " 1/s"),
-            ("slenderness", blocks.slenderness, ""),
-            ("C", blocks.restitution, ""),
-        )
-    ]
-    said = ", ".join(f"{name} {values}" for name, values in ranges)
+    columns = (
+        ("I_1c", blocks.critical_impulse, " m/s"),
+        ("p", blocks.p, " 1/s"),
+        ("slenderness", blocks.slenderness, ""),
+        ("C", blocks.restitution, ""),
+    )
+    said = ", ".join(f"{name} {np.min(values):.3g} to {np.max(values):.3g}{unit}" for name, values, unit in columns)
     return f"{np.size(blocks.p)} blocks chosen about the edge of overturning of this motion: {said}"
 
 
 def _blocks(p: np.ndarray, alpha: np.ndarray, factor: np.ndarray) -> Block:
     return Block.from_parameters(p, alpha, factor * (1.0 - 1.5 * np.sin(alpha) ** 2))
-
-
-def _between(share: np.ndarray, low: float, high: float) -> np.ndarray:
-    return np.asarray(low * (high / low) ** share)

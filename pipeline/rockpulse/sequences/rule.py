@@ -33,8 +33,6 @@ from rockpulse.errors import ConfigError
 from rockpulse.input_file import TOML_LIMIT, parse_toml, read_text
 from rockpulse.record.half_wave import HalfWaves
 
-__all__ = ["POINTS", "Rule", "load_rule", "sequence_of_demand", "traits"]
-
 #: Working points: the march of each (:class:`rockpulse.models.HalfWaveDemand`), and the factor that 1/D stands for.
 POINTS = {"balanced": ("march", "capacity_mean"), "conservative": ("march_10", "factor_10")}
 
@@ -79,36 +77,20 @@ class Rule:
             raise ConfigError(f"rule: [{self.point}] factor: expected a positive number, got {self.factor!r}")
 
     def demand(self, waves: HalfWaves, block: Block) -> np.ndarray:
-        """Demand of a record on blocks: the rule says that those overturn on which it is at least 1.
+        """Demand D of a record on blocks, (m,) [-]: the rule says that those overturn on which it is at least 1.
 
         Parameters
         ----------
         waves : HalfWaves
-            All half-waves of the record.
+            All half-waves of the record; D is proportional to a factor on it.
         block : Block
             One block, which counts as (1,), or (m,) of them.
-
-        Returns
-        -------
-        (m,) ndarray
-            D [-], proportional to a factor on the record.
         """
         march = getattr(_half_wave_demand(waves, block), POINTS[self.point][0])
         return np.minimum(self.factor * march, _uplift(waves, block))
 
     def safety_factor(self, waves: HalfWaves, block: Block) -> np.ndarray:
-        """Factor on the record at which the rule's sequence overturns each block: 1/D, in closed form.
-
-        Parameters
-        ----------
-        waves, block
-            As for :meth:`demand`.
-
-        Returns
-        -------
-        (m,) ndarray
-            Factor [-]; inf for a record of zeros.
-        """
+        """Factor on the record at which the sequence overturns each block, (m,) [-]: 1/D; inf for a record of zeros."""
         demand = self.demand(waves, block)
         return np.divide(1.0, demand, out=np.full(demand.shape, np.inf), where=demand > 0.0)
 
@@ -131,18 +113,10 @@ class Rule:
         )
 
     def sequence(self, waves: HalfWaves, block: Block) -> ImpulseSequence:
-        """The impulse sequence that stands for a record, block by block.
+        """The impulse sequence that stands for a record, block by block, (m,), with the spacing "continuous".
 
-        Parameters
-        ----------
-        waves, block
-            As for :meth:`demand`.
-
-        Returns
-        -------
-        ImpulseSequence
-            (m,), spacing "continuous", to be used with ``sequence_response(..., paired=True)``. A block that the
-            record does not lift has the main impulse zero.
+        To be used with ``sequence_response(..., paired=True)``; a block that the record does not lift has the main
+        impulse zero.
 
         Notes
         -----
@@ -154,23 +128,11 @@ class Rule:
         return sequence_of_demand(self.demand(waves, block), of_waves, block, _uplift(waves, block) > 1.0)
 
     def spectrum_lanes(self, waves: HalfWaves, p: ArrayLike = RATES, threads: int | None = None) -> SpectrumLanes:
-        """Lanes of the overturning spectrum of a record by the rule: its march, with the factor of the point.
+        """Lanes of the overturning spectrum of a record that is not all zero: its march, with the factor of the point.
 
-        Parameters
-        ----------
-        waves : HalfWaves
-            All half-waves of the record, not all zero.
-        p : (a,) array_like
-            Frequency parameters [1/s], ascending.
-        threads : int, optional
-            Threads that share the lanes; None for all available cores.
-
-        Returns
-        -------
-        SpectrumLanes
-            For :class:`rockpulse.models.OverturningSpectrum`. Nothing overturns before the peak of the half-waves lifts
-            it, x = p/PGA. The angles of the draws are less than the nominal one, 4 % in the mean, so that a spectrum
-            goes up to 1.04 PGA/p where :meth:`demand` ends at the nominal PGA/p.
+        The frequency parameters p (a,) [1/s] ascend. Nothing overturns before the peak of the half-waves lifts it, x =
+        p/PGA. The angles of the draws are less than the nominal one, 4 % in the mean, so that a spectrum goes up to
+        1.04 PGA/p where :meth:`demand` ends at the nominal PGA/p.
         """
         lanes = half_wave_lanes(waves.start, waves.centroid, waves.end, waves.impulse, p, threads=threads)
         shift = math.log(self.factor)
@@ -180,16 +142,7 @@ class Rule:
         return replace(lanes, log_x=log_x, weight=weight, bottom=bottom, top=np.maximum(lanes.top - shift, bottom))
 
     def applicable(self, block: Block) -> np.ndarray:
-        """True for bodies like those that the rule was fitted on: inside its range, or no more than 1 % beyond.
-
-        Parameters
-        ----------
-        block : Block
-            One block, which counts as (1,), or (m,) of them.
-
-        Returns
-        -------
-        (m,) ndarray of bool
+        """True, (m,), for bodies like those that the rule was fitted on: inside its range, or up to 1 % beyond.
 
         Examples
         --------
@@ -205,7 +158,12 @@ class Rule:
     @property
     def range_text(self) -> str:
         """The range of the bodies that the rule was fitted on, in words."""
-        return ", ".join(_bounds(name, f"{low:.3g}", f"{high:.3g}") for name, (low, high) in self.within.items())
+        return ", ".join(
+            "Housner's C"
+            if name == "restitution_ratio" and f"{low:.3g}" == f"{high:.3g}" == "1"
+            else TRAITS[name].format(f"{low:.3g}", f"{high:.3g}")
+            for name, (low, high) in self.within.items()
+        )
 
 
 def load_rule(point: str = "balanced", path: str | Path | None = None) -> Rule:
@@ -218,16 +176,10 @@ def load_rule(point: str = "balanced", path: str | Path | None = None) -> Rule:
     path : str or Path, optional
         File that ``rockpulse rule fit`` wrote; that of the package without.
 
-    Returns
-    -------
-    Rule
-
     Raises
     ------
     ConfigError
         For an unknown point, or a file that holds no rule.
-    OSError
-        Where the file cannot be read.
 
     Examples
     --------
@@ -274,12 +226,6 @@ def traits(block: Block) -> dict[str, np.ndarray]:
         "slenderness": np.atleast_1d(block.slenderness),
         "restitution_ratio": ratio,
     }
-
-
-def _bounds(name: str, least: str, most: str) -> str:
-    if name == "restitution_ratio" and least == most == "1":
-        return "Housner's C"
-    return TRAITS[name].format(least, most)
 
 
 def sequence_of_demand(

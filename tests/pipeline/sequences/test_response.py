@@ -1,4 +1,7 @@
-"""`calibrate_response`: known sequences come back, records are reproduced, and what cannot be told is said."""
+"""`calibrate_response`: known sequences come back, records are reproduced, and what cannot be told is said.
+
+The smallest main impulse that covers a share of the targets, where peaks are known in closed form.
+"""
 
 import numpy as np
 import pytest
@@ -9,9 +12,9 @@ from rockpulse.record.conditioning import condition
 from rockpulse.record.record import Record
 from rockpulse.sequences import response as module
 from rockpulse.sequences import response_posterior, response_search
-from rockpulse.sequences.response import calibrate_response, envelope, fit_sequence
+from rockpulse.sequences.response import calibrate_response, envelope, enveloping_main
 from rockpulse.sequences.response_posterior import deviance_threshold
-from rockpulse.sequences.response_targets import block_family, motion_family
+from rockpulse.sequences.response_targets import ResponseTargets, block_family, motion_family
 
 NAMES = ("main", "ratio", "interval", "main_count")
 
@@ -28,6 +31,11 @@ def response(blocks, sequence):
     return sequence_response(blocks, sequence, table_rows=0, threads=1)
 
 
+def fit_sequence(blocks, peaks, outcomes, start=None, spacing="end", confidence=0.9, seed=0, name=""):
+    targets = ResponseTargets(blocks, peaks, outcomes)
+    return module.fit_sequence(targets, start, spacing, confidence, np.random.default_rng(seed), 1, name)
+
+
 def recovered(seed, counts, every=1):
     """A sequence from the middle of what is searched, responses of its family with noise of 10 %, and the fit."""
     rng = np.random.default_rng(seed)
@@ -38,7 +46,7 @@ def recovered(seed, counts, every=1):
     blocks = thinned(motion_family(lambda pool: response(pool, sequence)), every)
     answer = response(blocks, sequence)
     peaks = answer.peak_rotation_ratio * np.exp(0.1 * rng.standard_normal(blocks.shape))
-    return truth, fit_sequence(blocks, peaks, answer.outcome, seed=seed, threads=1)
+    return truth, fit_sequence(blocks, peaks, answer.outcome, seed=seed)
 
 
 def coverage(cases):
@@ -101,7 +109,7 @@ def test_a_hundred_sequences_with_noise_are_recovered():
 def test_without_noise_the_parameters_come_back_and_a_start_that_is_the_truth_is_no_worse():
     sequence = ImpulseSequence(0.25, 0.125, 0.2, 8.0, main_count=3)
     answer = response(THIRD, sequence)
-    fit = fit_sequence(THIRD, answer.peak_rotation_ratio, answer.outcome, start=sequence, threads=1)
+    fit = fit_sequence(THIRD, answer.peak_rotation_ratio, answer.outcome, start=sequence)
     assert fit.parameters["main_count"] == 3
     assert fit.parameters["main"] == pytest.approx(0.25, rel=0.01)
     assert fit.parameters["ratio"] == pytest.approx(0.5, abs=0.01)
@@ -116,7 +124,7 @@ def test_one_main_impulse_says_that_impulse_and_ratio_are_one():
     answer = response(THIRD, sequence)
     rng = np.random.default_rng(2)
     peaks = answer.peak_rotation_ratio * np.exp(0.1 * rng.standard_normal(THIRD.shape))
-    fit = fit_sequence(THIRD, peaks, answer.outcome, spacing="continuous", threads=1)
+    fit = fit_sequence(THIRD, peaks, answer.outcome, spacing="continuous")
     assert np.isnan(fit.parameters["interval"])
     assert any("main and ratio are not told apart" in remark for remark in fit.remarks)
     assert any("infinitely many secondary impulses" in remark for remark in fit.remarks)
@@ -232,13 +240,9 @@ def short(monkeypatch):
         monkeypatch.setattr(response_posterior, name, value)
 
 
-def test_without_a_word_the_seed_is_zero_and_the_level_nine_tenths(short):
-    plain = fit_sequence(TWELVE, PEAKS, ROCK, threads=1)
-    said = fit_sequence(TWELVE, PEAKS, ROCK, seed=0, confidence=0.9, smallest=0.05, spacing="end", name="", threads=1)
-    other = fit_sequence(TWELVE, PEAKS, ROCK, seed=1, confidence=0.5, name="one", threads=1)
-    assert plain.parameters == said.parameters
-    assert plain.intervals == said.intervals
-    assert (plain.confidence, plain.targets.smallest, plain.sequence.spacing, plain.record_id) == (0.9, 0.05, "end", "")
+def test_a_fit_without_a_start_says_what_its_sequence_does(short):
+    plain = fit_sequence(TWELVE, PEAKS, ROCK)
+    other = fit_sequence(TWELVE, PEAKS, ROCK, seed=1, confidence=0.5, name="one")
     assert plain.intervals != other.intervals
     assert (other.confidence, other.record_id, other.form) == (0.5, "one", "fit")
     assert np.isnan([plain.start_misfit, plain.start_unsafe_share]).all()
@@ -268,7 +272,7 @@ def test_the_search_looks_as_far_as_four_thresholds_and_a_parameter_is_flat_up_t
     )
     still = ImpulseSequence(0.0, 0.0, 0.2, 9.0, main_count=3)
     for start, there in ((None, False), (still, False), (ImpulseSequence(0.5, 0.2, 0.2, 9.0, main_count=3), True)):
-        fit = fit_sequence(TWELVE, PEAKS, ROCK, start=start, confidence=confidence, threads=1)
+        fit = fit_sequence(TWELVE, PEAKS, ROCK, start=start, confidence=confidence)
         assert fit.flat == ("ratio",)
         assert seen["enough"] == pytest.approx(4.0 * threshold)
         assert (seen["point"] is not None) is there
@@ -308,3 +312,55 @@ def test_the_envelope_says_its_factor_and_whether_cover_is_monotonic(monkeypatch
     again = envelope(fit, 0.84, threads=1)
     assert again.sequence.main == pytest.approx(1.5 * fit.sequence.main)
     assert again.remarks[-1].endswith("cover is not monotonic in the impulse")
+
+
+BLOCKS = Block.from_parameters(np.linspace(1.0, 3.0, 10), np.linspace(0.1, 0.3, 10)[::-1], 0.9)
+TEN_PEAKS = np.array([0.3, 0.1, 0.8, 0.5, 0.2, 0.7, np.inf, 0.02, 0.0, 0.4])
+OUTCOMES = np.where(np.isinf(TEN_PEAKS), Outcome.OVERTURNS, np.where(TEN_PEAKS > 0.0, Outcome.ROCKS, Outcome.AT_REST))
+TARGETS = ResponseTargets(BLOCKS, TEN_PEAKS, OUTCOMES)
+ONE = ImpulseSequence(0.31, 0.0, 0.2, np.inf, main_count=1)
+
+
+@pytest.mark.parametrize(("share", "covered"), [(1.0, 9), (0.84, 8), (0.5, 5), (5.0 / 9.0, 5), (0.56, 6), (0.1, 1)])
+def test_of_one_impulse_the_factor_is_that_of_the_block_which_is_just_covered(share, covered):
+    """Eq. 6: the peak x takes I/I_1c of sqrt(1 - (1 - x)^2), and overturning takes 1; the block at rest is silent."""
+    taken = np.sqrt(1.0 - (1.0 - np.minimum(TEN_PEAKS, 1.0)) ** 2) * BLOCKS.critical_impulse / ONE.main
+    expected = np.sort(np.delete(taken, 8))[covered - 1]
+    factor, again = enveloping_main(TARGETS, ONE, share, threads=1)
+    assert expected * (1.0 - 1e-9) <= factor <= expected * (1.0 + 1.01e-6)
+    assert again is False
+
+
+def covering(monkeypatch, inside):
+    """The factor on ONE where a motion covers all targets at factors inside of a range, and none elsewhere."""
+    seen = []
+
+    def reached(targets, sequence, threads):
+        factors = np.asarray(sequence.main) / ONE.main
+        seen.append(factors)
+        peaks = np.where(inside(factors), np.inf, 0.0)
+        return np.repeat(peaks[:, np.newaxis], targets.blocks.shape[0], axis=1)
+
+    monkeypatch.setattr(ResponseTargets, "reached", reached)
+    return enveloping_main(TARGETS, ONE, 1.0), seen
+
+
+def test_the_scan_goes_from_a_thousandth_of_the_least_to_four_times_the_largest_critical_impulse(monkeypatch):
+    critical = np.delete(BLOCKS.critical_impulse, 8) / ONE.main  # of those that are not silent
+    (factor, again), seen = covering(monkeypatch, lambda factors: factors > 0.0)
+    assert (factor, again) == (pytest.approx(1e-3 * critical.min()), False)
+    assert seen[0][-1] == pytest.approx(4.0 * critical.max())
+    assert np.diff(np.log(seen[0])) == pytest.approx(np.log(seen[0][1] / seen[0][0]))
+    assert len(seen) == 1  # nothing is left to refine
+    last = seen[0][-1]
+    (factor, _), _ = covering(monkeypatch, lambda factors: factors >= 0.9999 * last)
+    assert factor == pytest.approx(0.9999 * last, rel=1.01e-6)
+
+
+def test_larger_impulses_that_cover_less_are_told_and_the_first_edge_counts(monkeypatch):
+    def bands(factors):
+        return ((factors >= 0.7) & (factors < 0.8)) | (factors > 0.9)
+
+    (factor, again), _ = covering(monkeypatch, bands)
+    assert 0.7 <= factor <= 0.7 * (1.0 + 1.01e-6)
+    assert again is True
