@@ -71,9 +71,9 @@ from .sequences.rule import load_rule as load_rule
 from .storage.design_file import load_design as load_design
 from .storage.long_table import results_table as results_table
 from .storage.save_load import save as save
-from .studies.check.codes import code_check as code_check
-from .studies.check.kinematic import KinematicCheck as KinematicCheck
-from .studies.check.kinematic import kinematic_check as kinematic_check
+from .studies.check.codes import KinematicCheck as KinematicCheck
+from .studies.check.bodies import code_check as code_check
+from .studies.check.codes import kinematic_check as kinematic_check
 from .studies.fragility.assessment import fragility_curves as fragility_curves
 from .studies.fragility.curves import fit_capacities as fit_capacities
 from .studies.fragility.curves import fit_stripes as fit_stripes

@@ -1,9 +1,4 @@
-"""The sampler on a density whose quantiles are known, with a jump in it.
-
-Profiles, intervals and correlations of the parameters, and what likely points say of the limits of a search.
-
-How many independent observations a family stands for.
-"""
+"""The sampler on densities whose quantiles are known, and profiles, intervals and correlations of the parameters."""
 
 from types import SimpleNamespace
 
