@@ -18,6 +18,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from itertools import combinations
 
 import numpy as np
 from scipy import stats
@@ -46,6 +47,20 @@ WIDTHS = (0.25, 0.75)
 
 #: Share of a kernel's width that is never gone below, of the searched range.
 NARROWEST = 1e-4
+
+#: Names, units and words of the parameters.
+PARAMETERS = {
+    "main": ("m/s", "main impulse"),
+    "ratio": ("", "I_s/I"),
+    "interval": ("s", "interval dT of the secondary impulses"),
+    "main_count": ("", "number of main impulses"),
+}
+
+#: Parts into which the range of a profile is divided, and the deviance up to which it shows candidates.
+PARTS, SHOWN = 24, 20.0
+
+#: One-sided level of the test on a correlation, as normal deviate, and the largest correlation that is believed.
+SIGNIFICANT, LARGEST = 1.645, 0.9
 
 
 @dataclass(frozen=True, eq=False)
@@ -156,21 +171,6 @@ def _normal(log_weights: np.ndarray) -> np.ndarray:
     return np.asarray(np.exp(log_weights - logsumexp(log_weights)))
 
 
-#: Names, units and words of the parameters.
-PARAMETERS = {
-    "main": ("m/s", "main impulse"),
-    "ratio": ("", "I_s/I"),
-    "interval": ("s", "interval dT of the secondary impulses"),
-    "main_count": ("", "number of main impulses"),
-}
-
-#: Parts into which the range of a profile is divided.
-PARTS = 24
-
-#: Candidates beyond this deviance are not shown in a profile.
-SHOWN = 20.0
-
-
 def parameter_values(space: SearchSpace, points: np.ndarray) -> dict[str, np.ndarray]:
     """(q,) values of each parameter of (q, 4) points; dT is NaN where the spacing has none."""
     interval = np.exp(points[:, INTERVAL]) if space.spacing != "continuous" else np.full(len(points), np.nan)
@@ -180,6 +180,11 @@ def parameter_values(space: SearchSpace, points: np.ndarray) -> dict[str, np.nda
         "interval": interval,
         "main_count": np.rint(points[:, MAIN_COUNT]),
     }
+
+
+def _scale(name: str, values: np.ndarray) -> np.ndarray:
+    """Values of a parameter on the scale that it is compared on: the logarithm of I and dT."""
+    return np.log(values) if name in ("main", "interval") else values
 
 
 def deviance_threshold(count: int, confidence: float) -> float:
@@ -200,7 +205,7 @@ def deviance_threshold(count: int, confidence: float) -> float:
 def profiles(explored: Explored, share: float = 1.0) -> dict[str, tuple[np.ndarray, np.ndarray]]:
     """The profile of each parameter: values (k,), rising, and the smallest deviance (k,) found there [-].
 
-    Each deviance is that of a candidate: the true profile lies at or below it.
+    Each is that of a candidate: the true profile lies at or below it.
     """
     points, likelihood = explored.points, explored.likelihood
     deviance = 2.0 * share * (likelihood.max() - likelihood)
@@ -210,13 +215,11 @@ def profiles(explored: Explored, share: float = 1.0) -> dict[str, tuple[np.ndarr
         if np.any(np.isnan(values)):
             found[name] = (np.empty(0), np.empty(0))
             continue
-        scale = np.log(values) if name in ("main", "interval") else values
-        whole = name == "main_count"
-        width = 1.0 if whole else max(np.ptp(scale) / PARTS, 1e-12)
+        scale = _scale(name, values)
+        width = 1.0 if name == "main_count" else max(np.ptp(scale) / PARTS, 1e-12)
         part = np.floor((scale - scale.min()) / width)
         order = np.lexsort((deviance[near], part))
-        _, firsts = np.unique(part[order], return_index=True)
-        best = order[firsts]
+        best = order[np.unique(part[order], return_index=True)[1]]
         found[name] = (values[best], deviance[near][best])
     return found
 
@@ -227,10 +230,8 @@ def intervals(space: SearchSpace, posterior: Posterior, confidence: float) -> di
     For the main count it is that of :func:`likeliest_counts`.
     """
     levels = np.array([0.5 * (1.0 - confidence), 0.5 * (1.0 + confidence)])
-    found = {}
-    for name, values in parameter_values(space, posterior.points).items():
-        low, high = posterior.quantiles(values, levels)
-        found[name] = (float(low), float(high))
+    values = parameter_values(space, posterior.points)
+    found = {name: tuple(posterior.quantiles(one, levels).tolist()) for name, one in values.items()}
     return {**found, "main_count": likeliest_counts(main_counts(posterior), confidence)}
 
 
@@ -274,27 +275,14 @@ def flat_ends(explored: Explored, threshold: float, share: float = 1.0) -> dict[
 def correlations(space: SearchSpace, posterior: Posterior) -> dict[tuple[str, str], float]:
     """Correlation of every two parameters in the posterior, of the logarithms of I and dT [-]."""
     values = parameter_values(space, posterior.points)
-    columns = {
-        name: np.log(value) if name in ("main", "interval") else value
-        for name, value in values.items()
-        if not np.any(np.isnan(value))
-    }
-    names = list(columns)
-    matrix = np.cov(np.array([columns[name] for name in names]), aweights=posterior.weights)
+    columns = {name: _scale(name, value) for name, value in values.items() if not np.any(np.isnan(value))}
+    matrix = np.cov(np.array(list(columns.values())), aweights=posterior.weights)
     deviation = np.sqrt(np.diag(matrix))
     found = {}
-    for i, one in enumerate(names):
-        for j in range(i):
-            scale = deviation[i] * deviation[j]
-            found[names[j], one] = float(matrix[i, j] / scale) if scale > 0.0 else 0.0
+    for (i, one), (j, other) in combinations(enumerate(columns), 2):
+        scale = deviation[j] * deviation[i]
+        found[one, other] = float(matrix[j, i] / scale) if scale > 0.0 else 0.0
     return found
-
-
-#: One-sided level of the test on the correlation, as normal deviate.
-SIGNIFICANT = 1.645
-
-#: Largest correlation that is taken at its word.
-LARGEST = 0.9
 
 
 def independent_share(targets: ResponseTargets, peaks: np.ndarray) -> tuple[float, float]:

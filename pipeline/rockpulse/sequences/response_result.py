@@ -37,31 +37,22 @@ class ResponseCalibration:
         Parameters of which the targets tell nothing: every value that was searched is within the threshold.
     correlations : dict of (str, str) to float
         Correlation of two parameters in the posterior, of ln for I and dT [-].
-    misfit : float
-        Root mean square of ln(target/peak) over the blocks that the motion moves; the distance to the censored range
-        where one of the two overturns or is small [-].
-    unsafe_share : float
-        Share of the blocks that the motion moves whose peak under the sequence is below the target [-].
-    spread : float
-        Estimated standard deviation of ln(target/peak) of the fit [-].
+    misfit, unsafe_share, spread : float
+        Over the blocks that the motion moves: root mean square of ln(target/peak), the distance to the censored range
+        where one of the two overturns or is small [-]; share whose peak under the sequence is below the target [-];
+        estimated standard deviation of ln(target/peak) of the fit [-].
     targets : ResponseTargets
         The answers that had to be reproduced: blocks, peaks, outcomes.
     peaks : (m,) ndarray
         theta_max/alpha_c of the same blocks under the sequence, inf where overturned [-].
-    start : ImpulseSequence or None
-        The sequence that the search started from: the statistical estimate unless one was given.
-    start_misfit, start_unsafe_share : float
-        The same figures of the start; NaN without.
-    confidence : float
-        Level of the intervals [-].
-    effective_samples : float
-        Effective number of samples behind the intervals [-].
-    candidates : int
-        Sequences that were tried.
-    independent_share : float
-        Share of the peaks taken as independent observations in intervals and profiles [-].
-    neighbour_correlation : float
-        Correlation of the residuals of neighbouring blocks, from which that share comes [-].
+    start, start_misfit, start_unsafe_share : ImpulseSequence, float, float
+        The sequence that the search started from, the statistical estimate unless one was given, and the same figures
+        of it; None and NaN without.
+    confidence, effective_samples, candidates : float, float, int
+        Level of the intervals [-], effective number of samples behind them, sequences that were tried.
+    independent_share, neighbour_correlation : float
+        Share of the peaks taken as independent observations [-], from the correlation of the residuals of neighbouring
+        blocks [-].
     remarks : tuple of str
         In words: what was censored, what the targets cannot tell, how good the fit is.
     """
@@ -91,14 +82,9 @@ class ResponseCalibration:
     remarks: tuple[str, ...]
 
 
-#: Correlation from which two parameters are said not to be told apart [-].
-INSEPARABLE = 0.9
-
-#: Spread from which the sequence is said to reproduce the ensemble rather than the block [-].
-WIDE = 0.3
-
-#: Effective samples below which the intervals are said to be rough.
-FEW_SAMPLES = 100.0
+#: Correlation from which two parameters are said not to be told apart, spread from which the sequence is said to stand
+#: for the ensemble rather than for the block [-], and effective samples below which the intervals are said to be rough.
+INSEPARABLE, WIDE, FEW_SAMPLES = 0.9, 0.3, 100.0
 
 
 def remarks(

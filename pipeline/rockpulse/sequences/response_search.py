@@ -189,9 +189,7 @@ class Explored:
     """All candidates of a space that were tried, with their likelihood under the targets."""
 
     def __init__(self, targets: ResponseTargets, space: SearchSpace, threads: int | None) -> None:
-        self.targets: ResponseTargets = targets
-        self.space: SearchSpace = space
-        self.threads: int | None = threads
+        self.targets, self.space, self.threads = targets, space, threads
         self._points: list[np.ndarray] = []
         self._likelihood: list[np.ndarray] = []
         self._spread: list[np.ndarray] = []
@@ -218,6 +216,11 @@ class Explored:
         """(k,) their log-likelihoods."""
         return np.concatenate(self._likelihood)
 
+    @property
+    def spread(self) -> np.ndarray:
+        """(k,) their most likely spreads [-]."""
+        return np.concatenate(self._spread)
+
     def best(self, limits: dict[str, tuple[float, float]], values: dict[str, np.ndarray]) -> int:
         """Index of the likeliest candidate within limits, or of the first one, the start, where that is likelier."""
         inside = np.ones(len(self.likelihood), dtype=bool)
@@ -225,11 +228,6 @@ class Explored:
             inside &= np.isnan(values[name]) | ((values[name] >= low) & (values[name] <= high))
         inside[0] = True
         return int(np.argmax(np.where(inside, self.likelihood, -np.inf)))
-
-    @property
-    def spread(self) -> np.ndarray:
-        """(k,) their most likely spreads [-]."""
-        return np.concatenate(self._spread)
 
 
 def explore(
