@@ -26,8 +26,6 @@ from rockpulse.sequences.design_spectrum import DesignSpectrum
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["assess_sequence"]
-
 
 def assess_sequence(
     sequence: ImpulseSequence | DesignSpectrum,

@@ -15,8 +15,6 @@ from rockpulse.record.record import Record
 from rockpulse.remark import Remark
 from rockpulse.sequences.estimators import calibrate
 
-__all__ = ["extract", "matched", "prepare"]
-
 
 def prepare(record: Record, config: Config, vertical: Record | None = None) -> Scene:
     """Condition a record as it was read, extract its half-waves and calibrate its sequence.
