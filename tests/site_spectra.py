@@ -10,8 +10,8 @@ from rockpulse import CalibrationSettings
 from rockpulse.models import Block
 from rockpulse.motions.tables import record_weights
 from rockpulse.storage.spectrum_variables import RESTITUTIONS
-from rockpulse.studies.site.record import facts_of_record
-from rockpulse.studies.site.spectrum_tree import build_spectrum_tree
+from rockpulse.studies.site.records import facts_of_record
+from rockpulse.studies.site.spectrum_design import build_spectrum_tree
 
 #: Slendernesses 10 and 4.5, and one that no spectrum stands for.
 BLOCKS = {"wall": Block(0.15, 1.5), "pier": Block(0.4, 1.8), "chest": Block(0.8, 1.8, restitution=0.8)}

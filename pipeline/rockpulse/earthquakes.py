@@ -12,7 +12,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -32,6 +32,12 @@ def members(events: Sequence[str] | np.ndarray) -> np.ndarray:
     """Whether (g, n) each of n records is of each of the g earthquakes, which are in the order of their labels."""
     names, place = np.unique(np.asarray(events), return_inverse=True)
     return np.asarray(place == np.arange(names.size)[:, np.newaxis])
+
+
+def mean_weights(events: Sequence[str] | np.ndarray) -> np.ndarray:
+    """Weights (g, n) of n records in the mean of each of the g earthquakes."""
+    own = members(events)
+    return np.asarray(own / own.sum(axis=1, keepdims=True))
 
 
 def draw_earthquakes(events: int, resamples: int, seed: int | Sequence[int]) -> np.ndarray:
@@ -151,10 +157,16 @@ def _few_earthquakes(sizes: np.ndarray, confidence: float) -> tuple[float, float
     return correction, float(t.ppf(0.5 * (1.0 + confidence), max(1.0 / square - 1.0, 1.0)))
 
 
-def bootstrap_t_limits(
-    scores: np.ndarray, estimate: float, error: float, confidence: float
-) -> tuple[float, float, float]:
-    """Limits exp(estimate - score error) by the scores (b,) of the draws, and the share of the draws that are lost.
+class Limits(NamedTuple):
+    """Limits of a quantity by the bootstrap-t, NaN where too many draws are lost, and the share of the lost ones."""
+
+    low: float
+    high: float
+    lost: float
+
+
+def bootstrap_t_limits(scores: np.ndarray, estimate: float, error: float, confidence: float) -> Limits:
+    """Limits exp(estimate - score error) by the scores (b,) of the draws.
 
     A score is (value of the draw - estimate)/standard error of the draw, NaN where the draw has none. The limits are
     NaN where more than :data:`LOST` of the draws are lost, or where the estimate has no error.
@@ -162,9 +174,9 @@ def bootstrap_t_limits(
     known = scores[np.isfinite(scores)]
     lost = 1.0 - known.size / scores.size
     if lost > LOST or not (np.isfinite(error) and error > 0.0):
-        return math.nan, math.nan, lost
+        return Limits(math.nan, math.nan, lost)
     high, low = np.quantile(known, [0.5 - 0.5 * confidence, 0.5 + 0.5 * confidence])
-    return math.exp(estimate - low * error), math.exp(estimate - high * error), lost
+    return Limits(math.exp(estimate - low * error), math.exp(estimate - high * error), lost)
 
 
 def jackknife_error(estimates: np.ndarray) -> np.ndarray:

@@ -9,7 +9,6 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from rocking.recorded import recorded_response
 from rockpulse.errors import ConfigError, RecordRefused
 from rockpulse.models import Block, ImpulseSequence, Outcome, recorded_response, sequence_response
 from rockpulse.record.record import Record

@@ -14,16 +14,16 @@ from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-from scipy.special import stdtrit
 
 from rocking.block import Block
 from rockpulse.config.configuration import config_from_text
+from rockpulse.earthquakes import lognormal_mean_half_width, mean_weights
 from rockpulse.errors import ConfigError
 from rockpulse.input_file import read_text
 from rockpulse.input_table import numbers, table_of
 from rockpulse.record.measures import PGA
 from rockpulse.storage.risk_variables import INVENTORY, RiskStatus
-from rockpulse.studies.risk.body_curves import BodyCurves, chosen, curves_in_parts, event_weights, spectra_of
+from rockpulse.studies.risk.free_bodies import BodyCurves, chosen, curves_in_parts, spectra_of
 from rockpulse.studies.risk.frequency import hazard_assumed, several_events
 from rockpulse.studies.risk.hazard import Hazard, SiteHazards
 from rockpulse.studies.risk.integral import FEWEST_EVENTS
@@ -166,7 +166,7 @@ def inventory_frequency(
     if every.of_body.size != count:
         raise ConfigError(f"hazard: expected one for each of {count} bodies, got {every.of_body.size}")
     config = config_from_text(str(results.attrs["configuration"]))
-    events = event_weights([str(event) for event in summary["event"].values])
+    events = mean_weights(summary["event"].values.astype(str))
     found = {name: np.full(count, np.nan) for name in INVENTORY}
     found["status"] = np.full(count, RiskStatus.NOT_COVERED)
     found["hazard_distance"] = every.distance
@@ -235,18 +235,6 @@ def _of_bodies(
         "status": np.full(frequency.size, RiskStatus.GIVEN),
     }
     if events.shape[0] >= FEWEST_EVENTS:
-        half = half_widths(of_events, confidence)
+        half = lognormal_mean_half_width(of_events, confidence)
         found["frequency_low"], found["frequency_high"] = frequency * np.exp(-half), frequency * np.exp(half)
     return found
-
-
-def half_widths(of_events: np.ndarray, confidence: float) -> np.ndarray:
-    """Half the width (m,) of the interval of ln of the mean over k lognormal frequencies (m, k).
-
-    With s^2 the variance of their logarithms, that of ln of the mean is s^2/k + s^4/(2 (k - 1)) (Cox, in Land 1972,
-    Technometrics 14(1), 145-158); times Student's t with k - 1 degrees of freedom.
-    """
-    count = of_events.shape[1]
-    variance = np.var(np.log(of_events), axis=1, ddof=1)
-    error = np.sqrt(variance / count + variance**2 / (2.0 * (count - 1)))
-    return np.asarray(stdtrit(count - 1, 0.5 + 0.5 * confidence) * error)

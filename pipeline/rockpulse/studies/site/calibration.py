@@ -20,10 +20,9 @@ from rockpulse.motions.tables import read_weight_table, record_weights
 from rockpulse.record.record import Record
 from rockpulse.sequences.response_targets import block_family
 from rockpulse.storage.site_variables import SITE_KIND
-from rockpulse.studies.site.record import no_site_record, site_record
-from rockpulse.studies.site.spectrum import no_spectrum_record, site_spectrum_record
-from rockpulse.studies.site.spectrum_tree import build_spectrum_tree
-from rockpulse.studies.site.tree import build_site_tree
+from rockpulse.studies.site.records import no_site_record, site_record
+from rockpulse.studies.site.sequence_design import build_site_tree
+from rockpulse.studies.site.spectrum_design import build_spectrum_tree, no_spectrum_record, site_spectrum_record
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -22,8 +22,8 @@ from scipy.stats import norm
 
 from rocking.block import Block
 from rocking.sequence import ImpulseSequence, sequence_response
+from rockpulse.earthquakes import ROUNDING, bootstrap_interval, log_moments, weighted_quantile
 from rockpulse.errors import RecordRefused
-from rockpulse.studies.site.statistics import ROUNDING, bootstrap_interval, correlation, log_moments, weighted_quantile
 
 #: Parameters of a sequence, in the order of the tables.
 PARAMETERS = ("main", "ratio", "interval", "main_count", "duration")
@@ -269,3 +269,31 @@ def main_impulse_interval(
     lower, upper = bootstrap_interval(middle, resampled, sizes, confidence)
     grid = math.log(mains[1] / mains[0])
     return math.exp(np.minimum(lower, middle - grid)), math.exp(np.maximum(upper, middle + grid))
+
+
+def correlation(logarithms: np.ndarray, weights: np.ndarray) -> np.ndarray:
+    """Weighted correlation (p, p) of logarithms (n, p), over the records that have both parameters.
+
+    The logarithms are NaN where a record does not have the parameter, the correlation where one of the two does not
+    vary.
+
+    Examples
+    --------
+    >>> correlation(np.log([[1.0, 2.0], [2.0, 4.0], [4.0, 8.0]]), np.ones(3)).round(6).tolist()
+    [[1.0, 1.0], [1.0, 1.0]]
+    """
+    count = logarithms.shape[1]
+    matrix = np.full((count, count), np.nan)
+    for row in range(count):
+        for column in range(row + 1):
+            both = np.isfinite(logarithms[:, row]) & np.isfinite(logarithms[:, column]) & (weights > 0.0)
+            if not np.any(both):
+                continue
+            pair = logarithms[both][:, [row, column]]
+            if np.any(np.ptp(pair, axis=0) <= 1e-12 * (1.0 + np.abs(pair[0]))):
+                continue
+            pair = pair - np.average(pair, axis=0, weights=weights[both])
+            covariance = pair.T @ (weights[both, np.newaxis] * pair)
+            value = covariance[0, 1] / np.sqrt(covariance[0, 0] * covariance[1, 1])
+            matrix[row, column] = matrix[column, row] = np.clip(value, -1.0, 1.0)
+    return matrix

@@ -10,7 +10,7 @@ from scipy.stats import norm, t
 from rockpulse.errors import ConfigError
 from rockpulse.storage.fragility_variables import Band, Extrapolated, Status
 from rockpulse.studies.fragility import curves
-from rockpulse.studies.fragility.curves import fit_capacities, fit_curve, fit_stripes, half_width
+from rockpulse.studies.fragility.curves import fit_capacities, fit_curve, fit_stripes
 from rockpulse.studies.fragility.likelihood import ABOVE, EXACT, NOT_ABOVE, Observations
 from rockpulse.studies.fragility.statements import missing
 
@@ -138,12 +138,6 @@ def test_correlated_records_of_few_events_widen_the_band():
     known, unknown = fit_capacities(shared * own, np.repeat(list("abcde"), 8)), fit_capacities(shared * own)
     assert known.median == unknown.median
     assert math.log(known.median_high / known.median) > 3.0 * math.log(unknown.median_high / unknown.median)
-
-
-def test_half_width_of_a_sum_over_events_is_exact():
-    values = np.array([1.0, 2.0, 4.0, 7.0])
-    estimates = np.array([values.mean(), *(np.delete(values, k).mean() for k in range(4))])[:, None]
-    assert half_width(estimates, 0.9)[0] == pytest.approx(2.3533634 * values.std(ddof=1) / 2.0)
 
 
 @pytest.mark.parametrize(

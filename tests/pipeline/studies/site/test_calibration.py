@@ -17,7 +17,7 @@ from rockpulse.models import Block
 from rockpulse.motions.runner import worked
 from rockpulse.motions.tables import record_weights
 from rockpulse.record.measures import SCALING
-from rockpulse.studies.site import record as site_record
+from rockpulse.studies.site import records as site_record
 from rockpulse.studies.site.calibration import SiteCalibration
 
 TIME = 0.01 * np.arange(1200)

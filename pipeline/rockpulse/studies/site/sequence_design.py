@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -12,25 +13,104 @@ import xarray as xr
 from rocking.block import Block
 from rocking.sequence import ImpulseSequence, sequence_response
 from rockpulse.config.configuration import Config
+from rockpulse.earthquakes import draw_earthquakes, fit_lognormal, share_interval, weighted_quantile
+from rockpulse.errors import RecordRefused
 from rockpulse.failures import Failure
 from rockpulse.storage.site_variables import COORDINATES, PARAMETER, SITE_KIND, VARIABLES
 from rockpulse.storage.variables import failure_table, with_values
-from rockpulse.studies.site.coverage import coverage_of, judged, leave_one_event_out, unjudged_events
 from rockpulse.studies.site.design import (
     BEYOND,
     PARAMETERS,
     SiteSample,
+    correlation,
     covered,
     design_sequence,
     main_impulse_interval,
     overturning_limit,
 )
-from rockpulse.studies.site.record import rotation_to_cover
+from rockpulse.studies.site.records import rotation_to_cover
 from rockpulse.studies.site.remarks import site_remarks
-from rockpulse.studies.site.statistics import correlation, event_draws, fit_lognormal, weighted_quantile
 
 #: Mark of a pair that does not count.
 NOT_COUNTED = -1
+
+
+@dataclass(frozen=True, eq=False)
+class Coverage:
+    """Coverage by designs that were fitted without the event they are judged on.
+
+    `covered` (n, m) is 1 for covered, 0 for not, 2 where that design overturns the block; NaN where the pair does not
+    count, or no design could be made without its event. `main` (n,) is the main impulse of the design without the
+    record's event [m/s]; NaN without a design.
+    """
+
+    covered: np.ndarray
+    main: np.ndarray
+
+
+def leave_one_event_out(sample: SiteSample, quantile: float, design: str) -> Coverage:
+    """Judge the design sequence of each set of all events but one on the records of that one.
+
+    The options are those of :func:`rockpulse.studies.site.design.design_sequence`. NaN throughout for a single event,
+    because no event can be left out then.
+    """
+    marks, mains = np.full(sample.peaks.shape, math.nan), np.full(sample.weights.size, math.nan)
+    for event in np.unique(sample.events):
+        out = sample.events == event
+        others = ~out & (sample.weights > 0.0)
+        if not np.any(others):
+            continue
+        try:
+            sequence = design_sequence(sample.part(others), quantile, design)
+        except RecordRefused:  # the others do not make a design: these records stay unjudged
+            continue
+        marks[out] = covered(sample.part(out), sequence)
+        mains[out] = sequence.main
+    return Coverage(marks, mains)
+
+
+def judged(marks: np.ndarray, sample: SiteSample, standing: bool = True) -> np.ndarray:
+    """Pairs (n, m) of record and block on which a coverage rests; the arguments are those of :func:`coverage_of`."""
+    counted: np.ndarray = ~np.isnan(marks) & (sample.weights[:, np.newaxis] > 0.0)
+    if standing:
+        counted &= marks != BEYOND
+    return counted
+
+
+def coverage_of(
+    marks: np.ndarray, sample: SiteSample, confidence: float, standing: bool = True
+) -> tuple[float, float, float]:
+    """Weighted share of covered pairs of record and block, with both ends of its event-clustered interval.
+
+    `marks` are :attr:`Coverage.covered`. With `standing` only the blocks count that the design leaves standing; else
+    all, those that it overturns being covered. NaN where no pair counts; the ends also with a single event.
+    """
+    counted = judged(marks, sample, standing)
+    rows = np.nonzero(counted)[0]
+    if rows.size == 0:
+        return math.nan, math.nan, math.nan
+    return share_interval(np.minimum(marks[counted], 1.0), sample.weights[rows], sample.events[rows], confidence)
+
+
+def unjudged_events(found: Coverage, sample: SiteSample) -> dict[int, str]:
+    """Events of a weight above zero on which the coverage of standing blocks does not rest, with the reason by number.
+
+    The reason is worded to stand behind the name of the event.
+    """
+    rests = np.any(judged(found.covered, sample), axis=1)
+    lifts = np.any(~np.isnan(sample.peaks), axis=1)
+    reasons = {}
+    for event in np.unique(sample.events[sample.weights > 0.0]):
+        rows = (sample.events == event) & (sample.weights > 0.0)
+        if np.any(rests[rows]):
+            continue
+        if not np.any(lifts[rows]):
+            reasons[int(event)] = "lifts no block"
+        elif np.isnan(found.main[rows]).all():
+            reasons[int(event)] = "the others alone make no design"
+        else:
+            reasons[int(event)] = "the design of the others overturns all that it lifts"
+    return reasons
 
 
 def build_site_tree(
@@ -44,8 +124,8 @@ def build_site_tree(
 ) -> xr.DataTree:
     """Fit, design, judge, and put everything into one tree.
 
-    `done` is what :func:`rockpulse.studies.site.record.site_record` found of every record, and "event"; the weights are
-    of mean one; `remarks` is what is to be said already. Raises RecordRefused where the records make no design
+    `done` is what :func:`rockpulse.studies.site.records.site_record` found of every record, and "event"; the weights
+    are of mean one; `remarks` is what is to be said already. Raises RecordRefused where the records make no design
     sequence.
     """
     settings = config.calibration
@@ -61,7 +141,7 @@ def build_site_tree(
     )
     # Records of no weight are shown and judged by nobody; the statistics are those of the others.
     fitted = sample.part(weights > 0.0)
-    draws = event_draws(int(fitted.events.max()) + 1, settings.bootstrap, config.run.seed)
+    draws = draw_earthquakes(int(fitted.events.max()) + 1, settings.bootstrap, [config.run.seed, *b"site"])
     design = design_sequence(fitted, settings.quantile, settings.design)
     left_out = leave_one_event_out(sample, settings.quantile, settings.design)
     marks = left_out.covered

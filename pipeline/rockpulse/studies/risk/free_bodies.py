@@ -16,6 +16,7 @@ import numpy as np
 from scipy.special import ndtr
 
 from rocking.block import Block
+from rockpulse.earthquakes import mean_weights
 from rockpulse.errors import ConfigError, ResultsError
 from rockpulse.record.measures import PGA, STORED_LEVELS
 from rockpulse.sequences.design_spectrum import at_blocks, within
@@ -118,12 +119,6 @@ def curves_in_parts(
             yield places, BodyCurves.read(spectra, block.chosen(places), own)
 
 
-def event_weights(events: list[str]) -> np.ndarray:
-    """Weights (k, r) of records in the mean of each of k earthquakes."""
-    names, place, counts = np.unique(events, return_inverse=True, return_counts=True)
-    return np.asarray((place == np.arange(names.size)[:, np.newaxis]) / counts[:, np.newaxis])
-
-
 def free_body_fragility(results: xr.DataTree, block: Block, levels: Any, measure: str = PGA) -> xr.Dataset:
     """The probability of overturning of free bodies at levels of an intensity measure.
 
@@ -172,7 +167,7 @@ def free_body_fragility(results: xr.DataTree, block: Block, levels: Any, measure
     if at.ndim != 1 or not np.all(np.isfinite(at) & (at > 0.0)):
         raise ConfigError(f"levels: expected positive numbers, got {levels!r:.80}")
     lanes = block if block.shape else block.lanes(1)
-    weights = event_weights([str(event) for event in summary["event"].values]).mean(axis=0)
+    weights = mean_weights(summary["event"].values.astype(str)).mean(axis=0)
     found = {
         name: np.full((lanes.shape[0], *([at.size] if "level" in one.dims else [])), np.nan)
         for name, one in FREE_FRAGILITY.items()

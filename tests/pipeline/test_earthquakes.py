@@ -1,4 +1,4 @@
-"""Weighted lognormal statistics, clustered by event."""
+"""Statistics over earthquakes: resamples, intervals, weighted quantiles and lognormal fits."""
 
 from fractions import Fraction
 
@@ -6,12 +6,13 @@ import numpy as np
 import pytest
 from scipy.stats import beta, norm, t
 
-from rockpulse.studies.site.statistics import (
+from rockpulse.earthquakes import (
     bootstrap_interval,
-    correlation,
-    event_draws,
+    draw_earthquakes,
     fit_lognormal,
+    jackknife_half_width,
     log_moments,
+    lognormal_mean_half_width,
     share_interval,
     weighted_quantile,
 )
@@ -76,7 +77,7 @@ def test_equal_values_have_no_dispersion_and_one_record_none_that_is_known():
 
 def test_one_event_has_the_dispersion_within_it_and_no_interval():
     values = np.array([[0.0, 1.0], [1.0, np.nan], [2.0, 3.0]])
-    fit = fit_lognormal(values, np.ones(3), np.zeros(3, dtype=int), event_draws(1, 200, 0), 0.9)
+    fit = fit_lognormal(values, np.ones(3), np.zeros(3, dtype=int), draw_earthquakes(1, 200, 0), 0.9)
     np.testing.assert_allclose(fit.dispersion, [1.0, np.sqrt(2.0)])
     np.testing.assert_allclose(np.log(fit.median), [1.0, 2.0])
     assert np.isnan(fit.median_interval).all()
@@ -85,7 +86,7 @@ def test_one_event_has_the_dispersion_within_it_and_no_interval():
 
 def test_with_few_events_the_interval_of_the_median_is_students():
     values = np.array([0.3, -0.4, 1.1])
-    fit = fit_lognormal(values[:, None], np.ones(3), np.arange(3), event_draws(3, 40000, 1), 0.9)
+    fit = fit_lognormal(values[:, None], np.ones(3), np.arange(3), draw_earthquakes(3, 40000, 1), 0.9)
     half = t.ppf(0.95, 2) * np.std(values, ddof=1) / np.sqrt(3.0)
     np.testing.assert_allclose(
         np.log(fit.median_interval[:, 0]), [values.mean() - half, values.mean() + half], rtol=0.02
@@ -102,7 +103,7 @@ def test_an_event_that_outweighs_the_others_counts_for_them():
 
 
 def test_resamples_without_bound_leave_the_interval_open():
-    draws = event_draws(5, 1000, 0)
+    draws = draw_earthquakes(5, 1000, 0)
     rare, common = draws[:, 0] > 4, draws[:, 0] > 0
     for where, bounded in ((rare, True), (common, False)):
         lower, upper = bootstrap_interval(0.1, np.where(where, np.inf, 0.1 * draws[:, 1]), np.ones(5), 0.9)
@@ -111,23 +112,10 @@ def test_resamples_without_bound_leave_the_interval_open():
 
 
 def test_draws_hold_as_many_events_as_there_are_and_depend_on_the_seed_alone():
-    draws = event_draws(7, 50, 4)
+    draws = draw_earthquakes(7, 50, 4)
     assert (draws.sum(axis=1) == 7).all()
-    np.testing.assert_array_equal(draws, event_draws(7, 50, 4))
-    assert (draws != event_draws(7, 50, 5)).any()
-
-
-def test_correlation_of_weighted_records_in_closed_form():
-    x, y, w = np.array([0.0, 1.0, 2.0, 5.0]), np.array([1.0, 0.0, 4.0, 2.0]), np.array([1.0, 2.0, 3.0, 1.0])
-    mean = (np.average(x, weights=w), np.average(y, weights=w))
-    covariance = np.average((x - mean[0]) * (y - mean[1]), weights=w)
-    expected = covariance / np.sqrt(
-        np.average((x - mean[0]) ** 2, weights=w) * np.average((y - mean[1]) ** 2, weights=w)
-    )
-    found = correlation(np.column_stack([x, y, np.full(4, 3.0)]), w)
-    assert found[0, 1] == found[1, 0] == pytest.approx(expected, rel=1e-12)
-    assert found[0, 0] == pytest.approx(1.0)
-    assert np.isnan(found[2]).all()  # it does not vary
+    np.testing.assert_array_equal(draws, draw_earthquakes(7, 50, 4))
+    assert (draws != draw_earthquakes(7, 50, 5)).any()
 
 
 @pytest.mark.parametrize(
@@ -172,6 +160,23 @@ def test_full_coverage_of_few_events_is_no_certainty():
     assert np.isnan(share_interval(np.ones(60), np.ones(60), np.zeros(60), 0.9)[1:]).all()
 
 
+def test_half_width_of_a_sum_over_events_is_exact():
+    values = np.array([1.0, 2.0, 4.0, 7.0])
+    estimates = np.array([values.mean(), *(np.delete(values, k).mean() for k in range(4))])[:, None]
+    assert jackknife_half_width(estimates, 0.9)[0] == pytest.approx(2.3533634 * values.std(ddof=1) / 2.0)
+
+
+@pytest.mark.parametrize("earthquakes", [8, 14, 30])
+@pytest.mark.parametrize("scatter", [0.5, 1.0, 1.5])
+def test_the_interval_of_an_inventory_covers_what_it_says(earthquakes, scatter):
+    """4000 sets of lognormal frequencies, drawn with another seed than those on which the interval was chosen."""
+    random = np.random.default_rng([2026, earthquakes])
+    drawn = np.exp(scatter * random.standard_normal((4000, earthquakes)))
+    middle, half = np.log(drawn.mean(axis=1)), lognormal_mean_half_width(drawn, 0.9)
+    inside = np.mean(np.abs(middle - 0.5 * scatter**2) <= half)
+    assert 0.85 <= inside <= 0.93
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("events", [2, 3, 5, 10, 30])
 @pytest.mark.parametrize(("between", "within"), [(0.6, 0.1), (0.3, 0.6), (0.0, 0.6)])
@@ -183,7 +188,7 @@ def test_intervals_hold_the_truth_as_often_as_they_say(events, between, within):
     for number in range(sets):
         values, of = clustered(generator, events, between, within)
         weights = np.ones(of.size)
-        fit = fit_lognormal(values[:, None], weights, of, event_draws(events, 300, number), 0.9)
+        fit = fit_lognormal(values[:, None], weights, of, draw_earthquakes(events, 300, number), 0.9)
         share = share_interval((values < truth * norm.ppf(0.84)).astype(float), weights, of, 0.9)
         hits += [
             fit.median_interval[0, 0] <= 1.0 <= fit.median_interval[1, 0],
