@@ -1,7 +1,4 @@
-"""Fragility of the bodies of a site under a set of records.
-
-The tree of a fragility file, put together from the capacities of the records (docs/schema.md).
-"""
+"""Fragility of the bodies of a site under a set of records, and the tree of a fragility file (docs/schema.md)."""
 
 from __future__ import annotations
 
@@ -20,7 +17,7 @@ from rockpulse.config.configuration import Config, given_config
 from rockpulse.failures import Failure, some
 from rockpulse.motions.directions import PlannedMotion, planned_ids
 from rockpulse.motions.runner import Analysis, Blocks, Part, Prepared, Work, run
-from rockpulse.motions.tables import Selection, selection_of
+from rockpulse.motions.tables import selection_of
 from rockpulse.motions.votes import unmatched_patterns
 from rockpulse.record.measures import MEASURES, REFERENCE
 from rockpulse.record.record import Record
@@ -39,9 +36,14 @@ from rockpulse.storage.fragility_variables import (
     Status,
 )
 from rockpulse.storage.variables import failure_table, with_values
-from rockpulse.studies.fragility.capacity import Lanes, limit_state_names, motion_capacity, nothing
-from rockpulse.studies.fragility.curves import Curve
+from rockpulse.studies.fragility.capacity import Lanes, motion_capacity, nothing
 from rockpulse.studies.fragility.ensemble import Ensemble, Fits, dispersion_ratio, fit_ensemble, gather
+
+#: Points of a curve, and how many dispersions they reach beyond the outermost medians of a body.
+POINTS, REACH = 41, 3.0
+
+#: Logarithm of the farthest level of a curve: one that hardly rises would leave the range of numbers.
+FARTHEST = 600.0
 
 
 def fragility_curves(
@@ -124,14 +126,25 @@ class FragilityAnalysis(Analysis):
         return nothing(len(self.block_names), self.config, self.selection)
 
     def collect(self, parts: Sequence[Part], planned: Sequence[PlannedMotion], failures: list[Failure]) -> xr.DataTree:
-        """Fit the curves."""
+        """Fit the curves, and lay everything out."""
+        block, names, settings = self.lanes.block, self.block_names, self.config.fragility
         aloft = np.array([bool(self.lanes.bodies.floors[body]) for body in self.lanes.owner])
         known = ~aloft & (not self.config.records.include_vertical)
-        lifting = uplift_scale(self.lanes.block, np.array([-1.0, 1.0]), self.config.fragility.equation)
-        uplift = np.where(known, lifting, np.nan)
-        return build_fragility_tree(
-            parts, self.block_names, self.lanes.block, uplift, self.config, failures, self.selection
-        )
+        uplift = np.where(known, uplift_scale(block, np.array([-1.0, 1.0]), settings.equation), np.nan)
+        ensemble = gather(parts, len(names), self.config, self.selection)
+        lanes = list(range(len(names)))
+        single, pooled = fit_ensemble(ensemble, [[lane] for lane in lanes]), fit_ensemble(ensemble, [lanes])
+        states = [state if isinstance(state, str) else f"{state:g}" for state in settings.limit_states]
+        coords = _coordinates(block=names, limit_state=states, measure=settings.measures)
+        nodes = {
+            "/fragility": _curves(single, block, uplift, settings.measures, coords),
+            "/capacities": _capacities(ensemble, coords),
+            "/efficiency": _efficiency(ensemble, single, pooled, coords),
+            "/failures": failure_table(failures),
+        }
+        tree = self.described(xr.DataTree.from_dict(nodes), "Fragility of rigid blocks under recorded ground motions")
+        tree.attrs |= {"data": settings.data, "confidence": settings.confidence}
+        return tree
 
     def prepare(self, records: Iterable[Record], failures: Iterable[Failure] = ()) -> Prepared:
         """Plan the motions, of a selection those that it names; raises ConfigError also for one that is not there."""
@@ -147,50 +160,6 @@ class FragilityAnalysis(Analysis):
             told = f"{len(unchosen)} of {len(of_motion)} motions are not in the table: {some(unchosen, 3)}"
             rows.append(Failure("[fragility] selection", "select", told, "skipped"))
         return replace(prepared, planned=kept, failures=rows)
-
-
-#: Points of a curve, and how many dispersions they reach beyond the outermost medians of a body.
-POINTS, REACH = 41, 3.0
-
-#: Logarithm of the farthest level of a curve: one that hardly rises would leave the range of numbers.
-FARTHEST = 600.0
-
-
-def build_fragility_tree(
-    parts: Sequence[Part],
-    names: Sequence[str],
-    block: Block,
-    uplift: np.ndarray,
-    config: Config,
-    failures: Sequence[Failure],
-    selection: Selection | None = None,
-) -> xr.DataTree:
-    """Fit everything and lay it out.
-
-    The parts are those of :func:`rockpulse.studies.fragility.capacity.motion_capacity` with "event"; the block has (m,)
-    lanes, one for each name, and `uplift` (m,) the accelerations of the ground that lift them, NaN where not known.
-    """
-    settings = config.fragility
-    states, measures = limit_state_names(settings.limit_states), list(settings.measures)
-    ensemble = gather(parts, len(names), config, selection)
-    lanes = range(len(names))
-    single, pooled = fit_ensemble(ensemble, [[lane] for lane in lanes]), fit_ensemble(ensemble, [list(lanes)])
-    coords = _coordinates(block=names, limit_state=states, measure=measures)
-    tree = xr.DataTree.from_dict(
-        {
-            "/fragility": _curves(single, block, uplift, measures, coords),
-            "/capacities": _capacities(ensemble, coords),
-            "/efficiency": _efficiency(ensemble, single, pooled, coords),
-            "/failures": failure_table(failures),
-        }
-    )
-    tree.attrs["kind"] = FRAGILITY
-    tree.attrs["title"] = config.site.name or "Fragility of rigid blocks under recorded ground motions"
-    tree.attrs["site_description"] = config.site.description
-    tree.attrs["configuration"] = config.as_text()
-    tree.attrs["data"] = settings.data
-    tree.attrs["confidence"] = settings.confidence
-    return tree
 
 
 def _curves(
@@ -220,8 +189,7 @@ def _grid(fits: Fits) -> tuple[np.ndarray, list[np.ndarray]]:
             continue
         ends = [np.log(curve.median) + side * REACH * curve.beta for curve in fitted for side in (-1.0, 1.0)]
         level[group, measure] = np.exp(np.clip(np.linspace(min(ends), max(ends), POINTS), -FARTHEST, FARTHEST))
-        for state in range(states):
-            curve: Curve = fits.curves[group, state, measure]
+        for state, curve in enumerate(fits.curves[group, :, measure]):
             if np.isfinite(curve.median):
                 for table, values in zip(tables, curve.probability(level[group, measure]), strict=True):
                     table[group, state, measure] = values
@@ -250,17 +218,16 @@ def _capacities(data: Ensemble, coords: dict[str, xr.Variable]) -> xr.Dataset:
     coords = _coordinates(record=data.ids) | coords
     capacities = xr.Dataset(variables | with_values(CAPACITIES, values), coords)
     if data.reached is None:
-        capacities.attrs["points"] = search.points
-        capacities.attrs["factor_max"] = search.factor_max
+        capacities.attrs |= {"points": search.points, "factor_max": search.factor_max}
     return capacities
 
 
 def _efficiency(data: Ensemble, single: Fits, pooled: Fits, coords: dict[str, xr.Variable]) -> xr.Dataset:
     measures = list(data.config.fragility.measures)
-    ratios = ("beta_ratio", "beta_ratio_low", "beta_ratio_high")
     values: dict[str, Any] = dict(zip(("quality_records", "quality_events"), data.told_by(), strict=True))
     for prefix, fits, shown in (("", single, slice(None)), ("pooled_", pooled, 0)):
-        values |= {prefix + name: table[shown] for name, table in zip(ratios, _ratios(fits, measures), strict=True)}
+        for end, table in zip(("", "_low", "_high"), _ratios(fits, measures), strict=True):
+            values[f"{prefix}beta_ratio{end}"] = table[shown]
         values |= {f"{prefix}slope": fits.slope[shown], f"{prefix}p_value": fits.p_value[shown]}
     beta = single.of("beta").astype(float)
     # PGA and PGA/(g tan alpha_c) are the same for one body but for rounding: the first of equal ones.

@@ -1,13 +1,10 @@
-"""Limit states of a block, and whether a scaled record reaches them.
-
-The capacities of the bodies as one motion shows them.
-"""
+"""The limit states of bodies, the factors on a record that reach them, and the capacities that one motion shows."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Literal, NamedTuple, cast
 
 import numpy as np
@@ -35,43 +32,23 @@ from rockpulse.storage.fragility_variables import QUALITIES
 #: Stands for a motion that the model cannot resolve.
 NOT_KNOWN = -1
 
-
-@dataclass(frozen=True, eq=False)
-class Capacities:
-    """The result of an incremental dynamic analysis of one record.
-
-    `factors` (s, m) are the first factors on the record found to reach each limit state [-], inf where none does up to
-    the end of the search. Rotation need not grow with the factor: above the first one the limit state may be left
-    again.
-
-    `step` (m,) is the ratio of neighbouring factors of the scan [-]: where a limit state is reached in a narrower
-    interval only, the factor is one that lies higher. One where nothing can be missed: uplift alone, or uplift beyond
-    the search.
-    """
-
-    factors: np.ndarray
-    step: np.ndarray
-
-
-def limit_state_names(states: Sequence[str | float]) -> list[str]:
-    """Names in the results of the limit states of ``[fragility] limit_states``.
-
-    Examples
-    --------
-    >>> limit_state_names(["uplift", 0.1, 1.0, "overturning"])
-    ['uplift', '0.1', '1', 'overturning']
-    """
-    return [state if isinstance(state, str) else f"{state:g}" for state in states]
+#: Half-waves with more than this share of the largest impulse are strong.
+STRONG_SHARE = 0.5
 
 
 def scale_capacities(
     scene: Scene, block: Block, states: Sequence[str | float], equation: str, factor_max: float, points: int
-) -> Capacities:
+) -> tuple[np.ndarray, np.ndarray]:
     """Incremental dynamic analysis of one record: the first factor at which each limit state is reached.
 
     The `states` are "uplift", values of theta_max/alpha_c, and "overturning"; `equation` is "nonlinear" or "linear";
     each of the (m,) lanes of the block is scanned at `points` factors up to `factor_max`. Uplift is known in closed
     form. A factor that the model cannot resolve (free flight) counts as reached.
+
+    The factors (s, m) [-] are inf where none is found. Rotation need not grow with the factor: above the first one the
+    limit state may be left again. The step (m,) is the ratio of neighbouring factors of the scan [-]: where a limit
+    state is reached in a narrower interval only, the factor is one that lies higher. It is one where nothing can be
+    missed: uplift alone, or uplift beyond the search.
     """
     record, vertical = scene.record, _vertical(scene, equation)
     capacities, step = np.empty((len(states), *block.shape)), np.ones(block.shape)
@@ -91,7 +68,7 @@ def scale_capacities(
             )
             factor, step = found.safety_factor, found.step
         capacities[row] = np.where(factor <= factor_max, factor, np.inf)
-    return Capacities(capacities, step)
+    return capacities, step
 
 
 def reached_at(
@@ -128,10 +105,6 @@ def _vertical(scene: Scene, equation: str) -> np.ndarray | None:
     return scene.vertical if equation == "nonlinear" else None
 
 
-#: Half-waves with more than this share of the largest impulse are strong.
-STRONG_SHARE = 0.5
-
-
 class Lanes(NamedTuple):
     """What is asked about: the (m,) lanes of all bodies."""
 
@@ -152,13 +125,9 @@ def motion_capacity(
     at, "reached" (1, s, r, m), whether the limit state was, and "weight" (1, r). Beyond ``[fragility] factors`` a
     scaled record stands for no recorded one: an incremental analysis ends there, and a stripe has no answer.
 
-    With a `selection` the factors and weights of stripes are those of the rows of the record; one without a row is left
-    out.
-
-    With a body before a wall the motion and its reverse are two rows, of one earthquake.
-
-    Raises ValueError where the motion has no intense phase or the model refuses its numbers, TooWeak below the smallest
-    PGA.
+    With a `selection` the factors and weights of stripes are those of the rows of the record. With a body before a wall
+    the motion and its reverse are two rows, of one earthquake. Raises ValueError where the motion has no intense phase
+    or the model refuses its numbers, TooWeak below the smallest PGA or without a row of the selection.
     """
     with watch("condition"):
         scene = extract(motion.record, config, motion.vertical)
@@ -185,18 +154,10 @@ def motion_capacity(
             for name, array in values.items():
                 whole = np.empty((*array.shape[:-1], lanes.owner.size), dtype=array.dtype)
                 found.setdefault(name, whole)[..., own] = array
+        named = {"record": f"{record.id} reversed" if reverse else record.id, "source": record.source}
         qualities = record_qualities(scene)
-        name = f"{record.id} reversed" if reverse else record.id
-        rows.append(
-            {
-                **found,
-                **_weights(record.id, config, selection),
-                "record": name,
-                "source": record.source,
-                "qualities": [qualities[quality] for quality in QUALITIES],
-                **facts_of(scene),
-            }
-        )
+        told = {"qualities": [qualities[name] for name in QUALITIES], **facts_of(scene)}
+        rows.append({**found, **_weights(record.id, config, selection), **named, **told})
     return {name: np.array([row[name] for row in rows]) for name in rows[0]}
 
 
@@ -218,12 +179,8 @@ def record_qualities(scene: Scene) -> dict[str, float]:
 
 def _reversed(scene: Scene) -> Scene:
     """The scene of the reverse of a motion."""
-    record, waves = scene.record, scene.waves
-    return replace(
-        scene,
-        record=replace(record, acceleration=-record.acceleration),
-        waves=replace(waves, impulse=-waves.impulse, peak=-waves.peak),
-    )
+    waves = replace(scene.waves, impulse=-scene.waves.impulse, peak=-scene.waves.peak)
+    return replace(scene, record=replace(scene.record, acceleration=-scene.record.acceleration), waves=waves)
 
 
 def _stripes(config: Config, selection: Selection | None) -> int:
@@ -251,8 +208,8 @@ def _capacity(
     measures = record_measures(ground, block, settings.measures)
     if settings.data == "ida":
         end = min(search.factor_max, settings.factors[1])
-        capacities = scale_capacities(there, block, settings.limit_states, settings.equation, end, search.points)
-        return {"measures": measures, "factors": capacities.factors, "step": capacities.step}
+        first, step = scale_capacities(there, block, settings.limit_states, settings.equation, end, search.points)
+        return {"measures": measures, "factors": first, "step": step}
     factors = np.ones((1, *block.shape))
     if selection is not None:
         chosen = [amount for amount, _ in selection.rows[ground.record.id]]

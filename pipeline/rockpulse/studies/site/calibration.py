@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from functools import cached_property, partial
-from typing import TYPE_CHECKING
 
 import numpy as np
+import xarray as xr
 
 from rocking.block import Block
 from rockpulse.config.bodies import gather_bodies, refuse_aloft
@@ -20,12 +20,10 @@ from rockpulse.motions.tables import read_weight_table, record_weights
 from rockpulse.record.record import Record
 from rockpulse.sequences.response_targets import block_family
 from rockpulse.storage.site_variables import SITE_KIND
+from rockpulse.storage.variables import failure_table
 from rockpulse.studies.site.records import no_site_record, site_record
-from rockpulse.studies.site.sequence_design import build_site_tree
-from rockpulse.studies.site.spectrum_design import build_spectrum_tree, no_spectrum_record, site_spectrum_record
-
-if TYPE_CHECKING:
-    import xarray as xr
+from rockpulse.studies.site.sequence_design import sequence_design
+from rockpulse.studies.site.spectrum_design import no_spectrum_record, site_spectrum_record, spectrum_design
 
 
 def calibrate_site(
@@ -163,8 +161,18 @@ class SiteCalibration(Analysis):
         rows = sorted(failures, key=lambda row: row.stage == "events")
         remarks = [row.reason for row in rows if row.stage == "events"]
         if self.lanes is None or self.by_spectrum:
-            return build_spectrum_tree(done, weights, self.block_names, self.lanes, self.config, rows, remarks)
-        return build_site_tree(done, weights, self.block_names, self.lanes, self.config, rows, remarks)
+            nodes = spectrum_design(done, weights, self.block_names, self.lanes, self.config, remarks)
+            title = "Overturning spectrum of a site"
+        else:
+            nodes = sequence_design(done, weights, self.block_names, self.lanes, self.config, remarks)
+            title = "Design sequence of impulses of a site"
+        settings = self.config.calibration
+        nodes["/site"].attrs |= {
+            "method": settings.method,
+            "scaled_to": settings.scale_to if settings.target is None else f"{settings.scale_to} {settings.target:g}",
+            "weights": settings.weighting,
+        }
+        return self.described(xr.DataTree.from_dict({**nodes, "/failures": failure_table(rows)}), title)
 
 
 def site_family(blocks: Blocks) -> tuple[list[str], Block]:

@@ -109,7 +109,7 @@ def site_record(motion: Motion, watch: Watch, blocks: Block, config: Config) -> 
         "calibration_remarks": "\n".join(remarks),
         "misfit": misfit,
         "unsafe_share": unsafe,
-        "value": _parameters(sequence),
+        "value": parameters_of(sequence),
         "value_lower": [lower for lower, _ in ends],
         "value_upper": [upper for _, upper in ends],
         "peaks": peaks,
@@ -163,7 +163,7 @@ def no_facts() -> dict[str, np.ndarray]:
     return {"record": np.zeros(0, dtype=str), **facts}
 
 
-def _parameters(sequence: ImpulseSequence) -> list[float]:
+def parameters_of(sequence: ImpulseSequence) -> list[float]:
     """The parameters of a sequence; NaN where there is no limit or no meaning."""
     return [
         float(sequence.main),

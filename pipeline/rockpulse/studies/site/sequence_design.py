@@ -15,9 +15,8 @@ from rocking.sequence import ImpulseSequence, sequence_response
 from rockpulse.config.configuration import Config
 from rockpulse.earthquakes import draw_earthquakes, fit_lognormal, share_interval, weighted_quantile
 from rockpulse.errors import RecordRefused
-from rockpulse.failures import Failure
-from rockpulse.storage.site_variables import COORDINATES, PARAMETER, SITE_KIND, VARIABLES
-from rockpulse.storage.variables import failure_table, with_values
+from rockpulse.storage.site_variables import COORDINATES, PARAMETER, VARIABLES
+from rockpulse.storage.variables import with_values
 from rockpulse.studies.site.design import (
     BEYOND,
     PARAMETERS,
@@ -28,7 +27,7 @@ from rockpulse.studies.site.design import (
     main_impulse_interval,
     overturning_limit,
 )
-from rockpulse.studies.site.records import rotation_to_cover
+from rockpulse.studies.site.records import parameters_of, rotation_to_cover
 from rockpulse.studies.site.remarks import site_remarks
 
 #: Mark of a pair that does not count.
@@ -113,16 +112,15 @@ def unjudged_events(found: Coverage, sample: SiteSample) -> dict[int, str]:
     return reasons
 
 
-def build_site_tree(
+def sequence_design(
     done: Mapping[str, np.ndarray],
     weights: np.ndarray,
     block_names: Sequence[str],
     blocks: Block,
     config: Config,
-    failures: Sequence[Failure],
     remarks: Sequence[str],
-) -> xr.DataTree:
-    """Fit, design, judge, and put everything into one tree.
+) -> dict[str, xr.Dataset]:
+    """Fit, design, judge, and lay everything out: the nodes of a site file, by their paths.
 
     `done` is what :func:`rockpulse.studies.site.records.site_record` found of every record, and "event"; the weights
     are of mean one; `remarks` is what is to be said already. Raises RecordRefused where the records make no design
@@ -193,19 +191,8 @@ def build_site_tree(
         "parameter_name": [PARAMETER[name][1] for name in PARAMETERS],
     }
     dataset = xr.Dataset(with_values(VARIABLES, values), with_values(COORDINATES, coordinates))
-    dataset.attrs |= {
-        "method": settings.method,
-        "design": settings.design,
-        "spacing": config.sequence.spacing,
-        "scaled_to": settings.scale_to if settings.target is None else f"{settings.scale_to} {settings.target:g}",
-        "weights": settings.weighting,
-    }
-    tree = xr.DataTree.from_dict({"/site": dataset, "/failures": failure_table(failures)})
-    tree.attrs["kind"] = SITE_KIND
-    tree.attrs["title"] = config.site.name or "Design sequence of impulses of a site"
-    tree.attrs["site_description"] = config.site.description
-    tree.attrs["configuration"] = config.as_text()
-    return tree
+    dataset.attrs |= {"design": settings.design, "spacing": config.sequence.spacing}
+    return {"/site": dataset}
 
 
 def _weighted_share(part: np.ndarray, whole: np.ndarray, weights: np.ndarray) -> float:
@@ -227,15 +214,7 @@ def _per_parameter(
         "dispersion": fit.dispersion,
         "dispersion_lower": fit.dispersion_interval[0],
         "dispersion_upper": fit.dispersion_interval[1],
-        "design": np.array(
-            [
-                design.main,
-                design.secondary / design.main,
-                design.interval,
-                math.nan if design.main_count is None else design.main_count,
-                design.duration if math.isfinite(design.duration) else math.nan,
-            ]
-        ),
+        "design": np.array(parameters_of(design)),
         "design_lower": np.concatenate([[ends[0]], nothing]),
         "design_upper": np.concatenate([[ends[1]], nothing]),
     }

@@ -1,11 +1,8 @@
-"""The overturning spectra of the records of a site, and their quantiles over earthquakes with intervals.
+"""The design of a site by the overturning spectra of its records: quantiles over earthquakes, sequences of bodies.
 
 .. note:: At every p and C the quantile is the smallest S with at least that share of the weight at or below it. The
-   intervals resample earthquakes (:mod:`rockpulse.studies.site.statistics`), for records of one are no independent
-   observations. What is said of a quantile needs earthquakes beyond it: with fewer than 1/(1 - quantile) of them it is
-   the largest one seen, and no interval says how much larger the next one is.
-
-The site file by the overturning spectrum: quantiles over earthquakes, and the design sequence of every body.
+   intervals resample earthquakes. What is said of a quantile needs earthquakes beyond it: with fewer than 1/(1 -
+   quantile) of them it is the largest one seen, and no interval says how much larger the next one is.
 """
 
 from __future__ import annotations
@@ -13,7 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -26,17 +23,19 @@ from rockpulse.assessment.overturning import LANES
 from rockpulse.config.configuration import Config
 from rockpulse.earthquakes import ROUNDING, bootstrap_interval, draw_earthquakes
 from rockpulse.errors import RecordRefused
-from rockpulse.failures import Failure
 from rockpulse.motions.directions import Motion
 from rockpulse.motions.runner import Part, Watch
 from rockpulse.record.half_wave import half_waves
 from rockpulse.sequences.design_spectrum import DesignSpectrum
 from rockpulse.storage.site_spectrum_variables import SITE, SITE_AXES, SPECTRA, SPECTRA_AXES
-from rockpulse.storage.site_variables import OF_RECORDS, SITE_KIND
+from rockpulse.storage.site_variables import OF_RECORDS
 from rockpulse.storage.spectrum_variables import RESTITUTIONS
-from rockpulse.storage.variables import failure_table, with_values
+from rockpulse.storage.variables import with_values
 from rockpulse.studies.site.records import facts_of_record, no_facts, scaled_motion
 from rockpulse.studies.site.remarks import FEWEST_EVENTS, scaled_far
+
+#: Quantiles that every file has beside that of the design, by their names.
+STATED = {"spectrum_50": 0.5, "spectrum_84": 0.84}
 
 
 def site_spectrum_record(motion: Motion, watch: Watch, config: Config) -> Part:
@@ -81,9 +80,8 @@ def fewest_events(quantile: float) -> int:
     return max(FEWEST_EVENTS, math.ceil((1.0 - ROUNDING) / min(quantile, 1.0 - quantile)))
 
 
-@dataclass(frozen=True, eq=False)
-class Quantiles:
-    """A quantile of k values over records, with its interval; NaN with a single event."""
+class Quantiles(NamedTuple):
+    """A quantile of k values over records, with the ends of its interval; NaN with a single earthquake."""
 
     value: np.ndarray  # (k,)
     lower: np.ndarray  # (k,)
@@ -125,23 +123,18 @@ class QuantileSample:
         return [Quantiles(*one) for one in found.reshape(len(levels), 3, *values.shape[1:])]
 
 
-#: Quantiles that every file has beside that of the design, by their names.
-STATED = {"spectrum_50": 0.5, "spectrum_84": 0.84}
-
-
-def build_spectrum_tree(
+def spectrum_design(
     done: Mapping[str, np.ndarray],
     weights: np.ndarray,
     block_names: Sequence[str],
     blocks: Block | None,
     config: Config,
-    failures: Sequence[Failure],
     remarks: Sequence[str],
-) -> xr.DataTree:
-    """Put the spectra of all records, their quantiles and the design of every body into one tree.
+) -> dict[str, xr.Dataset]:
+    """Lay out the spectra of all records, their quantiles and the design of every body: nodes of a file by their paths.
 
-    `done` is what :func:`rockpulse.studies.site.spectrum_design.site_spectrum_record` found of every record, and
-    "event"; the weights are of mean one; `remarks` is what is to be said already.
+    `done` is what :func:`site_spectrum_record` found of every record, and "event"; the weights are of mean one;
+    `remarks` is what is to be said already.
     """
     settings = config.calibration
     names, numbers = np.unique(done["event"], return_inverse=True)
@@ -151,31 +144,19 @@ def build_spectrum_tree(
     spectra: dict[str, Any] = {name: done[name] for name in ("spectrum", "record_ratio", "record_main_count")}
     enough = count >= least
     if enough:
-        sample = QuantileSample(
-            weights[counted],
-            events,
-            draw_earthquakes(count, settings.bootstrap, [config.run.seed, *b"site"]),
-            settings.confidence,
-        )
-        spectra |= _interval_tables(
-            sample, {name: values[counted] for name, values in spectra.items()}, settings.quantile
-        )
+        draws = draw_earthquakes(count, settings.bootstrap, [config.run.seed, *b"site"])
+        sample = QuantileSample(weights[counted], events, draws, settings.confidence)
+        own = {name: values[counted] for name, values in spectra.items()}
+        spectra |= _interval_tables(sample, own, settings.quantile)
     else:
-        remarks = [
-            f"not enough earthquakes ({count}; at least {least} for the quantile {settings.quantile:g})",
-            *remarks,
-        ]
-        spectra |= {
-            name: np.full([{"p": RATES.size, "restitution": RESTITUTIONS.size}[dim] for dim in one.dims], math.nan)
-            for name, one in SPECTRA.items()
-            if name not in spectra
-        }
+        few = f"not enough earthquakes ({count}; at least {least} for the quantile {settings.quantile:g})"
+        remarks = [few, *remarks]
+        sizes = {"p": RATES.size, "restitution": RESTITUTIONS.size}
+        others = {name: one.dims for name, one in SPECTRA.items() if name not in spectra}
+        spectra |= {name: np.full([sizes[dim] for dim in dims], math.nan) for name, dims in others.items()}
     of_bodies = _bodies(spectra, blocks, weights if enough else np.zeros(weights.size))
-    outside = [
-        str(name)
-        for name, effect in zip(block_names, of_bodies["effective_impulse"], strict=True)
-        if enough and math.isnan(effect)
-    ]
+    effects = zip(block_names, of_bodies["effective_impulse"].tolist(), strict=True)
+    outside = [str(name) for name, effect in effects if enough and math.isnan(effect)]
     if outside:
         remarks = [*remarks, f"outside the spectrum, and without a design: {', '.join(outside)}"]
     if config.records.include_vertical:
@@ -193,26 +174,11 @@ def build_spectrum_tree(
         **of_bodies,
     }
     axes = {"record": done["record"], "block": list(block_names), "site_event": names}
-    dataset = xr.Dataset(with_values(SITE, site), with_values(SITE_AXES, axes))
-    dataset.attrs |= {
-        "method": settings.method,
-        "spectrum": settings.spectrum,
-        "scaled_to": settings.scale_to if settings.target is None else f"{settings.scale_to} {settings.target:g}",
-        "weights": settings.weighting,
-    }
     along = {"record": done["record"], "p": RATES, "restitution": RESTITUTIONS}
-    tree = xr.DataTree.from_dict(
-        {
-            "/site": dataset,
-            "/spectra": xr.Dataset(with_values(SPECTRA, spectra), with_values(SPECTRA_AXES, along)),
-            "/failures": failure_table(failures),
-        }
-    )
-    tree.attrs["kind"] = SITE_KIND
-    tree.attrs["title"] = config.site.name or "Overturning spectrum of a site"
-    tree.attrs["site_description"] = config.site.description
-    tree.attrs["configuration"] = config.as_text()
-    return tree
+    return {
+        "/site": xr.Dataset(with_values(SITE, site), with_values(SITE_AXES, axes), {"spectrum": settings.spectrum}),
+        "/spectra": xr.Dataset(with_values(SPECTRA, spectra), with_values(SPECTRA_AXES, along)),
+    }
 
 
 def _interval_tables(
@@ -220,15 +186,14 @@ def _interval_tables(
 ) -> dict[str, np.ndarray]:
     """The quantiles of /spectra with both ends of their intervals, by name."""
     levels = {**STATED, "spectrum_design": quantile}
-    found = dict(
-        zip(levels, sample.quantiles(of_records["spectrum"], list(levels.values()), logarithmic=True), strict=True)
-    )
+    of_levels = sample.quantiles(of_records["spectrum"], list(levels.values()), logarithmic=True)
+    found = dict(zip(levels, of_levels, strict=True))
     (ratio,) = sample.quantiles(of_records["record_ratio"], [0.5], logarithmic=False)
     (count,) = sample.quantiles(of_records["record_main_count"].astype(float), [0.5], logarithmic=False)
     found["ratio"] = Quantiles(ratio.value, np.clip(ratio.lower, 0.0, 1.0), np.clip(ratio.upper, 0.0, 1.0))
     found["main_count"] = Quantiles(count.value, np.maximum(np.floor(count.lower), 1.0), np.ceil(count.upper))
-    ends = {"": "value", "_lower": "lower", "_upper": "upper"}
-    return {f"{name}{end}": getattr(one, field) for name, one in found.items() for end, field in ends.items()}
+    ends = ("", "_lower", "_upper")
+    return {f"{name}{end}": table for name, one in found.items() for end, table in zip(ends, one, strict=True)}
 
 
 def _bodies(spectra: Mapping[str, np.ndarray], blocks: Block | None, weights: np.ndarray) -> dict[str, np.ndarray]:
