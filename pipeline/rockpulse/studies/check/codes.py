@@ -229,7 +229,7 @@ def kinematic_check(
     behaviour: float = 2.0,
     confidence_factor: float = 1.0,
 ) -> KinematicCheck:
-    """Check blocks on the ground by the linear and the nonlinear kinematic analysis.
+    """Check blocks on the ground by the linear and the nonlinear kinematic analysis of Circolare 617/2009.
 
     Parameters
     ----------
@@ -239,10 +239,8 @@ def kinematic_check(
         Elastic spectrum S_e of 5 % damping [m/s2] at (k,) periods [s].
     ground : float
         a_g S, the peak of the ground's acceleration on its soil [m/s2].
-    behaviour : float
-        q; 2 in the circular.
-    confidence_factor : float
-        FC, by how well the building is known: 1 or more.
+    behaviour, confidence_factor : float
+        q, 2 in the circular; FC, by how well the building is known: 1 or more.
 
     Raises
     ------

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 
@@ -72,17 +71,9 @@ class Curve:
     _spread: float
 
     def probability(self, levels: ArrayLike) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """The curve and its pointwise band.
+        """The curve and its pointwise band at levels (k,) of the measure, positive.
 
-        Parameters
-        ----------
-        levels : (k,) array_like
-            Values of the measure, positive.
-
-        Returns
-        -------
-        probability, low, high : (k,) ndarray
-            [-]; NaN where there is no curve, or no band.
+        Probability, low and high, (k,) each [-]; NaN where there is no curve, or no band.
         """
         levels = np.asarray(levels, dtype=float)
         if self.status == Status.STEP:
@@ -90,11 +81,8 @@ class Curve:
             return np.where(levels >= self.median, 1.0, 0.0), nothing, nothing
         u = (np.log(levels) - self._centre) / self._spread
         eta = self._theta[:, :1] + self._theta[:, 1:2] * u
-        half = self._half_width(eta)
+        half = jackknife_half_width(eta, self.confidence) if self.band == Band.GIVEN else np.nan
         return self._family.cdf(eta[0]), self._family.cdf(eta[0] - half), self._family.cdf(eta[0] + half)
-
-    def _half_width(self, estimates: np.ndarray) -> Any:
-        return jackknife_half_width(estimates, self.confidence) if self.band == Band.GIVEN else np.nan
 
     @cached_property
     def log_beta(self) -> np.ndarray:

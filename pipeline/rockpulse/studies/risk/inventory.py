@@ -53,12 +53,8 @@ def read_inventory(path: str | Path) -> Inventory:
     """Free rectangular bodies from a CSV table with the columns name, width [m] and height [m].
 
     It may have restitution, longitude and latitude [degrees] (or lon, lat) and soil_factor; others are passed over.
-
-    Raises
-    ------
-    ConfigError
-        For a file that is no such table, a name that is empty or twice, numbers that are not positive, half of a site
-        or one that is none.
+    Raises ConfigError for a file that is no such table, a name that is empty or twice, numbers that are not positive,
+    half of a site or one that is none.
     """
     where = Path(path)
     if not where.exists() or where.is_dir():
@@ -162,14 +158,13 @@ def inventory_frequency(
         raise ConfigError(f"years, confidence: expected a positive time and a share, got {years!r}, {confidence!r}")
     lanes = block if block.shape else block.lanes(1)
     count = lanes.shape[0]
-    every = hazard if isinstance(hazard, SiteHazards) else SiteHazards.of_all(hazard, count)
+    every = hazard if isinstance(hazard, SiteHazards) else SiteHazards.distinct(np.zeros((count, 1)), lambda _: hazard)
     if every.of_body.size != count:
         raise ConfigError(f"hazard: expected one for each of {count} bodies, got {every.of_body.size}")
     config = config_from_text(str(results.attrs["configuration"]))
     events = mean_weights(summary["event"].values.astype(str))
     found = {name: np.full(count, np.nan) for name in INVENTORY}
-    found["status"] = np.full(count, RiskStatus.NOT_COVERED)
-    found["hazard_distance"] = every.distance
+    found |= {"status": np.full(count, RiskStatus.NOT_COVERED), "hazard_distance": every.distance}
     for places, curves in curves_in_parts(spectra, summary, lanes, hazard.measure):
         values = _of_bodies(curves, events, every.chosen(places), config.fragility.factors, confidence)
         for name, part in values.items():
@@ -177,7 +172,6 @@ def inventory_frequency(
     found["probability"] = -np.expm1(-found["frequency"] * years)
     found["survival"] = np.exp(-found["frequency"] * years)
     risk = xr.Dataset({name: variable.variable(found[name]) for name, variable in INVENTORY.items()})
-    low, high = config.fragility.factors
     risk.attrs.update(
         hazard=every.words,
         hazard_assumed=hazard_assumed(every.remarks, config),
@@ -188,8 +182,8 @@ def inventory_frequency(
         unit_in_si=hazard.unit_in_si,
         covered_low=every.covered[0],
         covered_high=every.covered[1],
-        factor_low=low,
-        factor_high=high,
+        factor_low=config.fragility.factors[0],
+        factor_high=config.fragility.factors[1],
         events=events.shape[0],
         years=years,
         confidence=confidence,

@@ -29,6 +29,12 @@ from rockpulse.storage.fact_variables import facts_of
 from rockpulse.storage.site_variables import OF_RECORDS
 from rockpulse.studies.site.design import PARAMETERS
 
+#: Smaller recorded peaks do not enter a misfit: just after uplift no sequence is comparable [-].
+SMALLEST_PEAK = 0.01
+
+#: Scale factors beyond these make a motion of another kind of earthquake than the one recorded.
+USUAL_FACTORS = (0.25, 4.0)
+
 
 def measured(name: str, record: Record, config: Config) -> float:
     """A measure of a conditioned record."""
@@ -59,13 +65,6 @@ def scaled(record: Record, factor: float) -> Record:
     if factor == 1.0:
         return record
     return replace(record, acceleration=factor * record.acceleration).with_note(f"scaled by {factor:.6g}")
-
-
-#: Smaller recorded peaks do not enter a misfit: just after uplift no sequence is comparable [-].
-SMALLEST_PEAK = 0.01
-
-#: Scale factors beyond these make a motion of another kind of earthquake than the one recorded.
-USUAL_FACTORS = (0.25, 4.0)
 
 
 def rotation_to_cover(peaks: np.ndarray) -> np.ndarray:

@@ -1,11 +1,10 @@
-"""The site file put together: distributions, design sequence, coverage, and what is to be said of them."""
+"""The design of a site by sequences: distributions, the design sequence, and its coverage of records left out."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -34,13 +33,11 @@ from rockpulse.studies.site.remarks import site_remarks
 NOT_COUNTED = -1
 
 
-@dataclass(frozen=True, eq=False)
-class Coverage:
-    """Coverage by designs that were fitted without the event they are judged on.
+class Coverage(NamedTuple):
+    """Coverage by designs that were fitted without the earthquake they are judged on.
 
     `covered` (n, m) is 1 for covered, 0 for not, 2 where that design overturns the block; NaN where the pair does not
-    count, or no design could be made without its event. `main` (n,) is the main impulse of the design without the
-    record's event [m/s]; NaN without a design.
+    count, or no design could be made. `main` (n,) is the main impulse of that design [m/s]; NaN without one.
     """
 
     covered: np.ndarray
@@ -48,11 +45,7 @@ class Coverage:
 
 
 def leave_one_event_out(sample: SiteSample, quantile: float, design: str) -> Coverage:
-    """Judge the design sequence of each set of all events but one on the records of that one.
-
-    The options are those of :func:`rockpulse.studies.site.design.design_sequence`. NaN throughout for a single event,
-    because no event can be left out then.
-    """
+    """Judge the design sequence of all earthquakes but one on the records of that one; NaN for a single earthquake."""
     marks, mains = np.full(sample.peaks.shape, math.nan), np.full(sample.weights.size, math.nan)
     for event in np.unique(sample.events):
         out = sample.events == event
@@ -69,7 +62,7 @@ def leave_one_event_out(sample: SiteSample, quantile: float, design: str) -> Cov
 
 
 def judged(marks: np.ndarray, sample: SiteSample, standing: bool = True) -> np.ndarray:
-    """Pairs (n, m) of record and block on which a coverage rests; the arguments are those of :func:`coverage_of`."""
+    """Pairs (n, m) of record and block on which :func:`coverage_of` rests."""
     counted: np.ndarray = ~np.isnan(marks) & (sample.weights[:, np.newaxis] > 0.0)
     if standing:
         counted &= marks != BEYOND
@@ -92,23 +85,17 @@ def coverage_of(
 
 
 def unjudged_events(found: Coverage, sample: SiteSample) -> dict[int, str]:
-    """Events of a weight above zero on which the coverage of standing blocks does not rest, with the reason by number.
-
-    The reason is worded to stand behind the name of the event.
-    """
-    rests = np.any(judged(found.covered, sample), axis=1)
-    lifts = np.any(~np.isnan(sample.peaks), axis=1)
+    """Events of a weight above zero on which the coverage of standing blocks does not rest, and why, by number."""
+    rests, lifts, counted = judged(found.covered, sample).any(axis=1), ~np.isnan(sample.peaks), sample.weights > 0.0
     reasons = {}
-    for event in np.unique(sample.events[sample.weights > 0.0]):
-        rows = (sample.events == event) & (sample.weights > 0.0)
-        if np.any(rests[rows]):
-            continue
+    for event in np.unique(sample.events[counted & ~np.isin(sample.events, sample.events[rests])]).tolist():
+        rows = (sample.events == event) & counted
         if not np.any(lifts[rows]):
-            reasons[int(event)] = "lifts no block"
+            reasons[event] = "lifts no block"
         elif np.isnan(found.main[rows]).all():
-            reasons[int(event)] = "the others alone make no design"
+            reasons[event] = "the others alone make no design"
         else:
-            reasons[int(event)] = "the design of the others overturns all that it lifts"
+            reasons[event] = "the design of the others overturns all that it lifts"
     return reasons
 
 
@@ -173,8 +160,14 @@ def sequence_design(
     told = site | {"share_below": below, "design_upper": per_parameter["design_upper"][0]}
     site["remarks"] = "\n".join([*remarks, *site_remarks(told, done["scale_factor"], done["event"], weights, unjudged)])
     of_events = [coverage_of(marks[numbers == one], sample.part(numbers == one), 0.9)[0] for one in range(names.size)]
-    values = site | per_parameter | _records(done, weights, left_out.main) | _blocks(sample, design, marks)
+    columns = {**done, "weight": weights, "left_out_main": left_out.main}
+    of_records = [name for name, one in VARIABLES.items() if one.dims in (("record",), ("record", "parameter"))]
+    alone = [coverage_of(marks[:, [place]], sample, 0.9, standing=False)[0] for place in range(marks.shape[1])]
+    values = site | per_parameter | {name: columns[name] for name in of_records}
     values |= {
+        **{name: getattr(blocks, name) for name in ("alpha_c", "p", "restitution", "critical_impulse")},
+        "design_rotation_ratio": np.atleast_1d(sequence_response(blocks, design, table_rows=0).peak_rotation_ratio),
+        "block_coverage": alone,
         "event_records": np.bincount(numbers),
         "event_coverage": of_events,
         "correlation": correlation(fitted.logarithms, fitted.weights),
@@ -206,36 +199,12 @@ def _per_parameter(
     settings = config.calibration
     fit = fit_lognormal(sample.logarithms, sample.weights, sample.events, draws, settings.confidence)
     ends = main_impulse_interval(sample, design, settings.quantile, settings.design, draws, settings.confidence)
-    nothing = np.full(len(PARAMETERS) - 1, math.nan)
-    table = {
-        "median": fit.median,
-        "median_lower": fit.median_interval[0],
-        "median_upper": fit.median_interval[1],
-        "dispersion": fit.dispersion,
-        "dispersion_lower": fit.dispersion_interval[0],
-        "dispersion_upper": fit.dispersion_interval[1],
-        "design": np.array(parameters_of(design)),
-        "design_lower": np.concatenate([[ends[0]], nothing]),
-        "design_upper": np.concatenate([[ends[1]], nothing]),
-    }
+    table = {"median": fit.median, "dispersion": fit.dispersion, "design": np.array(parameters_of(design))}
+    for place, end in enumerate(("lower", "upper")):
+        table[f"median_{end}"] = fit.median_interval[place]
+        table[f"dispersion_{end}"] = fit.dispersion_interval[place]
+        table[f"design_{end}"] = np.array([ends[place], *[math.nan] * (len(PARAMETERS) - 1)])
     for percent in (16, 50, 84):
-        table[f"quantile_{percent}"] = np.array(
-            [weighted_quantile(column, percent / 100.0, sample.weights) for column in sample.values.T]
-        )
+        column = [weighted_quantile(values, percent / 100.0, sample.weights) for values in sample.values.T]
+        table[f"quantile_{percent}"] = np.array(column)
     return table
-
-
-def _records(done: Mapping[str, np.ndarray], weights: np.ndarray, mains: np.ndarray) -> dict[str, np.ndarray]:
-    names = [name for name, one in VARIABLES.items() if one.dims in (("record",), ("record", "parameter"))]
-    columns = {**done, "weight": weights, "left_out_main": mains}
-    return {name: columns[name] for name in names}
-
-
-def _blocks(sample: SiteSample, design: ImpulseSequence, marks: np.ndarray) -> dict[str, Any]:
-    blocks = sample.blocks
-    shares = [coverage_of(marks[:, [place]], sample, 0.9, standing=False)[0] for place in range(marks.shape[1])]
-    return {
-        **{name: getattr(blocks, name) for name in ("alpha_c", "p", "restitution", "critical_impulse")},
-        "design_rotation_ratio": np.atleast_1d(sequence_response(blocks, design, table_rows=0).peak_rotation_ratio),
-        "block_coverage": shares,
-    }

@@ -130,11 +130,10 @@ def test_no_ground_below_uplift_overturns_a_body(tree):
     assert float(found["frequency"]) < float(law.rate(lifting))
     assert float(found["frequency_low"]) < float(found["frequency"]) < float(found["frequency_high"])
     # Without it the curve's tail alone would count where the hazard is so steep.
-    other = tree.copy()
-    other["fragility"] = tree["fragility"].to_dataset().drop_vars("uplift_acceleration")
-    assert float(rp.annual_frequency(other, law, resamples=0)["frequency"].sel(block="wall")) > 1e3 * float(
-        found["frequency"]
-    )
+    other, curves = tree.copy(), tree["fragility"].to_dataset()
+    other["fragility"] = curves.assign(uplift_acceleration=curves["uplift_acceleration"] * np.nan)
+    tail = rp.annual_frequency(other, law, resamples=0)["frequency"].sel(block="wall")
+    assert float(tail) > 1e3 * float(found["frequency"])
 
 
 def test_a_body_without_a_curve_has_no_frequency_and_says_why(tree, law):
