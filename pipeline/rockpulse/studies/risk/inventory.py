@@ -158,30 +158,31 @@ def inventory_frequency(
         raise ConfigError(f"years, confidence: expected a positive time and a share, got {years!r}, {confidence!r}")
     lanes = block if block.shape else block.lanes(1)
     count = lanes.shape[0]
-    every = hazard if isinstance(hazard, SiteHazards) else SiteHazards.distinct(np.zeros((count, 1)), lambda _: hazard)
-    if every.of_body.size != count:
-        raise ConfigError(f"hazard: expected one for each of {count} bodies, got {every.of_body.size}")
+    if not isinstance(hazard, SiteHazards):
+        hazard = SiteHazards((hazard,), np.zeros(count, int), np.full(count, np.nan))
+    if hazard.of_body.size != count:
+        raise ConfigError(f"hazard: expected one for each of {count} bodies, got {hazard.of_body.size}")
     config = config_from_text(str(results.attrs["configuration"]))
     events = mean_weights(summary["event"].values.astype(str))
     found = {name: np.full(count, np.nan) for name in INVENTORY}
-    found |= {"status": np.full(count, RiskStatus.NOT_COVERED), "hazard_distance": every.distance}
+    found |= {"status": np.full(count, RiskStatus.NOT_COVERED), "hazard_distance": hazard.distance}
     for places, curves in curves_in_parts(spectra, summary, lanes, hazard.measure):
-        values = _of_bodies(curves, events, every.chosen(places), config.fragility.factors, confidence)
+        values = _of_bodies(curves, events, hazard.chosen(places), config.fragility.factors, confidence)
         for name, part in values.items():
             found[name][places] = part
     found["probability"] = -np.expm1(-found["frequency"] * years)
     found["survival"] = np.exp(-found["frequency"] * years)
     risk = xr.Dataset({name: variable.variable(found[name]) for name, variable in INVENTORY.items()})
     risk.attrs.update(
-        hazard=every.words,
-        hazard_assumed=hazard_assumed(every.remarks, config),
+        hazard=hazard.words,
+        hazard_assumed=hazard_assumed(hazard.remarks, config),
         fragility=f"the mean of each record's own P of overturning, without a fit: {events.shape[1]} records of "
         f"{several_events(events.shape[0])}, in which earthquakes count alike",
         measure=hazard.measure,
         unit=hazard.unit,
         unit_in_si=hazard.unit_in_si,
-        covered_low=every.covered[0],
-        covered_high=every.covered[1],
+        covered_low=hazard.covered[0],
+        covered_high=hazard.covered[1],
         factor_low=config.fragility.factors[0],
         factor_high=config.fragility.factors[1],
         events=events.shape[0],
