@@ -16,7 +16,7 @@ from rockpulse.record.intensity import IntensePhase, intense_phase
 from rockpulse.record.record import Record
 from rockpulse.sequences.estimators import INTERVAL, MAIN, MAIN_COUNT, SECONDARY, calibrate
 
-properties = settings(derandomize=True, deadline=None, max_examples=60)
+properties = settings(derandomize=True, deadline=None, max_examples=150)
 impulses = st.lists(st.floats(1e-3, 10.0), min_size=4, max_size=40)
 estimators = list(itertools.product(MAIN, SECONDARY, INTERVAL))
 
@@ -92,10 +92,6 @@ def test_half_wave_of_half_the_largest_is_not_above_it():
     assert calibrate(waves([2.0, 4.0, 2.0])).main_count == 1
 
 
-def test_half_of_the_largest_does_not_depend_on_the_main_estimator():
-    assert calibrate(FIVE, main="quantile", quantile=0.0).main_count == 3
-
-
 @pytest.mark.parametrize("spacing", SPACINGS)
 def test_spacing_is_handed_on(spacing):
     assert calibrate(FIVE, spacing=spacing).spacing == spacing
@@ -109,20 +105,6 @@ def test_phase_selects_half_waves_by_their_centroid_and_gives_the_duration():
 
 def test_duration_is_from_the_first_to_the_last_wave_without_a_phase():
     assert calibrate(FIVE).duration == 5.0
-
-
-def test_without_a_word_it_is_the_largest_the_rms_and_the_median():
-    named = {
-        "main": "largest",
-        "secondary": "rms",
-        "interval": "median",
-        "main_count": "half-largest",
-        "spacing": "end",
-    }
-    plain, said = calibrate(FIVE), calibrate(FIVE, **named)
-    for name in ("main", "secondary", "interval", "duration", "main_count", "spacing"):
-        assert getattr(plain, name) == getattr(said, name)
-    assert calibrate(FIVE, duration_s=0.5).duration == 0.5
     assert calibrate(waves([1.0, 2.0, 3.0], [3.2, 4.3, 6.1])).duration == 4.0  # from 3 s to 7 s
 
 
@@ -142,10 +124,9 @@ def test_sine_is_its_own_secondary_sequence(main, secondary, interval):  # VALID
 
 
 @properties
-@given(impulses, st.floats(0.0, 1.0), st.integers(1, 3))
-@pytest.mark.parametrize(("main", "secondary", "interval"), estimators)
-def test_secondary_impulse_is_never_above_the_main_one(main, secondary, interval, sizes, quantile, m):
-    sequence = calibrate(waves(sizes), main, secondary, interval, quantile=quantile, m=m)
+@given(impulses, st.sampled_from(estimators), st.floats(0.0, 1.0), st.integers(1, 3))
+def test_secondary_impulse_is_never_above_the_main_one(sizes, chosen, quantile, m):
+    sequence = calibrate(waves(sizes), *chosen, quantile=quantile, m=m)
     assert 0.0 < sequence.secondary <= sequence.main <= max(sizes) * (1.0 + 1e-15)
     assert 1 <= sequence.main_count <= len(sizes)
 

@@ -1,7 +1,6 @@
-"""`calibrate_response`: known sequences come back, records are reproduced, and what cannot be told is said.
+"""`calibrate_response`: known sequences come back, records are reproduced, and a share of the blocks is covered."""
 
-The smallest main impulse that covers a share of the targets, where peaks are known in closed form.
-"""
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -280,22 +279,22 @@ def test_the_search_looks_as_far_as_four_thresholds_and_a_parameter_is_flat_up_t
     assert fit.start_unsafe_share == np.mean(response(TWELVE, start).peak_rotation_ratio < PEAKS)
 
 
-def test_the_family_of_a_record_is_named_where_none_is_given_and_the_envelope_is_asked_for_by_its_form(
-    monkeypatch, short, strong
-):
-    asked = []
+def test_family_seed_and_form_are_those_that_are_asked_for(monkeypatch, fit, strong):
+    fitted, shares = [], []
+    monkeypatch.setattr(module, "fit_sequence", lambda *asked: fitted.append(asked) or fit)
     monkeypatch.setattr(module, "recorded_family", lambda record, threads, vertical: THIRD)
-    monkeypatch.setattr(module, "envelope", lambda fit, share, threads: asked.append(share) or fit)
-    given, own = calibrate_response(strong, THIRD, threads=1), calibrate_response(strong, threads=1)
+    monkeypatch.setattr(module, "envelope", lambda fit, share, threads: shares.append(share) or fit)
+    assert calibrate_response(strong, THIRD) is fit
+    own = calibrate_response(strong)
     assert own.remarks[0].startswith(f"{THIRD.shape[0]} blocks chosen about the edge of overturning")
-    assert own.remarks[1:] == given.remarks
-    assert own.intervals == given.intervals
-    assert asked == []
-    calibrate_response(strong, THIRD, form="enveloping", threads=1)
-    calibrate_response(strong, THIRD, form="enveloping", share=1.0, threads=1)
-    assert asked == [0.84, 1.0]
-    seeded = [calibrate_response(strong, THIRD, seed=seed, threads=1).intervals for seed in (0, 1)]
-    assert seeded[0] == given.intervals != seeded[1]
+    assert own.remarks[1:] == fit.remarks
+    assert shares == []
+    calibrate_response(strong, THIRD, form="enveloping", seed=1)
+    calibrate_response(replace(strong, id="other"), THIRD, form="enveloping", share=1.0)
+    assert shares == [0.84, 1.0]
+    first = [asked[4].random() for asked in fitted]  # the generator: of the seed and the record
+    assert first[0] == first[1]
+    assert len(set(first)) == 3
 
 
 def test_the_envelope_says_its_factor_and_whether_cover_is_monotonic(monkeypatch, fit):

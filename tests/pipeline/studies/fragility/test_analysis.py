@@ -93,13 +93,6 @@ def test_the_curve_of_a_measure_is_the_fit_of_factor_times_measure(tree):
     np.testing.assert_allclose(found["probability_high"], fit.probability(found["level"].values)[2])
 
 
-def test_the_levels_of_a_curve_reach_three_dispersions_beyond_the_medians_on_both_sides(tree):
-    found = tree["fragility"].to_dataset().sel(block="wall", measure="velocity_ratio")
-    median, beta, level = found["median"].values, found["beta"].values, found["level"].values
-    assert level[0] == pytest.approx(np.nanmin(median * np.exp(-3.0 * beta)), rel=1e-12)
-    assert level[-1] == pytest.approx(np.nanmax(median * np.exp(3.0 * beta)), rel=1e-12)
-
-
 def test_a_body_in_a_direction_of_its_own_is_shaken_in_it():
     pair = [
         replace(pulse(number, "Kobe"), id=f"S.{name}", network="N", station="S", channel=name, azimuth=azimuth)
@@ -203,39 +196,6 @@ def test_stripes_and_clouds_count_what_is_reached(records, data):
     )
     np.testing.assert_equal(float(curve["median"]), fit.median)
     assert str(curve["statement"].values) == fit.statement
-
-
-def test_nothing_overturns_everything_overturns_one_record_only(records):
-    own = {"block": "wall", "limit_state": "overturning", "measure": "velocity_ratio"}
-
-    def verdict(records, config):
-        curve = rp.fragility_curves(records, config, BLOCKS)["fragility"].to_dataset().sel(own)
-        assert np.isnan([float(curve[name]) for name in ("median", "median_low", "beta", "beta_high")]).all()
-        assert np.isnan(curve["probability"]).all()
-        names = curve["status"].attrs["flag_meanings"].split()
-        return names[int(curve["status"])], str(curve["statement"].values)
-
-    one = {"limit_states": ["overturning"], "measures": ["velocity_ratio"]}
-    weak = Config(fragility=options(**one).fragility, search=SearchSettings(factor_max=1.0))
-    status, words = verdict(records, weak)
-    assert status == "nothing_reached"
-    assert words.startswith("no curve: none of 6 records reached the limit state, looked at up to")
-    status, words = verdict(records, options(data="stripes", stripe_levels=[20.0, 40.0], **one))
-    assert status == "everything_reached"
-    assert words == "no curve: all of 6 records reached the limit state at every level, from 20; look at lower levels"
-    status, words = verdict(records[:1], options(**one))
-    assert status == "one_record"
-    assert words.startswith("no curve: one record only")
-
-
-def test_records_of_one_event_give_a_curve_without_a_band():
-    alone = rp.fragility_curves(
-        [pulse(number, "Kobe") for number in range(4)], options(limit_states=["overturning"]), BLOCKS
-    )
-    curve = alone["fragility"].to_dataset().sel(block="wall", limit_state="overturning", measure="pga")
-    assert np.isfinite(float(curve["median"]))
-    assert np.isnan(float(curve["median_low"]))
-    assert str(curve["statement"].values) == "no band: the records come from 1 event, it needs 3"
 
 
 def test_all_bodies_together_are_clustered_by_event(tree):
