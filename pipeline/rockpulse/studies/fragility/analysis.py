@@ -65,10 +65,8 @@ def fragility_curves(
         without.
     blocks : mapping of str to (width, height), Block or BlockSettings, or sequence of BlockSettings, optional
         The bodies, in place of those of the configuration; full sizes in m.
-    failures : iterable of Failure
-        Files and channels that reading has left out, to be stored with the results.
-    progress : callable, optional
-        Wraps the list of channels or pairs on its way into the loop, as ``tqdm.tqdm`` does.
+    failures, progress
+        As for :func:`rockpulse.assess`.
 
     Returns
     -------

@@ -51,10 +51,8 @@ def calibrate_site(
         The bodies that the design is read for, or whose rotations it is to cover, in place of those of the
         configuration. Where neither names one, the spectrum is stored alone, and one sequence covers a family of 100
         (:func:`rockpulse.sequences.response_targets.block_family`).
-    failures : iterable of Failure
-        Files and channels that reading has left out, to be stored with the results.
-    progress : callable, optional
-        Wraps the list of channels or pairs on its way into the loop, as ``tqdm.tqdm`` does.
+    failures, progress
+        As for :func:`rockpulse.assess`.
 
     Returns
     -------
@@ -128,10 +126,16 @@ class SiteCalibration(Analysis):
         return no_site_record(self.lanes)
 
     def _bodies(self, blocks: Blocks) -> tuple[list[str], Block | None]:
-        """Names and lanes of the bodies; a spectrum needs none."""
-        if self.by_spectrum and not blocks:
+        """Names and lanes of the bodies, of several restitutions several; a family of 100 where a sequence has none."""
+        if not blocks and self.by_spectrum:
             return [], None
-        names, lanes = site_family(blocks)
+        if not blocks:
+            lanes = block_family()
+            named = np.column_stack([lanes.p, lanes.alpha_c, lanes.restitution])
+            return [f"p {p:.3g} alpha {alpha:.3g} C {c:.3g}" for p, alpha, c in named], lanes
+        bodies = gather_bodies(blocks)
+        refuse_aloft(bodies, "a site is calibrated on the motion of its ground")
+        names, lanes, _ = bodies.apart()
         others = [name for name, free in zip(names, np.asarray(lanes.free), strict=True) if not free]
         if others and not self.by_spectrum:
             raise ConfigError(
@@ -173,17 +177,3 @@ class SiteCalibration(Analysis):
             "weights": settings.weighting,
         }
         return self.described(xr.DataTree.from_dict({**nodes, "/failures": failure_table(rows)}), title)
-
-
-def site_family(blocks: Blocks) -> tuple[list[str], Block]:
-    """Names and (m,) lanes of the bodies whose rotations are to be covered, a family of 100 where there are none.
-
-    A body with several restitutions is several.
-    """
-    if not blocks:
-        lanes = block_family()
-        named = np.column_stack([lanes.p, lanes.alpha_c, lanes.restitution])
-        return [f"p {p:.3g} alpha {alpha:.3g} C {c:.3g}" for p, alpha, c in named], lanes
-    bodies = gather_bodies(blocks)
-    refuse_aloft(bodies, "a site is calibrated on the motion of its ground")
-    return bodies.apart()[:2]
