@@ -8,7 +8,7 @@ import rockpulse as rp
 from rocking.spectrum_lanes import RATES
 from rockpulse import CalibrationSettings
 from rockpulse.models import Block
-from rockpulse.storage.spectrum_variables import RESTITUTIONS
+from rockpulse.storage.variables.probability import RESTITUTIONS
 from rockpulse.studies.site.calibration import SiteCalibration
 from rockpulse.studies.site.records import facts_of_record
 

@@ -1,6 +1,5 @@
 from . import models as models
 from . import plots as plots
-from . import study as study
 from .assessment.assessment import assess as assess
 from .assessment.design_sequence import assess_sequence as assess_sequence
 from .assessment.overturning import overturning_factors as overturning_factors
@@ -44,8 +43,8 @@ from .errors import RockpulseError as RockpulseError
 from .errors import StoppedAtFailure as StoppedAtFailure
 from .errors import TooWeak as TooWeak
 from .errors import UnitError as UnitError
-from .ladder import ModelSettings as ModelSettings
-from .ladder import SearchSettings as SearchSettings
+from .model_table import ModelSettings as ModelSettings
+from .model_table import SearchSettings as SearchSettings
 from .readers import read as read
 from .readers.conversion import write as write
 from .readers.folders import read_all as read_all
@@ -68,9 +67,8 @@ from .sequences.response import calibrate_response as calibrate_response
 from .sequences.response_result import ResponseCalibration as ResponseCalibration
 from .sequences.rule import Rule as Rule
 from .sequences.rule import load_rule as load_rule
-from .storage.design_file import load_design as load_design
-from .storage.long_table import results_table as results_table
-from .storage.save_load import save as save
+from .storage.export.long_table import results_table as results_table
+from .storage.hdf5.results_file import save as save
 from .studies.check.bodies import code_check as code_check
 from .studies.check.codes import KinematicCheck as KinematicCheck
 from .studies.check.codes import kinematic_check as kinematic_check
@@ -87,6 +85,7 @@ from .studies.risk.hazard_files import load_hazard as load_hazard
 from .studies.risk.hazard_files import load_site_hazards as load_site_hazards
 from .studies.risk.inventory import inventory_frequency as inventory_frequency
 from .studies.site.calibration import calibrate_site as calibrate_site
+from .studies.site.calibration import load_design as load_design
 from .views.plots.dispatch import plot as plot
 from .views.report.writing import write_report as write_report
 

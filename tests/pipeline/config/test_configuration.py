@@ -124,7 +124,7 @@ WRONG = [
     ("[models]\nuse = ['linear', 'linear']", r"each once, found"),
     ("[models]\nuse = ['nonlinaer']", r"use: .*did you mean \"nonlinear\""),
     ("[models]\nuse = 'linear'", r"use: expected a list"),
-    ('[models]\noutput = "peaks"', r'output: expected one of .*did you mean "peak"'),
+    ('[models]\ngain = "papers"', r'gain: expected one of .*did you mean "paper"'),
     (
         "[models]\nhistories = true\n[records]\nstore = 'none'",
         r"\[models\] histories: .*\[records\] store = \"none\" leaves them out.*set store = .* or histories = false",

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Literal, NamedTuple, cast
+from typing import NamedTuple
 
 import numpy as np
 
@@ -19,15 +19,16 @@ from rockpulse.config.bodies import Bodies
 from rockpulse.config.configuration import Config
 from rockpulse.config.fragility_settings import OVERTURNING, UPLIFT
 from rockpulse.errors import TooWeak
-from rockpulse.ladder import Scene
+from rockpulse.model_row import Equation, Scene
+from rockpulse.model_table import MODELS
 from rockpulse.motions.directions import Motion
 from rockpulse.motions.runner import Part, Watch
 from rockpulse.motions.tables import Selection
 from rockpulse.record.components import Pair
 from rockpulse.record.intensity import pgv
 from rockpulse.record.measures import MEASURES, RecordOnBodies
-from rockpulse.storage.fact_variables import FACTS, facts_of
-from rockpulse.storage.fragility_variables import QUALITIES
+from rockpulse.storage.variables.fragility import QUALITIES
+from rockpulse.storage.variables.summary import FACTS, facts_of
 
 #: Stands for a motion that the model cannot resolve.
 NOT_KNOWN = -1
@@ -41,7 +42,7 @@ def scale_capacities(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Incremental dynamic analysis of one record: the first factor at which each limit state is reached.
 
-    The `states` are "uplift", values of theta_max/alpha_c, and "overturning"; `equation` is "nonlinear" or "linear";
+    The `states` are "uplift", values of theta_max/alpha_c, and "overturning"; `equation` is the model by that equation;
     each of the (m,) lanes of the block is scanned at `points` factors up to `factor_max`. Uplift is known in closed
     form. A factor that the model cannot resolve (free flight) counts as reached.
 
@@ -50,17 +51,18 @@ def scale_capacities(
     state is reached in a narrower interval only, the factor is one that lies higher. It is one where nothing can be
     missed: uplift alone, or uplift beyond the search.
     """
-    record, vertical = scene.record, _vertical(scene, equation)
+    record = scene.record
+    solved, vertical = _acting(scene, equation)
     capacities, step = np.empty((len(states), *block.shape)), np.ones(block.shape)
     for row, state in enumerate(states):
         if state == UPLIFT:
-            factor = uplift_scale(block, record.acceleration, equation, vertical)
+            factor = uplift_scale(block, record.acceleration, solved, vertical)
         else:
             found = critical_scale(
                 block,
                 record.acceleration,
                 record.dt,
-                equation=cast(Literal["nonlinear", "linear"], equation),
+                equation=solved,
                 vertical=vertical,
                 level=None if state == OVERTURNING else float(state),
                 factor_max=factor_max,
@@ -78,15 +80,16 @@ def reached_at(
 
     The answer (s, r, m) is 1 for reached, 0 for not, :data:`NOT_KNOWN` where the model cannot say.
     """
-    record, vertical = scene.record, _vertical(scene, equation)
-    lifted = uplift_scale(block, record.acceleration, equation, vertical)
+    record = scene.record
+    solved, vertical = _acting(scene, equation)
+    lifted = uplift_scale(block, record.acceleration, solved, vertical)
     reached = np.empty((len(states), *factors.shape), dtype=np.int8)
     for column, own in enumerate(factors):
         response = recorded_response(
             block,
             record.acceleration,
             record.dt,
-            equation=cast(Literal["nonlinear", "linear"], equation),
+            equation=solved,
             vertical=vertical,
             block_scale=own,
         )
@@ -101,8 +104,11 @@ def reached_at(
     return reached
 
 
-def _vertical(scene: Scene, equation: str) -> np.ndarray | None:
-    return scene.vertical if equation == "nonlinear" else None
+def _acting(scene: Scene, model: str) -> tuple[Equation, np.ndarray | None]:
+    """The equation of motion of a model, and the vertical acceleration that acts by it."""
+    equation = MODELS[model].equation
+    assert equation is not None
+    return equation, MODELS[model].vertical_of(scene)
 
 
 class Lanes(NamedTuple):
@@ -119,7 +125,7 @@ def motion_capacity(
     """The capacities of (m,) lanes under one motion, as arrays.
 
     "measures" (1, k, m) are those of the ground's motion as it is, in the direction of each body and in the order of
-    ``[fragility] measures``, "qualities" (1, c) those of :data:`rockpulse.storage.fragility_variables.QUALITIES`. An
+    ``[fragility] measures``, "qualities" (1, c) those of :data:`rockpulse.storage.variables.fragility.QUALITIES`. An
     incremental analysis adds "factors" (1, s, m), the first that reaches each limit state, inf where none does, and
     "step" (1, m), the ratio of neighbouring factors of the scan; others add "factors" (1, r, m), those that were looked
     at, "reached" (1, s, r, m), whether the limit state was, and "weight" (1, r). Beyond ``[fragility] factors`` a

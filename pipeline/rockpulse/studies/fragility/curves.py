@@ -15,7 +15,7 @@ import numpy as np
 from rocking.quantities import ArrayLike
 from rockpulse.earthquakes import FEWEST_EVENTS, jackknife_half_width
 from rockpulse.errors import ConfigError
-from rockpulse.storage.fragility_variables import Band, Extrapolated, Status
+from rockpulse.storage.variables.fragility import Band, Extrapolated, Status
 from rockpulse.studies.fragility.likelihood import ABOVE, EXACT, FAMILIES, NOT_ABOVE, Family, Observations, maximise
 from rockpulse.studies.fragility.statements import (
     STATEMENTS,

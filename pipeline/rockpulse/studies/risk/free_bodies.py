@@ -20,7 +20,7 @@ from rockpulse.earthquakes import mean_weights
 from rockpulse.errors import ConfigError, ResultsError
 from rockpulse.record.measures import PGA, STORED_LEVELS
 from rockpulse.sequences.design_spectrum import at_blocks, within
-from rockpulse.storage.risk_variables import FREE_FRAGILITY
+from rockpulse.storage.variables.risk import FREE_FRAGILITY
 
 if TYPE_CHECKING:
     import xarray as xr

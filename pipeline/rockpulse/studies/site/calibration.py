@@ -2,25 +2,30 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable, Sequence
 from functools import cached_property, partial
+from pathlib import Path
 
 import numpy as np
 import xarray as xr
 
 from rocking.block import Block
+from rocking.sequence import ImpulseSequence
 from rockpulse.config.bodies import gather_bodies, refuse_aloft
 from rockpulse.config.configuration import Config, given_config, located
 from rockpulse.config.settings import WEIGHTS
-from rockpulse.errors import ConfigError, RecordRefused
+from rockpulse.errors import ConfigError, RecordRefused, ResultsError
 from rockpulse.failures import Failure, alike, told
 from rockpulse.motions.directions import PlannedMotion, planned_ids
 from rockpulse.motions.runner import Analysis, Blocks, Part, Prepared, Work, joined, run
 from rockpulse.motions.tables import read_weight_table, record_weights
 from rockpulse.record.record import Record
+from rockpulse.sequences.design_spectrum import DesignSpectrum
 from rockpulse.sequences.response_targets import block_family
-from rockpulse.storage.site_variables import SITE_KIND
+from rockpulse.storage.hdf5.results_file import ASSESSMENT, load, named
 from rockpulse.storage.variables import failure_table
+from rockpulse.storage.variables.site import SITE_KIND
 from rockpulse.studies.site.records import no_site_record, site_record
 from rockpulse.studies.site.sequence_design import sequence_design
 from rockpulse.studies.site.spectrum_design import no_spectrum_record, site_spectrum_record, spectrum_design
@@ -177,3 +182,59 @@ class SiteCalibration(Analysis):
             "weights": settings.weighting,
         }
         return self.described(xr.DataTree.from_dict({**nodes, "/failures": failure_table(rows)}), title)
+
+
+def load_design(path: str | Path) -> DesignSpectrum | ImpulseSequence:
+    """The design that ``rockpulse calibrate`` has stored.
+
+    Parameters
+    ----------
+    path : str or Path
+        A site file.
+
+    Returns
+    -------
+    DesignSpectrum or ImpulseSequence
+        The design spectrum, which has a sequence for every body; one sequence for all of them where the file was made
+        by the method "response" or "statistics".
+
+    Raises
+    ------
+    ResultsError
+        For a file that is no results file of rockpulse, of another kind, or of too few earthquakes for a design.
+    OSError
+        Where the file cannot be opened.
+    """
+    tree = load(path)
+    kind = tree.attrs.get("kind", ASSESSMENT)
+    if kind != SITE_KIND:
+        raise ResultsError(f"{path}: expected a site file of 'rockpulse calibrate', found {named(kind)}")
+    return design_of(tree, str(path))
+
+
+def design_of(tree: xr.DataTree, name: str = "site") -> DesignSpectrum | ImpulseSequence:
+    """The design of a site in memory (:func:`rockpulse.calibrate_site`), as :func:`load_design` reads it from a file.
+
+    `name` stands for the site in the message where there is no design.
+    """
+    site = tree["site"].to_dataset()
+    if site.attrs["method"] == "spectrum":
+        spectra = tree["spectra"].to_dataset()
+        if np.isnan(spectra["spectrum_design"].values).any():
+            raise ResultsError(f"{name}: no design: {str(site['remarks'].item()).splitlines()[0]}")
+        return DesignSpectrum(
+            spectra["p"].values,
+            spectra["restitution"].values,
+            spectra["spectrum_design"].values,
+            spectra["ratio"].values,
+            spectra["main_count"].values.astype(int),
+        )
+    value = dict(zip(site["parameter"].values.tolist(), site["design"].values.tolist(), strict=True))
+    return ImpulseSequence(
+        main=value["main"],
+        secondary=min(value["ratio"] * value["main"], value["main"]),
+        interval=value["interval"],
+        duration=math.inf if math.isnan(value["duration"]) else value["duration"],
+        main_count=None if math.isnan(value["main_count"]) else int(value["main_count"]),
+        spacing=str(site.attrs["spacing"]),
+    )

@@ -17,7 +17,7 @@ from rocking.sequence import ImpulseSequence, sequence_response
 from rockpulse.assessment.scene import extract
 from rockpulse.config.configuration import Config
 from rockpulse.errors import RecordRefused, TooWeak
-from rockpulse.ladder import Scene
+from rockpulse.model_row import Scene
 from rockpulse.motions.directions import Motion
 from rockpulse.motions.runner import Part, Watch
 from rockpulse.record.half_wave import half_waves
@@ -25,8 +25,8 @@ from rockpulse.record.measures import IMPULSE, MEASURES, STORED_LEVELS, RecordOn
 from rockpulse.record.record import Record
 from rockpulse.remark import Remark, find
 from rockpulse.sequences.response import calibrate_response
-from rockpulse.storage.fact_variables import facts_of
-from rockpulse.storage.site_variables import OF_RECORDS
+from rockpulse.storage.variables.site import OF_RECORDS
+from rockpulse.storage.variables.summary import facts_of
 from rockpulse.studies.site.design import PARAMETERS
 
 #: Smaller recorded peaks do not enter a misfit: just after uplift no sequence is comparable [-].
