@@ -23,7 +23,8 @@ from rockpulse.motions.tables import read_weight_table, record_weights
 from rockpulse.record.record import Record
 from rockpulse.sequences.design_spectrum import DesignSpectrum
 from rockpulse.sequences.response_targets import block_family
-from rockpulse.storage.hdf5.results_file import ASSESSMENT, load, named
+from rockpulse.storage.hdf5.atomic import ASSESSMENT, named
+from rockpulse.storage.hdf5.results_file import load
 from rockpulse.storage.variables import failure_table
 from rockpulse.storage.variables.site import SITE_KIND
 from rockpulse.studies.site.records import no_site_record, site_record
