@@ -15,7 +15,7 @@ from rockpulse.config.check_settings import CODES, CheckSettings
 from rockpulse.config.configuration import Config, config_from_text
 from rockpulse.config.restraint_settings import FloorSettings
 from rockpulse.errors import ConfigError
-from rockpulse.storage.check_variables import CHECK
+from rockpulse.storage.variables.risk import CHECK
 from rockpulse.studies.check.codes import CHECKS, Checked, worst
 from rockpulse.studies.check.mechanism import Mechanism, mechanisms
 from rockpulse.studies.check.spectra import DemandSpectrum, TableEnds, spectrum_of

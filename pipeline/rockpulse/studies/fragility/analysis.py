@@ -21,7 +21,8 @@ from rockpulse.motions.tables import selection_of
 from rockpulse.motions.votes import unmatched_patterns
 from rockpulse.record.measures import MEASURES, REFERENCE
 from rockpulse.record.record import Record
-from rockpulse.storage.fragility_variables import (
+from rockpulse.storage.variables import failure_table, with_values
+from rockpulse.storage.variables.fragility import (
     CAPACITIES,
     COORDINATES,
     CURVE,
@@ -35,7 +36,6 @@ from rockpulse.storage.fragility_variables import (
     TESTED,
     Status,
 )
-from rockpulse.storage.variables import failure_table, with_values
 from rockpulse.studies.fragility.capacity import Lanes, motion_capacity, nothing
 from rockpulse.studies.fragility.ensemble import Ensemble, Fits, dispersion_ratio, fit_ensemble, gather
 

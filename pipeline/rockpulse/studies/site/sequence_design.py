@@ -14,8 +14,8 @@ from rocking.sequence import ImpulseSequence, sequence_response
 from rockpulse.config.configuration import Config
 from rockpulse.earthquakes import draw_earthquakes, fit_lognormal, share_interval, weighted_quantile
 from rockpulse.errors import RecordRefused
-from rockpulse.storage.site_variables import COORDINATES, PARAMETER, VARIABLES
 from rockpulse.storage.variables import with_values
+from rockpulse.storage.variables.site import COORDINATES, PARAMETER, VARIABLES
 from rockpulse.studies.site.design import (
     BEYOND,
     PARAMETERS,

@@ -27,10 +27,9 @@ from rockpulse.motions.directions import Motion
 from rockpulse.motions.runner import Part, Watch
 from rockpulse.record.half_wave import half_waves
 from rockpulse.sequences.design_spectrum import DesignSpectrum
-from rockpulse.storage.site_spectrum_variables import SITE, SITE_AXES, SPECTRA, SPECTRA_AXES
-from rockpulse.storage.site_variables import OF_RECORDS
-from rockpulse.storage.spectrum_variables import RESTITUTIONS
 from rockpulse.storage.variables import with_values
+from rockpulse.storage.variables.probability import RESTITUTIONS
+from rockpulse.storage.variables.site import OF_RECORDS, SITE, SITE_AXES, SPECTRA, SPECTRA_AXES
 from rockpulse.studies.site.records import facts_of_record, no_facts, scaled_motion
 from rockpulse.studies.site.remarks import FEWEST_EVENTS, scaled_far
 

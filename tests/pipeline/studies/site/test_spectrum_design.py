@@ -17,8 +17,8 @@ from rockpulse.config.settings import SPECTRA
 from rockpulse.earthquakes import bootstrap_interval, draw_earthquakes, weighted_quantile
 from rockpulse.errors import ResultsError
 from rockpulse.models import Block, ImpulseSequence
-from rockpulse.storage.site_spectrum_variables import SITE_GROUPS
-from rockpulse.storage.spectrum_variables import RESTITUTIONS
+from rockpulse.storage.variables.probability import RESTITUTIONS
+from rockpulse.storage.variables.site import SITE_GROUPS
 from rockpulse.studies.site.spectrum_design import QuantileSample, fewest_events
 
 EVENTS = np.array([0, 0, 0, 1, 2, 2, 3, 4, 5, 6, 6, 7])
