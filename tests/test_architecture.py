@@ -18,13 +18,13 @@ SOURCES = [path for top in TOPS for path in sorted(top.rglob("*.py"))]
 #: above its own. A room is the longest of these names that a module's dotted name begins with.
 ROOMS = """
 rocking
-rockpulse.version rockpulse.failures rockpulse.remark
+rockpulse.version rockpulse.failures rockpulse.remark rockpulse.earthquakes
 rockpulse.errors
 rockpulse.option rockpulse.file_set rockpulse.foreign_text rockpulse.input_file
 rockpulse.input_table
 rockpulse.record
 rockpulse.readers
-rockpulse.calibration
+rockpulse.sequences
 rockpulse.model_row
 rockpulse.model_table
 rockpulse.config

@@ -34,8 +34,8 @@ NO_MODEL = {
         ("rockpulse.views.report.pages", "sequence"),
     },
     "a working point of the rule, after which its model is called": {
-        ("rockpulse.calibration.rule", "balanced"),
-        ("rockpulse.calibration.rule", "conservative"),
+        ("rockpulse.sequences.rule", "balanced"),
+        ("rockpulse.sequences.rule", "conservative"),
     },
     "the straight line of a baseline correction": {
         ("rockpulse.config.settings", "linear"),

@@ -15,7 +15,7 @@ from rockpulse.record.intensity import IntensePhase
 from rockpulse.record.record import Record
 
 if TYPE_CHECKING:
-    from rockpulse.calibration.rule import Rule
+    from rockpulse.sequences.rule import Rule
 
 __all__ = ["Equation", "Model", "Scene", "loaded_rule"]
 
@@ -49,7 +49,7 @@ class Scene:
 
 def loaded_rule(point: str) -> Rule:
     """The rule at one of its working points."""
-    from rockpulse.calibration.rule import load_rule
+    from rockpulse.sequences.rule import load_rule
 
     return load_rule(point)
 

@@ -17,10 +17,10 @@ from rocking.crossing import factor_at
 from rocking.overturning_spectrum import LEAST_SLENDERNESS, OverturningSpectrum, covered_range
 from rocking.spectrum_lanes import RATES, SpectrumLanes, spectrum_lanes
 from rocking.uncertainty import Uncertainty
-from rockpulse.calibration.design_spectrum import at_blocks, within
-from rockpulse.calibration.rule import load_rule
 from rockpulse.record.half_wave import HalfWaves, half_waves
 from rockpulse.record.record import Record
+from rockpulse.sequences.design_spectrum import at_blocks, within
+from rockpulse.sequences.rule import load_rule
 from rockpulse.storage.variables import StoredVariable
 from rockpulse.storage.variables.probability import (
     AXIS_SIZES,

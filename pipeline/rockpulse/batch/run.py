@@ -162,7 +162,7 @@ def fragility_files(
     ConfigError, ResultsError, StoppedAtFailure, Interrupted
         As :func:`assess_files`.
     """
-    from rockpulse.studies.fragility.assessment import FragilityAnalysis
+    from rockpulse.studies.fragility.analysis import FragilityAnalysis
 
     return _run(FragilityAnalysis(config), paths, output, options or BatchOptions())
 

@@ -22,12 +22,12 @@ from rockpulse import (
 from rockpulse.assessment.assessment import assess
 from rockpulse.assessment.scene import matched, prepare
 from rockpulse.assessment.tree import dimension_of, joined_parts
-from rockpulse.calibration.estimators import INTERVAL, MAIN, MAIN_COUNT, SECONDARY
 from rockpulse.errors import ConfigError
 from rockpulse.failures import Failure
 from rockpulse.models import Block, Outcome, Reason, recorded_response
 from rockpulse.record.intensity import pgv
 from rockpulse.record.record import Record
+from rockpulse.sequences.estimators import INTERVAL, MAIN, MAIN_COUNT, SECONDARY
 from rockpulse.storage.hdf5.results_file import load, save
 from rockpulse.views.plots.selection import block_of
 
