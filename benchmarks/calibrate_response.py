@@ -17,7 +17,7 @@ from pathlib import Path
 import numpy as np
 from scipy.optimize import differential_evolution
 
-from rocking.sequence import ImpulseSequence, sequence_response
+from rocking.impulses.sequence import ImpulseSequence, sequence_response
 from rockpulse.readers.folders import read_all
 from rockpulse.record.conditioning import condition
 from rockpulse.record.record import Record

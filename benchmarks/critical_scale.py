@@ -17,7 +17,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from rocking.capacity import POINTS, uplift_scale
+from rocking.search.capacity import POINTS, uplift_scale
 from rockpulse.models import (
     Block,
     ImpulseSequence,

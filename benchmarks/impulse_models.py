@@ -21,7 +21,7 @@ from typing import Any
 import numpy as np
 
 from rocking.effective_impulse import effective_impulse_response
-from rocking.sequence_safety import sequence_critical_scale
+from rocking.search.sequence_capacity import sequence_critical_scale
 from rockpulse.models import Block, ImpulseSequence, impulsive_response, recorded_response, sequence_response
 from rockpulse.record.half_wave import half_waves
 from rockpulse.record.record import Record

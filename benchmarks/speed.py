@@ -21,7 +21,7 @@ from collections.abc import Callable
 import numpy as np
 from numba import njit
 
-from rocking.threads import available_cores
+from rocking.lanes import available_cores
 from rockpulse.models import Block, Outcome, recorded_response
 from rockpulse.record.synthetic import synthetic_lanes, synthetic_motion
 from rockpulse.studies.selftest.baseline import response as solve_ivp_response

@@ -5,7 +5,7 @@ from functools import cache
 import numpy as np
 
 import rockpulse as rp
-from rocking.spectrum_lanes import RATES
+from rocking.spectrum.lanes import RATES
 from rockpulse import CalibrationSettings
 from rockpulse.models import Block
 from rockpulse.storage.variables.probability import RESTITUTIONS

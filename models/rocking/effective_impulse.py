@@ -8,16 +8,16 @@ from __future__ import annotations
 
 import numpy as np
 
-from rocking.block import Block
+from rocking.arguments import ArrayLike
+from rocking.body.block import Block
 from rocking.effective_impulse_kernel import GroundMotion, Lanes, Waves, effective_lanes
-from rocking.quantities import ArrayLike
+from rocking.lanes import split_lanes
 from rocking.response import Response, empty_results, response_of
-from rocking.threads import split_lanes
 
 __all__ = ["effective_impulse_response"]
 
 #: Reciprocal of the acceleration that lifts a block, times gravity, by gain: theta' changes by p^2 alpha_c times this
-#: times the impulse over gravity, as in :data:`rocking.impulsive.GAINS`.
+#: times the impulse over gravity, as in :data:`rocking.impulses.impulsive.GAINS`.
 FORCES = {
     "tangent": lambda alpha: 1.0 / np.tan(alpha),
     "linear": lambda alpha: 1.0 / alpha,
@@ -48,7 +48,7 @@ def effective_impulse_response(
     boundaries : (k,) array_like, optional
         Ends of the half-waves [s] from the first sample, increasing. Default: the changes of sign of the record.
     gain : {"tangent", "linear", "paper"}
-        Change of theta' per impulse, see :data:`rocking.impulsive.GAINS`. It also sets the acceleration that
+        Change of theta' per impulse, see :data:`rocking.impulses.impulsive.GAINS`. It also sets the acceleration that
         lifts the block: g tan(alpha_c), g alpha_c, or g alpha_c/cos(alpha_c).
     scale : float or (q,) array_like
         Factor on the record, not negative [-].

@@ -1,6 +1,6 @@
 """Half-waves as impulses, each split where the block lifts off or lands inside it, lane by lane, on bare arrays.
 
-.. note:: Units of :mod:`rocking.motion`: rotations over alpha_c, times p, x and x' positive away from the
+.. note:: Units of :mod:`rocking.impulses.motion`: rotations over alpha_c, times p, x and x' positive away from the
    ground. A stretch of ground motion of impulse I whose centroid lies r before its end adds J sinh(p r) to x and J
    cosh(p r) to x' at the end, J = -side gain I/(p alpha_c). I and r of any stretch come from the ground velocity and
    displacement at its ends: I = v_2 - v_1, I r = d_2 - d_1 - v_1 (t_2 - t_1) (VALIDATION F10).
@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
-from rocking.motion import CRITICAL_TOLERANCE, hop, impact_speed, impacts_above, top
+from rocking.impulses.motion import CRITICAL_TOLERANCE, hop, impact_speed, impacts_above, top
 from rocking.response import IMPACT_CUTOFF, Outcome, Reason
 
 __all__ = ["IMPACT_LIMIT", "GroundMotion", "Lanes", "Waves", "effective_lanes"]

@@ -85,7 +85,7 @@ class Model:
     vertical: bool = False
     #: Whether it is stated for slender blocks only, a slenderness of at least 3 (the linear motion of Eqs. 1-2).
     slender: bool = True
-    #: What it knows of bodies beside free-standing symmetric ones: some of :data:`rocking.block_lanes.FEATURES`.
+    #: What it knows of bodies beside free-standing symmetric ones: some of :data:`rocking.body.block_lanes.FEATURES`.
     knows: tuple[str, ...] = ()
     #: Whether it is the working point of that name of the rule.
     fitted: bool = False

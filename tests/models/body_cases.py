@@ -3,8 +3,8 @@
 import numpy as np
 from rocking_reference import shaking
 
-from rocking.block import Block
-from rocking.restraint import Load, Thrust, Tie
+from rocking.body.block import Block
+from rocking.body.restraint import Load, Thrust, Tie
 
 GRAVITY = 9.80665
 

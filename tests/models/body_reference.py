@@ -18,8 +18,8 @@ import numpy as np
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
+from rocking.body.restraint import SLIP
 from rocking.response import IMPACT_CUTOFF, Outcome
-from rocking.restraint import SLIP
 
 RTOL, ATOL = 5e-14, 1e-17
 #: Longest piece, times p, and as a phase of the stiffest tie.

@@ -16,7 +16,7 @@ from rocking import (
     recorded_response,
     sequence_response,
 )
-from rocking.sequence import scaled_outcomes
+from rocking.impulses.sequence import scaled_outcomes
 from rockpulse.record.synthetic import synthetic_motion
 
 DT = 0.02

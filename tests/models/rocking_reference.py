@@ -28,7 +28,7 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 from scipy.signal import butter, sosfilt
 
-from rocking.block import Block
+from rocking.body.block import Block
 from rocking.response import IMPACT_CUTOFF, Outcome
 
 RTOL, ATOL = 5e-14, 1e-17

@@ -7,10 +7,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from rocking.block import Block
+from rocking.body.block import Block
 from rocking.effective_impulse import FORCES, _bounds, _peaks, effective_impulse_response
-from rocking.impulsive import impulsive_response
-from rocking.recorded import recorded_response
+from rocking.impulses.impulsive import impulsive_response
+from rocking.march.recorded import recorded_response
 from rocking.response import Outcome, Reason
 
 G = 9.81

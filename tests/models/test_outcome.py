@@ -1,6 +1,6 @@
 """The words of outcomes and of the reasons why there is none, by the numbers that files of results keep."""
 
-from rocking.outcome import Outcome, Reason
+from rocking.response import Outcome, Reason
 
 
 def test_outcomes_and_reasons_count_up_from_0_and_each_has_a_word():

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from rocking import Block, Outcome, Response, recorded_response, resonance
-from rocking.svg_lines import BLUE, RED
+from rocking.pictures import BLUE, RED
 
 SVG = "{http://www.w3.org/2000/svg}"
 DT = 0.01

@@ -9,7 +9,7 @@ import pytest
 import rocking_reference
 from rocking_reference import block_of, reference, shaking
 
-from rocking.block import Block
+from rocking.body.block import Block
 from rocking.response import Outcome
 
 BLOCK_A = Block(half_width=0.5, half_height=math.sqrt(3.75), gravity=9.81)

@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rocking.block import Block
-from rocking.capacity import uplift_scale
-from rocking.scale_search import ScaleIntervals
-from rocking.sliding import sliding_demand
+from rocking.body.block import Block
+from rocking.march.sliding import sliding_demand
+from rocking.search.capacity import uplift_scale
+from rocking.search.factors import ScaleIntervals
 from rockpulse.assessment.places import aloft, joined_intervals, joined_responses, places_of, turned
 from rockpulse.assessment.probability import record_probability
 from rockpulse.assessment.record_assessment import RecordAssessment

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rocking.sequence import ImpulseSequence
+from rocking.impulses.sequence import ImpulseSequence
 from rockpulse.assessment.assessment import assess_scene
 from rockpulse.assessment.results import registered
 from rockpulse.assessment.scene import solver_options

@@ -9,9 +9,9 @@ from typing import Any
 
 import numpy as np
 
-from rocking.floor import floor_motion
+from rocking.body.supports import floor_motion
 from rocking.response import HalfCycles, Response
-from rocking.scale_search import ScaleIntervals
+from rocking.search.factors import ScaleIntervals
 from rockpulse.assessment.scene import extract
 from rockpulse.config.bodies import Bodies, Place
 from rockpulse.config.configuration import Config

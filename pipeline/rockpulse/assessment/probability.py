@@ -2,7 +2,7 @@
 
 .. note:: One overturning spectrum (:class:`rocking.OverturningSpectrum`) serves every body that it stands for. A body
    that it does not stand for, and every body where the vertical acts, is marched in lanes of its own
-   (:func:`rocking.overturning_probability`). Bodies do not change each other's numbers: the spectrum is always that of
+   (:func:`rocking.spectrum.body_probability`). Bodies do not change each other's numbers: the spectrum is always that of
    the default frequency parameters next to the body's own, and each of the others has its own draws. A body before a
    wall is read from a spectrum of its own kind, in the sense of the record that overturns it more likely.
 """
@@ -14,11 +14,11 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
-from rocking.capacity import uplift_scale
-from rocking.overturning_probability import overturning_probability
-from rocking.overturning_spectrum import OverturningFactors, OverturningSpectrum, covered
-from rocking.spectrum_lanes import LEAST_RESTITUTION, RATES, REBOUNDS, neighbours, spectrum_lanes
-from rocking.uncertainty import Uncertainty
+from rocking.search.capacity import uplift_scale
+from rocking.spectrum.body_probability import overturning_probability
+from rocking.spectrum.lanes import LEAST_RESTITUTION, RATES, REBOUNDS, neighbours, spectrum_lanes
+from rocking.spectrum.overturning import OverturningFactors, OverturningSpectrum, covered
+from rocking.spectrum.probability import Uncertainty
 from rockpulse.assessment.demand import FARTHEST, demand_factors
 from rockpulse.assessment.senses import senses
 from rockpulse.config.bodies import Bodies

@@ -13,9 +13,9 @@ from typing import Any
 
 import numpy as np
 
-from rocking.block import Block
+from rocking.body.block import Block
 from rocking.response import HalfCycles, Outcome, Response
-from rocking.scale_search import ScaleIntervals
+from rocking.search.factors import ScaleIntervals
 from rockpulse.config.bodies import Bodies
 from rockpulse.record.record import Record
 

@@ -65,7 +65,7 @@ def _machine() -> str:
     from importlib.metadata import version
     from pathlib import Path
 
-    from rocking.threads import available_cores
+    from rocking.lanes import available_cores
     from rockpulse.version import __version__
 
     info = Path("/proc/cpuinfo")

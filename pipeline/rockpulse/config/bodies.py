@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from rocking.block import Block
+from rocking.body.block import Block
 from rockpulse.config.block_settings import BlockSettings, require_pairs
 from rockpulse.config.given_bodies import Blocks, given_bodies
 from rockpulse.config.restraint_settings import FloorSettings

@@ -14,9 +14,9 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.interpolate import RegularGridInterpolator
 
-from rocking.block import Block
-from rocking.overturning_spectrum import LEAST_SLENDERNESS, slender_within
-from rocking.sequence import ImpulseSequence
+from rocking.body.block import Block
+from rocking.impulses.sequence import ImpulseSequence
+from rocking.spectrum.overturning import LEAST_SLENDERNESS, slender_within
 
 
 @dataclass(frozen=True, eq=False)

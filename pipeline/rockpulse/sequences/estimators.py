@@ -13,7 +13,7 @@ from collections.abc import Callable, Mapping
 
 import numpy as np
 
-from rocking.sequence import SPACINGS, ImpulseSequence
+from rocking.impulses.sequence import SPACINGS, ImpulseSequence
 from rockpulse.errors import ConfigError, RecordRefused
 from rockpulse.record.half_wave import HalfWaves
 from rockpulse.record.intensity import IntensePhase

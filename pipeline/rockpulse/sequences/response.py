@@ -11,9 +11,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from rocking.block import Block
-from rocking.quantities import ArrayLike
-from rocking.sequence import SPACINGS, ImpulseSequence
+from rocking.arguments import ArrayLike
+from rocking.body.block import Block
+from rocking.impulses.sequence import SPACINGS, ImpulseSequence
 from rockpulse.errors import ConfigError
 from rockpulse.record.half_wave import half_waves
 from rockpulse.record.intensity import intense_phase

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rocking.sequence import ImpulseSequence
+from rocking.impulses.sequence import ImpulseSequence
 from rockpulse.sequences.response_posterior import PARAMETERS
 from rockpulse.sequences.response_search import INTERVAL, MAIN_COUNT, RATIO, SearchSpace
 from rockpulse.sequences.response_targets import ResponseTargets

@@ -22,7 +22,7 @@ from scipy.optimize import differential_evolution
 from scipy.special import log_ndtr
 from scipy.stats import qmc
 
-from rocking.sequence import ImpulseSequence
+from rocking.impulses.sequence import ImpulseSequence
 from rockpulse.sequences.response_targets import ResponseTargets
 
 #: No sequence is taken to be better than this [-]: 1 % of a peak.

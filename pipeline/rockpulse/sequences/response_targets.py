@@ -28,11 +28,11 @@ from typing import Any
 import numpy as np
 from scipy.stats import qmc
 
-from rocking.block import Block
-from rocking.quantities import ArrayLike
-from rocking.recorded import recorded_response
+from rocking.arguments import ArrayLike
+from rocking.body.block import Block
+from rocking.impulses.sequence import ImpulseSequence, sequence_response
+from rocking.march.recorded import recorded_response
 from rocking.response import Outcome, Response
-from rocking.sequence import ImpulseSequence, sequence_response
 from rockpulse.errors import ConfigError, RecordRefused, TooWeak
 from rockpulse.record.record import Record
 

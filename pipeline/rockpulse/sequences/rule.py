@@ -20,15 +20,14 @@ from typing import Any
 
 import numpy as np
 
-from rocking.block import Block
-from rocking.block_limits import radius_of_rectangle
-from rocking.half_wave_demand import HalfWaveDemand, demand_of_half_waves
-from rocking.half_wave_lanes import half_wave_lanes
-from rocking.main_sequence_kernel import effective_amplification
-from rocking.quantities import ArrayLike
-from rocking.scale_search import ScaleIntervals
-from rocking.sequence import ImpulseSequence
-from rocking.spectrum_lanes import RATES, SpectrumLanes
+from rocking.arguments import ArrayLike
+from rocking.body.block import Block
+from rocking.body.limits import radius_of_rectangle
+from rocking.impulses.main import effective_amplification
+from rocking.impulses.sequence import ImpulseSequence
+from rocking.search.factors import ScaleIntervals
+from rocking.spectrum.half_waves import HalfWaveDemand, demand_of_half_waves, half_wave_lanes
+from rocking.spectrum.lanes import RATES, SpectrumLanes
 from rockpulse.errors import ConfigError
 from rockpulse.input_file import TOML_LIMIT, parse_toml, read_text
 from rockpulse.record.half_wave import HalfWaves

@@ -27,7 +27,7 @@ from laboratory.rule.statistics import (
 )
 from laboratory.rule.truth import FACTOR_MAX, nonlinear_capacity
 from rocking import Block, Uncertainty, critical_scale
-from rocking.overturning_probability import overturning_probability
+from rocking.spectrum.body_probability import overturning_probability
 from rockpulse.assessment.scene import extract
 from rockpulse.errors import ConfigError
 from rockpulse.failures import Failure

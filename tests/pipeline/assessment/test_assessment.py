@@ -8,7 +8,7 @@ import pytest
 from bursts import DT, TOWER, WALL, motion, record
 from nominal import Config
 
-from rocking.sequence import SPACINGS
+from rocking.impulses.sequence import SPACINGS
 from rockpulse import (
     BlockSettings,
     ConditioningSettings,

@@ -7,7 +7,7 @@ import pytest
 
 import rockpulse as rp
 from rocking.response import HalfCycles, Response
-from rocking.scale_search import ScaleIntervals
+from rocking.search.factors import ScaleIntervals
 from rockpulse import models
 from rockpulse.assessment import assessment
 from rockpulse.assessment.assessment import assess_scene

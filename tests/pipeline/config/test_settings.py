@@ -22,7 +22,7 @@ def test_python_values_are_checked_like_those_of_a_file():
 
 
 def test_the_words_are_those_of_the_modules_that_act_on_them():
-    from rocking.sequence import SPACINGS
+    from rocking.impulses.sequence import SPACINGS
     from rockpulse.config import settings
     from rockpulse.motions.directions import DIRECTIONS
     from rockpulse.readers.format import RESPONSES

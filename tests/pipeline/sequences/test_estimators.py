@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from rocking.sequence import SPACINGS
+from rocking.impulses.sequence import SPACINGS
 from rockpulse.config import settings as configuration
 from rockpulse.errors import ConfigError, RecordRefused
 from rockpulse.record.half_wave import HalfWaves, half_waves

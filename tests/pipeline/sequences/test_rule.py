@@ -9,8 +9,7 @@ from nominal import Config
 
 import rockpulse as rp
 from rocking import OverturningSpectrum
-from rocking.half_wave_demand import HalfWaveDemand, demand_of_half_waves
-from rocking.half_wave_lanes import half_wave_lanes
+from rocking.spectrum.half_waves import HalfWaveDemand, demand_of_half_waves, half_wave_lanes
 from rockpulse.errors import ConfigError
 from rockpulse.models import Block, Outcome, sequence_response
 from rockpulse.record.synthetic import synthetic_motion

@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from rocking.block import Block
+from rocking.body.block import Block
 from rockpulse.config.check_settings import CODES, CheckSettings
 from rockpulse.config.restraint_settings import FloorSettings
 from rockpulse.studies.check.mechanism import SENSES, Mechanism, senses_of

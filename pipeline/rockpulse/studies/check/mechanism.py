@@ -17,8 +17,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rocking.block import STANDARD_GRAVITY, Block
-from rocking.restraint import Load, Restraints
+from rocking.body.block import STANDARD_GRAVITY, Block
+from rocking.body.restraint import Load, Restraints
 from rockpulse.config.block_settings import BlockSettings
 
 #: What the senses of :func:`senses_of` are called.

@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from rocking.block import Block
-from rocking.capacity import uplift_scale
+from rocking.body.block import Block
+from rocking.search.capacity import uplift_scale
 from rockpulse.config.bodies import gather_bodies
 from rockpulse.config.configuration import Config, given_config
 from rockpulse.failures import Failure, some

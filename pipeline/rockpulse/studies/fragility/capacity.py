@@ -9,10 +9,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rocking.block import Block
-from rocking.capacity import critical_scale, uplift_scale
-from rocking.recorded import recorded_response
+from rocking.body.block import Block
+from rocking.march.recorded import recorded_response
 from rocking.response import Outcome
+from rocking.search.capacity import critical_scale, uplift_scale
 from rockpulse.assessment.places import aloft, places_of, turned
 from rockpulse.assessment.scene import extract
 from rockpulse.config.bodies import Bodies

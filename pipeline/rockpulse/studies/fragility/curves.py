@@ -12,7 +12,7 @@ from functools import cached_property
 
 import numpy as np
 
-from rocking.quantities import ArrayLike
+from rocking.arguments import ArrayLike
 from rockpulse.earthquakes import FEWEST_EVENTS, jackknife_half_width
 from rockpulse.errors import ConfigError
 from rockpulse.storage.variables.fragility import Band, Extrapolated, Status

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from scipy.special import ndtr
 
-from rocking.block import Block
+from rocking.body.block import Block
 from rockpulse.earthquakes import mean_weights
 from rockpulse.errors import ConfigError, ResultsError
 from rockpulse.record.measures import PGA, STORED_LEVELS

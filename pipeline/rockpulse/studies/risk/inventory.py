@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from rocking.block import Block
+from rocking.body.block import Block
 from rockpulse.config.configuration import config_from_text
 from rockpulse.earthquakes import lognormal_mean_half_width, mean_weights
 from rockpulse.errors import ConfigError

@@ -10,8 +10,8 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
-from rocking.block import Block
-from rocking.sequence import ImpulseSequence
+from rocking.body.block import Block
+from rocking.impulses.sequence import ImpulseSequence
 from rockpulse.config.bodies import gather_bodies, refuse_aloft
 from rockpulse.config.configuration import Config, given_config, located
 from rockpulse.config.settings import WEIGHTS

@@ -20,8 +20,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.stats import norm
 
-from rocking.block import Block
-from rocking.sequence import ImpulseSequence, sequence_response
+from rocking.body.block import Block
+from rocking.impulses.sequence import ImpulseSequence, sequence_response
 from rockpulse.earthquakes import ROUNDING, bootstrap_interval, log_moments, weighted_quantile
 from rockpulse.errors import RecordRefused
 

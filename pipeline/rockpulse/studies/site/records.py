@@ -10,10 +10,10 @@ from typing import Any
 
 import numpy as np
 
-from rocking.block import Block
-from rocking.recorded import recorded_response
+from rocking.body.block import Block
+from rocking.impulses.sequence import ImpulseSequence, sequence_response
+from rocking.march.recorded import recorded_response
 from rocking.response import Outcome
-from rocking.sequence import ImpulseSequence, sequence_response
 from rockpulse.assessment.scene import extract
 from rockpulse.config.configuration import Config
 from rockpulse.errors import RecordRefused, TooWeak

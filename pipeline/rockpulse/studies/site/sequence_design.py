@@ -9,8 +9,8 @@ from typing import Any, NamedTuple
 import numpy as np
 import xarray as xr
 
-from rocking.block import Block
-from rocking.sequence import ImpulseSequence, sequence_response
+from rocking.body.block import Block
+from rocking.impulses.sequence import ImpulseSequence, sequence_response
 from rockpulse.config.configuration import Config
 from rockpulse.earthquakes import draw_earthquakes, fit_lognormal, share_interval, weighted_quantile
 from rockpulse.errors import RecordRefused

@@ -15,10 +15,10 @@ from typing import Any, NamedTuple
 import numpy as np
 import xarray as xr
 
-from rocking.block import Block
-from rocking.half_wave_demand import lobe_shapes
-from rocking.overturning_spectrum import OverturningSpectrum
-from rocking.spectrum_lanes import RATES
+from rocking.body.block import Block
+from rocking.spectrum.half_waves import lobe_shapes
+from rocking.spectrum.lanes import RATES
+from rocking.spectrum.overturning import OverturningSpectrum
 from rockpulse.assessment.overturning import LANES
 from rockpulse.config.configuration import Config
 from rockpulse.earthquakes import ROUNDING, bootstrap_interval, draw_earthquakes

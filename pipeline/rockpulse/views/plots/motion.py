@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rocking.impulse_sequence import ImpulseSequence
+from rocking.impulses.impulse_sequence import ImpulseSequence
 from rockpulse.errors import RecordRefused, ResultsError
 from rockpulse.record.half_wave import HalfWaves, half_waves
 from rockpulse.record.intensity import IntensePhase, intense_phase

@@ -5,8 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from rocking.block import Block
-from rocking.restraint import Tie
+from rocking.body.block import Block
+from rocking.body.restraint import Tie
 from rockpulse.config.check_settings import CheckSettings
 from rockpulse.config.restraint_settings import FloorSettings
 from rockpulse.studies.check.codes import (

@@ -10,8 +10,8 @@ import xarray as xr
 from nominal import ida
 
 import rockpulse as rp
-from rocking.block import Block
-from rocking.recorded import recorded_response
+from rocking.body.block import Block
+from rocking.march.recorded import recorded_response
 from rockpulse import FragilitySettings
 from rockpulse.assessment.scene import prepare
 from rockpulse.config.configuration import Config, SearchSettings

@@ -10,7 +10,7 @@ import pytest
 from site_spectra import BASE, BLOCKS, base_at, site_of, usual_site
 
 import rockpulse as rp
-from rocking.spectrum_lanes import RATES
+from rocking.spectrum.lanes import RATES
 from rockpulse import CalibrationSettings
 from rockpulse.assessment.overturning import LANES
 from rockpulse.config.settings import SPECTRA
