@@ -25,10 +25,9 @@ from scipy.stats import norm, qmc
 import rockpulse as rp
 from laboratory.ensemble import StrongMotion, strong_motions
 from rocking import Block, OverturningSpectrum, Uncertainty, recorded_response
-from rocking.body.corners import sorrentino
-from rocking.spectrum import lanes as spectrum_lanes
+from rocking.body.limits import sorrentino
 from rocking.spectrum.half_waves import half_wave_lanes
-from rocking.spectrum.lanes import RATES
+from rocking.spectrum.lanes import RATES, spectrum_lanes
 from rocking.spectrum.probability import factor_at, mean_capacity, rising
 from rockpulse.storage.variables.probability import RESTITUTIONS, ROTATIONS
 

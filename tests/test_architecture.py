@@ -17,6 +17,13 @@ SOURCES = [path for top in TOPS for path in sorted(top.rglob("*.py"))]
 #: The rooms from the ground up, those of one line side by side: a module imports from its own room and from the lines
 #: above its own. A room is the longest of these names that a module's dotted name begins with.
 ROOMS = """
+rocking.arguments rocking.pictures
+rocking.response rocking.lanes
+rocking.body
+rocking.march
+rocking.impulses
+rocking.search
+rocking.spectrum
 rocking
 rockpulse.version rockpulse.failures rockpulse.remark rockpulse.earthquakes
 rockpulse.errors

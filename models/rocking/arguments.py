@@ -6,24 +6,10 @@
 Arguments of the models as arrays: numbers that are finite, positive where they have to be, of one length.
 """
 
-from __future__ import annotations
-
 from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-
-__all__ = [
-    "ArrayLike",
-    "Booleans",
-    "Floats",
-    "Integers",
-    "numbers",
-    "positive",
-    "read_only",
-    "record_samples",
-    "together",
-]
 
 #: A number for one lane, an array of them for several.
 Floats: TypeAlias = float | NDArray[np.float64]

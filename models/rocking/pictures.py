@@ -4,16 +4,12 @@
    around them unless they have one of their own, so that a picture can be read on a light and on a dark page.
 """
 
-from __future__ import annotations
-
 import html
 from abc import ABC, abstractmethod
 from itertools import pairwise
 
 import numpy as np
 from numpy.typing import ArrayLike
-
-__all__ = ["BLUE", "GREY", "INK", "ORANGE", "RED", "Picture", "Shown", "brief", "thinned"]
 
 #: The colour of the text around the picture; then those of Okabe & Ito (2008), and a grey.
 INK = "currentColor"

@@ -1,37 +1,21 @@
-"""How a motion ends, and why a model cannot say it: the codes of responses and of results.
-
-What a terminal and a notebook show of a response: how it ends, and its rotation or the peaks of its lanes.
-
-The answer of every model: one :class:`Response` per call, one entry per lane (factor on the input, block).
-"""
-
-from __future__ import annotations
+"""The answer of every model: one :class:`Response` per call, one entry per lane, and the codes of how a motion ends."""
 
 import math
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass
 from enum import IntEnum
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 
 from rocking.arguments import Booleans, Floats, Integers
+from rocking.lanes import LaneValues, lane_field
 from rocking.pictures import BLUE, GREY, INK, RED, Picture, Shown, brief, thinned
 
-__all__ = [
-    "IMPACT_CUTOFF",
-    "HalfCycles",
-    "LaneResults",
-    "Outcome",
-    "Reason",
-    "Response",
-    "ResponsePicture",
-    "drop_axes",
-    "empty_results",
-    "spread",
-    "squeezed",
-    "unresolved",
-    "with_history",
-]
+#: Impacts slower than this are not counted, as speed over p alpha_c [-] (about 5e-7 of alpha_c in rotation).
+IMPACT_CUTOFF = 1e-3
+
+#: Lanes whose peaks are drawn, and the largest theta/alpha_c that is shown [-].
+DRAWN, TOP = 200, 1.2
 
 
 class Outcome(IntEnum):
@@ -64,19 +48,90 @@ class Reason(IntEnum):
 WORDS = np.array([outcome.word for outcome in Outcome])
 COLOURS = (GREY, BLUE, RED, INK)
 
-#: Lanes whose peaks are drawn, and the largest theta/alpha_c that is shown [-].
-DRAWN, TOP = 200, 1.2
+
+@dataclass(frozen=True, eq=False)
+class HalfCycles(LaneValues):
+    """The half-cycles of a response, first axis; NaN (or -1) after the last one.
+
+    Attributes
+    ----------
+    start_velocity : (h, ...) ndarray
+        u_i = theta'/(p alpha_c) right after the impact and the main impulse [-].
+    peak : (h, ...) ndarray
+        Largest theta/alpha_c in the half-cycle [-]; inf where the block overturns.
+    duration : (h, ...) ndarray
+        Time to the next impact [s]; inf where there is none.
+    impulse_count : (h, ...) ndarray of int
+        Number n_i of intermediate impulses (0 without, -1 where n -> infinity or where there is no half-cycle).
+    interval : (h, ...) ndarray
+        Corrected interval dT_i of the intermediate impulses [s]; NaN without.
+    impact_speed : (h, ...) ndarray
+        Speed u_r right before the next impact [-]; NaN where there is none.
+    """
+
+    start_velocity: np.ndarray = lane_field()
+    peak: np.ndarray = lane_field()
+    duration: np.ndarray = lane_field()
+    impulse_count: np.ndarray = lane_field(-1)
+    interval: np.ndarray = lane_field()
+    impact_speed: np.ndarray = lane_field()
 
 
-class ResponsePicture(Shown):
-    """What a response says and shows of its outcomes."""
+@dataclass(frozen=True, eq=False, repr=False)
+class Response(LaneValues, Shown):
+    """Peak, outcome and events of a rocking motion; arrays of the lanes' shape, or scalars for one lane.
 
-    peak_rotation_ratio: Floats
-    outcome: Integers
-    overturning_time: Floats
-    impacts: Integers
-    time: np.ndarray | None
-    rotation: np.ndarray | None
+    Attributes
+    ----------
+    peak_rotation_ratio : float or ndarray
+        Largest abs(theta)/alpha_c [-], found inside the samples; inf when overturned, 0 at rest, NaN only when
+        UNRESOLVED.
+    outcome : int or ndarray
+        :class:`Outcome`.
+    reason : int or ndarray
+        :class:`Reason`, NONE unless UNRESOLVED.
+    overturning_time : float or ndarray
+        Time at which overturning is certain [s]; NaN without.
+    overturning_half_cycle : int or ndarray
+        1 + impacts before overturning; -1 without. The sequence and impulsive models count every half-cycle, the
+        response to a record those that end with a counted impact.
+    impacts : int or ndarray
+        Impacts faster than :data:`IMPACT_CUTOFF` p alpha_c, those after the input included; -1 where they never end
+        (C = 1) or the lane is UNRESOLVED.
+    time, rotation, velocity : ndarray or None
+        History [s], [rad], [rad/s], where asked for.
+    half_cycles : HalfCycles or None
+        The table of the sequence models.
+    ground_contact : bool or ndarray or None
+        Sequence model only: True where a half-cycle of the corrected march passes through the ground before its end
+        (spacing "start" above I_s/I = 2/3, "middle" above 6/7). There the closed form, which knows the end only, stands
+        for no motion of the block, and the impulse train gives another answer.
+    active_samples : int or ndarray or None
+        Response to a record only: samples in which the block moved, neither at rest nor overturned.
+    """
+
+    peak_rotation_ratio: Floats = lane_field()
+    outcome: Integers = lane_field(int(Outcome.UNRESOLVED))
+    reason: Integers = lane_field(int(Reason.NONE))
+    overturning_time: Floats = lane_field()
+    overturning_half_cycle: Integers = lane_field(-1)
+    impacts: Integers = lane_field(-1)
+    time: np.ndarray | None = None
+    rotation: np.ndarray | None = lane_field(axis=-2, default=None)
+    velocity: np.ndarray | None = lane_field(axis=-2, default=None)
+    half_cycles: HalfCycles | None = lane_field(default=None)
+    ground_contact: Booleans | None = lane_field(False, default=None)
+    active_samples: Integers | None = lane_field(0, default=None)
+
+    @classmethod
+    def unresolved(cls, lanes: tuple[int, ...], reason: Reason) -> Self:
+        """The answer of a model that has none for lanes of a shape."""
+        codes = np.full(lanes, int(Outcome.UNRESOLVED), dtype=np.int8), np.full(lanes, int(reason), dtype=np.int8)
+        return cls(np.full(lanes, np.nan), *codes, np.full(lanes, np.nan), np.full(lanes, -1), np.full(lanes, -1))
+
+    def among(self, known: np.ndarray, reason: Reason) -> Self:
+        """A response of some of (m,) blocks, those that are `known` (m,), as one of all; the others UNRESOLVED."""
+        return self.join([self], [np.flatnonzero(known)], known.size, reason=int(reason))
 
     @property
     def overturned(self) -> Booleans:
@@ -147,88 +202,6 @@ class ResponsePicture(Shown):
         return picture
 
 
-#: Impacts slower than this are not counted, as speed over p alpha_c [-] (about 5e-7 of alpha_c in rotation).
-IMPACT_CUTOFF = 1e-3
-
-#: The lane axes of (..., q, m) values for which the caller gave a scalar: the factor on the input, the block.
-LANE_AXES = {(False, False): (), (True, False): (-2,), (False, True): (-1,), (True, True): (-2, -1)}
-
-
-@dataclass(frozen=True, eq=False)
-class HalfCycles:
-    """The half-cycles of a response, first axis; NaN (or -1) after the last one.
-
-    Attributes
-    ----------
-    start_velocity : (h, ...) ndarray
-        u_i = theta'/(p alpha_c) right after the impact and the main impulse [-].
-    peak : (h, ...) ndarray
-        Largest theta/alpha_c in the half-cycle [-]; inf where the block overturns.
-    duration : (h, ...) ndarray
-        Time to the next impact [s]; inf where there is none.
-    impulse_count : (h, ...) ndarray of int
-        Number n_i of intermediate impulses (0 without, -1 where n -> infinity or where there is no half-cycle).
-    interval : (h, ...) ndarray
-        Corrected interval dT_i of the intermediate impulses [s]; NaN without.
-    impact_speed : (h, ...) ndarray
-        Speed u_r right before the next impact [-]; NaN where there is none.
-    """
-
-    start_velocity: np.ndarray
-    peak: np.ndarray
-    duration: np.ndarray
-    impulse_count: np.ndarray
-    interval: np.ndarray
-    impact_speed: np.ndarray
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class Response(ResponsePicture):
-    """Peak, outcome and events of a rocking motion; arrays of the lanes' shape, or scalars for one lane.
-
-    Attributes
-    ----------
-    peak_rotation_ratio : float or ndarray
-        Largest abs(theta)/alpha_c [-], found inside the samples; inf when overturned, 0 at rest, NaN only when
-        UNRESOLVED.
-    outcome : int or ndarray
-        :class:`Outcome`.
-    reason : int or ndarray
-        :class:`Reason`, NONE unless UNRESOLVED.
-    overturning_time : float or ndarray
-        Time at which overturning is certain [s]; NaN without.
-    overturning_half_cycle : int or ndarray
-        1 + impacts before overturning; -1 without. The sequence and impulsive models count every half-cycle, the
-        response to a record those that end with a counted impact.
-    impacts : int or ndarray
-        Impacts faster than :data:`IMPACT_CUTOFF` p alpha_c, those after the input included; -1 where they never end
-        (C = 1) or the lane is UNRESOLVED.
-    time, rotation, velocity : ndarray or None
-        History [s], [rad], [rad/s], where asked for.
-    half_cycles : HalfCycles or None
-        The table of the sequence models.
-    ground_contact : bool or ndarray or None
-        Sequence model only: True where a half-cycle of the corrected march passes through the ground before its end
-        (spacing "start" above I_s/I = 2/3, "middle" above 6/7). There the closed form, which knows the end only, stands
-        for no motion of the block, and the impulse train gives another answer.
-    active_samples : int or ndarray or None
-        Response to a record only: samples in which the block moved, neither at rest nor overturned.
-    """
-
-    peak_rotation_ratio: Floats
-    outcome: Integers
-    reason: Integers
-    overturning_time: Floats
-    overturning_half_cycle: Integers
-    impacts: Integers
-    time: np.ndarray | None = None
-    rotation: np.ndarray | None = None
-    velocity: np.ndarray | None = None
-    half_cycles: HalfCycles | None = None
-    ground_contact: Booleans | None = None
-    active_samples: Integers | None = None
-
-
 class LaneResults(NamedTuple):
     """The (lanes,) arrays that every kernel writes to, with the names and the meaning of a :class:`Response`."""
 
@@ -246,75 +219,19 @@ def empty_results(lanes: int, codes: Any = np.int64) -> LaneResults:
     return LaneResults(*(np.empty(lanes, dtype=kind) for kind in types))
 
 
-def response_of(results: LaneResults, shape: tuple[int, int], drop: tuple[bool, bool], **others: Any) -> Response:
-    """The (q, m) response that a kernel has written, with `others` of its fields, without the lane axes to `drop`."""
-    lanes = {name: values.reshape(shape) for name, values in results._asdict().items()}
-    return drop_axes(Response(**lanes, **others), drop)
-
-
-def squeezed(values: np.ndarray, drop: tuple[bool, bool]) -> Any:
-    """(..., q, m) values without the lane axes to `drop`, for which the caller gave a scalar; a number of one lane."""
-    values = values.squeeze(axis=LANE_AXES[drop])
-    return values.item() if values.ndim == 0 else values
-
-
-def drop_axes(part: Any, drop: tuple[bool, bool]) -> Any:
-    """The same response (without a history) or table of half-cycles, without the lane axes to `drop`."""
-    values = {}
-    for item in fields(part):
-        value = getattr(part, item.name)
-        if isinstance(value, HalfCycles):
-            value = drop_axes(value, drop)
-        elif isinstance(value, np.ndarray):
-            value = squeezed(value, drop)
-        values[item.name] = value
-    return type(part)(**values)
-
-
-def with_history(
-    response: Response, shape: tuple[int, int], drop: tuple[bool, bool], time: np.ndarray, motion: np.ndarray
+def response_of(
+    results: LaneResults,
+    shape: tuple[int, int],
+    motion: np.ndarray | None = None,
+    time: np.ndarray | None = None,
+    half_cycles: HalfCycles | None = None,
+    **others: np.ndarray,
 ) -> Response:
-    """A response with its history: theta and theta' of the `motion` (q m, n, 2) at (n,) times."""
-    axes = tuple(axis for axis, dropped in enumerate(drop) if dropped)
-    rotation, velocity = (motion[..., k].reshape(*shape, time.size).squeeze(axes) for k in range(2))
-    return replace(response, time=time, rotation=rotation, velocity=velocity)
+    """The (q, m) response that a kernel has written, with `others` of its fields in any shape of as many values.
 
-
-def unresolved(lanes: tuple[int, ...], reason: Reason) -> Response:
-    """The answer of a model that has none for lanes of a shape."""
-    return Response(
-        peak_rotation_ratio=np.full(lanes, np.nan),
-        outcome=np.full(lanes, int(Outcome.UNRESOLVED), dtype=np.int8),
-        reason=np.full(lanes, int(reason), dtype=np.int8),
-        overturning_time=np.full(lanes, np.nan),
-        overturning_half_cycle=np.full(lanes, -1),
-        impacts=np.full(lanes, -1),
-    )
-
-
-def spread(response: Response, known: np.ndarray, reason: Reason) -> Response:
-    """A response of some of (m,) blocks, those that are `known` (m,), as one of all; the others UNRESOLVED."""
-    unknown = {"outcome": int(Outcome.UNRESOLVED), "reason": int(reason), "ground_contact": False, "active_samples": 0}
-
-    def among(values: np.ndarray, fill: Any, axis: int = -1) -> np.ndarray:
-        shape = list(values.shape)
-        shape[axis] = known.size
-        whole = np.full(shape, fill, dtype=values.dtype)
-        np.moveaxis(whole, axis, -1)[..., known] = np.moveaxis(values, axis, -1)
-        return whole
-
-    found: dict[str, Any] = {"time": response.time}
-    for item in fields(Response):
-        value = getattr(response, item.name)
-        if isinstance(value, HalfCycles):
-            parts = {part.name: getattr(value, part.name) for part in fields(HalfCycles)}
-            value = HalfCycles(
-                **{name: among(own, -1 if name == "impulse_count" else np.nan) for name, own in parts.items()}
-            )
-        elif value is not None and item.name in ("rotation", "velocity"):
-            value = among(value, np.nan, axis=-2)
-        elif value is not None and item.name != "time":
-            whole = np.asarray(value)
-            value = among(whole, unknown.get(item.name, np.nan if whole.dtype.kind == "f" else -1))
-        found.setdefault(item.name, value)
-    return Response(**found)
+    The `motion` (q m, n, 2) is theta and theta' at n samples.
+    """
+    lanes = {name: values.reshape(shape) for name, values in (results._asdict() | others).items()}
+    if motion is not None:
+        lanes |= {name: motion[..., k].reshape(*shape, -1) for k, name in enumerate(("rotation", "velocity"))}
+    return Response(**lanes, time=time, half_cycles=half_cycles)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 import rocking
-from rocking.response import spread, unresolved
+from rocking.response import Response
 from rockpulse.record.half_wave import HalfWaves
 from rockpulse.record.intensity import IntensePhase
 from rockpulse.record.record import Record
@@ -128,8 +128,8 @@ class Model:
         if np.all(known):
             return self.respond(block, scene)
         if not np.any(known):
-            return unresolved(block.shape, rocking.Reason.NOT_MODELLED)
-        return spread(self.respond(block.chosen(known), scene), known, rocking.Reason.NOT_MODELLED)
+            return Response.unresolved(block.shape, rocking.Reason.NOT_MODELLED)
+        return self.respond(block.take(known), scene).among(known, rocking.Reason.NOT_MODELLED)
 
     def intervals(self, block: rocking.Block, scene: Scene) -> rocking.ScaleIntervals:
         """The factors on the input at which (m,) blocks overturn; a factor at which the model stops is a lower bound.
@@ -139,4 +139,4 @@ class Model:
         known = self.answers(block, scene)
         if not np.any(known):
             return rocking.ScaleIntervals.unknown(block.shape)
-        return self.search(block if np.all(known) else block.chosen(known), scene).among(known)
+        return self.search(block if np.all(known) else block.take(known), scene).among(known)

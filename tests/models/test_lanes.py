@@ -124,13 +124,6 @@ def test_slices_are_alike_and_no_smaller_than_told(lanes, threads, smallest, sli
     assert sorted(found) == [(lanes * k // slices, lanes * (k + 1) // slices) for k in range(slices)]
 
 
-@pytest.mark.parametrize(("lanes", "slices"), [(127, 1), (128, 2)])
-def test_the_smallest_slice_is_64_lanes(lanes, slices):
-    found = []
-    split_lanes(lambda first, last: found.append((first, last)), lanes, 4)
-    assert len(found) == slices
-
-
 @pytest.mark.parametrize(("told", "expected"), [(6, 6), (None, 1)])
 def test_without_an_affinity_all_cores_are_available(told, expected, monkeypatch):
     monkeypatch.delattr("os.sched_getaffinity", raising=False)

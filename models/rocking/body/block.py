@@ -6,38 +6,30 @@
    a restitution for each of its corners; one that leans on a wall turns about one of them only.
 """
 
-from __future__ import annotations
-
 import logging
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 
-from rocking.arguments import ArrayLike, Floats, Integers, numbers, positive, together
-from rocking.body.block_lanes import SLENDERNESS_RANGE
-from rocking.body.corners import Corner, both_corners
+from rocking.arguments import ArrayLike, numbers, positive, together
+from rocking.body.block_lanes import SLENDERNESS_RANGE, STANDARD_GRAVITY, BlockLanes
 from rocking.body.limits import (
+    Corner,
+    both_corners,
     check_restraints,
     most_restitution,
     radius_of_rectangle,
     remarks_on,
     restitutions_of,
 )
-from rocking.body.outline import BlockPicture
 from rocking.body.restraint import Load, Restraints, Thrust, Tie, carried
-
-__all__ = ["SLENDERNESS_RANGE", "STANDARD_GRAVITY", "Block"]
-
-STANDARD_GRAVITY = 9.80665
 
 logger = logging.getLogger("rockpulse")
 
 
-@dataclass(frozen=True, eq=False, init=False, repr=False)
-class Block(BlockPicture):
+class Block(BlockLanes):
     """A rigid block, or an array of them, by its half sizes or by its full ones.
 
     The fields broadcast to one shape (m,), or () for a single block.
@@ -64,7 +56,7 @@ class Block(BlockPicture):
         Whether the body leans on a wall and turns towards theta > 0 only, away from it.
     rebound : "sorrentino", float or (m,) array_like, optional
         Of a one-sided body, in place of the restitution: e = -theta'(after)/theta'(before) of a return to the wall [-].
-        "sorrentino", which stands for :func:`rocking.body.corners.sorrentino`, without.
+        "sorrentino", which stands for :func:`rocking.body.limits.sorrentino`, without.
     ties, loads, thrusts : sequence of Tie, Load, Thrust
         What holds and pushes the body beside its weight, the same for all lanes.
     mass : float or (m,) array_like, optional
@@ -125,25 +117,6 @@ class Block(BlockPicture):
     >>> wall.half_width, wall.half_height, wall.width, wall.height
     (0.125, 1.1, 0.25, 2.2)
     """
-
-    half_width: Floats
-    half_height: Floats
-    restitution: Floats
-    gravity: float = STANDARD_GRAVITY
-
-    alpha_c: Floats = field(init=False)
-    p: Floats = field(init=False)
-    radius: Floats = field(init=False)
-    slenderness: Floats = field(init=False)
-    critical_impulse: Floats = field(init=False)
-    alpha_2: Floats = field(init=False)
-    p_2: Floats = field(init=False)
-    radius_2: Floats = field(init=False)
-    restitution_2: Floats = field(init=False)
-    side: Integers = field(init=False)
-    mass: Floats = field(init=False)
-    restraints: Restraints | np.ndarray | None = field(init=False)
-    warnings: tuple[str, ...] = field(init=False)
 
     def __init__(
         self,
@@ -208,8 +181,8 @@ class Block(BlockPicture):
         one_sided: bool = False,
         rebound: ArrayLike | None = None,
         log: bool = True,
-    ) -> Block:
-        """A symmetric body that is no rectangle, by its frequency parameter and critical angle.
+    ) -> Self:
+        """A symmetric body that is no rectangle, by its frequency parameter and critical angle; its sizes are NaN.
 
         Parameters
         ----------
@@ -230,11 +203,6 @@ class Block(BlockPicture):
             As for :class:`Block`; the rebound is a number.
         log : bool
             Whether the warnings are logged too, by the logger "rockpulse".
-
-        Returns
-        -------
-        Block
-            With `half_width`, `half_height`, `width` and `height` NaN: they are not known.
 
         Raises
         ------
@@ -286,8 +254,8 @@ class Block(BlockPicture):
         thrusts: Sequence[Thrust] = (),
         mass: ArrayLike | None = None,
         log: bool = True,
-    ) -> Block:
-        """A body without symmetry, by its corners and its centre of mass.
+    ) -> Self:
+        """A body without symmetry, by its corners and its centre of mass; the base is its width, its height is NaN.
 
         Parameters
         ----------
@@ -304,16 +272,6 @@ class Block(BlockPicture):
             Acceleration of gravity [m/s2].
         one_sided, rebound, ties, loads, thrusts, mass, log
             As for :class:`Block`; the rebound is a number.
-
-        Returns
-        -------
-        Block
-            With the base as `width`; `height` and `half_height` are NaN.
-
-        Raises
-        ------
-        ValueError
-            As for :class:`Block`.
 
         Examples
         --------
@@ -369,23 +327,22 @@ class Block(BlockPicture):
             "mass": known,
         }
         for name, value in values.items():
-            value = np.array(np.broadcast_to(value, lanes), dtype=np.int64 if name == "side" else float)
+            values[name] = value = np.array(np.broadcast_to(value, lanes), dtype=np.int64 if name == "side" else float)
             value.setflags(write=False)
-            object.__setattr__(self, name, value.item() if value.ndim == 0 else value)
-        object.__setattr__(self, "gravity", gravity)
-        object.__setattr__(self, "restraints", None)
+        one = {name: value.item() if value.ndim == 0 else value for name, value in values.items()}
+        vars(self).update(one | {"gravity": gravity, "restraints": None})
         if restraints:
             check_restraints(restraints, first, second, self)
             whole = np.empty(lanes, dtype=object)
             whole[...] = restraints
-            object.__setattr__(self, "restraints", whole if lanes else restraints)
+            vars(self)["restraints"] = whole if lanes else restraints
         remarks = remarks_on(half, (first, second), ratios, shape, one_sided=wall[0])
         if not np.all(self.slender):
             remarks.append(
                 f"slenderness {np.min(values['slenderness']):.3g} is below {SLENDERNESS_RANGE:g}: "
                 "the models with linear motion (resonance, sequence, impulsive, linear) are outside their range"
             )
-        object.__setattr__(self, "warnings", tuple(remarks))
+        vars(self)["warnings"] = tuple(remarks)
         if log:
             for warning in self.warnings:
                 logger.warning("block: %s", warning)

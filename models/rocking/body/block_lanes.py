@@ -4,61 +4,51 @@
    its weight is an object, and an array of objects for several bodies one of which has it.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Collection, Sequence
-from typing import TYPE_CHECKING, Any, Self
+from dataclasses import dataclass, field
+from typing import Any, Self
 
 import numpy as np
 
 from rocking.arguments import ArrayLike, Booleans, Floats, Integers
+from rocking.body.outline import Outline, side_by_side
+from rocking.body.restraint import Restraints
+from rocking.lanes import LaneValues, lane_field
+from rocking.pictures import Picture, Shown, brief
 
-if TYPE_CHECKING:
-    from rocking.body.restraint import Restraints
-
-__all__ = ["FEATURES", "LANE_FIELDS", "SLENDERNESS_RANGE", "BlockLanes"]
+STANDARD_GRAVITY = 9.80665
 
 #: The linear, resonance and sequence models are stated for slenderness of at least this (section 3).
 SLENDERNESS_RANGE = 3.0
 
-LANE_FIELDS = (
-    "half_width",
-    "half_height",
-    "restitution",
-    "alpha_c",
-    "p",
-    "radius",
-    "slenderness",
-    "critical_impulse",
-    "alpha_2",
-    "p_2",
-    "radius_2",
-    "restitution_2",
-    "side",
-    "mass",
-)
+#: Bodies of an array that are drawn, side by side.
+DRAWN = 8
+
+#: The quantities of the right-hand corner that have a partner at the left-hand one.
+OPPOSITE = {"alpha_c": "alpha_2", "p": "p_2", "radius": "radius_2", "restitution": "restitution_2"}
 
 
-class BlockLanes:
-    """What a block can do with its lanes."""
+@dataclass(frozen=True, eq=False, init=False, repr=False)
+class BlockLanes(LaneValues, Shown):
+    """The fields of :class:`rocking.Block`, and what it can do with its lanes."""
 
-    gravity: float
-    warnings: tuple[str, ...]
-    half_width: Floats
-    half_height: Floats
-    restitution: Floats
-    alpha_c: Floats
-    p: Floats
-    radius: Floats
-    slenderness: Floats
-    critical_impulse: Floats
-    alpha_2: Floats
-    p_2: Floats
-    radius_2: Floats
-    restitution_2: Floats
-    side: Integers
-    mass: Floats
-    restraints: Restraints | np.ndarray | None
+    half_width: Floats = lane_field()
+    half_height: Floats = lane_field()
+    restitution: Floats = lane_field()
+    gravity: float = STANDARD_GRAVITY
+    alpha_c: Floats = lane_field(init=False)
+    p: Floats = lane_field(init=False)
+    radius: Floats = lane_field(init=False)
+    slenderness: Floats = lane_field(init=False)
+    critical_impulse: Floats = lane_field(init=False)
+    alpha_2: Floats = lane_field(init=False)
+    p_2: Floats = lane_field(init=False)
+    radius_2: Floats = lane_field(init=False)
+    restitution_2: Floats = lane_field(init=False)
+    side: Integers = lane_field(0, init=False)
+    mass: Floats = lane_field(init=False)
+    restraints: Restraints | np.ndarray | None = lane_field(None, init=False)
+    warnings: tuple[str, ...] = field(init=False)
 
     @property
     def width(self) -> Floats:
@@ -77,53 +67,42 @@ class BlockLanes:
 
     def lane(self, index: int) -> Self:
         """One lane of an array of blocks as a block of its own."""
-        return self._with(lambda values: values[index] if values.dtype == object else values[index].item())
+        return self._each(lambda values: values[index])
 
-    def lanes(self, count: int) -> Self:
-        """A block of shape (count,): a single block repeated, or itself where it has that shape already."""
-        return self._with(lambda values: np.broadcast_to(values, (count,)))
+    def lanes(self, count: int | None = None) -> Self:
+        """A block of shape (count,): a single block repeated; without a count an array of blocks or of this one."""
+        if count is None:
+            return self if self.shape else self.lanes(1)
+        return self._each(lambda values: np.broadcast_to(values, (count,)))
 
-    def chosen(self, places: Any) -> Self:
+    def take(self, places: Any) -> Self:
         """Some lanes of an array of blocks: by their places, a mask or a slice."""
-        return self._with(lambda values: np.ascontiguousarray(values[places]))
+        some = super().take(places)
+        return some if some.restraints is None or some.restraints.any() else some.changed(restraints=None)
 
     @classmethod
     def stack(cls, blocks: Sequence[Self]) -> Self:
-        """Several blocks in the same gravity as the lanes of one, in their order.
-
-        Raises
-        ------
-        ValueError
-            Without any block, or in different gravity.
-        """
+        """Several blocks in the same gravity as the lanes of one, in their order."""
         gravities = {block.gravity for block in blocks}
         if len(gravities) != 1:
             raise ValueError(f"blocks: expected one gravity for all blocks of a stack, found {sorted(gravities)}")
-        stacked = object.__new__(cls)
-        object.__setattr__(stacked, "gravity", gravities.pop())
-        object.__setattr__(stacked, "warnings", tuple(dict.fromkeys(w for block in blocks for w in block.warnings)))
-        for name in LANE_FIELDS:
-            object.__setattr__(stacked, name, np.concatenate([np.atleast_1d(getattr(block, name)) for block in blocks]))
-        held = any(block.restraints is not None for block in blocks)
-        every = [np.broadcast_to(np.array(block.restraints, dtype=object), np.shape(block.p) or 1) for block in blocks]
-        object.__setattr__(stacked, "restraints", np.concatenate(every) if held else None)
-        return stacked
+        parts = [block.lanes() for block in blocks]
+        if any(block.restraints is not None for block in blocks):
+            none = [np.full(part.shape, None) for part in parts]
+            parts = [
+                part if part.restraints is not None else part.changed(restraints=nothing)
+                for part, nothing in zip(parts, none, strict=True)
+            ]
+        edges = np.cumsum([part.shape[0] for part in parts])
+        stacked = cls.join(parts, np.split(np.arange(edges[-1]), edges[:-1]), int(edges[-1]))
+        return stacked.changed(warnings=tuple(dict.fromkeys(word for block in blocks for word in block.warnings)))
 
     @classmethod
     def restored(cls, gravity: float, restraints: Any = None, **values: float) -> Self:
         """One body from its lane fields, but for those that follow from the others."""
         block = object.__new__(cls)
-        alpha, p = values["alpha_c"], values["p"]
-        follow = {
-            "slenderness": 1.0 / np.tan(alpha),
-            "critical_impulse": gravity * alpha / (p * np.cos(alpha)),
-            "gravity": gravity,
-            "restraints": restraints,
-            "warnings": (),
-        }
-        for name, value in (values | follow).items():
-            object.__setattr__(block, name, value)
-        return block
+        vars(block).update(values | {"gravity": gravity, "restraints": restraints, "warnings": ()})
+        return block._with_angle()
 
     def ratio(self, rotation: np.ndarray) -> np.ndarray:
         """theta/alpha [-] of rotations [rad] of one body, alpha that of the corner that it turns about."""
@@ -132,19 +111,16 @@ class BlockLanes:
 
     def mirrored(self) -> Self:
         """The same body seen from behind: its corners change places, and a wall stands on its other side."""
-        other = self._with(lambda values: values)
-        pairs = {"alpha_c": "alpha_2", "p": "p_2", "radius": "radius_2", "restitution": "restitution_2"}
-        for name, opposite in (pairs | {opposite: name for name, opposite in pairs.items()}).items():
-            object.__setattr__(other, name, getattr(self, opposite))
-        object.__setattr__(other, "side", -self.side)
-        if self.restraints is not None:
-            base = np.asarray(self.radius * np.sin(self.alpha_c) + self.radius_2 * np.sin(self.alpha_2))
-            held = np.array(self.restraints, dtype=object)
-            seen = np.empty(held.shape, dtype=object)
-            for place, own in np.ndenumerate(held):
-                seen[place] = None if own is None else own.mirrored(float(base[place]))
-            object.__setattr__(other, "restraints", seen if self.shape else seen[()])
-        return other
+        pairs = OPPOSITE | {other: name for name, other in OPPOSITE.items()}
+        other = self.changed(side=-self.side, **{name: getattr(self, opposite) for name, opposite in pairs.items()})
+        if self.restraints is None:
+            return other
+        base = np.asarray(self.radius * np.sin(self.alpha_c) + self.radius_2 * np.sin(self.alpha_2))
+        held = np.array(self.restraints, dtype=object)
+        seen = np.empty(held.shape, dtype=object)
+        for place, own in np.ndenumerate(held):
+            seen[place] = None if own is None else own.mirrored(float(base[place]))
+        return other.changed(restraints=seen if self.shape else seen[()])
 
     def varied(self, loss: ArrayLike, restitution: ArrayLike) -> Self:
         """(m,) bodies with angles exp(-loss) times theirs, at their R and p, and other restitutions or rebounds.
@@ -154,28 +130,24 @@ class BlockLanes:
         share = np.divide(restitution, self.restitution, out=np.ones(self.shape), where=self.restitution > 0.0)
         ratio = np.broadcast_to(np.asarray(restitution, dtype=float), self.shape)
         alike = self.restitution_2 == self.restitution
+        kept = np.exp(-np.asarray(loss))
         new = {
             "restitution": ratio,
             "restitution_2": np.where(alike, ratio, np.minimum(self.restitution_2 * share, 1.0)),
+            "alpha_c": self.alpha_c * kept,
+            "alpha_2": self.alpha_2 * kept,
         }
-        new |= {name: getattr(self, name) * np.exp(-np.asarray(loss)) for name in ("alpha_c", "alpha_2")}
-        new["slenderness"] = 1.0 / np.tan(new["alpha_c"])
-        new["critical_impulse"] = self.gravity * new["alpha_c"] / (self.p * np.cos(new["alpha_c"]))
-        other = self._with(lambda values: values)
-        for name, values in new.items():
-            object.__setattr__(other, name, np.broadcast_to(values, self.shape))
-        return other
+        other = self.changed(**{name: np.broadcast_to(values, self.shape) for name, values in new.items()})
+        return other._with_angle()
 
-    def _with(self, choose: Callable[[np.ndarray], Any]) -> Self:
-        other = object.__new__(type(self))
-        object.__setattr__(other, "gravity", self.gravity)
-        object.__setattr__(other, "warnings", self.warnings)
-        values = {name: choose(np.asarray(getattr(self, name))) for name in LANE_FIELDS}
-        held = None if self.restraints is None else choose(np.array(self.restraints, dtype=object))
-        values["restraints"] = None if isinstance(held, np.ndarray) and not held.any() else held
-        for name, value in values.items():
-            object.__setattr__(other, name, value.item() if np.shape(value) == () and hasattr(value, "item") else value)
-        return other
+    @property
+    def weaker(self) -> Self:
+        """The bodies with both corners as the one of the smaller angle, of those that they turn about."""
+        second = (np.asarray(self.side) < 0) | ((np.asarray(self.side) == 0) & (self.alpha_2 < self.alpha_c))
+        if not np.any(second):
+            return self
+        pairs = {name: (getattr(self, other), getattr(self, name)) for name, other in OPPOSITE.items()}
+        return self.changed(**{name: np.where(second, *pair)[()] for name, pair in pairs.items()})._with_angle()
 
     @property
     def symmetric(self) -> Booleans:
@@ -187,8 +159,11 @@ class BlockLanes:
         """True where something acts on the body beside its weight."""
         if self.restraints is None:
             return np.zeros(self.shape, dtype=bool)
-        held = np.ravel(np.array(self.restraints, dtype=object))
-        return np.array([own is not None for own in held]).reshape(self.shape)
+        return np.array([own is not None for own in self.acting()]).reshape(self.shape)
+
+    def acting(self) -> list[Restraints | None]:
+        """What acts on each of the lanes beside its weight."""
+        return list(np.ravel(np.array(self.restraints, dtype=object)))
 
     @property
     def free(self) -> Booleans:
@@ -204,24 +179,39 @@ class BlockLanes:
         return known
 
     @property
-    def weaker(self) -> Self:
-        """The bodies with both corners as the one of the smaller angle, of those that they turn about."""
-        second = (np.asarray(self.side) < 0) | ((np.asarray(self.side) == 0) & (self.alpha_2 < self.alpha_c))
-        if not np.any(second):
-            return self
-        other, mirror = self._with(lambda values: values), self.mirrored()
-        for name in ("alpha_c", "p", "radius", "restitution"):
-            weaker = np.where(second, getattr(mirror, name), getattr(self, name))
-            object.__setattr__(other, name, weaker[()])
-        object.__setattr__(other, "slenderness", 1.0 / np.tan(other.alpha_c))
-        object.__setattr__(other, "critical_impulse", self.gravity * other.alpha_c / (other.p * np.cos(other.alpha_c)))
-        return other
-
-    @property
     def slender(self) -> Booleans:
         """True where the slenderness is within the range of the models with linear natural motion."""
         # A block of exactly 3 comes back from its angle as 3 less a bit.
         return self.slenderness >= SLENDERNESS_RANGE * (1.0 - 1e-12)
+
+    def _each(self, choose: Callable[[np.ndarray], Any]) -> Self:
+        arrays = {name: np.asarray(value) for name in self.lane_fields() if (value := getattr(self, name)) is not None}
+        chosen = {name: choose(values) for name, values in arrays.items()}
+        numbers = {name: one.item() for name, one in chosen.items() if isinstance(one, np.generic)}
+        return self.changed(**chosen | numbers)
+
+    def _with_angle(self) -> Self:
+        """The same with what follows from the angle of the right-hand corner."""
+        impulse = self.gravity * self.alpha_c / (self.p * np.cos(self.alpha_c))
+        return self.changed(slenderness=1.0 / np.tan(self.alpha_c), critical_impulse=impulse)
+
+    def _facts(self) -> dict[str, str]:
+        facts = {"of": f"{np.size(self.p)} bodies"} if self.shape else {}
+        sizes = {"width": self.width, "height": self.height}
+        facts |= {name: brief(size, "m") for name, size in sizes.items() if not np.all(np.isnan(size))}
+        facts |= {"p": brief(self.p, "1/s"), "alpha_c": brief(self.alpha_c, "rad")}
+        facts["rebound" if np.all(self.side) else "C"] = brief(self.restitution)
+        if np.any(self.side):
+            facts["wall"] = "behind it" if np.all(self.side) else "behind some"
+        held = [one for one in self.acting() if one is not None]
+        if held and self.shape:
+            return facts | {"held or pushed": f"{len(held)} of them"}
+        counts = {name: len(getattr(one, name)) for one in held for name in ("ties", "loads", "thrusts")}
+        return facts | {name: str(count) for name, count in counts.items() if count}
+
+    def _picture(self) -> Picture:
+        shown = [self.lane(lane) for lane in range(self.shape[0])[:DRAWN]] if self.shape else [self]
+        return side_by_side([Outline.of(one) for one in shown])
 
 
 #: What a body may have beside being free-standing and symmetric, and where it has it: a model names what it knows.

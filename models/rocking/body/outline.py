@@ -2,27 +2,20 @@
 
 .. note:: Seen along the base, theta > 0 to the right. Lengths are in metres, x from the centre of mass to the right, y
    from the base upwards. The right-hand corner, about which theta > 0 turns, is b_1 = R sin(alpha) off.
-
-What a terminal and a notebook show of blocks: their sizes and constants, and their outlines to one scale.
 """
 
-from __future__ import annotations
-
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 
-from rocking.body.block_lanes import BlockLanes
 from rocking.body.restraint import Restraints
-from rocking.pictures import BLUE, GREY, INK, ORANGE, RED, Picture, Shown, brief
+from rocking.pictures import BLUE, GREY, INK, ORANGE, RED, Picture
 
-__all__ = [
-    "BlockPicture",
-    "Outline",
-    "TieLine",
-]
+#: Height of the picture of bodies [px].
+HEIGHT = 170.0
 
 
 class TieLine(NamedTuple):
@@ -72,11 +65,11 @@ class Outline:
     thrusts: tuple[tuple[float, float, float], ...] = ()
 
     @classmethod
-    def of(cls, block: BlockLanes) -> Outline:
+    def of(cls, block: Any) -> Self:
         """The outline of a block of one lane."""
         right = float(block.radius * math.sin(block.alpha_c))
         left = float(block.radius_2 * math.sin(block.alpha_2))
-        held = block.restraints if isinstance(block.restraints, Restraints) else Restraints()
+        held = block.restraints or Restraints()
         return cls(
             left,
             right,
@@ -114,66 +107,38 @@ class Outline:
             return [*base, (self.right, self.height), (-self.left, self.height)]
         return [*base, (0.0, self.centre)]
 
-
-#: Bodies of an array that are drawn, side by side.
-DRAWN = 8
-
-#: Height of the picture [px].
-HEIGHT = 170.0
-
-
-class BlockPicture(BlockLanes, Shown):
-    """What a block shows of itself."""
-
-    def _facts(self) -> dict[str, str]:
-        facts = {"of": f"{np.size(self.p)} bodies"} if np.ndim(self.p) else {}
-        if not np.all(np.isnan(self.width)):
-            facts["width"] = brief(self.width, "m")
-        if not np.all(np.isnan(self.height)):
-            facts["height"] = brief(self.height, "m")
-        facts |= {"p": brief(self.p, "1/s"), "alpha_c": brief(self.alpha_c, "rad")}
-        facts["rebound" if np.all(self.side) else "C"] = brief(self.restitution)
-        if np.any(self.side):
-            facts["wall"] = "behind it" if np.all(self.side) else "behind some"
-        held = [one for one in np.ravel(np.array(self.restraints, dtype=object)) if one is not None]
-        if held and np.ndim(self.p):
-            return facts | {"held or pushed": f"{len(held)} of them"}
-        counts = {name: len(getattr(one, name)) for one in held for name in ("ties", "loads", "thrusts")}
-        return facts | {name: str(count) for name, count in counts.items() if count}
-
-    def _picture(self) -> Picture:
-        shown = [self.lane(lane) for lane in range(self.shape[0])[:DRAWN]] if self.shape else [self]
-        bodies = [Outline.of(one) for one in shown]
-        tallest = max(body.top for body in bodies)
-        gap = 0.3 * tallest
-        total = sum(body.width + gap for body in bodies) + gap
-        picture = Picture((0.0, total), (-0.12 * tallest, 1.1 * tallest), height=HEIGHT, equal=True)
-        picture.line([0.0, total], [0.0, 0.0], GREY)
-        at = gap
-        for body in bodies:
-            _draw(picture, body, at + body.left, gap)
-            at += body.width + gap
-        first = bodies[0]
-        if len(bodies) == 1 and math.isfinite(first.height):
-            picture.words(f"{first.width:.4g} m", gap + 0.5 * first.width, -0.11 * tallest)
-            picture.words(f"{first.height:.4g} m", gap + first.width + 0.03 * tallest, 0.5 * first.height, "start")
-        return picture
+    def draw(self, picture: Picture, x: float, gap: float) -> None:
+        """Draw the body with its centre of mass above x, a wall and what holds it within a gap on both sides."""
+        across, up = np.transpose(self.corners)
+        picture.polygon(x + across, up)
+        picture.dot(x, self.centre, INK, 2.0)
+        if self.side:
+            wall = x - self.left if self.side > 0 else x + self.right
+            picture.line([wall, wall], [0.0, 1.08 * self.top], GREY, 3.0)
+        for tie in self.ties:
+            anchor = x + tie.edge + tie.outward * 0.8 * gap
+            picture.line([x + tie.attached, anchor], [tie.height, tie.height], BLUE, 1.5)
+            picture.dot(anchor, tie.height, BLUE)
+        for at, height in self.loads:
+            picture.line([x + at, x + at], [height, height + 0.08 * self.top], ORANGE, 3.0)
+        for at, height, force in self.thrusts:
+            picture.line([x + at - math.copysign(0.6 * gap, force), x + at], [height, height], RED, 1.5)
+            picture.dot(x + at, height, RED)
 
 
-def _draw(picture: Picture, body: Outline, x: float, gap: float) -> None:
-    """Draw a body with its centre of mass above x, a wall and what holds it within a gap on both sides."""
-    across, up = np.transpose(body.corners)
-    picture.polygon(x + across, up)
-    picture.dot(x, body.centre, INK, 2.0)
-    if body.side:
-        wall = x - body.left if body.side > 0 else x + body.right
-        picture.line([wall, wall], [0.0, 1.08 * body.top], GREY, 3.0)
-    for tie in body.ties:
-        anchor = x + tie.edge + tie.outward * 0.8 * gap
-        picture.line([x + tie.attached, anchor], [tie.height, tie.height], BLUE, 1.5)
-        picture.dot(anchor, tie.height, BLUE)
-    for at, height in body.loads:
-        picture.line([x + at, x + at], [height, height + 0.08 * body.top], ORANGE, 3.0)
-    for at, height, force in body.thrusts:
-        picture.line([x + at - math.copysign(0.6 * gap, force), x + at], [height, height], RED, 1.5)
-        picture.dot(x + at, height, RED)
+def side_by_side(bodies: Sequence[Outline]) -> Picture:
+    """Bodies next to each other, to one scale; a single one with its sizes."""
+    tallest = max(body.top for body in bodies)
+    gap = 0.3 * tallest
+    total = sum(body.width + gap for body in bodies) + gap
+    picture = Picture((0.0, total), (-0.12 * tallest, 1.1 * tallest), height=HEIGHT, equal=True)
+    picture.line([0.0, total], [0.0, 0.0], GREY)
+    at = gap
+    for body in bodies:
+        body.draw(picture, at + body.left, gap)
+        at += body.width + gap
+    first = bodies[0]
+    if len(bodies) == 1 and math.isfinite(first.height):
+        picture.words(f"{first.width:.4g} m", gap + 0.5 * first.width, -0.11 * tallest)
+        picture.words(f"{first.height:.4g} m", gap + first.width + 0.03 * tallest, 0.5 * first.height, "start")
+    return picture

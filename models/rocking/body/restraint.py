@@ -5,19 +5,15 @@
    cos(phi) + xi sin(phi). Forces are horizontal, as of a tie that is long against x.
 """
 
-from __future__ import annotations
-
 import json
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
-from typing import Any, Literal
+from typing import Any, Literal, Self
 
 import numpy as np
 
 from rocking.arguments import numbers
-
-__all__ = ["COLUMNS", "Load", "Restraints", "Thrust", "Tie", "carried"]
 
 #: Displacement at which the friction of a load is fully there [m]: before it is as that of a spring.
 SLIP = 1e-3
@@ -56,12 +52,6 @@ class Tie:
     distance : float
         xi, of its attachment behind the corner of that rotation [m]: 0 for a plate on the outer face, the width of the
         body for one on the inner face.
-
-    Raises
-    ------
-    ValueError
-        For a height, stiffness, yield force or ultimate elongation that is not positive, a negative gap or distance,
-        and another side.
 
     Examples
     --------
@@ -113,11 +103,6 @@ class Load:
         directions, by at most friction times weight. None: its mass is carried along by the body.
     distance : float or None
         Of its bearing behind the corner of theta > 0 [m]; None for the middle of the base.
-
-    Raises
-    ------
-    ValueError
-        For a weight or height that is not positive, a friction that is not, or a negative distance.
     """
 
     weight: float
@@ -144,11 +129,6 @@ class Thrust:
         z of its line of action above the base [m].
     distance : float
         xi, of its point of action behind the corner of theta > 0 [m].
-
-    Raises
-    ------
-    ValueError
-        For a force that is no finite number, a height that is not positive or a negative distance.
     """
 
     force: float
@@ -203,17 +183,17 @@ class Restraints:
         return json.dumps({one.name: [vars(part) for part in getattr(self, one.name)] for one in fields(self)})
 
     @classmethod
-    def from_text(cls, told: str) -> Restraints | None:
+    def from_text(cls, told: str) -> Self | None:
         """Restraints from :meth:`as_text`; None from an empty text."""
         if not told:
             return None
         parts, makers = json.loads(told), {"ties": Tie, "loads": Load, "thrusts": Thrust}
         return cls(**{name: tuple(make(**one) for one in parts[name]) for name, make in makers.items()})
 
-    def mirrored(self, base: float) -> Restraints:
+    def mirrored(self, base: float) -> Self:
         """The same seen from behind, on a body with a base [m]: theta > 0 has become theta < 0."""
         other = {"positive": "negative", "negative": "positive", "both": "both"}
-        return Restraints(
+        return type(self)(
             tuple(Tie(**{**vars(tie), "side": other[tie.side]}) for tie in self.ties),
             tuple(Load(**{**vars(one), "distance": base - _bearing(one, base)}) for one in self.loads),
             tuple(Thrust(-one.force, one.height, base - one.distance) for one in self.thrusts),

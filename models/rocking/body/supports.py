@@ -7,8 +7,6 @@ The motion of a floor or of the top of a building from that of the ground: modes
    exact (first-order hold).
 """
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 
@@ -17,12 +15,6 @@ from scipy.signal import cont2discrete, lfilter
 
 from rocking.arguments import ArrayLike, numbers, positive, record_samples, together
 from rocking.body.block import Block
-
-__all__ = [
-    "FloorMotion",
-    "floor_motion",
-    "with_pedestal",
-]
 
 
 def with_pedestal(block: Block, width: float, height: float, mass: float, restitution: ArrayLike = "housner") -> Block:

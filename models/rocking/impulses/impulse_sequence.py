@@ -1,20 +1,15 @@
-"""What a terminal and a notebook show of an impulse sequence: its numbers, and two of its half-cycles.
-
-.. note:: How long a half-cycle lasts, and with it the number of intermediate impulses, depends on the block. The
-   picture shows the number that the sequence prescribes, four where it prescribes none.
-
-The limit accelerogram: a main sequence at the impacts, a secondary one between them (Casapulla & Maione 2017).
+"""The limit accelerogram: a main sequence at the impacts, a secondary one between them (Casapulla & Maione 2017).
 
 .. note:: Every main impulse acts right after an impact and speeds the block up. Between two of them an even number of
    secondary impulses acts at equal intervals with alternate signs; the first one opposes the main impulse before it.
+   How long a half-cycle lasts, and with it their number, depends on the block: a picture shows the number that the
+   sequence prescribes, four where it prescribes none.
 """
-
-from __future__ import annotations
 
 import math
 import operator
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 
@@ -23,75 +18,11 @@ from rocking.impulses.half_cycle import CONTINUOUS, END, MIDDLE, OPEN, START
 from rocking.impulses.main import effective_amplification
 from rocking.pictures import BLUE, GREY, RED, Picture, Shown, brief
 
-__all__ = [
-    "SPACINGS",
-    "ImpulseSequence",
-    "SequencePicture",
-]
-
 #: Number of intermediate impulses in a half-cycle of the picture, and the most of them.
 SHOWN, MOST = 4, 12
 
 #: Place of the first intermediate impulse after the main one, in intervals.
 FIRST = {"end": 1.0, "middle": 0.5, "start": 0.0, "open": 1.0}
-
-
-class SequencePicture(Shown):
-    """What an impulse sequence shows of itself."""
-
-    main: Floats
-    secondary: Floats
-    interval: Floats
-    duration: Floats
-    main_count: Integers | None
-    intermediate_count: int | None
-    spacing: str
-
-    def _facts(self) -> dict[str, str]:
-        facts = {"of": f"{np.size(self.main)} sequences"} if np.ndim(self.main) else {}
-        facts |= {"I": brief(self.main, "m/s"), "I_s": brief(self.secondary, "m/s")}
-        if not np.all(np.isnan(self.interval)):
-            facts["dT"] = brief(self.interval, "s")
-        if self.intermediate_count is not None:
-            facts["n"] = str(self.intermediate_count)
-        facts["duration"] = brief(self.duration, "s")
-        facts |= {} if self.main_count is None else {"main impulses": brief(self.main_count)}
-        return facts | {"spacing": self.spacing}
-
-    def two_half_cycles(self) -> tuple[np.ndarray, np.ndarray]:
-        """The impulses of two half-cycles, the first of several sequences, as (k, 2) places and sizes.
-
-        Places are in intervals after the first main impulse [-], sizes in m/s with the sign of the ground's change of
-        velocity. The main impulses come first, then the intermediate ones: none of spacing "continuous".
-        """
-        main, secondary = float(np.ravel(self.main)[0]), float(np.ravel(self.secondary)[0])
-        number = np.arange(min(self.intermediate_count or SHOWN, MOST))
-        length = float(number.size + (self.spacing == "open"))
-        mains = np.array([[0.0, main], [length, -main]])
-        if secondary == 0.0 or self.spacing not in FIRST:
-            return mains, np.empty((0, 2))
-        # The first of them opposes the main impulse, then they alternate.
-        own = np.column_stack([FIRST[self.spacing] + number, np.where(number % 2 == 0, -secondary, secondary)])
-        return mains, np.concatenate([own, own * [1.0, -1.0] + [length, 0.0]])
-
-    def _picture(self) -> Picture:
-        """Two half-cycles of the sequence, the first of several."""
-        mains, others = self.two_half_cycles()
-        main, secondary = float(mains[0, 1]), float(np.ravel(self.secondary)[0])
-        end, reach = 2.0 * float(mains[1, 0]), main or 1.0
-        picture = Picture((-0.5, end + 0.5), (-1.2 * reach, 1.2 * reach))
-        picture.line([-0.5, end + 0.5], [0.0, 0.0], GREY, 0.5)
-        if secondary > 0.0 and not others.size:
-            picture.polygon([0.0, end, end, 0.0], [-secondary, -secondary, secondary, secondary], BLUE)
-        picture.stems(others[:, 0], others[:, 1], BLUE, 2.0)
-        picture.stems(mains[:, 0], mains[:, 1], RED, 3.0)
-        picture.words(f"I = {main:.3g} m/s", 0.15, 1.05 * reach, "start", RED)
-        if secondary > 0.0:
-            interval = float(np.ravel(self.interval)[0])
-            every = "" if math.isnan(interval) or self.spacing == "continuous" else f" every {interval:.3g} s"
-            picture.words(f"I_s = {secondary:.3g} m/s{every}", end, 1.05 * reach, "end", BLUE)
-        return picture
-
 
 #: Where the intermediate impulses stand in the half-cycle: t_k = (k - phi) dT with T = n dT for "end" (phi = 0),
 #: "middle" (1/2) and "start" (1); "open": t_k = k dT with T = (n + 1) dT; "continuous": the limit of infinitely many.
@@ -100,7 +31,7 @@ SPACINGS = {"end": END, "middle": MIDDLE, "start": START, "open": OPEN, "continu
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class ImpulseSequence(SequencePicture):
+class ImpulseSequence(Shown):
     """A main and a secondary sequence of impulses, or an array of them: the fields broadcast to one shape (q,), or ().
 
     Parameters
@@ -126,11 +57,6 @@ class ImpulseSequence(SequencePicture):
     shape : tuple of int
         Shape of the lanes: () or (q,).
 
-    Raises
-    ------
-    ValueError
-        For a field outside its range, naming the field.
-
     References
     ----------
     Casapulla, C., Maione, A. (2017), COMPDYN 2017, section 3.2, doi:10.7712/120117.5612.17190.
@@ -153,66 +79,46 @@ class ImpulseSequence(SequencePicture):
     def __post_init__(self) -> None:
         if self.spacing not in SPACINGS:
             raise ValueError(f"spacing: expected one of {', '.join(SPACINGS)}, got {self.spacing!r}")
-        main = _numbers("main", self.main)
-        secondary = _numbers("secondary", self.secondary)
-        interval = _numbers("interval", self.interval)
-        duration = _numbers("duration", self.duration)
-        _require(
-            np.isfinite(main) & (main >= 0.0), "main: expected a finite impulse [m/s] that is not negative", self.main
-        )
-        _require(
-            (secondary >= 0.0) & (secondary <= main),
-            "secondary: expected an impulse [m/s] between 0 and the main impulse",
-            self.secondary,
-        )
+        names = ("main", "secondary", "interval", "duration")
+        given = main, secondary, interval, duration = [_numbers(name, getattr(self, name)) for name in names]
         unused = np.isnan(interval) & (self.spacing == "continuous" or self.intermediate_count is not None)
-        _require(
-            (np.isfinite(interval) & (interval > 0.0)) | unused,
-            "interval: expected a positive, finite time [s]",
-            self.interval,
+        needed = (
+            (np.isfinite(main) & (main >= 0.0), "a finite impulse [m/s] that is not negative"),
+            ((secondary >= 0.0) & (secondary <= main), "an impulse [m/s] between 0 and the main impulse"),
+            ((np.isfinite(interval) & (interval > 0.0)) | unused, "a positive, finite time [s]"),
+            (duration > 0.0, "a positive time [s], or inf"),
         )
-        _require(duration > 0.0, "duration: expected a positive time [s], or inf", self.duration)
+        for name, (valid, expected) in zip(names, needed, strict=True):
+            _require(valid, f"{name}: expected {expected}", getattr(self, name))
         limit = _counts("main_count", self.main_count, least=1)
         try:
-            lanes = np.broadcast_shapes(main.shape, secondary.shape, interval.shape, duration.shape, np.shape(limit))
+            *whole, counts = np.broadcast_arrays(*given, np.asarray(limit))
         except ValueError:
             raise ValueError(
                 "main, secondary, interval, duration and main_count: expected numbers or arrays of one length, "
-                f"got shapes {main.shape}, {secondary.shape}, {interval.shape}, {duration.shape}, {np.shape(limit)}"
+                f"got shapes {', '.join(str(array.shape) for array in given)}, {np.shape(limit)}"
             ) from None
-        for name, value in (("main", main), ("secondary", secondary), ("interval", interval), ("duration", duration)):
-            array = np.array(np.broadcast_to(value, lanes))
+        found = {name: np.array(array) for name, array in zip(names, whole, strict=True)}
+        found |= {"main_count": np.array(counts)} if isinstance(limit, np.ndarray) else {}
+        for array in found.values():
             array.setflags(write=False)
-            object.__setattr__(self, name, array.item() if array.ndim == 0 else array)
-        if isinstance(limit, np.ndarray):
-            limit = np.array(np.broadcast_to(limit, lanes))
-            limit.setflags(write=False)
-        object.__setattr__(self, "main_count", limit)
+        vars(self).update({name: array.item() if array.ndim == 0 else array for name, array in found.items()})
+        if not isinstance(limit, np.ndarray):
+            vars(self)["main_count"] = limit
         count = _count("intermediate_count", self.intermediate_count, least=2)
         if count is not None and count % 2:
             raise ValueError(
                 f"intermediate_count: expected an even number, so that the impulses sum to zero, got {count}"
             )
-        object.__setattr__(self, "intermediate_count", count)
+        vars(self)["intermediate_count"] = count
 
     @property
     def shape(self) -> tuple[int, ...]:
         """Shape of the lanes: () for one sequence, (q,) for several."""
         return np.shape(self.main)
 
-    def scaled(self, factor: ArrayLike) -> ImpulseSequence:
-        """The same sequence with both impulses multiplied; I_s/I, times and counts are kept.
-
-        Parameters
-        ----------
-        factor : float or (q,) array_like
-            Factor [-], finite and not negative.
-
-        Returns
-        -------
-        ImpulseSequence
-            Of shape (q,) where the factor or the sequence is an array.
-        """
+    def scaled(self, factor: ArrayLike) -> Self:
+        """The same sequence with both impulses times a factor, or (q,) of them; I_s/I, times and counts are kept."""
         factor = _numbers("factor", factor)
         _require(np.isfinite(factor) & (factor >= 0.0), "factor: expected a finite number that is not negative", factor)
         return replace(self, main=factor * self.main, secondary=factor * self.secondary)
@@ -261,6 +167,51 @@ class ImpulseSequence(SequencePicture):
             reached = np.vectorize(effective_amplification, otypes=[float])(c, ratio, self.main_count)
         found = self.main * reached
         return found.item() if np.ndim(found) == 0 else found
+
+    def _facts(self) -> dict[str, str]:
+        facts = {"of": f"{np.size(self.main)} sequences"} if np.ndim(self.main) else {}
+        facts |= {"I": brief(self.main, "m/s"), "I_s": brief(self.secondary, "m/s")}
+        if not np.all(np.isnan(self.interval)):
+            facts["dT"] = brief(self.interval, "s")
+        if self.intermediate_count is not None:
+            facts["n"] = str(self.intermediate_count)
+        facts["duration"] = brief(self.duration, "s")
+        facts |= {} if self.main_count is None else {"main impulses": brief(self.main_count)}
+        return facts | {"spacing": self.spacing}
+
+    def two_half_cycles(self) -> tuple[np.ndarray, np.ndarray]:
+        """The impulses of two half-cycles, the first of several sequences, as (k, 2) places and sizes.
+
+        Places are in intervals after the first main impulse [-], sizes in m/s with the sign of the ground's change of
+        velocity. The main impulses come first, then the intermediate ones: none of spacing "continuous".
+        """
+        main, secondary = float(np.ravel(self.main)[0]), float(np.ravel(self.secondary)[0])
+        number = np.arange(min(self.intermediate_count or SHOWN, MOST))
+        length = float(number.size + (self.spacing == "open"))
+        mains = np.array([[0.0, main], [length, -main]])
+        if secondary == 0.0 or self.spacing not in FIRST:
+            return mains, np.empty((0, 2))
+        # The first of them opposes the main impulse, then they alternate.
+        own = np.column_stack([FIRST[self.spacing] + number, np.where(number % 2 == 0, -secondary, secondary)])
+        return mains, np.concatenate([own, own * [1.0, -1.0] + [length, 0.0]])
+
+    def _picture(self) -> Picture:
+        """Two half-cycles of the sequence, the first of several."""
+        mains, others = self.two_half_cycles()
+        main, secondary = float(mains[0, 1]), float(np.ravel(self.secondary)[0])
+        end, reach = 2.0 * float(mains[1, 0]), main or 1.0
+        picture = Picture((-0.5, end + 0.5), (-1.2 * reach, 1.2 * reach))
+        picture.line([-0.5, end + 0.5], [0.0, 0.0], GREY, 0.5)
+        if secondary > 0.0 and not others.size:
+            picture.polygon([0.0, end, end, 0.0], [-secondary, -secondary, secondary, secondary], BLUE)
+        picture.stems(others[:, 0], others[:, 1], BLUE, 2.0)
+        picture.stems(mains[:, 0], mains[:, 1], RED, 3.0)
+        picture.words(f"I = {main:.3g} m/s", 0.15, 1.05 * reach, "start", RED)
+        if secondary > 0.0:
+            interval = float(np.ravel(self.interval)[0])
+            every = "" if math.isnan(interval) or self.spacing == "continuous" else f" every {interval:.3g} s"
+            picture.words(f"I_s = {secondary:.3g} m/s{every}", end, 1.05 * reach, "end", BLUE)
+        return picture
 
 
 def _numbers(name: str, value: ArrayLike) -> np.ndarray:

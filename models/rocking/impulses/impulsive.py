@@ -5,17 +5,13 @@
    - s alpha_c), s = sgn theta.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from rocking.arguments import ArrayLike, numbers
 from rocking.body.block import Block
 from rocking.impulses.impulsive_kernel import EXACT, LINEAR, PAPER, TANGENT, History, Lanes, Train, impulsive_lanes
 from rocking.lanes import split_lanes
-from rocking.response import Response, empty_results, response_of, with_history
-
-__all__ = ["GAINS", "impulsive_response"]
+from rocking.response import Response, empty_results, response_of
 
 #: Change of theta' per impulse: "paper" p^2 cos(alpha_c)/g (Eq. 3), "linear" p^2/g, the limit of a narrow pulse in the
 #: linear equation, "exact" p^2 cos(s alpha_c - theta)/g, the same in the nonlinear one, "tangent" p^2 alpha_c/(g
@@ -82,10 +78,6 @@ def impulsive_response(
     one that drives the block into the ground acts after the impact ("right after the impact", section 2), one that
     opposes the motion before it.
 
-    References
-    ----------
-    Casapulla, C., Maione, A. (2017), COMPDYN 2017, doi:10.7712/120117.5612.17190.
-
     Examples
     --------
     >>> block = Block(half_width=0.5, half_height=1.936492, restitution=0.9, gravity=9.81)
@@ -109,7 +101,6 @@ def impulsive_response(
         )
     )
     factors = np.multiply.outer(scale.reshape(-1), np.broadcast_to(own, alpha.shape))
-    shape, drop = factors.shape, (scale.ndim == 0, block.shape == ())
     sizes = np.abs(impulses)
     train = Train(times, impulses, sizes, np.cumsum(sizes[::-1])[::-1].copy())
     lanes = Lanes(factors, alpha, p, restitution, block.gravity, GAINS[gain])
@@ -120,8 +111,8 @@ def impulsive_response(
         impulsive_lanes(first, last, train, lanes, np.empty((3, times.size)), results, history)
 
     split_lanes(kernel_call, factors.size, threads)
-    response = response_of(results, shape, drop)
-    return response if history_dt is None else with_history(response, shape, drop, grid, history.motion)
+    motion = {} if history_dt is None else {"motion": history.motion, "time": grid}
+    return response_of(results, factors.shape, **motion).squeezed((scale.ndim == 0, block.shape == ()))
 
 
 def _checked(times: ArrayLike, impulses: ArrayLike, scale: ArrayLike) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -5,15 +5,13 @@
    x' by -side gain I/(p alpha_c).
 """
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 
 import numpy as np
 from numba import njit
 
-from rocking.impulses.motion import (
+from rocking.impulses.half_cycle import (
     CRITICAL_TOLERANCE,
     free_decay_time,
     impact_speed,
@@ -22,19 +20,6 @@ from rocking.impulses.motion import (
     state,
 )
 from rocking.response import IMPACT_CUTOFF, Outcome, Reason
-
-__all__ = [
-    "COINCIDENCE",
-    "EXACT",
-    "IMPACT_LIMIT",
-    "LINEAR",
-    "PAPER",
-    "TANGENT",
-    "History",
-    "Lanes",
-    "Train",
-    "impulsive_lanes",
-]
 
 PAPER, LINEAR, EXACT, TANGENT = range(4)
 

@@ -1,6 +1,4 @@
-"""Kernels of the main sequence in closed form: velocities, half-cycle of overturning, response and safety.
-
-The main sequence in closed form (Casapulla & Maione 2017, Eqs. 3-10): resonance with the block's own impacts.
+"""The main sequence in closed form (Casapulla & Maione 2017, Eqs. 3-10): resonance with the block's own impacts.
 
 .. note:: ERRATUM. Eqs. (5) and (9) are printed with the index shifted by one. The recurrence u_i = C u_{i-1} + u_1 is
    right and gives u_i = u_1 (1 - C^i)/(1 - C) and I_ic = I_1c (1 - C)/(1 - C^i), hence I_2c = I_1c/(1 + C). u =
@@ -8,8 +6,6 @@ The main sequence in closed form (Casapulla & Maione 2017, Eqs. 3-10): resonance
 
 Resonance is the input that suits the block worst, an upper-bound type input and not a prediction.
 """
-
-from __future__ import annotations
 
 import math
 import operator
@@ -20,26 +16,13 @@ from numba import njit
 
 from rocking.arguments import ArrayLike, Floats
 from rocking.body.block import Block
-from rocking.impulses.half_cycle import stays_bounded
-from rocking.impulses.motion import CRITICAL_TOLERANCE, hop, impacts_above
+from rocking.impulses.half_cycle import CRITICAL_TOLERANCE, hop, impacts_above, stays_bounded
 from rocking.impulses.sequence_kernel import TABLE_ROWS, UNLIMITED, combined, repetitions, tabulated_response
-from rocking.lanes import split_lanes
-from rocking.response import IMPACT_CUTOFF, Outcome, Reason, Response, squeezed
+from rocking.lanes import split_lanes, squeezed
+from rocking.response import IMPACT_CUTOFF, Outcome, Reason, Response
 
-__all__ = [
-    "Lanes",
-    "amplification",
-    "critical_impulse_at",
-    "critical_impulse_ratio",
-    "effective_amplification",
-    "last_half_cycle",
-    "overturning_half_cycle",
-    "resonance",
-    "resonance_lanes",
-    "resonance_safety",
-    "safety_lanes",
-    "start_of_half_cycle",
-]
+#: Halvings of the bracket of the upper edge of a band of factors.
+HALVINGS = 60
 
 #: Half-cycles whose durations are added up before a lane is UNRESOLVED.
 _HALF_CYCLE_LIMIT = 10_000_000
@@ -202,6 +185,42 @@ def safety_lanes(first_lane, last_lane, lanes, factors):
             factors[lane] = np.inf if lanes.impulse[lane] == 0.0 else 0.0
 
 
+@njit(cache=True, nogil=True, error_model="numpy")
+def bands_of(main, ratio, restitution, end, main_count, factor_max):
+    """Lower and upper factors (2, k) of the bands of one lane, ascending, up to `factor_max`.
+
+    `main` is u_1, `ratio` sigma, and `end` the end of the main sequence times p.
+    """
+    if end == np.inf:
+        # Every half-cycle up to the last one is reached: one interval. Without a last one its edge is the infimum.
+        edge = 1.0 / (main * effective_amplification(restitution, ratio, main_count))
+        if main_count == UNLIMITED and restitution == 1.0 and ratio < 1.0:
+            edge = 0.0 if main > 0.0 else np.inf
+        bands = np.empty((2, 1 if edge <= factor_max else 0))
+        if edge <= factor_max:
+            bands[0, 0], bands[1, 0] = edge, factor_max
+        return bands
+    last = last_half_cycle(restitution, ratio, end, main_count)
+    bands = np.empty((2, last))
+    used = 0
+    for half_cycle in range(last, 0, -1):
+        low = 1.0 / (main * effective_amplification(restitution, ratio, half_cycle))
+        if not low <= factor_max:
+            break
+        high = factor_max
+        if half_cycle > 1:
+            high, late = low, 1.0 / (main * effective_amplification(restitution, ratio, half_cycle - 1))
+            for _ in range(HALVINGS):
+                middle = 0.5 * (high + late)
+                if start_of_half_cycle(1.0 / (main * middle), restitution, ratio, half_cycle) < end:
+                    high = middle
+                else:
+                    late = middle
+        bands[0, used], bands[1, used] = low, min(high, factor_max)
+        used += 1
+    return bands[:, :used].copy()
+
+
 def resonance(
     block: Block,
     impulse: ArrayLike,
@@ -235,18 +254,9 @@ def resonance(
         (Eq. 10). `overturning_time` is the start of the half-cycle that overturns: from its main impulse on nothing
         can save the block.
 
-    Raises
-    ------
-    ValueError
-        For an impulse, number or duration out of range.
-
     Notes
     -----
     Eq. (3) gives u_1 = I/I_1c, the erratum u_i, Eqs. (6) and (7) peak and duration of a half-cycle. u = 1 overturns.
-
-    References
-    ----------
-    Casapulla, C., Maione, A. (2017), COMPDYN 2017, doi:10.7712/120117.5612.17190.
 
     Examples
     --------
@@ -255,7 +265,7 @@ def resonance(
     >>> response.overturning_half_cycle
     7
     """
-    shape, drop, lanes = _lanes(block, _impulse(impulse), _half_cycles(half_cycles, duration), duration)
+    shape, drop, lanes = _lanes(block, impulse, _half_cycles(half_cycles, duration), duration)
     return tabulated_response(resonance_lanes, lanes, shape, drop, table_rows, threads)
 
 
@@ -325,37 +335,25 @@ def resonance_safety(
     S_j/S_N >= j/N and sum of 2 atanh(j/N) is about 2 N ln 2, N stays below p duration/1.38 + 2.
     """
     count = UNLIMITED if half_cycles is None else _half_cycles(half_cycles, None)
-    shape, drop, lanes = _lanes(block, _impulse(impulse), count, duration)
+    shape, drop, lanes = _lanes(block, impulse, count, duration)
     flat = np.empty(lanes.impulse.size)
 
-    def kernel_call(first: int, last: int) -> None:
-        safety_lanes(first, last, lanes, flat)
-
-    split_lanes(kernel_call, flat.size, threads)
+    split_lanes(lambda first, last: safety_lanes(first, last, lanes, flat), flat.size, threads)
     return squeezed(flat.reshape(shape), drop)
 
 
 def _lanes(
-    block: Block, impulse: np.ndarray, count: Any, duration: ArrayLike | None
+    block: Block, impulse: ArrayLike, count: Any, duration: ArrayLike | None
 ) -> tuple[tuple[int, int], tuple[bool, bool], Lanes]:
     """The lanes of a kernel, with their shape and the axes to drop."""
+    sizes, ends = np.asarray(impulse, dtype=float), np.asarray(np.inf if duration is None else duration, dtype=float)
+    if sizes.ndim > 1 or not np.all(np.isfinite(sizes) & (sizes >= 0.0)):
+        raise ValueError(f"impulse: expected a finite number or a (q,) array [m/s], not negative, got {impulse!r}")
+    if ends.ndim > 1 or not np.all(ends > 0.0):
+        raise ValueError(f"duration: expected a positive number or a (q,) array [s], got {duration!r}")
     blocks = (block.p, block.restitution, block.critical_impulse)
-    shape, drop, (impulses, ends, most, *rest) = combined((impulse, _duration(duration), count), blocks)
-    return shape, drop, Lanes(impulses, ends, most.astype(np.int64), *rest)
-
-
-def _impulse(value: ArrayLike) -> np.ndarray:
-    impulse = np.asarray(value, dtype=float)
-    if impulse.ndim > 1 or not np.all(np.isfinite(impulse) & (impulse >= 0.0)):
-        raise ValueError(f"impulse: expected a finite number or a (q,) array [m/s], not negative, got {value!r}")
-    return impulse
-
-
-def _duration(value: ArrayLike | None) -> np.ndarray:
-    duration = np.asarray(np.inf if value is None else value, dtype=float)
-    if duration.ndim > 1 or not np.all(duration > 0.0):
-        raise ValueError(f"duration: expected a positive number or a (q,) array [s], got {value!r}")
-    return duration
+    shape, drop, (impulses, until, most, *rest) = combined((sizes, ends, count), blocks)
+    return shape, drop, Lanes(impulses, until, most.astype(np.int64), *rest)
 
 
 def _half_cycles(value: Any, duration: ArrayLike | None) -> Any:

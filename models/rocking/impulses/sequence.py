@@ -1,25 +1,19 @@
-"""Response to a main and a secondary sequence of impulses, and its train (Casapulla & Maione 2017, section 3.2).
+"""Response to a main and a secondary sequence of impulses, its train and its limit (Casapulla & Maione 2017).
 
 .. note:: Rotations of the half-cycle table are in units of alpha_c and velocities u = theta'/(p alpha_c), both
    positive away from the ground. In :func:`impulse_train` the first main impulse is positive: the ground is pushed to
    the right, the block starts to rock about its left-hand corner (theta < 0), and the main impulses alternate.
-
-The periodic motion to which an endless sequence tends (Casapulla & Maione 2017, Eq. 10 and section 4).
 """
 
-from __future__ import annotations
-
 import logging
-from dataclasses import dataclass, replace
-from typing import Any
+from dataclasses import dataclass
 
 import numpy as np
 
 from rocking.arguments import Booleans, Floats
 from rocking.body.block import Block
-from rocking.impulses.half_cycle import stays_bounded
+from rocking.impulses.half_cycle import hop, stays_bounded
 from rocking.impulses.impulse_sequence import SPACINGS, ImpulseSequence
-from rocking.impulses.motion import hop
 from rocking.impulses.sequence_kernel import (
     HALF_CYCLE_LIMIT,
     TABLE_ROWS,
@@ -30,18 +24,8 @@ from rocking.impulses.sequence_kernel import (
     sequence_lanes,
     tabulated_response,
 )
-from rocking.lanes import split_lanes
-from rocking.response import HalfCycles, Outcome, Reason, Response, empty_results, squeezed
-
-__all__ = [
-    "SPACINGS",
-    "ImpulseSequence",
-    "SteadyState",
-    "impulse_train",
-    "scaled_outcomes",
-    "sequence_response",
-    "steady_state",
-]
+from rocking.lanes import LaneValues, lane_field, split_lanes
+from rocking.response import HalfCycles, Outcome, Reason, Response, empty_results
 
 #: Shorter trial intervals, times p [-], cannot be told from the continuous limit.
 _SHORTEST_INTERVAL = 1e-4
@@ -102,10 +86,6 @@ def sequence_response(
     The impact speed u_r gives u_{i+1} = C u_r + u_1. For "start" with I_s/I above 2/3 and "middle" above 6/7 the
     corrected march may pass through the ground inside a half-cycle; the closed form knows its end only and is kept,
     with a logged warning.
-
-    References
-    ----------
-    Casapulla, C., Maione, A. (2017), COMPDYN 2017, doi:10.7712/120117.5612.17190.
 
     Examples
     --------
@@ -178,21 +158,14 @@ def _lanes(sequence: ImpulseSequence, flat: list[np.ndarray]) -> tuple[Lanes, np
 
 def _unresolved(response: Response, short: np.ndarray) -> Response:
     """The response with the lanes marked whose secondary impulses are too close together."""
-    if not np.any(short):
-        return response
     short = short.reshape(np.shape(response.outcome))
-
-    def marked(values: Any, value: Any) -> Any:
-        filled = np.where(short, value, values)
-        return filled.item() if filled.ndim == 0 else filled
-
-    return replace(
-        response,
-        peak_rotation_ratio=marked(response.peak_rotation_ratio, np.nan),
-        outcome=marked(response.outcome, int(Outcome.UNRESOLVED)),
-        reason=marked(response.reason, int(Reason.SHORT_INTERVAL)),
-        impacts=marked(response.impacts, -1),
-    )
+    marks = {"peak_rotation_ratio": np.nan, "outcome": int(Outcome.UNRESOLVED), "impacts": -1}
+    found = {
+        name: np.where(short, mark, getattr(response, name))
+        for name, mark in (marks | {"reason": int(Reason.SHORT_INTERVAL)}).items()
+    }
+    found = {name: values.item() if values.ndim == 0 else values for name, values in found.items()}
+    return response.changed(**found) if np.any(short) else response
 
 
 def impulse_train(block: Block, sequence: ImpulseSequence) -> tuple[np.ndarray, np.ndarray]:
@@ -288,7 +261,7 @@ def _secondary(sequence: ImpulseSequence, table: HalfCycles, row: int) -> tuple[
 
 
 @dataclass(frozen=True, eq=False)
-class SteadyState:
+class SteadyState(LaneValues):
     """Limit of the half-cycles of an endless sequence; arrays (q, m), or scalars for one lane.
 
     Attributes
@@ -306,11 +279,11 @@ class SteadyState:
         Whether the motion stabilises, v* <= 1 (at v* = 1 the limit is never reached).
     """
 
-    start_velocity: Floats
-    effective_velocity: Floats
-    peak: Floats
-    half_period: Floats
-    stable: Booleans
+    start_velocity: Floats = lane_field()
+    effective_velocity: Floats = lane_field()
+    peak: Floats = lane_field()
+    half_period: Floats = lane_field()
+    stable: Booleans = lane_field()
 
 
 def steady_state(block: Block, sequence: ImpulseSequence) -> SteadyState:
@@ -362,4 +335,4 @@ def steady_state(block: Block, sequence: ImpulseSequence) -> SteadyState:
     hops = np.array([hop(velocity) for velocity in np.where(stable, np.minimum(effective, 1.0), np.inf)]).reshape(-1, 2)
     peak = np.where(stable & (effective >= 1.0), 1.0, hops[:, 0])
     values = (limit, effective, peak, hops[:, 1] / p, stable)
-    return SteadyState(*(squeezed(value.reshape(shape), drop) for value in values))
+    return SteadyState(*(value.reshape(shape) for value in values)).squeezed(drop)

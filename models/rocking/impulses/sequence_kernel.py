@@ -3,8 +3,6 @@
 From a half-cycle kernel over lanes to a :class:`~rocking.response.Response` with its table.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from typing import Any, NamedTuple
@@ -14,30 +12,18 @@ from numba import njit
 
 from rocking.impulses.half_cycle import (
     CONTINUOUS,
+    CRITICAL_TOLERANCE,
     OPEN,
     corrected_duration,
     first_return,
+    hop,
     impact_speed_after,
+    impacts_above,
     peak_and_lowest,
     stays_bounded,
 )
-from rocking.impulses.motion import CRITICAL_TOLERANCE, hop, impacts_above
 from rocking.lanes import split_lanes
 from rocking.response import IMPACT_CUTOFF, HalfCycles, Outcome, Reason, Response, empty_results, response_of
-
-__all__ = [
-    "COLUMNS",
-    "HALF_CYCLE_LIMIT",
-    "TABLE_ROWS",
-    "UNLIMITED",
-    "Lanes",
-    "Table",
-    "combined",
-    "empty_table",
-    "repetitions",
-    "sequence_lanes",
-    "tabulated_response",
-]
 
 #: Half-cycles followed in one lane before it is UNRESOLVED.
 HALF_CYCLE_LIMIT = 50_000
@@ -253,5 +239,5 @@ def tabulated_response(
         columns = [column.reshape(rows, *shape) for column in table.columns]
         columns[3] = columns[3].astype(np.int64)
         half_cycles = HalfCycles(*columns)
-    contact = table.lowest.reshape(shape) < -GROUND_TOLERANCE
-    return response_of(results, shape, drop, half_cycles=half_cycles, ground_contact=contact)
+    contact = table.lowest < -GROUND_TOLERANCE
+    return response_of(results, shape, half_cycles=half_cycles, ground_contact=contact).squeezed(drop)

@@ -1,40 +1,21 @@
 """A slot that turns about two unlike corners, or about one of them before a wall: what it does unlike a plain one.
 
-.. note:: Units and signs of :mod:`rocking.march.slots`: a slot is in those of the corner that it turns about, alpha, p and
+.. note:: Units and signs of slots.py: a slot is in those of the corner that it turns about, alpha, p and
    tau = p t, and the rows OTHER_... hold the same for the other corner. Both change places at an impact. A body before
    a wall turns back at an impact and stays on its corner. Where something acts on the body beside its weight, it lifts
    at (1 + a_v/g) THRESHOLD + EXTRA.
 """
 
-from __future__ import annotations
-
 import math
 
 from numba import njit
 
-from rocking.impulses.half_cycle import slots as row
+from rocking.march import event
+from rocking.march import slots as row
 from rocking.march.equations import flight_time, top_rotation
-from rocking.march.event import (
-    CHATTER_SHARE,
-    FLYING,
-    IMPACT_LIMITED,
-    LINEAR,
-    MANY_IMPACTS,
-    MOVING,
-    OVERTURNED,
-    RESTING,
-    SLOW_IMPACTS,
-    chatter_ends,
-    enter_sample,
-    impacts_above_cutoff,
-    is_gone,
-)
-from rocking.march.ground import BLOCK, FALL, LARGEST, STEEPEST
-from rocking.march.slots import FLOAT_ROWS, GROUP, INT_ROWS, LANE, WIDTH
+from rocking.march.slots import BLOCK, FALL, FLOAT_ROWS, GROUP, INT_ROWS, LANE, LARGEST, STEEPEST, WIDTH
 from rocking.march.steps import IMPACTS_PER_SAMPLE
 from rocking.response import IMPACT_CUTOFF
-
-__all__ = ["CORNER_ROWS", "after_return", "close_corner_ranks", "free_motion", "turn_over", "wake_corner"]
 
 (
     OTHER_ALPHA,
@@ -171,18 +152,18 @@ def wake_corner(f, i, j, record):
             i[row.MOVED + j] = 1
             i[row.SLOW + j] = 0
             f[row.ACTIVE + j] += 1.0 if i[row.ENDED + j] != int(f[row.SAMPLE + j]) else 0.0
-            return MOVING
+            return event.MOVING
         sample = int(f[row.SAMPLE + j])
         ahead = next_lift(sample + 1, record, f, j)
         if ahead > last:
-            return RESTING
+            return event.RESTING
         # It lifts on the way to that sample, which is this one where rounding has put the crossing at its end.
         f[row.SAMPLE + j] = max(ahead - 1, sample + 1)
         if f[row.SAMPLE + j] >= last:
-            return RESTING
-        if not enter_sample(f, j, record):
-            return FLYING
-    return RESTING
+            return event.RESTING
+        if not event.enter_sample(f, j, record):
+            return event.FLYING
+    return event.RESTING
 
 
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
@@ -197,13 +178,13 @@ def hops_are_over(f, j, record, equation, far, held):
     alpha, other_alpha = f[row.ALPHA + j], f[OTHER_ALPHA + j]
     level = weakest * f[row.THRESHOLD + j] + f[EXTRA + j] - held
     threshold, other = level, math.inf
-    pull = level * (1.0 if equation == LINEAR else math.cos(alpha))
+    pull = level * (1.0 if equation == event.LINEAR else math.cos(alpha))
     restitution, slowest = f[row.RESTITUTION + j], alpha
     peak = f[row.PEAK + j]
     if f[ONE_SIDED + j] == 0.0:
         faster = f[OTHER_P + j] / f[row.P + j]
         other = weakest * f[OTHER_THRESHOLD + j] + f[OTHER_EXTRA + j] - held
-        pull = min(pull, faster * faster * other * (1.0 if equation == LINEAR else math.cos(other_alpha)))
+        pull = min(pull, faster * faster * other * (1.0 if equation == event.LINEAR else math.cos(other_alpha)))
         threshold = min(level, other)
         restitution = max(restitution, f[OTHER_RESTITUTION + j])
         slowest = min(slowest, other_alpha * faster)
@@ -216,7 +197,7 @@ def hops_are_over(f, j, record, equation, far, held):
     demand, demand_end = max(start / level, -start / other), max(end / level, -end / other)
     if demand >= 1.0:
         return False
-    share = CHATTER_SHARE if f[row.HITS + j] < MANY_IMPACTS else 1.0
+    share = event.CHATTER_SHARE if f[row.HITS + j] < event.MANY_IMPACTS else 1.0
     speed, highest, cutoff = f[row.SPEED + j] / pull, share * peak / pull, IMPACT_CUTOFF * slowest / pull
     if far and f[row.SAMPLE_LIFT + j] == 1.0 and lift_end == 1.0:
         sample = int(f[row.SAMPLE + j])
@@ -227,31 +208,33 @@ def hops_are_over(f, j, record, equation, far, held):
         steepest = max(record.extremes[STEEPEST, block], record.extremes[STEEPEST, block + 1])
         slope = factor * f[row.PER_SAMPLE + j] * steepest
         window = (finish - sample) * length - passed
-        if chatter_ends(speed, demand, largest, slope, restitution, window, cutoff, highest):
+        if event.chatter_ends(speed, demand, largest, slope, restitution, window, cutoff, highest):
             return True
     rise = f[row.THRESHOLD + j] if f[ONE_SIDED + j] == 1.0 else max(f[row.THRESHOLD + j], f[OTHER_THRESHOLD + j])
     slope = (abs(f[row.SAMPLE_SLOPE + j]) + abs(f[row.SAMPLE_LIFT_SLOPE + j]) * rise) / threshold
-    return chatter_ends(speed, demand, max(demand, demand_end), slope, restitution, length - passed, cutoff, highest)
+    return event.chatter_ends(
+        speed, demand, max(demand, demand_end), slope, restitution, length - passed, cutoff, highest
+    )
 
 
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
 def after_return(f, i, j, record, equation, far, held):
     """The state of slot j after an impact: MOVING, RESTING, OVERTURNED or IMPACT_LIMITED."""
     if f[row.HITS + j] > IMPACTS_PER_SAMPLE:
-        return IMPACT_LIMITED
+        return event.IMPACT_LIMITED
     speed = f[row.SPEED + j]
     if speed == 0.0:
-        return RESTING
+        return event.RESTING
     if speed < IMPACT_CUTOFF * f[row.ALPHA + j]:
-        far = far or f[row.HITS + j] >= MANY_IMPACTS
+        far = far or f[row.HITS + j] >= event.MANY_IMPACTS
         if hops_are_over(f, j, record, equation, far, held):
-            return RESTING
+            return event.RESTING
         i[row.SLOW + j] += 1
-        if i[row.SLOW + j] > SLOW_IMPACTS:
-            return IMPACT_LIMITED
-    if equation == LINEAR and is_gone(f, j, record):
-        return OVERTURNED
-    return MOVING
+        if i[row.SLOW + j] > event.SLOW_IMPACTS:
+            return event.IMPACT_LIMITED
+    if equation == event.LINEAR and event.is_gone(f, j, record):
+        return event.OVERTURNED
+    return event.MOVING
 
 
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
@@ -335,5 +318,5 @@ def free_motion(f, j, linear):
             time += 2.0 * flight_time(excess, -alpha, -2.0 * math.asin(math.sqrt(-0.5 * excess))) / p
         arrival = speed
     both = restitution * other_restitution
-    odd, even = impacts_above_cutoff(first, both), impacts_above_cutoff(second, both)
+    odd, even = event.impacts_above_cutoff(first, both), event.impacts_above_cutoff(second, both)
     return peak, math.nan, 0, -1 if odd < 0 or even < 0 else odd + even

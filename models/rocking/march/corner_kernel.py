@@ -1,11 +1,9 @@
 """Kernel of the response of bodies with two unlike corners, before a wall or with restraints to an accelerogram.
 
 .. note:: The march is that of :mod:`rocking.march.kernel`, with the impacts of :mod:`rocking.march.corner_event`. With
-   restraints its steps and their events are those of :mod:`rocking.march.restrained`; numba compiles the kernel once with and
+   restraints its steps and their events are those of :mod:`restrained`; numba compiles the kernel once with and
    once without them.
 """
-
-from __future__ import annotations
 
 import math
 from typing import NamedTuple
@@ -13,36 +11,14 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
-from rocking.impulses.half_cycle import corner_event as more
-from rocking.impulses.half_cycle import slots as row
+from rocking.march import corner_event as more
+from rocking.march import event, kernel
+from rocking.march import slots as row
 from rocking.march.equations import linear_steps, nonlinear_steps
-from rocking.march.event import (
-    FLYING,
-    IMPACT_LIMITED,
-    LINEAR,
-    MOVING,
-    OVERTURNED,
-    RESTING,
-    begin_step,
-    enter_sample,
-    resolve_step,
-)
-from rocking.march.ground import LEFT
-from rocking.march.kernel import (
-    AT_REST,
-    FREE_FLIGHT,
-    IMPACT_LIMIT,
-    NO_REASON,
-    OVERTURNS,
-    ROCKS,
-    STRICTLY,
-    UNRESOLVED,
-    empty_slot,
-)
 from rocking.march.polynomial import ORDER
 from rocking.march.restrained import begin_held, land, rest_levels
 from rocking.march.restrained_event import finish_held, motion_after, restrained_steps
-from rocking.march.slots import Slots
+from rocking.march.slots import LEFT, Slots
 from rocking.march.steps import (
     IMPACT,
     LOOK_CLOSER,
@@ -53,8 +29,6 @@ from rocking.march.steps import (
     finish_steps,
     keep_history,
 )
-
-__all__ = ["CornerLanes", "corner_slots", "march_corners"]
 
 
 class CornerLanes(NamedTuple):
@@ -117,7 +91,7 @@ def begin_corner_lane(f, i, j, lane, record, lanes, options, held):
         f[row.P + j] = p
         f[row.LENGTH + j] = length
         f[row.PER_SAMPLE + j] = 1.0 / length
-        f[row.THRESHOLD + j] = (alpha if equation == LINEAR else math.tan(alpha)) * (1.0 + STRICTLY)
+        f[row.THRESHOLD + j] = (alpha if equation == event.LINEAR else math.tan(alpha)) * (1.0 + kernel.STRICTLY)
         f[more.FREE_LONGEST + j] = length / math.ceil(length / options.longest * (1.0 - REMNANT))
     if f[more.ONE_SIDED + j] == 1.0:
         f[more.OTHER_THRESHOLD + j] = np.inf
@@ -142,76 +116,76 @@ def begin_corner_lane(f, i, j, lane, record, lanes, options, held):
         begin_held(f, j, block, lane, held)
         if resting:
             rest_levels(f, j, block, lane, held, True)
-    if not enter_sample(f, j, record):
-        return FLYING
+    if not event.enter_sample(f, j, record):
+        return event.FLYING
     if resting:
         status = more.wake_corner(f, i, j, record)
-        if held is not None and status == MOVING:
+        if held is not None and status == event.MOVING:
             land(f, j, block, lane, held)
         return status
-    if equation == LINEAR:
+    if equation == event.LINEAR:
         growing = f[row.PHI + j] - f[row.ALPHA + j] + f[row.SPEED + j]
-        return OVERTURNED if growing > record.extremes[LEFT, 0] * factor else MOVING
-    return OVERTURNED if f[row.PHI + j] >= 0.5 * math.pi else MOVING
+        return event.OVERTURNED if growing > record.extremes[LEFT, 0] * factor else event.MOVING
+    return event.OVERTURNED if f[row.PHI + j] >= 0.5 * math.pi else event.MOVING
 
 
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
 def end_corner_lane(f, i, j, c, status, record, equation, count, held, work):
     """The results of a lane that has ended, in the order of :class:`rocking.response.LaneResults`."""
     impacts = int(f[row.IMPACTS + j])
-    if status == OVERTURNED:
+    if status == event.OVERTURNED:
         time = f[row.SAMPLE + j] * record.dt + f[row.PASSED + j] / f[row.P + j]
-        return np.inf, OVERTURNS, NO_REASON, time, impacts + 1, impacts
-    if status == IMPACT_LIMITED:
-        return np.nan, UNRESOLVED, IMPACT_LIMIT, np.nan, -1, -1
-    if status == FLYING:
-        return np.nan, UNRESOLVED, FREE_FLIGHT, np.nan, -1, -1
+        return np.inf, kernel.OVERTURNS, kernel.NO_REASON, time, impacts + 1, impacts
+    if status == event.IMPACT_LIMITED:
+        return np.nan, kernel.UNRESOLVED, kernel.IMPACT_LIMIT, np.nan, -1, -1
+    if status == event.FLYING:
+        return np.nan, kernel.UNRESOLVED, kernel.FREE_FLIGHT, np.nan, -1, -1
     peak = max(f[row.PEAK + j] / f[row.ALPHA + j], f[more.OTHER_PEAK + j] / f[more.OTHER_ALPHA + j])
-    if status == RESTING:
-        outcome = ROCKS if i[row.MOVED + j] == 1 else AT_REST
-        return peak, outcome, NO_REASON, np.nan, -1, impacts
+    if status == event.RESTING:
+        outcome = kernel.ROCKS if i[row.MOVED + j] == 1 else kernel.AT_REST
+        return peak, outcome, kernel.NO_REASON, np.nan, -1, impacts
     if held is None:
-        after, wait, before, decay = more.free_motion(f, j, equation == LINEAR)
+        after, wait, before, decay = more.free_motion(f, j, equation == event.LINEAR)
     else:
         after, wait, before, decay = motion_after(f, i, j, c, count, held, work)
     if after == np.inf:
         impacts += before
         time = (record.acceleration.size - 1) * record.dt + wait
-        return np.inf, OVERTURNS, NO_REASON, time, impacts + 1, impacts
-    return max(peak, after), ROCKS, NO_REASON, np.nan, -1, -1 if decay < 0 else impacts + decay
+        return np.inf, kernel.OVERTURNS, kernel.NO_REASON, time, impacts + 1, impacts
+    return max(peak, after), kernel.ROCKS, kernel.NO_REASON, np.nan, -1, -1 if decay < 0 else impacts + decay
 
 
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
 def decide_corner(f, i, j, record, equation, far, count, held):
     """The state of a slot that needs attention, and whether its lane has come to its end."""
     if f[row.EVENT + j] == OVER:
-        return OVERTURNED, True
+        return event.OVERTURNED, True
     block, lane = i[row.LANE + j] % count, i[row.LANE + j]
-    status = MOVING
+    status = event.MOVING
     if f[row.EVENT + j] == IMPACT:
         most = 0.0 if held is None else rest_levels(f, j, block, lane, held, False)
         status = more.after_return(f, i, j, record, equation, far, most)
     if f[row.SAMPLE + j] >= record.acceleration.size - 1:
         return status, True
     if i[row.FLIES + j] == 1:
-        return FLYING, True
-    if status == RESTING:
+        return event.FLYING, True
+    if status == event.RESTING:
         i[row.ENDED + j] = int(f[row.SAMPLE + j])
         if held is not None:
             rest_levels(f, j, block, lane, held, True)
         status = more.wake_corner(f, i, j, record)
-        if status == MOVING:
+        if status == event.MOVING:
             if held is not None:
                 land(f, j, block, lane, held)
-            begin_step(f, j)
-    return status, status != MOVING
+            event.begin_step(f, j)
+    return status, status != event.MOVING
 
 
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
 def march_corners(first, last, record, lanes, options, slots, results, active, history, held, work):
     """As :func:`rocking.march.kernel.march_lanes`, of :class:`CornerLanes`.
 
-    `held` is the :class:`rocking.march.restrained.Held` of the lanes and `work` the slots for what comes after the record, or
+    `held` is the :class:`Held` of the lanes and `work` the slots for what comes after the record, or
     both are None.
     """
     f, i, c = slots
@@ -220,7 +194,7 @@ def march_corners(first, last, record, lanes, options, slots, results, active, h
     running = 0
     far = history.shape[1] == 0
     equation = options.equation
-    linear = equation == LINEAR
+    linear = equation == event.LINEAR
     left = record.extremes[LEFT]
     fastest = 1.0 if linear else np.inf
     count = lanes.side.size
@@ -236,7 +210,7 @@ def march_corners(first, last, record, lanes, options, slots, results, active, h
             finish_steps(f, width)
             for j in range(width):
                 if f[row.EVENT + j] == LOOK_CLOSER and i[row.LANE + j] >= 0:
-                    resolve_step(f, j, c, record, equation)
+                    event.resolve_step(f, j, c, record, equation)
                 if f[row.EVENT + j] == IMPACT and i[row.LANE + j] >= 0:
                     more.turn_over(f, j)
         advance_steps(f, width, record.acceleration, left, fastest)
@@ -248,7 +222,7 @@ def march_corners(first, last, record, lanes, options, slots, results, active, h
             lane = i[row.LANE + j]
             if f[row.ATTENTION + j] == 0.0 and (lane >= 0 or coming >= last):
                 continue
-            status, done = MOVING, lane < 0
+            status, done = event.MOVING, lane < 0
             if not done:
                 status, done = decide_corner(f, i, j, record, equation, far, count, held)
             while done:
@@ -262,11 +236,11 @@ def march_corners(first, last, record, lanes, options, slots, results, active, h
                         results.overturning_half_cycle[lane],
                         results.impacts[lane],
                     ) = end_corner_lane(f, i, j, c, status, record, equation, count, held, work)
-                    if status > RESTING:
+                    if status > event.RESTING:
                         history[lane, int(f[row.SAMPLE + j]) + 1 :] = np.nan
                     running -= 1
                 if coming >= last:
-                    empty_slot(f, i, j)
+                    kernel.empty_slot(f, i, j)
                     break
                 lane = coming
                 coming += 1
@@ -275,8 +249,8 @@ def march_corners(first, last, record, lanes, options, slots, results, active, h
                 if not far:
                     history[lane, 0, 0] = lanes.rotation[lane % count]
                     history[lane, 0, 1] = lanes.spin[lane % count]
-                done = status != MOVING
+                done = status != event.MOVING
                 if not done:
-                    begin_step(f, j)
+                    event.begin_step(f, j)
         if coming >= last and 0 < running <= width - row.GROUP:
             width = more.close_corner_ranks(f, i, width)

@@ -1,8 +1,7 @@
 """Response to an accelerogram of the bodies that are not free-standing and symmetric: the call of their kernel."""
 
-from __future__ import annotations
-
-from typing import NamedTuple
+from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 
@@ -25,20 +24,19 @@ from rocking.body.restraint import (
 from rocking.lanes import split_lanes
 from rocking.march.corner_kernel import CornerLanes, corner_slots, march_corners
 from rocking.march.event import LINEAR
-from rocking.march.ground import Accelerogram
 from rocking.march.kernel import Options
 from rocking.march.restrained import Held
-from rocking.response import LaneResults, empty_results
+from rocking.march.slots import Accelerogram
+from rocking.response import Response, empty_results, response_of
 
-__all__ = ["Marched", "march_bodies", "rest_levels", "static_capacity", "together_again"]
 
-
-class Marched(NamedTuple):
-    """What a march has found for (q m,) lanes."""
-
-    results: LaneResults
-    active: np.ndarray  #: samples in which the body moved
-    motion: np.ndarray  #: (q m, n, 2) theta [rad] and theta' [rad/s]; (q m, 0, 2) without a history
+def run(kernel: Callable[..., None], shape: tuple[int, int], samples: int, threads: int | None) -> Response:
+    """The response of (q, m) lanes by ``kernel(first, last, results, active, motion)``; a history of some samples."""
+    total = shape[0] * shape[1]
+    found = empty_results(total, codes=np.int8), np.empty(total, np.int64), np.zeros((total, samples, 2))
+    split_lanes(lambda first, last: kernel(first, last, *found), total, threads)
+    results, active, motion = found
+    return response_of(results, shape, motion if samples else None, active_samples=active)
 
 
 def march_bodies(
@@ -50,7 +48,7 @@ def march_bodies(
     options: Options,
     samples: int,
     threads: int | None,
-) -> Marched:
+) -> Response:
     """March (m,) bodies, all with restraints or none, under (q,) factors on a record over gravity.
 
     `gains` (m,) are factors of each body on top, `start` its theta [rad] and theta' [rad/s] at the first sample.
@@ -67,7 +65,6 @@ def march_bodies(
             f"it, got {rotation[into][0]:g} rad and {spin[into][0]:g} rad/s"
         )
     held = None
-    total = factors.size * side.size
     if block.restraints is not None:
         if options.equation == LINEAR:
             raise ValueError("equation: expected 'nonlinear' for a body with ties, loads or thrusts, got 'linear'")
@@ -77,14 +74,12 @@ def march_bodies(
         for name, other in (("alpha_c", "alpha_2"), ("p", "p_2"), ("restitution", "restitution_2"))
     )
     lanes = CornerLanes(factors, gains, alpha, p, restitution, read_only(side), rotation, spin)
-    marched = Marched(empty_results(total, codes=np.int8), np.empty(total, np.int64), np.zeros((total, samples, 2)))
 
-    def march(first: int, last: int) -> None:
+    def march(first: int, last: int, *found: Any) -> None:
         work = None if held is None else corner_slots()
-        march_corners(first, last, ground, lanes, options, corner_slots(), *marched, held, work)
+        march_corners(first, last, ground, lanes, options, corner_slots(), *found, held, work)
 
-    split_lanes(march, total, threads)
-    return marched
+    return run(march, (factors.size, side.size), samples, threads)
 
 
 def _held(block: Block, copies: int) -> Held:
@@ -115,25 +110,6 @@ def _held(block: Block, copies: int) -> Held:
     )
 
 
-def together_again(parts: list[tuple[np.ndarray, Marched]], shape: tuple[int, int]) -> Marched:
-    """The march of (q, m) lanes from those of some columns each, whose places are given."""
-    first = parts[0][1]
-    lanes = shape[0] * shape[1]
-    whole = Marched(
-        empty_results(lanes, codes=np.int8), np.empty(lanes, np.int64), np.zeros((lanes, *first.motion.shape[1:]))
-    )
-    for places, part in parts:
-        pairs = [
-            *zip(whole.results, part.results, strict=True),
-            (whole.active, part.active),
-            (whole.motion, part.motion),
-        ]
-        for values, own in pairs:
-            tail = values.shape[1:]
-            values.reshape(*shape, *tail)[:, places] = own.reshape(shape[0], places.size, *tail)
-    return whole
-
-
 def rest_levels(block: Block) -> np.ndarray:
     """What loads and thrusts add to abs(a_g)/g that lifts the resting (m,) bodies, by corner: (2, m)."""
     found = np.zeros((2, *np.shape(block.p)))
@@ -159,11 +135,6 @@ def static_capacity(block: Block, rotation: ArrayLike, side: int = 1) -> np.ndar
     -------
     (k,) ndarray
         Acceleration of the ground against the rotation [m/s2]: g tan(alpha - theta) where nothing but its weight acts.
-
-    Raises
-    ------
-    ValueError
-        For a rotation outside 0 to pi/2 or another side.
 
     Examples
     --------

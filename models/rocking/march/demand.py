@@ -13,8 +13,6 @@
    the last one left.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 
@@ -23,8 +21,6 @@ from numba import njit
 
 from rocking.arguments import ArrayLike
 from rocking.body.block import Block
-
-__all__ = ["LOBES", "MEASURED_RANGE", "Demand", "ground_demand", "within_measured_range"]
 
 #: Lobes of E(t0) that are kept, the largest ones.
 LOBES = 16
@@ -149,15 +145,6 @@ def ground_demand(block: Block, acceleration: ArrayLike, dt: float) -> Demand:
     dt : float
         Sampling interval [s].
 
-    Returns
-    -------
-    Demand
-
-    Raises
-    ------
-    ValueError
-        For samples that are not finite or fewer than two, or dt <= 0.
-
     Notes
     -----
     E is computed at p = 2^(k/4) 1/s for the nodes that enclose the given p, and interpolated linearly in log p: a pass
@@ -165,7 +152,6 @@ def ground_demand(block: Block, acceleration: ArrayLike, dt: float) -> Demand:
 
     Examples
     --------
-    >>> import numpy as np
     >>> block = Block.from_parameters(p=[2.0], alpha=[0.1], restitution=0.9)
     >>> pulse = np.full(51, 3.0)                      # half a second
     >>> demand = ground_demand(block, pulse, 0.01)
@@ -180,7 +166,7 @@ def ground_demand(block: Block, acceleration: ArrayLike, dt: float) -> Demand:
         )
     if not dt > 0.0:
         raise ValueError(f"dt: expected a positive sampling interval in s, got {dt!r}")
-    block = block if block.shape else block.lanes(1)
+    block = block.lanes()
     rates, capacity = np.asarray(block.p), block.gravity * np.tan(block.alpha_c) / block.p
     restitution = np.asarray(block.restitution)
     peak = np.max(np.abs(ground))

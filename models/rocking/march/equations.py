@@ -10,25 +10,13 @@ The nonlinear equation of the rocking block under a sampled accelerogram (Housne
    lift = 1 + a_v/g, ground = s a_g/g, both linear in tau inside a sample.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
 from numba import njit
 
-from rocking.impulses.half_cycle import slots as row
+from rocking.march import slots as row
 from rocking.march.steps import keep_step, speed_of, value_of
-
-__all__ = [
-    "flight_time",
-    "hyperbolic",
-    "linear_after",
-    "linear_steps",
-    "nonlinear_after",
-    "nonlinear_rates",
-    "nonlinear_steps",
-]
 
 # Coefficients of cosh and sinh.
 H2, H4, H6, H8, H10, H12 = (1.0 / math.factorial(k) for k in range(2, 14, 2))
@@ -45,7 +33,7 @@ def hyperbolic(h):
 
 @njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"}, _nrt=False)
 def linear_steps(f, width):
-    """Take one step of the first `width` slots by the exact map; :func:`rocking.march.steps.finish_steps` reads its rows.
+    """Take one step of the first `width` slots by the exact map; :func:`finish_steps` reads its rows.
 
     With r = phi - alpha - ground and the slope m of the ground, phi(h) = phi + r (cosh h - 1) + phi' sinh h - m (sinh h
     - h) and phi'(h) = phi' cosh h + r sinh h - m (cosh h - 1): no difference of large numbers next to phi = 0. phi''
@@ -162,7 +150,7 @@ def nonlinear_rates(phi, speed, alpha, ground, ground_slope, lift, lift_slope):
 
 @njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"}, _nrt=False)
 def nonlinear_steps(f, width):
-    """Take one Taylor step of the first `width` slots; :func:`rocking.march.steps.finish_steps` reads its rows.
+    """Take one Taylor step of the first `width` slots; :func:`finish_steps` reads its rows.
 
     abs(phi'') is at most F = lift + abs(ground), and leaves its value at the start by at most h (F (abs(phi') + h F)
     + the slopes), where the bracket bounds the third derivative. A step is marked where phi may pass TOP, or where

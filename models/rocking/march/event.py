@@ -5,35 +5,15 @@
    exact crossing of the piecewise-linear record with the threshold.
 """
 
-from __future__ import annotations
-
 import math
 
 from numba import njit
 
-from rocking.impulses.half_cycle import slots as row
-from rocking.march.ground import BLOCK, LARGEST, LEFT, STEEPEST, largest_left, next_exceedance
+from rocking.march import slots as row
 from rocking.march.polynomial import ORDER, ROTATION, bracketed_root, first_impact, value, velocity
+from rocking.march.slots import BLOCK, LARGEST, LEFT, STEEPEST, largest_left, next_exceedance
 from rocking.march.steps import HALVED, IMPACT, IMPACTS_PER_SAMPLE, NOTHING, OVER, REMNANT, enter_vertical
 from rocking.response import IMPACT_CUTOFF
-
-__all__ = [
-    "CALM",
-    "FLYING",
-    "HALVED",
-    "IMPACT_LIMITED",
-    "LINEAR",
-    "MOVING",
-    "NONLINEAR",
-    "OVERTURNED",
-    "RESTING",
-    "after_impact",
-    "begin_step",
-    "enter_sample",
-    "impacts_above_cutoff",
-    "resolve_step",
-    "wake",
-]
 
 LINEAR, NONLINEAR = 0, 1
 

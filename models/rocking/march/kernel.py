@@ -6,32 +6,16 @@
    next uplift at once, so that every step is one of a moving block.
 """
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 
 import numpy as np
 from numba import njit
 
-from rocking.impulses.half_cycle import slots as row
+from rocking.march import event
+from rocking.march import slots as row
 from rocking.march.equations import linear_after, linear_steps, nonlinear_after, nonlinear_steps
-from rocking.march.event import (
-    CALM,
-    FLYING,
-    IMPACT_LIMITED,
-    LINEAR,
-    MOVING,
-    OVERTURNED,
-    RESTING,
-    after_impact,
-    begin_step,
-    enter_sample,
-    impacts_above_cutoff,
-    resolve_step,
-    wake,
-)
-from rocking.march.ground import LEFT
+from rocking.march.slots import LEFT
 from rocking.march.steps import (
     IMPACT,
     LOOK_CLOSER,
@@ -43,8 +27,6 @@ from rocking.march.steps import (
     keep_history,
 )
 from rocking.response import Outcome, Reason
-
-__all__ = ["Lanes", "Options", "march_lanes"]
 
 AT_REST, ROCKS, OVERTURNS, UNRESOLVED = (int(outcome) for outcome in Outcome)
 NO_REASON, IMPACT_LIMIT, FREE_FLIGHT = int(Reason.NONE), int(Reason.IMPACT_LIMIT), int(Reason.FREE_FLIGHT)
@@ -113,7 +95,7 @@ def begin_lane(f, i, j, lane, record, lanes, options):
     f[row.LIFT + j] = 1.0
     f[row.LIFT_SLOPE + j] = 0.0
     f[row.LONGEST + j] = length / math.ceil(length / options.longest * (1.0 - REMNANT))
-    f[row.THRESHOLD + j] = (alpha if equation == LINEAR else math.tan(alpha)) * (1.0 + STRICTLY)
+    f[row.THRESHOLD + j] = (alpha if equation == event.LINEAR else math.tan(alpha)) * (1.0 + STRICTLY)
     f[row.TRUNCATION + j] = options.last_term
     f[row.TOP + j] = 0.5 * math.pi
     f[row.CALM_FROM + j] = np.inf
@@ -136,15 +118,15 @@ def begin_lane(f, i, j, lane, record, lanes, options):
     i[row.FLIES + j] = 0
     i[row.SLOW + j] = 0
     if resting and strongest <= f[row.THRESHOLD + j] and record.vertical.size == 0:
-        return RESTING
-    if not enter_sample(f, j, record):
-        return FLYING
+        return event.RESTING
+    if not event.enter_sample(f, j, record):
+        return event.FLYING
     if resting:
-        return wake(f, i, j, record)
-    if equation == LINEAR:
+        return event.wake(f, i, j, record)
+    if equation == event.LINEAR:
         growing = f[row.PHI + j] - alpha + f[row.SPEED + j]
-        return OVERTURNED if growing > strongest else MOVING
-    return OVERTURNED if f[row.PHI + j] >= 0.5 * math.pi else MOVING
+        return event.OVERTURNED if growing > strongest else event.MOVING
+    return event.OVERTURNED if f[row.PHI + j] >= 0.5 * math.pi else event.MOVING
 
 
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
@@ -160,21 +142,21 @@ def end_lane(f, i, j, status, record, equation):
     """The results of a lane that has ended, in the order of :class:`rocking.response.LaneResults`."""
     impacts = int(f[row.IMPACTS + j])
     alpha, restitution, p = f[row.ALPHA + j], f[row.RESTITUTION + j], f[row.P + j]
-    if status == OVERTURNED:
+    if status == event.OVERTURNED:
         time = f[row.SAMPLE + j] * record.dt + f[row.PASSED + j] / p
         return np.inf, OVERTURNS, NO_REASON, time, impacts + 1, impacts
-    if status == IMPACT_LIMITED:
+    if status == event.IMPACT_LIMITED:
         return np.nan, UNRESOLVED, IMPACT_LIMIT, np.nan, -1, -1
-    if status == FLYING:
+    if status == event.FLYING:
         return np.nan, UNRESOLVED, FREE_FLIGHT, np.nan, -1, -1
     peak = f[row.PEAK + j]
-    if status == RESTING:
+    if status == event.RESTING:
         outcome = ROCKS if i[row.MOVED + j] == 1 else AT_REST
         return peak / alpha, outcome, NO_REASON, np.nan, -1, impacts
-    if status == CALM:
+    if status == event.CALM:
         return peak / alpha, ROCKS, NO_REASON, np.nan, -1, -1
     phi, speed = f[row.PHI + j], f[row.SPEED + j]
-    if equation == LINEAR:
+    if equation == event.LINEAR:
         peak_after, wait, impacts_after, impact_speed = linear_after(phi, speed, alpha, restitution)
     else:
         peak_after, wait, impacts_after, impact_speed = nonlinear_after(phi, speed, alpha, restitution)
@@ -182,7 +164,7 @@ def end_lane(f, i, j, status, record, equation):
         impacts += impacts_after
         time = (record.acceleration.size - 1) * record.dt + wait / p
         return np.inf, OVERTURNS, NO_REASON, time, impacts + 1, impacts
-    decay = impacts_above_cutoff(impact_speed, restitution)
+    decay = event.impacts_above_cutoff(impact_speed, restitution)
     return max(peak, peak_after) / alpha, ROCKS, NO_REASON, np.nan, -1, -1 if decay < 0 else impacts + decay
 
 
@@ -193,26 +175,26 @@ def decide(f, i, j, record, lanes, options, far):
     It is MOVING, RESTING, OVERTURNED, IMPACT_LIMITED, FLYING, or CALM: it will not overturn.
     """
     if f[row.EVENT + j] == OVER:
-        return OVERTURNED, True
-    status = MOVING
+        return event.OVERTURNED, True
+    status = event.MOVING
     if f[row.EVENT + j] == IMPACT:
-        status = after_impact(f, i, j, record, options.equation, far)
+        status = event.after_impact(f, i, j, record, options.equation, far)
     if f[row.SAMPLE + j] >= record.acceleration.size - 1:
         return status, True
     if i[row.FLIES + j] == 1:
-        return FLYING, True
-    if status == RESTING:
+        return event.FLYING, True
+    if status == event.RESTING:
         i[row.ENDED + j] = int(f[row.SAMPLE + j])
-        status = wake(f, i, j, record)
-        if status == MOVING:
-            begin_step(f, j)
+        status = event.wake(f, i, j, record)
+        if status == event.MOVING:
+            event.begin_step(f, j)
     elif f[row.EVENT + j] == IMPACT and f[row.SAMPLE + j] >= f[row.CALM_FROM + j]:
         block = i[row.LANE + j] % lanes.alpha.size
         left = build_up_left(f[row.SAMPLE + j], f[row.FACTOR + j], lanes.levels[block], lanes.above[block])
         speed = f[row.SPEED + j] / (2.0 * math.sin(0.5 * f[row.ALPHA + j]))
         if speed + left <= options.settled:
-            return CALM, True
-    return status, status != MOVING
+            return event.CALM, True
+    return status, status != event.MOVING
 
 
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
@@ -227,7 +209,7 @@ def march_lanes(first, last, record, lanes, options, slots, results, active, his
     width = row.GROUP * min(row.WIDTH // row.GROUP, (last - first + row.GROUP - 1) // row.GROUP)
     running = 0
     far = history.shape[1] == 0
-    linear = options.equation == LINEAR
+    linear = options.equation == event.LINEAR
     left = record.extremes[LEFT]
     fastest = 1.0 if linear else np.inf
     while running > 0 or coming < last:
@@ -238,7 +220,7 @@ def march_lanes(first, last, record, lanes, options, slots, results, active, his
         finish_steps(f, width)
         for j in range(width):
             if f[row.EVENT + j] == LOOK_CLOSER and i[row.LANE + j] >= 0:
-                resolve_step(f, j, c, record, options.equation)
+                event.resolve_step(f, j, c, record, options.equation)
         advance_steps(f, width, record.acceleration, left, fastest)
         if record.vertical.size > 0:
             advance_vertical(f, i, width, record.vertical)
@@ -248,7 +230,7 @@ def march_lanes(first, last, record, lanes, options, slots, results, active, his
             lane = i[row.LANE + j]
             if f[row.ATTENTION + j] == 0.0 and (lane >= 0 or coming >= last):
                 continue
-            status, done = MOVING, lane < 0
+            status, done = event.MOVING, lane < 0
             if not done:
                 status, done = decide(f, i, j, record, lanes, options, far)
             while done:
@@ -262,7 +244,7 @@ def march_lanes(first, last, record, lanes, options, slots, results, active, his
                         results.overturning_half_cycle[lane],
                         results.impacts[lane],
                     ) = end_lane(f, i, j, status, record, options.equation)
-                    if status > RESTING:
+                    if status > event.RESTING:
                         history[lane, int(f[row.SAMPLE + j]) + 1 :] = np.nan
                     running -= 1
                 if coming >= last:
@@ -275,8 +257,8 @@ def march_lanes(first, last, record, lanes, options, slots, results, active, his
                 if not far:
                     block = lane % lanes.alpha.size
                     history[lane, 0, 0], history[lane, 0, 1] = lanes.rotation[block], lanes.spin[block]
-                done = status != MOVING
+                done = status != event.MOVING
                 if not done:
-                    begin_step(f, j)
+                    event.begin_step(f, j)
         if coming >= last and 0 < running <= width - row.GROUP:
             width = row.close_ranks(f, i, width)

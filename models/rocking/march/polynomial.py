@@ -5,12 +5,8 @@
    below is bracketed.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from numba import njit
-
-__all__ = ["ORDER", "ROTATION", "bracketed_root", "first_impact", "value", "velocity"]
 
 #: Degree of the polynomials.
 ORDER = 10

@@ -8,8 +8,6 @@
    range (FLOOR, CEILING) of the function, or where a body turns back under a tie that yields or a load that slides.
 """
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 
@@ -17,10 +15,8 @@ import numpy as np
 from numba import njit
 
 from rocking.body.restraint import FRICTION, GAP, HEIGHT, KIND, NEAR, SIDE, STIFFNESS, ULTIMATE, YIELD_FORCE
-from rocking.impulses.half_cycle import corner_event as more
-from rocking.impulses.half_cycle import slots as row
-
-__all__ = ["Held", "act", "begin_held", "change", "land", "rest_levels"]
+from rocking.march import corner_event as more
+from rocking.march import slots as row
 
 # What an element does: a tie is slack, holds as a spring, yields, or is broken; a load holds as a spring, or slides
 # towards theta > 0 or theta < 0.

@@ -3,25 +3,18 @@
 The events inside a step of a body under ties, loads and thrusts, and its motion after the record.
 """
 
-from __future__ import annotations
-
 import math
 
 from numba import njit
 
-from rocking.impulses.half_cycle import corner_event as more
-from rocking.impulses.half_cycle import slots as row
+from rocking.march import corner_event as more
+from rocking.march import slots as row
 from rocking.march.equations import sine_and_cosine
-from rocking.march.event import SHORTEST
+from rocking.march.event import SHORTEST, impacts_above_cutoff
 from rocking.march.polynomial import ORDER, PULL, SPEED, acceleration, bracketed_root, first_impact, value, velocity
 from rocking.march.restrained import act, change, land
 from rocking.march.steps import HALVED, IMPACT, LOOK_CLOSER, NOTHING, OVER, finish_steps, keep_step, speed_of, value_of
-
-__all__ = [
-    "finish_held",
-    "motion_after",
-    "restrained_steps",
-]
+from rocking.response import IMPACT_CUTOFF
 
 
 @njit(inline="always")
@@ -86,7 +79,7 @@ def restrained_steps(f, width):
     """Take one Taylor step of the first `width` slots; :func:`rocking.march.steps.finish_steps` reads its rows.
 
     phi'' changes at most by h times a bound J of its derivative, and the speed by h times that of phi''. A step is
-    marked, beside the reasons of :func:`rocking.march.equations.nonlinear_steps`, where it may leave the range of its moment.
+    marked, beside the reasons of :func:`nonlinear_steps`, where it may leave the range of its moment.
     """
     for j in range(width):
         phi = f[row.PHI + j]
@@ -294,8 +287,8 @@ def motion_after(f, i, j, c, lanes, held, g):
             more.turn_over(w, 0)
             w[row.PASSED] = 0.0
             land(w, 0, block, lane, held)
-            impacts += 1 if last >= more.IMPACT_CUTOFF else 0
-            if tops >= 3 or w[row.SPEED] <= more.IMPACT_CUTOFF * w[row.ALPHA]:
+            impacts += 1 if last >= IMPACT_CUTOFF else 0
+            if tops >= 3 or w[row.SPEED] <= IMPACT_CUTOFF * w[row.ALPHA]:
                 arrival = last
                 break
         if turns >= MOST_TURNS:
@@ -311,5 +304,5 @@ def motion_after(f, i, j, c, lanes, held, g):
     second = w[row.SPEED] * own * w[row.P] / (w[more.OTHER_P] * w[more.OTHER_ALPHA])
     if w[more.ONE_SIDED] == 1.0:
         second = own * first
-    odd, even = more.impacts_above_cutoff(first, own * other), more.impacts_above_cutoff(second, own * other)
+    odd, even = impacts_above_cutoff(first, own * other), impacts_above_cutoff(second, own * other)
     return peak, math.nan, 0, -1 if odd < 0 or even < 0 else impacts + odd + even

@@ -6,32 +6,13 @@ From the end of a step of every slot to the start of the next one: its sample, g
    needs a decision is left to :mod:`rocking.march.event` by setting ATTENTION.
 """
 
-from __future__ import annotations
-
 import math
 
 from numba import njit
 
-from rocking.impulses.half_cycle import slots as row
-from rocking.march.ground import BLOCK_BITS
+from rocking.march import slots as row
+from rocking.march.slots import BLOCK_BITS
 from rocking.response import IMPACT_CUTOFF
-
-__all__ = [
-    "HALVED",
-    "IMPACT",
-    "IMPACTS_PER_SAMPLE",
-    "LOOK_CLOSER",
-    "NOTHING",
-    "OVER",
-    "REMNANT",
-    "advance_steps",
-    "advance_vertical",
-    "finish_steps",
-    "keep_history",
-    "keep_step",
-    "speed_of",
-    "value_of",
-]
 
 # What happened in a step. From LOOK_CLOSER on the slot stays where it is: HALVED is to be tried again with half the
 # step, OVER has overturned.

@@ -1,1 +1,1 @@
-"""Search."""
+"""Factors on an input at which a body overturns."""

@@ -1,16 +1,14 @@
 """Intervals of the factor on an input in which a block exceeds a limit, which need not be monotonic."""
 
-from __future__ import annotations
-
 import math
-from collections.abc import Callable
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any, Self
 
 import numpy as np
 
 from rocking.arguments import ArrayLike
-
-__all__ = ["ScaleIntervals", "exceedance_intervals"]
+from rocking.lanes import LaneValues, lane_field
 
 #: Below the first exceedance, where the safety factor is read, a step of the scan is halved for the k-th time where the
 #: lane may come this near the limit in it (docs/decisions/008).
@@ -22,12 +20,15 @@ TOGETHER = 4
 #: Factors times lanes of one call of the scan: it bounds the memory of a call.
 CASES_AT_ONCE = 16384
 
+#: The fields of :class:`ScaleIntervals` with one value for each interval.
+OF_INTERVALS = ("lower", "upper", "open", "resolved")
+
 #: Most factors of the scan in one lane.
 POINTS_MAX = 10**7
 
 
 @dataclass(frozen=True, eq=False)
-class ScaleIntervals:
+class ScaleIntervals(LaneValues):
     """Factors on the input at which a limit is exceeded, for m lanes that have k intervals together.
 
     Attributes
@@ -51,27 +52,43 @@ class ScaleIntervals:
         False where the limit counts as exceeded at `lower` because the model cannot answer there.
     """
 
-    safety_factor: np.ndarray
-    safe_up_to: np.ndarray
+    safety_factor: np.ndarray = lane_field()
+    safe_up_to: np.ndarray = lane_field()
     lane: np.ndarray
     lower: np.ndarray
     upper: np.ndarray
     open: np.ndarray
-    step: np.ndarray
+    step: np.ndarray = lane_field()
     resolved: np.ndarray
 
     @classmethod
-    def unknown(cls, lanes: tuple[int, ...]) -> ScaleIntervals:
+    def unknown(cls, lanes: tuple[int, ...]) -> Self:
         """Of lanes of a shape that were not searched: NaN, without an interval."""
         nan, none, no_flag = np.full(lanes, np.nan), np.empty(0), np.empty(0, dtype=bool)
         return cls(nan, nan, np.empty(0, dtype=np.int64), none, none, no_flag, nan, no_flag)
 
-    def among(self, known: np.ndarray) -> ScaleIntervals:
+    def among(self, known: np.ndarray) -> Self:
         """These of the lanes that are `known` (m,), as those of all; the others were not searched."""
-        whole = {name: np.full(known.size, np.nan) for name in ("safety_factor", "safe_up_to", "step")}
-        for name, values in whole.items():
-            values[known] = getattr(self, name)
-        return replace(self, lane=np.flatnonzero(known)[self.lane], **whole)
+        return self.join([self], [np.flatnonzero(known)], known.size)
+
+    def take(self, places: np.ndarray) -> Self:
+        """Some lanes by their places, each once at most."""
+        number = np.full(self.safety_factor.size, -1)
+        number[places] = np.arange(len(places))
+        return super().take(places)._of_lanes(number[self.lane])
+
+    @classmethod
+    def join(cls, parts: Sequence[Self], places: Sequence[np.ndarray], count: int, **fills: Any) -> Self:
+        """As :meth:`rocking.lanes.LaneValues.join`, with the intervals of all parts."""
+        whole = super().join(parts, places, count, **fills)
+        rows = {name: np.concatenate([getattr(part, name) for part in parts]) for name in OF_INTERVALS}
+        lane = np.concatenate([own[part.lane] for own, part in zip(places, parts, strict=True)])
+        return whole.changed(**rows)._of_lanes(lane)
+
+    def _of_lanes(self, lane: np.ndarray) -> Self:
+        """The same with its intervals in the order of the lanes (k,) that they belong to, -1 for none."""
+        order = np.argsort(lane, kind="stable")[np.count_nonzero(lane < 0) :]
+        return self.changed(lane=lane[order], **{name: getattr(self, name)[order] for name in OF_INTERVALS})
 
     @property
     def count(self) -> np.ndarray:
@@ -111,15 +128,6 @@ def exceedance_intervals(
         Factors of the scan in each lane, both ends included; at least 2.
     tolerance : float
         Relative width of the bracket that each edge ends with, at least 1e-12.
-
-    Returns
-    -------
-    ScaleIntervals
-
-    Raises
-    ------
-    ValueError
-        For a start, an end, a number of points or a tolerance outside its range.
 
     Notes
     -----

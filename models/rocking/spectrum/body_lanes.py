@@ -5,15 +5,11 @@
    :func:`rocking.critical_scale`. Where no vertical acts and the body lies in the range in which that was measured, a
    march ends as soon as its verdict is settled (docs/decisions/006).
 
-Where the lanes of a body's own lie under a record: about its capacity, and where verdicts differ.
-
-.. note:: A first part lies about a guess of the capacity, made longer where its lowest lanes overturn or its highest
-   ones stand. A second part lies where verdicts differ: its density follows the standard deviation sqrt(P (1 - P)) of a
-   verdict, P the share of the first part that overturns nearby. The factors are known exactly; their uncertainty is a
-   kernel in ln f afterwards (:mod:`rocking.spectrum.probability`) and is not drawn.
+A first part of the lanes lies about a guess of the capacity, made longer where its lowest lanes overturn or its highest
+ones stand. A second part lies where verdicts differ: its density follows the standard deviation sqrt(P (1 - P)) of a
+verdict, P the share of the first part that overturns nearby. The factors are known exactly; their uncertainty is a
+kernel in ln f afterwards (:mod:`rocking.spectrum.probability`) and is not drawn.
 """
-
-from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
@@ -27,15 +23,7 @@ from rocking.march.demand import ground_demand, within_measured_range
 from rocking.march.recorded import recorded_response
 from rocking.response import Outcome
 from rocking.search.capacity import uplift_scale
-from rocking.spectrum.probability import Shift, Uncertainty, lane_bells, tail_masses
-
-__all__ = [
-    "REACH",
-    "BodyLanes",
-    "LaneMarch",
-    "LanePart",
-    "probability_lanes",
-]
+from rocking.spectrum.probability import Uncertainty, lane_bells, tail_masses
 
 #: Standard deviations that are drawn: no shift of the factor and no loss of the angle beyond them is looked at.
 REACH = 4.0
@@ -45,6 +33,24 @@ MOST_RESTITUTION = 0.999
 
 #: Points of a Sobol set that are drawn at once: the lanes of each part are a multiple of it.
 SET = 32
+
+#: The capacity is guessed where the build-up of the ground (demand.py) is so many times what overturns.
+BUILD_UP_AT_CAPACITY = 2.5
+
+#: Lanes of the first part, over so much of ln f to either side of the guess.
+FIRST, FIRST_HALF = 64, 0.8
+
+#: Lanes of each piece that makes the first part longer, and its length in ln f.
+MORE, MORE_LENGTH = 32, 0.8
+
+#: The first part ends where no lane overturns in so much of ln f at its bottom, and none stands at its top.
+QUIET = 0.2
+
+#: Lanes of the second part, and the least density of them over that of lanes in full disagreement.
+SECOND, FLOOR = 192, 0.2
+
+#: Width in ln f over which verdicts of the first part count as neighbours, and points at which their density is known.
+NEIGHBOURS, POINTS = 0.12, 201
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,7 +91,7 @@ class BodyLanes:
     top: float
     open: bool
 
-    def sums(self, log_level: np.ndarray, shift: Shift) -> tuple[np.ndarray, tuple[np.ndarray, np.ndarray]]:
+    def sums(self, log_level: np.ndarray, shift: Uncertainty) -> tuple[np.ndarray, tuple[np.ndarray, np.ndarray]]:
         """What each lane counts at each level (n, k), and the mass of the shift below and above the lanes (k,)."""
         bells = lane_bells(self.log_factor, self.weight, log_level, shift)
         return bells, tail_masses(self.bottom, self.top, log_level, shift)
@@ -93,34 +99,14 @@ class BodyLanes:
 
 @dataclass(eq=False)
 class LaneMarch:
-    """The march of (m,) bodies under a record, part by part.
-
-    Attributes
-    ----------
-    block : Block
-        (m,) nominal bodies.
-    acceleration, vertical : (n,) ndarray
-        a_g and a_v [m/s2]; None for no vertical one.
-    dt : float
-        Sampling interval [s].
-    uncertainty : Uncertainty
-        Of factor and geometry.
-    least, most : (m,) ndarray
-        C between which that of a draw is uniform [-].
-    seed : int
-        Of the draws.
-    threads : int or None
-        As for :func:`~rocking.recorded_response`.
-    parts : list of LanePart
-        What is marched so far.
-    """
+    """The march of (m,) nominal bodies under a record, part by part."""
 
     block: Block
     acceleration: np.ndarray
     dt: float
     vertical: np.ndarray | None
     uncertainty: Uncertainty
-    least: np.ndarray
+    least: np.ndarray  # C between which that of a draw is uniform, (m,) [-]
     most: np.ndarray
     seed: int
     threads: int | None
@@ -149,7 +135,7 @@ class LaneMarch:
         chance = 0.5 + 0.5 * math.erf(REACH / math.sqrt(2.0)) * place[:, 2]
         loss = self.uncertainty.geometry * ndtri(chance)
         drawn = np.tile(loss, body.size), (least + (most - least) * place[:, 1]).reshape(-1)
-        lanes = self.block.chosen(np.repeat(body, number)).varied(*drawn)
+        lanes = self.block.take(np.repeat(body, number)).varied(*drawn)
         outcome = self._outcome(lanes, np.exp(log_factor).reshape(-1)).reshape(log_factor.shape)
         unresolved = outcome == Outcome.UNRESOLVED
         over = (outcome == Outcome.OVERTURNS) | unresolved
@@ -176,11 +162,9 @@ class LaneMarch:
         if self.vertical is None and self.acceleration.any():
             early = within_measured_range(lanes, self.dt)
         outcome = np.empty(factor.size, dtype=np.int64)
-        for settled in (True, False):
+        for settled in np.unique(early)[::-1]:
             places = np.flatnonzero(early == settled)
-            if places.size == 0:
-                continue
-            some = lanes.chosen(places)
+            some = lanes.take(places)
             outcome[places] = recorded_response(
                 some,
                 self.acceleration,
@@ -193,45 +177,14 @@ class LaneMarch:
         return outcome
 
 
-#: The capacity is guessed where the build-up of the ground (:mod:`rocking.march.demand`) is so many times what overturns.
-BUILD_UP_AT_CAPACITY = 2.5
-
-#: Lanes of the first part, over so much of ln f to either side of the guess.
-FIRST, FIRST_HALF = 64, 0.8
-
-#: Lanes of each piece that makes the first part longer, and its length in ln f.
-MORE, MORE_LENGTH = 32, 0.8
-
-#: The first part ends where no lane overturns in so much of ln f at its bottom, and none stands at its top.
-QUIET = 0.2
-
-#: Lanes of the second part, and the least density of them over that of lanes in full disagreement.
-SECOND, FLOOR = 192, 0.2
-
-#: Width in ln f over which verdicts of the first part count as neighbours, and points at which their density is known.
-NEIGHBOURS, POINTS = 0.12, 201
-
-
 def probability_lanes(
     march: LaneMarch, log_max: float, guess: np.ndarray | None = None
 ) -> tuple[np.ndarray, list[BodyLanes | None]]:
-    """March the lanes of bodies under a record.
+    """March the lanes of bodies under a record, up to a factor of a logarithm `log_max`.
 
-    Parameters
-    ----------
-    march : LaneMarch
-        Of (m,) bodies, without any part so far.
-    log_max : float
-        ln of the largest factor of a lane.
-    guess : (m,) ndarray, optional
-        Factor at which a body may overturn [-], about which the first lanes lie; by the build-up of the ground without.
-
-    Returns
-    -------
-    bottom : (m,) ndarray
-        ln of the factor at which the weakest draw lifts off: no draw moves below it. inf where none ever does.
-    lanes : list of BodyLanes or None
-        Of each body; None where no draw lifts off by the largest factor.
+    The first lanes lie about a `guess` (m,) of the factor at which a body overturns; about one by the build-up of the
+    ground without. The answer is ln of the factor (m,) below which no draw moves, inf where none ever lifts off, and
+    the lanes of each body; None where no draw lifts off by the largest factor.
     """
     block, ground = march.block, march.acceleration
     weakest = block.varied(REACH * march.uncertainty.geometry, block.restitution)

@@ -1,19 +1,14 @@
-"""Probability at one, factors of 10 and 50 % and mean capacity, read off the lanes of a body, with intervals of 90 %.
-
-.. note:: The intervals draw the lanes again, with replacement and as if they were independent (those of a Sobol set
-   scatter less), and go from the 5th to the 95th percentile. Where all lanes near the factor one agree, drawing them
-   again shows nothing: the end of its interval is that of n tosses that agree, 1 - 0.05^(1/n), with the effective
-   number n of lanes there, (sum w)^2/sum w^2.
-
-The probability of overturning of any body under a record, by nonlinear marches of its own.
+"""The probability of overturning of any body under a record, by nonlinear marches of its own.
 
 .. note:: P(f) is the probability that a body overturns under the record times f, its restitution, its angle and the
-   factor being known as an :class:`rocking.spectrum.probability.Uncertainty` tells. Its lanes (:mod:`rocking.spectrum.body_lanes`)
-   need no similarity: the body may be squat, and the vertical may act. The intervals draw the lanes again, with
-   replacement and as if they were independent; lanes of a Sobol set scatter less than that.
-"""
+   factor being known as an :class:`rocking.Uncertainty` tells. Its lanes (:mod:`rocking.spectrum.body_lanes`)
+   need no similarity: the body may be squat, and the vertical may act.
 
-from __future__ import annotations
+   The intervals draw the lanes again, with replacement and as if they were independent (those of a Sobol set scatter
+   less), and go from the 5th to the 95th percentile. Where all lanes near the factor one agree, drawing them again
+   shows nothing: the end of its interval is that of n tosses that agree, 1 - 0.05^(1/n), with the effective number n of
+   lanes there, (sum w)^2/sum w^2.
+"""
 
 import math
 from dataclasses import dataclass, fields
@@ -27,7 +22,6 @@ from rocking.march.recorded import recorded_response
 from rocking.spectrum.body_lanes import REACH, BodyLanes, LaneMarch, probability_lanes
 from rocking.spectrum.overturning import OverturningFactors
 from rocking.spectrum.probability import (
-    Shift,
     Uncertainty,
     factor_at,
     lane_probability,
@@ -35,14 +29,6 @@ from rocking.spectrum.probability import (
     mean_capacity,
     rising,
 )
-
-__all__ = [
-    "LEVEL_STEP",
-    "LaneFactors",
-    "OverturningProbability",
-    "lane_factors",
-    "overturning_probability",
-]
 
 #: Levels are exp(LEVEL_STEP k), k whole: 1 is one of them, and all bodies have the same.
 LEVEL_STEP = 0.04
@@ -56,19 +42,15 @@ SHARES = {"factor_10": 0.1, "factor_50": 0.5}
 #: Share of the most that a lane counts at a level, from which on it is near it.
 NEAR = 0.01
 
+#: A largest factor that is a level counts as one, and a share of a C of 1 as no more than 1, however they are rounded.
+ROUNDING = 1e-9
+
 
 @dataclass(frozen=True, eq=False)
 class LaneFactors:
-    """What the lanes of one body tell.
+    """What the lanes of one body tell: `at_one`, the factors and the capacity, each with `_low` and `_high` [-].
 
-    Attributes
-    ----------
-    found : dict
-        `at_one`, `factor_10`, `factor_50` and `capacity_mean`, each with `_low` and `_high` [-].
-    first : int
-        The lowest level is exp(LEVEL_STEP first).
-    probability : (k,) ndarray
-        P from that level on, fitted so that it never falls [-]: 0 below, and above the same as at the last one.
+    P (k,) begins at the level exp(LEVEL_STEP first) and never falls [-]: 0 below, above the same as at the last one.
     """
 
     found: dict[str, float]
@@ -81,19 +63,10 @@ class LaneFactors:
         return np.where(places < self.first, 0.0, self.probability[own])
 
 
-def lane_factors(lanes: BodyLanes | None, shift: Shift, reach: float, factor_max: float) -> LaneFactors:
-    """Read the factors of one body off its lanes.
+def lane_factors(lanes: BodyLanes | None, shift: Uncertainty, reach: float, factor_max: float) -> LaneFactors:
+    """Read the factors of one body off its lanes; None where no draw of it lifts off.
 
-    Parameters
-    ----------
-    lanes : BodyLanes or None
-        Of the body; None where no draw of it lifts off.
-    shift : Shift
-        Distribution of the shift of ln f.
-    reach : float
-        Shift of ln f beyond which there is no mass worth counting.
-    factor_max : float
-        Largest factor that is asked for [-]: what is above it is inf.
+    Beyond a shift `reach` of ln f there is no mass worth counting; a factor above the largest one is inf.
     """
     if lanes is None:
         nothing = np.zeros(RESAMPLES + 1)
@@ -149,7 +122,7 @@ def _up_to(factor_max: float, interval: dict[str, float]) -> dict[str, float]:
     }
 
 
-def _at_one(lanes: BodyLanes, probability: np.ndarray, first: int, shift: Shift) -> dict[str, float]:
+def _at_one(lanes: BodyLanes, probability: np.ndarray, first: int, shift: Uncertainty) -> dict[str, float]:
     """P at the factor one and its interval, from P (r, k) of the lanes and of all draws of them."""
     if first > 0:
         return _interval("at_one", np.zeros(RESAMPLES + 1))
@@ -166,10 +139,6 @@ def _at_one(lanes: BodyLanes, probability: np.ndarray, first: int, shift: Shift)
         if near.all():
             found["at_one_low"] = min(found["at_one_low"], inside * least + above)
     return found
-
-
-#: A largest factor that is a level counts as one, and a share of a C of 1 as no more than 1, however they are rounded.
-ROUNDING = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
@@ -242,12 +211,6 @@ def overturning_probability(
         Of (m,) bodies. A factor that is not reached by `factor_max` is inf with a `_low` of `factor_max`, or, of
         `capacity_mean`, of what it is at least.
 
-    Raises
-    ------
-    ValueError
-        For a range of C outside 0 to 1, a guess or a factor_max that is not positive, a negative seed, and what
-        :func:`~rocking.recorded_response` refuses.
-
     Examples
     --------
     >>> block = Block(half_width=0.3, half_height=1.2)
@@ -257,7 +220,7 @@ def overturning_probability(
     ([2.7], [3.1])
     """
     uncertainty = uncertainty or Uncertainty()
-    blocks = block if block.shape else block.lanes(1)
+    blocks = block.lanes()
     # A record at factor zero lifts nothing: this has the arguments checked before anything is made of them.
     recorded_response(blocks, acceleration, dt, scale=0.0, vertical=vertical, threads=threads)
     ground = np.ascontiguousarray(acceleration, dtype=float)

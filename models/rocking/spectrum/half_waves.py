@@ -1,23 +1,17 @@
-"""Lanes of an overturning spectrum from the half-waves of a record alone.
+"""The half-waves of a record alone: lanes of an overturning spectrum, and the demand on a block.
 
-.. note:: A half-wave is taken as the triangle that has its ends, its impulse and its centroid: two straight pieces,
-   where a record has one from sample to sample (:mod:`rocking.spectrum.lanes`).
-
-The demand of the half-waves of a record on a block: on the block's own time scale, and by marching through them.
-
-.. note:: A half-wave is taken as the triangle that has its ends, its impulse and its centroid. While a block rocks on
-   the side s, the growing mode y = s theta/alpha - 1 + s theta'/(p alpha) of the linear equation obeys y' = p y - s p
-   a_g/(g alpha) (:mod:`rocking.march.demand`): a later impulse counts exp(-p (t - t0)) of an earlier one, E(t0) = sum over
-   the half-waves after t0 of I_k exp(-p (t_k - t0)) for short ones, and here exact for triangles. A block that lifts
-   off at t0 overturns without an impact iff p abs(E(t0)) exceeds g alpha. The lobes of E tell how many impulses act.
+.. note:: A half-wave is taken as the triangle that has its ends, its impulse and its centroid: two straight pieces of
+   ground. While a block rocks on the side s, the growing mode y = s theta/alpha - 1 + s theta'/(p alpha) of the linear
+   equation obeys y' = p y - s p a_g/(g alpha) (demand.py): a later impulse counts exp(-p (t - t0)) of an earlier one,
+   E(t0) = sum over the half-waves after t0 of I_k exp(-p (t_k - t0)) for short ones, and here exact for triangles. A
+   block that lifts off at t0 overturns without an impact iff p abs(E(t0)) exceeds g alpha. The lobes of E tell how many
+   impulses act.
 
    The *march* is 1 over the factor at which the linear equation (Eqs. 1-2), lifted at g tan(alpha), overturns under
    the half-waves in their own order. One march is chaotic; with the stated uncertainty of the body and of the strength
    of its motion it has a distribution (:class:`rocking.OverturningSpectrum` of :mod:`rocking.spectrum.half_waves`), of
    which the mean logarithm and the factor of 10 % probability are taken.
 """
-
-from __future__ import annotations
 
 import math
 from dataclasses import dataclass
@@ -37,16 +31,18 @@ from rocking.spectrum.lanes import (
 from rocking.spectrum.overturning import OverturningSpectrum
 from rocking.spectrum.slender import lobe_tops, weighted_impulse
 
-__all__ = [
-    "HalfWaveDemand",
-    "Lobes",
-    "checked_half_waves",
-    "demand_of_half_waves",
-    "half_wave_lanes",
-    "impulse_lobes",
-    "lobe_shapes",
-    "triangles",
-]
+#: Points of each side of a triangle on which E is computed.
+POINTS = 8
+
+#: Lobes of E above this share of the largest one are main impulses.
+MAIN_SHARE = 0.5
+
+#: Frequency parameters of the marches are RATES[0] STEP^k, k whole: those of the default spectrum and beyond.
+STEP = (RATES[-1] / RATES[0]) ** (1.0 / (RATES.size - 1))
+
+#: Restitutions of the marches: a band of each, from the share 0.9 of the lowest nominal C in it to the highest one. A
+#: body of a lower C than the last holds is taken as if it had that: an impact leaves next to nothing of its speed.
+BANDS = ((LEAST_RESTITUTION, MOST_RESTITUTION), *((0.45 / 1.5**k, 0.75 / 1.5**k) for k in range(6)))
 
 
 def triangles(start: np.ndarray, centroid: np.ndarray, end: np.ndarray, impulse: np.ndarray) -> np.ndarray:
@@ -71,40 +67,16 @@ def half_wave_lanes(
     between: tuple[float, float] = (LEAST_RESTITUTION, MOST_RESTITUTION),
     threads: int | None = None,
 ) -> SpectrumLanes:
-    """March the lanes of an overturning spectrum through half-waves.
-
-    Parameters
-    ----------
-    start, centroid, end : (k,) array_like
-        Times of the half-waves [s], in order, centroids inside.
-    impulse : (k,) array_like
-        Their signed impulses [m/s], not all zero.
-    p : (a,) array_like
-        Frequency parameters [1/s], ascending.
-    between : (float, float)
-        Least and most of the restitution of the lanes [-].
-    threads : int, optional
-        Threads that share the lanes; None for all available cores. The answer does not depend on it.
-
-    Returns
-    -------
-    SpectrumLanes
-
-    Raises
-    ------
-    ValueError
-        For arrays that are not finite, not of one length or out of order, and as :func:`piece_lanes`.
+    """March the lanes of an overturning spectrum through half-waves, as :func:`piece_lanes`.
 
     Examples
     --------
-    >>> import numpy as np
     >>> from rocking import OverturningSpectrum
     >>> lanes = half_wave_lanes([0.0, 0.5], [0.25, 0.7], [0.5, 1.0], [0.4, -0.3], p=[1.8, 2.0])
     >>> OverturningSpectrum(lanes).spectrum([0.9]).round(2).tolist()  # m/s, at each p
     [[0.19], [0.19]]
     """
-    times, ground = triangles(*checked_half_waves(start, centroid, end, impulse))
-    return piece_lanes(times, ground, p, between, threads)
+    return piece_lanes(*triangles(*checked_half_waves(start, centroid, end, impulse)), p, between, threads)
 
 
 def checked_half_waves(
@@ -124,20 +96,6 @@ def checked_half_waves(
         raise ValueError("half-waves: expected start <= centroid <= end, one after the other")
     check_strength(triangles(first, middle, last, impulses)[1])
     return first, middle, last, impulses
-
-
-#: Points of each side of a triangle on which E is computed.
-POINTS = 8
-
-#: Lobes of E above this share of the largest one are main impulses.
-MAIN_SHARE = 0.5
-
-#: Frequency parameters of the marches are RATES[0] STEP^k, k whole: those of the default spectrum and beyond.
-STEP = (RATES[-1] / RATES[0]) ** (1.0 / (RATES.size - 1))
-
-#: Restitutions of the marches: a band of each, from the share 0.9 of the lowest nominal C in it to the highest one. A
-#: body of a lower C than the last holds is taken as if it had that: an impact leaves next to nothing of its speed.
-BANDS = ((LEAST_RESTITUTION, MOST_RESTITUTION), *((0.45 / 1.5**k, 0.75 / 1.5**k) for k in range(6)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -179,17 +137,10 @@ def impulse_lobes(start: ArrayLike, centroid: ArrayLike, end: ArrayLike, impulse
 
     Parameters
     ----------
-    start, centroid, end : (k,) array_like
-        Times of the half-waves [s], in order, centroids inside.
-    impulse : (k,) array_like
-        Their signed impulses [m/s].
+    start, centroid, end, impulse : (k,) array_like
+        Half-waves, as for :func:`demand_of_half_waves`; none give no lobes.
     rate : float
         p of the block [1/s].
-
-    Returns
-    -------
-    Lobes
-        Empty without half-waves.
 
     Examples
     --------
@@ -229,11 +180,6 @@ def demand_of_half_waves(
     HalfWaveDemand
         Of (m,) lanes. Without half-waves the measures are 0 and the main count 1.
 
-    Raises
-    ------
-    ValueError
-        For arrays that are not finite, not of one length or out of order.
-
     Notes
     -----
     With the linear equation the march sees nothing of a block but p, C and x = f p/(g tan alpha). It is made at
@@ -242,7 +188,6 @@ def demand_of_half_waves(
 
     Examples
     --------
-    >>> import numpy as np
     >>> block = Block.from_parameters(p=[2.0], alpha=[0.1], restitution=0.9)
     >>> once = demand_of_half_waves(block, [0.0, 0.5], [0.25, 0.7], [0.5, 1.0], [0.4, -0.3])
     >>> twice = demand_of_half_waves(block, [0.0, 0.5], [0.25, 0.7], [0.5, 1.0], [0.8, -0.6])
@@ -250,7 +195,7 @@ def demand_of_half_waves(
     (array([2.]), array([2]))
     """
     first, centre, last, impulses = checked_half_waves(start, centroid, end, impulse)
-    block = block if block.shape else block.lanes(1)
+    block = block.lanes()
     over = np.asarray(block.p) / (block.gravity * np.tan(block.alpha_c))
     nodes, of_body = np.unique(np.rint(_step_number(block.p)), return_inverse=True)
     count, ratio, interval = (

@@ -13,8 +13,6 @@
    density.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -26,8 +24,6 @@ from rocking.body.block import STANDARD_GRAVITY
 from rocking.body.limits import RATES
 from rocking.lanes import split_lanes
 from rocking.spectrum.slender import march_pieces, weighted_impulse
-
-__all__ = ["RATES", "SpectrumLanes", "check_strength", "neighbours", "piece_lanes", "spectrum_lanes"]
 
 #: Largest acceleration over gravity that is taken for a ground motion [-].
 STRONGEST = 1e6
@@ -134,10 +130,6 @@ def spectrum_lanes(
     side : int
         1 or -1 for the lanes of blocks before a wall, that turn towards theta > 0 or theta < 0 only.
 
-    Returns
-    -------
-    SpectrumLanes
-
     Raises
     ------
     ValueError
@@ -159,27 +151,10 @@ def piece_lanes(
     *,
     side: int = 0,
 ) -> SpectrumLanes:
-    """March the lanes of a ground acceleration that is straight between its corners.
+    """March the lanes of a ground acceleration that is straight between its corners, of (a,) ascending p [1/s].
 
-    Parameters
-    ----------
-    times, ground : (k,) ndarray
-        Times of the corners, which do not descend [s], and a_g there [m/s2], not all zero.
-    p : (a,) array_like
-        Frequency parameters [1/s], ascending.
-    between : (float, float)
-        Least and most of the restitution of the lanes [-].
-    threads, side
-        As for :func:`spectrum_lanes`.
-
-    Returns
-    -------
-    SpectrumLanes
-
-    Raises
-    ------
-    ValueError
-        For p that do not ascend, and a ground that is nothing but zeros or exceeds a million times gravity.
+    The corners have times (k,) that do not descend [s] and a_g there [m/s2], not all zero; the restitutions lie
+    `between` two values. A ValueError as :func:`spectrum_lanes`.
     """
     rates = np.atleast_1d(positive("p", p, "1/s"))
     if np.any(np.diff(rates) <= 0.0):

@@ -7,7 +7,7 @@
    g tan(alpha)/p, its capacity is (g tan(alpha)/p)/S.
 
    A draw of factor and geometry moves ln x by a shift Z whose distribution is known
-   (:class:`rocking.spectrum.probability.Uncertainty`), so P is the verdict of the lanes smoothed by the density of Z, over the
+   (:class:`rocking.Uncertainty`), so P is the verdict of the lanes smoothed by the density of Z, over the
    lanes whose restitution lies in the range of the block:
 
    P(x) = sum_i w_i h(ln x_i - ln x) v_i/sum_i w_i h(ln x_i - ln x),  v_i = 1 where lane i overturns
@@ -15,10 +15,9 @@
    (:mod:`rocking.spectrum.probability`). Between two frequency parameters P is linear in ln p.
 """
 
-from __future__ import annotations
-
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Self
 
 import numpy as np
 
@@ -36,8 +35,6 @@ from rocking.spectrum.probability import (
     rising,
     tail_masses,
 )
-
-__all__ = ["LEVEL_STEP", "OverturningFactors", "OverturningSpectrum", "covered", "covered_range", "slender_within"]
 
 #: Levels of x are exp(LEVEL_STEP k), k whole: those of two records are the same numbers.
 LEVEL_STEP = 0.05
@@ -89,15 +86,15 @@ class OverturningFactors:
     capacity_mean_low: np.ndarray
     capacity_mean_high: np.ndarray
 
-    def up_to(self, factor_max: float) -> OverturningFactors:
+    def up_to(self, factor_max: float) -> Self:
         """The same, with every factor above the largest one asked for inf, and its `_low` at most that one."""
-        found = {one.name: getattr(self, one.name) for one in fields(self)}
+        found: dict[str, np.ndarray] = {}
         for name in ("factor_10", "factor_50", "capacity_mean"):
-            beyond = found[name] > factor_max
-            found[name] = np.where(beyond, np.inf, found[name])
-            found[f"{name}_low"] = np.minimum(found[f"{name}_low"], factor_max)
-            found[f"{name}_high"] = np.where(found[f"{name}_high"] > factor_max, np.inf, found[f"{name}_high"])
-        return OverturningFactors(**found)
+            for one in (name, f"{name}_high"):
+                values = getattr(self, one)
+                found[one] = np.where(values > factor_max, np.inf, values)
+            found[f"{name}_low"] = np.minimum(getattr(self, f"{name}_low"), factor_max)
+        return replace(self, **found)
 
 
 def covered(
@@ -167,24 +164,11 @@ class OverturningSpectrum:
         self._at = [_AtOneRate(lanes, place, self._logs, self.uncertainty) for place in range(self.p.size)]
 
     def probability(self, restitution: ArrayLike, rotation: float = np.inf) -> np.ndarray:
-        """P(x; p, C) at the levels, fitted so that it never falls with x.
+        """P(x; p, C) at the levels (a, c, k), fitted so that it never falls with x.
 
-        Parameters
-        ----------
-        restitution : (c,) array_like
-            Nominal C [-]; the restitution of a draw lies between the shares of it that the uncertainty tells.
-        rotation : float
-            Limit state as theta/alpha [-]: the probability of reaching it. inf for overturning.
-
-        Returns
-        -------
-        (a, c, k) ndarray
-            Probability [-].
-
-        Raises
-        ------
-        ValueError
-            For a C whose draws lie outside the lanes, or a rotation that is not positive.
+        The restitution of a draw lies between the shares of the nominal C (c,) that the uncertainty tells. The limit
+        state is a `rotation` theta/alpha that is reached; inf for overturning. A ValueError for a C whose draws lie
+        outside the lanes, or a rotation that is not positive.
         """
         least, most = self._range(restitution)
         if not rotation > 0.0:
@@ -212,15 +196,6 @@ class OverturningSpectrum:
             C between which that of a draw is uniform [-]; the shares of the nominal one of the uncertainty without.
         factor_max : float
             Largest factor that is asked for [-]; above it factors are inf.
-
-        Returns
-        -------
-        OverturningFactors
-
-        Raises
-        ------
-        ValueError
-            For blocks that the spectrum does not cover.
         """
         probability, error, speed = self._of_blocks(block, least, most)
         # A higher probability is a lower factor; an end of an interval is the outermost crossing of its band.
@@ -247,20 +222,7 @@ class OverturningSpectrum:
     def overturning(
         self, block: Block, factor: ArrayLike, least: ArrayLike | None = None, most: ArrayLike | None = None
     ) -> np.ndarray:
-        """Probability that blocks overturn under the record times some factors, (m, d) [-].
-
-        Parameters
-        ----------
-        block, least, most
-            As for :meth:`factors`.
-        factor : (m, d) array_like
-            Factors on the record, positive [-].
-
-        Raises
-        ------
-        ValueError
-            For blocks that the spectrum does not cover.
-        """
+        """Probability that blocks overturn under the record times some factors, (m, d) [-], as for :meth:`factors`."""
         probability, _, speed = self._of_blocks(block, least, most)
         return _read(self._first, rising(probability), np.log(np.asarray(factor, dtype=float) / speed[:, np.newaxis]))
 

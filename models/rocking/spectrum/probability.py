@@ -6,30 +6,24 @@
    there factor and geometry are one shift of its logarithm: Z = s N_1 + g abs(N_2), skew-normal with the scale
    hypot(s, g) and the shape g/s (Azzalini 1985, Scand. J. Stat. 12(2), 171-178).
 
-Factors read off a probability of overturning over the factor on a record: its crossings, and the mean capacity.
+The probability need not rise everywhere. The factor of a probability is the crossing of its isotonic fit
+(pool adjacent violators), linear in ln f between levels. The mean capacity exp(E ln f_c) needs no fit: P is the
+distribution of the capacity f_c, and what it gains between two levels lies on average half-way between their
+logarithms. That is the trapezoidal rule for ln f_1 + integral of (1 - P) d ln f, from f_1, where P is still 0.
 
-.. note:: The probability need not rise everywhere. The factor of a probability is the crossing of its isotonic fit
-   (pool adjacent violators), linear in ln f between levels. The mean capacity exp(E ln f_c) needs no fit: P is the
-   distribution of the capacity f_c, and what it gains between two levels lies on average half-way between their
-   logarithms. That is the trapezoidal rule for ln f_1 + integral of (1 - P) d ln f, from f_1, where P is still 0.
+Lane i was marched at ln f_i and tells v_i, 1 where it overturned. A block under the factor f meets f exp(Z),
+Z a shift of known density h, so that P(f) is the verdict smoothed by it,
 
-The probability of overturning over the factor on a record, from lanes that each took one factor and one verdict.
+P(f) = integral of h(t - ln f) v(t) dt,  estimated inside by sum_i w_i h(t_i - ln f) v_i/sum_i w_i h(t_i - ln f)
 
-.. note:: Lane i was marched at ln f_i and tells v_i, 1 where it overturned. A block under the factor f meets f exp(Z),
-   Z a shift of known density h, so that P(f) is the verdict smoothed by it,
-
-   P(f) = integral of h(t - ln f) v(t) dt,  estimated inside by sum_i w_i h(t_i - ln f) v_i/sum_i w_i h(t_i - ln f)
-
-   where w_i = 1/(density of the lanes per unit of ln f) and the sum below the line is near 1: dividing by it takes out
-   what unequal spacing adds. Nothing overturns below `bottom`, everything above `top`; the mass of the shift that falls
-   there is known and is not estimated.
+where w_i = 1/(density of the lanes per unit of ln f) and the sum below the line is near 1: dividing by it takes out
+what unequal spacing adds. Nothing overturns below `bottom`, everything above `top`; the mass of the shift that falls
+there is known and is not estimated.
 """
-
-from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 from numba import njit
@@ -38,23 +32,14 @@ from scipy.special import ndtr, owens_t
 
 from rocking.arguments import ArrayLike, numbers
 
-__all__ = [
-    "Shift",
-    "Uncertainty",
-    "factor_at",
-    "lane_bells",
-    "lane_probability",
-    "lane_sums",
-    "mean_capacity",
-    "rising",
-    "tail_masses",
-]
-
 #: Least spread of the factor on the record [-]: lanes on a finite number of levels cannot show a narrower one.
 LEAST_SPREAD = 0.02
 
 #: Largest spreads that are taken for uncertainties and not for slips of the unit [-].
 LARGEST_SPREAD = 1.0
+
+#: Sum of weights below which no lane is near a level.
+NO_LANE = 1e-9
 
 #: Scales of the shift beyond which its density counts as 0: it is 1e-14 of the highest there.
 FARTHEST = 8.0
@@ -72,11 +57,6 @@ class Uncertainty:
         Least and most of the restitution over the nominal C [-], between which it is uniform; above 0, at most 1.
     geometry : float
         Loss of the angle alpha [-]: alpha exp(-geometry abs(N)), N standard normal, at fixed R and p; 0 to 1.
-
-    Raises
-    ------
-    ValueError
-        For a value outside its range.
 
     Examples
     --------
@@ -126,20 +106,8 @@ class Uncertainty:
 ROUNDING = 1e-12
 
 
-def rising(probability: np.ndarray, weights: np.ndarray | None = None) -> np.ndarray:
-    """The isotonic fit of probabilities along their last axis.
-
-    Parameters
-    ----------
-    probability : (..., k) ndarray
-        Probability at the levels, from the lowest level on [-].
-    weights : (k,) ndarray, optional
-        Weight of each level, positive; all alike without.
-
-    Returns
-    -------
-    (..., k) ndarray
-        The closest probabilities, by least squares, that never fall.
+def rising(probability: np.ndarray) -> np.ndarray:
+    """The isotonic fit of probabilities (..., k) [-], from the lowest level on: by least squares, never falling.
 
     Examples
     --------
@@ -149,27 +117,15 @@ def rising(probability: np.ndarray, weights: np.ndarray | None = None) -> np.nda
     fitted = np.array(probability, dtype=float)
     rows = fitted.reshape(-1, fitted.shape[-1])
     for row in np.flatnonzero(np.any(np.diff(rows, axis=1) < -ROUNDING, axis=1)):
-        rows[row] = isotonic_regression(rows[row], weights=weights).x
+        rows[row] = isotonic_regression(rows[row]).x
     return np.maximum.accumulate(rows, axis=1).reshape(fitted.shape)
 
 
 def factor_at(share: float, level: np.ndarray, probability: np.ndarray) -> np.ndarray:
-    """The factor at which a probability that never falls reaches a share, linear in ln f between the levels.
+    """The factor (...) at which probabilities (..., k) reach a share above 0, linear in ln f between the (k,) levels.
 
-    Parameters
-    ----------
-    share : float
-        Probability that is to be reached [-], above 0.
-    level : (k,) ndarray
-        Factors, ascending and positive.
-    probability : (..., k) ndarray
-        Probability at the levels, never falling along the last axis (:func:`rising`) [-].
-
-    Returns
-    -------
-    (...) ndarray
-        Factor, in the unit of the levels: the lowest level where the share is reached there already, inf where it is
-        reached nowhere.
+    The probabilities never fall (:func:`rising`). The lowest level where the share is reached there already, inf where
+    it is reached nowhere.
 
     Examples
     --------
@@ -187,19 +143,9 @@ def factor_at(share: float, level: np.ndarray, probability: np.ndarray) -> np.nd
 
 
 def mean_capacity(level: np.ndarray, probability: np.ndarray) -> np.ndarray:
-    """exp of the mean logarithm of the capacity, whose distribution the probability is.
+    """exp of the mean logarithm of the capacity (...), whose distribution the probabilities (..., k) are.
 
-    Parameters
-    ----------
-    level : (k,) ndarray
-        Factors, ascending and positive, from one at which the probability is 0.
-    probability : (..., k) ndarray
-        Probability at the levels [-]; fitted or not.
-
-    Returns
-    -------
-    (...) ndarray
-        Capacity, in the unit of the levels; inf where the probability does not come to 1, within 1e-3, at the last one.
+    The (k,) levels begin where the probability is 0. inf where it does not come to 1, within 1e-3, at the last one.
 
     Examples
     --------
@@ -213,56 +159,18 @@ def mean_capacity(level: np.ndarray, probability: np.ndarray) -> np.ndarray:
     return np.where(probability[..., -1] > 1.0 - 1e-3, np.exp(mean), np.inf)
 
 
-#: Sum of weights below which no lane is near a level.
-NO_LANE = 1e-9
+def lane_bells(log_factor: np.ndarray, weight: np.ndarray, log_level: np.ndarray, shift: Uncertainty) -> np.ndarray:
+    """What each lane counts at each level, w_i h(t_i - ln f) (n, k).
 
-
-class Shift(Protocol):
-    """Distribution of a shift of ln f, such as :class:`rocking.spectrum.probability.Uncertainty`."""
-
-    def density(self, shift: ArrayLike) -> np.ndarray:
-        """Probability density per unit of ln f [-]."""
-
-    def below(self, shift: ArrayLike) -> np.ndarray:
-        """Probability that the shift is no larger than the given one [-]."""
-
-
-def lane_bells(log_factor: np.ndarray, weight: np.ndarray, log_level: np.ndarray, shift: Shift) -> np.ndarray:
-    """What each lane counts at each level.
-
-    Parameters
-    ----------
-    log_factor : (n,) ndarray
-        ln of the factor that each lane took.
-    weight : (n,) ndarray
-        Stretch of ln f that each lane stands for [-]: 1 over the density of the lanes there.
-    log_level : (k,) ndarray
-        ln of the levels.
-    shift : Shift
-        Distribution of the shift of ln f.
-
-    Returns
-    -------
-    (n, k) ndarray
-        w_i h(t_i - ln f) [-].
+    The lanes took factors of logarithms (n,) and stand for a stretch (n,) of ln f: 1 over the density of lanes there.
     """
     return shift.density(log_factor[:, np.newaxis] - log_level) * weight[:, np.newaxis]
 
 
 def lane_sums(counted: np.ndarray, bells: np.ndarray) -> np.ndarray:
-    """Sums over the lanes, the same to the last bit on any number of threads, as those of a matrix product are not.
+    """Sums (r, k) over the lanes, the same to the last bit on any number of threads, unlike those of a matrix product.
 
-    Parameters
-    ----------
-    counted : (r, n) ndarray
-        How often each lane counts in each of the sums [-].
-    bells : (n, k) ndarray
-        What each lane counts at each level (:func:`lane_bells`) [-].
-
-    Returns
-    -------
-    (r, k) ndarray
-        The sums [-].
+    `counted` (r, n) is how often each lane counts in each sum, `bells` (n, k) what it counts (:func:`lane_bells`).
     """
     sums = np.zeros((counted.shape[0], bells.shape[1]))
     _add(np.ascontiguousarray(counted, dtype=np.float64), np.ascontiguousarray(bells), sums)
@@ -270,7 +178,7 @@ def lane_sums(counted: np.ndarray, bells: np.ndarray) -> np.ndarray:
 
 
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
-def _add(counted: np.ndarray, bells: np.ndarray, sums: np.ndarray) -> None:
+def _add(counted, bells, sums):
     for row in range(counted.shape[0]):
         for lane in range(counted.shape[1]):
             times = counted[row, lane]
@@ -279,25 +187,16 @@ def _add(counted: np.ndarray, bells: np.ndarray, sums: np.ndarray) -> None:
                     sums[row, level] += times * bells[lane, level]
 
 
-def tail_masses(bottom: Any, top: Any, log_level: np.ndarray, shift: Shift) -> tuple[np.ndarray, np.ndarray]:
+def tail_masses(bottom: Any, top: Any, log_level: np.ndarray, shift: Uncertainty) -> tuple[np.ndarray, np.ndarray]:
     """Probability that a block meets a factor below `bottom`, and above `top` (both as ln f), at (k,) levels."""
     return shift.below(bottom - log_level), 1.0 - shift.below(top - log_level)
 
 
 def lane_probability(hit: np.ndarray, whole: np.ndarray, below: np.ndarray, above: np.ndarray) -> np.ndarray:
-    """P at the levels, from sums over the lanes.
+    """P at the levels (..., k), not yet fitted; where no lane is near a level only `above` counts.
 
-    Parameters
-    ----------
-    hit, whole : (..., k) ndarray
-        Sums of :func:`lane_bells` over the lanes that overturn, and over all of them [-].
-    below, above : (k,) ndarray
-        Mass of the shift outside the lanes (:func:`tail_masses`) [-].
-
-    Returns
-    -------
-    (..., k) ndarray
-        Probability of overturning [-], not yet fitted; where no lane is near a level only `above` counts.
+    `hit` and `whole` (..., k) are sums of :func:`lane_bells` over the lanes that overturn and over all of them, `below`
+    and `above` (k,) the masses of the shift outside the lanes (:func:`tail_masses`).
 
     Examples
     --------

@@ -8,14 +8,10 @@
    u - 1 + u' exceeds the largest abs(g) that is left.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
 from numba import njit
-
-__all__ = ["lobe_tops", "march_pieces", "weighted_impulse"]
 
 #: Slower impacts, as u' [-], end the rocking where the ground does not lift the block: u would reach 5e-7.
 SLOWEST = 1e-3

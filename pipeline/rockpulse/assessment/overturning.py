@@ -218,7 +218,7 @@ def overturning_curve(spectrum: xr.Dataset, block: Block) -> tuple[np.ndarray, n
 
 def _at_blocks(spectrum: xr.Dataset, block: Block) -> tuple[np.ndarray, np.ndarray]:
     """The mean capacity (m,) of blocks and the probability (m, l) at the levels of the spectrum times it."""
-    block = block if block.shape else block.lanes(1)
+    block = block.lanes()
     axes = spectrum["p"].values, spectrum["restitution"].values
     inside = within(block, *axes)
     if not np.all(inside):

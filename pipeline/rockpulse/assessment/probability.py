@@ -2,7 +2,7 @@
 
 .. note:: One overturning spectrum (:class:`rocking.OverturningSpectrum`) serves every body that it stands for. A body
    that it does not stand for, and every body where the vertical acts, is marched in lanes of its own
-   (:func:`rocking.spectrum.body_probability`). Bodies do not change each other's numbers: the spectrum is always that of
+   (:func:`rocking.overturning_probability`). Bodies do not change each other's numbers: the spectrum is always that of
    the default frequency parameters next to the body's own, and each of the others has its own draws. A body before a
    wall is read from a spectrum of its own kind, in the sense of the record that overturns it more likely.
 """
@@ -68,7 +68,7 @@ def record_probability(
     values = {name: np.full(count, np.nan) for name in PROBABILITY}
     values |= {name: np.full((count, len(config.demands)), np.nan) for name in AT_DEMAND}
     if config.demands:
-        blocks = bodies.lanes.chosen(slice(None, None, bodies.cases)).weaker
+        blocks = bodies.lanes.take(slice(None, None, bodies.cases)).weaker
         values["demand_factor"] = demand_factors(channels or [scene.record], blocks, config)
     values["probability_source"] = np.full(count, SOURCES.index("none"))
     spectrum = None
@@ -113,7 +113,7 @@ def _fill(values: dict[str, np.ndarray], scene: Scene, bodies: Bodies, config: C
         lanes = spectrum_lanes(record.acceleration, record.dt, rates, side=side)
         spectrum = OverturningSpectrum(lanes, uncertainty)
         stored = spectrum if side == 0 else stored
-        read = blocks.chosen(places), least[places], most[places]
+        read = blocks.take(places), least[places], most[places]
         put(places, spectrum.factors(*read, limit))
         if config.demands:
             at_demand[places] = spectrum.overturning(read[0], asked[places], *read[1:])
@@ -121,7 +121,7 @@ def _fill(values: dict[str, np.ndarray], scene: Scene, bodies: Bodies, config: C
     others = np.flatnonzero(~slender)
     if others.size:
         own = overturning_probability(
-            found.block.chosen(others),
+            found.block.take(others),
             record.acceleration,
             record.dt,
             uncertainty,

@@ -76,7 +76,7 @@ class Bodies:
         }
         for name in ("names", "floors", "pedestal_of", "warnings"):
             some[name] = tuple(getattr(self, name)[place] for place in places)
-        return Bodies(lanes=self.lanes.chosen(lanes), cases=self.cases, **some)
+        return Bodies(lanes=self.lanes.take(lanes), cases=self.cases, **some)
 
     def per_case(self, values: np.ndarray) -> np.ndarray:
         """(..., b x cases) -> (..., b, cases)."""

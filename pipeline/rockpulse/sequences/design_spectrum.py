@@ -57,14 +57,14 @@ class DesignSpectrum:
 
         They are free-standing and symmetric, of a slenderness of at least 3.5, p and C within those of the spectrum.
         """
-        return within(_lanes(block), self.p, self.restitution)
+        return within(block.lanes(), self.p, self.restitution)
 
     def effective_impulse(self, block: Block) -> np.ndarray:
         """S at the p and C of each block, (m,) [m/s]; ln S is linear in ln p and in C.
 
         Raises ValueError for blocks that the spectrum does not cover (:meth:`covers`).
         """
-        one = _lanes(block)
+        one = block.lanes()
         outside = np.flatnonzero(~self.covers(one))
         if outside.size:
             raise ValueError(
@@ -79,7 +79,7 @@ class DesignSpectrum:
 
         Raises ValueError as :meth:`effective_impulse`.
         """
-        one = _lanes(block)
+        one = block.lanes()
         return np.asarray(one.gravity * np.tan(one.alpha_c) / one.p / self.effective_impulse(one))
 
     def nearest(self, block: Block) -> np.ndarray:
@@ -92,16 +92,12 @@ class DesignSpectrum:
         I_s/I and the number of main impulses are those at the nearest p. To be used with ``sequence_response(...,
         paired=True)``. Raises ValueError as :meth:`effective_impulse`.
         """
-        one, nearest = _lanes(block), self.nearest(block)
+        one, nearest = block.lanes(), self.nearest(block)
         demand = 1.0 / self.factor(one)
         ratio, count = self.ratio[nearest], self.main_count[nearest]
         unit = ImpulseSequence(1.0, ratio, np.nan, np.inf, main_count=count, spacing="continuous")
         main = demand * one.critical_impulse / unit.effective_impulse(one.restitution)
         return ImpulseSequence(main, ratio * main, np.nan, np.inf, main_count=count, spacing="continuous")
-
-
-def _lanes(block: Block) -> Block:
-    return block if block.shape else block.lanes(1)
 
 
 def at_blocks(block: Block, p: np.ndarray, restitution: np.ndarray, values: np.ndarray) -> np.ndarray:

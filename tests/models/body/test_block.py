@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from rocking.body.block import STANDARD_GRAVITY, Block
-from rocking.body.block_lanes import LANE_FIELDS
 
 
 def block(radius, **options):
@@ -104,11 +103,6 @@ def test_mass_is_that_of_the_full_size_or_the_one_given():
             Block(**size, **given)
 
 
-def test_bad_full_size_is_named():
-    with pytest.raises(ValueError, match=r"^height: expected a positive"):
-        Block(width=0.6, height=0.0)
-
-
 def test_arrays_of_a_block_cannot_be_changed():
     body = Block(0.5, [2.0, 3.0])
     with pytest.raises(ValueError, match="read-only"):
@@ -135,14 +129,6 @@ def test_lanes_of_a_block_are_blocks_and_stack_again():
     assert bodies.lane(0).lanes(3).p.tolist() == [bodies.p[0]] * 3
 
 
-def test_a_body_restored_from_its_lane_fields_is_the_body():
-    body = Block(width=0.5, height=3.0, gravity=9.7)
-    follow = ("slenderness", "critical_impulse")
-    again = Block.restored(9.7, **{name: getattr(body, name) for name in LANE_FIELDS if name not in follow})
-    for name in (*LANE_FIELDS, "gravity"):
-        assert getattr(again, name) == pytest.approx(getattr(body, name), rel=1e-14, nan_ok=True), name
-
-
 def test_blocks_in_different_gravity_do_not_stack():
     with pytest.raises(ValueError, match="one gravity"):
         Block.stack([Block(0.5, 2.0), Block(0.5, 2.0, gravity=9.81)])
@@ -167,24 +153,6 @@ def test_a_body_by_its_corners_is_as_wide_as_both_together():
     assert Block.from_corners(0.3, 0.1, 1.0, 0.6).warnings == ()
     (remark,) = Block.from_corners(0.0003, 0.0001, 0.001, 0.0006, log=False).warnings
     assert remark.startswith("0.0004 m wide and ")
-
-
-def test_rebounds_of_bodies_before_a_wall_are_not_held_against_the_bound_of_free_ones():
-    body = Block(width=0.5, height=4.0, one_sided=True, rebound=[0.0, 0.5, 0.99])
-    assert body.restitution.tolist() == [0.0, 0.5, 0.99]
-    assert body.warnings == ()
-
-
-def test_restitution_above_housner_is_kept_with_a_warning():
-    assert block(2.0, restitution=0.9).warnings == ()
-    (warning,) = block(2.0, restitution=0.95).warnings
-    assert "above Housner's" in warning
-
-
-def test_squat_block_is_outside_the_range_of_the_linear_models():
-    body = Block(1.0, [2.0, 4.0])
-    assert body.slender.tolist() == [False, True]
-    assert any("slenderness" in warning for warning in body.warnings)
 
 
 @pytest.mark.parametrize(

@@ -156,22 +156,16 @@ def test_a_stack_keeps_every_remark_once_and_what_holds_each_body():
 
 def test_chosen_lanes_keep_gravity_remarks_and_what_holds_them():
     for places, expected in (([4, 1, 4], [4, 1, 4]), (slice(4, None), [4, 5]), (EVERY.side != 0, [2, 3])):
-        some = EVERY.chosen(places)
+        some = EVERY.take(places)
         assert some.alpha_2.tolist() == EVERY.alpha_2[expected].tolist()
         assert (some.gravity, some.warnings) == (G, EVERY.warnings)
         assert some.restrained.tolist() == EVERY.restrained[expected].tolist()
-    assert EVERY.chosen([0, 1]).restraints is None
+    assert EVERY.take([0, 1]).restraints is None
     assert EVERY.lane(0).restraints is None
     assert EVERY.lane(4).restraints == TIED.restraints
     assert TIED.lanes(3).restraints.tolist() == [TIED.restraints] * 3
     assert type(EVERY.lane(2).side) is int
     assert type(TIED.mirrored().mirrored().mass) is float
-
-
-def test_full_sizes_and_slenderness_of_lanes():
-    some = Block([0.25, 0.3], [1.5, 0.8])
-    assert (some.width.tolist(), some.height.tolist()) == ([0.5, 0.6], [3.0, 1.6])
-    assert some.slender.tolist() == [True, False]
 
 
 def test_a_body_is_restored_with_what_holds_it():

@@ -1,13 +1,106 @@
-"""What a rigid body can be: restitution by its own angular momentum, against bodies put together from their parts."""
+"""What a rigid body can be: corners, rebound and restitution by angular momentum, against bodies of points."""
 
 import logging
+import math
 
 import numpy as np
 import pytest
 
 from rocking.body.block import STANDARD_GRAVITY, Block
-from rocking.body.limits import RATES, doubt_of_size, restitution_of
+from rocking.body.limits import RATES, both_corners, corner, doubt_of_size, rebound_of, restitution_of, sorrentino
 from rocking.body.restraint import Load, Thrust, Tie
+
+GRAVITY = 9.7
+
+
+def test_a_corner_is_that_of_its_closed_forms():
+    """R^2 = b^2 + h^2, tan alpha = b/h, p^2 = g R/(rho^2 + R^2), and C by angular momentum."""
+    near, far, height, gyration = (np.array(pair) for pair in ((0.3, 0.5), (0.2, 0.1), (1.1, 1.3), (0.6, 0.8)))
+    found = corner(near, far, height, gyration, GRAVITY)
+    radius = np.hypot(near, height)
+    assert found.radius == pytest.approx(radius, rel=1e-14)
+    assert found.alpha == pytest.approx(np.arctan(near / height), rel=1e-14)
+    assert found.p == pytest.approx(np.sqrt(GRAVITY * radius / (gyration**2 + radius**2)), rel=1e-14)
+    most = (gyration**2 + height**2 - near * far) / (gyration**2 + np.hypot(far, height) ** 2)
+    assert found.most == pytest.approx(most, rel=1e-14)
+
+
+def test_loads_that_are_carried_are_points_of_the_body():
+    """Moments of a body and of two points about its right-hand corner; one stands on the middle of the base."""
+    loads = [Load(200.0 * GRAVITY, 1.8, distance=0.1), Load(150.0 * GRAVITY, 2.3), Load(99.0, 1.0, friction=0.5)]
+    own, near, far, height, gyration = np.array([800.0, 600.0]), 0.35, 0.2, 1.1, 0.6
+    first, second, mass = both_corners(*(np.array(one) for one in (near, far, height, gyration)), own, loads, GRAVITY)
+    points = ((own, near, height, gyration), (200.0, 0.1, 1.8, 0.0), (150.0, 0.275, 2.3, 0.0))
+    total = sum(m for m, *_ in points)
+    b = sum(m * x for m, x, *_ in points) / total
+    h = sum(m * z for m, _, z, _ in points) / total
+    inertia = sum(m * (x**2 + z**2 + r**2) for m, x, z, r in points)
+    assert mass == pytest.approx(total, rel=1e-14)
+    assert first.alpha == pytest.approx(np.arctan(b / h), rel=1e-13)
+    assert second.alpha == pytest.approx(np.arctan((near + far - b) / h), rel=1e-13)
+    assert first.radius == pytest.approx(np.hypot(b, h), rel=1e-13)
+    assert first.p == pytest.approx(np.sqrt(total * GRAVITY * np.hypot(b, h) / inertia), rel=1e-13)
+    block = Block.from_corners(near, far, height, gyration, mass=own, loads=loads, gravity=GRAVITY)
+    assert block.p.tolist() == first.p.tolist()
+    assert [held.loads for held in block.restraints] == [(loads[2],)] * 2
+    carrying = Block(width=0.5, height=3.0, mass=500.0, loads=loads[:1], gravity=GRAVITY)
+    assert (carrying.mass, carrying.restraints) == (pytest.approx(700.0), None)
+    assert math.tan(carrying.alpha_c) == pytest.approx((500.0 * 0.25 + 200.0 * 0.1) / (500.0 * 1.5 + 200.0 * 1.8))
+    assert [held.loads for held in Block(width=0.5, height=3.0, mass=500.0, loads=loads[2:]).lanes(1).restraints] == [
+        (loads[2],)
+    ]
+
+
+@pytest.mark.parametrize("offset", [0.25, -0.25, 0.3, -0.3])
+def test_the_centre_of_mass_stands_between_the_corners(offset):
+    with pytest.raises(ValueError, match="expected a centre of mass above the base, between its two corners"):
+        Block(width=0.5, height=3.0, offset=offset)
+    assert Block(width=0.5, height=3.0, offset=0.8 * offset).p > 0.0
+
+
+def test_a_centre_of_mass_beside_the_middle_is_nearer_to_one_corner():
+    body = Block(width=0.5, height=3.0, offset=0.05)
+    assert np.tan([body.alpha_c, body.alpha_2]) == pytest.approx([0.2 / 1.5, 0.3 / 1.5])
+
+
+def test_the_rebound_of_the_convention_is_its_formula():
+    alpha = np.array([0.1, 0.4])
+    expected = (1.0 - 1.5 * np.sin(alpha) ** 2) ** 2 * (1.5 * np.cos(alpha) ** 2 - 1.0)
+    assert sorrentino(alpha) == pytest.approx(expected, rel=1e-13)
+    assert sorrentino(1.2) == pytest.approx(
+        (1.5 * math.sin(1.2) ** 2 - 1.0) ** 2 * (1.0 - 1.5 * math.cos(1.2) ** 2), rel=1e-13
+    )
+
+
+def test_rebounds_are_numbers_from_0_to_1_or_that_of_slender_rectangles():
+    alpha = np.arctan([1.0 / 1.415, 1.0 / 5.0])
+    assert rebound_of([0.0, 1.0], alpha, rectangle=False).tolist() == [0.0, 1.0]
+    assert np.array_equal(rebound_of("sorrentino", alpha, rectangle=True), sorrentino(alpha))
+    squat = np.arctan([1.0 / 5.0, 1.0 / 1.414])
+    for given, slender, rectangle, words in (
+        ([0.5, 1.01], alpha, True, "expected the share e"),
+        ([-0.01, 0.5], alpha, True, "expected the share e"),
+        ("half", alpha, True, "'half'"),
+        ("sorrentino", alpha, False, "'sorrentino' is stated for rectangles"),
+        ("sorrentino", squat, True, r"slenderness above 1\.414, got 1\.41; "),
+    ):
+        with pytest.raises(ValueError, match=f"^rebound: .*{words}"):
+            rebound_of(given, slender, rectangle)
+
+
+@pytest.mark.parametrize("restitution", ["elastic", 0.9, [0.5, 0.6], None])
+def test_a_wall_has_no_restitution_of_impacts_on_the_base(restitution):
+    with pytest.raises(ValueError, match="a one-sided body returns to its wall, give a rebound in its place; got"):
+        Block(width=0.5, height=3.0, one_sided=True, restitution=restitution)
+
+
+def test_a_wall_asks_for_the_rebound_of_bodies_that_are_no_rectangles():
+    with pytest.raises(ValueError, match="'sorrentino' is stated for rectangles"):
+        Block.from_corners(0.2, 0.3, 1.0, 0.6, one_sided=True)
+    with pytest.raises(ValueError, match="'sorrentino' is stated for rectangles"):
+        Block.from_parameters(2.0, 0.2, "housner", one_sided=True)
+    assert Block.from_parameters(2.0, 0.2, "housner", one_sided=np.True_, rebound=0.4).restitution_2 == 0.4
+
 
 G = 9.81
 
@@ -113,15 +206,6 @@ def test_radius_changes_nothing_but_the_bound_and_itself():
     assert np.isnan([bodies[1].width, bodies[1].height]).all()
 
 
-def test_radius_stays_with_its_lane():
-    bodies = Block.from_parameters([2.385, 3.0], 0.2445, "housner", radius=[1.136, 0.8])
-    assert bodies.lane(1).radius == 0.8
-    assert bodies.lane(0).lanes(2).radius.tolist() == [1.136, 1.136]
-    again = Block.stack([bodies.lane(1), bodies.lane(0)])
-    assert again.radius.tolist() == [0.8, 1.136]
-    assert again.restitution.tolist() == bodies.restitution.tolist()[::-1]
-
-
 @pytest.mark.parametrize("radius", [1136.0, 2.0 * 1.136, STANDARD_GRAVITY / 2.385**2])
 def test_radius_that_no_body_of_this_p_has_is_refused(radius):
     with pytest.raises(ValueError, match=r"^radius: no body with p = 2\.385 .* expected less than g/p\^2 = 1\.724 m"):
@@ -132,11 +216,6 @@ def test_radius_that_no_body_of_this_p_has_is_refused(radius):
 def test_bad_radius_is_named(radius):
     with pytest.raises(ValueError, match=r"^radius: "):
         Block.from_parameters(2.385, 0.2445, 0.87, radius=radius)
-
-
-def test_housner_of_a_squat_body_is_refused_in_the_words_of_its_radius():
-    with pytest.raises(ValueError, match="negative for this p, alpha and radius"):
-        Block.from_parameters(2.0, 1.2, "housner", radius=2.0)
 
 
 @pytest.mark.parametrize(
@@ -185,13 +264,6 @@ def test_warnings_are_logged_unless_that_is_declined(caplog):
         made = Block.from_parameters(0.01, 0.2, 0.99), Block.from_corners(30.0, 30.0, 90.0, 40.0, 0.5)
     told = [f"block: {text}" for body in made for text in body.warnings]
     assert [record.getMessage() for record in caplog.records] == told
-
-
-def test_ties_are_attached_up_to_the_top_of_the_body():
-    size = {"width": 0.5, "height": 3.0, "mass": 2000.0}
-    assert Block(**size, ties=[Tie(3.0, 1e6)]).restraints.ties[0].height == 3.0
-    with pytest.raises(ValueError, match=r"expected heights up to that of the body, 3 m, got 3\.001 m"):
-        Block(**size, ties=[Tie(3.001, 1e6)])
 
 
 def test_every_lane_of_a_body_has_its_ties():

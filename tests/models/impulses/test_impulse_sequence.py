@@ -1,10 +1,14 @@
-"""Fields of a sequence of impulses: ranges, lanes and scaling."""
+"""Fields of a sequence of impulses: ranges, lanes and scaling; and what it shows of itself."""
+
+import re
+import xml.etree.ElementTree as ET
 
 import numpy as np
 import pytest
 
 from rocking.body.block import Block
 from rocking.impulses.sequence import ImpulseSequence, sequence_response
+from rocking.pictures import BLUE, RED
 from rocking.response import Outcome
 
 
@@ -51,13 +55,6 @@ def test_bad_fields_are_named(field, value):
     fields = {"main": 0.5, "secondary": 0.2, "interval": 0.1, "duration": 20.0, field: value}
     with pytest.raises(ValueError, match=field):
         ImpulseSequence(**fields)
-
-
-def test_fields_of_different_lengths_and_bad_factors_are_refused():
-    with pytest.raises(ValueError, match="one length"):
-        ImpulseSequence([0.1, 0.2], 0.0, [0.1, 0.2, 0.3], 20.0)
-    with pytest.raises(ValueError, match="factor"):
-        ImpulseSequence(0.5, 0.2, 0.1, 20.0).scaled(-1.0)
 
 
 def test_the_ends_of_the_ranges_belong_to_them():
@@ -138,16 +135,6 @@ def test_a_sequence_overturns_where_its_effective_impulse_reaches_that_of_one_im
         assert reached[-1] * main[one] == pytest.approx(sequence.effective_impulse(restitution)[one], rel=1e-12)
 
 
-def test_two_calibrations_of_one_effect_have_close_effective_impulses():
-    restitution = np.linspace(0.9, 0.98, 9)
-    one, other = continuous(0.247, 0.24, 6), continuous(0.304, 0.66, 11)
-    effect = [series.effective_impulse(restitution) for series in (one, other)]
-    apart = np.log(effect[1] / effect[0])
-    assert other.main / one.main == pytest.approx(1.23, abs=0.005)  # 23 % apart in I, and in their effect:
-    np.testing.assert_allclose(np.exp(apart[[0, 4, 8]]) - 1.0, [-0.110, -0.049, 0.026], atol=5e-4)
-    assert np.max(np.abs(apart)) == -apart[0]
-
-
 def test_without_a_last_main_impulse_the_effect_is_the_limit_of_many():
     for ratio in (0.0, 0.4):
         limit = continuous(0.3, ratio, None).effective_impulse(0.9)
@@ -181,3 +168,50 @@ def test_the_effect_of_other_sequences_is_no_one_number(field, value):
         arguments[field] = value
     with pytest.raises(ValueError, match=f"^{field}: "):
         ImpulseSequence(0.5, 0.2, **arguments).effective_impulse(restitution)
+
+
+SVG = "{http://www.w3.org/2000/svg}"
+
+
+def stems(sequence, colour):
+    """Places and sizes of the stems of a colour [px], upwards positive, over all half-cycles."""
+    root = ET.fromstring(sequence._repr_html_()).find(f".//{SVG}svg")
+    found = []
+    for path in root.findall(f"{SVG}path"):
+        if path.attrib["stroke"] == colour:
+            numbers = re.findall(r"M([\d.]+) ([\d.]+)V([\d.]+)", path.attrib["d"])
+            found += [(float(at), float(base) - float(tip)) for at, base, tip in numbers]
+    return np.array(found)
+
+
+def test_a_sequence_is_told_in_a_line():
+    told = "<ImpulseSequence I 0.7 m/s, I_s 0.28 m/s, dT 0.1 s, duration 20 s, spacing end>"
+    assert repr(ImpulseSequence(0.7, 0.28, 0.1, 20.0)) == told
+    several = ImpulseSequence([0.7, 0.8], 0.28, np.nan, np.inf, main_count=4, spacing="continuous")
+    told = "of 2 sequences, I 0.7 to 0.8 m/s, I_s 0.28 m/s, duration inf s, main impulses 4, spacing continuous"
+    assert repr(several) == f"<ImpulseSequence {told}>"
+
+
+def test_impulses_alternate_and_sum_to_zero_between_main_ones():
+    sequence = ImpulseSequence(0.8, 0.2, 0.1, 20.0, intermediate_count=6)
+    main, secondary = stems(sequence, RED), stems(sequence, BLUE)
+    assert np.sign(main[:, 1]).tolist() == [1.0, -1.0]
+    assert np.sign(secondary[:, 1]).tolist() == [-1.0, 1.0] * 3 + [1.0, -1.0] * 3
+    assert np.sum(secondary[:6, 1]) == pytest.approx(0.0, abs=0.7)
+    assert secondary[1, 1] / main[0, 1] == pytest.approx(0.25, abs=0.01)
+
+
+@pytest.mark.parametrize(
+    ("spacing", "first", "last"), [("end", 1.0, 0.0), ("middle", 0.5, 0.5), ("start", 0.0, 1.0), ("open", 1.0, 1.0)]
+)
+def test_a_spacing_is_drawn_where_the_impulses_act(spacing, first, last):
+    sequence = ImpulseSequence(0.8, 0.2, 0.1, 20.0, intermediate_count=4, spacing=spacing)
+    main, secondary = stems(sequence, RED), stems(sequence, BLUE)
+    interval = secondary[1, 0] - secondary[0, 0]
+    assert (secondary[0, 0] - main[0, 0]) / interval == pytest.approx(first, abs=0.02)
+    assert (main[1, 0] - secondary[3, 0]) / interval == pytest.approx(last, abs=0.02)
+
+
+def test_a_sequence_without_secondary_impulses_has_none_drawn():
+    assert stems(ImpulseSequence(0.8, 0.0, 0.1, 20.0), BLUE).size == 0
+    assert stems(ImpulseSequence(0.0, 0.0, 0.1, 20.0), RED).shape == (2, 2)

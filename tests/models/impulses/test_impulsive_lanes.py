@@ -62,16 +62,6 @@ def test_number_of_threads_changes_no_digit(threads, restitution):
         assert np.array_equal(getattr(one, name), getattr(many, name), equal_nan=True)
 
 
-def test_lanes_do_not_depend_on_their_neighbours():
-    blocks, scale = bodies(9, 4, 0.85), np.array([0.4, 1.0, 1.7])
-    times, impulses = train(8, count=30, length=10.0)
-    together = impulsive_response(blocks, times, impulses, scale=scale)
-    for q, m in np.ndindex(3, 9):
-        alone = impulsive_response(blocks.lane(m), times, impulses, scale=scale[q])
-        for name in FIELDS:
-            assert np.array_equal(getattr(together, name)[q, m], getattr(alone, name), equal_nan=True)
-
-
 @pytest.mark.parametrize("restitution", [0.0, 1e-3, 0.9, 0.9999])
 @pytest.mark.parametrize("wait", [699.0, 701.0, 5e3, 1e7])
 def test_wait_longer_than_exponentials_reach_ends_in_rest(restitution, wait):  # p t > 700

@@ -1,8 +1,4 @@
-"""Main and secondary sequence (section 3.2; F3, F4, F9, V9) and the limit accelerogram."""
-
-import os
-import subprocess
-import sys
+"""Main and secondary sequence (F3, F4, F9, V9), the limit accelerogram and the steady state (V7, V10)."""
 
 import numpy as np
 import pytest
@@ -14,7 +10,7 @@ from rocking.impulses.half_cycle import first_return
 from rocking.impulses.impulse_sequence import SPACINGS
 from rocking.impulses.impulsive import impulsive_response
 from rocking.impulses.main import resonance
-from rocking.impulses.sequence import ImpulseSequence, impulse_train, scaled_outcomes, sequence_response
+from rocking.impulses.sequence import ImpulseSequence, impulse_train, sequence_response, steady_state
 from rocking.response import Outcome, Reason
 
 PROPERTY = settings(derandomize=True, deadline=None, max_examples=60)
@@ -123,12 +119,6 @@ def test_intermediate_count_follows_from_the_trial_interval():
     assert table.impulse_count[0] > 4
 
 
-def test_given_intermediate_count_needs_no_interval():
-    body = block()
-    table = sequence_response(body, sequence(body, 0.3, 0.4, interval=np.nan, intermediate_count=6)).half_cycles
-    assert set(table.impulse_count.tolist()) == {6}
-
-
 def test_half_cycles_follow_the_recurrence():  # F3: u_{i+1} = C u_r + u_1
     body = block(2.0, 0.6)
     table = sequence_response(body, sequence(body, 0.4, 0.5, spacing="open")).half_cycles
@@ -154,31 +144,6 @@ def test_response_depends_on_the_impulse_ratios_alone():  # F9: I cos(alpha)/alp
     assert first.peak_rotation_ratio == pytest.approx(second.peak_rotation_ratio, rel=1e-12)
     assert first.impacts == second.impacts
     assert first.half_cycles.duration * small.p == pytest.approx(second.half_cycles.duration * large.p, rel=1e-12)
-
-
-def test_lanes_are_every_sequence_on_every_block():
-    bodies = Block(0.5, [2.0, 3.0], restitution=[0.6, 0.9], gravity=9.81)
-    mains = np.array([0.1, 0.3, 0.9])
-    response = sequence_response(bodies, ImpulseSequence(mains, 0.4 * mains, 0.1, 10.0))
-    assert response.outcome.shape == (3, 2)
-    for q in range(3):
-        for m in range(2):
-            single = sequence_response(bodies.lane(m), ImpulseSequence(mains[q], 0.4 * mains[q], 0.1, 10.0))
-            assert response.peak_rotation_ratio[q, m] == single.peak_rotation_ratio
-            assert response.impacts[q, m] == single.impacts
-    without = sequence_response(bodies, ImpulseSequence(mains, 0.4 * mains, 0.1, 10.0), table_rows=0)
-    assert without.half_cycles is None
-    assert np.array_equal(without.peak_rotation_ratio, response.peak_rotation_ratio)
-
-
-def test_outcomes_under_factors_are_those_of_the_scaled_sequence():
-    bodies = Block(0.5, [1.9, 2.5, 3.0], restitution=0.9, gravity=9.81)
-    one = ImpulseSequence(0.4, 0.12, 0.1, 20.0)
-    chosen, factors = np.array([2, 0]), np.array([[0.5, 0.5], [1.0, 1.0], [2.0, 2.0], [4.0, 4.0]])
-    found = scaled_outcomes(bodies, one, chosen, factors)
-    expected = [sequence_response(bodies, one.scaled(factor[0])).outcome[chosen] for factor in factors]
-    assert found.tolist() == np.array(expected).tolist()
-    assert {Outcome.ROCKS, Outcome.OVERTURNS} <= set(found.ravel().tolist())
 
 
 def test_main_impulses_stop_at_their_count_and_at_the_duration():
@@ -361,32 +326,89 @@ def test_interval_that_cannot_be_told_from_the_limit_is_refused():
     assert sequence_response(one, sequence(one, 0.3, 0.5, interval=0.99e-4)).reason == Reason.SHORT_INTERVAL
 
 
-@pytest.mark.sweep
-def test_kernels_give_the_same_without_compilation():
-    code = (
-        "import numpy as np\n"
-        "from rocking.body.block import Block\n"
-        "from rocking.impulses.impulsive import impulsive_response\n"
-        "from rocking.impulses.main import resonance, resonance_safety\n"
-        "from rocking.impulses.sequence import ImpulseSequence, impulse_train, sequence_response\n"
-        "body = Block(0.5, [2.0, 4.0], restitution=[0.6, 0.9], gravity=9.81)\n"
-        "found = []\n"
-        "for spacing in ('end', 'middle', 'start', 'open', 'continuous'):\n"
-        "    main = np.array([0.0, 0.2, 0.5, 1.4])\n"
-        "    series = ImpulseSequence(main, 0.4 * main, 0.1, 6.0, spacing=spacing)\n"
-        "    found.append(sequence_response(body, series).peak_rotation_ratio)\n"
-        "    times, impulses = impulse_train(body.lane(0), ImpulseSequence(0.4, 0.1, 0.1, 3.0, spacing=spacing))\n"
-        "    for gain in ('paper', 'linear', 'exact'):\n"
-        "        response = impulsive_response(body, times, impulses, 3.0, gain, [1.0, 1.7], 0.5)\n"
-        "        found.append(response.peak_rotation_ratio)\n"
-        "found.append(resonance(body, [0.1, 0.4], 20, 10.0).peak_rotation_ratio)\n"
-        "found.append(resonance_safety(body, 0.3, duration=20.0))\n"
-        "print(' '.join(float(value).hex() for value in np.concatenate([part.ravel() for part in found])))\n"
-    )
-    outputs = []
-    for disable in ("0", "1"):
-        environment = {**os.environ, "NUMBA_DISABLE_JIT": disable}
-        run = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=True)
-        outputs.append(np.array([float.fromhex(value) for value in run.stdout.split()]))
-    assert outputs[0].size > 40
-    assert outputs[0] == pytest.approx(outputs[1], rel=1e-11)
+def body_of(restitution):
+    return Block(0.5, np.sqrt(3.75), restitution=restitution, gravity=9.81)
+
+
+def continuous(body, main, ratio):
+    impulse = np.asarray(main) * body.critical_impulse
+    return ImpulseSequence(impulse, ratio * impulse, np.nan, np.inf, spacing="continuous")
+
+
+@pytest.mark.parametrize(
+    ("main", "ratio", "effective", "peak", "half_period"),
+    [
+        (0.3, 0.0, 0.75, 0.338562, 1.945910),  # V7 (D)
+        (0.625, 0.5, 0.9375, 0.652015, 3.433987),  # V10 (D), I = I_2c
+        (0.625, 0.7, 0.6875, 0.273816, 1.686399),
+    ],
+)
+def test_steady_state_of_v7_and_v10(main, ratio, effective, peak, half_period):
+    body = body_of(0.6)
+    steady = steady_state(body, continuous(body, main, ratio))
+    assert steady.stable is True
+    assert steady.effective_velocity == pytest.approx(effective, abs=1e-12)
+    assert steady.start_velocity == pytest.approx(effective + 0.5 * ratio * main, abs=1e-12)
+    assert steady.peak == pytest.approx(peak, abs=5e-7)
+    assert steady.half_period * body.p == pytest.approx(half_period, abs=5e-7)
+
+
+@pytest.mark.parametrize(("main", "ratio"), [(0.3, 0.0), (0.625, 0.5), (0.5, 0.3)])
+def test_response_without_end_tends_to_the_steady_state(main, ratio):
+    body = body_of(0.6)
+    series = continuous(body, main, ratio)
+    steady, response = steady_state(body, series), sequence_response(body, series)
+    assert response.half_cycles.start_velocity[-1] == pytest.approx(steady.start_velocity, rel=1e-12)
+    assert response.peak_rotation_ratio == pytest.approx(steady.peak, rel=1e-10)
+    assert response.half_cycles.duration[-1] == pytest.approx(steady.half_period, rel=1e-10)
+
+
+def test_motion_that_overturns_has_no_steady_state():
+    body = body_of(0.6)
+    steady = steady_state(body, continuous(body, 0.625, 0.4))
+    assert steady.stable is False
+    assert (steady.peak, steady.half_period) == (np.inf, np.inf)
+    assert steady.effective_velocity > 1.0
+
+
+def test_critical_limit_is_stable_and_never_reached():
+    body = body_of(0.6)
+    steady = steady_state(body, continuous(body, 0.4, 0.0))
+    assert steady.stable is True
+    assert steady.peak == pytest.approx(1.0, abs=1e-6)
+
+
+def test_two_sequences_on_two_blocks_have_the_closed_form_of_each_pair():
+    """u* = u_1 (1 - C s)/(1 - C), v* = u* - u_1 s/2, x* = 1 - sqrt(1 - v*^2), 2 atanh(v*)/p."""
+    bodies = Block([0.5, 0.4], [2.0, 3.0], restitution=[0.6, 0.7], gravity=9.81)
+    main, secondary = np.array([0.2, 0.35]), np.array([0.05, 0.2])
+    steady = steady_state(bodies, ImpulseSequence(main, secondary, np.nan, np.inf, spacing="continuous"))
+    for q, m in np.ndindex(2, 2):
+        c, p, u1 = bodies.restitution[m], bodies.p[m], main[q] / bodies.critical_impulse[m]
+        s = secondary[q] / main[q]
+        start = u1 * (1.0 - c * s) / (1.0 - c)
+        effective = start - u1 * s / 2.0
+        assert effective < 1.0
+        expected = (start, effective, 1.0 - np.sqrt(1.0 - effective**2), 2.0 * np.arctanh(effective) / p)
+        names = ("start_velocity", "effective_velocity", "peak", "half_period")
+        assert [getattr(steady, name)[q, m] for name in names] == pytest.approx(expected, rel=1e-9)
+    assert steady.stable.all()
+
+
+def test_a_spacing_does_not_matter_without_secondary_impulses():
+    body, impulse = body_of(0.6), 0.3 * body_of(0.6).critical_impulse
+    for spacing in ("end", "continuous"):
+        series = ImpulseSequence(impulse, 0.0, 0.1, np.inf, spacing=spacing)
+        assert steady_state(body, series).start_velocity == pytest.approx(0.75)
+    with pytest.raises(ValueError, match="spacing"):
+        steady_state(body, ImpulseSequence([impulse, impulse], [0.0, 1e-9], 0.1, np.inf))
+
+
+def test_without_losses_a_motion_without_gain_keeps_its_velocity_lane_by_lane():
+    bodies = Block.from_parameters(2.0, 0.2, [1.0, 0.6, 1.0], log=False)
+    impulse = 0.4 * bodies.critical_impulse[0]
+    steady = steady_state(bodies, ImpulseSequence(impulse, impulse, np.nan, np.inf, spacing="continuous"))
+    assert steady.start_velocity == pytest.approx([0.4, 0.4, 0.4])
+    assert steady.effective_velocity == pytest.approx([0.2, 0.2, 0.2])
+    grows = steady_state(bodies, ImpulseSequence(impulse, 0.5 * impulse, np.nan, np.inf, spacing="continuous"))
+    assert grows.start_velocity == pytest.approx([np.inf, 0.7, np.inf])

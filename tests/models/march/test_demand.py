@@ -7,7 +7,6 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from recorded_cases import synthetic
-from scipy.integrate import quad
 
 from rocking import Block, Outcome, ground_demand, recorded_response
 from rocking.march.demand import LOBES, within_measured_range
@@ -25,28 +24,6 @@ def test_a_rectangular_pulse_has_the_demand_of_validation_f6():
         assert ground_demand(block, ground, 0.001).largest[0] == pytest.approx(1.0, abs=1e-3)
 
 
-def test_a_node_between_is_interpolated_closely():
-    ground = synthetic(2)
-    p = 2.0 ** (1.0 + 0.125)
-    t = 0.01 * np.arange(ground.size)
-    found = demand(ground, p=[p])
-    exact = max(abs(np.trapezoid(ground[k:] * np.exp(-p * (t[k:] - t[k])), t[k:])) for k in range(0, ground.size, 5))
-    assert found.largest[0] * Block.from_parameters(p, 0.1, 0.9).gravity * np.tan(0.1) / p == pytest.approx(
-        exact, rel=0.04
-    )
-
-
-def test_one_lobe_is_its_integral():
-    ground = np.interp(np.arange(0.0, 1.001, 0.01), [0.0, 0.3, 1.0], [0.0, 3.0, 0.0])
-    block = Block.from_parameters([4.0], 0.1, 0.9)
-    exact = quad(
-        lambda t: np.interp(t + 0.06, [0.0, 0.3, 1.0], [0.0, 3.0, 0.0]) * np.exp(-4.0 * t), 0.0, 0.94, limit=200
-    )
-    found = ground_demand(block, ground, 0.01)
-    assert found.largest[0] >= 4.0 * exact[0] / (block.gravity * np.tan(0.1)) - 1e-9
-    assert found.build_up[0] == pytest.approx(found.largest[0])
-
-
 @settings(derandomize=True, deadline=None, max_examples=25)
 @given(factor=st.floats(0.01, 100.0), seed=st.integers(0, 50))
 def test_demand_grows_with_the_record_and_does_not_know_its_sign(factor, seed):
@@ -55,13 +32,6 @@ def test_demand_grows_with_the_record_and_does_not_know_its_sign(factor, seed):
     for name in ("largest", "build_up", "levels"):
         assert getattr(other, name) == pytest.approx(factor * getattr(one, name), rel=1e-9)
     assert np.array_equal(other.last, one.last)
-
-
-def test_build_up_is_between_the_largest_lobe_and_all_of_them():
-    found = demand(synthetic(7), p=[1.0, 2.0, 7.0])
-    assert np.all(found.build_up > found.largest)
-    assert np.all(found.build_up < LOBES * found.largest)
-    assert np.all(demand(synthetic(7), p=[1.0, 2.0, 7.0], c=0.5).build_up < found.build_up)
 
 
 @pytest.mark.parametrize("c", [0.85, 0.93, 1.0])
@@ -156,10 +126,6 @@ def test_what_is_left_is_that_of_the_next_larger_restitution_of_the_list():
     assert np.array_equal(slower.last[0], slower.last[1])
     assert np.array_equal(slower.last[0], slower.last[2])
     assert np.any(slower.last[0] != demand(synthetic(9, n=2000), p=[2.4]).last[0])
-
-
-def test_two_samples_are_a_record():
-    assert demand([0.0, 1.0]).samples == 2
 
 
 @pytest.mark.parametrize("seed", [11, 12, 13, 14])

@@ -11,8 +11,7 @@ import math
 import numpy as np
 import pytest
 from hard_case import ACCURACY, answer, assert_right, exact, sines
-from recorded_cases import EQUATIONS, G
-from rocking_reference import block_of, shaking
+from recorded_cases import EQUATIONS, G, block_of, shaking
 
 from rocking import (
     Block,
@@ -24,8 +23,8 @@ from rocking import (
     resonance,
     sequence_response,
 )
+from rocking.impulses.half_cycle import CRITICAL_TOLERANCE
 from rocking.impulses.main import critical_impulse_at
-from rocking.impulses.motion import CRITICAL_TOLERANCE
 from rocking.march.event import SLOW_IMPACTS
 
 ROUNDING = 1e-12
@@ -270,42 +269,11 @@ def test_record_of_zeros_leaves_the_block_at_rest(equation):
     assert (response.outcome, response.peak_rotation_ratio, response.impacts) == (Outcome.AT_REST, 0.0, 0)
 
 
-@pytest.mark.parametrize("count", [0, 1])
-def test_record_of_less_than_two_samples_is_refused(count):
-    """One sample has no duration: there is no ground motion to answer."""
-    with pytest.raises(ValueError, match="at least 2 samples"):
-        recorded_response(block_of(2.0, 5.0), np.ones(count), 0.01)
-
-
 def test_record_of_one_interval_is_a_rectangular_pulse(wall):
     """F6 with t_1 = dt, on both sides of its limit."""
     critical = G * wall.alpha_c / -math.expm1(-wall.p * 0.01)
     for share, outcome in ((1.0 - 1e-9, Outcome.ROCKS), (1.0 + 1e-9, Outcome.OVERTURNS)):
         assert answer(wall, [critical * share] * 2, 0.01, equation="linear").outcome == outcome
-
-
-def test_models_of_impulses_rest_without_any(wall):
-    assert impulsive_response(wall, [], []).outcome == Outcome.AT_REST
-    assert impulsive_response(wall, [0.0, 1.0], [0.0, 0.0]).outcome == Outcome.AT_REST
-    assert resonance(wall, 0.0, 5).outcome == Outcome.AT_REST
-    assert sequence_response(wall, ImpulseSequence(0.0, 0.0, 0.3, 10.0)).outcome == Outcome.AT_REST
-
-
-@pytest.mark.parametrize("restitution", [0.5, 0.99])
-def test_impulses_a_long_wait_apart_act_one_by_one(restitution):
-    block = block_of(2.0, 5.0, restitution)
-    sizes = np.array([0.4, -0.7, 0.5]) * block.critical_impulse
-    wait = 2000.0 / block.p
-    response = impulsive_response(block, [0.0, wait, 2.0 * wait], sizes)
-    alone = impulsive_response(block, [0.0], sizes[1:2])
-    assert response.outcome == Outcome.ROCKS
-    assert response.peak_rotation_ratio == alone.peak_rotation_ratio
-    assert response.impacts == sum(impulsive_response(block, [0.0], [size]).impacts for size in sizes)
-
-
-def test_impulse_a_long_wait_after_overturning_saves_nothing(wall):
-    response = impulsive_response(wall, [0.0, 1000.0], [2.0 * wall.critical_impulse, -50.0 * wall.critical_impulse])
-    assert (response.outcome, response.overturning_half_cycle) == (Outcome.OVERTURNS, 1)
 
 
 @pytest.mark.parametrize("spacing", ["end", "middle", "start", "open"])

@@ -82,12 +82,6 @@ def test_a_factor_is_resolved_unless_the_first_interval_of_its_lane_is_not():
     assert list(found.factor_resolved) == [False, True, True, False]
 
 
-def test_most_points_are_ten_million():
-    assert exceedance_intervals(bands((1.0, 2.0)), [20.0], 10.0, 10**7).count.tolist() == [0]
-    with pytest.raises(ValueError, match="whole numbers from 2 to 10000000"):
-        exceedance_intervals(bands((1.0, 2.0)), [20.0], 10.0, 10**7 + 1)
-
-
 def test_a_lane_may_be_the_first_that_exceeds():
     def exceeds(lanes, factors):
         return np.where((lanes == 1) & (factors > 2.0), 2.0, 0.5)
@@ -132,46 +126,6 @@ def test_a_narrow_band_is_found_where_the_reach_changes_abruptly():
 
     assert exceedance_intervals(beside(0.0), [0.1], 10.0, 64).safety_factor == pytest.approx([1.204], rel=1e-6)
     assert exceedance_intervals(beside(0.6), [0.1], 10.0, 64).safety_factor[0] == np.inf
-
-
-def asked_for(exceeds, start, points, **options):
-    """The search, and the factors that lane 0 was asked for, ascending."""
-    asked = []
-
-    def ask(lanes, factors):
-        asked.extend(factors[:, lanes == 0].reshape(-1))
-        return exceeds(lanes, factors)
-
-    return exceedance_intervals(ask, start, 10.0, points, **options), np.unique(asked)
-
-
-def test_a_band_found_low_spares_the_steps_above_it():
-    def beside(band):
-        return lambda lanes, factors: np.where((factors > 0.2) & (factors < 0.2 + band), np.inf, 0.9)
-
-    none, all_steps = asked_for(beside(0.0), [0.1], 64, tolerance=0.1)
-    found, fewer = asked_for(beside(4e-3), [0.1], 64, tolerance=0.1)
-    assert none.safety_factor[0] == np.inf
-    assert found.safety_factor[0] < 0.204
-    # The band is seen while the lowest half of the steps is halved: the other half stays as the scan has it.
-    scan = np.geomspace(0.1, 10.0, 64)
-    assert np.count_nonzero(fewer > 1.5) == np.count_nonzero(scan > 1.5)
-    assert np.count_nonzero(all_steps > 1.5) == 8 * np.count_nonzero(scan > 1.5)
-
-
-def test_the_scan_of_a_lane_far_from_its_limit_stays_as_it_is():
-    _, asked = asked_for(lambda lanes, factors: 0.0015 * factors**2, [0.1], 64)
-    assert asked == pytest.approx(np.sort(np.append(np.geomspace(0.1, 10.0, 64), 1.0)), rel=1e-12)
-
-
-def test_a_scan_does_not_depend_on_companions_with_more_factors():
-    def rises(lanes, factors):  # without a bend, to just below the second threshold
-        return 0.44 * np.log(factors / 2.0) / np.log(5.0)
-
-    _, alone = asked_for(rises, [2.0], 17)
-    _, together = asked_for(rises, [2.0, 3.0], [17, 90])
-    assert alone.size > 17
-    assert np.array_equal(together, alone)
 
 
 def test_many_lanes_give_what_each_alone_gives():

@@ -222,27 +222,6 @@ def test_pairs_have_the_factors_of_each_block_under_its_own_sequence():
             sequence_critical_scale(block, wrong, paired=True)
 
 
-def test_a_search_begins_at_resonance_or_at_a_thousandth_of_what_overturns_at_once(monkeypatch):
-    """Without losses and without end any impulse overturns, so that there is no bound but that thousandth."""
-    asked = []
-
-    def record(exceeds, start, factor_max, points):
-        asked.append((start.tolist(), points.tolist()))
-        return exceedance_intervals(exceeds, start, factor_max, points)
-
-    monkeypatch.setattr("rocking.search.sequence_capacity.exceedance_intervals", record)
-    bodies = Block.from_parameters([2.0, 4.0], 0.2, [0.6, 1.0], log=False)
-    sequence = ImpulseSequence(main=0.3, secondary=0.1, interval=0.3, duration=2.0, spacing="end")
-    found = sequence_critical_scale(bodies, sequence, factor_max=5.0, step=1.1)
-    critical = bodies.critical_impulse
-    start = [0.4 * critical[0] / 0.3, 1e-3 * critical[1] / 0.3]
-    ((told, points),) = asked
-    assert told == pytest.approx(start)
-    assert points == [1 + int(np.ceil(np.log(5.0 / one) / np.log(1.1))) for one in start]
-    assert found.step == pytest.approx([(5.0 / one) ** (1.0 / (n - 1)) for one, n in zip(start, points, strict=True)])
-    assert np.all(found.step <= 1.1)
-
-
 @pytest.mark.parametrize("factor", [0.0, -1.0, np.nan, np.inf])
 def test_the_largest_factor_is_a_positive_number(factor):
     sequence = ImpulseSequence(0.2, 0.1, 0.3, 15.0)

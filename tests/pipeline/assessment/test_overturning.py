@@ -8,7 +8,7 @@ import xarray as xr
 
 import rockpulse as rp
 from rocking import Block, OverturningSpectrum
-from rocking.spectrum import lanes as spectrum_lanes
+from rocking.spectrum.lanes import spectrum_lanes
 from rockpulse.assessment.overturning import (
     LANES,
     overturning_curve,

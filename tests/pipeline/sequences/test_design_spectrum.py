@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from rocking.search.sequence_capacity import sequence_critical_scale
+from rocking.search.capacity import sequence_critical_scale
 from rockpulse.models import Block, Outcome, sequence_response
 from rockpulse.sequences.design_spectrum import DesignSpectrum, at_blocks, within
 

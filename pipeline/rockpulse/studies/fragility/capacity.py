@@ -156,7 +156,7 @@ def motion_capacity(
                 there = aloft(ground, place, config)
             own = np.flatnonzero(np.isin(lanes.owner, numbers))
             with watch("solve"):
-                values = _capacity(ground, there, lanes.block.chosen(own), config, selection)
+                values = _capacity(ground, there, lanes.block.take(own), config, selection)
             for name, array in values.items():
                 whole = np.empty((*array.shape[:-1], lanes.owner.size), dtype=array.dtype)
                 found.setdefault(name, whole)[..., own] = array

@@ -116,7 +116,7 @@ def curves_in_parts(
     covered = np.flatnonzero(within(block, spectra["p"].values, spectra["restitution"].values))
     for places in np.array_split(covered, max(1, math.ceil(covered.size * own.size / AT_ONCE))):
         if places.size:
-            yield places, BodyCurves.read(spectra, block.chosen(places), own)
+            yield places, BodyCurves.read(spectra, block.take(places), own)
 
 
 def free_body_fragility(results: xr.DataTree, block: Block, levels: Any, measure: str = PGA) -> xr.Dataset:

@@ -156,7 +156,7 @@ def inventory_frequency(
     spectra, summary = spectra_of(results, hazard.measure)
     if not (math.isfinite(years) and years > 0.0) or not 0.0 < confidence < 1.0:
         raise ConfigError(f"years, confidence: expected a positive time and a share, got {years!r}, {confidence!r}")
-    lanes = block if block.shape else block.lanes(1)
+    lanes = block.lanes()
     count = lanes.shape[0]
     if not isinstance(hazard, SiteHazards):
         hazard = SiteHazards((hazard,), np.zeros(count, int), np.full(count, np.nan))

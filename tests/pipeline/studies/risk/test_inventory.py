@@ -104,7 +104,7 @@ def test_each_body_has_the_hazard_of_its_site_and_ground(results, tmp_path):
     found = rp.inventory_frequency(results, bodies, hazards)
     for place, (site, factor) in enumerate(zip(sites, factors, strict=True)):
         own = rp.load_hazard(path, tuple(site), factor)
-        one = rp.inventory_frequency(results, bodies.chosen(np.array([place])), own)
+        one = rp.inventory_frequency(results, bodies.take(np.array([place])), own)
         for name in set(one) - {"hazard_distance"}:
             assert found[name].values[place] == pytest.approx(one[name].item(), rel=1e-12, nan_ok=True), name
     assert len(set(found["frequency"].values[[0, 1, 3]])) == 3
@@ -268,7 +268,7 @@ def test_the_fragility_of_a_free_body_is_that_of_the_spectra(results):
     found = rp.free_body_fragility(results, body, levels, "pgv")
     assert np.isnan(found["probability"].values[1]).all()
     summary, spectra = results["summary"].to_dataset(), results["spectra"].to_dataset()
-    body = body.lanes(2).chosen(np.array([0]))
+    body = body.lanes(2).take(np.array([0]))
     ratio, chance = [], []
     for name in spectra["record"].values:
         one = spectra.sel(record=name)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from rocking.impulses.half_cycle import slots as row
+from rocking.march import slots as row
 from rocking.march.equations import nonlinear_steps
 from rocking.march.polynomial import ORDER, first_impact, value, velocity
 from rocking.march.steps import IMPACT, LOOK_CLOSER, NOTHING, finish_steps

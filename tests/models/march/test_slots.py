@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from rocking.march.ground import Accelerogram, extremes, largest_left, next_exceedance
+from rocking.march.slots import Accelerogram, extremes, largest_left, next_exceedance
 
 NONE = np.empty(0)
 

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 from rocking import Block, Outcome, OverturningSpectrum, recorded_response
-from rocking.spectrum import lanes as spectrum_lanes
 from rocking.spectrum.lanes import (
     FIRST,
     LEAST_RESTITUTION,
@@ -20,6 +19,7 @@ from rocking.spectrum.lanes import (
     check_strength,
     neighbours,
     piece_lanes,
+    spectrum_lanes,
 )
 from rockpulse.record.synthetic import synthetic_motion
 
@@ -32,12 +32,6 @@ C = np.array([0.8, 0.9, 1.0])
 @pytest.fixture(scope="module")
 def lanes():
     return spectrum_lanes(MOTION, DT, P)
-
-
-def test_default_frequency_parameters_are_close_enough_to_interpolate():
-    assert RATES[0] == pytest.approx(0.5)
-    assert RATES[-1] == pytest.approx(8.0)
-    assert np.all(RATES[1:] / RATES[:-1] <= 1.13)
 
 
 def test_the_neighbours_of_bodies_are_the_parameters_on_both_sides_or_the_first_or_last_two():
@@ -143,15 +137,6 @@ def test_lanes_cover_the_restitutions_of_free_blocks_and_the_rebounds_before_a_w
     assert most - 0.01 < found.max() <= most
 
 
-def test_lanes_are_laid_higher_where_the_last_ones_still_stand():
-    """Blocks that overturn from ln x = 1.2 on, above where the lanes were to end."""
-    found = _filled(
-        np.array([2.0]), np.zeros(1), np.full(1, 0.5), lambda log_x, _: np.where(log_x > 1.2, np.inf, 0.5), (0.7, 0.9)
-    )
-    assert found.top[0] > 1.2
-    assert np.max(found.log_x) > 1.2
-
-
 #: Restitutions of the lanes of the next tests, and ln x from uplift to their end at two frequency parameters.
 BETWEEN, LOW, HIGH = (0.7, 0.9), np.array([-0.4, 0.1]), np.array([1.6, 1.4])
 
@@ -198,11 +183,6 @@ def test_lanes_are_placed_and_weighed_as_their_notes_tell():
     assert (found.between, found.side) == ((0.7, 0.9), 0)
 
 
-def test_lanes_up_to_the_most_restitution_stand_for_those_up_to_one():
-    assert _filled(np.ones(1), LOW[:1], HIGH[:1], known_verdicts, (0.7, 0.999)).between == (0.7, 1.0)
-    assert _filled(np.ones(1), LOW[:1], HIGH[:1], known_verdicts, (0.7, 0.99)).between == (0.7, 0.99)
-
-
 @pytest.mark.parametrize(("last", "times"), [(0.92, 1), (0.88, 0), (1.6, 2)])
 def test_lanes_that_stand_in_the_last_tenth_raise_the_top_of_their_own_frequency_parameter(last, times):
     """By 0.7 of ln x each time: from 0 to 1, all overturn from `last` on at one p, and from 0.5 on at the other."""
@@ -211,17 +191,6 @@ def test_lanes_that_stand_in_the_last_tenth_raise_the_top_of_their_own_frequency
         np.ones(2), np.zeros(2), np.ones(2), lambda log_x, _: np.where(log_x > edges, np.inf, 0.5), (0.7, 0.9)
     )
     assert found.top == pytest.approx([1.0 + 0.7 * times, 1.0])
-
-
-def test_the_first_part_is_laid_six_times_at_most():
-    sizes = []
-
-    def never(log_x, restitution):
-        sizes.append(log_x.shape)
-        return np.full(log_x.shape, 0.5)
-
-    _filled(np.ones(1), np.zeros(1), np.ones(1), never, (0.7, 0.9))
-    assert sizes == [(1, 144)] * 6 + [(1, 700)]
 
 
 def test_lanes_before_a_wall_reach_at_least_0_7_above_uplift():

@@ -1,10 +1,87 @@
-"""The motion of floors against closed forms and a slow integration."""
+"""A body and its pedestal as one, and the motion of floors against closed forms and a slow integration."""
 
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
 from rocking import floor_motion
+from rocking.body.block import Block
+from rocking.body.supports import with_pedestal
+
+
+def test_two_parts_of_one_rectangle_are_that_rectangle():
+    whole = Block(width=0.6, height=3.0, mass=900.0)
+    top = Block(width=0.6, height=1.2, mass=360.0)
+    found = with_pedestal(top, 0.6, 1.8, 540.0)
+    for name in ("p", "p_2", "alpha_c", "alpha_2", "radius", "restitution", "mass"):
+        assert float(getattr(found, name)) == pytest.approx(float(getattr(whole, name)), rel=1e-12), name
+
+
+def test_several_pedestals_are_put_together_in_any_grouping():
+    statue = Block.from_corners(0.2, 0.25, 0.9, 0.5, mass=600.0)
+    one = with_pedestal(with_pedestal(statue, 0.7, 0.5, 700.0), 0.7, 0.4, 560.0)
+    both = with_pedestal(statue, 0.7, 0.9, 1260.0)
+    for name in ("p", "p_2", "alpha_c", "alpha_2", "restitution", "restitution_2"):
+        assert float(getattr(one, name)) == pytest.approx(float(getattr(both, name)), rel=1e-12), name
+    # Its centre of mass lies towards the corner nearer to it, and so does that of the whole.
+    assert one.alpha_c < one.alpha_2
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"block": Block(width=0.5, height=1.8)}, "needs the mass of both"),
+        ({"block": Block(width=0.5, height=1.8, mass=1.0, one_sided=True)}, "expected a free one"),
+        ({"width": 0.4}, "at least that of the base on it, 0.5 m, got 0.4"),
+        ({"mass": 0.0}, "pedestal mass"),
+    ],
+)
+def test_what_cannot_stand_is_refused(change, message):
+    given = {"block": Block(width=0.5, height=1.8, mass=600.0), "width": 0.9, "height": 1.2, "mass": 2300.0} | change
+    with pytest.raises(ValueError, match=message):
+        with_pedestal(**given)
+
+
+def test_a_body_without_symmetry_stands_with_the_middle_of_its_base_on_that_of_the_pedestal():
+    """Steiner about the corners of the whole, both of them; at another gravity and with a restitution of its own."""
+    statue = Block.from_corners(0.2, 0.3, 1.0, 0.6, gravity=9.0, mass=600.0)
+    found = with_pedestal(statue.lanes(1), 0.9, 1.2, 2300.0, restitution=0.8)
+    # The centre of the statue is 0.05 to the right of the middle of its base, and of that of the pedestal.
+    x, z = 600.0 * 0.05 / 2900.0, (600.0 * 2.2 + 2300.0 * 0.6) / 2900.0
+    for corner, alpha, p in ((0.45, found.alpha_c, found.p), (-0.45, found.alpha_2, found.p_2)):
+        inertia = 600.0 * (0.6**2 + (0.05 - corner) ** 2 + 2.2**2)
+        inertia += 2300.0 * ((0.9**2 + 1.2**2) / 12.0 + corner**2 + 0.6**2)
+        radius = np.hypot(corner - x, z)
+        assert float(alpha) == pytest.approx(np.arctan(abs(corner - x) / z), rel=1e-12)
+        assert float(p) == pytest.approx(np.sqrt(2900.0 * 9.0 * radius / inertia), rel=1e-12)
+    assert (float(found.mass), found.gravity) == (2900.0, 9.0)
+    assert float(found.restitution) == float(found.restitution_2) == 0.8
+
+
+@pytest.mark.parametrize("name", ["width", "height", "mass"])
+def test_sizes_and_mass_of_a_pedestal_are_above_zero(name):
+    given = {"width": 0.9, "height": 1.2, "mass": 2300.0}
+    for value in (0.0, -1.0, np.nan, [1.0]):
+        with pytest.raises(ValueError, match=f"pedestal {name}"):
+            with_pedestal(Block(width=0.5, height=1.8, mass=600.0), **given | {name: value})
+    assert (
+        with_pedestal(Block(width=1e-3, height=1e-2, mass=1e-3, log=False), **given | {name: 0.1}, restitution=0.8).mass
+        > 0.0
+    )
+
+
+def test_two_bodies_on_one_pedestal_are_refused():
+    with pytest.raises(ValueError, match="2"):
+        with_pedestal(Block(width=[0.5, 0.6], height=1.8, mass=600.0), 0.9, 1.2, 2300.0)
+
+
+def test_of_the_whole_nothing_is_logged(caplog):
+    """It is wider than high, of which its warnings tell."""
+    statue = Block(width=0.5, height=1.8, mass=600.0)
+    caplog.clear()
+    whole = with_pedestal(statue, 3.9, 0.2, 9000.0, restitution=0.5)
+    assert whole.warnings
+    assert not caplog.records
 
 
 def test_a_stiff_building_moves_with_the_ground():
@@ -73,11 +150,6 @@ def test_wrong_modes_are_refused(given, words):
         floor_motion(np.ones(10), 0.01, **given)
 
 
-def test_the_interval_of_the_record_is_one_number():
-    with pytest.raises(ValueError, match="dt: expected a positive number in s"):
-        floor_motion(np.ones(10), [0.01, 0.02], 0.4)
-
-
 def test_the_floor_rings_on_as_if_the_record_went_on_with_zeros_and_ends_where_it_is_quiet():
     ground = np.append(np.random.default_rng(3).normal(size=200), 0.0)
     modes = [0.35, 0.8], [0.05, 0.11], [-0.7, 1.9]
@@ -107,9 +179,3 @@ def test_a_quiet_or_silent_record_is_as_long_as_it_is():
     assert quiet.acceleration[0] != 0.0
     loud = floor_motion(np.full(3, -1.0), 0.01, 0.4, participation=-2.0)
     assert loud.amplification == np.max(np.abs(loud.acceleration))
-
-
-def test_five_hundredths_of_critical_damping_and_a_thousandth_of_a_metre_are_what_is_taken():
-    ground = np.sin(np.arange(100.0) / 5.0)
-    plain, told = floor_motion(ground, 0.01, 0.4), floor_motion(ground, 0.01, 0.4, 0.05, 1.0, 1e-3)
-    assert np.array_equal(plain.acceleration, told.acceleration)

@@ -113,14 +113,7 @@ def test_lanes_are_added_upwards_while_the_highest_ones_stand():
 
 @pytest.mark.parametrize(("low", "pieces"), [(1.3, 2), (1.45, 1)])
 def test_the_lowest_lanes_are_those_of_the_lowest_fifth(low, pieces):
-    march = march_of((low, 9.0), block=BODIES.chosen(np.array([0])))
-    probability_lanes(march, 5.0, np.exp([2.0]))
-    assert [part.log_factor.shape[1] for part in march.parts] == [64, *[32] * (pieces - 1), 192]
-
-
-@pytest.mark.parametrize(("high", "pieces"), [(2.7, 2), (2.55, 1)])
-def test_the_highest_lanes_are_those_of_the_highest_fifth(high, pieces):
-    march = march_of((high, 9.0), block=BODIES.chosen(np.array([0])))
+    march = march_of((low, 9.0), block=BODIES.take(np.array([0])))
     probability_lanes(march, 5.0, np.exp([2.0]))
     assert [part.log_factor.shape[1] for part in march.parts] == [64, *[32] * (pieces - 1), 192]
 
@@ -168,7 +161,7 @@ def test_every_part_has_draws_of_its_own(monkeypatch):
         return varied(self, loss, restitution)
 
     monkeypatch.setattr(Block, "varied", record)
-    march = march_of((-9.0, 4.0), block=BODIES.chosen(np.array([1])))
+    march = march_of((-9.0, 4.0), block=BODIES.take(np.array([1])))
     probability_lanes(march, 7.0, np.exp([3.5]))
     assert [one.size for one, _ in drawn] == [64, *[32] * 7, 192]
     first = [tuple(restitution[:32]) for _, restitution in drawn]
@@ -183,7 +176,7 @@ def test_every_part_has_draws_of_its_own(monkeypatch):
 def test_a_body_without_loss_is_drawn_as_one_that_loses_a_little():
     """C = 1 as 0.999, whether all of its range lies there or its upper end alone."""
     for least in (1.0, 0.99):
-        march = march_of((2.3, 9.0), least=least, most=1.0, block=BODIES.chosen(np.array([0])))
+        march = march_of((2.3, 9.0), least=least, most=1.0, block=BODIES.take(np.array([0])))
         seen = []
         march._outcome = lambda lanes, factor, seen=seen: seen.extend(lanes.restitution) or np.ones(factor.size, int)
         march.evenly(np.array([0]), np.array([1.0]), np.array([2.0]), 32, 0)
