@@ -32,7 +32,8 @@ from typing import NamedTuple
 import numpy as np
 import pandas as pd
 
-from rocking.body.block import STANDARD_GRAVITY, Block
+from rocking.body.block import Block
+from rocking.body.block_lanes import STANDARD_GRAVITY
 from rocking.march.recorded import recorded_response
 from rocking.response import Outcome
 from rocking.search.capacity import uplift_scale

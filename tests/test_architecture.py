@@ -17,33 +17,32 @@ SOURCES = [path for top in TOPS for path in sorted(top.rglob("*.py"))]
 #: The rooms from the ground up, those of one line side by side: a module imports from its own room and from the lines
 #: above its own. A room is the longest of these names that a module's dotted name begins with.
 ROOMS = """
-rocking.arguments rocking.pictures
-rocking.response rocking.lanes
+rocking.arguments rocking.pictures rocking.lanes
+rocking.response
 rocking.body
 rocking.march
 rocking.impulses
 rocking.search
 rocking.spectrum
 rocking
-rockpulse.version rockpulse.failures rockpulse.remark
+rockpulse.version rockpulse.failures rockpulse.remark rockpulse.earthquakes
 rockpulse.errors
 rockpulse.option rockpulse.file_set rockpulse.foreign_text rockpulse.input_file
 rockpulse.input_table
 rockpulse.record
 rockpulse.readers
-rockpulse.calibration
+rockpulse.sequences
+rockpulse.model_row
 rockpulse.model_table
 rockpulse.config
 rockpulse.motions
 rockpulse.storage
 rockpulse.assessment
-rockpulse.studies.accuracy
+rockpulse.studies.selftest
 rockpulse.studies.site
-rockpulse.studies.rule
 rockpulse.studies.fragility
 rockpulse.studies.risk
 rockpulse.studies.check
-rockpulse.studies.paper
 rockpulse.batch
 rockpulse.views.shared
 rockpulse.views.text
@@ -53,7 +52,7 @@ rockpulse.views.report
 rockpulse.commands
 rockpulse.cli
 rockpulse.__main__
-rockpulse.models rockpulse.plots rockpulse.study
+rockpulse.models rockpulse.plots
 rockpulse
 """
 LEVEL = {room: level for level, line in enumerate(ROOMS.split("\n")) for room in line.split()}
@@ -168,7 +167,7 @@ def test_a_wrong_import_is_seen():
     assert upward(module_graph({name: ast.parse(text) for name, text in wrong.items()})) == [
         "rockpulse.record.record -> rockpulse.views.text"
     ]
-    face = {"rockpulse.storage.selection": "def f():\n    import rockpulse", "rockpulse": "pass"}
+    face = {"rockpulse.storage.export.selection": "def f():\n    import rockpulse", "rockpulse": "pass"}
     assert len(upward(module_graph({name: ast.parse(text) for name, text in face.items()}))) == 1
     types = "from typing import TYPE_CHECKING\nif TYPE_CHECKING:\n    from rockpulse.config.bodies import Bodies"
     round_about = {"rockpulse.config.bodies": "import rockpulse.config.settings", "rockpulse.config.settings": types}
@@ -229,10 +228,9 @@ def test_texts_reach_the_terminal_by_one_way():
 def test_the_public_names_are_there():
     import rocking
     import rockpulse
-    from rockpulse.studies import paper
     from rockpulse.views import plots
 
-    for package in (rockpulse, rocking, plots, paper):
+    for package in (rockpulse, rocking, plots):
         tree = ast.parse(Path(package.__file__).with_suffix(".pyi").read_text(encoding="utf-8"))
         named = {alias.asname for node in tree.body if isinstance(node, ast.ImportFrom) for alias in node.names}
         assert named
@@ -244,10 +242,9 @@ def test_the_short_names_are_the_packages_themselves():
     import rocking
     import rockpulse
     from rockpulse import models
-    from rockpulse.studies import paper
     from rockpulse.views import plots
 
-    for short, package in ((models, rocking), (rockpulse.plots, plots), (rockpulse.study, paper)):
+    for short, package in ((models, rocking), (rockpulse.plots, plots)):
         assert short.__all__ == package.__all__
         assert set(dir(short)) >= set(package.__all__)
         assert all(getattr(short, name) is getattr(package, name) for name in package.__all__)

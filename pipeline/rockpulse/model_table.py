@@ -7,28 +7,18 @@ the configuration takes the names of the models from here.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import partial
-from typing import TYPE_CHECKING, Any, Literal
-
-import numpy as np
+from typing import Any
 
 import rocking
 from rocking.response import Response
+from rockpulse.model_row import Equation, Model, Scene, loaded_rule
 from rockpulse.option import Section, boolean, choice, choices, count, number
-from rockpulse.record.half_wave import HalfWaves
-from rockpulse.record.intensity import IntensePhase
-from rockpulse.record.record import Record
-
-if TYPE_CHECKING:
-    from rockpulse.calibration.rule import Rule
 
 #: What a model with an upper bound for its input is called, wherever it is shown.
 UPPER_BOUND = "upper-bound type input"
-
-#: The equations of motion under an accelerogram, by the words of :func:`rocking.recorded_response`.
-Equation = Literal["linear", "nonlinear"]
 
 
 def _resonance(block: rocking.Block, scene: Scene) -> rocking.Response:
@@ -41,7 +31,7 @@ def _resonance(block: rocking.Block, scene: Scene) -> rocking.Response:
 def _search_resonance(block: rocking.Block, scene: Scene) -> rocking.ScaleIntervals:
     if scene.sequence is None:
         return rocking.ScaleIntervals.unknown(block.shape)
-    return rocking.resonance_critical_scale(block, scene.sequence, scene.search.factor_max)
+    return rocking.resonance_critical_scale(block, scene.sequence, scene.factor_max)
 
 
 def _sequence(block: rocking.Block, scene: Scene) -> rocking.Response:
@@ -56,24 +46,18 @@ def _sequence(block: rocking.Block, scene: Scene) -> rocking.Response:
 def _search_sequence(block: rocking.Block, scene: Scene) -> rocking.ScaleIntervals:
     if scene.rule:
         return _search_rule(block, scene, point=scene.rule)
-    one, search = scene.sequence, scene.search
+    one = scene.sequence
     if one is None:
         return rocking.ScaleIntervals.unknown(block.shape)
-    return rocking.sequence_critical_scale(block, one, search.factor_max, search.step, paired=one.shape != ())
+    return rocking.sequence_critical_scale(block, one, scene.factor_max, scene.step, paired=one.shape != ())
 
 
 def _rule(block: rocking.Block, scene: Scene, *, point: str) -> rocking.Response:
-    return rocking.sequence_response(block, _loaded(point).sequence(scene.waves, block), paired=True)
+    return rocking.sequence_response(block, loaded_rule(point).sequence(scene.waves, block), paired=True)
 
 
 def _search_rule(block: rocking.Block, scene: Scene, *, point: str) -> rocking.ScaleIntervals:
-    return _loaded(point).intervals(scene.waves, block, scene.search.factor_max)
-
-
-def _loaded(point: str) -> Rule:
-    from rockpulse.calibration.rule import load_rule
-
-    return load_rule(point)
+    return loaded_rule(point).intervals(scene.waves, block, scene.factor_max)
 
 
 def _impulsive(block: rocking.Block, scene: Scene, scale: Any = None) -> rocking.Response:
@@ -82,16 +66,16 @@ def _impulsive(block: rocking.Block, scene: Scene, scale: Any = None) -> rocking
         scene.waves.centroid,
         scene.waves.impulse,
         duration=scene.record.duration,
-        gain=scene.models.gain,
+        gain=scene.gain,
         scale=1.0 if scale is None else scale,
         history_dt=None if scale is None else scene.record.dt,
     )
 
 
 def _search_impulsive(block: rocking.Block, scene: Scene) -> rocking.ScaleIntervals:
-    waves, search = scene.waves, scene.search
+    waves = scene.waves
     return rocking.impulsive_critical_scale(
-        block, waves.centroid, waves.impulse, scene.models.gain, search.factor_max, search.points
+        block, waves.centroid, waves.impulse, scene.gain, scene.factor_max, scene.points
     )
 
 
@@ -103,7 +87,7 @@ def _recorded(block: rocking.Block, scene: Scene, scale: Any = None, *, equation
         equation=equation,
         vertical=MODELS[equation].vertical_of(scene),
         scale=1.0 if scale is None else scale,
-        history=scene.models.histories if scale is None else True,
+        history=scene.histories if scale is None else True,
     )
 
 
@@ -114,99 +98,9 @@ def _search_recorded(block: rocking.Block, scene: Scene, *, equation: Equation) 
         scene.record.dt,
         equation,
         vertical=MODELS[equation].vertical_of(scene),
-        factor_max=scene.search.factor_max,
-        points=scene.search.points,
+        factor_max=scene.factor_max,
+        points=scene.points,
     )
-
-
-@dataclass(frozen=True)
-class Model:
-    """A row of the table of models: functions, capabilities and words of one model."""
-
-    name: str
-    #: What the legend of a picture calls it, and what a report says of it.
-    label: str
-    words: str
-    #: From (m,) blocks and a record made ready to the answers, and to the factors at which they overturn.
-    respond: Callable[..., rocking.Response]
-    search: Callable[[rocking.Block, Scene], rocking.ScaleIntervals]
-    #: How it is drawn: a colour of the palette of the pictures, a line and a marker as matplotlib takes them.
-    look: tuple[str, str | tuple[float, tuple[float, ...]], str]
-    #: The input: the calibrated sequence, with a time of its own and without any record; the half-waves of the record;
-    #: or its accelerogram.
-    takes: Literal["sequence", "half-waves", "accelerogram"]
-    #: Whether `respond` also takes (q,) factors on the record, and then gives the motion in time under each.
-    follows: bool = False
-    #: The impulses inside the half-cycles that results hold, from which the motion in time is drawn; empty for none.
-    cycles: Literal["", "main", "main and secondary"] = ""
-    #: The equation of motion of :func:`rocking.recorded_response`; None for a model of impulses.
-    equation: Equation | None = None
-    #: Whether it is the full equation of motion: other models are judged by it, and where it is in use results hold its
-    #: probability of overturning.
-    full: bool = False
-    #: Whether it answers unless other models are asked for.
-    default: bool = False
-    #: Whether the vertical acceleration acts.
-    vertical: bool = False
-    #: Whether it is stated for slender blocks only, a slenderness of at least 3 (the linear motion of Eqs. 1-2).
-    slender: bool = True
-    #: What it knows of bodies beside free-standing symmetric ones: some of :data:`rocking.body.block_lanes.FEATURES`.
-    knows: tuple[str, ...] = ()
-    #: Whether it is the working point of that name of the rule.
-    fitted: bool = False
-    #: Whether its sequence is that of `[sequence] method`, and may be another one for each body.
-    paired: bool = False
-    #: Whether its sequence has to end, by a number of main impulses or a duration.
-    needs_end: bool = False
-    #: The key of [search] that sets how finely factors are tried; empty where the factor is known at once.
-    grid: Literal["", "step", "points"] = ""
-    #: How its input is an upper bound, so that its overturning says no more than that a body may be unsafe.
-    upper_bound: str = ""
-
-    @property
-    def searched(self) -> bool:
-        """Whether its factors are found by hundreds of runs, which `[search] intervals` asks for."""
-        return self.grid == "points"
-
-    def rule(self, scene: Scene) -> Rule | None:
-        """The working point of the rule by which the model answers; None where it does not."""
-        point = self.name if self.fitted else scene.rule if self.paired else ""
-        return _loaded(point) if point else None
-
-    def vertical_of(self, scene: Scene) -> np.ndarray | None:
-        """The vertical acceleration that acts by this model."""
-        return scene.vertical if self.vertical else None
-
-    def answers(self, block: rocking.Block, scene: Scene) -> np.ndarray:
-        """True for those of (m,) blocks of which the model knows everything that they have."""
-        return np.asarray(block.known_to(() if self.rule(scene) else self.knows))
-
-    def applicable(self, block: rocking.Block, scene: Scene) -> np.ndarray:
-        """True for those of (m,) blocks that lie in the range of the model; a rule holds for those like its fit's."""
-        within = self.answers(block, scene) & (np.asarray(block.slender) | (not self.slender))
-        rule = self.rule(scene)
-        return within if rule is None else within & rule.applicable(block).reshape(block.shape)
-
-    def response(self, block: rocking.Block, scene: Scene) -> rocking.Response:
-        """The answer for (m,) blocks; UNRESOLVED for those of which the model does not know everything."""
-        known = self.answers(block, scene)
-        if np.all(known):
-            return self.respond(block, scene)
-        if not np.any(known):
-            return Response.unresolved(block.shape, rocking.Reason.NOT_MODELLED)
-        return self.respond(block.take(known), scene).among(known, rocking.Reason.NOT_MODELLED)
-
-    def intervals(self, block: rocking.Block, scene: Scene) -> rocking.ScaleIntervals:
-        """The factors on the input at which (m,) blocks overturn, where [search] asks for them.
-
-        NaN without a search, and for those blocks of which the model does not know everything. A factor at which the
-        model stops answering is a lower bound.
-        """
-        asked = self.name in scene.search.models and (scene.search.intervals or not self.searched)
-        known = self.answers(block, scene) & asked
-        if not np.any(known):
-            return rocking.ScaleIntervals.unknown(block.shape)
-        return self.search(block if np.all(known) else block.take(known), scene).among(known)
 
 
 #: The order is that of results, and the rank: of the models that results hold, the verdict counts the last one.
@@ -349,7 +243,7 @@ class ModelSettings(Section):
 
     heading = "[models]"
     use: tuple[str, ...] = choices(DEFAULT_MODELS, NAMES)
-    gain: str = choice("paper", ("paper", "linear", "exact"))
+    gain: str = choice(Scene.gain, ("paper", "linear", "exact"))
     histories: bool = boolean(False)
 
 
@@ -360,26 +254,10 @@ class SearchSettings(Section):
     heading = "[search]"
     models: tuple[str, ...] = choices(NAMES, NAMES, empty=True)
     intervals: bool = boolean(False)
-    factor_max: float = number(10.0, low=1.0, high=1e6)
-    points: int = count(256, low=2, high=100_000)
-    step: float = number(1.005, low=1.0001)
+    factor_max: float = number(Scene.factor_max, low=1.0, high=1e6)
+    points: int = count(Scene.points, low=2, high=100_000)
+    step: float = number(Scene.step, low=1.0001)
 
-
-@dataclass(frozen=True, eq=False)
-class Scene:
-    """A conditioned record made ready for the models: what was extracted from it, and the options of the models.
-
-    `vertical` is the vertical ground acceleration on the samples of the record, (n,) [m/s2], for the models in which it
-    acts, `phase` the stretch that the sequence is calibrated on. The sequence is None where the phase holds too few
-    half-waves; by a design spectrum it is (m,), one a block, for the paired models alone. `rule` is the working point
-    of the rule by which these answer; empty where they take the sequence.
-    """
-
-    record: Record
-    vertical: np.ndarray | None
-    waves: HalfWaves
-    phase: IntensePhase
-    sequence: rocking.ImpulseSequence | None
-    models: ModelSettings
-    search: SearchSettings
-    rule: str = ""
+    def asks_for(self, model: str) -> bool:
+        """Whether the factors of a model are wanted: of those that take hundreds of runs where `intervals` says so."""
+        return model in self.models and (self.intervals or not MODELS[model].searched)

@@ -6,9 +6,12 @@ import subprocess
 import sys
 from dataclasses import replace
 
+import h5py
+import numpy as np
 import pytest
 from results_tree import results_bytes
 
+import rockpulse as rp
 from rockpulse import __version__, cli
 from rockpulse.cli import build_parser, main
 from rockpulse.commands import VERBS
@@ -55,7 +58,6 @@ def test_without_a_verb_the_whole_help_is_shown(capsys):
     ("arguments", "message"),
     [
         (["asess", "x"], """'completion'); did you mean "assess"?"""),
-        (["rule", "jugde"], 'did you mean "judge"?'),
         (["assess", "x", "-o", "y", "--worker", "3"], 'unrecognized arguments: --worker 3; did you mean "--workers"?'),
         (["assess", "x", "--ouput", "y"], 'required: -o/--output; --ouput is not known; did you mean "--output"?'),
         (["assess", "x", "-output", "y"], 'unrecognized arguments: -output; did you mean "--output"?'),
@@ -150,7 +152,6 @@ def test_the_help_names_every_verb_and_the_exit_codes():
         (["init-config", "-o", "{below}"], "there is no folder"),
         (["init-config", "-o", "{folder}"], "a folder of this name exists"),
         (["init-config", "-o", ""], "--output: expected the name of a file, found nothing"),
-        (["rule", "judge", "x.AT2", "--dt", "nan", "-o", "{new}"], "--dt: expected a number in s > 0"),
         (
             ["convert", "x.AT2", "--units", "gg", "-o", "{new}.csv"],
             """option --units: unknown unit of acceleration 'gg'""",
@@ -259,3 +260,25 @@ def test_an_interruption_is_told_and_has_the_usual_code(monkeypatch, capsys):
     monkeypatch.setattr(cli, "VERBS", (replace(formats.VERB, run=interrupt),))
     assert main(["formats"]) == 130
     assert "interrupted" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("changed", [False, True])
+def test_an_internal_error_is_shown_with_what_differs_in_the_file(changed, tmp_path, monkeypatch, capsys, caplog):
+    path = tmp_path / "results.h5"
+    record = rp.Record(np.sin(np.arange(0.0, 4.0, 0.02)), dt=0.02, id="motion", processed=True)
+    config = rp.Config(models=rp.ModelSettings(use=("resonance",)))
+    rp.save(rp.assess([record], config, {"wall": rp.models.Block(0.1, 1.0)}), path)
+    if changed:
+        with h5py.File(path, "r+") as file:
+            file["summary/pga"].attrs["foreign"] = 1
+    monkeypatch.setattr("rockpulse.views.text.overview.overview", lambda *given, **options: {}["absent"])
+    if not changed:
+        with pytest.raises(KeyError, match="absent"):
+            main(["inspect", str(path)])
+        return
+    assert main(["inspect", str(path)]) == 2
+    said = capsys.readouterr().err
+    assert "KeyError: 'absent'" in said
+    assert "is not as it was written" in said
+    assert "Traceback" not in said
+    assert caplog.records[-1].exc_info[0] is KeyError

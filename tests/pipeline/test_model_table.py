@@ -7,10 +7,22 @@ import numpy as np
 import pytest
 from nominal import Config
 
-from rockpulse import DemandSettings, ModelSettings, RecordSettings, SearchSettings
+from rockpulse import BlockSettings, DemandSettings, ModelSettings, RecordSettings, SearchSettings
 from rockpulse.assessment.assessment import assess
 from rockpulse.assessment.scene import prepare
-from rockpulse.model_table import MODELS, NAMES, USED, critical_scales
+from rockpulse.model_table import (
+    ALL_MODELS,
+    DEFAULT_MODELS,
+    DRAWN,
+    EQUATIONS,
+    FOLLOWING,
+    MODELS,
+    NAMES,
+    SEQUENCE_MODELS,
+    fullest,
+    is_full,
+    is_upper_bound,
+)
 from rockpulse.models import (
     Block,
     Outcome,
@@ -34,32 +46,49 @@ def scene(motion=MOTION, **options):
 
 
 def test_every_model_answers_and_is_searched():
-    one = scene(models=ModelSettings(use=NAMES, auto=True))
-    assert list(critical_scales(BLOCKS, one)) == list(MODELS) == [*NAMES, "auto"]
+    one = scene()
     for name, model in MODELS.items():
         assert model.name == name
         assert model.respond(BLOCKS, one).outcome.shape == (3,), name
+        assert np.isfinite(model.intervals(BLOCKS, one).safety_factor).any(), name
 
 
-@pytest.mark.parametrize("name", [name for name, model in MODELS.items() if model.checkable])
-def test_a_model_that_can_be_checked_takes_factors_on_the_record(name):
+def test_what_models_can_do():
+    assert NAMES == ("resonance", "sequence", "balanced", "conservative", "impulsive", "linear", "nonlinear")
+    assert DEFAULT_MODELS == ("sequence", "nonlinear")
+    assert ALL_MODELS == ("resonance", "sequence", "impulsive", "linear", "nonlinear")
+    assert SEQUENCE_MODELS == ("resonance", "sequence")
+    assert DRAWN == ("nonlinear", "linear", "impulsive", "sequence", "resonance")
+    assert FOLLOWING == ("nonlinear", "linear", "impulsive")
+    assert EQUATIONS == ("nonlinear", "linear")
+    assert (
+        [name for name in NAMES if is_full(name)] == [name for name in NAMES if MODELS[name].vertical] == ["nonlinear"]
+    )
+    assert [name for name in NAMES if is_upper_bound(name)] == ["resonance"]
+    assert not is_full("x")
+    assert not is_upper_bound("x")
+    assert fullest(["nonlinear", "resonance"]) == "nonlinear"
+    assert fullest(["x", "sequence", "resonance"]) == "sequence"
+
+
+@pytest.mark.parametrize("name", FOLLOWING)
+def test_a_model_that_follows_the_record_gives_the_motion_under_it_times_factors(name):
     one = scene()
     answer, both = MODELS[name].respond(BLOCKS, one), MODELS[name].respond(BLOCKS, one, np.array([0.5, 1.0]))
     assert both.outcome.shape == (2, 3)
     assert np.array_equal(both.peak_rotation_ratio[1], answer.peak_rotation_ratio)
-
-
-def test_what_may_have_answered_keeps_its_place_in_the_results():
-    """Files hold these as numbers."""
-    models = ["resonance", "sequence", "balanced", "conservative", "impulsive", "linear", "nonlinear"]
-    assert [*USED] == [*models, "static", "settled"]
+    assert answer.rotation is None
+    assert both.rotation.shape[:2] == (2, 3)
+    largest = np.nanmax(np.abs(BLOCKS.ratio(both.rotation[1].T)), axis=0)
+    rocks = answer.outcome == Outcome.ROCKS
+    assert largest[rocks] == pytest.approx(answer.peak_rotation_ratio[rocks], rel=0.01)
 
 
 def test_the_range_of_a_model():
     squat_and_slender = Block(half_width=[0.5, 0.2], half_height=[1.0, 1.6])
     by_statistics, by_rule = scene(), replace(scene(), rule="conservative")
     inside = {name: model.applicable(squat_and_slender, by_statistics).tolist() for name, model in MODELS.items()}
-    assert {name for name, found in inside.items() if found == [True, True]} == {"nonlinear", "auto"}
+    assert {name for name, found in inside.items() if found == [True, True]} == {"nonlinear"}
     assert all(found[1] for found in inside.values())
     tiny = Block(half_width=[0.02], half_height=[0.16])
     for one, ruled in ((by_statistics, set()), (by_rule, {"sequence"})):
@@ -76,7 +105,7 @@ def test_models_are_told_apart_without_their_colour():
 
 def test_each_model_is_searched_with_its_own_input():
     one = scene(search=SearchSettings(factor_max=5.0, points=40, step=1.02))
-    found = critical_scales(BLOCKS, one)
+    found = {name: MODELS[name].intervals(BLOCKS, one) for name in ALL_MODELS}
     record, waves = one.record, one.waves
     expected = {
         "resonance": resonance_critical_scale(BLOCKS, one.sequence, 5.0),
@@ -93,29 +122,29 @@ def test_each_model_is_searched_with_its_own_input():
 
 
 def test_models_that_are_not_searched_have_no_factor():
-    found = critical_scales(BLOCKS, scene(search=SearchSettings(models=("linear",))))
-    for model, scales in found.items():
-        assert np.all(np.isnan(scales.safety_factor)) == np.all(np.isnan(scales.step)) == (model != "linear")
-        assert (scales.lane.size == 0) == (model != "linear")
-
-
-@pytest.mark.parametrize("use", [("nonlinear",), ("linear",)])
-def test_auto_has_the_factors_of_the_nonlinear_model(use):
-    record = Record(MOTION, 0.01, id="one", processed=True)
-    names = {f"block {k}": BLOCKS.lane(k) for k in range(3)}
-    config = Config(models=ModelSettings(use=use, auto=True))
-    summary = assess([record], config, names)["summary"]
-    known = critical_scale(BLOCKS, MOTION, 0.01, points=config.search.points).safety_factor
-    assert np.array_equal(summary["safety_factor"].sel(model="auto").values[0], known)
+    record, asked = Record(MOTION, 0.01, id="one", processed=True), SearchSettings(models=("linear", "sequence"))
+    for intervals, searched in ((False, {"sequence"}), (True, {"linear", "sequence"})):
+        config = Config(blocks=(BlockSettings(name="a", width=0.2, height=2.0),), search=asked)
+        config = replace(config, search=replace(asked, intervals=intervals))
+        tree = assess([record], config)
+        for model in ALL_MODELS:
+            own = tree["summary"].sel(model=model)
+            assert (
+                np.all(np.isnan(own["safety_factor"]))
+                == np.all(np.isnan(own["search_step"]))
+                == (model not in searched)
+            )
+        rows = np.unique(tree["overturning_intervals"]["model_index"].values)
+        assert {ALL_MODELS[row] for row in rows} <= searched
 
 
 def test_a_record_without_a_sequence_has_no_factors_of_the_sequences():
     one = scene(np.concatenate((np.zeros(50), 0.5 * np.sin(np.linspace(0.0, np.pi, 50)), np.zeros(20))))
     assert one.sequence is None
-    found = critical_scales(BLOCKS, one)
-    assert np.all(np.isnan(found["sequence"].safety_factor))
-    assert np.all(np.isnan(found["resonance"].safety_factor))
-    assert not np.any(np.isnan(found["nonlinear"].safety_factor))
+    found = {name: MODELS[name].intervals(BLOCKS, one).safety_factor for name in ALL_MODELS}
+    assert np.all(np.isnan(found["sequence"]))
+    assert np.all(np.isnan(found["resonance"]))
+    assert not np.any(np.isnan(found["nonlinear"]))
 
 
 def with_free_flight(strength, up):
@@ -134,7 +163,7 @@ def flights():
     """A strong record whose vertical reaches -g at 0.93 of its strength, a weak one without."""
     config = Config(
         records=RecordSettings(include_vertical=True),
-        models=ModelSettings(use=("nonlinear",), auto=True),
+        models=ModelSettings(use=("nonlinear",)),
         demands=(DemandSettings(name="collapse", acceleration=1.0),),
     )
     records = [*with_free_flight(1.0, -10.5), *with_free_flight(0.5, -1.0)]
@@ -153,7 +182,6 @@ def test_what_the_model_cannot_answer_keeps_the_lower_bound_of_the_search(flight
     assert strong["capacity_ratio"].squeeze().values == pytest.approx(capacity.values, rel=1e-12)
     assert np.all(weak["outcome"] != Outcome.UNRESOLVED)
     assert np.array_equal(weak["factor_resolved"] == 1, (weak["safety_factor"] < 9.3) | np.isinf(weak["safety_factor"]))
-    assert np.array_equal(flights["summary"]["factor_resolved"].sel(model="auto"), summary["factor_resolved"])
 
 
 def test_a_lower_bound_is_marked_and_does_not_drop_out_of_the_capacities(flights):

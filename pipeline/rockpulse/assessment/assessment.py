@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from rocking.body.block import Block
 from rocking.march.recorded import sliding_demand
 from rocking.search.capacity import uplift_scale
 from rocking.search.factors import ScaleIntervals
@@ -22,18 +23,18 @@ from rockpulse.assessment.tree import EVENT, build_tree, dimension_of, nothing, 
 from rockpulse.config.bodies import Bodies, Place, gather_bodies
 from rockpulse.config.configuration import Config, given_config
 from rockpulse.failures import Failure
-from rockpulse.model_table import MODELS, Scene
+from rockpulse.model_row import Scene
+from rockpulse.model_table import MODELS
 from rockpulse.motions.directions import Motion, PlannedMotion, swept_directions
 from rockpulse.motions.runner import Analysis, Blocks, Part, Watch, Work, run
 from rockpulse.record.components import Pair
-from rockpulse.record.intensity import pgv
+from rockpulse.record.measures import STORED_OF_BODIES, RecordOnBodies
 from rockpulse.record.record import Record
-from rockpulse.storage.atomic_file import ASSESSMENT
+from rockpulse.storage.hdf5.atomic import ASSESSMENT
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["Assessment", "assess", "assess_motion", "assess_scene"]
 
 #: The motion of a body on the ground without a direction of its own.
 RECORD_ITSELF = Place(None, ())
@@ -194,7 +195,7 @@ def _assess_at(
     """Assess bodies that stand on the same ground or floor, whose peak is `stronger` than that of the ground."""
     lanes = bodies.lanes
     sides = senses(bodies, scene.record)
-    responses = {name: sides.worse(MODELS[name].response(sides.block, scene)) for name in scene.models.use}
+    responses = {name: sides.worse(MODELS[name].response(sides.block, scene)) for name in config.models.use}
     for model, response in responses.items():
         contact = response.ground_contact if MODELS[model].paired else None
         if scene.sequence is not None and contact is not None and np.any(contact):
@@ -219,7 +220,7 @@ def _assess_at(
         bodies=bodies,
         config=config,
         responses=responses,
-        scales={name: sides.smaller(MODELS[name].intervals(sides.block, scene)) for name in responses},
+        scales={name: sides.smaller(_intervals(name, sides.block, scene, config)) for name in responses},
         applicable={name: MODELS[name].applicable(lanes, scene).astype(np.int8) for name in responses},
         probability=overturning.values,
         strength=_strength(scene, bodies, stronger),
@@ -227,14 +228,19 @@ def _assess_at(
     )
 
 
+def _intervals(model: str, block: Block, scene: Scene, config: Config) -> ScaleIntervals:
+    """The factors at which bodies overturn by a model; NaN where they are not asked for."""
+    if not config.search.asks_for(model):
+        return ScaleIntervals.unknown(block.shape)
+    return MODELS[model].intervals(block, scene)
+
+
 def _strength(scene: Scene, bodies: Bodies, stronger: float) -> dict[str, np.ndarray]:
     """The strength of the motion that bodies feel, over theirs; and the friction that it asks for."""
     lanes, record = bodies.lanes.weaker, scene.record
-    found: dict[str, np.ndarray] = {}
-    lifting = uplift_scale(bodies.lanes, np.array([-1.0, 1.0]))
+    on = RecordOnBodies(record, lambda: scene.waves, lanes, uplift_scale(bodies.lanes, np.array([-1.0, 1.0])))
+    found = {measure.name: np.asarray(measure.value(on)) for measure in STORED_OF_BODIES}
     main = np.nan if scene.sequence is None or scene.sequence.shape else float(scene.sequence.main)
-    found["uplift_ratio"] = record.pga / lifting
-    found["velocity_ratio"] = np.asarray(lanes.p * pgv(record) / lifting)
     found["impulse_ratio"] = np.asarray(main / lanes.critical_impulse)
     found["floor_amplification"] = np.full(lanes.shape, stronger)
     friction = np.repeat(bodies.friction, bodies.cases)

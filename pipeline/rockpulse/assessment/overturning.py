@@ -13,14 +13,16 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 from rocking.body.block import Block
-from rocking.spectrum.lanes import RATES, SpectrumLanes, spectrum_lanes
+from rocking.body.limits import RATES
+from rocking.spectrum.lanes import SpectrumLanes, spectrum_lanes
 from rocking.spectrum.overturning import LEAST_SLENDERNESS, OverturningSpectrum, covered_range
 from rocking.spectrum.probability import Uncertainty, factor_at
-from rockpulse.calibration.design_spectrum import at_blocks, within
-from rockpulse.calibration.rule import load_rule
 from rockpulse.record.half_wave import HalfWaves, half_waves
 from rockpulse.record.record import Record
-from rockpulse.storage.spectrum_variables import (
+from rockpulse.sequences.design_spectrum import at_blocks, within
+from rockpulse.sequences.rule import load_rule
+from rockpulse.storage.variables import StoredVariable
+from rockpulse.storage.variables.probability import (
     AXIS_SIZES,
     LEVELS,
     RESTITUTIONS,
@@ -28,12 +30,10 @@ from rockpulse.storage.spectrum_variables import (
     SPECTRUM,
     SPECTRUM_AXES,
 )
-from rockpulse.storage.variables import StoredVariable
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["LANES", "overturning_curve", "overturning_factors", "overturning_spectrum", "spectrum_values"]
 
 #: The angle of the blocks that stand for all [rad]; their capacity over g tan(alpha)/p does not depend on it.
 ALPHA = 0.1
@@ -123,7 +123,7 @@ def overturning_spectrum(
 
 
 def spectrum_values(spectrum: OverturningSpectrum, restitution: np.ndarray = RESTITUTIONS) -> dict[str, np.ndarray]:
-    """The variables of :data:`~rockpulse.storage.spectrum_variables.SPECTRUM` of a spectrum, at nominal C (c,)."""
+    """The variables of :data:`~rockpulse.storage.variables.probability.SPECTRUM` of a spectrum, at nominal C (c,)."""
     least, most = (share * restitution for share in spectrum.uncertainty.restitution)
     if np.any(outside := ~covered_range(least, most, spectrum.lanes.between)):
         # The lanes do not reach down to wide ranges of a low nominal C, and are not dense enough for narrow ones.

@@ -14,20 +14,19 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
+from rocking.body.limits import RATES
 from rocking.search.capacity import uplift_scale
 from rocking.spectrum.body_probability import overturning_probability
-from rocking.spectrum.lanes import LEAST_RESTITUTION, RATES, REBOUNDS, neighbours, spectrum_lanes
+from rocking.spectrum.lanes import LEAST_RESTITUTION, REBOUNDS, neighbours, spectrum_lanes
 from rocking.spectrum.overturning import OverturningFactors, OverturningSpectrum, covered
 from rocking.spectrum.probability import Uncertainty
 from rockpulse.assessment.demand import FARTHEST, demand_factors
 from rockpulse.assessment.senses import senses
 from rockpulse.config.bodies import Bodies
 from rockpulse.config.configuration import Config
-from rockpulse.model_table import Scene
+from rockpulse.model_row import Scene
 from rockpulse.record.record import Record
-from rockpulse.storage.probability_variables import AT_DEMAND, PROBABILITY, READ, SOURCES
-
-__all__ = ["RecordProbability", "record_probability"]
+from rockpulse.storage.variables.probability import AT_DEMAND, PROBABILITY, READ, SOURCES
 
 ENDS = ("", "_low", "_high")
 
@@ -41,7 +40,7 @@ SERVED = {0: (LEAST_RESTITUTION, 1.0), 1: REBOUNDS, -1: REBOUNDS}
 
 @dataclass(frozen=True, eq=False)
 class RecordProbability:
-    """The variables of :data:`~rockpulse.storage.probability_variables.PROBABILITY` and AT_DEMAND under one record.
+    """The variables of :data:`~rockpulse.storage.variables.probability.PROBABILITY` and AT_DEMAND under one record.
 
     Attributes
     ----------
@@ -71,7 +70,7 @@ def record_probability(
     values |= {name: np.full((count, len(config.demands)), np.nan) for name in AT_DEMAND}
     if config.demands:
         blocks = bodies.lanes.take(slice(None, None, bodies.cases)).weaker
-        values["demand_factor"] = demand_factors(channels or [scene.record], blocks, config.demands)
+        values["demand_factor"] = demand_factors(channels or [scene.record], blocks, config)
     values["probability_source"] = np.full(count, SOURCES.index("none"))
     spectrum = None
     if config.has_probability:
@@ -81,7 +80,7 @@ def record_probability(
 
 def _fill(values: dict[str, np.ndarray], scene: Scene, bodies: Bodies, config: Config) -> OverturningSpectrum | None:
     """Put the values of b bodies in; the spectrum where one of them is read from it."""
-    record, uncertainty, limit = scene.record, config.uncertainty.of_draws(), scene.search.factor_max
+    record, uncertainty, limit = scene.record, config.uncertainty.of_draws(), scene.factor_max
     found = senses(bodies, record, bodies.cases)
     origin = np.concatenate([np.arange(found.count), found.both])
     blocks, (least, most) = found.block.weaker, (ends[origin] for ends in _ranges(bodies, uncertainty))

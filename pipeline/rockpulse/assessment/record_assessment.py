@@ -10,18 +10,16 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from rocking.body.limits import RATES
-from rocking.impulses.sequence import ImpulseSequence
+from rocking.impulses.impulse_sequence import ImpulseSequence
 from rocking.response import Response
 from rocking.search.factors import ScaleIntervals
 from rocking.spectrum.overturning import OverturningSpectrum
 from rockpulse.assessment.overturning import spectrum_values
 from rockpulse.config.bodies import Bodies
 from rockpulse.config.configuration import Config
-from rockpulse.model_table import Scene
+from rockpulse.model_row import Scene
 from rockpulse.record.record import Record
-from rockpulse.storage.spectrum_variables import AXIS_SIZES, SPECTRUM
-
-__all__ = ["RecordAssessment", "Rows"]
+from rockpulse.storage.variables.probability import AXIS_SIZES, SPECTRUM
 
 
 class Rows(NamedTuple):

@@ -15,12 +15,12 @@ from rocking.arguments import ArrayLike
 from rocking.body.block import Block
 from rocking.march.recorded import recorded_response
 from rockpulse.record.record import STANDARD_GRAVITY, Record
-from rockpulse.storage.summary_variables import ANSWER, BLOCK, CASE
+from rockpulse.storage.variables.bodies import BLOCK, CASE
+from rockpulse.storage.variables.summary import ANSWER
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["ALPHAS", "P", "rocking_spectrum"]
 
 #: Default frequency parameters [1/s]: R from 7.4 m to 0.2 m.
 P = tuple(np.linspace(1.0, 6.0, 101).round(10).tolist())

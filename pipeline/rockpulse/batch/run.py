@@ -29,7 +29,7 @@ from rockpulse.errors import RecordRefused, ResultsError, StoppedAtFailure
 from rockpulse.failures import Failure, some
 from rockpulse.motions.runner import Analysis
 from rockpulse.readers.folders import Found, check_patterns, find_files
-from rockpulse.storage.save_load import check_target, remove_parts
+from rockpulse.storage.hdf5.atomic import check_target, remove_parts
 
 __all__ = ["BatchReport", "Interrupted", "assess_files", "calibrate_files", "fragility_files"]
 
@@ -162,7 +162,7 @@ def fragility_files(
     ConfigError, ResultsError, StoppedAtFailure, Interrupted
         As :func:`assess_files`.
     """
-    from rockpulse.studies.fragility.assessment import FragilityAnalysis
+    from rockpulse.studies.fragility.analysis import FragilityAnalysis
 
     return _run(FragilityAnalysis(config), paths, output, options or BatchOptions())
 

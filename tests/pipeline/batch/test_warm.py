@@ -19,7 +19,7 @@ from rockpulse import ModelSettings, RecordSettings, SearchSettings
 from rockpulse.assessment.assessment import Assessment
 from rockpulse.batch.warm import warm_up
 from rockpulse.motions.runner import run
-from rockpulse.studies.fragility.assessment import FragilityAnalysis
+from rockpulse.studies.fragility.analysis import FragilityAnalysis
 from rockpulse.studies.site.calibration import SiteCalibration
 
 KERNELS = [path.stem for path in Path(import_module("rocking").__file__).parent.glob("[a-z]*.py")]
@@ -49,7 +49,7 @@ def work(kind):
     if kind == "everything":
         config = rp.Config(
             records=RecordSettings(include_vertical=True, components="strongest"),
-            models=ModelSettings(use=everything, auto=True, predictability=True, histories=True),
+            models=ModelSettings(use=everything, histories=True),
             search=SearchSettings(models=everything, intervals=True, points=16, step=1.2),
         )
     warm_up(Assessment(config, blocks))

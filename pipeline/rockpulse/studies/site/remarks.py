@@ -8,9 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from rockpulse.studies.site.record import USUAL_FACTORS
-
-__all__ = ["FEWEST_EVENTS", "FEWEST_RECORDS", "scaled_far", "site_remarks"]
+from rockpulse.studies.site.records import USUAL_FACTORS
 
 #: With fewer than these the intervals are those of a guess, and are called so.
 FEWEST_RECORDS, FEWEST_EVENTS = 10, 5

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rockpulse.assessment.answers import Answers, lanes
-from rockpulse.record.record import STANDARD_GRAVITY
-from rockpulse.storage.selection import Selection
+from rockpulse.record.measures import STORED
+from rockpulse.storage.export.selection import Selection
 from rockpulse.views.shared.record_marks import doubt_notes, record_cells
 from rockpulse.views.shared.table import Cell, Heading, Table, number, text
 from rockpulse.views.shared.terminal import ABSENT, fixed, paragraph
@@ -28,12 +28,6 @@ WHOLE = 200
 
 #: Worst cases and blocks that are shown, and worst pairs of channels of a sweep.
 WORST, PAIRS = 12, 3
-
-#: What a table of the worst pairs is made of, beside the node /directions.
-OF_PAIRS = (
-    *("restitution", "outcome", "safety_factor", "safe_up_to", "search_step", "factor_resolved"),
-    *("overturning_probability", "factor_10", "factor_10_low"),
-)
 
 
 def is_large(answers: Answers) -> bool:
@@ -61,11 +55,9 @@ def large_overview(answers: Answers, directions: xr.Dataset | None) -> str:
 def _strength(answers: Answers) -> str:
     """The strength of the records."""
     rows = []
-    for title, name, scale, unit in (
-        ("PGA", "pga", STANDARD_GRAVITY, "g"),
-        ("PGV", "pgv", 1.0, "m/s"),
-        ("Arias intensity", "arias_intensity", 1.0, "m/s"),
-        ("main impulse I", "main_impulse", 1.0, "m/s"),
+    for title, name, (_, unit, scale) in (
+        *((row.title, row.name, row.column) for row in STORED),
+        ("main impulse I", "main_impulse", ("I", "m/s", 1.0)),
     ):
         values = answers[name] / scale
         known = values[~np.isnan(values)]
@@ -113,7 +105,7 @@ def _pairs(answers: Answers, directions: xr.Dataset) -> str:
         for table, axis, most in ((key, 1, PAIRS), (answers.by_block(np.fmin, key), 0, WORST))
     )
     part = directions.isel(pair=order, block=blocks).load()
-    few = answers.summary[[*OF_PAIRS, "npts", "warning_codes"]].isel(block=blocks).load()
+    few = answers.summary.isel(block=blocks)
     heading = f"The {order.size} worst of {directions.sizes['pair']} pairs of channels"
     if blocks.size < directions.sizes["block"]:
         heading += f", the {blocks.size} worst of {directions.sizes['block']} blocks"

@@ -10,10 +10,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rocking.response import Outcome
-from rockpulse.assessment.answers import Answers, Margin, bodies_of, complete, fullest_model
+from rockpulse.assessment.answers import Answers, Margin, bodies_of, fullest_model
+from rockpulse.record.measures import PGA, STORED
 from rockpulse.record.record import STANDARD_GRAVITY
-from rockpulse.storage.hdf5_reader import flag_words, pointwise, worded
-from rockpulse.storage.selection import Selection, rows
+from rockpulse.storage.export.selection import Selection, rows
+from rockpulse.storage.hdf5.netcdf4 import flag_words, pointwise, worded
 from rockpulse.views.shared.answer_cells import NAMES, TITLES, answer_cell, factor_cell, marks_of
 from rockpulse.views.shared.record_marks import doubt, doubt_notes
 from rockpulse.views.shared.table import Cell, Heading, Mark, Table, lines, number
@@ -34,7 +35,7 @@ ID_WIDTH = 36
 
 #: Variables of /summary that a verdict is told by, all that a list of cases has columns for, and what else these need.
 VERDICT = ("outcome", "peak_rotation_ratio", "applicable")
-SHOWN = (*VERDICT, "pga", "uplift_ratio", "impulse_ratio", "restitution")
+SHOWN = (*VERDICT, PGA, "uplift_ratio", "impulse_ratio", "restitution")
 BESIDE = ("warning_codes",)
 
 #: The same of a factor, with how far was searched where none was found, and whether the model answers there.
@@ -59,7 +60,6 @@ def case_list(summary: xr.Dataset, selection: Selection) -> str:
 
     Raises ResultsError for a name or variable that is not there.
     """
-    summary = complete(summary)
     if not selection.names.get("model"):
         selection = replace(selection, names={**selection.names, "model": (fullest_model(summary),)})
     dims = [dim for dim in ("record", "block", "case", "model") if dim in summary["outcome"].dims]
@@ -83,10 +83,10 @@ def case_list(summary: xr.Dataset, selection: Selection) -> str:
     table = []
     for k in range(count):
         one = {name: values[k] for name, values in get.items()}
-        pga = one["pga"] / STANDARD_GRAVITY
+        pga = one[PGA] / STANDARD_GRAVITY
         table.append(
             (
-                Cell(shortened(records[k], ID_WIDTH), marks=doubt(one["pga"], one["warning_codes"])),
+                Cell(shortened(records[k], ID_WIDTH), marks=doubt(one[PGA], one["warning_codes"])),
                 Cell(blocks[k]),
                 *([Cell(models[k])] if with_model else []),
                 number(one["restitution"], restitution),
@@ -109,7 +109,8 @@ def record_list(summary: xr.Dataset, selection: Selection) -> str:
     """
     answers, selection = _selected(summary, selection)
     places, found = rows(answers.summary, ["record"], selection)
-    names = ("pga", "pgv", "pgv_drift", "arias_intensity", "main_impulse", "warning_codes")
+    drifts = [f"{one.name}_drift" for one in STORED if one.drifts]
+    names = (*(one.name for one in STORED), *drifts, "main_impulse", "warning_codes")
     get = _values(answers.summary, names, places)
     stated = [column for column in STATED if _known(answers.summary, column[1])]
     shown = (*names, *(name for _, name, _ in stated))
@@ -119,14 +120,19 @@ def record_list(summary: xr.Dataset, selection: Selection) -> str:
     fallen, margins = answers.overturnings("motion"), answers.margins("motion")
     table = []
     for k, row in enumerate(places["record"].tolist()):
-        pga, pgv, drift, arias, impulse, codes = (get[name][k] for name in names)
+        codes = get["warning_codes"][k]
         table.append(
             (
-                Cell(shortened(answers.records[row], ID_WIDTH), marks=doubt(pga, codes)),
-                number(pga / STANDARD_GRAVITY, ratio),
-                number(pgv, ratio, (DRIFT,) if drift else ()),
-                number(arias, ratio),
-                number(impulse, ratio),
+                Cell(shortened(answers.records[row], ID_WIDTH), marks=doubt(get[PGA][k], codes)),
+                *(
+                    number(
+                        get[one.name][k] / one.column[2],
+                        ratio,
+                        (DRIFT,) if one.drifts and get[f"{one.name}_drift"][k] else (),
+                    )
+                    for one in STORED
+                ),
+                number(get["main_impulse"][k], ratio),
                 *(number(of_files[name][k] / scale) for _, name, scale in stated),
                 Cell(str(len(codes.split()) or ""), float(len(codes.split()))),
                 *(cells[k] for cells in extra),
@@ -134,7 +140,8 @@ def record_list(summary: xr.Dataset, selection: Selection) -> str:
                 *_smallest(margins[row], answers.blocks, NAME_WIDTH),
             )
         )
-    of_record = ("record", "PGA/g", "PGV m/s", "Arias m/s", "I m/s", *(title for title, _, _ in stated), "warnings")
+    strengths = (f"{heading}{'/' if unit == 'g' else ' '}{unit}" for heading, unit, _ in (one.column for one in STORED))
+    of_record = ("record", *strengths, "I m/s", *(title for title, _, _ in stated), "warnings")
     titles = (*of_record, *more, "overturns", TITLES[answers.factor], "of")
     notes = [
         f"overturns: blocks that do, by the {answers.model} model; {TITLES[answers.factor]}: smallest known "

@@ -1,0 +1,87 @@
+"""The motion under the limit accelerogram instant by instant, from the table of its half-cycles.
+
+.. note:: Rotations are in units of alpha_c and velocities u = theta'/(p alpha_c). Each half-cycle starts from its own
+   row of the table, so that nothing is carried over from one to the next. The first main impulse is positive: the block
+   starts to rock about its left-hand corner, theta < 0, as in :func:`~rocking.impulses.sequence.impulse_train`.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from rocking.impulses.half_cycle import CRITICAL_TOLERANCE, state
+
+__all__ = ["HalfCycle", "rotation_history", "secondary_impulses"]
+
+#: phi of t_k = (k - phi) dT; for "open" the count of intervals is n + 1.
+_PHASE = {"end": 0.0, "middle": 0.5, "start": 1.0, "open": 0.0}
+
+
+class HalfCycle(NamedTuple):
+    """One row of the table of half-cycles."""
+
+    start_velocity: float  # u_i [-]
+    duration: float  # [s], inf where the block overturns
+    impulse_count: int  # n_i [-]
+    interval: float  # dT_i [s]
+
+
+class _Piece(NamedTuple):
+    """Natural motion from an instant on: time [s], x and x' [-], side."""
+
+    start: float
+    rotation: float
+    velocity: float
+    side: float
+
+
+def secondary_impulses(cycle: HalfCycle, secondary: float, spacing: str) -> tuple[np.ndarray, np.ndarray]:
+    """Times after the main impulse [s] and velocity changes [-] of the secondary impulses in a half-cycle.
+
+    The half-cycle is one that comes back.
+
+    `secondary` is a = u_1 I_s/I, the change of velocity of one of them [-]. The changes are of the velocity away from
+    the ground; the first one is negative. Infinitely many act like half of one at the start and half of one at the end.
+    """
+    if secondary == 0.0:
+        return np.zeros(0), np.zeros(0)
+    if spacing == "continuous":
+        return np.array([0.0, cycle.duration]), np.array([-0.5, 0.5]) * secondary
+    order = np.arange(1, cycle.impulse_count + 1)
+    return (order - _PHASE[spacing]) * cycle.interval, np.where(order % 2, -secondary, secondary)
+
+
+def rotation_history(
+    cycles: list[HalfCycle], p: float, secondary: float, spacing: str, times: np.ndarray
+) -> np.ndarray:
+    """Signed rotation theta/alpha_c [-] at increasing instants from the first main impulse [s], within the half-cycles.
+
+    An overturning half-cycle comes last; `p` is in 1/s and `secondary` is a = u_1 I_s/I [-]. In the half-cycle that
+    overturns the main impulse alone is followed, as in :func:`~rocking.impulse_train`, up to alpha_c; NaN from
+    there on. A block that was given just the critical velocity creeps up to alpha_c for ever.
+    """
+    pieces: list[_Piece] = []
+    start, side = 0.0, -1.0
+    for cycle in cycles:
+        pieces.append(_Piece(start, 0.0, cycle.start_velocity, side))
+        if not math.isfinite(cycle.duration):
+            break
+        offsets, changes = secondary_impulses(cycle, secondary, spacing)
+        for offset, change in zip(offsets.tolist(), changes.tolist(), strict=True):
+            last = pieces[-1]
+            rotation, velocity = state(last.rotation, last.velocity, p * (start + offset - last.start))
+            pieces.append(_Piece(start + offset, rotation, velocity + change, side))
+        start, side = start + cycle.duration, -side
+    table = np.array(pieces)
+    of = np.searchsorted(table[:, 0], times, side="right") - 1
+    begin, rotation, velocity, sides = table[of].T
+    elapsed = p * (times - begin)
+    growing = rotation - 1.0 + velocity
+    growing = np.where(np.abs(growing) <= CRITICAL_TOLERANCE, 0.0, growing)
+    decaying = rotation - 1.0 - velocity
+    x = 1.0 + 0.5 * (growing * np.exp(np.minimum(elapsed, 700.0)) + decaying * np.exp(-elapsed))
+    overturned = (of == len(pieces) - 1) & (not math.isfinite(cycles[-1].duration)) & (x > 1.0)
+    return np.where(overturned, np.nan, sides * x)
