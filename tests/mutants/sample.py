@@ -28,7 +28,7 @@ MODULES = (
     *(f"pipeline/rockpulse/{room}/**/*.py" for room in ("record", "readers", "calibration", "assessment")),
     "pipeline/rockpulse/studies/fragility/*.py",
     "pipeline/rockpulse/views/report/statements.py",
-    "pipeline/rockpulse/batch/plan.py",
+    "pipeline/rockpulse/run/tasks.py",
     "models/rocking/*.py",
 )
 PICTURES = ("models/rocking/*_picture.py", "models/rocking/svg_lines.py")

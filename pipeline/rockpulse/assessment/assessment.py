@@ -23,13 +23,13 @@ from rockpulse.assessment.senses import Senses, senses
 from rockpulse.assessment.tree import EVENT, build_tree, dimension_of, nothing, record_part, template
 from rockpulse.config.bodies import Bodies, Place, gather_bodies
 from rockpulse.config.configuration import Config, given_config
-from rockpulse.failures import Failure
+from rockpulse.errors import Failure
 from rockpulse.ladder import MODELS, USED, Scene, auto_response, critical_scales
 from rockpulse.motions.directions import Motion, PlannedMotion, swept_directions
-from rockpulse.motions.runner import Analysis, Blocks, Part, Watch, Work, run
 from rockpulse.record.components import Pair
 from rockpulse.record.measures import STORED_OF_BODIES, RecordOnBodies
 from rockpulse.record.record import Record
+from rockpulse.run.analysis import Analysis, Blocks, Part, Watch, Work, run
 from rockpulse.storage.atomic_file import ASSESSMENT
 
 if TYPE_CHECKING:

@@ -13,9 +13,8 @@ from rockpulse.assessment.assessment import assess_scene
 from rockpulse.assessment.results import registered
 from rockpulse.assessment.tree import EVENT, build_tree, record_part
 from rockpulse.calibration.design_spectrum import DesignSpectrum
-from rockpulse.config.bodies import gather_bodies, refuse_aloft
+from rockpulse.config.bodies import Blocks, gather_bodies, refuse_aloft
 from rockpulse.config.configuration import Config, given_config
-from rockpulse.config.given_bodies import Blocks
 from rockpulse.errors import ConfigError
 from rockpulse.ladder import SEQUENCE_MODELS, Scene
 from rockpulse.record.half_wave import HalfWaves

@@ -13,9 +13,9 @@ from rocking.floor import floor_motion
 from rocking.response import HalfCycles, Response
 from rocking.scale_search import ScaleIntervals
 from rockpulse.assessment.scene import extract
+from rockpulse.config.block_settings import FloorSettings
 from rockpulse.config.bodies import Bodies, Place
 from rockpulse.config.configuration import Config
-from rockpulse.config.restraint_settings import FloorSettings
 from rockpulse.errors import RecordRefused
 from rockpulse.ladder import Scene
 from rockpulse.motions.directions import FACING_WITHIN

@@ -30,7 +30,7 @@ from rocking.scale_search import ScaleIntervals
 from rocking.sequence import ImpulseSequence
 from rocking.spectrum_lanes import RATES, SpectrumLanes
 from rockpulse.errors import ConfigError
-from rockpulse.input_file import TOML_LIMIT, parse_toml, read_text
+from rockpulse.files import TOML_LIMIT, parse_toml, read_text
 from rockpulse.record.half_wave import HalfWaves
 
 __all__ = ["POINTS", "Rule", "load_rule", "sequence_of_demand", "traits"]

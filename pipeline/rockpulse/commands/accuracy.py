@@ -6,11 +6,10 @@ import argparse
 import sys
 from pathlib import Path
 
+from rockpulse.commands.arguments import add_reading_arguments, reading_options
 from rockpulse.commands.batch_input import nothing_written
-from rockpulse.commands.progress import progress_bars
-from rockpulse.commands.record_input import add_reading_arguments, reading_options
-from rockpulse.commands.telling import QUIET, tell
-from rockpulse.commands.verb import Verb
+from rockpulse.commands.parser import Verb
+from rockpulse.commands.terminal import QUIET, progress_bars, tell
 
 __all__ = ["VERB"]
 

@@ -6,15 +6,14 @@ import argparse
 import sys
 from typing import TYPE_CHECKING
 
-from rockpulse.commands.progress import compiling_told, progress_bars
-from rockpulse.commands.record_input import add_strong_arguments, read_strong
-from rockpulse.commands.telling import QUIET, tell
-from rockpulse.commands.verb import Verb
+from rockpulse.commands.arguments import add_strong_arguments, read_strong
+from rockpulse.commands.parser import Verb
+from rockpulse.commands.terminal import QUIET, compiling_told, progress_bars, tell
 
 if TYPE_CHECKING:
     import pandas as pd
 
-    from rockpulse.failures import Failure
+    from rockpulse.errors import Failure
 
 __all__ = ["VERB"]
 

@@ -6,10 +6,9 @@ import argparse
 import sys
 from pathlib import Path
 
-from rockpulse.commands.progress import compiling_told, progress_bars
-from rockpulse.commands.record_input import add_strong_arguments, read_strong
-from rockpulse.commands.telling import tell
-from rockpulse.commands.verb import Verb
+from rockpulse.commands.arguments import add_strong_arguments, read_strong
+from rockpulse.commands.parser import Verb
+from rockpulse.commands.terminal import compiling_told, progress_bars, tell
 from rockpulse.errors import ConfigError
 
 __all__ = ["VERB"]
@@ -111,7 +110,7 @@ def _run(args: argparse.Namespace) -> int:
 
 
 def _run_codes(args: argparse.Namespace, files: dict[str, Path]) -> int:
-    from rockpulse.config.check_settings import CheckSettings
+    from rockpulse.config.study_settings import CheckSettings
     from rockpulse.storage.save_load import save
     from rockpulse.studies.check.against_histories import check_cases, check_study
     from rockpulse.studies.paper.tables import study_tables

@@ -19,9 +19,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rockpulse.errors import ConfigError, RecordFormatError, RecordRefused, RockpulseError
-from rockpulse.failures import NO_RECORD, Failure
-from rockpulse.input_file import check_regular
+from rockpulse.errors import NO_RECORD, ConfigError, Failure, RecordFormatError, RecordRefused, RockpulseError
+from rockpulse.files import check_regular
 from rockpulse.readers import ReadOptions, read_source
 from rockpulse.readers.archive import Archive, is_archive
 from rockpulse.readers.format import FileSettings

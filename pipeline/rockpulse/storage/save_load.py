@@ -18,7 +18,7 @@ import numpy as np
 from rockpulse.config.configuration import stored_sections
 from rockpulse.config.settings import SPACINGS, SequenceSettings
 from rockpulse.errors import ResultsError, RockpulseError
-from rockpulse.input_file import check_regular
+from rockpulse.files import check_regular
 from rockpulse.remark import find, recognised, with_codes
 from rockpulse.storage.accuracy_variables import REPORT
 from rockpulse.storage.assessment_variables import minor_of

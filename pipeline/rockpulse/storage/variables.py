@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from rockpulse.config.configuration import Config
-    from rockpulse.failures import Failure
+    from rockpulse.errors import Failure
 
 __all__ = [
     "FAILURE",

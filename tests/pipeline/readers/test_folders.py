@@ -16,8 +16,7 @@ from record_writers import csmip_equal, pulse
 from record_writers.renadic import renadic
 from source_files import ONE, TWO, VELOCITY, ids, kinds, make_zip
 
-from rockpulse.errors import ConfigError, RecordFormatError, UnitError
-from rockpulse.failures import Failure
+from rockpulse.errors import ConfigError, Failure, RecordFormatError, UnitError
 from rockpulse.readers import FileSettings, folders
 from rockpulse.readers.folders import (
     Found,

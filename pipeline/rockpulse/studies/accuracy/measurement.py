@@ -11,8 +11,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from rockpulse.errors import ConfigError
-from rockpulse.failures import Failure
+from rockpulse.errors import ConfigError, Failure
 from rockpulse.motions.votes import one_vote_each
 from rockpulse.record.components import select_horizontal
 from rockpulse.record.conditioning import condition

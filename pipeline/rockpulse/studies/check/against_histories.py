@@ -16,7 +16,7 @@ import numpy as np
 import pandas as pd
 
 from rockpulse.assessment.overturning import overturning_factors, overturning_spectrum
-from rockpulse.config.check_settings import CheckSettings
+from rockpulse.config.study_settings import CheckSettings
 from rockpulse.record.intensity import spectral_acceleration
 from rockpulse.record.record import STANDARD_GRAVITY, Record
 from rockpulse.storage.study_variables import CODE_CASES, CODE_RATES, STATEMENTS, STUDY, VERDICTS, described_set

@@ -18,9 +18,9 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from rockpulse.config.check_settings import CODES, CheckSettings
+from rockpulse.config.block_settings import FloorSettings
 from rockpulse.config.configuration import Config
-from rockpulse.config.restraint_settings import FloorSettings
+from rockpulse.config.study_settings import CODES, CheckSettings
 from rockpulse.errors import ConfigError
 from rockpulse.storage.check_variables import CHECK
 from rockpulse.studies.check.histories import of_histories

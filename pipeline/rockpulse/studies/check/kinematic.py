@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from rocking.block import Block
-from rockpulse.config.check_settings import CheckSettings
+from rockpulse.config.study_settings import CheckSettings
 from rockpulse.studies.check.codes import circolare_2009, worst
 from rockpulse.studies.check.mechanism import senses_of
 

@@ -12,12 +12,12 @@ import numpy as np
 from rocking.capacity import uplift_scale
 from rockpulse.config.bodies import gather_bodies
 from rockpulse.config.configuration import Config, given_config
-from rockpulse.failures import Failure, some
+from rockpulse.errors import Failure, some
 from rockpulse.motions.directions import PlannedMotion, planned_ids
-from rockpulse.motions.runner import Analysis, Blocks, Part, Prepared, Work, run
 from rockpulse.motions.tables import selection_of
 from rockpulse.motions.votes import unmatched_patterns
 from rockpulse.record.record import Record
+from rockpulse.run.analysis import Analysis, Blocks, Part, Prepared, Work, run
 from rockpulse.storage.fragility_variables import FRAGILITY
 from rockpulse.studies.fragility.capacity import Lanes, motion_capacity, nothing
 from rockpulse.studies.fragility.results import build_fragility_tree

@@ -16,11 +16,11 @@ from rockpulse.config.configuration import Config
 from rockpulse.errors import TooWeak
 from rockpulse.ladder import Scene
 from rockpulse.motions.directions import Motion
-from rockpulse.motions.runner import Part, Watch
 from rockpulse.motions.tables import Selection
 from rockpulse.record.components import Pair
 from rockpulse.record.intensity import pgv
 from rockpulse.record.measures import MEASURES, RecordOnBodies
+from rockpulse.run.analysis import Part, Watch
 from rockpulse.storage.fact_variables import FACTS, facts_of
 from rockpulse.storage.fragility_variables import QUALITIES
 from rockpulse.studies.fragility.limit_states import NOT_KNOWN, reached_at, scale_capacities

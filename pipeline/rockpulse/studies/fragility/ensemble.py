@@ -16,11 +16,11 @@ import numpy as np
 from scipy.special import stdtr
 
 from rockpulse.config.configuration import Config, config_from_text
-from rockpulse.config.fragility_settings import OVERTURNING
+from rockpulse.config.study_settings import OVERTURNING
 from rockpulse.motions.events import FEWEST_EVENTS
-from rockpulse.motions.runner import Part, joined
 from rockpulse.motions.tables import Selection
 from rockpulse.record.measures import MEASURES
+from rockpulse.run.analysis import Part, joined
 from rockpulse.storage.fact_variables import FACTS
 from rockpulse.storage.fragility_variables import QUALITIES, STATED, TESTED, Status
 from rockpulse.studies.fragility.capacity import nothing

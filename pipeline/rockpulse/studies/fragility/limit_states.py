@@ -12,7 +12,7 @@ from rocking.block import Block
 from rocking.capacity import critical_scale, uplift_scale
 from rocking.recorded import recorded_response
 from rocking.response import Outcome
-from rockpulse.config.fragility_settings import OVERTURNING, UPLIFT
+from rockpulse.config.study_settings import OVERTURNING, UPLIFT
 from rockpulse.ladder import Scene
 
 #: Stands for a motion that the model cannot resolve.

@@ -10,10 +10,10 @@ import xarray as xr
 
 from rocking.block import Block
 from rockpulse.config.configuration import Config
-from rockpulse.failures import Failure
-from rockpulse.motions.runner import Part
+from rockpulse.errors import Failure
 from rockpulse.motions.tables import Selection
 from rockpulse.record.measures import MEASURES, REFERENCE
+from rockpulse.run.analysis import Part
 from rockpulse.storage.fragility_variables import (
     CAPACITIES,
     COORDINATES,

@@ -19,8 +19,7 @@ from scipy.special import stdtrit
 from rocking.block import Block
 from rockpulse.config.configuration import config_from_text
 from rockpulse.errors import ConfigError
-from rockpulse.input_file import read_text
-from rockpulse.input_table import numbers, table_of
+from rockpulse.files import numbers, read_text, table_of
 from rockpulse.record.measures import PGA
 from rockpulse.storage.risk_variables import INVENTORY, RiskStatus
 from rockpulse.studies.risk.body_curves import BodyCurves, chosen, curves_in_parts, event_weights, spectra_of

@@ -21,8 +21,7 @@ from rocking.recorded import recorded_response
 from rocking.response import Outcome
 from rockpulse.calibration.rule import traits
 from rockpulse.config.settings import RecordSettings
-from rockpulse.errors import ConfigError, RockpulseError
-from rockpulse.failures import Failure, some
+from rockpulse.errors import ConfigError, Failure, RockpulseError, some
 from rockpulse.motions.doubt import unconfirmed
 from rockpulse.motions.events import group_events
 from rockpulse.motions.votes import one_vote_each, unmatched_patterns

@@ -17,8 +17,7 @@ import numpy as np
 import pandas as pd
 
 from rockpulse.calibration.rule import POINTS, Rule
-from rockpulse.errors import ConfigError
-from rockpulse.failures import Failure
+from rockpulse.errors import ConfigError, Failure
 from rockpulse.storage.rule_variables import RULE_KIND, RULE_TABLES
 from rockpulse.studies.rule.cases import SCALES, fitted_range
 from rockpulse.studies.rule.measures import MEASURES

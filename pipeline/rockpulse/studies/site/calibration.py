@@ -13,12 +13,11 @@ from rockpulse.calibration.response_targets import block_family
 from rockpulse.config.bodies import gather_bodies, refuse_aloft
 from rockpulse.config.configuration import Config, given_config, located
 from rockpulse.config.settings import WEIGHTS
-from rockpulse.errors import ConfigError, RecordRefused
-from rockpulse.failures import Failure, alike, told
+from rockpulse.errors import ConfigError, Failure, RecordRefused, alike, told
 from rockpulse.motions.directions import PlannedMotion, planned_ids
-from rockpulse.motions.runner import Analysis, Blocks, Part, Prepared, Work, joined, run
 from rockpulse.motions.tables import read_weight_table, record_weights
 from rockpulse.record.record import Record
+from rockpulse.run.analysis import Analysis, Blocks, Part, Prepared, Work, joined, run
 from rockpulse.storage.site_variables import SITE_KIND
 from rockpulse.studies.site.record import no_site_record, site_record
 from rockpulse.studies.site.spectrum import no_spectrum_record, site_spectrum_record

@@ -20,8 +20,8 @@ from rockpulse.assessment.overturning import LANES
 from rockpulse.config.configuration import Config
 from rockpulse.errors import RecordRefused
 from rockpulse.motions.directions import Motion
-from rockpulse.motions.runner import Part, Watch
 from rockpulse.record.half_wave import half_waves
+from rockpulse.run.analysis import Part, Watch
 from rockpulse.storage.spectrum_variables import RESTITUTIONS
 from rockpulse.studies.site.record import facts_of_record, no_facts, scaled_motion
 from rockpulse.studies.site.remarks import FEWEST_EVENTS

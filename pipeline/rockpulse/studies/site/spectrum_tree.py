@@ -13,7 +13,7 @@ from rocking.block import Block
 from rocking.spectrum_lanes import RATES
 from rockpulse.calibration.design_spectrum import DesignSpectrum
 from rockpulse.config.configuration import Config
-from rockpulse.failures import Failure
+from rockpulse.errors import Failure
 from rockpulse.storage.site_spectrum_variables import SITE, SITE_AXES, SPECTRA, SPECTRA_AXES
 from rockpulse.storage.site_variables import OF_RECORDS, SITE_KIND
 from rockpulse.storage.spectrum_variables import RESTITUTIONS

@@ -12,7 +12,7 @@ import xarray as xr
 from rocking.block import Block
 from rocking.sequence import ImpulseSequence, sequence_response
 from rockpulse.config.configuration import Config
-from rockpulse.failures import Failure
+from rockpulse.errors import Failure
 from rockpulse.storage.site_variables import COORDINATES, PARAMETER, SITE_KIND, VARIABLES
 from rockpulse.storage.variables import failure_table, with_values
 from rockpulse.studies.site.coverage import coverage_of, judged, leave_one_event_out, unjudged_events

@@ -14,7 +14,7 @@ from rocking.recorded import recorded_response
 from rocking.response import Response
 from rockpulse.assessment.places import floor_record
 from rockpulse.assessment.senses import acting
-from rockpulse.config.restraint_settings import floors_from_text
+from rockpulse.config.block_settings import floors_from_text
 from rockpulse.errors import ResultsError
 from rockpulse.motions.directions import FACING_WITHIN
 from rockpulse.views.plots.motion import STORE, had_vertical, stored_record

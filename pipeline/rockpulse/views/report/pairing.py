@@ -11,8 +11,7 @@ import numpy as np
 
 from rockpulse.assessment.answers import Answers, Body, bodies_of
 from rockpulse.config.configuration import stored_sections
-from rockpulse.errors import ResultsError
-from rockpulse.failures import some
+from rockpulse.errors import ResultsError, some
 from rockpulse.record.measures import PGA
 from rockpulse.storage.fragility_variables import FRAGILITY
 from rockpulse.storage.hdf5_reader import flag_words

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from rockpulse.errors import ResultsError
-from rockpulse.file_set import FileSet
+from rockpulse.files import FileSet
 from rockpulse.foreign_text import escaped
 from rockpulse.storage.fragility_variables import FRAGILITY
 from rockpulse.storage.save_load import ASSESSMENT, load, named

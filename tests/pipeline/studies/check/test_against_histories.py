@@ -9,7 +9,7 @@ import pytest
 
 import rockpulse as rp
 from rockpulse.cli import main
-from rockpulse.config.check_settings import CheckSettings
+from rockpulse.config.study_settings import CheckSettings
 from rockpulse.record.intensity import spectral_acceleration
 from rockpulse.studies.accuracy.model_form import blocks
 from rockpulse.studies.check.against_histories import ALLOWED, check_cases, check_rates, check_study

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 import rockpulse as rp
-from rockpulse.config.check_settings import CODES, CheckSettings
-from rockpulse.config.restraint_settings import FloorSettings
+from rockpulse.config.block_settings import FloorSettings
+from rockpulse.config.study_settings import CODES, CheckSettings
 from rockpulse.errors import ConfigError
 from rockpulse.studies.check.codes import (
     circolare_2009,

@@ -12,7 +12,7 @@ from scipy.special import ndtr
 import rockpulse as rp
 from rockpulse import models
 from rockpulse.calibration.design_spectrum import at_blocks
-from rockpulse.config.hazard_settings import HazardSettings
+from rockpulse.config.study_settings import HazardSettings
 from rockpulse.studies.risk.body_curves import curves_in_parts
 from rockpulse.studies.risk.hazard_files import site_hazards_of
 from rockpulse.studies.risk.inventory import half_widths

@@ -12,8 +12,7 @@ from made_up_cases import made_up
 import rockpulse as rp
 from rockpulse.assessment.scene import extract
 from rockpulse.calibration.rule import POINTS, Rule, load_rule
-from rockpulse.errors import ConfigError
-from rockpulse.failures import Failure
+from rockpulse.errors import ConfigError, Failure
 from rockpulse.ladder import MODELS
 from rockpulse.models import Outcome
 from rockpulse.record.intensity import pgv

@@ -11,12 +11,11 @@ import pytest
 import rockpulse as rp
 from rockpulse import CalibrationSettings, RecordSettings, RunSettings
 from rockpulse.config.configuration import Config
-from rockpulse.errors import ConfigError, RecordRefused
-from rockpulse.failures import Failure
+from rockpulse.errors import ConfigError, Failure, RecordRefused
 from rockpulse.models import Block
-from rockpulse.motions.runner import worked
 from rockpulse.motions.tables import record_weights
 from rockpulse.record.measures import SCALING
+from rockpulse.run.analysis import worked
 from rockpulse.studies.site import record as site_record
 from rockpulse.studies.site.calibration import SiteCalibration
 
