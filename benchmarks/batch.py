@@ -37,7 +37,8 @@ from rockpulse.cli import main as rockpulse
 from rockpulse.config.configuration import Config
 from rockpulse.ladder import ALL_MODELS
 from rockpulse.record.synthetic import synthetic_motion
-from rockpulse.run.batch import BatchOptions, BatchReport, assess_files
+from rockpulse.run.batch import assess_files
+from rockpulse.run.options import BatchOptions, BatchReport
 
 SAMPLES = 6000
 DT = 0.01  # s

@@ -63,11 +63,11 @@ from .record.pair_conditioning import condition_pair as condition_pair
 from .record.record import Record as Record
 from .record.rotation import rotate as rotate
 from .record.rotation import strongest_azimuth as strongest_azimuth
-from .run.batch import BatchOptions as BatchOptions
-from .run.batch import BatchReport as BatchReport
 from .run.batch import assess_files as assess_files
 from .run.batch import calibrate_files as calibrate_files
 from .run.batch import fragility_files as fragility_files
+from .run.options import BatchOptions as BatchOptions
+from .run.options import BatchReport as BatchReport
 from .storage.design_file import load_design as load_design
 from .storage.long_table import results_table as results_table
 from .storage.save_load import save as save

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from rockpulse.errors import Failure
-    from rockpulse.run.batch import BatchOptions
+    from rockpulse.run.options import BatchOptions
 
 __all__ = ["add_batch_arguments", "batch_given", "batch_options", "nothing_written", "recorded", "told"]
 
@@ -60,7 +60,7 @@ def batch_given(args: argparse.Namespace) -> list[str]:
 
 def batch_options(args: argparse.Namespace) -> BatchOptions:
     """The options by which the batch is carried out."""
-    from rockpulse.run.batch import BatchOptions
+    from rockpulse.run.options import BatchOptions
 
     return BatchOptions(
         workers=args.workers,

@@ -13,7 +13,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
@@ -29,18 +29,7 @@ from rockpulse.record.record import Record
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = [
-    "Analysis",
-    "Blocks",
-    "Part",
-    "Prepared",
-    "Watch",
-    "Work",
-    "joined",
-    "run",
-    "unwatched",
-    "worked",
-]
+__all__ = ["Analysis", "Blocks", "Part", "Prepared", "Watch", "Work", "joined", "run", "unwatched", "worked"]
 
 logger = logging.getLogger("rockpulse")
 
@@ -154,15 +143,13 @@ def run(
 
 def _checked(records: Iterable[Record]) -> list[Record]:
     """The records as a list; a ConfigError for anything else, such as the path of a file or one record alone."""
-    found: list[object] = [records] if isinstance(records, (str, Path, Record)) else list(records)
-    checked = []
+    found: list[Any] = [records] if isinstance(records, (str, Path, Record)) else list(records)
     for one in found:
         if not isinstance(one, Record):
             raise ConfigError(
                 f"records: expected Records, as rockpulse.read and rockpulse.read_all return them, found {one!r:.80}"
             )
-        checked.append(one)
-    return checked
+    return found
 
 
 def unwatched(step: str) -> AbstractContextManager[None]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import chain
@@ -28,7 +29,7 @@ from rockpulse.storage.variables import failure_table
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["RUN_DIGEST", "RUN_ID", "JournalParts", "assemble", "is_assembled", "run_digest", "write_results"]
+__all__ = ["RUN_DIGEST", "RUN_ID", "JournalParts", "assemble", "run_of", "write_results"]
 
 #: Attribute of the root: the run that wrote the file, as its journal names it.
 RUN_ID = "run_id"
@@ -104,7 +105,7 @@ def assemble(
     `template` is the tree without a record, `parts` what each record adds to it, in the order of the rows. They are
     gone through twice, for their sizes first; an iterator, which can be gone through once, is refused. At most `chunk`
     bytes of arrays, or the largest part, are put together before they are written, which bounds the memory. `run` are
-    attributes by which :func:`is_assembled` and :func:`run_digest` know the file again.
+    attributes by which :func:`run_of` knows the file again.
 
     Raises
     ------
@@ -113,37 +114,39 @@ def assemble(
     """
     if iter(parts) is parts:
         raise TypeError("parts: expected what can be iterated twice (a list, JournalParts), found an iterator")
-    measured = _measure(parts)
-    pairs = _present(swept or {}, measured.records)
+    records: list[str] = []
+    lengths: dict[str, int] = defaultdict(int)  # of each variable that grows
+    size = 0  # that the values take in the file, about [bytes]
+    for part in parts:
+        records += part["/summary/record"].tolist()
+        for name, values in part.items():
+            lengths[name] += len(values)
+            size += _stored_bytes(values)
+    known = set(records)
+    pairs = {pair: ids for pair, ids in (swept or {}).items() if not known.isdisjoint(ids)}
+    directions = template["directions"].to_dataset() if "directions" in template.children else None
+    if directions is not None:
+        of_pairs = [one for one in directions.variables.values() if one.dims[0] == "pair"]
+        size += len(pairs) * sum(one.dtype.itemsize * int(np.prod(one.shape[1:])) for one in of_pairs)
     check_described(template, path)
     attrs = provenance(template.attrs) | dict(run or {})
-    size = _size(measured, template, len(pairs))
     with replacing(path, overwrite, attrs["kind"], size) as target, TreeWriter(target, attrs) as writer:
-        _lay_out(writer, template, measured.sizes, failures, len(pairs))
+        _lay_out(writer, template, lengths, failures, len(pairs))
         _write_parts(writer, parts, chunk)
-        if "directions" in template.children:
-            _write_directions(writer, template["directions"].to_dataset(), pairs, measured.records, chunk)
-    return len(measured.records)
+        if directions is not None:
+            _write_directions(writer, directions, pairs, records, chunk)
+    return len(records)
 
 
-def is_assembled(path: str | os.PathLike[str], run_id: str) -> bool:
-    """Whether a run, whose journal is still there, has written this file, which need not exist."""
-    return _attribute(path, RUN_ID) == run_id
-
-
-def run_digest(path: str | os.PathLike[str]) -> str:
-    """What the run was asked for that has written this file; an empty text where there is none that says so."""
-    return _attribute(path, RUN_DIGEST)
-
-
-def _attribute(path: str | os.PathLike[str], name: str) -> str:
+def run_of(path: str | os.PathLike[str]) -> tuple[str, str]:
+    """Id and digest of the run that has written a file; empty texts where there is none that says so."""
     import h5py
 
     if not Path(path).is_file() or not h5py.is_hdf5(path):
-        return ""
+        return "", ""
     try:
         with h5py.File(path, "r") as file:
-            return str(file.attrs.get(name, ""))
+            return str(file.attrs.get(RUN_ID, "")), str(file.attrs.get(RUN_DIGEST, ""))
     except (OSError, RuntimeError) as error:
         raise ResultsError(
             f"{path}: the file is damaged ({error}); remove it by hand, or give --overwrite together with --resume",
@@ -151,47 +154,10 @@ def _attribute(path: str | os.PathLike[str], name: str) -> str:
         ) from error
 
 
-@dataclass(frozen=True)
-class _Measured:
-    """Ids of the records, (group, dimension number) sizes, and bytes of all parts."""
-
-    records: list[str]
-    sizes: dict[str, int]
-    content: int
-
-
-def _measure(parts: Iterable[Part]) -> _Measured:
-    records: list[str] = []
-    sizes: dict[str, int] = {}
-    content = 0
-    for part in parts:
-        records += part["/summary/record"].tolist()
-        for path, values in part.items():
-            sizes[path] = sizes.get(path, 0) + len(values)
-            content += _stored_bytes(values)
-    return _Measured(records, sizes, content)
-
-
 def _stored_bytes(values: np.ndarray) -> int:
     if values.dtype.kind != "U":
         return values.nbytes
     return sum(PER_TEXT + len(text.encode("utf-8", "surrogateescape")) for text in values.ravel().tolist())
-
-
-def _present(swept: Mapping[str, Sequence[str]], records: Sequence[str]) -> dict[str, Sequence[str]]:
-    """The pairs of which at least one direction is a record."""
-    known = set(records)
-    return {pair: ids for pair, ids in swept.items() if not known.isdisjoint(ids)}
-
-
-def _size(measured: _Measured, template: xr.DataTree, pairs: int) -> int:
-    """The room that the values take in the file, about [bytes]."""
-    if not pairs:
-        return measured.content
-    swept = template["directions"].to_dataset().variables.values()
-    return measured.content + pairs * sum(
-        variable.dtype.itemsize * int(np.prod(variable.shape[1:])) for variable in swept if variable.dims[0] == "pair"
-    )
 
 
 def _lay_out(

@@ -1,8 +1,6 @@
-"""Named arrays as bytes and back, fast and without pickle: what a worker sends and the journal keeps.
+"""Named arrays as bytes, and frames in a file: a head of a few names and a body of bytes, each found and checked alone.
 
-Frames in a file, one after the other: a head of a few names and a body of bytes, each found and checked by itself.
-
-Whatever is damaged in such a file costs the frames that it is in, and no other one.
+Whatever is damaged in a file of frames costs the frames that it is in, and no other one.
 """
 
 from __future__ import annotations
@@ -13,29 +11,24 @@ import os
 import struct
 import zlib
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from io import FileIO
 from typing import Any, NamedTuple
 
 import numpy as np
 
-__all__ = [
-    "MARK",
-    "Body",
-    "Frame",
-    "Frames",
-    "append",
-    "frames_of",
-    "is_beginning",
-    "pack",
-    "parts_of",
-    "unpack",
-]
-
-#: What a packed part begins with.
+#: What packed arrays begin with.
 MAGIC = b"RPA1"
 #: Kinds of numpy types that are packed: numbers and texts, nothing that could hold an object.
 KINDS = "biufU"
+
+#: What every frame begins with; the byte after the letters is the version.
+MARK = b"\x89RPJ\x03\r\n\x1a"
+#: The beginning of a frame: the mark, the bytes of the head, those of the body, and a CRC of both and of the head.
+START = struct.Struct("<8sQQI")
+#: Largest head [bytes].
+HEAD = 64 * 1024**2
+#: What is read at once where the beginning of a frame is looked for [bytes].
+READ_AT_ONCE = 1024**2
 
 
 def pack(arrays: Mapping[str, np.ndarray]) -> bytes:
@@ -56,14 +49,11 @@ def pack(arrays: Mapping[str, np.ndarray]) -> bytes:
     >>> unpack(pack({"a": np.arange(3.0), "b": np.array(["x", "yz"])}))["b"].tolist()
     ['x', 'yz']
     """
-    header, content = [], []
     for name, array in arrays.items():
         if array.dtype.kind not in KINDS:
             raise TypeError(f"{name}: expected numbers or texts, found an array of type {array.dtype}")
-        header.append((name, array.dtype.str, array.shape))
-        content.append(array.tobytes())
-    text = json.dumps(header).encode()
-    return b"".join([MAGIC, len(text).to_bytes(8, "little"), text, *content])
+    text = json.dumps([(name, array.dtype.str, array.shape) for name, array in arrays.items()]).encode()
+    return b"".join([MAGIC, len(text).to_bytes(8, "little"), text, *(array.tobytes() for array in arrays.values())])
 
 
 def unpack(packed: bytes) -> dict[str, np.ndarray]:
@@ -90,38 +80,27 @@ def unpack(packed: bytes) -> dict[str, np.ndarray]:
     return arrays
 
 
-#: What every frame begins with; the byte after the letters is the version.
-MARK = b"\x89RPJ\x03\r\n\x1a"
-#: The beginning of a frame: the mark, the bytes of the head, those of the body, and a CRC of both and of the head.
-START = struct.Struct("<8sQQI")
-#: Largest head [bytes].
-HEAD = 64 * 1024**2
-#: What is read at once where the beginning of a frame is looked for [bytes].
-READ_AT_ONCE = 1024**2
-
-
-class Body(NamedTuple):
-    """The body of a frame, which may not be as it was written."""
-
-    place: int  # in the file
-    parts: tuple[tuple[int, int], ...]  # size and CRC of each part as it was written
-
-
 class Frame(NamedTuple):
-    """A frame whose head is as it was written."""
+    """A frame whose head is as it was written; its body may not be."""
 
     head: dict[str, Any]
-    body: Body
-    end: int  # its place in the file
+    body: int  # place of the body in the file
+    sizes: tuple[tuple[int, int], ...]  # size and CRC of each part of the body as it was written
 
+    @property
+    def end(self) -> int:
+        """Its place in the file."""
+        return self.body + sum(size for size, _ in self.sizes)
 
-@dataclass(frozen=True)
-class Frames:
-    """Everything that is found in a file."""
-
-    found: tuple[Frame, ...]  # in their order
-    end: int  # of the last one, from which on another is written
-    gaps: int  # places where a frame should begin and none does, other than one at the end that was cut off
+    def parts(self, file: FileIO) -> tuple[bytes, ...] | None:
+        """The parts of the body; None where they are not as they were written."""
+        parts, place = [], self.body
+        for size, crc in self.sizes:
+            parts.append(_read(file, place, size))
+            place += size
+            if len(parts[-1]) != size or zlib.crc32(parts[-1]) != crc:
+                return None
+        return tuple(parts)
 
 
 def append(file: FileIO, place: int, head: dict[str, Any], parts: Sequence[bytes]) -> Frame:
@@ -131,7 +110,7 @@ def append(file: FileIO, place: int, head: dict[str, Any], parts: Sequence[bytes
     """
     sizes = tuple((len(part), zlib.crc32(part)) for part in parts)
     text = json.dumps({**head, "parts": sizes}).encode()
-    body = sum(size for size, _ in sizes)
+    body = sum(map(len, parts))
     start = START.pack(MARK, len(text), body, _crc(len(text), body, text))
     try:
         file.seek(place)
@@ -141,43 +120,33 @@ def append(file: FileIO, place: int, head: dict[str, Any], parts: Sequence[bytes
     except OSError:
         file.truncate(place)
         raise
-    begin = place + len(start) + len(text)
-    return Frame(head, Body(begin, sizes), begin + body)
+    return Frame(head, place + len(start) + len(text), sizes)
 
 
-def frames_of(file: FileIO) -> Frames:
-    """All frames of a file whose heads are as they were written."""
+def frames_of(file: FileIO) -> tuple[list[Frame], int, int]:
+    """All frames of a file whose heads are as they were written, in their order; the end of the last one; and the gaps.
+
+    Gaps are places where a frame should begin and none does, other than one at the end that was cut off.
+    """
     size = file.seek(0, os.SEEK_END)
     found: list[Frame] = []
     place = end = gaps = 0
     cut_off = True
     while place < size:
-        frame = _frame(file, place, size)
-        if frame is not None:
+        if (frame := _frame(file, place, size)) is not None:
             gaps += place > end
             found.append(frame)
             place = end = frame.end
-            continue
-        cut_off = cut_off if place > end else _is_cut_off(file, place, size)
-        place = _next_mark(file, place + 1, size)
-    return Frames(tuple(found), end, gaps + (end < size and not cut_off))
+        else:
+            cut_off = cut_off if place > end else _is_cut_off(file, place, size)
+            place = _next_mark(file, place + 1, size)
+    return found, end, gaps + (end < size and not cut_off)
 
 
 def is_beginning(file: FileIO) -> bool:
     """Whether a file without a frame is what a frame begins with, or the first bytes of that."""
     start = _read(file, 0, len(MARK))
     return start == MARK[: len(start)]
-
-
-def parts_of(file: FileIO, body: Body) -> tuple[bytes, ...] | None:
-    """The parts of the body of a frame; None where they are not as they were written."""
-    parts, place = [], body.place
-    for size, crc in body.parts:
-        parts.append(_read(file, place, size))
-        place += size
-        if len(parts[-1]) != size or zlib.crc32(parts[-1]) != crc:
-            return None
-    return tuple(parts)
 
 
 def _frame(file: FileIO, place: int, size: int) -> Frame | None:
@@ -194,11 +163,11 @@ def _frame(file: FileIO, place: int, size: int) -> Frame | None:
         return None
     try:
         head = json.loads(text)
-        parts = tuple((int(part), int(checksum)) for part, checksum in head.pop("parts"))
+        sizes = tuple((int(part), int(checksum)) for part, checksum in head.pop("parts"))
     except (ValueError, TypeError, KeyError, AttributeError, RecursionError):  # made by somebody else
         return None
-    whole = all(part >= 0 for part, _ in parts) and sum(part for part, _ in parts) == body
-    return Frame(head, Body(begin, parts), begin + body) if whole else None
+    whole = all(part >= 0 for part, _ in sizes) and sum(part for part, _ in sizes) == body
+    return Frame(head, begin, sizes) if whole else None
 
 
 def _is_cut_off(file: FileIO, place: int, size: int) -> bool:

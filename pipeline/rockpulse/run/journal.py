@@ -1,6 +1,4 @@
-"""A file that one process at a time has open; the system gives the lock back with the process, however it ends.
-
-The journal of a run: what is finished, durable as soon as it is, in one file beside the output.
+"""The journal of a run: what is finished, durable as soon as it is, in one file beside the output.
 
 The file, ``results.h5.journal``, is a row of frames (`rockpulse.run.frames`), one for the run and one for each
 outcome, exclusively locked by the run that writes it; the lock goes with the process, however it ends. It does not look
@@ -13,34 +11,28 @@ import os
 import secrets
 import sys
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from io import FileIO
 from pathlib import Path
-from types import TracebackType
 from typing import Any, Self
 
 from rockpulse.errors import Failure, ResultsError
 from rockpulse.files import check_regular
-from rockpulse.run.frames import MARK, Body, Frame, append, frames_of, is_beginning, parts_of
+from rockpulse.run.frames import MARK, Frame, append, frames_of, is_beginning
 from rockpulse.storage.atomic_file import flush, journal_path
 
-__all__ = [
-    "UNFINISHED",
-    "Done",
-    "Journal",
-    "JournalError",
-    "holder",
-    "journal_path",
-    "open_locked",
-]
+__all__ = ["UNFINISHED", "Done", "Journal", "JournalError", "holder", "journal_path", "open_locked"]
 
-#: How long another process may take to begin or to end before it counts as being at work [s].
-PATIENCE = 1.0
-#: How long is waited before the lock is asked for again [s].
-PAUSE = 0.02
+#: Fingerprint of a task that broke off for want of its file or of memory, or by a fault of the program. No task has it:
+#: a run that is resumed tries again.
+UNFINISHED = ""
+
+#: How long another process may take to begin or to end before it counts as being at work, and how long is waited before
+#: the lock is asked for again [s].
+PATIENCE, PAUSE = 1.0, 0.02
 
 if sys.platform == "win32":
     import msvcrt
@@ -93,15 +85,6 @@ def holder(path: Path) -> str:
     return "another process"
 
 
-#: Fingerprint of a task that broke off for want of its file or of memory, or by a fault of the program. No task has it:
-#: a run that is resumed tries again.
-UNFINISHED = ""
-
-#: Beginnings of the journals of other versions: frames of another kind, and before them a database of sqlite with a
-#: name of ours at its place in the header.
-OTHER_FRAMES, DATABASE, OUR_DATABASE = MARK[:4], b"SQLite format 3\0", (68, b"RPJ")
-
-
 @dataclass(frozen=True)
 class Done:
     """The outcome of a task."""
@@ -121,15 +104,6 @@ class JournalError(ResultsError):
         super().__init__(message, tells_resume)
 
 
-@dataclass(frozen=True, slots=True)
-class _Kept:
-    """An outcome, and where its parts are."""
-
-    fingerprint: str
-    failures: tuple[Failure, ...]
-    body: Body
-
-
 class Journal:
     """The finished tasks of a run, in a file; made by :meth:`open`, to be used in a ``with`` block.
 
@@ -139,18 +113,17 @@ class Journal:
 
     def __init__(self, path: Path, file: FileIO) -> None:
         """Find what a locked file keeps; the run, when it began, and where the next frame is written."""
-        frames = frames_of(file)
-        self.path, self.gaps = path, frames.gaps
-        self.run_id, self.started, self._end = "", "", frames.end
+        frames, self._end, self.gaps = frames_of(file)
+        self.path, self.run_id, self._started = path, "", ""
         self._file, self._identity = file, _identity(os.fstat(file.fileno()))
-        self._kept: dict[str, _Kept] = {}
-        for frame in frames.found:
+        self._kept: dict[str, Frame] = {}
+        for frame in frames:
             if not _is_ours(frame.head):
                 self.gaps += 1
                 continue
-            self.run_id, self.started = frame.head["run"], frame.head["started"]
+            self.run_id, self._started = frame.head["run"], frame.head["started"]
             if "key" in frame.head:
-                self._keep(frame)
+                self._kept[frame.head["key"]] = frame
 
     @classmethod
     def open(cls, target: str | os.PathLike[str], resume: bool = False, overwrite: bool = False) -> Journal:
@@ -198,12 +171,15 @@ class Journal:
         """Whether the file is still the one that was opened; who removes it takes the finished records with it."""
         return _identity_of(self.path) == self._identity
 
+    @property
+    def worth(self) -> set[str]:
+        """Keys of the tasks that need not be done again, of whatever run."""
+        return {key for key, frame in self._kept.items() if frame.head["fingerprint"] != UNFINISHED}
+
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
-    ) -> None:
+    def __exit__(self, *error: object) -> None:
         self.close()
 
     def close(self) -> None:
@@ -212,18 +188,21 @@ class Journal:
 
     def remove(self) -> None:
         """Remove the file, as the output is complete, and close it; one that has taken its place stays."""
-        if not self.in_place:
-            self._file.close()
-        elif os.name == "posix":  # before the lock is given back, lest it be somebody else's; elsewhere one cannot
+        in_place = self.in_place
+        if in_place and os.name == "posix":  # before the lock is given back, lest it be somebody else's
             self.path.unlink(missing_ok=True)
-            self._file.close()
-        else:
-            self._file.close()
+        self._file.close()
+        if in_place and os.name != "posix":  # where an open file cannot be removed
             self.path.unlink(missing_ok=True)
 
     def finished(self) -> dict[str, str]:
         """Fingerprint of each finished task, by key."""
-        return {key: kept.fingerprint for key, kept in self._kept.items()}
+        return {key: frame.head["fingerprint"] for key, frame in self._kept.items()}
+
+    def failures(self) -> dict[str, list[Failure]]:
+        """The failures of each finished task that has some, by key."""
+        rows = {key: frame.head["failures"] for key, frame in self._kept.items()}
+        return {key: [Failure(*row) for row in found] for key, found in rows.items() if found}
 
     def add(self, done: Done) -> None:
         """Keep the outcome of a task in place of an earlier one; it is on the disk when this returns.
@@ -242,12 +221,11 @@ class Journal:
         rows = [[*map(_in_utf8, (row.file, row.stage, row.reason, row.kind))] for row in done.failures]
         outcome = {"key": done.key, "fingerprint": done.fingerprint, "failures": rows}
         try:
-            self._keep(self._append(outcome, done.parts))
+            self._kept[done.key] = self._append(outcome, done.parts)
         except OSError as error:
-            count = sum(kept.fingerprint != UNFINISHED for kept in self._kept.values())
             raise JournalError(
-                f"{self.path}: cannot keep the result of {done.key}: {error.strerror or error}; the {count} finished "
-                "before are kept: make room on the disk, then give the same command with --resume"
+                f"{self.path}: cannot keep the result of {done.key}: {error.strerror or error}; the {len(self.worth)} "
+                "finished before are kept: make room on the disk, then give the same command with --resume"
             ) from error
 
     def parts(self, key: str) -> tuple[bytes, ...]:
@@ -272,71 +250,56 @@ class Journal:
             del self._kept[key]
         return sorted(dropped)
 
-    def failures(self) -> dict[str, tuple[Failure, ...]]:
-        """The failures of each finished task that has some, by key."""
-        return {key: kept.failures for key, kept in self._kept.items() if kept.failures}
-
     def _take_up(self, resume: bool, overwrite: bool) -> None:
         """Go on behind what is kept, or begin anew."""
         if not self.run_id and not is_beginning(self._file):
-            raise JournalError(f"{self.path}: {_foreign(self._file)}")
+            self._file.seek(0)
+            if self._file.read(4) == MARK[:4]:
+                raise JournalError(
+                    f"{self.path}: the journal of a run of another version of rockpulse; resume the run with that "
+                    "version, or remove the file"
+                )
+            raise JournalError(
+                f"{self.path}: expected the journal of a run of rockpulse, found another file, which is left alone; "
+                "choose another output, or remove the file by hand"
+            )
         if self.run_id and resume:
-            if self._file.seek(0, os.SEEK_END) > self._end:  # behind it lies what was cut off
-                self._file.truncate(self._end)
+            self._file.truncate(self._end)  # behind it lies what was cut off
             return
-        count = sum(kept.fingerprint != UNFINISHED for kept in self._kept.values())
+        count = len(self.worth)
         if count and not overwrite:
             raise JournalError(
-                f"{self.path}: a run that began {self.started} was stopped with {count} record{'s' * (count != 1)} "
+                f"{self.path}: a run that began {self._started} was stopped with {count} record{'s' * (count != 1)} "
                 "done; go on with --resume, or begin anew with --overwrite"
             )
         self._file.truncate(0)
         self._end, self._kept = 0, {}
-        self.run_id, self.started = secrets.token_hex(16), f"{datetime.now(UTC):%Y-%m-%d %H:%M} UTC"
+        self.run_id, self._started = secrets.token_hex(16), f"{datetime.now(UTC):%Y-%m-%d %H:%M} UTC"
         self._append({})
         if os.name == "posix":  # elsewhere a folder cannot be opened
             flush(self.path.parent, os.O_RDONLY)
 
-    def _append(self, outcome: dict[str, Any], parts: tuple[bytes, ...] = ()) -> Frame:
-        head = {"run": self.run_id, "started": self.started, **outcome}
-        frame = append(self._file, self._end, head, parts)
+    def _append(self, outcome: dict[str, Any], parts: Iterable[bytes] = ()) -> Frame:
+        head = {"run": self.run_id, "started": self._started, **outcome}
+        frame = append(self._file, self._end, head, tuple(parts))
         self._end = frame.end
         return frame
 
-    def _keep(self, frame: Frame) -> None:
-        failures = tuple(Failure(*row) for row in frame.head["failures"])
-        self._kept[frame.head["key"]] = _Kept(frame.head["fingerprint"], failures, frame.body)
-
     def _parts(self, key: str) -> tuple[bytes, ...] | None:
         try:
-            return parts_of(self._file, self._kept[key].body)
+            return self._kept[key].parts(self._file)
         except OSError as error:
             raise JournalError(f"{self.path}: cannot be read: {error.strerror or error}") from error
 
 
 def _is_ours(head: Mapping[str, Any]) -> bool:
     """Whether the head of a frame has what is asked of it: anybody can make one."""
-    names = ("run", "started") if "key" not in head else ("run", "started", "key", "fingerprint")
-    rows = head.get("failures", [])
+    names = ("run", "started", "key", "fingerprint") if "key" in head else ("run", "started")
+    rows = head.get("failures", None if "key" in head else [])
     return (
         all(isinstance(head.get(name), str) for name in names)
         and isinstance(rows, list)
         and all(isinstance(row, list) and len(row) == 4 and all(isinstance(one, str) for one in row) for row in rows)
-    )
-
-
-def _foreign(file: FileIO) -> str:
-    """Of what is no journal of this version: what it is, and what to do."""
-    file.seek(0)
-    content = file.read(128)
-    at, name = OUR_DATABASE
-    if content.startswith(OTHER_FRAMES) or (content.startswith(DATABASE) and content[at : at + len(name)] == name):
-        return (
-            "the journal of a run of another version of rockpulse; resume the run with that version, or remove the file"
-        )
-    return (
-        "expected the journal of a run of rockpulse, found another file, which is left alone; choose another output, "
-        "or remove the file by hand"
     )
 
 

@@ -1,8 +1,6 @@
-"""A worker process: takes calls from its pipe, sends back what they return, ends with its parent.
+"""Worker processes as an executor: a pipe to each, so that the death of one is known at once and costs one item.
 
 Nothing heavy is imported here: a worker is up at once, and what it works with comes with the first call.
-
-Worker processes as an executor: a pipe to each, so that the death of one is known at once and costs one item.
 """
 
 from __future__ import annotations
@@ -13,24 +11,23 @@ import pickle
 import signal
 import threading
 import traceback
-from collections.abc import Callable, Iterator
-from concurrent.futures import Executor, Future, ThreadPoolExecutor
-from contextlib import contextmanager
+from collections.abc import Callable
+from concurrent.futures import Future, ThreadPoolExecutor
 from multiprocessing.connection import Connection, wait
 from multiprocessing.context import SpawnProcess
 from multiprocessing.resource_tracker import ensure_running
 from typing import Any
 
 from rocking.threads import thread_limit
-from rockpulse.version import __version__
 
-__all__ = [
-    "WorkerDied",
-    "WorkerProcesses",
-    "call",
-    "serve",
-    "version",
-]
+__all__ = ["WorkerDied", "WorkerProcesses", "call", "serve"]
+
+#: How often a worker may be killed while it starts before that is taken for more than bad luck.
+STARTS = 5
+#: Variables of the environment that tell libraries of linear algebra their number of threads.
+ALGEBRA = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
+#: Signals can be masked for one thread (not on Windows).
+MASKS = hasattr(signal, "pthread_sigmask")
 
 
 def call(function: Callable[[Any], Any], item: Any) -> Any:
@@ -39,13 +36,8 @@ def call(function: Callable[[Any], Any], item: Any) -> Any:
         return function(item)
 
 
-def version() -> str:
-    """The version of rockpulse that this process works with."""
-    return __version__
-
-
 def serve(pipe: Connection) -> None:
-    """Answer the letters that come through the pipe until the parent closes it or is gone.
+    """Answer the letters that come through the pipe until the parent closes it or is gone: the life of a worker.
 
     The first message is "ready". A letter is the pickled triple (function, arguments, keywords). The answer is the
     pickled pair (True, result) or (False, exception); the exception carries the traceback as a note.
@@ -73,34 +65,23 @@ def _answer(letter: bytes) -> bytes:
         function, args, kwargs = pickle.loads(letter)
         return pickle.dumps((True, function(*args, **kwargs)), protocol=5)
     except BaseException as error:  # SystemExit too: whatever the function raises is for the parent to see
-        return _report(error)
-
-
-def _report(error: BaseException) -> bytes:
-    error.add_note(f"in worker process {os.getpid()}:\n{traceback.format_exc()}")
-    try:
-        report = pickle.dumps((False, error), protocol=5)
-        pickle.loads(report)
-    except Exception:  # an exception with arguments of its own often does not come back from pickle
-        substitute = RuntimeError(f"{type(error).__name__}: {error}")
-        substitute.add_note(error.__notes__[-1])
-        report = pickle.dumps((False, substitute), protocol=5)
-    return report
-
-
-#: How often a worker may be killed while it starts before that is taken for more than bad luck.
-STARTS = 5
-#: Variables of the environment that tell libraries of linear algebra their number of threads.
-ALGEBRA = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
-#: Signals can be masked for one thread (not on Windows).
-MASKS = hasattr(signal, "pthread_sigmask")
+        note = f"in worker process {os.getpid()}:\n{traceback.format_exc()}"
+        error.add_note(note)
+        try:
+            report = pickle.dumps((False, error), protocol=5)
+            pickle.loads(report)
+        except Exception:  # an exception with arguments of its own often does not come back from pickle
+            substitute = RuntimeError(f"{type(error).__name__}: {error}")
+            substitute.add_note(note)
+            report = pickle.dumps((False, substitute), protocol=5)
+        return report
 
 
 class WorkerDied(RuntimeError):
     """The process that worked on an item was killed or ended itself."""
 
 
-class WorkerProcesses(Executor):
+class WorkerProcesses(ThreadPoolExecutor):
     """An executor of processes that are started afresh (spawn), with one thread of this process for each.
 
     A process is started with the first call that no other is free for, and again after a death. A future raises the
@@ -111,27 +92,25 @@ class WorkerProcesses(Executor):
     def __init__(self, workers: int) -> None:
         if MASKS:
             ensure_running()  # before the threads block SIGINT: it unblocks the signal when it starts its own process
-        self._threads = ThreadPoolExecutor(
-            workers, "rockpulse-worker", initializer=_leave_interrupts_to_the_main_thread
-        )
+        super().__init__(workers, "rockpulse-worker", initializer=_leave_interrupts_to_the_main_thread)
         self._own = threading.local()
         self._changing = threading.Lock()
-        self._processes: list[SpawnProcess] = []
+        self._workers: list[SpawnProcess] = []
         self._ended = False
 
     def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
         """Have a worker call ``fn(*args, **kwargs)``, all of which must pickle."""
-        return self._threads.submit(self._ask, fn, args, kwargs)
+        return super().submit(self._ask, fn, args, kwargs)
 
     def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
         """End all workers at once, whatever they are at, and leave none behind."""
         with self._changing:
             self._ended = True
-            for process in self._processes:
+            for process in self._workers:
                 process.kill()
-        self._threads.shutdown(wait=True, cancel_futures=True)
-        while self._processes:
-            self._processes.pop().join()
+        super().shutdown(wait=True, cancel_futures=True)
+        while self._workers:
+            self._workers.pop().join()
 
     def _ask(self, function: Callable[..., Any], args: tuple[Any, ...], kwargs: dict[str, Any]) -> Any:
         letter = pickle.dumps((function, args, kwargs), protocol=5)
@@ -156,9 +135,16 @@ class WorkerProcesses(Executor):
                 if self._ended:
                     raise ChildProcessError("the worker processes have been ended")
                 process = multiprocessing.get_context("spawn").Process(target=serve, args=(theirs,), daemon=True)
-                with _algebra_on_one_thread():
+                # A library of linear algebra starts a thread for each core in every process; those of several workers
+                # wait for each other so much that two workers took three times as long as one thread each.
+                unsaid = [name for name in ALGEBRA if name not in os.environ]
+                os.environ.update(dict.fromkeys(unsaid, "1"))
+                try:
                     process.start()
-                self._processes.append(process)
+                finally:
+                    for name in unsaid:
+                        del os.environ[name]
+                self._workers.append(process)
             theirs.close()  # the worker has the only copy now: its death is the end of the pipe
             try:
                 ours.recv_bytes()  # its first message: it is ready
@@ -181,34 +167,16 @@ class WorkerProcesses(Executor):
             process.join(5.0)
             process.kill()
             process.join()
-            if process in self._processes:
-                self._processes.remove(process)
+            if process in self._workers:
+                self._workers.remove(process)
         assert process.exitcode is not None  # it has been waited for
         return process.exitcode
 
 
-@contextmanager
-def _algebra_on_one_thread() -> Iterator[None]:
-    """Let processes that are started meanwhile do linear algebra on one thread, unless the user has said otherwise.
-
-    A library of linear algebra starts a thread for each core in every process; those of several workers wait for each
-    other so much that two workers took three times as long as one thread each.
-    """
-    ours = [name for name in ALGEBRA if name not in os.environ]
-    os.environ.update(dict.fromkeys(ours, "1"))
-    try:
-        yield
-    finally:
-        for name in ours:
-            del os.environ[name]
-
-
 def _fate(code: int) -> str:
-    return (
-        f"ended itself with exit code {code}"
-        if code >= 0
-        else f"was killed by signal {-code} ({signal.strsignal(-code)})"
-    )
+    if code >= 0:
+        return f"ended itself with exit code {code}"
+    return f"was killed by signal {-code} ({signal.strsignal(-code)})"
 
 
 def _leave_interrupts_to_the_main_thread() -> None:

@@ -1,7 +1,4 @@
-"""A record without its samples, and where they are.
-
-The first look at every file: what is in it, without its samples.
-"""
+"""The first look at every file: what is in it, without its samples, and where these are."""
 
 from __future__ import annotations
 
@@ -19,17 +16,10 @@ from rockpulse.errors import Failure, RecordRefused, RockpulseError
 from rockpulse.readers import ReadOptions, read_source
 from rockpulse.readers.archive import Archive
 from rockpulse.readers.folders import Found, in_order, open_files, read_failure, read_opened, sample_digest, settled
-from rockpulse.readers.source import SourceFile, folder_station_files, open_source
+from rockpulse.readers.source import folder_station_files, open_source
 from rockpulse.record.record import Record
 
-__all__ = [
-    "FileSurvey",
-    "Located",
-    "Place",
-    "gather",
-    "survey_file",
-    "unexpected",
-]
+__all__ = ["FileSurvey", "Located", "Place", "gather", "survey_file", "unexpected"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,7 +61,9 @@ class Located:
 
 
 def _samples(part: Place, options: ReadOptions, source: str) -> np.ndarray:
-    records = _channels(part.path, part.member, _state(part.path), options)
+    file = Path(part.path).stat()
+    state = (file.st_mtime_ns, file.st_size, file.st_ino)  # changes when the content does
+    records = _channels(part.path, part.member, state, options)
     found = records[part.channel] if part.channel < len(records) else None
     if found is None or found.source_sha256 != part.source_sha256 or sample_digest(found) != part.digest:
         which = source if source == part.path else f"{source}: {part.path}"
@@ -82,25 +74,15 @@ def _samples(part: Place, options: ReadOptions, source: str) -> np.ndarray:
     return found.acceleration
 
 
-def _state(path: str) -> tuple[int, int, int]:
-    """Properties of a file that change when its content does."""
-    state = Path(path).stat()
-    return state.st_mtime_ns, state.st_size, state.st_ino
-
-
 @lru_cache(maxsize=2)
 def _channels(path: str, member: int | None, state: tuple[int, int, int], options: ReadOptions) -> tuple[Record, ...]:
     """Every channel of a file; the last ones are kept, for the tasks of a file's channels follow one another."""
-    return tuple(read_source(_opened(path, member, state), options))
-
-
-def _opened(path: str, member: int | None, state: tuple[int, int, int]) -> SourceFile:
     if member is None:
-        return open_source(Path(path))
+        return tuple(read_source(open_source(Path(path)), options))
     archive = _archive(path, state)
     if member >= len(archive.names):
         raise RecordRefused(f"{path}: the archive has lost members since the beginning of this run")
-    return archive.member(member)
+    return tuple(read_source(archive.member(member), options))
 
 
 @lru_cache(maxsize=1)
@@ -168,13 +150,12 @@ def gather(
     """
     by_file = {str(one.path): survey for one, survey in surveys}
     ordered = [by_file[str(one.path)] for one in found if str(one.path) in by_file]
-    every = [one for survey in ordered for one in survey.located]
-    places = {id(one.record): one for one in every}
+    located = {id(one.record): one for survey in ordered for one in survey.located}
     rows = [*failures, *(row for survey in ordered for row in survey.failures)]
-    whole, duplicates = settled([one.record for one in every], lambda record: places[id(record)].digest)
-    located = [_joined(record, [places[id(piece)] for piece in pieces]) for record, pieces in whole]
-    return located, sorted([*rows, *duplicates], key=in_order)
-
-
-def _joined(record: Record, pieces: Sequence[Located]) -> Located:
-    return Located(record.without_samples(), tuple(part for piece in pieces for part in piece.parts))
+    records = [one.record for one in located.values()]
+    whole, duplicates = settled(records, lambda record: located[id(record)].digest)
+    joined = [
+        Located(record.without_samples(), tuple(part for piece in pieces for part in located[id(piece)].parts))
+        for record, pieces in whole
+    ]
+    return joined, sorted([*rows, *duplicates], key=in_order)

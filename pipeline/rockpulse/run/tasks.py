@@ -1,9 +1,4 @@
-"""The tasks of a batch, decided on records without their samples: one task for each channel or pair.
-
-The work of a worker: read the samples of a task, work on them, send back bytes and rows, never an exception.
-
-Kernels compiled before the workers start: then each of them loads the cache, and none compiles for itself.
-"""
+"""The tasks of a batch, one for each channel or pair: decided on records without their samples, done by a worker."""
 
 from __future__ import annotations
 
@@ -11,19 +6,18 @@ import hashlib
 import logging
 import time
 import traceback
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, fields, replace
 from functools import lru_cache
 from pathlib import Path
 from threading import get_ident
-from typing import TypeVar
+from typing import Any
 
 import rocking
 from rocking.block import Block
 from rockpulse.config.configuration import Config, located
 from rockpulse.config.settings import SECTIONS, CalibrationSettings
-from rockpulse.config.study_settings import FragilitySettings
 from rockpulse.errors import Failure, RockpulseError
 from rockpulse.motions.directions import PlannedMotion, conditioned_motions
 from rockpulse.motions.tables import selection_of
@@ -33,20 +27,11 @@ from rockpulse.record.synthetic import synthetic_motion
 from rockpulse.run.analysis import Analysis, Work, unwatched, worked
 from rockpulse.run.frames import pack
 from rockpulse.run.journal import UNFINISHED, Done
-from rockpulse.run.survey import Located, unexpected
+from rockpulse.run.survey import Located, Place, unexpected
 from rockpulse.storage.save_load import SCHEMA_VERSION
 from rockpulse.version import __version__
 
-__all__ = [
-    "Task",
-    "carry_out",
-    "configuration_fingerprint",
-    "digest_of",
-    "program_digest",
-    "read_options",
-    "tasks_of",
-    "warm_up",
-]
+__all__ = ["Task", "carry_out", "configuration_fingerprint", "digest_of", "read_options", "tasks_of", "warm_up"]
 
 #: Sections of the configuration on which no record's numbers depend, by verb.
 IDLE = {
@@ -61,17 +46,13 @@ LATE = ("weights", "design", "quantile", "bootstrap")
 OF_MATCHING = ("family", "confidence")
 OF_FITS = ("model", "overturning_model", "confidence")
 
-SettingsOf = TypeVar("SettingsOf", CalibrationSettings, FragilitySettings)
-
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Task:
     """A channel, or a pair to be rotated, with everything that is known of it but the samples; small, and picklable."""
 
     planned: PlannedMotion  # without samples
-    channels: tuple[Located, ...]  # with the ids and warnings that the plan gave them
-    vertical: Located | None
-    partner: Located | None
+    places: Mapping[str, tuple[Place, ...]]  # of the samples of every record in it, by id
     fingerprint: str  # SHA-256 of all that the answer depends on: samples, metadata, configuration, version
 
     @property
@@ -82,25 +63,32 @@ class Task:
     @property
     def source(self) -> str:
         """The files, as rows of failures name them."""
-        return BETWEEN.join(dict.fromkeys(channel.record.source for channel in self.channels))
+        return BETWEEN.join(dict.fromkeys(channel.source for channel in self.planned.channels))
 
     def read(self, options: ReadOptions) -> PlannedMotion:
         """The planned motion with its samples, read with the options of the survey; raises as `Located.read`."""
-        channels = tuple(channel.read(options) for channel in self.channels)
-        vertical, partner = (None if one is None else one.read(options) for one in (self.vertical, self.partner))
-        return replace(self.planned, channels=channels, vertical=vertical, partner=partner)
+        planned = self.planned
+        channels = [Located(one, self.places[one.id]).read(options) for one in planned.channels]
+        vertical, partner = (
+            None if one is None else Located(one, self.places[one.id]).read(options)
+            for one in (planned.vertical, planned.partner)
+        )
+        return replace(planned, channels=tuple(channels), vertical=vertical, partner=partner)
 
 
 def tasks_of(planned: Iterable[PlannedMotion], channels: Iterable[Located], config: Config, verb: str) -> list[Task]:
     """A task for each channel or pair that an analysis has planned on located records."""
-    of_id = {one.record.id: one for one in channels}
+    places = {one.record.id: one.parts for one in channels}
     settings, confirm = configuration_fingerprint(config, verb), config.records.confirm
-
-    def place(record: Record) -> Located:
-        """The planned record, which may have got a warning, with the places of its samples."""
-        return replace(of_id[record.id], record=record)
-
-    return [_task(one, place, settings, confirm) for one in planned]
+    tasks = []
+    for one in planned:
+        acting = [record for record in (*one.channels, one.vertical, one.partner) if record is not None]
+        told = [text for record in acting for text in _told(record, places[record.id])]
+        confirmed = [record.id for record in acting if id_matches(record.id, confirm)]
+        roles = [str(len(one.channels)), str(one.vertical is not None)]
+        fingerprint = _digest([settings, one.name, *one.remarks, str(one.copy), *roles, *told, *confirmed])
+        tasks.append(Task(one, {record.id: places[record.id] for record in acting}, fingerprint))
+    return tasks
 
 
 def read_options(config: Config) -> ReadOptions:
@@ -147,10 +135,10 @@ def digest_of(tasks: Iterable[Task], events: Mapping[str, str], config: Config, 
     )
 
 
-def _as_default(settings: SettingsOf, keys: Iterable[str]) -> SettingsOf:
+def _as_default(settings: Any, keys: Iterable[str]) -> Any:
     """A section with some of its keys as where they are omitted."""
     plain = type(settings)()
-    return replace(settings, **{key: getattr(plain, key) for key in keys})
+    return replace(settings, **{key: plain[key] for key in keys})
 
 
 @lru_cache(maxsize=1)
@@ -163,35 +151,19 @@ def program_digest() -> str:
     return digest.hexdigest()
 
 
-def _task(planned: PlannedMotion, place: Callable[[Record], Located], settings: str, confirm: Sequence[str]) -> Task:
-    channels = tuple(place(channel) for channel in planned.channels)
-    vertical, partner = (None if one is None else place(one) for one in (planned.vertical, planned.partner))
-    acting = [*channels, *(one for one in (vertical, partner) if one is not None)]
-    told = [text for one in acting for text in _told(one)]
-    confirmed = [one.record.id for one in acting if id_matches(one.record.id, confirm)]
-    roles = [str(len(channels)), str(vertical is not None)]
-    known = [planned.name, *planned.remarks, str(planned.copy), *roles, *told, *confirmed]
-    fingerprint = _digest([settings, *known])
-    return Task(planned, channels, vertical, partner, fingerprint)
-
-
-def _told(located: Located) -> list[str]:
-    """The digest of the samples, and everything that is known of the record."""
-    known = [repr(getattr(located.record, item.name)) for item in fields(Record) if item.name != "acceleration"]
-    return [located.digest, str(located.record.npts), *known]
+def _told(record: Record, places: tuple[Place, ...]) -> list[str]:
+    """The digest of the samples, and everything that is known of the record, whose warnings are those of the plan."""
+    known = [repr(getattr(record, item.name)) for item in fields(Record) if item.name != "acceleration"]
+    return [Located(record, places).digest, str(record.npts), *known]
 
 
 def _digest(texts: Iterable[str]) -> str:
     return hashlib.sha256(repr(list(texts)).encode()).hexdigest()
 
 
-#: The steps whose time is measured.
-STEPS = ("read", "condition", "solve", "pack")
-
-
 def carry_out(task: Task, work: Work, stage: str, config: Config) -> Done:
     """Read the samples of a task and work on its motions; whatever goes wrong is a row in what comes of it."""
-    seconds = dict.fromkeys(STEPS, 0.0)
+    seconds = dict.fromkeys(("read", "condition", "solve", "pack"), 0.0)
 
     @contextmanager
     def watch(step: str) -> Iterator[None]:
@@ -203,7 +175,7 @@ def carry_out(task: Task, work: Work, stage: str, config: Config) -> Done:
 
     parts: list[bytes] = []
     failures: list[Failure] = []
-    at = "read"
+    at, fingerprint = "read", task.fingerprint
     with _heard() as messages:
         try:
             with watch("read"):
@@ -219,9 +191,9 @@ def carry_out(task: Task, work: Work, stage: str, config: Config) -> Done:
             if not isinstance(fault, RockpulseError | OSError):
                 messages.append((logging.ERROR, f"{task.key}: {traceback.format_exc()}"))
                 fault = unexpected(fault)
-            row = Failure(task.source, at, f"{task.key}: {fault}", "failed")
-            return Done(task.key, UNFINISHED, (), (row,), tuple(messages), seconds)
-    return Done(task.key, task.fingerprint, tuple(parts), tuple(failures), tuple(messages), seconds)
+            fingerprint, parts = UNFINISHED, []
+            failures = [Failure(task.source, at, f"{task.key}: {fault}", "failed")]
+    return Done(task.key, fingerprint, tuple(parts), tuple(failures), tuple(messages), seconds)
 
 
 @contextmanager

@@ -15,8 +15,8 @@ from rockpulse.errors import ConfigError
 from rockpulse.motions.events import UNKNOWN
 from rockpulse.readers.folders import read_all
 from rockpulse.run import survey
-from rockpulse.run.batch import BatchOptions
 from rockpulse.run.journal import journal_path
+from rockpulse.run.options import BatchOptions
 from rockpulse.run.tasks import configuration_fingerprint
 from rockpulse.views.report.statements import of_unknown_event
 

@@ -21,7 +21,7 @@ from rockpulse.errors import Failure, ResultsError
 from rockpulse.motions.directions import plan_motions, swept_directions
 from rockpulse.run import assembly
 from rockpulse.run.analysis import worked
-from rockpulse.run.assembly import JournalParts, assemble, is_assembled
+from rockpulse.run.assembly import JournalParts, assemble, run_of
 from rockpulse.run.frames import pack
 from rockpulse.run.journal import Done, Journal
 from rockpulse.storage.save_load import save
@@ -121,7 +121,7 @@ def test_parts_from_a_journal_stand_in_the_order_of_the_keys(assessed, tmp_path)
         keys = [f"record {number}" for number in range(4)]
         parts = JournalParts(journal, Assessment(config), keys, dict.fromkeys(keys, "Ridgecrest"))
         assemble(target, template(bodies, config), parts, run={"run_id": journal.run_id})
-        assert is_assembled(target, journal.run_id)
+        assert run_of(target)[0] == journal.run_id
     save(build_tree(done[:4], bodies, config, []), tmp_path / "saved.h5")
     assert_contents(target, contents(tmp_path / "saved.h5"))
 
@@ -151,13 +151,13 @@ def test_parts_that_can_be_gone_through_once_are_refused(assessed, tmp_path):
 
 def test_a_run_knows_its_own_file_only(tmp_path):
     path = tmp_path / "results.h5"
-    assert not is_assembled(path, "mine")
+    assert run_of(path)[0] != "mine"
     path.write_text("a text")
-    assert not is_assembled(path, "mine")
+    assert run_of(path)[0] != "mine"
     with h5py.File(path, "w") as file:
         file.attrs["run_id"] = "another"
-    assert not is_assembled(path, "mine")
-    assert is_assembled(path, "another")
+    assert run_of(path)[0] != "mine"
+    assert run_of(path)[0] == "another"
 
 
 def test_too_little_room_is_known_before_anything_is_written(assessed, tmp_path, monkeypatch):
@@ -242,7 +242,7 @@ def test_a_kill_while_assembling_leaves_old_file_and_journal(assessed, tmp_path,
         assert journal.run_id == run_id
         parts = JournalParts(journal, Assessment(config), keys, dict.fromkeys(keys, "Ridgecrest"))
         assemble(target, template(bodies, config), parts, [], swept, overwrite=True, run={"run_id": run_id})
-        assert is_assembled(target, run_id)
+        assert run_of(target)[0] == run_id
     save(build_tree(done, bodies, config, [], swept), tmp_path / "saved.h5")
     assert_contents(target, contents(tmp_path / "saved.h5"))
 

@@ -26,7 +26,8 @@ from rockpulse.assessment import assessment
 from rockpulse.errors import ConfigError, RecordRefused, ResultsError, StoppedAtFailure
 from rockpulse.readers.folders import read_all
 from rockpulse.run import batch as run
-from rockpulse.run.batch import BatchOptions, assess_files, calibrate_files, fragility_files
+from rockpulse.run.batch import assess_files, calibrate_files, fragility_files
+from rockpulse.run.options import BatchOptions
 
 CONFIG = Config(
     models=ModelSettings(use=("sequence", "impulsive", "linear", "nonlinear")),

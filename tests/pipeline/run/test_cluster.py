@@ -18,7 +18,7 @@ from record_writers import at2, pulse
 import rockpulse as rp
 from rockpulse import BlockSettings, ModelSettings, SearchSettings
 from rockpulse.errors import ConfigError
-from rockpulse.run import cluster
+from rockpulse.run import crew as crews
 from rockpulse.run.crew import Crew, WorkerLost
 
 SQUARES = [(number, number**2) for number in range(40)]
@@ -61,7 +61,7 @@ def test_two_workers_answer_like_one_process_and_one_that_is_killed_half_way_cha
             wait_for_workers(crew, 1)
         with Crew.scheduler(address, timeout=300.0) as crew:  # the cluster is still there for the next
             assert sorted(crew.run(toys.square, range(40))) == SQUARES
-        monkeypatch.setattr(cluster, "__version__", "99.0")
+        monkeypatch.setattr(crews, "__version__", "99.0")
         with pytest.raises(ConfigError, match=r"dask worker tcp://.* expected rockpulse 99\.0, found '\d"):
             Crew.scheduler(address, timeout=300.0)
 

@@ -24,9 +24,10 @@ from rockpulse.assessment.assessment import Assessment
 from rockpulse.config.study_settings import DATA
 from rockpulse.record.record import STANDARD_GRAVITY
 from rockpulse.run.analysis import worked
-from rockpulse.run.batch import BatchOptions, assess_files
+from rockpulse.run.batch import assess_files
 from rockpulse.run.frames import MARK, pack, unpack
 from rockpulse.run.journal import Done, Journal, journal_path
+from rockpulse.run.options import BatchOptions
 from rockpulse.studies.fragility.assessment import FragilityAnalysis
 from rockpulse.studies.site.calibration import SiteCalibration
 

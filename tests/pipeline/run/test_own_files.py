@@ -11,8 +11,9 @@ from record_writers import at2, pulse
 from rockpulse import BlockSettings, ModelSettings, SearchSettings
 from rockpulse.config.configuration import Config
 from rockpulse.errors import StoppedAtFailure
-from rockpulse.run.batch import BatchOptions, assess_files
+from rockpulse.run.batch import assess_files
 from rockpulse.run.journal import holder, journal_path
+from rockpulse.run.options import BatchOptions
 
 CONFIG = Config(
     models=ModelSettings(use=("resonance",)),

@@ -28,8 +28,9 @@ from rockpulse.errors import ResultsError
 from rockpulse.readers.folders import read_all
 from rockpulse.run import batch as run
 from rockpulse.run import survey
-from rockpulse.run.batch import BatchOptions, BatchReport, assess_files, calibrate_files
+from rockpulse.run.batch import assess_files, calibrate_files
 from rockpulse.run.journal import JournalError, journal_path
+from rockpulse.run.options import BatchOptions, BatchReport
 
 
 @pytest.fixture(scope="module")
