@@ -4,7 +4,6 @@ What a verb needs beyond the standard library is imported when it runs.
 """
 
 from rockpulse.commands import (
-    accuracy,
     assess,
     calibrate,
     check,
@@ -19,31 +18,29 @@ from rockpulse.commands import (
     plot,
     report,
     risk,
-    rule,
-    study,
+    selftest,
     verify,
 )
 
-__all__ = ["VERBS"]
-
 #: In the order of the help.
-VERBS = (
-    assess.VERB,
-    inspect.VERB,
-    plot.VERB,
-    report.VERB,
-    export.VERB,
-    diff.VERB,
-    verify.VERB,
-    calibrate.VERB,
-    fragility.VERB,
-    risk.VERB,
-    check.VERB,
-    init_config.VERB,
-    formats.VERB,
-    convert.VERB,
-    rule.VERB,
-    accuracy.VERB,
-    study.VERB,
-    completion.VERB,
+VERBS = tuple(
+    verb.VERB
+    for verb in (
+        assess,
+        inspect,
+        plot,
+        report,
+        export,
+        diff,
+        verify,
+        calibrate,
+        fragility,
+        risk,
+        check,
+        init_config,
+        formats,
+        convert,
+        selftest,
+        completion,
+    )
 )

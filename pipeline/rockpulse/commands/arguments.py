@@ -1,95 +1,145 @@
-"""Common parts of the verbs that read records: their arguments, and the configuration that follows from them.
-
-The options by which inspect and export take a part of a results file.
-"""
+"""Options that several verbs share, and the configuration or the selection of results that follows from them."""
 
 from __future__ import annotations
 
 import argparse
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from rockpulse.commands.terminal import QUIET
+from rockpulse.commands.parser import Either, Options
+from rockpulse.errors import ConfigError, ResultsError
 
 if TYPE_CHECKING:
     from rockpulse.config.configuration import Config
     from rockpulse.config.settings import RecordSettings
-    from rockpulse.errors import Failure
     from rockpulse.storage.selection import Selection
-    from rockpulse.studies.rule.cases import StrongMotion
 
 __all__ = [
-    "add_confirm_argument",
-    "add_reading_arguments",
-    "add_record_arguments",
-    "add_selection",
-    "add_strong_arguments",
+    "BATCH",
+    "QUIET",
+    "READING",
+    "SELECTION",
+    "batch_given",
     "configured",
     "count",
+    "from_records",
     "read_selection",
-    "read_strong",
     "reading_options",
     "resolved",
 ]
 
+#: What --quiet does.
+QUIET = "print nothing but one line on what failed"
 
-def add_reading_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add options for properties that a file may not state: units and sampling interval."""
-    parser.add_argument("--units", metavar="UNIT", help='unit of files that do not state theirs: "g", "cm/s2", ...')
-    parser.add_argument(
-        "--dt", type=float, metavar="SECONDS", help="sampling interval of columns without times, in s; such as 0.01"
-    )
-
-
-def add_confirm_argument(parser: argparse.ArgumentParser) -> None:
-    """Add the option that lets records count whose peak is hardly that of an earthquake."""
-    parser.add_argument(
-        "--confirm",
-        action="append",
-        default=[],
-        metavar="PATTERN",
-        help="a peak above 5 g is right in channels of this id, which fail without; * and ? stand for any letters; "
-        "repeatable",
-    )
+#: Properties that a file may not state.
+READING: Options = {
+    "--units UNIT": 'unit of files that do not state theirs: "g", "cm/s2", ...',
+    "--dt SECONDS": ("sampling interval of columns without times, in s; such as 0.01", {"type": float}),
+}
 
 
-def add_strong_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the records, and what may have to be said of them, of a verb that takes strong motions without a file."""
-    parser.add_argument("paths", nargs="+", metavar="PATHS", help="files, folders, zips or globs of records")
-    add_reading_arguments(parser)
-    add_confirm_argument(parser)
-    parser.add_argument(
-        "--events",
-        metavar="TABLE",
-        help="CSV table with the columns record, event: the earthquake of channels whose files name none, such as "
-        '"Kobe 1995-01-16"',
-    )
+def from_records(output: str) -> Options:
+    """Options of a verb that takes records and writes a file (called RESULTS or SITE): paths, configuration, bodies."""
+    return {
+        "PATHS": ("files, folders, zips or globs; they replace the paths of the configuration", {"nargs": "*"}),
+        f"-o --output {output} !": "file to write (HDF5)",
+        "--config FILE": "configuration (TOML) on the template of rockpulse init-config; default: every key as there, "
+        "no blocks",
+        "--block NAME=WIDTHxHEIGHT ...": "a block by its full width and height in m, beside those of the "
+        "configuration; repeatable",
+        "--confirm-size": "take a --block that is larger than 30 m, less than 5 cm high or 1 mm wide, or wider than "
+        "high",
+        **READING,
+        "--confirm PATTERN ...": "a peak above 5 g is right in channels of this id, which fail without; * and ? stand "
+        "for any letters; repeatable",
+        "--overwrite": "replace results that exist; never any other file",
+        "--quiet": QUIET,
+    }
 
 
-def read_strong(args: argparse.Namespace) -> tuple[list[StrongMotion], list[Failure]]:
-    """The strong motions that the arguments of :func:`add_strong_arguments` name, and what was left out."""
-    from rockpulse.motions.tables import read_event_table
-    from rockpulse.readers.folders import read_all
-    from rockpulse.studies.rule.cases import strong_motions
+def _workers(text: str) -> int | str:
+    if text == "all":
+        return text
+    from rockpulse.config.settings import MOST_WORKERS
 
-    options = reading_options(args)
-    records, failures = read_all(args.paths, options.units, dt=options.dt)
-    titles = read_event_table(Path(args.events)) if args.events else None
-    motions, left_out = strong_motions(records, args.confirm, failures, titles)
-    return motions, [*failures, *left_out]
+    value = int(text) if text.isdecimal() and len(text) <= len(str(MOST_WORKERS)) else 0
+    if not 1 <= value <= MOST_WORKERS:
+        raise argparse.ArgumentTypeError(f'expected "all" or an integer from 1 to {MOST_WORKERS}, found {text!r:.40}')
+    return value
+
+
+#: Who works, and what happens when a run stops half-way.
+BATCH: tuple[Options, ...] = (
+    Either(
+        {
+            "--workers N": (
+                'processes: a number, or "all" (one a core, none where files are few); default: [run] workers, by '
+                'default "all"',
+                {"type": _workers},
+            ),
+            "--scheduler ADDRESS": "let this dask.distributed cluster work, such as tcp://10.0.0.1:8786",
+        }
+    ),
+    {
+        "--resume": "go on with a run that was stopped, or begin",
+        "--strict": "stop at the first file or record that fails, also while the files are read; nothing is written to "
+        "the output then, and --resume goes on with what was finished",
+        "--log-file FILE": "add what happens, with its time, to the end of this file",
+    },
+)
+
+
+def batch_given(args: argparse.Namespace) -> list[str]:
+    """Names of the options of a batch that were given."""
+    names = ("workers", "scheduler", "resume", "strict", "log_file")
+    return [f"--{name.replace('_', '-')}" for name in names if getattr(args, name)]
+
+
+def count(words: str) -> int:
+    """Parse an argument as a whole number from 1; raises ArgumentTypeError for any other text."""
+    number = int(words) if words.isdecimal() else 0
+    if number < 1:
+        raise argparse.ArgumentTypeError(f"expected a whole number from 1, found {words!r}")
+    return number
+
+
+#: A part of results, for a verb that has ``--record`` and ``--block`` of its own.
+SELECTION: Options = {
+    "--model NAME ...": "only this model; * and ? stand for any letters; repeatable",
+    "--outcome WORD ...": "only this outcome: at_rest, rocks, overturns or unresolved; repeatable",
+    "--where CONDITION ...": "only where a variable, or a column of the tables, is so: 'factor_10 < 1', 'SF < 1', 'P > "
+    "0.5', 'source = *.AT2'; repeatable, all have to hold",
+    "--sort VARIABLE": "by this variable or column, smallest first; what is not known last",
+    "--descending": "with --sort: largest first",
+    "--limit N": ("at most so many rows", {"type": count}),
+}
+
+
+def read_selection(args: argparse.Namespace) -> Selection:
+    """The selection that the options SELECTION and ``record`` and ``block`` ask for.
+
+    Raises ResultsError for a condition that cannot be understood.
+    """
+    from rockpulse.storage.selection import SHOWN, Condition, Selection
+
+    if args.descending and args.sort is None:
+        raise ResultsError("--descending goes with --sort VARIABLE")
+    names = {dim: tuple(getattr(args, dim)) for dim in ("record", "block", "model") if getattr(args, dim)}
+    conditions = [Condition.parse(words) for words in args.where]
+    if args.outcome:
+        conditions.append(Condition("outcome", "=", "|".join(args.outcome)))
+    return Selection(names, tuple(conditions), SHOWN.get(args.sort, args.sort), args.descending, args.limit)
 
 
 def reading_options(args: argparse.Namespace, settings: RecordSettings | None = None) -> RecordSettings:
-    """The section [records], or its defaults, with the options of :func:`add_reading_arguments`, checked.
+    """The section [records], or its defaults, with the options READING, checked.
 
     An option of the command line holds for all files, whatever the rows of [[records.file]] say.
 
     Raises ConfigError or UnitError for an interval or a unit that cannot be.
     """
-    from dataclasses import replace
-
     from rockpulse.config.settings import RecordSettings
-    from rockpulse.errors import ConfigError
     from rockpulse.readers.units import canonical_unit
 
     records = settings or RecordSettings()
@@ -103,44 +153,13 @@ def reading_options(args: argparse.Namespace, settings: RecordSettings | None = 
             records = replace(records, dt=args.dt)
         except ConfigError as error:
             raise ConfigError(f"--dt: {str(error).removeprefix('[records] dt: ')}") from None
-    left = []
-    for row in records.files:
-        units, dt = row.units if args.units is None else None, row.dt if args.dt is None else None
-        if units is not None or dt is not None:
-            left.append(replace(row, units=units, dt=dt))
-    return replace(records, files=tuple(left))
-
-
-def add_record_arguments(parser: argparse.ArgumentParser, output: str) -> None:
-    """Add the paths, the output (called RESULTS or SITE), the configuration, blocks and units."""
-    parser.add_argument(
-        "paths",
-        nargs="*",
-        metavar="PATHS",
-        help="files, folders, zips or globs; they replace the paths of the configuration",
-    )
-    parser.add_argument("-o", "--output", required=True, metavar=output, help="file to write (HDF5)")
-    parser.add_argument(
-        "--config",
-        metavar="FILE",
-        help="configuration (TOML) on the template of rockpulse init-config; default: every key as there, no blocks",
-    )
-    parser.add_argument(
-        "--block",
-        action="append",
-        default=[],
-        metavar="NAME=WIDTHxHEIGHT",
-        help="a block by its full width and height in m, beside those of the configuration; repeatable",
-    )
-    parser.add_argument(
-        "--confirm-size",
-        action="store_true",
-        help="take a --block that is larger than 30 m, less than 5 cm high or 1 mm wide, or wider than high",
-    )
-    add_reading_arguments(parser)
-    add_confirm_argument(parser)
-    parser.add_argument("--overwrite", action="store_true", help="replace results that exist; never any other file")
-    parser.add_argument("--quiet", action="store_true", help=QUIET)
+    taken = {name: None for name in ("units", "dt") if getattr(args, name) is not None}
+    rows = [
+        replace(row, **taken)
+        for row in records.files
+        if any(row[name] is not None for name in {"units", "dt"} - {*taken})
+    ]
+    return replace(records, files=tuple(rows))
 
 
 def configured(args: argparse.Namespace) -> Config:
@@ -148,8 +167,6 @@ def configured(args: argparse.Namespace) -> Config:
 
     Raises ConfigError for a configuration or block that cannot be understood.
     """
-    from dataclasses import replace
-
     from rockpulse.config.block_settings import parse_block_option
     from rockpulse.config.configuration import Config, load_config, located
     from rockpulse.config.settings import WEIGHTS
@@ -170,10 +187,7 @@ def resolved(args: argparse.Namespace) -> tuple[Config, list[str]]:
     The configuration itself, which is stored, names files absolutely, so that it repeats the run from any folder.
     Raises ConfigError without records, and for options that cannot be understood.
     """
-    from dataclasses import replace
-
     from rockpulse.config.configuration import located
-    from rockpulse.errors import ConfigError
 
     config = configured(args)
     paths = args.paths or [str(path) for path in config.record_paths()]
@@ -183,60 +197,3 @@ def resolved(args: argparse.Namespace) -> tuple[Config, list[str]]:
     records = reading_options(args, config.records)
     confirm = tuple(dict.fromkeys((*records.confirm, *args.confirm)))
     return replace(config, records=replace(records, paths=where, confirm=confirm)), paths
-
-
-def add_selection(parser: argparse.ArgumentParser) -> None:
-    """Add the options to the parser of a verb that already has ``--record`` and ``--block``."""
-    parser.add_argument(
-        "--model", action="append", metavar="NAME", help="only this model; * and ? stand for any letters; repeatable"
-    )
-    parser.add_argument(
-        "--outcome",
-        action="append",
-        metavar="WORD",
-        help="only this outcome: at_rest, rocks, overturns or unresolved; repeatable",
-    )
-    parser.add_argument(
-        "--where",
-        action="append",
-        default=[],
-        metavar="CONDITION",
-        help="only where a variable, or a column of the tables, is so: 'factor_10 < 1', 'SF < 1', 'P > 0.5', "
-        "'source = *.AT2'; repeatable, all have to hold",
-    )
-    parser.add_argument(
-        "--sort", metavar="VARIABLE", help="by this variable or column, smallest first; what is not known last"
-    )
-    parser.add_argument("--descending", action="store_true", help="with --sort: largest first")
-    parser.add_argument("--limit", type=count, metavar="N", help="at most so many rows")
-
-
-def read_selection(args: argparse.Namespace) -> Selection:
-    """The selection that the options of :func:`add_selection` and ``record`` and ``block`` (lists or None) ask for.
-
-    Raises ResultsError for a condition that cannot be understood.
-    """
-    from rockpulse.errors import ResultsError
-    from rockpulse.storage.selection import SHOWN, Condition, Selection
-
-    if args.descending and args.sort is None:
-        raise ResultsError("--descending goes with --sort VARIABLE")
-    names = {dim: tuple(getattr(args, dim) or ()) for dim in ("record", "block", "model")}
-    conditions = [Condition.parse(words) for words in args.where]
-    if args.outcome:
-        conditions.append(Condition("outcome", "=", "|".join(args.outcome)))
-    return Selection(
-        {dim: patterns for dim, patterns in names.items() if patterns},
-        tuple(conditions),
-        SHOWN.get(args.sort, args.sort),
-        args.descending,
-        args.limit,
-    )
-
-
-def count(words: str) -> int:
-    """Parse an argument as a whole number from 1; raises ArgumentTypeError for any other text."""
-    number = int(words) if words.isdecimal() else 0
-    if number < 1:
-        raise argparse.ArgumentTypeError(f"expected a whole number from 1, found {words!r}")
-    return number

@@ -5,17 +5,10 @@ from __future__ import annotations
 import argparse
 import sys
 
-from rockpulse.commands.arguments import add_record_arguments, resolved
-from rockpulse.commands.batch_input import add_batch_arguments, batch_options, nothing_written, recorded, told
+from rockpulse.commands.arguments import BATCH, from_records, resolved
 from rockpulse.commands.parser import Verb
+from rockpulse.commands.running import batch_options, nothing_written, recorded, told
 from rockpulse.commands.terminal import tell
-
-__all__ = ["VERB"]
-
-
-def _add_arguments(parser: argparse.ArgumentParser) -> None:
-    add_record_arguments(parser, "SITE")
-    add_batch_arguments(parser)
 
 
 def _run(args: argparse.Namespace) -> int:
@@ -46,7 +39,7 @@ VERB = Verb(
     description="Read the records of a site, work out the overturning spectrum of each and its quantiles over "
     "earthquakes, with intervals by resampling earthquakes, and read from them an effective impulse and a sequence for "
     "every block. [calibration] method asks for one sequence for all blocks instead, fitted to the rotations.",
-    add_arguments=_add_arguments,
+    options=(from_records("SITE"), *BATCH),
     run=_run,
     examples=(
         "rockpulse calibrate records/ -o design.h5",

@@ -8,8 +8,6 @@ from collections.abc import Iterator
 from rockpulse.commands.parser import Verb
 from rockpulse.commands.terminal import tell
 
-__all__ = ["VERB"]
-
 #: How the script is put to use.
 HOW = {
     "bash": "rockpulse completion bash > ~/.local/share/bash-completion/completions/rockpulse",
@@ -20,12 +18,8 @@ HOW = {
 
 #: What stands in the help for names of files.
 FILES = frozenset(
-    "PATHS RESULTS FILE SITE REPORT TABLE BEFORE AFTER FRAGILITY CURVE CONFIG RULE VERDICTS STUDY OUT".split()  # noqa: SIM905
+    "PATHS RESULTS FILE SITE REPORT TABLE BEFORE AFTER FRAGILITY CURVE CONFIG OUT".split()  # noqa: SIM905
 )
-
-
-def _add_arguments(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("shell", choices=tuple(HOW), help="the shell")
 
 
 def _run(args: argparse.Namespace) -> int:
@@ -62,7 +56,7 @@ VERB = Verb(
     summary="let a shell complete verbs, options and names",
     description="Print a script with which a shell completes verbs, options, kinds of pictures, units and file names. "
     "Where to put it stands in the examples; it holds from the next shell on.",
-    add_arguments=_add_arguments,
+    options=({"shell": ("the shell", {"choices": tuple(HOW), "metavar": None})},),
     run=_run,
     examples=tuple(HOW.values()),
 )

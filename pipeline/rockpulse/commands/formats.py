@@ -7,8 +7,6 @@ import argparse
 from rockpulse.commands.parser import Verb
 from rockpulse.commands.terminal import tell
 
-__all__ = ["VERB"]
-
 #: Columns of the terminal that the list stays within.
 WIDTH = 100
 #: Further lines of a format begin here.
@@ -63,6 +61,6 @@ VERB = Verb(
     summary="list the file formats",
     description="List the formats that are read, how they are recognised, their unit, whether they are corrected "
     "volumes, and the units that can be named for those that state none.",
-    add_arguments=lambda parser: None,
+    options=(),
     run=_run,
 )

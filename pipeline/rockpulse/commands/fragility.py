@@ -5,19 +5,12 @@ from __future__ import annotations
 import argparse
 from typing import TYPE_CHECKING
 
-from rockpulse.commands.arguments import add_record_arguments, resolved
-from rockpulse.commands.batch_input import add_batch_arguments, batch_options, nothing_written, recorded, told
+from rockpulse.commands.arguments import BATCH, from_records, resolved
 from rockpulse.commands.parser import Verb
+from rockpulse.commands.running import batch_options, nothing_written, recorded, told
 
 if TYPE_CHECKING:
     import xarray as xr
-
-__all__ = ["VERB"]
-
-
-def _add_arguments(parser: argparse.ArgumentParser) -> None:
-    add_record_arguments(parser, "RESULTS")
-    add_batch_arguments(parser)
 
 
 def _run(args: argparse.Namespace) -> int:
@@ -45,7 +38,7 @@ VERB = Verb(
     description="Scale every record until each limit state is reached (or to given levels), fit fragility curves with "
     "confidence bands over earthquakes in every intensity measure, and say which measure serves best. Limit states, "
     "measures and the way of scaling: section [fragility] of the configuration; without one its defaults.",
-    add_arguments=_add_arguments,
+    options=(from_records("RESULTS"), *BATCH),
     run=_run,
     examples=(
         "rockpulse fragility records/ --block wall=0.3x2.4 -o fragility.h5",

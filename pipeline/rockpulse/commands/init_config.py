@@ -46,10 +46,6 @@ def _filled(line: str, told: dict[str, str]) -> str:
     return filled[:BEGIN] + f"\n{'':{BEGIN}}".join(f"# {part}" for part in comment)
 
 
-def _add_arguments(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("-o", "--output", metavar="FILE", help="write here instead; a file that exists is left alone")
-
-
 def _run(args: argparse.Namespace) -> int:
     text = template()
     if args.output is None:
@@ -71,7 +67,7 @@ VERB = Verb(
     name="init-config",
     summary="write a configuration with every key explained",
     description="Print a configuration with every key, its default and its meaning, or write it to a new file.",
-    add_arguments=_add_arguments,
+    options=({"-o --output FILE": "write here instead; a file that exists is left alone"},),
     run=_run,
     examples=("rockpulse init-config -o site.toml",),
 )

@@ -1,9 +1,4 @@
-"""Telling the user, who may have left: the work goes on, and the exit code stays what it is.
-
-Signs of life on a terminal while the work goes on: progress bars, and that the kernels are compiled.
-
-A fault of the file system, or of a results file, in words for the user of the command line.
-"""
+"""Words for the user on the terminal, who may have left: texts, progress bars, and what is wrong with a file."""
 
 from __future__ import annotations
 
@@ -20,19 +15,7 @@ from typing import Any, TextIO
 from rockpulse.errors import RockpulseError
 from rockpulse.foreign_text import escaped
 
-__all__ = [
-    "QUIET",
-    "WRITTEN",
-    "compiling_told",
-    "differing_results",
-    "file_fault",
-    "forsake",
-    "progress_bars",
-    "tell",
-]
-
-#: What --quiet does.
-QUIET = "print nothing but one line on what failed"
+__all__ = ["WRITTEN", "compiling_told", "differing_results", "file_fault", "forsake", "progress_bars", "tell"]
 
 
 def tell(text: str, file: TextIO | None = None) -> None:
@@ -54,9 +37,6 @@ def forsake(file: TextIO) -> None:
     os.close(nowhere)
 
 
-#: Columns and rows of a terminal that does not tell its own.
-SIZE = (80, 24)
-
 COMPILING = "rockpulse: compiling the kernels, once (about 20 s); later runs load them"
 
 
@@ -64,10 +44,9 @@ def progress_bars(quiet: bool) -> Callable[..., Any]:
     """``tqdm.tqdm`` on standard error: silent where that is asked for, or where it is no terminal."""
     from tqdm import tqdm
 
-    columns, rows = SIZE
     # Of a terminal without a size tqdm would show nothing at all.
     sized = quiet or not sys.stderr.isatty() or os.get_terminal_size(sys.stderr.fileno()).columns > 0
-    return partial(tqdm, disable=True if quiet else None, **({} if sized else {"ncols": columns, "nrows": rows}))
+    return partial(tqdm, disable=True if quiet else None, **({} if sized else {"ncols": 80, "nrows": 24}))
 
 
 @contextmanager
@@ -100,7 +79,6 @@ MISSING = {
     "sequence": "rockpulse calibrate writes one",
     "site": "rockpulse calibrate writes one",
     "fragility": "rockpulse fragility writes one",
-    "rule": "rockpulse rule fit writes one",
     "results": "rockpulse assess writes one",
     "first": "rockpulse assess writes one",
     "second": "rockpulse assess writes one",
