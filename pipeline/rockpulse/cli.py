@@ -19,8 +19,6 @@ from rockpulse.commands.terminal import WRITTEN, differing_results, file_fault, 
 from rockpulse.errors import ConfigError, RockpulseError, StoppedAtFailure
 from rockpulse.version import __version__
 
-__all__ = ["build_parser", "main"]
-
 FAILED = 1
 USAGE = 2
 INTERRUPTED = 130

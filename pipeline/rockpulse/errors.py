@@ -1,9 +1,7 @@
-"""The errors that rockpulse raises on purpose.
+"""The errors that rockpulse raises on purpose, and the rows of files and channels that gave no assessed record.
 
 Every class can be made of its message alone, so that it survives pickling on its way back from a worker process.
 File-system faults stay :class:`OSError`.
-
-Rows for files and channels that did not become an assessed record, with the reason.
 """
 
 from __future__ import annotations
@@ -12,25 +10,6 @@ import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Literal
-
-__all__ = [
-    "NO_RECORD",
-    "ConfigError",
-    "Failure",
-    "FailureKind",
-    "RecordFormatError",
-    "RecordRefused",
-    "ResultsError",
-    "RockpulseError",
-    "StoppedAtFailure",
-    "TooWeak",
-    "UnitError",
-    "alike",
-    "last_part",
-    "some",
-    "told",
-    "unread",
-]
 
 
 class RockpulseError(ValueError):

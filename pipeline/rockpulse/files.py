@@ -1,9 +1,4 @@
-"""Files that the user names: read only if they are files, and no larger than any of their kind needs to be.
-
-Tables that the user gives, as texts: a heading, rows of as many cells, and numbers with points or commas.
-
-Several files that appear together, each of them whole, or not at all.
-"""
+"""Files that the user names, tables in them, and several files that are written together, whole or not at all."""
 
 from __future__ import annotations
 
@@ -18,7 +13,6 @@ import tomllib
 from collections.abc import Iterator, Mapping
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
-from types import TracebackType
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -29,17 +23,6 @@ from rockpulse.foreign_text import first_line
 if TYPE_CHECKING:
     import pandas as pd
 
-__all__ = [
-    "TABLE_LIMIT",
-    "TOML_LIMIT",
-    "FileSet",
-    "check_regular",
-    "numbers",
-    "parse_toml",
-    "read_text",
-    "separator",
-    "table_of",
-]
 
 #: Largest table and largest configuration that are read [bytes].
 TABLE_LIMIT, TOML_LIMIT = 64 * 1024**2, 1024**2
@@ -208,9 +191,7 @@ class FileSet:
     def __enter__(self) -> FileSet:
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, fault: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *fault: object) -> None:
         self._parts.close()
 
     def add(self, target: Path, content: bytes) -> None:

@@ -15,19 +15,6 @@ if TYPE_CHECKING:
     from rockpulse.config.settings import RecordSettings
     from rockpulse.storage.selection import Selection
 
-__all__ = [
-    "BATCH",
-    "QUIET",
-    "READING",
-    "SELECTION",
-    "batch_given",
-    "configured",
-    "count",
-    "from_records",
-    "read_selection",
-    "reading_options",
-    "resolved",
-]
 
 #: What --quiet does.
 QUIET = "print nothing but one line on what failed"
@@ -153,12 +140,11 @@ def reading_options(args: argparse.Namespace, settings: RecordSettings | None = 
             records = replace(records, dt=args.dt)
         except ConfigError as error:
             raise ConfigError(f"--dt: {str(error).removeprefix('[records] dt: ')}") from None
-    taken = {name: None for name in ("units", "dt") if getattr(args, name) is not None}
-    rows = [
-        replace(row, **taken)
-        for row in records.files
-        if any(row[name] is not None for name in {"units", "dt"} - {*taken})
-    ]
+    rows = []
+    for row in records.files:
+        units, dt = row.units if args.units is None else None, row.dt if args.dt is None else None
+        if units is not None or dt is not None:
+            rows.append(replace(row, units=units, dt=dt))
     return replace(records, files=tuple(rows))
 
 

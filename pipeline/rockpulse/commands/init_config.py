@@ -14,9 +14,6 @@ from rockpulse.config.study_settings import HAZARD_UNITS
 from rockpulse.errors import ConfigError
 from rockpulse.record.measures import DEMAND, FRAGILITY, HAZARD, MEASURES, PERIODIC, ROWS, SCALING, Measure
 
-__all__ = ["VERB", "template"]
-
-
 #: Columns between which the comments of the template stand.
 BEGIN, END = 28, 122
 

@@ -13,8 +13,6 @@ from typing import Any, NoReturn, TypeAlias
 from rockpulse.foreign_text import escaped
 from rockpulse.option import hint
 
-__all__ = ["Either", "Options", "Parser", "Verb"]
-
 #: Arguments of a verb: by flags and the word for the value, "-o --output FILE", the help, perhaps with keywords of
 #: ``add_argument``. Without a flag it is positional, without a value a switch; "NAME ..." may be repeated and gives a
 #: list; "FILE !" is required.

@@ -23,7 +23,6 @@ if TYPE_CHECKING:
 
     from rockpulse.run.options import BatchOptions
 
-__all__ = ["batch_options", "nothing_written", "recorded", "told"]
 
 LOG_FORMAT = "%(asctime)s %(levelname)s %(message)s"
 

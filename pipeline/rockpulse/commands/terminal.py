@@ -15,8 +15,6 @@ from typing import Any, TextIO
 from rockpulse.errors import RockpulseError
 from rockpulse.foreign_text import escaped
 
-__all__ = ["WRITTEN", "compiling_told", "differing_results", "file_fault", "forsake", "progress_bars", "tell"]
-
 
 def tell(text: str, file: TextIO | None = None) -> None:
     """Print a text, to standard output by default, with control characters as escapes.

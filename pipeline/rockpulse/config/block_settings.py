@@ -1,7 +1,4 @@
-"""The bodies of a configuration: names and full sizes as the user gives them, and the model's block made of them.
-
-What a body of the configuration stands on and is held by: [[block.floor]], .pedestal, .tie, .load and .thrust.
-"""
+"""The bodies of a configuration as the user gives them, what holds them and what they stand on; the model's blocks."""
 
 from __future__ import annotations
 
@@ -20,7 +17,6 @@ from rockpulse.record.record import STANDARD_GRAVITY
 
 if TYPE_CHECKING:
     from rocking import Block
-    from rocking.restraint import Load, Thrust, Tie
     from rockpulse.config.settings import RecordSettings
 
 logger = logging.getLogger("rockpulse")
@@ -65,7 +61,19 @@ _CORNERS = ("b_1", "b_2", "centre", "gyration")
 
 
 @dataclass(frozen=True)
-class TieSettings(Section):
+class _OfModel(Section):
+    """What the model has under the same name and with the same keys."""
+
+    def made(self) -> Any:
+        """The same for the model."""
+        import rocking
+
+        cls = getattr(rocking, type(self).__name__.removesuffix("Settings"))
+        return cls(**{name: value for name, value in {**self}.items() if value is not None})
+
+
+@dataclass(frozen=True)
+class TieSettings(_OfModel):
     """A tie or restrainer, as :class:`rocking.Tie` has it; without a yield force or ultimate elongation it has none."""
 
     heading = "[[block.tie]]"
@@ -76,14 +84,6 @@ class TieSettings(Section):
     ultimate: float | None = number(None, low=0.0, above=True, unit="m")
     side: str = choice("positive", ("positive", "negative", "both"))
     distance: float = number(0.0, low=0.0, unit="m")
-
-    def made(self) -> Tie:
-        """The tie of the model."""
-        from rocking.restraint import Tie
-
-        found: dict[str, Any] = {name: self[name] for name in self.keys()}
-        found |= {name: math.inf for name in ("yield_force", "ultimate") if found[name] is None}
-        return Tie(**found)
 
 
 @dataclass(frozen=True)
@@ -102,7 +102,7 @@ class FloorSettings(Section):
 
 
 @dataclass(frozen=True)
-class LoadSettings(Section):
+class LoadSettings(_OfModel):
     """A roof or floor that rests on a body, as :class:`rocking.Load` has it."""
 
     heading = "[[block.load]]"
@@ -111,27 +111,15 @@ class LoadSettings(Section):
     friction: float | None = number(None, low=0.0, above=True)
     distance: float | None = number(None, low=0.0, unit="m")
 
-    def made(self) -> Load:
-        """The load of the model."""
-        from rocking.restraint import Load
-
-        return Load(**{name: self[name] for name in self.keys()})
-
 
 @dataclass(frozen=True)
-class ThrustSettings(Section):
+class ThrustSettings(_OfModel):
     """A constant horizontal force, as :class:`rocking.Thrust` has it."""
 
     heading = "[[block.thrust]]"
     force: float = number(dataclasses.MISSING, unit="N")
     height: float = number(dataclasses.MISSING, low=0.0, above=True, unit="m")
     distance: float = number(0.0, low=0.0, unit="m")
-
-    def made(self) -> Thrust:
-        """The thrust of the model."""
-        from rocking.restraint import Thrust
-
-        return Thrust(self.force, self.height, self.distance)
 
 
 @dataclass(frozen=True)
@@ -301,16 +289,13 @@ class BlockSettings(Section):
             Where the model refuses it (Housner's restitution for a body squatter than 0.707, a radius that no body of
             this p has).
         """
-        from rocking.block import Block
+        from rocking import Block
 
-        restitution, rebound = (
-            list(value) if isinstance(value, tuple) else value for value in (self.restitution, self.rebound)
-        )
-        common: dict[str, Any] = {"restitution": restitution, "gravity": self.gravity, "log": False}
-        common |= {"one_sided": self.one_sided, "rebound": rebound}
-        held: dict[str, Any] = {"mass": self.mass} | {
-            name: [one.made() for one in self[name]] for name in ("ties", "loads", "thrusts")
-        }
+        common: dict[str, Any] = {name: self[name] for name in ("restitution", "gravity", "one_sided", "rebound")}
+        common = {name: list(value) if isinstance(value, tuple) else value for name, value in common.items()}
+        common["log"] = False
+        held: dict[str, Any] = {name: [one.made() for one in self[name]] for name in ("ties", "loads", "thrusts")}
+        held["mass"] = self.mass
         try:
             if self.width is not None and self.height is not None:
                 held |= {name: self[name] for name in ("offset", "lean", "density", "length")}

@@ -1,7 +1,4 @@
-"""The bodies of an assessment as the lanes of one :class:`rocking.Block`.
-
-Bodies as Python gives them: by name a size, a model's block or settings, or settings in a row.
-"""
+"""The bodies of an assessment, as a configuration or Python gives them, as the lanes of one :class:`rocking.Block`."""
 
 from __future__ import annotations
 

@@ -40,8 +40,6 @@ from rockpulse.files import TOML_LIMIT, parse_toml, read_text
 from rockpulse.ladder import ModelSettings, SearchSettings
 from rockpulse.option import Section, hint
 
-__all__ = ["Config", "config_from_text", "given_config", "load_config", "located", "stored_sections"]
-
 #: Sections of which there may be several.
 SEVERAL = ("block", "demand")
 

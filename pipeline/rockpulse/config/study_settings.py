@@ -1,13 +1,4 @@
-"""The section [uncertainty] of the configuration: what is not known of the bodies and the strength of the motion.
-
-The section [fragility] of the configuration, and the words that its keys know.
-
-The section [hazard] of the configuration: how often the ground at the site exceeds a level of a measure.
-
-The section [check] of the configuration: the demand that a code states for the site, and its factors.
-
-The section [report] of the configuration: who made the study and for whom, as the head of a report shows it.
-"""
+"""Sections of what is asked beside the verdicts: [uncertainty], [fragility], [hazard], [check] and [report]."""
 
 from __future__ import annotations
 
@@ -24,55 +15,35 @@ from rockpulse.record.measures import FRAGILITY, HAZARD, MEASURES, PGA, REFERENC
 if TYPE_CHECKING:
     from rocking.uncertainty import Uncertainty
 
-#: Least and largest standard deviation of the factor, and largest loss of the angle, as the solver takes them; a test
-#: compares these with its own.
-LEAST_SPREAD, LARGEST_SPREAD = 0.02, 1.0
-
-#: Frequency parameters at which the overturning spectrum of a record is marched: those next to the bodies', or all.
-MARCHED = ("bodies", "all")
-
-
-def _is_range(value: Any) -> bool:
-    two = isinstance(value, (list, tuple)) and len(value) == 2 and all(is_number(item) for item in value)
-    return two and 0.0 < value[0] <= value[1] <= 1.0
-
-
-_RANGE = KeyType(
-    "[least, most], shares of the nominal C above 0 and at most 1",
-    _is_range,
-    lambda value: tuple(map(float, value)),
-)
-
-
-@dataclass(frozen=True)
-class UncertaintySettings(Section):
-    """The uncertainty under which the probability of overturning is stated, and whether there is one.
-
-    It is of the nonlinear model: without `nonlinear` or `auto` among the models there is none. A body whose restitution
-    is a list has the range from its least to its largest value in place of `restitution`.
-    """
-
-    heading = "[uncertainty]"
-    probability: bool = boolean(True)
-    factor: float = number(0.10, low=LEAST_SPREAD, high=LARGEST_SPREAD)
-    restitution: tuple[float, float] = key((0.9, 1.0), _RANGE)
-    geometry: float = number(0.05, low=0.0, high=LARGEST_SPREAD)
-    azimuth: bool = boolean(False)
-    spectrum: str = choice("bodies", MARCHED)
-
-    def of_draws(self) -> Uncertainty:
-        """The same for the solver."""
-        from rocking.uncertainty import Uncertainty
-
-        return Uncertainty(factor=self.factor, restitution=self.restitution, geometry=self.geometry)
-
+#: The codes whose checks are known, in the order of tables.
+CODES = ("circolare_2009", "circolare_2019", "en_1998")
 
 #: Limit states that are no rotation.
 UPLIFT, OVERTURNING = "uplift", "overturning"
-
 DATA = ("stripes", "ida", "cloud")
 MODELS = ("lognormal", "logistic")
-EQUATIONS = ("nonlinear", "linear")
+
+#: Units of the levels of the measures that a hazard is given in.
+HAZARD_UNITS = tuple(dict.fromkeys(unit for name in HAZARD for unit in MEASURES[name].known_units))
+
+#: Largest logo [bytes]: as text it is an attribute of the results file, of which HDF5 takes 64 kB.
+LOGO_LIMIT = 45_000
+#: What every PNG begins with.
+PNG = b"\x89PNG\r\n\x1a\n"
+
+
+def _are_numbers(value: Any, count: int = 0) -> bool:
+    """Whether it is a list of numbers above 0, of one or more or of so many."""
+    numbers = isinstance(value, (list, tuple)) and all(is_number(item) and item > 0.0 for item in value)
+    return numbers and (len(value) == count if count else bool(value))
+
+
+def _ascend(value: Any, count: int = 0) -> bool:
+    return _are_numbers(value, count) and all(low < high for low, high in pairwise(value))
+
+
+def _floats(value: Any) -> tuple[float, ...]:
+    return tuple(map(float, value))
 
 
 def _is_limit_states(value: Any) -> bool:
@@ -90,29 +61,42 @@ def _by_severity(value: Any) -> tuple[str | float, ...]:
     return (*(item for item in value if item == UPLIFT), *levels, *(item for item in value if item == OVERTURNING))
 
 
-def _is_levels(value: Any) -> bool:
-    return (
-        isinstance(value, (list, tuple))
-        and bool(value)
-        and all(is_number(item) and item > 0.0 for item in value)
-        and all(low < high for low, high in pairwise(value))
-    )
-
-
-def _by_value(value: Any) -> tuple[float, ...]:
-    return tuple(map(float, value))
-
-
+_RANGE = KeyType(
+    "[least, most], shares of the nominal C above 0 and at most 1",
+    lambda value: _are_numbers(value, 2) and value[0] <= value[1] <= 1.0,
+    _floats,
+)
 _LIMIT_STATES = KeyType(
     'a list of "uplift", numbers in (0, 1] (rotations over alpha_c) and "overturning", each once',
     _is_limit_states,
     _by_severity,
     (UPLIFT, OVERTURNING),
 )
-_FACTORS = KeyType(
-    "two positive numbers [lowest, highest] that ascend", lambda value: _is_levels(value) and len(value) == 2, _by_value
-)
-_LEVELS = KeyType("a list of positive numbers that ascend", _is_levels, _by_value)
+_FACTORS = KeyType("two positive numbers [lowest, highest] that ascend", lambda value: _ascend(value, 2), _floats)
+_LEVELS = KeyType("a list of positive numbers that ascend", _ascend, _floats)
+
+
+@dataclass(frozen=True)
+class UncertaintySettings(Section):
+    """The uncertainty under which the probability of overturning is stated, and whether there is one.
+
+    It is of the nonlinear model: without `nonlinear` or `auto` among the models there is none. A body whose restitution
+    is a list has the range from its least to its largest value in place of `restitution`.
+    """
+
+    heading = "[uncertainty]"
+    probability: bool = boolean(True)
+    factor: float = number(0.10, low=0.02, high=1.0)  # as the solver takes it
+    restitution: tuple[float, float] = key((0.9, 1.0), _RANGE)
+    geometry: float = number(0.05, low=0.0, high=1.0)
+    azimuth: bool = boolean(False)
+    spectrum: str = choice("bodies", ("bodies", "all"))
+
+    def of_draws(self) -> Uncertainty:
+        """The same for the solver."""
+        from rocking.uncertainty import Uncertainty
+
+        return Uncertainty(factor=self.factor, restitution=self.restitution, geometry=self.geometry)
 
 
 @dataclass(frozen=True)
@@ -140,7 +124,7 @@ class FragilitySettings(Section):
     model: str = choice("lognormal", MODELS)
     overturning_model: str = choice("logistic", MODELS)
     confidence: float = number(0.9, low=0.5, high=0.999)
-    equation: str = choice("nonlinear", EQUATIONS)
+    equation: str = choice("nonlinear", ("nonlinear", "linear"))
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -148,10 +132,6 @@ class FragilitySettings(Section):
             raise ConfigError(
                 f'[fragility] selection: records chosen elsewhere are stripes, found data = "{self.data}"; drop one'
             )
-
-
-#: Units of the levels of the measures that a hazard is given in.
-HAZARD_UNITS = tuple(dict.fromkeys(unit for name in HAZARD for unit in MEASURES[name].known_units))
 
 
 @dataclass(frozen=True)
@@ -189,15 +169,6 @@ class HazardSettings(Section):
             raise ConfigError("[hazard] longitude, latitude: expected both or neither, found one")
 
 
-#: The codes whose checks are known, in the order of tables.
-CODES = ("circolare_2009", "circolare_2019", "en_1998")
-
-SPECTRA = ("ntc", "en_1998_1", "en_1998_2", "table")
-GROUNDS = ("A", "B", "C", "D", "E")
-TOPOGRAPHIES = ("T1", "T2", "T3", "T4")
-LIMIT_STATES = ("slv", "slc")
-
-
 @dataclass(frozen=True)
 class CheckSettings(Section):
     """The elastic spectrum of a code, of one limit state, and the factors of the checks.
@@ -229,14 +200,14 @@ class CheckSettings(Section):
     """
 
     heading = "[check]"
-    spectrum: str = choice("ntc", SPECTRA)
+    spectrum: str = choice("ntc", ("ntc", "en_1998_1", "en_1998_2", "table"))
     ag: float | None = number(None, low=0.0, above=True, high=5.0, unit="g")
     f0: float | None = number(None, low=1.0, high=10.0)
     tc_star: float | None = number(None, low=0.01, high=5.0, unit="s")
-    ground: str = choice("A", GROUNDS)
-    topography: str = choice("T1", TOPOGRAPHIES)
+    ground: str = choice("A", ("A", "B", "C", "D", "E"))
+    topography: str = choice("T1", ("T1", "T2", "T3", "T4"))
     file: str | None = text(None)
-    limit_state: str = choice("slv", LIMIT_STATES)
+    limit_state: str = choice("slv", ("slv", "slc"))
     q: float = number(2.0, low=1.0)
     confidence_factor: float = number(1.35, low=1.0)
     q_a: float = number(1.0, low=1.0)
@@ -266,13 +237,6 @@ class CheckSettings(Section):
     def given(self) -> bool:
         """Whether there is a demand."""
         return self.ag is not None or self.file is not None
-
-
-#: Largest logo [bytes]: as text it is an attribute of the results file, of which HDF5 takes 64 kB.
-LOGO_LIMIT = 45_000
-
-#: What every PNG begins with.
-PNG = b"\x89PNG\r\n\x1a\n"
 
 
 @dataclass(frozen=True)

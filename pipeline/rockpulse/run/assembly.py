@@ -29,7 +29,6 @@ from rockpulse.storage.variables import failure_table
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["RUN_DIGEST", "RUN_ID", "JournalParts", "assemble", "run_of", "write_results"]
 
 #: Attribute of the root: the run that wrote the file, as its journal names it.
 RUN_ID = "run_id"

@@ -25,8 +25,6 @@ from rockpulse.run.survey import Located, gather, survey_file
 from rockpulse.run.tasks import Task, carry_out, digest_of, read_options, tasks_of, warm_up
 from rockpulse.storage.save_load import check_target, remove_parts
 
-__all__ = ["assess_files", "calibrate_files", "fragility_files"]
-
 logger = logging.getLogger("rockpulse")
 
 PathLike = str | os.PathLike[str]

@@ -18,8 +18,6 @@ from rockpulse.foreign_text import first_line
 from rockpulse.run.processes import WorkerDied, WorkerProcesses, call
 from rockpulse.version import __version__
 
-__all__ = ["Crew", "WorkerLost", "version"]
-
 logger = logging.getLogger("rockpulse")
 
 Item = TypeVar("Item")

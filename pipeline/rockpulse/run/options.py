@@ -12,8 +12,6 @@ from typing import Any, Protocol
 
 from rockpulse.errors import Failure
 
-__all__ = ["BatchOptions", "BatchReport", "Interrupted"]
-
 
 class Interrupted(KeyboardInterrupt):
     """Ctrl-C during a batch; the message says what is kept and how to go on."""

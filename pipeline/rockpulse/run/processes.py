@@ -20,8 +20,6 @@ from typing import Any
 
 from rocking.threads import thread_limit
 
-__all__ = ["WorkerDied", "WorkerProcesses", "call", "serve"]
-
 #: How often a worker may be killed while it starts before that is taken for more than bad luck.
 STARTS = 5
 #: Variables of the environment that tell libraries of linear algebra their number of threads.

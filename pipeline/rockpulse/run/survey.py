@@ -19,8 +19,6 @@ from rockpulse.readers.folders import Found, in_order, open_files, read_failure,
 from rockpulse.readers.source import folder_station_files, open_source
 from rockpulse.record.record import Record
 
-__all__ = ["FileSurvey", "Located", "Place", "gather", "survey_file", "unexpected"]
-
 
 @dataclass(frozen=True, slots=True)
 class Place:

@@ -31,8 +31,6 @@ from rockpulse.run.survey import Located, Place, unexpected
 from rockpulse.storage.save_load import SCHEMA_VERSION
 from rockpulse.version import __version__
 
-__all__ = ["Task", "carry_out", "configuration_fingerprint", "digest_of", "read_options", "tasks_of", "warm_up"]
-
 #: Sections of the configuration on which no record's numbers depend, by verb.
 IDLE = {
     "assess": {"site", "report", "calibration", "fragility", "hazard", "check"},
