@@ -58,7 +58,6 @@ def test_without_a_verb_the_whole_help_is_shown(capsys):
     ("arguments", "message"),
     [
         (["asess", "x"], """'completion'); did you mean "assess"?"""),
-        (["rule", "jugde"], 'did you mean "judge"?'),
         (["assess", "x", "-o", "y", "--worker", "3"], 'unrecognized arguments: --worker 3; did you mean "--workers"?'),
         (["assess", "x", "--ouput", "y"], 'required: -o/--output; --ouput is not known; did you mean "--output"?'),
         (["assess", "x", "-output", "y"], 'unrecognized arguments: -output; did you mean "--output"?'),
@@ -97,84 +96,6 @@ def test_the_help_names_every_verb_and_the_exit_codes():
     for verb in ("assess", "inspect", "formats", "init-config"):
         assert re.search(rf"^ +{verb}\b", text, re.M), verb
     assert "Exit codes: 0" in text
-
-
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        (["inspect", "{none}"], "none.h5: no such file; check the path (rockpulse assess writes one)"),
-        (["inspect", "{folder}"], ": expected a file, found a folder"),
-        (["assess", "x.AT2", "--config", "{none}", "--block", "a=1x3", "-o", "{new}"], "rockpulse: --config "),
-        (
-            ["assess", "x.AT2", "--config", "{none}", "--block", "a=1x3", "-o", "{new}"],
-            "h5: no such file; check the path",
-        ),
-        (
-            ["assess", "x.AT2", "--config", "{none}", "--block", "a=1x3", "-o", "{new}"],
-            "(rockpulse init-config -o FILE",
-        ),
-        (["assess", "x.AT2", "--config", "{folder}", "--block", "a=1x3", "-o", "{new}"], "found a folder"),
-        (
-            ["assess", "{file}", "--block", "a=1x3", "-o", "{new}", "--log-file", "{deeper}"],
-            "nowhere/deeper.log: there is no folder",
-        ),
-        (["assess", "--block", "a=1x3", "-o", "{new}"], "no records: name files"),
-        (["assess", "x.AT2", "-o", "{new}"], "no block"),
-        (["assess", "x.AT2", "--block", "a", "-o", "{new}"], "expected NAME=WIDTHxHEIGHT"),
-        (["assess", "x.AT2", "--block", "a=0x3", "-o", "{new}"], "expected a number in m > 0"),
-        (["assess", "x.AT2", "--block", "a=1x-3", "-o", "{new}"], "expected a number in m > 0"),
-        (["assess", "x.AT2", "--block", "a=3x1", "-o", "{new}"], "3 x 1: are the two swapped?"),
-        (["assess", "x.AT2", "--block", "a=3x1", "--confirm-size", "-o", "{new}"], "slenderness of 0.707"),
-        (["assess", "x.AT2", "--block", "a=600x1700", "-o", "{new}"], "600 x 1700: millimetres?"),
-        (["calibrate", "x.AT2", "--block", "a=0.01x0.04", "-o", "{new}"], "or add --confirm-size"),
-        (["fragility", "x.AT2", "--block", "a=0.01x0.04", "-o", "{new}"], "or add --confirm-size"),
-        (["assess", "x.AT2", "--block", "a=1x3", "--block", "a=1x3", "-o", "{new}"], '"a" is given 2 times'),
-        (["assess", "x.AT2", "--block", "a=1x3", "--units", "furlong", "-o", "{new}"], "--units: unknown unit"),
-        (
-            ["assess", "x.AT2", "--block", "a=1x3", "--dt", "0", "-o", "{new}"],
-            "--dt: expected a number in s > 0",
-        ),
-        (
-            ["assess", "x.AT2", "--block", "a=1x3", "--dt", "nan", "-o", "{new}"],
-            "expected a number in s > 0, found nan",
-        ),
-        (["assess", "x.AT2", "--block", "a=1x3", "-o", "{folder}"], "no regular file"),
-        (["assess", "x.AT2", "--block", "a=1x3", "-o", "/", "--overwrite"], "no regular file"),
-        (["assess", "x.AT2", "--block", "a=1x3", "-o", "{below}"], "no folder"),
-        (["assess", "x.AT2", "--config", "{nested}", "-o", "{new}"], "nested.toml: sections and arrays are nested"),
-        (["assess", "x.AT2", "--config", "{digits}", "-o", "{new}"], "digits.toml: an integer is beyond the limit"),
-        (["assess", "x.AT2", "--config", "{pipe}", "-o", "{new}"], "pipe: expected a file, found a pipe"),
-        (["assess", "x.AT2", "--config", "/dev/zero", "-o", "{new}"], "/dev/zero: expected a file, found a device"),
-        (["assess", "x.AT2", "--block", "a=1e308x1e308", "-o", "{new}"], "a number in m > 0, found 1e+308; it must be"),
-        (["assess", "{file}", "--block", "a=1x3", "-o", "{new}", "--scheduler", "foo"], "as scheme://host:port"),
-        (["inspect", "{pipe}"], "pipe: expected a file, found a pipe"),
-        (["verify", "{pipe}"], "pipe: expected a file, found a pipe"),
-        (["diff", "/dev/zero", "{pipe}"], "/dev/zero: expected a file, found a device"),
-        (["init-config", "-o", "{below}"], "there is no folder"),
-        (["init-config", "-o", "{folder}"], "a folder of this name exists"),
-        (["init-config", "-o", ""], "--output: expected the name of a file, found nothing"),
-        (["rule", "judge", "x.AT2", "--dt", "nan", "-o", "{new}"], "--dt: expected a number in s > 0"),
-        (
-            ["convert", "x.AT2", "--units", "gg", "-o", "{new}.csv"],
-            """option --units: unknown unit of acceleration 'gg'""",
-        ),
-    ],
-)
-def test_a_wrong_input_is_a_message_and_exit_code_two(tmp_path, capsys, arguments, message):
-    (tmp_path / "file").write_text("x")
-    (tmp_path / "nested.toml").write_text("a = " + "[" * 5000 + "]" * 5000)
-    (tmp_path / "digits.toml").write_text("[search]\npoints = " + "9" * 5000)
-    os.mkfifo(tmp_path / "pipe")
-    places = {"nested": "nested.toml", "digits": "digits.toml", "pipe": "pipe"}
-    places |= {"none": "none.h5", "folder": "", "new": "new.h5", "below": "file/results.h5", "file": "file"}
-    places["deeper"] = "nowhere/deeper.log"
-    places = {name: str(tmp_path / place) for name, place in places.items()}
-    assert main([argument.format(**places) for argument in arguments]) == 2
-    captured = capsys.readouterr()
-    assert captured.out == ""
-    assert captured.err.startswith("rockpulse: ")
-    assert message in captured.err
-    assert not (tmp_path / "new.h5").exists()
 
 
 def test_the_module_runs_like_the_command():

@@ -3,10 +3,7 @@
 import os
 import re
 import shutil
-import signal
-import subprocess
 import sys
-import textwrap
 from dataclasses import replace
 
 import h5py
@@ -69,23 +66,13 @@ def assessed(ridgecrest, tmp_path_factory):
     return made
 
 
-#: Those of the default tests, and those of the sweep.
-QUICK = ("plain", 60_000)
-SWEPT = {("histories", 60_000), ("cases and demands", 1), ("sweep", 1), ("probability", 1)}
-
-
-def _marks(name, chunk):
-    if (name, chunk) == QUICK:
-        return ()
-    return pytest.mark.sweep if (name, chunk) in SWEPT else pytest.mark.slow
-
-
 @pytest.mark.parametrize(
     ("name", "chunk"),
     [
-        pytest.param(name, chunk, marks=_marks(name, chunk))
-        for name in CONFIGURATIONS
-        for chunk in (1, 60_000, assembly.CHUNK)
+        ("plain", 60_000),
+        pytest.param("histories", 60_000, marks=pytest.mark.sweep),
+        *(pytest.param(name, 1, marks=pytest.mark.sweep) for name in ("cases and demands", "sweep", "probability")),
+        *(pytest.param(name, assembly.CHUNK, marks=pytest.mark.slow) for name in CONFIGURATIONS),
     ],
 )
 def test_the_assembled_file_is_the_saved_one(assessed, tmp_path, name, chunk):
@@ -102,10 +89,8 @@ def test_the_assembled_file_is_the_saved_one(assessed, tmp_path, name, chunk):
     assert verify(tmp_path / "made.h5", inputs=False).differences == ()
 
 
-@pytest.mark.parametrize("name", ["plain", pytest.param("sweep", marks=pytest.mark.slow)])
-def test_no_record_gives_the_empty_tree(assessed, tmp_path, name):
-    _, bodies, config, swept = assessed(name)
-    swept = None if swept is None else {}
+def test_no_record_gives_the_empty_tree(assessed, tmp_path):
+    _, bodies, config, swept = assessed("plain")
     save(build_tree([], bodies, config, FAILURES, swept), tmp_path / "saved.h5")
     assert assemble(tmp_path / "made.h5", template(bodies, config), [], FAILURES, swept) == 0
     assert_contents(tmp_path / "made.h5", contents(tmp_path / "saved.h5"))
@@ -151,13 +136,12 @@ def test_parts_that_can_be_gone_through_once_are_refused(assessed, tmp_path):
 
 def test_a_run_knows_its_own_file_only(tmp_path):
     path = tmp_path / "results.h5"
-    assert run_of(path)[0] != "mine"
+    assert run_of(path) == ("", "")
     path.write_text("a text")
-    assert run_of(path)[0] != "mine"
+    assert run_of(path) == ("", "")
     with h5py.File(path, "w") as file:
         file.attrs["run_id"] = "another"
-    assert run_of(path)[0] != "mine"
-    assert run_of(path)[0] == "another"
+    assert run_of(path) == ("another", "")
 
 
 def test_too_little_room_is_known_before_anything_is_written(assessed, tmp_path, monkeypatch):
@@ -174,10 +158,12 @@ def test_too_little_room_is_known_before_anything_is_written(assessed, tmp_path,
     assert list(tmp_path.iterdir()) == []
 
 
-def test_the_size_that_is_expected_is_that_of_the_file(assessed, tmp_path):
+def test_the_size_that_is_expected_is_that_of_the_file(assessed, tmp_path, monkeypatch):
     done, bodies, config, _ = assessed("histories")
-    expected = assembly._size(assembly._measure(done), template(bodies, config), 0)
+    replacing, sizes = assembly.replacing, []
+    monkeypatch.setattr(assembly, "replacing", lambda *given: sizes.append(given[3]) or replacing(*given))
     assemble(tmp_path / "results.h5", template(bodies, config), done)
+    (expected,) = sizes
     assert expected < (tmp_path / "results.h5").stat().st_size < expected + 500_000
 
 
@@ -199,52 +185,6 @@ def test_a_disk_that_fills_up_meanwhile_leaves_the_old_file_and_the_journal(asse
         assert journal.finished() == {"a": "f"}
     assert target.read_bytes() == old
     assert not list(tmp_path.glob("*.part"))
-
-
-@pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="no SIGKILL on this system")
-@pytest.mark.parametrize(
-    "step",
-    [
-        pytest.param("_close", marks=pytest.mark.sweep),
-        *(pytest.param(step, marks=pytest.mark.slow) for step in ("add_group", "append", "read", "_complete")),
-    ],
-)
-def test_a_kill_while_assembling_leaves_old_file_and_journal(assessed, tmp_path, step):
-    done, bodies, config, swept = assessed("sweep")
-    target = tmp_path / "results.h5"
-    save(build_tree(done[:1], bodies, config, []), target)
-    old = target.read_bytes()
-    (tmp_path / "site.toml").write_text(CONFIGURATIONS["sweep"])
-    keys = [str(one["/summary/record"][0]) for one in done]
-    with Journal.open(target) as journal:
-        run_id = journal.run_id
-        for key, one in zip(keys, done, strict=True):
-            journal.add(Done(key, "f", (pack(one),)))
-    script = f"""
-        import os, signal
-        import rockpulse as rp
-        from rockpulse.run.assembly import JournalParts, assemble
-        from rockpulse.run.journal import Journal
-        from rockpulse.assessment.assessment import Assessment
-        from rockpulse.storage.hdf5_writer import TreeWriter
-        config = rp.load_config({str(tmp_path / "site.toml")!r})
-        setattr(TreeWriter, {step!r}, lambda *args: os.kill(os.getpid(), signal.SIGKILL))
-        with Journal.open({str(target)!r}, resume=True) as journal:
-            parts = JournalParts(journal, Assessment(config), {keys!r}, {dict.fromkeys(keys, "Ridgecrest")!r})
-            assemble({str(target)!r}, Assessment(config).template, parts, [], {swept!r}, True)
-    """
-    killed = subprocess.run(
-        [sys.executable, "-c", textwrap.dedent(script)], capture_output=True, timeout=300, check=False
-    )
-    assert killed.returncode == -signal.SIGKILL, killed.stderr.decode()
-    assert target.read_bytes() == old
-    with Journal.open(target, resume=True) as journal:
-        assert journal.run_id == run_id
-        parts = JournalParts(journal, Assessment(config), keys, dict.fromkeys(keys, "Ridgecrest"))
-        assemble(target, template(bodies, config), parts, [], swept, overwrite=True, run={"run_id": run_id})
-        assert run_of(target)[0] == run_id
-    save(build_tree(done, bodies, config, [], swept), tmp_path / "saved.h5")
-    assert_contents(target, contents(tmp_path / "saved.h5"))
 
 
 def test_parts_of_another_layout_are_refused(assessed, tmp_path):

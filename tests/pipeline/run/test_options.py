@@ -5,11 +5,9 @@ from __future__ import annotations
 import re
 import shutil
 
-import numpy as np
 import pytest
 from batch_runs import CONFIGURATION, RECORDS, command, names, write
 from file_contents import assert_contents, contents
-from record_writers import at2
 
 from rockpulse.cli import main
 from rockpulse.run.journal import Journal, journal_path
@@ -53,32 +51,12 @@ def redone(monkeypatch):
     return keys
 
 
-def test_stopping_says_what_is_kept(folder, tmp_path, monkeypatch, capsys):
-    add = Journal.add
-
-    def add_one(self, done):
-        add(self, done)
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr(Journal, "add", add_one)
-    assert command(folder, tmp_path / "results.h5", "--quiet") == 130
-    assert "interrupted; 1 finished record is kept in" in capsys.readouterr().err
-
-
 def test_resuming_does_what_is_missing(stopped, monkeypatch, capsys):
     mine, target = stopped
     keys = redone(monkeypatch)
     assert command(mine, target, "--resume") == 0
     assert "rockpulse: 5 of 8 records were finished before\n" in capsys.readouterr().err
     assert keys == ["r5.090", "r6.090", "r7.090"]
-
-
-def test_a_stopped_run_is_not_begun_anew_unasked(stopped, capsys):
-    mine, target = stopped
-    assert command(mine, target) == 2
-    assert re.search(r"was stopped with 5 records done; go on with --resume, or begin", capsys.readouterr().err)
-    assert command(mine, target, "--overwrite", "--quiet") == 0
-    assert len(contents(target)["summary/record"]["values"]) == RECORDS
 
 
 @pytest.mark.sweep
@@ -96,15 +74,6 @@ def test_resuming_with_other_options_does_all_again_and_says_so(stopped, monkeyp
     assert_contents(target, contents(target.with_name("fresh.h5")))
 
 
-def test_options_that_change_no_number_do_nothing_again(stopped, monkeypatch):
-    mine, target = stopped
-    (mine / "site.toml").write_text(CONFIGURATION.replace('"Test"', '"Another"') + "[run]\nworkers = 1\n")
-    keys = redone(monkeypatch)
-    assert command(mine, target, "--resume", "--quiet") == 0
-    assert len(keys) == 3
-    assert "Another" in str(contents(target)["/"]["@title"])
-
-
 def test_resuming_with_a_changed_file_does_that_one_again(stopped, monkeypatch):
     mine, target = stopped
     write(mine / "r2.AT2", 0.9)
@@ -112,17 +81,6 @@ def test_resuming_with_a_changed_file_does_that_one_again(stopped, monkeypatch):
     assert command(mine, target, "--resume", "--quiet") == 0
     assert keys == ["r2.090", "r5.090", "r6.090", "r7.090"]
     assert contents(target)["summary/pga"]["values"][2] == pytest.approx(0.9 * 9.80665, rel=0.01)
-
-
-def test_a_file_that_went_and_one_that_came_are_seen(stopped, monkeypatch):
-    mine, target = stopped
-    (mine / "r1.AT2").unlink()
-    write(mine / "r8.AT2", 0.9)
-    keys = redone(monkeypatch)
-    assert command(mine, target, "--resume", "--quiet") == 0
-    assert keys == ["r5.090", "r6.090", "r7.090", "r8.090"]
-    found = contents(target)["summary/record"]["values"].tolist()
-    assert found == [f"r{number}.090".encode() for number in (0, 2, 3, 4, 5, 6, 7, 8)]
 
 
 def test_resuming_on_the_wrong_files_loses_nothing(stopped, tmp_path, monkeypatch, capsys):
@@ -148,19 +106,6 @@ def test_resuming_what_never_began_begins_it(folder, tmp_path, undisturbed, caps
     assert command(folder, target, "--resume", "--block", "other=0.5x3") == 2
     assert "results.h5: the file exists" in capsys.readouterr().err
     assert names(tmp_path) == ["results.h5"]
-
-
-def test_strict_stops_at_the_first_failure(folder, tmp_path, capsys):
-    target, log = tmp_path / "results.h5", tmp_path / "log"
-    (tmp_path / "still.AT2").write_bytes(at2(np.zeros(400)))
-    given = ["--config", str(folder / "site.toml"), "-o", str(target), "--workers", "1", "--log-file", str(log)]
-    assert main(["assess", str(folder / "r0.AT2"), str(tmp_path / "still.AT2"), *given, "--strict"]) == 1
-    said = capsys.readouterr().err
-    assert re.search(
-        r"stopped at the first failure \(--strict\): still.090: .*; \d finished records? (is|are) kept", said
-    )
-    assert not target.exists()
-    assert "ERROR stopped at the first failure" in log.read_text()
 
 
 def test_a_log_goes_to_the_end_of_no_other_file(folder, tmp_path, capsys):
@@ -192,12 +137,6 @@ def test_the_log_file_tells_the_run_and_is_added_to(folder, tmp_path):
     ]
     assert len(told) == 8
     assert "WARNING r0.090: " in log.read_text()
-
-
-def test_a_log_that_cannot_be_written_is_refused_before_the_work(folder, tmp_path, capsys):
-    assert command(folder, tmp_path / "results.h5", "--log-file", str(tmp_path / "gone" / "log")) == 2
-    assert "gone/log: there is no folder" in capsys.readouterr().err
-    assert names(tmp_path) == []
 
 
 def test_the_lock_is_given_back_when_a_run_fails(folder, tmp_path, monkeypatch):

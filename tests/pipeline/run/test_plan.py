@@ -71,8 +71,8 @@ def test_the_tasks_are_the_motions_of_the_assessment_in_memory(samples, way):
     assert found.events == expected.events
     assert [task.key for task in tasks] == [one.name for one in expected.planned]
     for task, one in zip(tasks, expected.planned, strict=True):
-        assert [located.record.id for located in task.channels] == [channel.id for channel in one.channels]
-        assert (task.vertical and task.vertical.record.id) == (one.vertical and one.vertical.id)
+        assert [channel.id for channel in task.planned.channels] == [channel.id for channel in one.channels]
+        assert (task.planned.vertical and task.planned.vertical.id) == (one.vertical and one.vertical.id)
         motions = conditioned_motions(one, options)
         assert task.source == motions[0].record.source
         assert planned_ids(task.planned, options) == [motion.record.id for motion in motions]
@@ -88,7 +88,7 @@ def test_what_a_task_reads_is_what_was_planned(samples):
     (record,) = (one for one in read_all(samples)[0] if one.id.startswith("CI.CLC..Up"))
     task = next(task for task in planned(samples, options)[0] if "CLC" in task.key)
     full = task.read(read_options(options))
-    assert [one.npts for one in full.channels] == [one.record.npts for one in task.channels]
+    assert [one.npts for one in full.channels] == [one.npts for one in task.planned.channels]
     assert full.vertical is not None
     assert full.vertical.acceleration.tolist() == record.acceleration.tolist()
     assert all(one.pga > 0.0 for one in full.channels)
@@ -182,11 +182,11 @@ CHANGES = [
 
 
 @pytest.mark.parametrize("verb", ["assess", "calibrate", "fragility"])
-@pytest.mark.parametrize(("change", "verbs"), CHANGES, ids=["-".join(change) for change, _ in CHANGES])
-def test_the_fingerprint_of_the_configuration_changes_with_what_changes_numbers(change, verbs, verb):
+def test_the_fingerprint_of_the_configuration_changes_with_what_changes_numbers(verb):
     start = replace(config(), calibration=MATCHED)
-    plain, changed = (configuration_fingerprint(one, verb) for one in (start, replace(start, **change)))
-    assert (plain != changed) == (verb in verbs)
+    plain = configuration_fingerprint(start, verb)
+    changed = [change for change, _ in CHANGES if configuration_fingerprint(replace(start, **change), verb) != plain]
+    assert changed == [change for change, verbs in CHANGES if verb in verbs]
 
 
 @pytest.mark.parametrize("method", ["spectrum", "statistics"])
@@ -209,14 +209,6 @@ def test_the_mean_over_directions_is_taken_when_all_records_are_done():
     swept = replace(config(), records=RecordSettings(components="sweep"))
     mean = replace(swept, uncertainty=UncertaintySettings(azimuth=True))
     assert configuration_fingerprint(swept, "assess") == configuration_fingerprint(mean, "assess")
-
-
-def test_the_spectrum_by_another_method_is_another_number():
-    seen = {
-        configuration_fingerprint(replace(config(), calibration=CalibrationSettings(spectrum=word)), "calibrate")
-        for word in ("rule", "nonlinear")
-    }
-    assert len(seen) == 2
 
 
 def test_the_fingerprint_of_the_configuration_knows_verb_version_program_and_schema(monkeypatch):
@@ -259,13 +251,6 @@ def test_the_program_is_known_by_its_sources(monkeypatch, tmp_path, package):
     assert len(seen) == 4
     (tmp_path / "other.py").write_text("x = 3\n")
     assert digest() in seen
-
-
-def test_a_fingerprint_changes_with_the_configuration(samples):
-    before, after = (
-        fingerprints(samples, replace(config(), half_waves=HalfWaveSettings(threshold=value))) for value in (0.0, 0.1)
-    )
-    assert not set(before.values()) & set(after.values())
 
 
 def test_unit_and_interval_of_some_files_change_the_fingerprints_of_these_only(tmp_path):

@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import os
 import pickle
-import subprocess
-import sys
 from contextlib import AbstractContextManager
 from dataclasses import replace
 
@@ -241,7 +238,7 @@ def test_only_what_the_plan_can_use_is_counted_as_kept(folder, tmp_path, monkeyp
         wider = replace(CONFIG, blocks=(BlockSettings(name="wide", width=0.5, height=3.0),))
         with pytest.raises(run.Interrupted, match="1 finished record is kept"):
             assess_files(paths[:1], wider, output, BatchOptions(workers=1, resume=True))
-        patch.setattr(run, "_worked", interrupted)
+        patch.setattr(run._Batch, "work", interrupted)
         with pytest.raises(run.Interrupted, match=r"nothing of this run was finished yet; .* keeps 3 records of other"):
             assess_files(folder / "other.AT2", CONFIG, output, BatchOptions(workers=1, resume=True))
 
@@ -266,19 +263,3 @@ def test_whether_a_message_tells_of_resuming_survives_pickling(error):
 
 def interrupted(*args):
     raise KeyboardInterrupt
-
-
-@pytest.mark.sweep
-def test_nobody_who_reads_is_no_reason_to_stop(folder, tmp_path):
-    """Both streams go into a pipe whose reader has left; one file fails."""
-    (tmp_path / "cut.AT2").write_bytes((folder / "r0.AT2").read_bytes()[:900])
-    paths = [str(folder / "r0.AT2"), str(tmp_path / "cut.AT2")]
-    options = ["--block", "wall=0.4x3", "-o", str(tmp_path / "r.h5"), "--workers=1", "--resume"]
-    reader, writer = os.pipe()
-    os.close(reader)
-    ended = subprocess.run(
-        [sys.executable, "-m", "rockpulse", "assess", *paths, *options], stdout=writer, stderr=writer, check=False
-    )
-    os.close(writer)
-    assert ended.returncode == 1
-    assert len(contents(tmp_path / "r.h5")["summary/record"]["values"]) == 1

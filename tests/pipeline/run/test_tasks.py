@@ -43,21 +43,16 @@ CHEAP = Config(
 )
 CONFIGURATIONS = {
     "horizontal": CHEAP,
-    "searched": replace(CHEAP, search=SearchSettings(models=("sequence",), points=16)),
     "cases": replace(
         CHEAP,
         blocks=(replace(WALL, restitution=(0.91, 0.96)), TOWER),
         demands=(DemandSettings(name="damage", acceleration=1.0),),
     ),
-    "filtered": replace(CHEAP, conditioning=ConditioningSettings(highpass_hz=0.2, resample_s=0.02)),
     "vertical": replace(
         CHEAP,
         records=RecordSettings(include_vertical=True, store="half_waves"),
         models=ModelSettings(use=("nonlinear",), histories=True),
     ),
-    "structural": replace(CHEAP, records=RecordSettings(structural=True, store="none")),
-    "azimuth": replace(CHEAP, records=RecordSettings(components="azimuth", azimuth=30.0)),
-    "strongest": replace(CHEAP, records=RecordSettings(components="strongest")),
     "sweep": replace(
         CHEAP, records=RecordSettings(components="sweep", azimuth_step=45.0, include_vertical=True, store="none")
     ),
@@ -95,14 +90,11 @@ def carried_out(paths, analysis) -> tuple[list[tuple[str, Done]], list, list]:
     return [(prepared.events[one.key], one) for one in done], prepared.planned, rows
 
 
-@pytest.mark.parametrize(
-    "name", [pytest.param(name, marks=pytest.mark.sweep if name == "strongest" else ()) for name in CONFIGURATIONS]
-)
+@pytest.mark.parametrize("name", CONFIGURATIONS)
 def test_tasks_one_by_one_give_the_arrays_of_the_assessment_in_memory(samples, name):
     config = CONFIGURATIONS[name]
-    paths = samples / "CICLC.v1" if name == "strongest" else samples  # the search for the direction takes its time
-    done, _, rows = carried_out(paths, Assessment(config))
-    records, failures = read_all(paths)
+    done, _, rows = carried_out(samples, Assessment(config))
+    records, failures = read_all(samples)
     tree = assess(records, config, failures=failures)
     arrays = joined_parts([unpack(part) for _, one in done for part in one.parts])
     assert len(arrays["/summary/record"]) == tree["summary"].sizes["record"] > 0
@@ -118,7 +110,11 @@ def test_tasks_one_by_one_give_the_arrays_of_the_assessment_in_memory(samples, n
 
 def test_a_pair_that_cannot_be_rotated_is_rows_of_its_task(samples):
     # Filtering needs corners below the Nyquist frequency, 50 or 100 Hz here.
-    config = replace(CONFIGURATIONS["azimuth"], conditioning=ConditioningSettings(lowpass_hz=80.0))
+    config = replace(
+        CHEAP,
+        records=RecordSettings(components="azimuth", azimuth=30.0),
+        conditioning=ConditioningSettings(lowpass_hz=80.0),
+    )
     done, _, rows = carried_out(samples, Assessment(config))
     records, failures = read_all(samples)
     tree = assess(records, config, failures=failures)
@@ -128,8 +124,7 @@ def test_a_pair_that_cannot_be_rotated_is_rows_of_its_task(samples):
     assert all([row.stage for row in one.failures] == ["rotate", "rotate"] for one in lost)
 
 
-@pytest.mark.parametrize("analysis", [SiteCalibration, FragilityAnalysis])
-@pytest.mark.parametrize("components", ["horizontal", "sweep"])
+@pytest.mark.parametrize(("components", "analysis"), [("horizontal", FragilityAnalysis), ("sweep", SiteCalibration)])
 def test_the_tasks_of_any_order_give_the_tree_in_memory(samples, components, analysis):
     asked = analysis(
         Config(

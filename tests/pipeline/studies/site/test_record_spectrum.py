@@ -7,7 +7,6 @@ import rockpulse as rp
 from rocking.spectrum_lanes import RATES
 from rockpulse import CalibrationSettings
 from rockpulse.assessment.overturning import LANES
-from rockpulse.config.settings import SPECTRA
 from rockpulse.models import Block
 from rockpulse.storage.spectrum_variables import RESTITUTIONS
 
@@ -25,7 +24,7 @@ def spectra(word, *records, **calibration):
 
 
 def test_every_word_of_the_configuration_has_a_spectrum():
-    assert set(LANES) == set(SPECTRA)
+    assert set(LANES) == set(CalibrationSettings.__dataclass_fields__["spectrum"].metadata["values"].words)
 
 
 @pytest.fixture(scope="module")
