@@ -191,7 +191,8 @@ def batch(tmp_path):
     script, folder, begun = tmp_path / "batch.py", tmp_path / "workers", tmp_path / "begun"
     script.write_text(SCRIPT)
     folder.mkdir()
-    environment = {**os.environ, "PYTHONPATH": str(Path(toys.__file__).parent)}
+    places = filter(None, (str(Path(toys.__file__).parent), os.environ.get("PYTHONPATH")))
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(places)}
     process = subprocess.Popen(
         [sys.executable, script, folder, begun],
         env=environment,

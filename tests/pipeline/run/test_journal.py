@@ -207,7 +207,7 @@ def kept_of(target):
         damaged, gaps = journal.drop_damaged(lambda *_: True), journal.gaps
         for key, fingerprint in journal.finished().items():
             assert (fingerprint, journal.parts(key)) == ("f", (bytes([int(key[-1])]) * 1000,))
-            assert journal.failures()[key] == (Failure(key, "assess", "weak", "skipped"),)
+            assert journal.failures()[key] == [Failure(key, "assess", "weak", "skipped")]
         return set(journal.finished()), damaged, gaps
 
 
