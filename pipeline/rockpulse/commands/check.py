@@ -9,11 +9,11 @@ from rockpulse.commands.arguments import QUIET
 from rockpulse.commands.parser import Verb
 from rockpulse.commands.terminal import tell
 from rockpulse.config.study_settings import CODES
+from rockpulse.errors import ConfigError, ResultsError
 
 
 def _run(args: argparse.Namespace) -> int:
     from rockpulse.config.configuration import config_from_text, load_config
-    from rockpulse.errors import ConfigError, ResultsError
     from rockpulse.storage.save_load import ASSESSMENT, load, named
     from rockpulse.studies.check.codes import code_check
     from rockpulse.views.shared.output_files import check_file, csv_bytes, write_files

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from rockpulse.commands.arguments import SELECTION, count, read_selection
 from rockpulse.commands.parser import Verb
 from rockpulse.commands.terminal import tell
+from rockpulse.errors import ResultsError
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -67,8 +68,6 @@ def _parts(file: ResultsFile, args: argparse.Namespace) -> list[str]:
 
 
 def _check_worst(args: argparse.Namespace) -> None:
-    from rockpulse.errors import ResultsError
-
     beside = [f"--{name}" for name in BESIDE_WORST if args.worst and getattr(args, name)]
     if beside:
         raise ResultsError(
@@ -106,7 +105,6 @@ def _cases(summary: xr.Dataset, args: argparse.Namespace) -> str:
 
 
 def _inspect_whole(file: ResultsFile, group: str, args: argparse.Namespace) -> int:
-    from rockpulse.errors import ResultsError
     from rockpulse.storage.save_load import load
     from rockpulse.views.text.left_out import failure_list
 

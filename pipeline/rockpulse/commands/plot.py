@@ -7,6 +7,7 @@ from typing import Any
 
 from rockpulse.commands.parser import Verb
 from rockpulse.commands.terminal import tell
+from rockpulse.errors import ConfigError
 
 
 class _List(argparse.Action):
@@ -23,7 +24,6 @@ class _List(argparse.Action):
 
 
 def _run(args: argparse.Namespace) -> int:
-    from rockpulse.errors import ConfigError
     from rockpulse.storage.save_load import load
     from rockpulse.views.plots.kinds import OPTIONS, draw
     from rockpulse.views.plots.picture import picture_bytes

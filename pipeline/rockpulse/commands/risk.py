@@ -10,11 +10,11 @@ from pathlib import Path
 from rockpulse.commands.arguments import QUIET
 from rockpulse.commands.parser import Verb
 from rockpulse.commands.terminal import tell
+from rockpulse.errors import ConfigError
 
 
 def _run(args: argparse.Namespace) -> int:
     from rockpulse.config.configuration import config_from_text, load_config
-    from rockpulse.errors import ConfigError
     from rockpulse.storage.save_load import load
     from rockpulse.studies.risk.frequency import annual_frequency
     from rockpulse.studies.risk.hazard_files import hazard_of, site_hazards_of

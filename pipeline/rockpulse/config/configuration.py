@@ -16,7 +16,6 @@ from typing import Any
 
 from rockpulse.config.block_settings import BlockSettings, require_pairs
 from rockpulse.config.settings import (
-    SECTIONS,
     CalibrationSettings,
     ConditioningSettings,
     DemandSettings,
@@ -139,6 +138,12 @@ class Config:
         parts = [_as_toml(f"[{name}]", getattr(self, name)) for name in SECTIONS]
         parts += [_as_toml(entry.heading, entry) for entry in (*self.blocks, *self.demands)]
         return "\n".join(parts)
+
+
+#: Sections by their name in the file, in the order of the template.
+SECTIONS: dict[str, type[Section]] = {
+    item.name: item.default_factory for item in dataclasses.fields(Config) if isinstance(item.default_factory, type)
+}
 
 
 def _require_different(heading: str, names: list[str]) -> None:

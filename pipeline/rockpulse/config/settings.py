@@ -6,15 +6,7 @@ import math
 from dataclasses import MISSING, dataclass
 from typing import Any
 
-from rockpulse.config.study_settings import (
-    CheckSettings,
-    FragilitySettings,
-    HazardSettings,
-    ReportSettings,
-    UncertaintySettings,
-)
 from rockpulse.errors import ConfigError
-from rockpulse.ladder import ModelSettings, SearchSettings
 from rockpulse.option import KeyType, Section, boolean, choice, count, entries, key, number, text, texts
 from rockpulse.readers.format import FileSettings
 from rockpulse.record.measures import DEMAND, PERIODIC, PGA, ROWS, SCALING, quoted, units_in_words
@@ -258,23 +250,3 @@ class RunSettings(Section):
     heading = "[run]"
     workers: str | int = choice("all", ("all",), most=MOST_WORKERS)
     seed: int = count(0, low=0)
-
-
-#: Sections by their name in the file, in the order of the template.
-SECTIONS: dict[str, type[Section]] = {
-    "site": SiteSettings,
-    "records": RecordSettings,
-    "conditioning": ConditioningSettings,
-    "half_waves": HalfWaveSettings,
-    "intense_phase": IntensePhaseSettings,
-    "sequence": SequenceSettings,
-    "models": ModelSettings,
-    "search": SearchSettings,
-    "uncertainty": UncertaintySettings,
-    "calibration": CalibrationSettings,
-    "fragility": FragilitySettings,
-    "hazard": HazardSettings,
-    "check": CheckSettings,
-    "report": ReportSettings,
-    "run": RunSettings,
-}

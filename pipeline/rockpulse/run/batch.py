@@ -76,21 +76,8 @@ def calibrate_files(paths: Paths, config: Config, output: PathLike, options: Bat
 
     The site is that of :func:`rockpulse.calibrate_site` on all records of the paths.
 
-    Parameters
-    ----------
-    paths, config, output, options
-        As for :func:`assess_files`.
-
-    Returns
-    -------
-    BatchReport
-
-    Raises
-    ------
-    ConfigError, ResultsError, StoppedAtFailure, Interrupted
-        As :func:`assess_files`; ConfigError also for tables of events or weights that do not fit.
-    RecordRefused
-        As :func:`rockpulse.calibrate_site`.
+    Arguments, outcome and errors are those of :func:`assess_files`; a table of weights that does not fit is a
+    ConfigError, records of which no site can be made are a RecordRefused.
     """
     # With scipy.stats, which would take a third of the time that a worker of an assessment takes to start.
     from rockpulse.studies.site.calibration import SiteCalibration
@@ -103,19 +90,7 @@ def fragility_files(paths: Paths, config: Config, output: PathLike, options: Bat
 
     The curves are those of :func:`rockpulse.fragility_curves` on all records of the paths.
 
-    Parameters
-    ----------
-    paths, config, output, options
-        As for :func:`assess_files`.
-
-    Returns
-    -------
-    BatchReport
-
-    Raises
-    ------
-    ConfigError, ResultsError, StoppedAtFailure, Interrupted
-        As :func:`assess_files`.
+    Arguments, outcome and errors are those of :func:`assess_files`.
     """
     from rockpulse.studies.fragility.assessment import FragilityAnalysis
 

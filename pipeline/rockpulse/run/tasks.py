@@ -16,8 +16,8 @@ from typing import Any
 
 import rocking
 from rocking.block import Block
-from rockpulse.config.configuration import Config, located
-from rockpulse.config.settings import SECTIONS, CalibrationSettings
+from rockpulse.config.configuration import SECTIONS, Config, located
+from rockpulse.config.settings import CalibrationSettings
 from rockpulse.errors import Failure, RockpulseError
 from rockpulse.motions.directions import PlannedMotion, conditioned_motions
 from rockpulse.motions.tables import selection_of

@@ -13,8 +13,7 @@ from hypothesis import strategies as st
 import rockpulse as rp
 from rockpulse import BlockSettings
 from rockpulse.commands.init_config import template
-from rockpulse.config.configuration import Config, config_from_text, load_config
-from rockpulse.config.settings import SECTIONS
+from rockpulse.config.configuration import SECTIONS, Config, config_from_text, load_config
 from rockpulse.errors import ConfigError
 
 TEMPLATE = template()

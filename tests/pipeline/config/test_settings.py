@@ -7,8 +7,7 @@ import pytest
 
 import rockpulse as rp
 from rockpulse import ConditioningSettings, ModelSettings, SequenceSettings
-from rockpulse.config.configuration import Config
-from rockpulse.config.settings import SECTIONS
+from rockpulse.config.configuration import SECTIONS, Config
 from rockpulse.errors import ConfigError
 
 
