@@ -17,8 +17,8 @@ SOURCES = [path for top in TOPS for path in sorted(top.rglob("*.py"))]
 #: The rooms from the ground up, those of one line side by side: a module imports from its own room and from the lines
 #: above its own. A room is the longest of these names that a module's dotted name begins with.
 ROOMS = """
-rocking.arguments rocking.pictures
-rocking.response rocking.lanes
+rocking.arguments rocking.pictures rocking.lanes
+rocking.response
 rocking.body
 rocking.march
 rocking.impulses
