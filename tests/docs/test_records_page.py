@@ -32,7 +32,7 @@ def test_every_heading_of_the_page_works(tmp_path, headings, expected):
 
 
 def test_the_page_names_every_unit():
-    from rockpulse.readers.units import UNITS
+    from rockpulse.readers.kit.text import UNITS
 
     (line,) = re.findall(r"^Units are (.*?)\. ", PAGE, re.MULTILINE)
     assert set(re.findall(r"`([^`]+)`", line)) == set(UNITS)

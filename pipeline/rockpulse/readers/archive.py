@@ -14,8 +14,6 @@ from pathlib import Path, PurePosixPath
 from rockpulse.errors import RecordFormatError, RecordRefused, RockpulseError
 from rockpulse.readers.source import FILE_LIMIT, HEAD, RATIO_LIMIT, SourceFile, archive_kind
 
-__all__ = ["MEMBER_LIMIT", "TOTAL_LIMIT", "Archive", "is_archive", "members"]
-
 #: An archive with more members is refused.
 MEMBER_LIMIT = 100_000
 #: An archive whose members are larger together is refused [bytes].

@@ -15,8 +15,6 @@ from pathlib import PurePath
 from rockpulse.errors import RockpulseError
 from rockpulse.readers.source import SourceFile
 
-__all__ = ["advice", "is_quiet", "may_be_record"]
-
 #: Suffixes of files that lie beside records and are passed over without a row unless they are named explicitly.
 _QUIET = frozenset({".md", ".toml", ".h5", ".journal", ".journal-journal", ".part", ".html", ".pdf", ".png"})
 #: First element of XML files of a station or an earthquake; other XML files may hold samples.

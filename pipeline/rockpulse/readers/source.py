@@ -17,21 +17,6 @@ from typing import BinaryIO
 from rockpulse.errors import RecordFormatError, RecordRefused
 from rockpulse.input_file import check_regular
 
-__all__ = [
-    "FILE_LIMIT",
-    "HEAD",
-    "RATIO_LIMIT",
-    "NoRecord",
-    "NotAcceleration",
-    "SourceFile",
-    "Unrecognised",
-    "archive_kind",
-    "check_link",
-    "folder_station_files",
-    "open_source",
-    "open_stream",
-]
-
 #: Bytes from the start of a file that decide its format.
 HEAD = 65536
 #: Largest file, or member of an archive, that is read [bytes]; a day of one channel at 200/s as text is half of it.

@@ -11,8 +11,8 @@ import pytest
 from record_writers import pulse
 
 from rockpulse.errors import RecordFormatError, RecordRefused
-from rockpulse.readers.channel import build_record, odd_peak, usable_channels
-from rockpulse.readers.facing import Direction
+from rockpulse.readers.kit.channel import build_record, odd_peak, usable_channels
+from rockpulse.readers.kit.direction import Direction
 from rockpulse.readers.source import NotAcceleration, SourceFile
 from rockpulse.record.record import STANDARD_GRAVITY as G
 from rockpulse.remark import code_of

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from rockpulse.errors import RecordFormatError
-from rockpulse.readers.channel_count import Counted, completeness
+from rockpulse.readers.kit.checks import Counted, completeness
 
 
 def channels(numbers: str, counted: int, recorder: str = "A") -> list[Counted]:

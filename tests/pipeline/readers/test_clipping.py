@@ -11,7 +11,7 @@ from record_writers import at2, csmip_equal, knet, pulse, smc
 from record_writers.miniseed import station_xml
 
 from rockpulse.readers import read
-from rockpulse.readers.clipping import clipping_warning
+from rockpulse.readers.kit.channel import clipping_warning
 
 WAVE = np.round(pulse(2000, peak=5e5, dt=0.005))
 

@@ -4,7 +4,7 @@ from datetime import UTC, datetime, timedelta
 
 import pytest
 
-from rockpulse.readers.clock import clock_fault, instant, later, near_event, written
+from rockpulse.readers.kit.facts import clock_fault, instant, later, near_event, written
 
 TICK = timedelta(microseconds=1)
 

@@ -12,11 +12,11 @@ from record_writers.columns import columns
 
 from rockpulse.errors import RecordFormatError, RockpulseError, UnitError
 from rockpulse.readers import read
-from rockpulse.readers.column_headings import Heading, _are_headings, column_headings
 from rockpulse.readers.format import ReadOptions
 from rockpulse.readers.formats.columns import is_columns, read_columns
+from rockpulse.readers.kit.headings import Heading, _are_headings, column_headings
+from rockpulse.readers.kit.table import Layout
 from rockpulse.readers.source import NotAcceleration, SourceFile
-from rockpulse.readers.table_layout import Layout
 
 COUNT, STEP = 1000, 0.005
 TIMES = np.arange(COUNT) * STEP

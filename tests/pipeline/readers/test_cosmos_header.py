@@ -10,7 +10,7 @@ from record_writers import pulse
 from record_writers.cosmos import cosmos
 
 from rockpulse.errors import RecordFormatError
-from rockpulse.readers.cosmos_header import Header, fortran_layout, read_header
+from rockpulse.readers.kit.cosmos_header import Header, fortran_layout, read_header
 
 TEXT = [f"line {number}" for number in range(1, 14)]
 

@@ -9,8 +9,7 @@ from record_writers.cosmos import cosmos
 
 from rockpulse.errors import RecordFormatError, UnitError
 from rockpulse.readers import read
-from rockpulse.readers.cosmos_header import Header
-from rockpulse.readers.cosmos_held import held_series
+from rockpulse.readers.kit.cosmos_header import Header, held_series
 from rockpulse.record.record import STANDARD_GRAVITY
 
 G = STANDARD_GRAVITY

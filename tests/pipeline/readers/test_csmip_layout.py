@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from rockpulse.errors import RecordFormatError
-from rockpulse.readers.csmip_layout import Header, Heading, channels, equal_block, heading_at, read_header
-from rockpulse.readers.pairs import Block
+from rockpulse.readers.kit.csmip import Header, Heading, channels, equal_block, heading_at, read_header
+from rockpulse.readers.kit.spacing import Block
 from rockpulse.readers.source import SourceFile
 from rockpulse.record.record import STANDARD_GRAVITY as G
 

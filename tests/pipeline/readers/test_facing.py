@@ -7,7 +7,7 @@ import pytest
 from record_writers import csmip_equal, pulse
 
 from rockpulse.readers import read
-from rockpulse.readers.facing import (
+from rockpulse.readers.kit.direction import (
     Direction,
     direction,
     heading_direction,

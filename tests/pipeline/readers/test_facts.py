@@ -9,7 +9,7 @@ import obspy
 import pytest
 
 from rockpulse.readers import read
-from rockpulse.readers.facts import NOTHING, Facts, coordinates, magnitudes, preferred, stated
+from rockpulse.readers.kit.facts import NOTHING, Facts, coordinates, magnitudes, preferred, stated
 from rockpulse.record.record import Record
 
 NAN = math.nan

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from rockpulse.errors import RecordFormatError
-from rockpulse.readers.fields import check_count, fixed_width, free_numbers, free_rows, printed_number, text_lines
+from rockpulse.readers.kit.text import check_count, fixed_width, free_numbers, free_rows, printed_number, text_lines
 
 
 @pytest.mark.parametrize("end", [b"\n", b"\r\n", b"\r", b"\r\r\n"])

@@ -6,7 +6,7 @@ import math
 
 import pytest
 
-from rockpulse.readers.header_words import kinds_of, stated_counts, stated_kinds, stated_steps, stated_units
+from rockpulse.readers.kit.headings import kinds_of, stated_counts, stated_kinds, stated_steps, stated_units
 
 
 @pytest.mark.parametrize(

@@ -7,16 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from rockpulse.readers.csmip_numbers import (
-    channel_count,
-    direction_code,
-    held_count,
-    held_peak_real,
-    one_direction,
-    real,
-)
-from rockpulse.readers.facing import Direction, direction
-from rockpulse.readers.held import (
+from rockpulse.readers.kit.checks import (
     held_direction,
     held_length,
     held_lengths_of_units,
@@ -24,7 +15,16 @@ from rockpulse.readers.held import (
     held_units,
     left_in_row,
 )
-from rockpulse.readers.sensitivity import sensitivity_notes
+from rockpulse.readers.kit.csmip import (
+    channel_count,
+    direction_code,
+    held_count,
+    held_peak_real,
+    one_direction,
+    real,
+)
+from rockpulse.readers.kit.direction import Direction, direction
+from rockpulse.readers.kit.response import sensitivity_notes
 from rockpulse.record.record import STANDARD_GRAVITY
 
 TIMES = 0.01 * np.arange(1000)

@@ -11,7 +11,7 @@ from scipy.signal import lsim
 
 from rockpulse.errors import RecordFormatError, RecordRefused
 from rockpulse.readers import read
-from rockpulse.readers.instrument import _disagreement, _gain, pass_band, without_response
+from rockpulse.readers.kit.response import _disagreement, _gain, pass_band, without_response
 from rockpulse.readers.source import NotAcceleration
 from rockpulse.record.record import STANDARD_GRAVITY
 

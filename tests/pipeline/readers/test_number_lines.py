@@ -3,8 +3,7 @@
 import pytest
 
 from rockpulse.errors import RecordFormatError
-from rockpulse.readers.number_lines import Numbered, number_lines
-from rockpulse.readers.table_layout import Layout
+from rockpulse.readers.kit.table import Layout, Numbered, number_lines
 
 
 def found(*lines, width, start=0, timed=False):

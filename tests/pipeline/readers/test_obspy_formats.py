@@ -16,9 +16,8 @@ from record_writers import pulse
 from rockpulse.errors import RecordFormatError, RecordRefused, UnitError
 from rockpulse.readers import read
 from rockpulse.readers.formats.miniseed import _held_rate, is_miniseed
-from rockpulse.readers.obspy_bridge import _standard_error, obspy_notes
+from rockpulse.readers.kit.obspy_bridge import PROCESSED, _standard_error, obspy_notes, told_otherwise
 from rockpulse.readers.source import NotAcceleration
-from rockpulse.readers.station_xml import PROCESSED, told_otherwise
 from rockpulse.record.record import STANDARD_GRAVITY
 
 COUNTS = np.round(pulse(1000, peak=500_000.0)).astype(np.int32)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from rockpulse.errors import RecordFormatError, UnitError
-from rockpulse.readers.pairs import declared_points, pair_block, pair_unit, surplus
+from rockpulse.readers.kit.spacing import declared_points, pair_block, pair_unit, surplus
 
 TIMES = 1.5 + 0.02 * np.arange(7)
 VALUES = np.array([0.125, -0.5, 3.25, -4.5, 2.75, 1.0, -0.25])

@@ -12,7 +12,7 @@ from make_format_samples import format_samples, read_options
 
 from rockpulse.errors import RecordFormatError, RockpulseError
 from rockpulse.readers import read
-from rockpulse.readers.repeats import distinct_sections, last_of_equal
+from rockpulse.readers.kit.checks import distinct_sections, last_of_equal
 from rockpulse.record.record import Record
 
 SHORT = 150

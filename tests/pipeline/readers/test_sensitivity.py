@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import pytest
 
 from rockpulse.errors import RecordFormatError, RecordRefused
-from rockpulse.readers.sensitivity import first_stage, measured, sensitivity_factor, sensitivity_notes, turned
+from rockpulse.readers.kit.response import first_stage, measured, sensitivity_factor, sensitivity_notes, turned
 from rockpulse.readers.source import NotAcceleration
 from rockpulse.record.record import STANDARD_GRAVITY
 

@@ -8,7 +8,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from rockpulse.errors import RecordFormatError
-from rockpulse.readers.spacing import _half_digit, even_step, long_step, make_even, printed_at
+from rockpulse.readers.kit.spacing import _half_digit, even_step, long_step, make_even, printed_at
 
 QUICK = settings(derandomize=True, deadline=None, max_examples=100)
 STEPS = st.sampled_from([0.0014, 0.0025, 1 / 300, 0.005, 1 / 128, 0.01, 0.02, 1 / 3])

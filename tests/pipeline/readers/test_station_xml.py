@@ -4,8 +4,8 @@ from types import SimpleNamespace
 
 import pytest
 
+from rockpulse.readers.kit.obspy_bridge import PROCESSED, _gap, _holds, _is_of, _overlap
 from rockpulse.readers.source import SourceFile
-from rockpulse.readers.station_xml import PROCESSED, _gap, _holds, _is_of, _overlap
 
 
 @pytest.mark.parametrize(

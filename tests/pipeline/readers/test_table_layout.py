@@ -9,7 +9,7 @@ from record_writers.columns import columns, wrapped
 
 from rockpulse.errors import RecordFormatError, UnitError
 from rockpulse.readers import read
-from rockpulse.readers.table_layout import Layout, end_of_numbers, find_layout, row_width, split_row
+from rockpulse.readers.kit.table import Layout, end_of_numbers, find_layout, row_width, split_row
 
 VALUES = np.round(pulse(200, peak=3.0), 6)
 TABLE = columns(np.column_stack([0.01 * np.arange(200), VALUES])).decode()

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from rockpulse.errors import RecordFormatError
-from rockpulse.readers.table_layout import Layout
-from rockpulse.readers.table_numbers import as_float, check_decimals, read_table
+from rockpulse.readers.kit.table import Layout, as_float, check_decimals, read_table
 
 
 def layout(delimiter=None, decimal=".", width=2):

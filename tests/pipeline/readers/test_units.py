@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from rockpulse.errors import UnitError
-from rockpulse.readers.units import UNITS, canonical_unit, mentioned_units, other_readings, quantity_of
+from rockpulse.readers.kit.text import UNITS, canonical_unit, mentioned_units, other_readings, quantity_of
 
 
 @pytest.mark.parametrize(

@@ -9,7 +9,7 @@ from record_writers.columns import wrapped
 
 from rockpulse.errors import RecordFormatError
 from rockpulse.readers import read
-from rockpulse.readers.wrapped_series import runs_on
+from rockpulse.readers.kit.table import runs_on
 
 VALUES = np.round(pulse(200, peak=3.0), 6)
 LONG, STEP = np.round(pulse(1000, peak=3.0) + 0.01 * np.sin(1.5 * np.arange(1000)), 6), 0.005

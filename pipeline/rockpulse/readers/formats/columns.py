@@ -12,23 +12,34 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from rockpulse.errors import RecordFormatError, UnitError
-from rockpulse.readers.channel import build_record
-from rockpulse.readers.column_headings import Heading, column_headings
-from rockpulse.readers.facing import BRACKET, heading_direction
-from rockpulse.readers.fields import check_count, text_lines
 from rockpulse.readers.format import Format, ReadOptions
-from rockpulse.readers.header_words import stated_counts, stated_kinds, stated_steps, stated_units
-from rockpulse.readers.held import held_units
-from rockpulse.readers.number_lines import Numbered, number_lines
+from rockpulse.readers.kit.channel import build_record
+from rockpulse.readers.kit.checks import held_units
+from rockpulse.readers.kit.direction import BRACKET, heading_direction
+from rockpulse.readers.kit.headings import (
+    Heading,
+    column_headings,
+    stated_counts,
+    stated_kinds,
+    stated_steps,
+    stated_units,
+)
+from rockpulse.readers.kit.table import (
+    Layout,
+    Numbered,
+    check_decimals,
+    end_of_numbers,
+    find_layout,
+    number_lines,
+    read_table,
+    row_width,
+    runs_on,
+    split_row,
+)
+from rockpulse.readers.kit.text import UNITS, canonical_unit, check_count, text_lines, unexpected
+from rockpulse.readers.kit.time_column import agreed_step, climbs, counts_rows, names_time, time_column_step
 from rockpulse.readers.source import NotAcceleration, SourceFile
-from rockpulse.readers.table_layout import Layout, end_of_numbers, find_layout, row_width, split_row
-from rockpulse.readers.table_numbers import check_decimals, read_table
-from rockpulse.readers.time_column import agreed_step, climbs, counts_rows, names_time, time_column_step
-from rockpulse.readers.units import UNITS, canonical_unit
-from rockpulse.readers.wrapped_series import runs_on
 from rockpulse.record.record import Record
-
-__all__ = ["FORMATS", "is_columns", "read_columns"]
 
 #: Rows of the table that decide whether it is one.
 _LOOK_AT = 500
@@ -122,9 +133,8 @@ def read_columns(file: SourceFile, options: ReadOptions) -> list[Record]:
     if step is not None:
         first = columns.headings[0] if columns.headings else Heading("")
         if first.kind in ("acceleration", "velocity", "displacement"):
-            raise RecordFormatError(
-                f"{where}: expected {first.kind} in the column {first.name!r}, found that it runs like time; "
-                f"{_NAME_THEM}"
+            raise unexpected(
+                where, f"{first.kind} in the column {first.name!r}", "that it runs like time", str(_NAME_THEM)
             )
         columns = columns.picked(range(1, columns.table.shape[1]))
     wide = step is None and not columns.headings and columns.table.shape[1] > _NO_STATION
@@ -277,25 +287,19 @@ def _check_apart(where: str, columns: _Columns, timed: bool, lacking: Sequence[s
     width = columns.table.shape[1]
     late = [index for index in range(width) if climbs(columns.table[:, index])]
     if late:
-        raise RecordFormatError(
-            f"{where}: expected accelerations, found that column {late[0] + 1 + timed} runs like time; write the "
-            "times as the first column"
-        )
+        found = f"that column {late[0] + 1 + timed} runs like time"
+        raise unexpected(where, "accelerations", found, "write the times as the first column")
     if columns.headings or width == 1:
         return
     if timed and width > _COMPONENTS:
-        raise RecordFormatError(
-            f"{where}: expected headings, or at most {_COMPONENTS} columns beside the times, found {width} columns of "
-            f"numbers and no headings; {_NAME_THEM}"
-        )
+        expected = f"headings, or at most {_COMPONENTS} columns beside the times"
+        raise unexpected(where, expected, f"{width} columns of numbers and no headings", str(_NAME_THEM))
     if not timed:
         raise _wrapped(where, width, f"{width} columns of numbers", lacking)
     for before in range(width - 1):
         if _integrates(columns.table[:, before], columns.table[:, before + 1]):
-            raise RecordFormatError(
-                f"{where}: expected accelerations in all columns, found that column {before + 3} is the integral of "
-                f"column {before + 2}, like velocity after acceleration; {_NAME_THEM}"
-            )
+            found = f"that column {before + 3} is the integral of column {before + 2}, like velocity after acceleration"
+            raise unexpected(where, "accelerations in all columns", found, str(_NAME_THEM))
 
 
 def _integrates(rate: np.ndarray, series: np.ndarray) -> bool:
@@ -329,10 +333,8 @@ def _accelerations(name: str, columns: _Columns, prose: Sequence[str]) -> _Colum
                 f"{name}:{line}: expected accelerations, the header speaks of {listed} only; "
                 "read the acceleration file of the same record"
             )
-        raise RecordFormatError(
-            f"{name}:{line}: expected to know which columns are accelerations, found a header that speaks of "
-            f"{listed}; {_NAME_THEM}"
-        )
+        expected = "to know which columns are accelerations"
+        raise unexpected(f"{name}:{line}", expected, f"a header that speaks of {listed}", str(_NAME_THEM))
     return columns.picked(kept, f"columns left out, no acceleration: {left}") if left else columns
 
 

@@ -26,19 +26,28 @@ from functools import partial
 import numpy as np
 
 from rockpulse.errors import RecordFormatError, RecordRefused, UnitError
-from rockpulse.readers.channel import PEAK_TOLERANCE, build_record, usable_channels
-from rockpulse.readers.channel_count import Counted, completeness
-from rockpulse.readers.cosmos_header import TITLE, Header, fortran_layout, read_header
-from rockpulse.readers.cosmos_held import held_series
-from rockpulse.readers.fields import check_count, fixed_width, printed_number, text_lines
-from rockpulse.readers.format import Format, ReadOptions
-from rockpulse.readers.held import left_in_row
-from rockpulse.readers.repeats import distinct_sections, last_of_equal, repeated_marker
+from rockpulse.readers.format import Format, ReadOptions, begins_with
+from rockpulse.readers.kit.channel import PEAK_TOLERANCE, build_record, usable_channels
+from rockpulse.readers.kit.checks import (
+    Counted,
+    completeness,
+    distinct_sections,
+    last_of_equal,
+    repeated_marker,
+    surplus,
+)
+from rockpulse.readers.kit.cosmos_header import TITLE, Header, fortran_layout, held_series, read_header
+from rockpulse.readers.kit.text import (
+    UNITS,
+    canonical_unit,
+    check_count,
+    fixed_width,
+    printed_number,
+    text_lines,
+    unexpected,
+)
 from rockpulse.readers.source import NotAcceleration, SourceFile
-from rockpulse.readers.units import UNITS, canonical_unit
 from rockpulse.record.record import STANDARD_GRAVITY, Record
-
-__all__ = ["FORMATS", "is_cosmos", "read_cosmos"]
 
 _SERIES = re.compile(
     r"\s*(\d{1,9})\s+(\D{0,40}?)\s*pts\b.{0,60}?units\s*=\s*([^\s(,]{0,20}?)\s*(?=[\s(,]|Format)(?:\(\s*(\d{1,3})\s*\))?",
@@ -76,11 +85,6 @@ class _Series:
     warnings: tuple[str, ...] = ()
 
 
-def is_cosmos(head: bytes, name: str) -> bool:
-    """Whether the first line states the format and its number of text lines."""
-    return bool(TITLE.match(head[:200].decode("latin-1")))
-
-
 def read_cosmos(file: SourceFile, options: ReadOptions) -> list[Record]:
     """Read the acceleration of every channel; velocity and displacement beside it are passed over.
 
@@ -98,23 +102,14 @@ def read_cosmos(file: SourceFile, options: ReadOptions) -> list[Record]:
     starts = sorted(set(last))
     spans, copies = distinct_sections(lines, list(zip(starts, [*starts[1:], len(lines)], strict=True)))
     headers = [read_header(file.name, lines, start, end) for start, end in spans]
-    return usable_channels(
-        (
-            partial(_channel, file, lines, header, end, number)
-            for number, (header, (_, end)) in enumerate(zip(headers, spans, strict=True), start=1)
-        ),
-        (*_missing(file.name, lines, headers), *notes, *copies),
-    )
-
-
-def _missing(name: str, lines: Sequence[str], headers: Sequence[Header]) -> tuple[str, ...]:
-    """Warnings for channels that the headers count and the file does not hold."""
-    closed = any(_END.match(line) for line in lines[-_CLOSING:])
     counts = (
         Counted(header.start + 1, header.text[6], *header.number_and_count(), kind=header.kind.lower())
         for header in headers
     )
-    return completeness(name, counts, closed=closed)
+    missing = completeness(file.name, counts, closed=any(_END.match(line) for line in lines[-_CLOSING:]))
+    numbered = enumerate(zip(headers, spans, strict=True), start=1)
+    channels = (partial(_channel, file, lines, header, end, number) for number, (header, (_, end)) in numbered)
+    return usable_channels(channels, (*missing, *notes, *copies))
 
 
 def _channel(file: SourceFile, lines: Sequence[str], header: Header, end: int, number: int) -> Record:
@@ -139,8 +134,9 @@ def _channel(file: SourceFile, lines: Sequence[str], header: Header, end: int, n
     step, notes = _interval(header, series.count, file.name)
     notes += series.warnings
     rows = -(-series.count // per_row)
-    notes += left_in_row(lines[first + rows - 1], first + rows, width * (series.count - (rows - 1) * per_row))
-    notes += _surplus(lines, first + rows, end)
+    behind = range(first + rows, end)
+    stop = next((at for at in behind if _END.match(lines[at]) or _SERIES.match(lines[at][:200])), end)
+    notes += surplus(lines, first + rows, stop, used=width * (series.count - (rows - 1) * per_row))
     if unit == "counts":
         factor = _per_count(header, where)
     else:
@@ -150,7 +146,7 @@ def _channel(file: SourceFile, lines: Sequence[str], header: Header, end: int, n
     channel, component, place = header.channel()
     start_time, time_notes = header.start_time()
     structural = header.structural()
-    peak, rounding, peak_notes = _peak(header, factor)
+    peak, peak_notes = _peak(header, factor)
     notes += [*peak_notes, *held_series(header, lines[series.at], step, samples)]
     return build_record(
         file,
@@ -174,7 +170,6 @@ def _channel(file: SourceFile, lines: Sequence[str], header: Header, end: int, n
         start_time=start_time,
         facts=header.facts(),
         header_peak=peak,
-        peak_rounding=rounding,
         warnings=[*notes, *header.site_notes(), *time_notes],
     )
 
@@ -192,10 +187,9 @@ def _acceleration(name: str, lines: Sequence[str], header: Header, end: int) -> 
             begins = at if len(found) == 1 else begins
     if not found or begins != header.end:
         line = repr(lines[header.end].strip()[:60]) if header.end < end else "the end of the channel"
-        raise RecordFormatError(
-            f"{name}:{header.end + 1}: expected a line such as '13400 acceleration pts, approx  67 secs, units=g. (02)"
-            f"Format=(8f9.6)', found {line}; the file is damaged or cut off: download it again"
-        )
+        expected = "a line such as '13400 acceleration pts, approx  67 secs, units=g. (02)Format=(8f9.6)'"
+        advice = "the file is damaged or cut off: download it again"
+        raise unexpected(f"{name}:{header.end + 1}", expected, str(line), advice)
     ends = [*(series.at for series in found[1:]), end]
     linear = [at for at, series in enumerate(found) if "accel" in series.kind and "ang" not in series.kind]
     if linear:
@@ -228,8 +222,8 @@ def _unit(series: _Series, where: str) -> str:
     return named or coded
 
 
-def _peak(header: Header, factor: float) -> tuple[float, float, list[str]]:
-    """Peak that the header states, half a unit of its last digit [m/s2], and warnings.
+def _peak(header: Header, factor: float) -> tuple[tuple[float, float], list[str]]:
+    """Peak that the header states with half a unit of its last digit [m/s2], and warnings.
 
     Real 64 has the unit of the samples; the text has its own, and counts where the two contradict each other.
     """
@@ -237,14 +231,14 @@ def _peak(header: Header, factor: float) -> tuple[float, float, list[str]]:
     word = re.sub(r"sec\b|sec(?=\d)", "s", unit.lower()).replace("/s/s", "/s2")
     own = _UNITS.get(word)
     if own is None or word == "counts" or not number:
-        return coded, 0.0, []
-    value, rounding = printed_number(number)
-    gap = abs(abs(value * own) - abs(coded))
-    if gap <= max(1.01 * rounding * own, PEAK_TOLERANCE * abs(coded)):
-        return coded, 0.0, []
-    said, told = (abs(one) / STANDARD_GRAVITY for one in (value * own, coded))
+        return (coded, 0.0), []
+    value, rounding = (one * own for one in printed_number(number))
+    gap = abs(abs(value) - abs(coded))
+    if gap <= max(1.01 * rounding, PEAK_TOLERANCE * abs(coded)):
+        return (coded, 0.0), []
+    said, told = (abs(one) / STANDARD_GRAVITY for one in (value, coded))
     notes = [] if np.isnan(coded) else [f"the header states peaks of {said:.4g} g (text) and {told:.4g} g (real 64)"]
-    return value * own, rounding * own, notes
+    return (value, rounding), notes
 
 
 def _per_count(header: Header, where: str) -> float:
@@ -280,10 +274,7 @@ def _interval(header: Header, count: int, name: str) -> tuple[float, list[str]]:
     raw, series, length = header.real(34), 1e-3 * header.real(62), header.real(63)
     stated = [step for step in (series, raw) if step > 0.0]
     if not stated:
-        raise RecordFormatError(
-            f"{name}:{header.start + 1}: expected a sampling interval above 0 (real 34 [s] or 62 [ms]), found none; "
-            "the header is damaged: download the file again"
-        )
+        raise unexpected(f"{name}:{header.start + 1}", "a sampling interval above 0 (real 34 [s] or 62 [ms])", "none")
     # Some agencies count the steps between the samples, some the samples.
     fitting = [step for step in stated if abs(count * step - length) <= 0.005 * length + 1.5 * step]
     if max(stated) - min(stated) <= 1e-3 * max(stated):
@@ -303,16 +294,6 @@ def _interval(header: Header, count: int, name: str) -> tuple[float, list[str]]:
     ]
 
 
-def _surplus(lines: Sequence[str], at: int, end: int) -> list[str]:
-    """A warning for rows between the declared samples and the end of the series."""
-    rows = 0
-    for line in lines[at:end]:
-        if _END.match(line) or _SERIES.match(line[:200]):
-            break
-        rows += bool(line.strip())
-    return [f"line {at + 1}: {rows} rows beyond the declared count were left out"] if rows else []
-
-
 FORMATS = (
     Format(
         name="cosmos",
@@ -321,7 +302,7 @@ FORMATS = (
         unit="by the series: cm/s2, g, gal, counts with gain",
         processed="by title",
         example="CE23837.V1C",
-        detect=is_cosmos,
+        detect=begins_with(TITLE),
         parse=read_cosmos,
     ),
 )

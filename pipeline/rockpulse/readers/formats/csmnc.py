@@ -25,27 +25,28 @@ holds one component. The header::
 
 from __future__ import annotations
 
-import math
 import re
 from collections.abc import Sequence
 from datetime import datetime
 
 import numpy as np
 
-from rockpulse.errors import RecordFormatError
-from rockpulse.readers.channel import build_record
-from rockpulse.readers.clock import instant
-from rockpulse.readers.facing import Direction, direction, on_structure
-from rockpulse.readers.facts import Facts, coordinates, stated
-from rockpulse.readers.fields import check_count, free_rows, printed_number, text_lines
 from rockpulse.readers.format import Format, ReadOptions
-from rockpulse.readers.held import contradictory, held_length, held_peak_time
-from rockpulse.readers.pairs import surplus
+from rockpulse.readers.kit.channel import build_record
+from rockpulse.readers.kit.checks import contradictory, held_length, held_peak_time, surplus
+from rockpulse.readers.kit.direction import Direction, direction, on_structure
+from rockpulse.readers.kit.facts import coordinates, instant, stated
+from rockpulse.readers.kit.text import (
+    UNITS,
+    canonical_unit,
+    check_count,
+    free_rows,
+    printed_number,
+    text_lines,
+    unexpected,
+)
 from rockpulse.readers.source import NotAcceleration, SourceFile
-from rockpulse.readers.units import UNITS, canonical_unit
 from rockpulse.record.record import Record
-
-__all__ = ["FORMATS", "is_csmnc", "read_csmnc"]
 
 _STEP = re.compile(r"EQUALLY SPACED INTERVALS? OF\s*:\s*(\d{0,3}\.?\d{1,9})\s*SEC", re.ASCII | re.IGNORECASE)
 _COUNT = re.compile(r"NO\. OF POINTS\s*:\s*(\d{1,9})\b", re.ASCII | re.IGNORECASE)
@@ -65,6 +66,8 @@ _SITE = re.compile(r"\s*SITE CONDITION\s*:(.*)", re.IGNORECASE)
 _ORIGIN = re.compile(
     r"\s*\d+\s+(\d{4})-(\d{1,2})-(\d{1,2})\s+(\d{1,2}):(\d{1,2}):(\d{1,2}(?:\.\d{0,6})?)\s*([A-Z]*)", re.ASCII
 )
+#: Lines of the header that may hold the time of the earthquake.
+_ORIGIN_LINES = 6
 _NAMED = re.compile(r"(?:^|[._\-\d])(EW|NS|UD)(?=[._\-]|$)", re.IGNORECASE)
 _ROW = re.compile(r"\s*[+-]?(?:\d|\.\d)", re.ASCII)
 #: The header has 16 lines, copies may have a blank one more.
@@ -91,14 +94,15 @@ def read_csmnc(file: SourceFile, options: ReadOptions) -> list[Record]:
         )
     unit = canonical_unit(kind[3], f"{file.name}:{kind_at + 1}")
     step_at, step = _find(file.name, head, _STEP, "EQUALLY SPACED INTERVALS OF:  0.005  SEC")
-    count_at, stated = _find(file.name, head, _COUNT, "NO. OF POINTS:  12000")
-    dt = float(step[1])
-    count, above = int(stated[1]), max(kind_at, step_at, count_at) + 1
+    count_at, declared = _find(file.name, head, _COUNT, "NO. OF POINTS:  12000")
+    dt, count, above = float(step[1]), int(declared[1]), max(kind_at, step_at, count_at) + 1
     first = next((i for i in range(above, min(len(lines), above + 10)) if _ROW.match(lines[i])), len(lines))
     samples, end = _samples(file.name, lines, first, count)
-    peak = _first(head, _PEAK)
-    header_peak, rounding = printed_number(peak) if peak else (float("nan"), 0.0)
-    component, facing, notes = _direction(file, head)
+    component, facing, notes = _direction(file, _first(head, _COMPONENT))
+    size = next((match for line in head if (match := _SIZE.match(line[:200]))), None)
+    named_at, origin = _origin(head)
+    event = [head[named_at].strip(), f"{origin:%Y-%m-%d %H:%M:%S} UTC" if origin else ""] if named_at else []
+    magnitude = _first(head, _MAGNITUDE)
     return [
         build_record(
             file,
@@ -112,10 +116,17 @@ def read_csmnc(file: SourceFile, options: ReadOptions) -> list[Record]:
             facing=facing,
             structural=on_structure(_first(head, _POINT), stated=True),
             station=_first(head, _STATION),
-            event=_event(head),
-            facts=_facts(head),
-            header_peak=header_peak * UNITS[unit],
-            peak_rounding=rounding * UNITS[unit],
+            event=" ".join(part for part in [*event, f"M {magnitude}" if magnitude else ""] if part),
+            facts=stated(
+                origin_time=origin,
+                magnitude=(size[1], size[2] or "") if size else ("", ""),
+                hypocentre=coordinates(_first(head, _EPICENTRE)),
+                depth_km=_first(head, _DEPTH),
+                station=coordinates(_first(head, _STATION_LINE)),
+                site_class=_first(head, _SITE),
+            ),
+            header_peak=printed_number(_first(head, _PEAK)),
+            peak_factor=UNITS[unit],
             warnings=[
                 *notes,
                 *held_length(_first(head, _DURATION), count, dt, _CUT_OFF),
@@ -129,13 +140,9 @@ def read_csmnc(file: SourceFile, options: ReadOptions) -> list[Record]:
 def _find(name: str, head: Sequence[str], pattern: re.Pattern[str], wanted: str) -> tuple[int, re.Match[str]]:
     """Index of the first line with the pattern, and the match."""
     for index, line in enumerate(head):
-        match = pattern.search(line[:200])
-        if match:
+        if match := pattern.search(line[:200]):
             return index, match
-    raise RecordFormatError(
-        f"{name}:{len(head)}: expected a line such as {wanted!r} in the header, found none; "
-        "the header is damaged: download the file again"
-    )
+    raise unexpected(f"{name}:{len(head)}", f"a line such as {wanted!r} in the header", "none")
 
 
 def _first(head: Sequence[str], pattern: re.Pattern[str]) -> str:
@@ -156,49 +163,26 @@ def _samples(name: str, lines: Sequence[str], first: int, count: int) -> tuple[n
     return np.concatenate([samples, last.ravel()]), end + 1
 
 
-def _direction(file: SourceFile, head: Sequence[str]) -> tuple[str, Direction, list[str]]:
+def _direction(file: SourceFile, word: str) -> tuple[str, Direction, list[str]]:
     """Component, direction and warnings from the header, or from the name of the file where the header has none."""
-    word, named = _first(head, _COMPONENT), _NAMED.search(file.path.name)
+    named = _NAMED.search(file.path.name)
     if not word:
         word = named[1].upper() if named else ""
         return word, direction(word), ["the component is that of the file name"] if word else []
     facing = direction(word)
     if named and contradictory(direction(named[1]), facing):
-        note = f"the header says {word}, the file name {named[1].upper()}: the direction is unknown"
-        return word, Direction(note=note), []
+        facing = Direction(note=f"the header says {word}, the file name {named[1].upper()}: the direction is unknown")
     return word, facing, []
 
 
-def _event(head: Sequence[str]) -> str:
-    """Name, time in UTC and magnitude of the earthquake."""
-    parts = []
-    for index, line in enumerate(head[:6]):
-        match = _ORIGIN.match(line[:200])
-        if match:
-            moment = _origin(match)
-            parts = [head[index + 1].strip(), f"{moment:%Y-%m-%d %H:%M:%S} UTC" if moment else ""]
-            break
-    magnitude = _first(head, _MAGNITUDE)
-    return " ".join(part for part in [*parts, f"M {magnitude}" if magnitude else ""] if part)
-
-
-def _facts(head: Sequence[str]) -> Facts:
-    origin = next((match for line in head[:6] if (match := _ORIGIN.match(line[:200]))), None)
-    magnitude = next((match for line in head if (match := _SIZE.match(line[:200]))), None)
-    return stated(
-        origin_time=_origin(origin) if origin else None,
-        magnitude=(magnitude[1], magnitude[2] or "") if magnitude else (math.nan, ""),
-        hypocentre=coordinates(_first(head, _EPICENTRE)),
-        depth_km=_first(head, _DEPTH),
-        station=coordinates(_first(head, _STATION_LINE)),
-        site_class=_first(head, _SITE),
-    )
-
-
-def _origin(match: re.Match[str]) -> datetime | None:
-    zone = 0.0 if match[7] in ("UTC", "GMT", "UT") else _BEIJING_HOURS
-    day, clock = ([float(match[part]) for part in parts] for parts in ((1, 2, 3), (4, 5, 6)))
-    return instant(day, clock, zone)
+def _origin(head: Sequence[str]) -> tuple[int, datetime | None]:
+    """Index of the line with the name of the earthquake, which is below that of its time, and its time in UTC."""
+    for index, line in enumerate(head[:_ORIGIN_LINES]):
+        if match := _ORIGIN.match(line[:200]):
+            numbers = [float(text) for text in match.groups()[:6]]
+            ahead = 0.0 if match[7] in ("UTC", "GMT", "UT") else _BEIJING_HOURS
+            return index + 1, instant(numbers[:3], numbers[3:], ahead)
+    return 0, None
 
 
 FORMATS = (

@@ -14,20 +14,15 @@ from datetime import datetime
 import numpy as np
 
 from rockpulse.errors import RecordFormatError
-from rockpulse.readers.channel import PEAK_TOLERANCE, build_record
-from rockpulse.readers.clock import instant, later, near_event
-from rockpulse.readers.facing import Direction, direction, on_structure
-from rockpulse.readers.facts import Facts, preferred, stated
-from rockpulse.readers.fields import check_count, fixed_width, printed_number, text_lines
 from rockpulse.readers.format import Format, ReadOptions
-from rockpulse.readers.held import held_direction, held_peak_time
-from rockpulse.readers.pairs import Block, surplus
+from rockpulse.readers.kit.channel import PEAK_TOLERANCE, build_record
+from rockpulse.readers.kit.checks import held_direction, held_peak_time
+from rockpulse.readers.kit.direction import Direction, direction, on_structure
+from rockpulse.readers.kit.facts import Facts, instant, later, near_event, preferred, stated
+from rockpulse.readers.kit.spacing import Block, make_even, surplus
+from rockpulse.readers.kit.text import UNITS, check_count, fixed_width, printed_number, text_lines, unexpected
 from rockpulse.readers.source import NotAcceleration, SourceFile
-from rockpulse.readers.spacing import make_even
-from rockpulse.readers.units import UNITS
 from rockpulse.record.record import STANDARD_GRAVITY, Record
-
-__all__ = ["FORMATS", "is_smc", "read_smc"]
 
 #: Series of types 1 to 6, in this order.
 _KINDS = (
@@ -39,7 +34,8 @@ _KINDS = (
     "FOURIER",
 )
 _TITLE = re.compile(rf"\s?([1-6])\s+({'|'.join(_KINDS)})", re.IGNORECASE)
-_TEXT_LINES, _INTEGER_LINES, _REAL_LINES = 11, 6, 10
+#: Lines of text, and indices of the first line of the reals and of the first line behind them.
+_TEXT_LINES, _REALS, _FIRST_COMMENT = 11, 17, 27
 #: No line of text is longer; a damaged one may be.
 _LONGEST_LINE = 200
 _STATION = re.compile(r"station\s*=\s*(.*?)\s*component\s*=\s*(.*)", re.IGNORECASE)
@@ -67,42 +63,31 @@ def read_smc(file: SourceFile, options: ReadOptions) -> list[Record]:
     lines = text_lines(file.content)
     title = _TITLE.match(lines[0])
     if title is None:
-        raise RecordFormatError(
-            f"{file.name}:1: expected the kind of series, '2 CORRECTED ACCELEROGRAM' and the like, found "
-            f"{lines[0][:40]!r}; is it an SMC file?"
-        )
+        expected = "the kind of series, '2 CORRECTED ACCELEROGRAM' and the like"
+        raise unexpected(f"{file.name}:1", expected, repr(lines[0][:40]), "is it an SMC file?")
     kind = title[1]
     if kind not in "12":
         raise NotAcceleration(
             f"{file.name}:1: expected an accelerogram (type 1 or 2), found type {kind}, {title[2].lower()}; "
             "read the acceleration file of the same record"
         )
-    first_value = _TEXT_LINES + _INTEGER_LINES + _REAL_LINES
-    check_count(f"{file.name}:{len(lines)}", first_value, len(lines), "header lines")
+    check_count(f"{file.name}:{len(lines)}", _FIRST_COMMENT, len(lines), "header lines")
     integers = fixed_width(lines[_TEXT_LINES:], _TEXT_LINES + 1, 10, 8, 48, file.name)
-    real_line = _TEXT_LINES + _INTEGER_LINES
-    reals = fixed_width(lines[real_line:], real_line + 1, 15, 5, 50, file.name)
+    reals = fixed_width(lines[_REALS:], _REALS + 1, 15, 5, 50, file.name)
     integers = np.where(integers == integers[0], np.nan, integers)
     reals = np.where(reals >= 0.99 * reals[0], np.nan, reals)
     comments = 0 if np.isnan(integers[15]) else int(integers[15])
     if comments < 0:
-        raise RecordFormatError(
-            f"{file.name}:{_TEXT_LINES + 2}: expected a number of comment lines (integer 16), found {comments}; "
-            "the header is damaged: download the file again"
-        )
-    first = first_value + comments
-    for index in range(first_value, min(first, len(lines))):
-        if not lines[index].startswith("|"):
-            raise RecordFormatError(
-                f"{file.name}:{index + 1}: expected comment {index - first_value + 1} of {comments}, a line that "
-                f"begins with '|', found {lines[index][:40]!r}; the header is damaged: download the file again"
-            )
+        raise unexpected(f"{file.name}:{_TEXT_LINES + 2}", "a number of comment lines (integer 16)", str(comments))
+    first = _FIRST_COMMENT + comments
+    for number, line in enumerate(lines[_FIRST_COMMENT:first], 1):
+        if not line.startswith("|"):
+            expected = f"comment {number} of {comments}, a line that begins with '|'"
+            raise unexpected(f"{file.name}:{_FIRST_COMMENT + number}", expected, repr(line[:40]))
     block = _block(file.name, lines, first, integers, reals, raw=kind == "1")
     text = [line[:_LONGEST_LINE] for line in lines[:_TEXT_LINES]]
-    station = _STATION.search(text[5])
+    station, peak = _STATION.search(text[5]), _PEAK.search(text[6])
     name, component = (station[1], station[2].strip()) if station else ("", "")
-    stated = _PEAK.search(text[6])
-    header_peak, rounding = printed_number(stated[1]) if stated else (float("nan"), 0.0)
     event = _EVENT.match(text[3])
     start_time, notes = _start_time(integers, event)
     if integers[17] > 0.0:
@@ -123,9 +108,9 @@ def read_smc(file: SourceFile, options: ReadOptions) -> list[Record]:
             station_name=name,
             event=" ".join(event[5].split()) if event else "",
             start_time=start_time,
-            facts=_facts(reals, event, lines[first_value:first]),
-            header_peak=header_peak * UNITS[_UNIT],
-            peak_rounding=rounding * UNITS[_UNIT],
+            facts=_facts(reals, event, lines[_FIRST_COMMENT:first]),
+            header_peak=printed_number(peak[1] if peak else ""),
+            peak_factor=UNITS[_UNIT],
             original_peak=block.peak,
             warnings=[*block.warnings, *_held_extremes(reals, block), *notes],
         )
@@ -136,13 +121,10 @@ def _block(name: str, lines: Sequence[str], first: int, integers: np.ndarray, re
     """The samples; a raw digitised trace of unequal steps is resampled."""
     count = 0 if np.isnan(integers[16]) else int(integers[16])
     rate = reals[1]
-    where = f"{name}:{_TEXT_LINES + _INTEGER_LINES + 1}"
     pairs = raw and np.isnan(rate)
     if not pairs and not 0.0 < rate <= _RATE_LIMIT:
-        raise RecordFormatError(
-            f"{where}: expected a sampling rate (second real of the header) above 0 and at most {_RATE_LIMIT:g} per s, "
-            f"found {'none' if np.isnan(rate) else rate}; the header is damaged: download the file again"
-        )
+        expected = f"a sampling rate (second real of the header) above 0 and at most {_RATE_LIMIT:g} per s"
+        raise unexpected(f"{name}:{_REALS + 1}", expected, "none" if np.isnan(rate) else str(rate))
     values = fixed_width(lines[first:], first + 1, 10, 8, count, name)
     rows = -(-count // 8)
     warnings = surplus(lines, first + rows, len(lines), name, _TITLE, used=10 * (count - 8 * (rows - 1)))
@@ -162,16 +144,14 @@ def _held_extremes(reals: np.ndarray, block: Block) -> list[str]:
     notes: list[str] = []
     if reals[29] == reals[31] == 0.0:  # nobody has filled them in
         return notes
-    for number, values, what in ((29, block.values, "largest"), (31, -block.values, "least")):
-        time, stated, found = reals[number - 1], reals[number], float(np.max(values))
-        stated = stated if what == "largest" else -stated
+    for number, sign, what in ((29, 1.0, "largest"), (31, -1.0, "least")):
+        stated, found = reals[number], sign * float(np.max(sign * block.values))
         if abs(stated - found) > PEAK_TOLERANCE * block.peak:  # NaN, a value that is not stated, is not
-            sign = 1.0 if what == "largest" else -1.0
             notes.append(
-                f"real {number + 1} of the header states {sign * stated:g} cm/s2 as the {what} value, the samples have "
-                f"{sign * found:g}"
+                f"real {number + 1} of the header states {stated:g} cm/s2 as the {what} value, the samples have "
+                f"{found:g}"
             )
-        notes += held_peak_time(f"{time:.6g}", block.times, np.maximum(values, 0.0))
+        notes += held_peak_time(f"{reals[number - 1]:.6g}", block.times, np.maximum(sign * block.values, 0.0))
     return notes
 
 

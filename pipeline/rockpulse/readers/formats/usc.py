@@ -12,21 +12,16 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from rockpulse.readers.clock import instant
-from rockpulse.readers.csmip_layout import HEADER_LINES, TEXT_LINES, Header, channels
-from rockpulse.readers.csmip_numbers import direction_code, held_count, real
-from rockpulse.readers.facing import on_structure
-from rockpulse.readers.facts import Facts, coordinates, stated
-from rockpulse.readers.fields import check_count, printed_number
-from rockpulse.readers.format import Format, ReadOptions
-from rockpulse.readers.formats.csmip_v2 import read_corrected
-from rockpulse.readers.held import held_length
-from rockpulse.readers.pairs import Block, declared_points, pair_block, pair_unit
+from rockpulse.readers.format import Format, ReadOptions, begins_with
+from rockpulse.readers.formats.csmip import read_corrected
+from rockpulse.readers.kit.checks import held_length
+from rockpulse.readers.kit.csmip import HEADER_LINES, TEXT_LINES, Header, channels, direction_code, held_count, real
+from rockpulse.readers.kit.direction import on_structure
+from rockpulse.readers.kit.facts import Facts, coordinates, instant, stated
+from rockpulse.readers.kit.spacing import Block, declared_points, pair_block, pair_unit
+from rockpulse.readers.kit.text import UNITS, check_count, matched, printed_number
 from rockpulse.readers.source import SourceFile
-from rockpulse.readers.units import UNITS
 from rockpulse.record.record import Record
-
-__all__ = ["FORMATS", "is_usc_v1", "is_usc_v2", "read_usc_v1", "read_usc_v2"]
 
 _TITLE = re.compile(r"\s?file\s+\d+\s+of uncorrected accelerogram data\b", re.IGNORECASE)
 _CORRECTED = re.compile(r"(?:\s?corrected accelerogram\b[^\r\n]*[\r\n]+)+" + _TITLE.pattern, re.IGNORECASE)
@@ -52,16 +47,6 @@ _MEAN_SQUARE = re.compile(
 _MEAN_SQUARE_FACTOR = 1.2
 
 
-def is_usc_v1(head: bytes, name: str) -> bool:
-    """Whether the first line is the title of an uncorrected volume."""
-    return bool(_TITLE.match(head[:200].decode("latin-1")))
-
-
-def is_usc_v2(head: bytes, name: str) -> bool:
-    """Whether the first two lines are the titles of a corrected and of its uncorrected volume."""
-    return bool(_CORRECTED.match(head[:1000].decode("latin-1")))
-
-
 def read_usc_v1(file: SourceFile, options: ReadOptions) -> list[Record]:
     """Read every channel; the options are not used, because the format states everything."""
     lines, spans, copies = channels(file, _TITLE, "FILE N OF UNCORRECTED ACCELEROGRAM DATA")
@@ -71,8 +56,8 @@ def read_usc_v1(file: SourceFile, options: ReadOptions) -> list[Record]:
         count = declared_points(lines[start + 10], f"{file.name}:{start + 11}")
         unit = pair_unit(lines[start + 11], f"{file.name}:{start + 12}")
         block = pair_block(file.name, lines, start + HEADER_LINES, end, count, unit)
-        header = _header(lines[start : start + HEADER_LINES])
-        header = header.noting(*copies, *_held(lines[start : start + HEADER_LINES], count, block))
+        head = lines[start : start + HEADER_LINES]
+        header = _header(head).noting(*copies, *_held(head, count, block))
         records.append(header.record(file, number, block, format="usc_v1", processed=False))
     return records
 
@@ -87,16 +72,13 @@ def _held(lines: Sequence[str], points: int, block: Block) -> list[str]:
 
     The format states no peak: the root of the mean square is what the unit can be held against.
     """
-    duration, square = _DURATION.match(lines[10][:_WORDS]), _MEAN_SQUARE.match(lines[12][:_WORDS])
-    behind = lines[TEXT_LINES:]
-    lengths = [duration[1] if duration else "", real(behind, 3)]
+    behind, square = lines[TEXT_LINES:], _MEAN_SQUARE.match(lines[12][:_WORDS])
     notes = held_count(behind, points)
-    notes += [note for text in lengths for note in held_length(text, round(block.duration / block.dt), block.dt)]
+    for text in (matched(_DURATION, lines[10][:_WORDS]), real(behind, 3)):
+        notes += held_length(text, round(block.duration / block.dt), block.dt)
     if not square:
         return notes
-    number, rounding = printed_number(square[1])
-    per_unit = UNITS[square[2].lower()]
-    stated, half = number * per_unit, rounding * per_unit
+    stated, half = (value * UNITS[square[2].lower()] for value in printed_number(square[1]))
     peak = float(np.max(np.abs(block.samples))) or 1.0  # the square of a damaged sample may be no number
     found = peak * float(np.sqrt(np.mean((block.samples / peak) ** 2))) * UNITS[block.unit]
     if stated <= _MEAN_SQUARE_FACTOR * found + half and found <= _MEAN_SQUARE_FACTOR * (stated + half):
@@ -110,17 +92,16 @@ def _held(lines: Sequence[str], points: int, block: Block) -> list[str]:
 
 def _header(lines: Sequence[str]) -> Header:
     """The header from the 13 lines of text and those behind them."""
-    text = [line[:_WORDS].strip() for line in lines[:TEXT_LINES]]
-    component, station = _COMPONENT.match(text[6]), _STATION.match(text[4])
-    return Header(
-        component[1] if component else text[6],
-        structural=on_structure(text[5]),
-        station=station[1] if station else "",
-        station_name=text[5],
-        event=" ".join((text[7] or text[1]).split()),
-        facts=_facts(text, lines[TEXT_LINES:], [_real(lines, number) for number in _OF_EVENT]),
-        code=direction_code(lines[TEXT_LINES:]),
-    )
+    text, behind = [line[:_WORDS].strip() for line in lines[:TEXT_LINES]], lines[TEXT_LINES:]
+    about = {
+        "structural": on_structure(text[5]),
+        "station": matched(_STATION, text[4]),
+        "station_name": text[5],
+        "event": " ".join((text[7] or text[1]).split()),
+        "facts": _facts(text, behind, [_real(lines, number) for number in _OF_EVENT]),
+    }
+    component = _COMPONENT.match(text[6])
+    return Header(component[1] if component else text[6], about=about, code=direction_code(behind))
 
 
 def _facts(text: Sequence[str], behind: Sequence[str], reals: Sequence[str]) -> Facts:
@@ -144,10 +125,8 @@ def _facts(text: Sequence[str], behind: Sequence[str], reals: Sequence[str]) -> 
 
 def _real(lines: Sequence[str], number: int) -> str:
     """A real of volume 1, from 1, as it is written; empty in the text of volume 2, which comes without them."""
-    if len(lines) < HEADER_LINES:
-        return ""
     row, column = divmod(number - 1, 8)
-    return lines[_REALS + row][10 * column : 10 * (column + 1)]
+    return lines[_REALS + row][10 * column : 10 * (column + 1)] if len(lines) >= HEADER_LINES else ""
 
 
 FORMATS = (
@@ -158,7 +137,7 @@ FORMATS = (
         unit="g/10, from the header",
         processed="no",
         example="017m30lw.e0a",
-        detect=is_usc_v1,
+        detect=begins_with(_TITLE),
         parse=read_usc_v1,
     ),
     Format(
@@ -168,7 +147,7 @@ FORMATS = (
         unit="cm/s2, from the peak in the header",
         processed="yes",
         example="274o42pv.s0a",
-        detect=is_usc_v2,
+        detect=begins_with(_CORRECTED, 1000),
         parse=read_usc_v2,
     ),
 )

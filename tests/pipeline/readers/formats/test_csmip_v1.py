@@ -10,7 +10,7 @@ from record_writers import csmip_equal, csmip_pairs, pulse
 
 from rockpulse.errors import RecordFormatError, UnitError
 from rockpulse.readers import read
-from rockpulse.readers.formats.csmip_v1 import is_csmip_v1
+from rockpulse.readers.formats.csmip import is_csmip_v1
 from rockpulse.readers.source import NotAcceleration
 from rockpulse.record.record import STANDARD_GRAVITY
 

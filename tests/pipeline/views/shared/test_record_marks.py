@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from rockpulse.readers.channel import build_record
+from rockpulse.readers.kit.channel import build_record
 from rockpulse.readers.source import SourceFile
 from rockpulse.remark import with_codes
 from rockpulse.views.shared.record_marks import doubt, doubt_notes

@@ -1,6 +1,8 @@
 """The header of one channel of a COSMOS file: text, integers, reals, comments, each behind a line that states how many.
 
 Integers and reals are counted from 1, as in the description of the format. Those that stand for "unknown" are NaN.
+
+What the header of a COSMOS channel states of length and time of the peak, held against its series.
 """
 
 from __future__ import annotations
@@ -12,14 +14,11 @@ from datetime import datetime
 
 import numpy as np
 
-from rockpulse.errors import RecordFormatError
-from rockpulse.readers.clock import instant, written
-from rockpulse.readers.facing import Direction, direction, means_vertical, on_structure
-from rockpulse.readers.facts import Facts, preferred, stated
-from rockpulse.readers.fields import check_count, fixed_width, free_numbers
+from rockpulse.readers.kit.checks import held_length, held_peak_time
+from rockpulse.readers.kit.direction import Direction, direction, means_vertical, on_structure
+from rockpulse.readers.kit.facts import Facts, instant, preferred, stated, written
+from rockpulse.readers.kit.text import check_count, fixed_width, free_numbers, unexpected
 from rockpulse.remark import Remark
-
-__all__ = ["TITLE", "Header", "fortran_layout", "read_header"]
 
 TITLE = re.compile(r"\s?(.{0,60}?)\s*\(Format v\d{1,2}\.\d{1,3} with (\d{1,3}) text lines\)", re.ASCII | re.IGNORECASE)
 _UNKNOWN = re.compile(
@@ -181,10 +180,7 @@ def fortran_layout(line: str, where: str) -> tuple[int, int]:
     """
     layout = _LAYOUT.search(line[:_LONGEST_LINE])
     if not layout or int(layout[1]) < 1 or int(layout[2]) < 1:
-        raise RecordFormatError(
-            f"{where}: expected a format such as Format=(8F9.6), found {line.strip()[:90]!r}; "
-            "the header is damaged: download the file again"
-        )
+        raise unexpected(where, "a format such as Format=(8F9.6)", repr(line.strip()[:90]))
     return int(layout[1]), int(layout[2])
 
 
@@ -204,10 +200,8 @@ def read_header(name: str, lines: Sequence[str], start: int, end: int) -> Header
     first = min(at + 1 + comments, end)
     for index in range(at + 1, first):
         if not lines[index].lstrip().startswith("|"):
-            raise RecordFormatError(
-                f"{name}:{index + 1}: expected comment {index - at} of {comments}, a line that begins with '|', "
-                f"found {lines[index][:40]!r}; the header is damaged: download the file again"
-            )
+            expected = f"comment {index - at} of {comments}, a line that begins with '|'"
+            raise unexpected(f"{name}:{index + 1}", expected, repr(lines[index][:40]))
     return Header(
         kind=title[1].strip(),
         text=text,
@@ -225,10 +219,7 @@ def _count(name: str, lines: Sequence[str], at: int, end: int, kind: str) -> int
     heading = re.match(rf"\s*(\d{{1,9}})\s*{kind}\b", lines[at][:80], re.ASCII | re.IGNORECASE) if at < end else None
     if not heading:
         found = repr(lines[at].strip()[:60]) if at < end else "the end of the channel"
-        raise RecordFormatError(
-            f"{name}:{at + 1}: expected the number of {kind} values or lines, found {found}; "
-            "the header is damaged: download the file again"
-        )
+        raise unexpected(f"{name}:{at + 1}", f"the number of {kind} values or lines", str(found))
     return int(heading[1])
 
 
@@ -244,3 +235,28 @@ def _numbers(name: str, lines: Sequence[str], at: int, end: int, kind: str) -> t
         if values.size == count:
             return values, at + 1 + rows
     return fixed_width(block, at + 2, width, per_row, count, name), at + 1 + rows
+
+
+_PEAK_TIME = re.compile(r"\bmax\s*=.{0,60}?\bat\s+(\d{0,6}\.\d{0,6})\s*sec", re.ASCII | re.IGNORECASE)
+_RAW_LENGTH = re.compile(r"\s*raw record length\s*=\s*(\d{0,6}\.\d{0,6})\s*sec", re.ASCII | re.IGNORECASE)
+_ABOUT = re.compile(r".{0,80}?\bapprox\.?\s+(\d{1,6}(?:\.\d{0,6})?)\s*secs?\b", re.ASCII | re.IGNORECASE)
+#: A stated length may be off by this share.
+_LENGTH_SHARE = 5e-3
+
+
+def held_series(header: Header, heading: str, step: float, samples: np.ndarray) -> list[str]:
+    """Warnings where the heading of the series, the text or real 65 contradicts samples (n,) at a step [s].
+
+    The length of the raw record, and the peak in the line that states it, are held against raw records only.
+    """
+    raw = not header.kind.lower().startswith("corrected")
+    spare = _LENGTH_SHARE * step * samples.size
+    about, length = _ABOUT.match(heading[:200]), _RAW_LENGTH.match(header.text[9]) if raw else None
+    notes = held_length(about[1], samples.size, step, spare) if about else []
+    notes += held_length(length[1], samples.size, step, spare) if length else []
+    lines = header.text[9:11] if raw else header.text[10:11]
+    stated = [match[1] for line in lines if (match := _PEAK_TIME.search(line))]
+    if not np.isnan(header.real(65)):
+        stated.append(f"{header.real(65):.6f}")
+    times = step * np.arange(samples.size)
+    return list(dict.fromkeys([*notes, *(note for text in stated for note in held_peak_time(text, times, samples))]))

@@ -1,12 +1,21 @@
-"""Equal spacing of sample times: recognised through the rounding of printed times, or made by interpolation."""
+"""Equal spacing of sample times, recognised through the rounding of printed times or made by interpolation, and pairs.
+
+The volume 1 files of CSMIP, USC and RENADIC hold five (time, acceleration) pairs of a digitised trace in a row, in
+fields of equal width that may touch.
+"""
 
 from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from rockpulse.errors import RecordFormatError
-
-__all__ = ["even_step", "long_step", "make_even", "printed_at"]
+from rockpulse.readers.kit.checks import surplus
+from rockpulse.readers.kit.text import FILE_DAMAGED, UNITS, canonical_unit, check_count, fixed_width, unexpected
+from rockpulse.record.record import STANDARD_GRAVITY
 
 #: A resampled record may have at most this many times the samples of the file.
 GROWTH_LIMIT = 10
@@ -16,6 +25,12 @@ ROUNDING_SHARE = 0.2
 LONG_STEP = 1.5
 #: No times are beyond this, Unix time in ms included [s]; larger ones may overflow.
 LATEST = 1e13
+
+PAIRS_PER_ROW = 5
+#: Characters of what stands for a unit.
+_LONGEST_LINE = 400
+_POINTS = re.compile(r"no\. of points\s*=\s*(\d{1,15})\b", re.IGNORECASE)
+_UNIT = re.compile(r"units (?:of uncor (?:accel|data) )?(?:is|are)\s+(?:sec(?:onds)?\s+and\s+)?(\S+)", re.IGNORECASE)
 
 
 def _half_digit(times: np.ndarray) -> float:
@@ -116,24 +131,17 @@ def make_even(
     that would need far more samples than there are.
     """
     if times.size < 2:
-        raise RecordFormatError(
-            f"{name}:{first}: expected at least 2 samples, found {times.size}; the file may be truncated"
-        )
+        raise unexpected(f"{name}:{first}", "at least 2 samples", str(times.size), "the file may be truncated")
     if _beyond(times).any():
         at = int(np.argmax(_beyond(times)))
-        raise RecordFormatError(
-            f"{name}:{first + at // per_row}: expected times in s of at most {LATEST:g} s, found {times[at]:g} s "
-            f"(pair {at + 1}); the file is damaged: download it again"
-        )
+        found = f"{times[at]:g} s (pair {at + 1})"
+        raise unexpected(f"{name}:{first + at // per_row}", f"times in s of at most {LATEST:g} s", found, FILE_DAMAGED)
     steps = np.diff(times)
-    back = np.flatnonzero(steps <= 0.0)
-    if back.size:
-        at = int(back[0])
-        raise RecordFormatError(
-            f"{name}:{first + (at + 1) // per_row}: expected increasing times, found {times[at + 1]:g} s after "
-            f"{times[at]:g} s (pair {at + 2}); "
-            "the file is damaged or holds more than one channel: download it again"
-        )
+    if np.any(steps <= 0.0):
+        at = int(np.argmax(steps <= 0.0)) + 1
+        found = f"{times[at]:g} s after {times[at - 1]:g} s (pair {at + 1})"
+        advice = "the file is damaged or holds more than one channel: download it again"
+        raise unexpected(f"{name}:{first + at // per_row}", "increasing times", found, advice)
     even = even_step(times)
     if even is not None:
         return samples, even, []
@@ -150,11 +158,69 @@ def make_even(
     grid = times[0] + dt * np.arange(int(count + 1e-6) + 1)
     even_samples = np.interp(grid, times, samples)
     before, after = (float(np.max(np.abs(values))) * gravity_per_unit for values in (samples, even_samples))
-    return (
-        even_samples,
-        dt,
-        [
-            f"unequal steps of {steps.min():.4g} to {steps.max():.4g} s, resampled by linear interpolation at their "
-            f"median, {dt:g} s; the peak goes from {before:.4g} to {after:.4g} g"
-        ],
+    note = (
+        f"unequal steps of {steps.min():.4g} to {steps.max():.4g} s, resampled by linear interpolation at their "
+        f"median, {dt:g} s; the peak goes from {before:.4g} to {after:.4g} g"
     )
+    return even_samples, dt, [note]
+
+
+@dataclass(frozen=True)
+class Block:
+    """Samples of one channel."""
+
+    samples: np.ndarray  # (n,) equally spaced accelerations [unit]
+    dt: float  # sampling interval [s]
+    unit: str  # a key of `UNITS`
+    times: np.ndarray  # (m,) times as the file holds or implies them, before any resampling [s]
+    values: np.ndarray  # (m,) accelerations at these times [unit]
+    warnings: tuple[str, ...] = ()
+
+    @property
+    def peak(self) -> float:
+        """Largest absolute value as the file holds it [unit]."""
+        return float(np.max(np.abs(self.values)))
+
+    @property
+    def duration(self) -> float:
+        """Time that the values of the file last, the step behind the last included [s]."""
+        return float(self.times[-1] - self.times[0]) + self.dt
+
+    def noting(self, *warnings: str) -> Block:
+        """The same samples with further warnings."""
+        return replace(self, warnings=(*self.warnings, *warnings))
+
+
+def declared_points(line: str, where: str) -> int:
+    """The number in a header line ``No. of Points = 11999``; RecordFormatError, with `where`, if there is none."""
+    match = _POINTS.search(line)
+    if not match:
+        raise unexpected(where, "'No. of Points = N'", repr(line[:60].strip()))
+    return int(match[1])
+
+
+def pair_unit(line: str, where: str) -> str:
+    """The key of `UNITS` in a header line ``Units are sec and g/10``; UnitError, with `where`, if there is none."""
+    match = _UNIT.search(line)
+    return canonical_unit((match[1] if match else line.strip())[:_LONGEST_LINE], where)
+
+
+def pair_block(name: str, lines: Sequence[str], first: int, end: int, count: int, unit: str) -> Block:
+    """Read the `count` pairs of one channel in ``lines[first:end]`` and make their spacing equal, see `make_even`.
+
+    Raises RecordFormatError for too few pairs, a damaged row, times that do not increase, and a gap.
+    """
+    check_count(f"{name}:{end}", count, PAIRS_PER_ROW * max(end - first, 0), "pairs")
+    rows = -(-count // PAIRS_PER_ROW)
+    block = lines[first : first + rows]
+    fields = 2 * min(PAIRS_PER_ROW, count)
+    width, rest = divmod(len(block[0].rstrip()), fields)
+    margin = 0
+    if rest == 1 and all(row.startswith(" ") for row in block):
+        # Carriage control of a line printer in front of every row.
+        block, margin = [row[1:] for row in block], 1
+    pairs = fixed_width(block, first + 1, width or 1, 2 * PAIRS_PER_ROW, 2 * count, name).reshape(-1, 2)
+    gravity = UNITS[unit] / STANDARD_GRAVITY
+    samples, dt, notes = make_even(pairs[:, 0], pairs[:, 1], name, first + 1, PAIRS_PER_ROW, gravity)
+    used = margin + 2 * width * (count - (rows - 1) * PAIRS_PER_ROW)
+    return Block(samples, dt, unit, pairs[:, 0], pairs[:, 1], (*surplus(lines, first + rows, end, used=used), *notes))

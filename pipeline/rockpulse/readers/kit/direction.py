@@ -9,8 +9,6 @@ from dataclasses import dataclass
 from rockpulse.record.record import Orientation
 from rockpulse.remark import Remark
 
-__all__ = ["BRACKET", "Direction", "direction", "heading_direction", "means_vertical", "on_structure", "vertical_if_so"]
-
 #: The unit in a column heading, ``acc [g]``.
 BRACKET = re.compile(r"[\[(]([^\])]*)[\])]")
 # "CH 12" is a number, "12 deg" an angle.

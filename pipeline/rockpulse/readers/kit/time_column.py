@@ -7,11 +7,10 @@ from collections.abc import Sequence
 import numpy as np
 
 from rockpulse.errors import RecordFormatError
-from rockpulse.readers.column_headings import Heading
 from rockpulse.readers.format import ReadOptions, same_step
-from rockpulse.readers.spacing import even_step, printed_at
-
-__all__ = ["agreed_step", "climbs", "counts_rows", "names_time", "time_column_step"]
+from rockpulse.readers.kit.headings import Heading
+from rockpulse.readers.kit.spacing import even_step, printed_at
+from rockpulse.readers.kit.text import unexpected
 
 #: Seconds in the units that may head a column of times.
 _SECONDS = {"ms": 1e-3, "mi": 1e-3, "us": 1e-6, "µs": 1e-6}
@@ -39,9 +38,8 @@ def _seconds(name: str, headings: Sequence[Heading]) -> float:
     """Factor from the unit that the heading states to s."""
     unit = headings[0].unit.lower() if headings else ""
     if any(letter.isdigit() for letter in unit) and names_time(headings):
-        raise RecordFormatError(
-            f"{name}: expected a column of times in s, ms or min, found {headings[0].name!r} in {unit!r}; "
-            "write the times in s"
+        raise unexpected(
+            name, "a column of times in s, ms or min", f"{headings[0].name!r} in {unit!r}", "write the times in s"
         )
     return _MINUTES if unit.startswith("min") else _SECONDS.get(unit[:2], 1.0)
 
@@ -62,10 +60,9 @@ def time_column_step(
         return None
     others = [index for index in range(1, table.shape[1]) if climbs(table[:, index])]
     if others:
-        raise RecordFormatError(
-            f"{name}:{start + 1}: expected one column of times and accelerations beside it, found that columns 1 and "
-            f"{others[0] + 1} both run like time; take out the one that is none"
-        )
+        expected = "one column of times and accelerations beside it"
+        found = f"that columns 1 and {others[0] + 1} both run like time"
+        raise unexpected(f"{name}:{start + 1}", expected, found, "take out the one that is none")
     rising = bool(np.all(steps > 0.0))
     step = even_step(first) if rising else None
     if step is not None:
