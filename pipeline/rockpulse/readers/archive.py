@@ -69,12 +69,7 @@ class Archive:
         self._archive.close()
 
     def member(self, number: int) -> SourceFile:
-        """Unpack in memory the file at place `number` of `names`.
-
-        Raises RecordFormatError for a damaged or empty file, and RecordRefused for a name that leads out of the
-        archive, an archive in the archive, encryption, a file larger than `FILE_LIMIT` or compressed more than
-        `RATIO_LIMIT` times.
-        """
+        """Unpack in memory the file at place `number` of `names`."""
         entry, name = self._entries[number], self.names[number]
         content = _content(self._archive, entry, name)
         folder = PurePosixPath(entry.filename).parent

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import os
 import re
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import MISSING, dataclass, replace
 from fnmatch import fnmatchcase
 from numbers import Real
@@ -13,6 +13,7 @@ from pathlib import Path
 
 from rockpulse.errors import ConfigError, RecordFormatError, UnitError
 from rockpulse.option import KeyType, Section, key, number, text
+from rockpulse.readers.kit.spacing import same_step
 from rockpulse.readers.kit.text import UNITS, canonical_unit, for_other_files
 from rockpulse.readers.parts import PartRule
 from rockpulse.readers.source import SourceFile
@@ -20,16 +21,7 @@ from rockpulse.record.record import Record, distinct_ids
 
 RESPONSES = ("sensitivity", "remove")
 
-#: Two statements of one sampling interval differ by no more than this ratio.
-_SAME_STEP = 1.001
-
 _PATTERN = KeyType("a pattern that is not empty", lambda value: isinstance(value, str) and bool(value.strip()), str)
-
-
-def same_step(steps: Iterable[float]) -> bool:
-    """Whether some sampling intervals [s] are one, as printed with few digits."""
-    known = list(steps)
-    return max(known) <= _SAME_STEP * min(known)
 
 
 @dataclass(frozen=True)

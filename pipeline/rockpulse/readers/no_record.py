@@ -130,13 +130,7 @@ def _of_numbers(line: str) -> bool:
 
 
 def _words(line: str) -> tuple[str, ...]:
-    """The words of a row, but for those that belong to its numbers.
-
-    Examples
-    --------
-    >>> _words("t=0.01 s a=-1.2E-05 g"), _words("0.01,NaN"), _words("120111.txt Northridge 6.7")
-    (('t', 's', 'a', 'g'), (), ('txt', 'Northridge'))
-    """
+    """The words of a row, but for those that belong to its numbers."""
     return tuple(_LETTERS.findall(_OF_NUMBERS.sub(" ", line)))
 
 

@@ -201,14 +201,6 @@ def open_source(path: Path, station_files: StationFiles | None = None) -> Source
     """Open a file on disk, plain or compressed with gzip, which its first bytes show.
 
     `station_files` is as in `SourceFile`; by default the folder of `path` is searched.
-
-    Raises
-    ------
-    RecordFormatError
-        If the file is empty, or is no sound gzip file though it begins like one.
-    RecordRefused
-        If it is a pipe, a device or an archive, larger than `FILE_LIMIT` (compressed or not; when the content is asked
-        for), or compressed more than `RATIO_LIMIT` times.
     """
     name = str(path)
     check_link(path)

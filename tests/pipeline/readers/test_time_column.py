@@ -11,7 +11,7 @@ from rockpulse.errors import RecordFormatError
 from rockpulse.readers import read
 from rockpulse.readers.format import ReadOptions
 from rockpulse.readers.kit.headings import Heading
-from rockpulse.readers.kit.time_column import agreed_step, climbs, counts_rows, time_column_step
+from rockpulse.readers.kit.spacing import agreed_step, climbs, counts_rows, time_column_step
 
 VALUES = np.round(pulse(200, peak=3.0), 6)
 TIMES = np.arange(200) * 0.01

@@ -15,20 +15,8 @@ from itertools import takewhile
 
 import numpy as np
 
+from rockpulse.readers import kit
 from rockpulse.readers.format import Format, ReadOptions
-from rockpulse.readers.kit.channel import build_record
-from rockpulse.readers.kit.checks import held_length, held_peak_time
-from rockpulse.readers.kit.direction import Direction, direction
-from rockpulse.readers.kit.facts import Facts, coordinates, instant, later, magnitudes, near_event, stated
-from rockpulse.readers.kit.text import (
-    UNITS,
-    canonical_unit,
-    check_count,
-    fixed_width,
-    printed_number,
-    text_lines,
-    unexpected,
-)
 from rockpulse.readers.source import SourceFile
 from rockpulse.record.record import Record
 
@@ -83,7 +71,7 @@ class _Header:
         found = _chosen(listed, numbers)
         if required and not all(text and float(text) > 0.0 for text in found):
             expected = f"'{key} C1-C6 : ' and {len(numbers)} numbers above 0"
-            raise unexpected(self.where(f"{key} C1-C6"), expected, repr(self.text(f"{key} C1-C6")))
+            raise kit.unexpected(self.where(f"{key} C1-C6"), expected, repr(self.text(f"{key} C1-C6")))
         return found
 
     def continued(self, key: str, more: int) -> str:
@@ -118,14 +106,14 @@ def is_asa(head: bytes, name: str) -> bool:
 
 def read_asa(file: SourceFile, options: ReadOptions) -> list[Record]:
     """Read every channel; the options are not used, because the format states everything."""
-    lines = text_lines(file.content)
+    lines = kit.text_lines(file.content)
     header, numbers, words, first = _header(file.name, lines)
     unit_words, layout = header.text("UNIDADES DE LOS DATOS").partition("(")[0], header.text("FORMATO DATOS")
-    unit = canonical_unit(unit_words, header.where("UNIDADES DE LOS DATOS"))
+    unit = kit.canonical_unit(unit_words, header.where("UNIDADES DE LOS DATOS"))
     fields = _LAYOUT.match(layout)
     if layout and (not fields or int(fields[1]) != len(numbers)):
         expected = f"the format {len(numbers)}F10.3, one field for each channel"
-        raise unexpected(header.where("FORMATO DATOS"), expected, repr(layout))
+        raise kit.unexpected(header.where("FORMATO DATOS"), expected, repr(layout))
     width = int(fields[2]) if fields else _FIELD
     counts = [int(float(text)) for text in header.each("NUM. TOTAL DE MUESTRAS,", numbers, required=True)]
     columns, notes = _columns(file.name, lines, first, width, counts)
@@ -142,7 +130,7 @@ def read_asa(file: SourceFile, options: ReadOptions) -> list[Record]:
     date, name = header.text("FECHA DEL SISMO"), header.text("NOMBRE DE LA ESTACION")
     facts, place = _facts(header), f"{name} {header.continued('LOCALIZACION DE LA ESTACION', 4)}"
     return [
-        build_record(
+        kit.build_record(
             file,
             index + 1,
             samples,
@@ -159,8 +147,8 @@ def read_asa(file: SourceFile, options: ReadOptions) -> list[Record]:
             event=" ".join(f"{date} {header.text('HORA EPICENTRO')} {header.text('MAGNITUD').strip('/')}".split()),
             start_time=start_time,
             facts=facts,
-            header_peak=printed_number(peaks[index]),
-            peak_factor=UNITS["gal"],
+            header_peak=kit.printed_number(peaks[index]),
+            peak_factor=kit.UNITS["gal"],
             warnings=[*notes, *held[index], *time_notes],
         )
         for index, samples in enumerate(columns)
@@ -175,7 +163,7 @@ def _header(name: str, lines: Sequence[str]) -> tuple[_Header, list[int], list[s
     if not at or at + 3 > len(lines):
         expected = "'DATOS DE ACELERACION:' and a line 'CANAL-1   CANAL-2'"
         advice = "the file is damaged or cut off: download it again"
-        raise unexpected(f"{name}:{min(title + 1, len(lines))}", expected, "none", advice)
+        raise kit.unexpected(f"{name}:{min(title + 1, len(lines))}", expected, "none", advice)
     header = _Header(name, head[:title])
     numbers = [int(number) for number in _CHANNELS.findall(head[at])]
     words, (_, listed, line) = lines[at + 1][:_LONGEST_LINE].split(), header.entry("ORIENTACION C1-C6")
@@ -183,7 +171,7 @@ def _header(name: str, lines: Sequence[str]) -> tuple[_Header, list[int], list[s
     pairs = zip(stated, words, strict=False)
     if len(words) != len(numbers) or any(said and _base(said) != _base(word) for said, word in pairs):
         expected = f"the directions of {len(numbers)} channels as in line {line}, {listed!r}"
-        raise unexpected(f"{name}:{at + 2}", expected, repr(" ".join(words)[:60]))
+        raise kit.unexpected(f"{name}:{at + 2}", expected, repr(" ".join(words)[:60]))
     first = at + 3 if lines[at + 2].startswith("-----") else at + 2
     return header, numbers, [said or word for said, word in zip(stated, words, strict=True)], first
 
@@ -193,9 +181,9 @@ def _columns(
 ) -> tuple[list[np.ndarray], list[str]]:
     """Samples of each channel, and warnings; the rows after the end of a shorter channel are padding."""
     rows = len(lines) - first
-    check_count(f"{name}:{len(lines)}", max(counts), rows, "rows")
+    kit.check_count(f"{name}:{len(lines)}", max(counts), rows, "rows")
     if len(set(counts)) == 1:
-        table = fixed_width(lines[first:], first + 1, width, len(counts), rows * len(counts), name)
+        table = kit.fixed_width(lines[first:], first + 1, width, len(counts), rows * len(counts), name)
         surplus = rows - counts[0]
         notes = [f"the header states {counts[0]} samples, the file has {rows} rows; all are kept"] if surplus else []
         return list(table.reshape(rows, len(counts)).T), notes
@@ -203,7 +191,7 @@ def _columns(
     for index, count in enumerate(counts):
         place = slice(index * width, (index + 1) * width)
         fields = [line[place].ljust(width) for line in lines[first : first + count]]
-        columns.append(fixed_width(fields, first + 1, width, 1, count, name))
+        columns.append(kit.fixed_width(fields, first + 1, width, 1, count, name))
     return columns, [f"channels of different lengths, {', '.join(map(str, counts))} samples (header)"]
 
 
@@ -216,7 +204,7 @@ def _steps(header: _Header, numbers: Sequence[int]) -> list[float]:
         if not step > 0.0 or abs(step * rate - 1.0) > 0.01:
             both = (header.text(f"{key} DE MUESTREO, C1-C6") for key in ("INTERVALO", "VEL."))
             where, advice = header.where("INTERVALO DE MUESTREO, C1-C6"), "find out which are right and repair the line"
-            raise unexpected(where, "intervals [s] that fit the rates [1/s]", " and ".join(map(repr, both)), advice)
+            raise kit.unexpected(where, "intervals [s] that fit the rates [1/s]", " and ".join(map(repr, both)), advice)
     return found
 
 
@@ -228,8 +216,8 @@ def _held(
     notes = []
     for samples, step, duration, at in zip(columns, steps, lasting, largest, strict=True):
         time = f"{step * (float(at) - 1.0):.10g}" if at else ""
-        found = held_peak_time(time, step * np.arange(samples.size), samples)
-        notes.append(held_length(duration, samples.size, step) + found)
+        found = kit.held_peak_time(time, step * np.arange(samples.size), samples)
+        notes.append(kit.held_length(duration, samples.size, step) + found)
     return notes
 
 
@@ -238,10 +226,10 @@ def _base(word: str) -> str:
     return word.partition(";")[0].strip().upper()
 
 
-def _facing(word: str) -> Direction:
+def _facing(word: str) -> kit.Direction:
     """Direction of a channel; ``N00E;-`` and ``V;-`` are positive in the opposite sense."""
     base, sense = _base(word), word.partition(";")[2].strip()
-    facing = direction(base)
+    facing = kit.direction(base)
     if sense in ("", "+"):
         return facing
     note = f"the component {word!r} is taken as positive against {base}"
@@ -252,15 +240,15 @@ def _facing(word: str) -> Direction:
     return replace(facing, azimuth=(facing.azimuth + 180.0) % 360.0, note=note)
 
 
-def _facts(header: _Header) -> Facts:
+def _facts(header: _Header) -> kit.Facts:
     date, time = _DATE.search(header.text("FECHA DEL SISMO")), _TIME.search(header.text("HORA EPICENTRO"))
     utc = all(_UTC.search(header.entry(key)[0]) for key in ("FECHA DEL SISMO", "HORA EPICENTRO"))
-    return stated(
+    return kit.stated(
         origin_time=_moment(date, time) if utc else None,
-        magnitude=magnitudes(header.text("MAGNITUD")),
-        hypocentre=coordinates(header.continued("COORDENADAS DEL EPICENTRO", 1)),
+        magnitude=kit.magnitudes(header.text("MAGNITUD")),
+        hypocentre=kit.coordinates(header.continued("COORDENADAS DEL EPICENTRO", 1)),
         depth_km=header.text("PROFUNDIDAD FOCAL"),
-        station=coordinates(header.continued("COORDENADAS DE LA ESTACION", 1)),
+        station=kit.coordinates(header.continued("COORDENADAS DE LA ESTACION", 1)),
         site_class=header.continued("TIPO DE SUELO", 2),
     )
 
@@ -269,7 +257,7 @@ def _moment(date: re.Match[str] | None, time: re.Match[str] | None) -> datetime 
     if not date or not time:
         return None
     clock = (int(time[1]), int(time[2]), float(time[3].replace(",", ".")))
-    return instant([int(part) for part in date.groups()], clock)
+    return kit.instant([int(part) for part in date.groups()], clock)
 
 
 def _start_time(header: _Header) -> tuple[datetime | None, list[str]]:
@@ -286,8 +274,8 @@ def _start_time(header: _Header) -> tuple[datetime | None, list[str]]:
         return None, ["the clock of the recorder was not right; the start time was left out"]
     origin = _moment(date, _TIME.match(header.text("HORA EPICENTRO")))
     if origin is not None:
-        start = later(start, 86_400.0 * round((origin - start) / timedelta(days=1)))
-    return near_event(start, origin)
+        start = kit.later(start, 86_400.0 * round((origin - start) / timedelta(days=1)))
+    return kit.near_event(start, origin)
 
 
 FORMATS = (

@@ -18,12 +18,9 @@ from typing import NamedTuple
 import numpy as np
 
 from rockpulse.errors import RecordFormatError, RockpulseError, UnitError
+from rockpulse.readers import kit
 from rockpulse.readers.format import Format, ReadOptions
-from rockpulse.readers.kit.channel import build_record
-from rockpulse.readers.kit.direction import direction
-from rockpulse.readers.kit.facts import NOTHING, Facts, stated
 from rockpulse.readers.kit.table import end_of_numbers
-from rockpulse.readers.kit.text import canonical_unit, check_count, fixed_width, free_numbers, text_lines, unexpected
 from rockpulse.readers.source import NotAcceleration, SourceFile
 from rockpulse.record.record import Record
 
@@ -89,18 +86,15 @@ def _names_both(lines: Sequence[str]) -> int | None:
 
 def is_at2(head: bytes, name: str) -> bool:
     """Whether one of the first lines of a text names NPTS and DT."""
-    return _names_both(text_lines(head[:2000])) is not None
+    return _names_both(kit.text_lines(head[:2000])) is not None
 
 
 def read_at2(file: SourceFile, options: ReadOptions) -> list[Record]:
-    """Read the one channel of the file; the unit of `options` is used only if the header states none.
-
-    Raises NotAcceleration for velocity and displacement, UnitError for an unknown unit or none at all.
-    """
-    lines = text_lines(file.content)
+    """Read the one channel of the file; the unit of `options` is used only if the header states none."""
+    lines = kit.text_lines(file.content)
     end = _names_both(lines)
     if end is None:
-        raise unexpected(file.name, f"NPTS and DT in one of the first {_HEADER_LIMIT} lines", "none", "is it AT2?")
+        raise kit.unexpected(file.name, f"NPTS and DT in one of the first {_HEADER_LIMIT} lines", "none", "is it AT2?")
     header = [line[:_LONGEST_LINE] for line in lines[: end + 1]]
     title = [part.strip() for part in header[1].split(",")] if end > 1 else [""]
     # Names of events have commas too: "Chi-Chi, Taiwan, 9/20/1999, CHY101, E".
@@ -112,7 +106,7 @@ def read_at2(file: SourceFile, options: ReadOptions) -> list[Record]:
     match = next((match for match in matches if match), None) or _BARE.fullmatch(header[end])
     if match is None:
         expected, advice = "'NPTS= n, DT= s SEC' or 'n s NPTS, DT'", "write the line in one of these ways"
-        raise unexpected(f"{file.name}:{end + 1}", expected, repr(header[end].strip()), advice)
+        raise kit.unexpected(f"{file.name}:{end + 1}", expected, repr(header[end].strip()), advice)
     count, step = int(match["count"].replace(",", "")), float(re.sub("[dD]", "e", match["step"]))
     if not (np.isfinite(step) and step > 0.0) or _MILLISECONDS.search(header[end]):
         raise RecordFormatError(f"{file.name}:{end + 1}: expected a positive DT in s, found {header[end].strip()!r}")
@@ -129,7 +123,7 @@ def read_at2(file: SourceFile, options: ReadOptions) -> list[Record]:
         processed = {"CORRECTED": True, "UNCORRECTED": False}.get(written[1])
     found, notes = listed(file)
     return [
-        build_record(
+        kit.build_record(
             file,
             1,
             samples,
@@ -140,7 +134,7 @@ def read_at2(file: SourceFile, options: ReadOptions) -> list[Record]:
             structural=bool(written and written[2]),
             component=component,
             # PEER drops leading zeros: 9 is an azimuth here, elsewhere the number of a channel.
-            facing=direction(component.zfill(3)) if component.isdecimal() else None,
+            facing=kit.direction(component.zfill(3)) if component.isdecimal() else None,
             station_name=station or found.station_name,
             event=", ".join(title[:event]) or found.event,
             facts=found.facts,
@@ -181,16 +175,16 @@ def _unit(name: str, header: Sequence[str], station: str, given: str | None) -> 
                 "of the same record"
             )
         if unit:
-            return canonical_unit(unit[1], f"{name}:{index + 1}")
+            return kit.canonical_unit(unit[1], f"{name}:{index + 1}")
         behind = _WITHOUT_WORD.match(line, series.end()) if series else None
         if behind:
-            return canonical_unit(next(filter(None, behind.groups())), f"{name}:{index + 1}")
+            return kit.canonical_unit(next(filter(None, behind.groups())), f"{name}:{index + 1}")
     if given is None:
         raise UnitError(
             f"{name}: expected a header line 'ACCELERATION TIME SERIES IN UNITS OF G', found none; give the unit with "
             "the option units, such as units='g'"
         )
-    return canonical_unit(given, "option units")
+    return kit.canonical_unit(given, "option units")
 
 
 def _samples(name: str, lines: Sequence[str], first: int, count: int) -> tuple[np.ndarray, list[str]]:
@@ -200,7 +194,7 @@ def _samples(name: str, lines: Sequence[str], first: int, count: int) -> tuple[n
     """
     block = lines[first:]
     try:
-        values = free_numbers(block, first + 1, name)
+        values = kit.free_numbers(block, first + 1, name)
         fault = None
     except RecordFormatError as error:
         values, fault = np.empty(0), error
@@ -210,16 +204,16 @@ def _samples(name: str, lines: Sequence[str], first: int, count: int) -> tuple[n
             return touching, []
     if fault is not None:
         raise fault
-    check_count(f"{name}:{len(lines)}", count, values.size)
+    kit.check_count(f"{name}:{len(lines)}", count, values.size)
     surplus, row = values.size - count, len(block[0].split())
     rows = sum(1 for line in block if line.strip())
     if row > 1 and rows == count:
         found = f"{rows} rows of {row}: columns, such as time and acceleration, and not one series"
         advice = "remove the lines above the numbers and read the file as columns, or keep the column of acceleration"
-        raise unexpected(f"{name}:{first + 1}", f"{count} numbers (NPTS)", found, advice)
+        raise kit.unexpected(f"{name}:{first + 1}", f"{count} numbers (NPTS)", found, advice)
     if surplus > row:
         found, advice = f"{values.size}, more than a row too many", "find out which is right and repair the header"
-        raise unexpected(f"{name}:{first + 1}", f"{count} numbers (NPTS)", found, advice)
+        raise kit.unexpected(f"{name}:{first + 1}", f"{count} numbers (NPTS)", found, advice)
     notes = [f"{surplus} values beyond the NPTS= {count} of the header were left out"] if surplus else []
     return values[:count], notes
 
@@ -231,7 +225,7 @@ def _by_width(name: str, block: Sequence[str], first: int, count: int) -> np.nda
         if length < width or length % width or -(-count // (length // width)) != len(block):
             continue
         try:
-            return fixed_width(block, first, width, length // width, count, name)
+            return kit.fixed_width(block, first, width, length // width, count, name)
         except RecordFormatError:
             continue  # another width may fit; if none does, the caller reports the first fault
     return None
@@ -242,7 +236,7 @@ class Listed(NamedTuple):
 
     event: str = ""
     station_name: str = ""
-    facts: Facts = NOTHING
+    facts: kit.Facts = kit.NOTHING
 
 
 def listed(file: SourceFile) -> tuple[Listed, list[str]]:
@@ -261,7 +255,7 @@ def _rows(content: bytes) -> dict[str, Listed]:
     found: dict[str, Listed] = {}
     heads: list[str] = []
     try:
-        for row in csv.reader(text_lines(content), skipinitialspace=True):
+        for row in csv.reader(kit.text_lines(content), skipinitialspace=True):
             cells = [cell.strip() for cell in row]
             if not heads:
                 heads = [cell.lower() for cell in cells] if _LIST_BEGINS in map(str.lower, cells) else []
@@ -281,7 +275,7 @@ def _listed(entries: dict[str, str]) -> Listed:
     return Listed(
         event=" ".join(filter(None, (entries.get("earthquake name"), entries.get("year")))),
         station_name=entries.get("station name", ""),
-        facts=stated(magnitude=(entries.get("magnitude", ""), ""), vs30=vs30),
+        facts=kit.stated(magnitude=(entries.get("magnitude", ""), ""), vs30=vs30),
     )
 
 

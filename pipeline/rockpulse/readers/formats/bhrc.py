@@ -12,14 +12,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from rockpulse.readers import kit
 from rockpulse.readers.format import Format, ReadOptions, begins_with
-from rockpulse.readers.kit.channel import build_record, with_warnings
-from rockpulse.readers.kit.checks import Counted, Span, completeness, held_units, surplus
 from rockpulse.readers.kit.csmip import HEADER_LINES, LONGEST_LINE, TEXT_LINES, channels
-from rockpulse.readers.kit.direction import Direction, direction
-from rockpulse.readers.kit.facts import coordinates, magnitudes, stated, written
-from rockpulse.readers.kit.spacing import declared_points, pair_unit
-from rockpulse.readers.kit.text import check_count, fixed_width, matched, unexpected
 from rockpulse.readers.source import SourceFile
 from rockpulse.record.record import Record
 
@@ -43,30 +38,35 @@ def read_bhrc(file: SourceFile, options: ReadOptions) -> list[Record]:
     lines, spans, copies = channels(file, _TITLE, "* VOL1DS FILE:")
     records = [_channel(file, lines, span, number) for number, span in enumerate(spans, start=1)]
     starts = (start for start, _ in spans)
-    counts = (Counted(at + 1, "", one.component, _COMPONENTS) for at, one in zip(starts, records, strict=True))
-    units = held_units((record.component, record.source_unit) for record in records)
-    notes = (*completeness(file.name, counts, "files of this format hold"), *copies, *units, *_held_azimuths(records))
-    return with_warnings(records, notes)
+    counts = (kit.Counted(at + 1, "", one.component, _COMPONENTS) for at, one in zip(starts, records, strict=True))
+    units = kit.held_units((record.component, record.source_unit) for record in records)
+    notes = (
+        *kit.completeness(file.name, counts, "files of this format hold"),
+        *copies,
+        *units,
+        *_held_azimuths(records),
+    )
+    return kit.with_warnings(records, notes)
 
 
-def _channel(file: SourceFile, lines: Sequence[str], span: Span, number: int) -> Record:
+def _channel(file: SourceFile, lines: Sequence[str], span: kit.Span, number: int) -> Record:
     start, end = span
-    check_count(f"{file.name}:{end}", HEADER_LINES, end - start, f"header lines of channel {number}")
+    kit.check_count(f"{file.name}:{end}", HEADER_LINES, end - start, f"header lines of channel {number}")
     header, first = [line[:LONGEST_LINE] for line in lines[start : start + TEXT_LINES]], start + HEADER_LINES
-    count = declared_points(header[10], f"{file.name}:{start + 11}")
-    unit = pair_unit(header[11], f"{file.name}:{start + 12}")
-    step = _step(file.name, lines[start + 21], matched(_DURATION, header[10]), start, count)
-    samples = fixed_width(lines[first:end], first + 1, _WIDTH, _PER_ROW, count, file.name)
+    count = kit.declared_points(header[10], f"{file.name}:{start + 11}")
+    unit = kit.pair_unit(header[11], f"{file.name}:{start + 12}")
+    step = _step(file.name, lines[start + 21], kit.matched(_DURATION, header[10]), start, count)
+    samples = kit.fixed_width(lines[first:end], first + 1, _WIDTH, _PER_ROW, count, file.name)
     rows = -(-count // _PER_ROW)
-    component = matched(_COMPONENT, header[6]).upper()
+    component = kit.matched(_COMPONENT, header[6]).upper()
     if not component:
         where, expected = f"{file.name}:{start + 7}", "'COMP L1', 'COMP V2' or 'COMP T3'"
-        raise unexpected(where, expected, repr(header[6].strip()))
-    origin, letter = matched(_ORIGIN, header[2]), header[4].strip().upper()
-    notes = surplus(lines, first + rows, end, used=_WIDTH * (count - (rows - 1) * _PER_ROW))
+        raise kit.unexpected(where, expected, repr(header[6].strip()))
+    origin, letter = kit.matched(_ORIGIN, header[2]), header[4].strip().upper()
+    notes = kit.surplus(lines, first + rows, end, used=_WIDTH * (count - (rows - 1) * _PER_ROW))
     if letter in ("L", "V", "T") and letter != component:
         notes = (f"the header names the component {letter} and {component}; one of them is wrong", *notes)
-    return build_record(
+    return kit.build_record(
         file,
         number,
         samples,
@@ -76,14 +76,14 @@ def _channel(file: SourceFile, lines: Sequence[str], span: Span, number: int) ->
         processed=False,
         component=component,
         facing=_facing(component, header[7]),
-        station_name=matched(_STATION, header[7]).strip(),
+        station_name=kit.matched(_STATION, header[7]).strip(),
         event=" ".join(origin.split()),
-        facts=stated(
-            origin_time=written(origin),
-            magnitude=magnitudes(header[8]),
-            hypocentre=coordinates(header[8]),
-            depth_km=matched(_DEPTH, header[8]),
-            station=coordinates(header[7]),
+        facts=kit.stated(
+            origin_time=kit.written(origin),
+            magnitude=kit.magnitudes(header[8]),
+            hypocentre=kit.coordinates(header[8]),
+            depth_km=kit.matched(_DEPTH, header[8]),
+            station=kit.coordinates(header[7]),
         ),
         warnings=notes,
     )
@@ -101,18 +101,18 @@ def _held_azimuths(records: Sequence[Record]) -> list[str]:
 def _step(name: str, row: str, duration: str, start: int, count: int) -> float:
     """Sampling interval [s] from real 9 of the header, the rate; the duration must agree."""
     # The rows of eight reals are cut short on paper's width; the ninth begins the second row.
-    rate = float(fixed_width([row[:_WIDTH]], start + 22, _WIDTH, 1, 1, name)[0])
+    rate = float(kit.fixed_width([row[:_WIDTH]], start + 22, _WIDTH, 1, 1, name)[0])
     if not rate > 0.0 or (duration and abs(float(duration) * rate - count) > _DURATION_STEPS):
         expected = f"the samples per s of {count} points in {duration or 'an unknown number of'} s"
-        raise unexpected(f"{name}:{start + 22}", expected, f"{rate:g}")
+        raise kit.unexpected(f"{name}:{start + 22}", expected, f"{rate:g}")
     return 1.0 / rate
 
 
-def _facing(letter: str, station_line: str) -> Direction:
+def _facing(letter: str, station_line: str) -> kit.Direction:
     azimuth = re.search(_AZIMUTH.format(letter), station_line, re.IGNORECASE)
     if letter == "V" or not azimuth or float(azimuth[1]) > 360.0:
-        return direction(letter)
-    return Direction("horizontal", float(azimuth[1]) % 360.0)
+        return kit.direction(letter)
+    return kit.Direction("horizontal", float(azimuth[1]) % 360.0)
 
 
 FORMATS = (

@@ -31,20 +31,8 @@ from datetime import datetime
 
 import numpy as np
 
+from rockpulse.readers import kit
 from rockpulse.readers.format import Format, ReadOptions
-from rockpulse.readers.kit.channel import build_record
-from rockpulse.readers.kit.checks import contradictory, held_length, held_peak_time, surplus
-from rockpulse.readers.kit.direction import Direction, direction, on_structure
-from rockpulse.readers.kit.facts import coordinates, instant, stated
-from rockpulse.readers.kit.text import (
-    UNITS,
-    canonical_unit,
-    check_count,
-    free_rows,
-    printed_number,
-    text_lines,
-    unexpected,
-)
 from rockpulse.readers.source import NotAcceleration, SourceFile
 from rockpulse.record.record import Record
 
@@ -84,7 +72,7 @@ def is_csmnc(head: bytes, name: str) -> bool:
 
 def read_csmnc(file: SourceFile, options: ReadOptions) -> list[Record]:
     """Read the one channel of the file; raises NotAcceleration for velocity and displacement."""
-    lines = [line.rstrip().rstrip("$") for line in text_lines(file.content)]
+    lines = [line.rstrip().rstrip("$") for line in kit.text_lines(file.content)]
     head = lines[:_LONGEST_HEADER]
     kind_at, kind = _find(file.name, head, _KIND, "UNCORRECTED ACCELERATION  UNIT: CM/SEC/SEC")
     if kind[2].upper() != "ACCELERATION":
@@ -92,7 +80,7 @@ def read_csmnc(file: SourceFile, options: ReadOptions) -> list[Record]:
             f"{file.name}:{kind_at + 1}: expected acceleration, found {kind[2].lower()}; "
             "read the acceleration file of the same record"
         )
-    unit = canonical_unit(kind[3], f"{file.name}:{kind_at + 1}")
+    unit = kit.canonical_unit(kind[3], f"{file.name}:{kind_at + 1}")
     step_at, step = _find(file.name, head, _STEP, "EQUALLY SPACED INTERVALS OF:  0.005  SEC")
     count_at, declared = _find(file.name, head, _COUNT, "NO. OF POINTS:  12000")
     dt, count, above = float(step[1]), int(declared[1]), max(kind_at, step_at, count_at) + 1
@@ -104,7 +92,7 @@ def read_csmnc(file: SourceFile, options: ReadOptions) -> list[Record]:
     event = [head[named_at].strip(), f"{origin:%Y-%m-%d %H:%M:%S} UTC" if origin else ""] if named_at else []
     magnitude = _first(head, _MAGNITUDE)
     return [
-        build_record(
+        kit.build_record(
             file,
             1,
             samples,
@@ -114,24 +102,24 @@ def read_csmnc(file: SourceFile, options: ReadOptions) -> list[Record]:
             processed=not kind[1],
             component=component,
             facing=facing,
-            structural=on_structure(_first(head, _POINT), stated=True),
+            structural=kit.on_structure(_first(head, _POINT), stated=True),
             station=_first(head, _STATION),
             event=" ".join(part for part in [*event, f"M {magnitude}" if magnitude else ""] if part),
-            facts=stated(
+            facts=kit.stated(
                 origin_time=origin,
                 magnitude=(size[1], size[2] or "") if size else ("", ""),
-                hypocentre=coordinates(_first(head, _EPICENTRE)),
+                hypocentre=kit.coordinates(_first(head, _EPICENTRE)),
                 depth_km=_first(head, _DEPTH),
-                station=coordinates(_first(head, _STATION_LINE)),
+                station=kit.coordinates(_first(head, _STATION_LINE)),
                 site_class=_first(head, _SITE),
             ),
-            header_peak=printed_number(_first(head, _PEAK)),
-            peak_factor=UNITS[unit],
+            header_peak=kit.printed_number(_first(head, _PEAK)),
+            peak_factor=kit.UNITS[unit],
             warnings=[
                 *notes,
-                *held_length(_first(head, _DURATION), count, dt, _CUT_OFF),
-                *held_peak_time(_first(head, _PEAK_TIME), dt * np.arange(count), samples),
-                *surplus(lines, end, len(lines)),
+                *kit.held_length(_first(head, _DURATION), count, dt, _CUT_OFF),
+                *kit.held_peak_time(_first(head, _PEAK_TIME), dt * np.arange(count), samples),
+                *kit.surplus(lines, end, len(lines)),
             ],
         )
     ]
@@ -142,7 +130,7 @@ def _find(name: str, head: Sequence[str], pattern: re.Pattern[str], wanted: str)
     for index, line in enumerate(head):
         if match := pattern.search(line[:200]):
             return index, match
-    raise unexpected(f"{name}:{len(head)}", f"a line such as {wanted!r} in the header", "none")
+    raise kit.unexpected(f"{name}:{len(head)}", f"a line such as {wanted!r} in the header", "none")
 
 
 def _first(head: Sequence[str], pattern: re.Pattern[str]) -> str:
@@ -153,25 +141,27 @@ def _first(head: Sequence[str], pattern: re.Pattern[str]) -> str:
 def _samples(name: str, lines: Sequence[str], first: int, count: int) -> tuple[np.ndarray, int]:
     """Samples in rows of equal length but for the last, which holds the rest, and the index of the line behind them."""
     per_row = len(lines[first].split()) if first < len(lines) else 1
-    check_count(f"{name}:{len(lines)}", count, per_row * (len(lines) - first))
+    kit.check_count(f"{name}:{len(lines)}", count, per_row * (len(lines) - first))
     full, rest = divmod(count, per_row)
     end = first + full
-    samples = free_rows(lines[first:end], first + 1, per_row, name).ravel()
+    samples = kit.free_rows(lines[first:end], first + 1, per_row, name).ravel()
     if not rest:
         return samples, end
-    last = free_rows(lines[end : end + 1], end + 1, rest, name)
+    last = kit.free_rows(lines[end : end + 1], end + 1, rest, name)
     return np.concatenate([samples, last.ravel()]), end + 1
 
 
-def _direction(file: SourceFile, word: str) -> tuple[str, Direction, list[str]]:
+def _direction(file: SourceFile, word: str) -> tuple[str, kit.Direction, list[str]]:
     """Component, direction and warnings from the header, or from the name of the file where the header has none."""
     named = _NAMED.search(file.path.name)
     if not word:
         word = named[1].upper() if named else ""
-        return word, direction(word), ["the component is that of the file name"] if word else []
-    facing = direction(word)
-    if named and contradictory(direction(named[1]), facing):
-        facing = Direction(note=f"the header says {word}, the file name {named[1].upper()}: the direction is unknown")
+        return word, kit.direction(word), ["the component is that of the file name"] if word else []
+    facing = kit.direction(word)
+    if named and kit.contradictory(kit.direction(named[1]), facing):
+        facing = kit.Direction(
+            note=f"the header says {word}, the file name {named[1].upper()}: the direction is unknown"
+        )
     return word, facing, []
 
 
@@ -181,7 +171,7 @@ def _origin(head: Sequence[str]) -> tuple[int, datetime | None]:
         if match := _ORIGIN.match(line[:200]):
             numbers = [float(text) for text in match.groups()[:6]]
             ahead = 0.0 if match[7] in ("UTC", "GMT", "UT") else _BEIJING_HOURS
-            return index + 1, instant(numbers[:3], numbers[3:], ahead)
+            return index + 1, kit.instant(numbers[:3], numbers[3:], ahead)
     return 0, None
 
 

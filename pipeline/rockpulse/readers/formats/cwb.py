@@ -13,23 +13,9 @@ from datetime import datetime
 
 import numpy as np
 
+from rockpulse.readers import kit
 from rockpulse.readers.format import Format, ReadOptions
-from rockpulse.readers.kit.channel import build_record
 from rockpulse.readers.kit.csmip import LONGEST_LINE
-from rockpulse.readers.kit.direction import Direction, direction
-from rockpulse.readers.kit.facts import instant, later, near_event, stated
-from rockpulse.readers.kit.spacing import printed_at
-from rockpulse.readers.kit.text import (
-    UNITS,
-    Entries,
-    Entry,
-    canonical_unit,
-    check_count,
-    fixed_width,
-    printed_number,
-    text_lines,
-    unexpected,
-)
 from rockpulse.readers.source import SourceFile
 from rockpulse.record.record import Record
 
@@ -52,29 +38,29 @@ def is_cwb(head: bytes, name: str) -> bool:
 
 def read_cwb(file: SourceFile, options: ReadOptions) -> list[Record]:
     """Read every channel; the options are not used, because the format states everything."""
-    lines = text_lines(file.content)
+    lines = kit.text_lines(file.content)
     first = next((i for i, line in enumerate(lines) if line.strip() and not line.startswith("#")), len(lines))
     header = _header(file.name, lines[:first])
-    unit = canonical_unit(header.text("amplitudeunit").partition(".")[0], header.where("amplitudeunit"))
+    unit = kit.canonical_unit(header.text("amplitudeunit").partition(".")[0], header.where("amplitudeunit"))
     rate, _ = _positive(header, "samplerate", "a line '#SampleRate(Hz)' with a number of samples per s")
     length, rounding = _positive(header, "recordlength", "a line '#RecordLength(sec)' with a duration")
-    sequence, layout = header.get("datasequence", Entry(line=first)), header.get("data", Entry(line=first))
+    sequence, layout = header.get("datasequence", kit.Entry(line=first)), header.get("data", kit.Entry(line=first))
     channels, fields = _CHANNEL.findall(sequence.text), _FORMAT.fullmatch(layout.text)
     if not sequence.text.lower().startswith("time") or not channels:
         expected = "'#DataSequence: Time U(+); N(+); E(+)'"
-        raise unexpected(f"{file.name}:{sequence.line}", expected, repr(sequence.text))
+        raise kit.unexpected(f"{file.name}:{sequence.line}", expected, repr(sequence.text))
     columns, rows = len(channels) + 1, len(lines) - first
     if not fields or int(fields[1]) != columns:
         expected = f"'#Data: {columns}F10.3' for the time and {len(channels)} channels"
-        raise unexpected(f"{file.name}:{layout.line}", expected, repr(layout.text))
-    check_count(f"{file.name}:{len(lines)}", max(1, int((length - rounding) * rate)), rows, "rows")
-    table = fixed_width(lines[first:], first + 1, int(fields[2]), columns, rows * columns, file.name)
+        raise kit.unexpected(f"{file.name}:{layout.line}", expected, repr(layout.text))
+    kit.check_count(f"{file.name}:{len(lines)}", max(1, int((length - rounding) * rate)), rows, "rows")
+    table = kit.fixed_width(lines[first:], first + 1, int(fields[2]), columns, rows * columns, file.name)
     table = table.reshape(rows, columns)
     _check_times(file.name, first, table[:, 0], rate)
     start_time, notes = _start_time(header, float(table[0, 0]))
     if rows > (length + rounding) * rate + 1.0:
         notes.append(f"the header states {length:g} s at {rate:g} samples per s, the file has {rows} rows")
-    facts = stated(
+    facts = kit.stated(
         origin_time=_moment(header["origintime"]),
         magnitude=(header.text("magnitude"), header["magnitude"].aside),
         hypocentre=(header.text("epicenterlatitude"), header.text("epicenterlongitude")),
@@ -82,7 +68,7 @@ def read_cwb(file: SourceFile, options: ReadOptions) -> list[Record]:
         station=(header.text("stationlatitude"), header.text("stationlongitude")),
     )
     return [
-        build_record(
+        kit.build_record(
             file,
             number,
             table[:, number],
@@ -99,42 +85,42 @@ def read_cwb(file: SourceFile, options: ReadOptions) -> list[Record]:
             start_time=start_time,
             facts=facts,
             header_peak=_peak(header.text(f"amplitudemax{letter.lower()}")),
-            peak_factor=UNITS[unit],
+            peak_factor=kit.UNITS[unit],
             warnings=notes,
         )
         for number, (letter, sign) in enumerate(channels, start=1)
     ]
 
 
-def _header(name: str, lines: Sequence[str]) -> Entries:
+def _header(name: str, lines: Sequence[str]) -> kit.Entries:
     """The statements by the letters of their keys, lower case, without the text in parentheses."""
-    header = Entries(name)
+    header = kit.Entries(name)
     for line, text in enumerate(lines, start=1):
         if match := _ENTRY.match(text[:LONGEST_LINE]):
-            header[re.sub(r"[\W_]", "", match[1]).lower()] = Entry(match[3].strip(), match[2] or "", line)
+            header[re.sub(r"[\W_]", "", match[1]).lower()] = kit.Entry(match[3].strip(), match[2] or "", line)
     return header
 
 
-def _positive(header: Entries, key: str, what: str) -> tuple[float, float]:
+def _positive(header: kit.Entries, key: str, what: str) -> tuple[float, float]:
     """A number above 0 that the header must state, and half a unit of its last digit."""
     text = header.text(key)
     if not _NUMBER.fullmatch(text) or not float(text) > 0.0:
-        raise unexpected(header.where(key), f"{what} above 0", repr(text or "none"))
-    return printed_number(text)
+        raise kit.unexpected(header.where(key), f"{what} above 0", repr(text or "none"))
+    return kit.printed_number(text)
 
 
 def _check_times(name: str, first: int, times: np.ndarray, rate: float) -> None:
     """The column of times must be that of samples at the stated rate."""
     with np.errstate(over="ignore"):
-        if printed_at(times, 1.0 / rate):
+        if kit.printed_at(times, 1.0 / rate):
             return
     expected = times[0] + np.arange(times.size) / rate
     row = int(np.argmax(np.abs(times - expected) > 0.1 / rate))
     should, advice = f"{expected[row]:g} s ({rate:g} samples per s, header)", "rows are missing or the rate is wrong"
-    raise unexpected(f"{name}:{first + row + 1}", should, f"{times[row]:g} s", f"{advice}: download the file again")
+    raise kit.unexpected(f"{name}:{first + row + 1}", should, f"{times[row]:g} s", f"{advice}: download the file again")
 
 
-def _start_time(header: Entries, first: float) -> tuple[datetime | None, list[str]]:
+def _start_time(header: kit.Entries, first: float) -> tuple[datetime | None, list[str]]:
     """UTC time of the first sample, which stands at `first` seconds of the time column, and warnings about it."""
     entry = header["starttime"]
     if not entry.text:
@@ -144,28 +130,28 @@ def _start_time(header: Entries, first: float) -> tuple[datetime | None, list[st
     start = _moment(entry)
     if start is None:
         return None, [f"the start time {entry.text!r} cannot be read"]
-    start, notes = near_event(start, _moment(header["origintime"]))
-    return later(start, first), notes
+    start, notes = kit.near_event(start, _moment(header["origintime"]))
+    return kit.later(start, first), notes
 
 
-def _moment(entry: Entry) -> datetime | None:
+def _moment(entry: kit.Entry) -> datetime | None:
     """UTC time from 2018/02/06-23:50:29.000 and the zone beside the key; None from anything else."""
     moment, zone = _MOMENT.fullmatch(entry.text), _ZONE.search(entry.aside)
     if not moment or not zone:
         return None
     numbers = [float(part) for part in moment.groups()]
-    return instant(numbers[:3], numbers[3:], float(zone[1].replace(" ", "")))
+    return kit.instant(numbers[:3], numbers[3:], float(zone[1].replace(" ", "")))
 
 
 def _peak(text: str) -> tuple[float, float]:
     """Largest absolute value in the least and the largest one of a channel, and half a unit of its last digit."""
     stated = _PEAK.fullmatch(text)
-    return max(printed_number(text.lstrip("-")) for text in stated.groups()) if stated else printed_number("")
+    return max(kit.printed_number(text.lstrip("-")) for text in stated.groups()) if stated else kit.printed_number("")
 
 
-def _facing(letter: str, sign: str) -> Direction:
+def _facing(letter: str, sign: str) -> kit.Direction:
     """Direction of a channel by its letter, U, N, E and so on, in the opposite sense where `sign` is a minus."""
-    facing = direction(letter)
+    facing = kit.direction(letter)
     if sign == "+":
         return facing
     if facing.orientation == "vertical":

@@ -13,22 +13,8 @@ from datetime import datetime
 
 import numpy as np
 
+from rockpulse.readers import kit
 from rockpulse.readers.format import Format, ReadOptions
-from rockpulse.readers.kit.channel import build_record
-from rockpulse.readers.kit.checks import held_direction, held_length, held_peak_time, surplus
-from rockpulse.readers.kit.direction import Direction, direction
-from rockpulse.readers.kit.facts import Facts, instant, near_event, preferred, stated
-from rockpulse.readers.kit.text import (
-    UNITS,
-    Entries,
-    Entry,
-    canonical_unit,
-    check_count,
-    free_numbers,
-    printed_number,
-    text_lines,
-    unexpected,
-)
 from rockpulse.readers.source import NotAcceleration, SourceFile
 from rockpulse.record.record import Record
 
@@ -59,7 +45,7 @@ _PRECISION = re.compile(r"(?:milli|micro)?seconds?", re.IGNORECASE)
 _NAMED = re.compile(r"^\w{1,2}\.\w{1,6}\.\w{0,2}\.(\w{3})\.|_(?:Raw)?Acc_([ENUZ])$", re.ASCII)
 
 
-class _Header(Entries):
+class _Header(kit.Entries):
     """The statements by key; `end` is the number of lines above the values."""
 
     def number(self, key: str) -> float:
@@ -74,7 +60,7 @@ def is_dyna(head: bytes, name: str) -> bool:
     """
     if b"EVENT_NAME:" not in head:
         return False
-    lines = text_lines(head)
+    lines = kit.text_lines(head)
     at = _title(lines)
     if at is None:
         return False
@@ -104,31 +90,31 @@ def _keys(lines: Sequence[str], start: int) -> tuple[list[tuple[str, str, int]],
 
 def read_dyna(file: SourceFile, options: ReadOptions) -> list[Record]:
     """Read the one channel of the file; raises NotAcceleration for velocity, displacement and spectra."""
-    lines = text_lines(file.content)
+    lines = kit.text_lines(file.content)
     header, header_notes = _header(file.name, lines)
     kind = header.text("DATA_TYPE")
     if not kind:
         expected = f"'DATA_TYPE: ACCELERATION' in the {header.end} lines of the header"
-        raise unexpected(header.where("DATA_TYPE"), expected, "none")
+        raise kit.unexpected(header.where("DATA_TYPE"), expected, "none")
     if kind.upper() != "ACCELERATION":
         raise NotAcceleration(
             f"{header.where('DATA_TYPE')}: expected 'DATA_TYPE: ACCELERATION', found {kind!r}; "
             "read the acceleration file of the same record"
         )
-    unit = canonical_unit(header.text("UNITS"), header.where("UNITS"))
+    unit = kit.canonical_unit(header.text("UNITS"), header.where("UNITS"))
     step, count = header.number("SAMPLING_INTERVAL_S"), header.text("NDATA")
     if not step > 0.0:
         found = repr(header.text("SAMPLING_INTERVAL_S"))
-        raise unexpected(header.where("SAMPLING_INTERVAL_S"), "a sampling interval in s above 0", found)
+        raise kit.unexpected(header.where("SAMPLING_INTERVAL_S"), "a sampling interval in s above 0", found)
     if not _COUNT.fullmatch(count):
-        raise unexpected(header.where("NDATA"), "the number of samples", repr(count))
+        raise kit.unexpected(header.where("NDATA"), "the number of samples", repr(count))
     first, declared = header.end, int(count)
-    check_count(f"{file.name}:{len(lines)}", declared, len(lines) - first)
-    samples = free_numbers(lines[first : first + declared], first + 1, file.name)
+    kit.check_count(f"{file.name}:{len(lines)}", declared, len(lines) - first)
+    samples = kit.free_numbers(lines[first : first + declared], first + 1, file.name)
     if samples.size != declared:
         row = next(row for row in range(first, first + declared) if len(lines[row].split()) != 1)
         found, advice = repr(lines[row][:40]), "the line is damaged: download the file again"
-        raise unexpected(f"{file.name}:{row + 1}", "one number on the line", found, advice)
+        raise kit.unexpected(f"{file.name}:{row + 1}", "one number on the line", found, advice)
     processed, processing, notes = _processed(header)
     start_time, time_notes = _start_time(header)
     peak = header.text("PGA_CM/S^2")
@@ -138,7 +124,7 @@ def read_dyna(file: SourceFile, options: ReadOptions) -> list[Record]:
     place = "" if is_code else location
     of_event = any(key.startswith(_AAD) for key in header)
     return [
-        build_record(
+        kit.build_record(
             file,
             1,
             samples,
@@ -156,14 +142,14 @@ def read_dyna(file: SourceFile, options: ReadOptions) -> list[Record]:
             start_time=start_time,
             sensor_depth=header.number("SENSOR_DEPTH_M"),
             facts=_facts(header),
-            header_peak=printed_number(peak if _DECIMAL.fullmatch(peak) else ""),
-            peak_factor=UNITS["cm/s2"],
+            header_peak=kit.printed_number(peak if _DECIMAL.fullmatch(peak) else ""),
+            peak_factor=kit.UNITS["cm/s2"],
             warnings=[
                 *header_notes,
                 *notes,
                 *time_notes,
                 *_remarks(header, step, samples),
-                *surplus(lines, first + declared, len(lines), file.name, _TITLE),
+                *kit.surplus(lines, first + declared, len(lines), file.name, _TITLE),
             ],
             processing=processing,
         )
@@ -175,18 +161,18 @@ def _header(name: str, lines: Sequence[str]) -> tuple[_Header, list[str]]:
     start = _title(lines)
     if start is None:
         expected = f"a line '{_FIRST}:' among the first {_LINES_BEFORE}"
-        raise unexpected(f"{name}:1", expected, repr(lines[0][:40]), "is it a DYNA file?")
+        raise kit.unexpected(f"{name}:1", expected, repr(lines[0][:40]), "is it a DYNA file?")
     keys, end = _keys(lines, start)
     before, unknown = _before(lines[:start])
     header = _Header(name, end)
     notes = [f"line {line}, before {_FIRST}, is not known and was not used: {text[:80]!r}" for line, text in unknown]
     for key, value, line in [*before, *keys]:
-        known = header.setdefault(key, Entry(value, line=line))
+        known = header.setdefault(key, kit.Entry(value, line=line))
         if known.text != value:
             both = f"{known.text[:40]!r} (line {known.line}) and {value[:40]!r}"
             if key in _DECISIVE:
                 advice = "find out which is right and remove the other line"
-                raise unexpected(f"{name}:{line}", f"one value of {key}", both, advice)
+                raise kit.unexpected(f"{name}:{line}", f"one value of {key}", both, advice)
             notes.append(f"line {line}: the header states {key} as {both}; the first counts")
     return header, notes
 
@@ -246,21 +232,21 @@ def _remarks(header: _Header, step: float, samples: np.ndarray) -> list[str]:
         notes.append("late triggered (header): the beginning of the motion is missing")
     if "NOT REMOVED" in header.text("BASELINE_CORRECTION").upper() and header.text("PROCESSING").lower() != "none":
         notes.append("the baseline was not removed (header)")
-    notes += held_length(header.text("DURATION_S"), count, step)
-    return notes + held_peak_time(header.text("TIME_PGA_S"), step * np.arange(count), samples)
+    notes += kit.held_length(header.text("DURATION_S"), count, step)
+    return notes + kit.held_peak_time(header.text("TIME_PGA_S"), step * np.arange(count), samples)
 
 
-def _facing(stream: str, stem: str) -> Direction:
+def _facing(stream: str, stem: str) -> kit.Direction:
     """The direction of the stream; unknown, with a note, where the name of the file, as agencies give it, has another.
 
     Names are NET.STA.LOC.STREAM.D. and so on (ESM), or end in the letter of the component (AFAD).
     """
     named = _NAMED.search(stem)
     if not named:
-        return direction(stream)
+        return kit.direction(stream)
     word = named[1] or named[2]
     note = f"the header says {stream}, the file name {word}: the direction is unknown"
-    return held_direction(direction(stream), direction(word), note)
+    return kit.held_direction(kit.direction(stream), kit.direction(word), note)
 
 
 def _start_time(header: _Header) -> tuple[datetime | None, list[str]]:
@@ -271,7 +257,7 @@ def _start_time(header: _Header) -> tuple[datetime | None, list[str]]:
     start = _moment(written)
     if start is None:
         return None, [f"the start time {written!r} cannot be read"]
-    start, notes = near_event(start, _origin(header))
+    start, notes = kit.near_event(start, _origin(header))
     precision = header.text("DATE_TIME_FIRST_SAMPLE_PRECISION")
     if precision and start is not None and not _PRECISION.fullmatch(precision):
         notes.append(f"the start time is known to the {precision} only (header)")
@@ -282,11 +268,11 @@ def _origin(header: _Header) -> datetime | None:
     return _moment(f"{header.text('EVENT_DATE_YYYYMMDD')} {header.text('EVENT_TIME_HHMMSS')}")
 
 
-def _facts(header: _Header) -> Facts:
-    return stated(
+def _facts(header: _Header) -> kit.Facts:
+    return kit.stated(
         event_id=header.text("EVENT_ID"),
         origin_time=_origin(header),
-        magnitude=preferred([(header.text("MAGNITUDE_W"), "Mw"), (header.text("MAGNITUDE_L"), "ML")]),
+        magnitude=kit.preferred([(header.text("MAGNITUDE_W"), "Mw"), (header.text("MAGNITUDE_L"), "ML")]),
         hypocentre=(header.text("EVENT_LATITUDE_DEGREE"), header.text("EVENT_LONGITUDE_DEGREE")),
         depth_km=header.text("EVENT_DEPTH_KM"),
         distance_km=header.text("EPICENTRAL_DISTANCE_KM"),
@@ -303,7 +289,7 @@ def _moment(text: str) -> datetime | None:
     day = forward.group(1, 3, 4) if forward else backward.group(4, 3, 1) if backward else None
     if not clock or day is None:
         return None
-    return instant([int(part) for part in day], (int(clock[1]), int(clock[3]), float(clock[4])))
+    return kit.instant([int(part) for part in day], (int(clock[1]), int(clock[3]), float(clock[4])))
 
 
 FORMATS = (

@@ -13,35 +13,8 @@ from datetime import datetime
 
 import numpy as np
 
+from rockpulse.readers import kit
 from rockpulse.readers.format import Format, ReadOptions, begins_with
-from rockpulse.readers.kit.channel import build_record, with_warnings
-from rockpulse.readers.kit.checks import (
-    Counted,
-    Span,
-    completeness,
-    distinct_sections,
-    held_direction,
-    held_length,
-    held_lengths_of_units,
-    held_peak_time,
-    held_units,
-    last_of_equal,
-    repeated_marker,
-    surplus,
-)
-from rockpulse.readers.kit.direction import Direction, direction, on_structure
-from rockpulse.readers.kit.facts import coordinates, instant, magnitudes, near_event, stated
-from rockpulse.readers.kit.text import (
-    FILE_DAMAGED,
-    UNITS,
-    canonical_unit,
-    check_count,
-    fixed_width,
-    matched,
-    printed_number,
-    text_lines,
-    unexpected,
-)
 from rockpulse.readers.source import SourceFile
 from rockpulse.record.record import Record
 
@@ -65,84 +38,86 @@ _DURATION = re.compile(r".{0,60}?\bduration\s+(\d{0,6}\.\d{1,6})\s*s", re.IGNORE
 
 def read_geonet(file: SourceFile, options: ReadOptions) -> list[Record]:
     """Read the accelerations of every component; the options are not used, because the format states everything."""
-    lines = text_lines(file.content)
-    components: dict[Span, Record] = {}
+    lines = kit.text_lines(file.content)
+    components: dict[kit.Span, Record] = {}
     notes: list[str] = []
     start = 0
     while start < len(lines):
         if not _TITLE.match(lines[start]):
             expected = f"the title of component {len(components) + 1}, 'Corrected' or 'Uncorrected accelerogram'"
-            raise unexpected(f"{file.name}:{start + 1}", expected, repr(lines[start][:60].strip()), FILE_DAMAGED)
-        first, start = start, last_of_equal(lines, start)
-        notes += repeated_marker(first, start)
+            raise kit.unexpected(
+                f"{file.name}:{start + 1}", expected, repr(lines[start][:60].strip()), kit.FILE_DAMAGED
+            )
+        first, start = start, kit.last_of_equal(lines, start)
+        notes += kit.repeated_marker(first, start)
         record, end = _component(file, lines, start, len(components) + 1)
         components[start, end] = record
         start = next((at for at in range(end, len(lines)) if lines[at].strip()), len(lines))
-    kept, copies = distinct_sections(lines, list(components), "component")
+    kept, copies = kit.distinct_sections(lines, list(components), "component")
     records = [components[span] for span in kept]
     counts = (
-        Counted(start + 1, lines[start], record.component, _COMPONENTS)
+        kit.Counted(start + 1, lines[start], record.component, _COMPONENTS)
         for (start, _), record in zip(kept, records, strict=True)
     )
-    notes += (*copies, *completeness(file.name, counts, "files of this format hold"))
-    notes += held_units(
+    notes += (*copies, *kit.completeness(file.name, counts, "files of this format hold"))
+    notes += kit.held_units(
         (record.component or str(number), record.source_unit) for number, record in enumerate(records, 1)
     )
-    return with_warnings(records, notes)
+    return kit.with_warnings(records, notes)
 
 
 def _component(file: SourceFile, lines: Sequence[str], start: int, number: int) -> tuple[Record, int]:
     """The component that begins at index `start`, and the index of the line behind its values."""
     end = f"{file.name}:{len(lines)}"
-    check_count(end, _HEADER_LINES, len(lines) - start, f"header lines of component {number}")
+    kit.check_count(end, _HEADER_LINES, len(lines) - start, f"header lines of component {number}")
     text, integer_line, first = lines[start : start + _TEXT_LINES], start + _TEXT_LINES, start + _HEADER_LINES
     title = _TITLE.match(text[0])
     assert title is not None
-    integers = fixed_width(lines[integer_line:], integer_line + 1, _WIDTH, _PER_ROW, 40, file.name)
+    integers = kit.fixed_width(lines[integer_line:], integer_line + 1, _WIDTH, _PER_ROW, 40, file.name)
     # The third row of reals; nothing in the others is needed.
     at = integer_line + _INTEGER_LINES + 2
-    reals = fixed_width(lines[at:], at + 1, _WIDTH, _PER_ROW, _PER_ROW, file.name)
+    reals = kit.fixed_width(lines[at:], at + 1, _WIDTH, _PER_ROW, _PER_ROW, file.name)
     count, rows = _counts(file.name, text[9], start, integers)
-    check_count(end, rows, len(lines[first : first + rows]), f"rows of values of component {number}")
-    samples = fixed_width(lines[first:], first + 1, _WIDTH, _PER_ROW, count, file.name)
+    kit.check_count(end, rows, len(lines[first : first + rows]), f"rows of values of component {number}")
+    samples = kit.fixed_width(lines[first:], first + 1, _WIDTH, _PER_ROW, count, file.name)
     raw = title[1] is not None
     peak, readings = _PEAK.match(text[13]), _READINGS.match(text[10])
     source, line = (readings, 10) if raw else (peak, 13)
-    unit = canonical_unit(source[2] if source else "", f"{file.name}:{start + 1 + line}")
-    peak_unit = canonical_unit(peak[2], f"{file.name}:{start + 14}") if peak else unit
-    start_time, notes = near_event(*_times(integers))
+    unit = kit.canonical_unit(source[2] if source else "", f"{file.name}:{start + 1 + line}")
+    peak_unit = kit.canonical_unit(peak[2], f"{file.name}:{start + 14}") if peak else unit
+    start_time, notes = kit.near_event(*_times(integers))
     step = _step(f"{file.name}:{start + 11}", text[10], float(reals[5]))
     last = -(-count // _PER_ROW)
-    notes += surplus(lines, first + last, first + last, used=_WIDTH * (count - _PER_ROW * (last - 1)))
+    notes += kit.surplus(lines, first + last, first + last, used=_WIDTH * (count - _PER_ROW * (last - 1)))
     notes += _held(text, step, step * np.arange(count) - reals[1], samples)
-    component = matched(_COMPONENT, text[12])
-    record = build_record(
+    component = kit.matched(_COMPONENT, text[12])
+    record = kit.build_record(
         file,
         number,
         samples,
         step,
         unit,
-        factor=UNITS[unit] * (float(readings[1]) if readings else 1.0),
+        factor=kit.UNITS[unit] * (float(readings[1]) if readings else 1.0),
         format="geonet",
         processed=not raw,
         component=component,
         facing=_facing(component, int(integers[27])),
-        structural=on_structure(text[2]),
+        structural=kit.on_structure(text[2]),
         station=title[2],
         location=title[3] or "",
         station_name=text[2].strip(),
         event=text[6].strip(),
         start_time=start_time,
-        facts=stated(
+        facts=kit.stated(
             origin_time=_times(integers)[1],
-            magnitude=magnitudes(text[8]),
-            hypocentre=coordinates(text[8]),
-            depth_km=matched(_DEPTH, text[8]),
-            distance_km=matched(_DISTANCE, text[8]),
-            station=coordinates(text[1]),
+            magnitude=kit.magnitudes(text[8]),
+            hypocentre=kit.coordinates(text[8]),
+            depth_km=kit.matched(_DEPTH, text[8]),
+            distance_km=kit.matched(_DISTANCE, text[8]),
+            station=kit.coordinates(text[1]),
         ),
-        header_peak=printed_number(peak[1] if peak else ""),
-        peak_factor=UNITS[peak_unit],
+        header_peak=kit.printed_number(peak[1] if peak else ""),
+        peak_factor=kit.UNITS[peak_unit],
         warnings=notes,
     )
     return record, first + rows
@@ -153,20 +128,20 @@ def _counts(name: str, line: str, start: int, integers: np.ndarray) -> tuple[int
     points, where = _POINTS.match(line), f"{name}:{start + 10}"
     blocks = [int(value) for value in integers[33:36]]
     if not points or int(points[1]) != blocks[0]:
-        raise unexpected(where, f"'Number of points {blocks[0]}' (integer 34 of the header)", repr(line.strip()))
-    check_count(where, blocks[0], blocks[0])
+        raise kit.unexpected(where, f"'Number of points {blocks[0]}' (integer 34 of the header)", repr(line.strip()))
+    kit.check_count(where, blocks[0], blocks[0])
     if min(blocks) < 0:
         expected = "counts of accelerations, velocities and displacements of at least 0"
-        raise unexpected(f"{name}:{start + _TEXT_LINES + 4}", expected, str(blocks))
+        raise kit.unexpected(f"{name}:{start + _TEXT_LINES + 4}", expected, str(blocks))
     return blocks[0], sum(-(-block // _PER_ROW) for block in blocks)
 
 
 def _step(where: str, line: str, step: float) -> float:
     """Sampling interval [s], real 26 of the header; the text, with fewer digits, must agree."""
     match = _STEP.search(line)
-    stated, rounding = printed_number(match[1] if match else "")
+    stated, rounding = kit.printed_number(match[1] if match else "")
     if not (step > 0.0 and abs(step - stated) <= 1.01 * rounding):
-        raise unexpected(where, f"an interval of {step:g} s (real 26 of the header)", repr(line.strip()))
+        raise kit.unexpected(where, f"an interval of {step:g} s (real 26 of the header)", repr(line.strip()))
     return step
 
 
@@ -176,26 +151,26 @@ def _held(text: Sequence[str], step: float, times: np.ndarray, samples: np.ndarr
     The times (n,) [s] are those of the text, which are 0 at the beginning of the raw record: real 22 is what the
     processing has put before it.
     """
-    notes = held_length(matched(_DURATION, text[9]), samples.size, step)
-    notes += held_peak_time(matched(_PEAK, text[13], 3), times, samples)
+    notes = kit.held_length(kit.matched(_DURATION, text[9]), samples.size, step)
+    notes += kit.held_peak_time(kit.matched(_PEAK, text[13], 3), times, samples)
     others = [match[1] for line in text[14:] if (match := _OTHER_PEAKS.match(line))]
-    unit = matched(_PEAK, text[13], 2)
-    return notes + (held_lengths_of_units([unit, *others]) if unit else [])
+    unit = kit.matched(_PEAK, text[13], 2)
+    return notes + (kit.held_lengths_of_units([unit, *others]) if unit else [])
 
 
-def _facing(component: str, azimuth: int) -> Direction:
+def _facing(component: str, azimuth: int) -> kit.Direction:
     """The direction of the wording; unknown, with a note, where integer 28, its azimuth if above 0, contradicts it."""
-    told = Direction("horizontal", float(azimuth % 360)) if 0 < azimuth <= 360 else Direction()
+    told = kit.Direction("horizontal", float(azimuth % 360)) if 0 < azimuth <= 360 else kit.Direction()
     note = f"the text says {component!r}, integer 28 of the header says {azimuth}: the direction is unknown"
-    return held_direction(direction(component), told, note)
+    return kit.held_direction(kit.direction(component), told, note)
 
 
 def _times(integers: np.ndarray) -> tuple[datetime | None, datetime | None]:
     """UTC times of the first sample, from integers 9, 10, 19, 20, 39, 40, and of the earthquake, from 1 to 6."""
     year, month, day, hour, minute, tenths = (float(value) for value in integers[:6])
     begins = [float(integers[number - 1]) for number in (9, 10, 19, 20, 39, 40)]
-    start = instant(begins[:3], (begins[3], begins[4], 0.001 * begins[5]))
-    return start, instant((year, month, day), (hour, minute, 0.1 * tenths))
+    start = kit.instant(begins[:3], (begins[3], begins[4], 0.001 * begins[5]))
+    return start, kit.instant((year, month, day), (hour, minute, 0.1 * tenths))
 
 
 FORMATS = (

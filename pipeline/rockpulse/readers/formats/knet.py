@@ -10,11 +10,9 @@ import re
 
 import numpy as np
 
+from rockpulse.readers import kit
 from rockpulse.readers.format import Format, ReadOptions
-from rockpulse.readers.kit.channel import build_record, clipping_warning
-from rockpulse.readers.kit.facts import stated
 from rockpulse.readers.kit.obspy_bridge import codes_of, obspy_stream, utc_time
-from rockpulse.readers.kit.text import UNITS, check_count, free_numbers, matched, printed_number, text_lines, unexpected
 from rockpulse.readers.source import SourceFile
 from rockpulse.record.record import Record
 
@@ -33,14 +31,14 @@ def is_knet(head: bytes, name: str) -> bool:
 
 def read_knet(file: SourceFile, options: ReadOptions) -> list[Record]:
     """Read the one channel of the file; its mean over the whole record is the offset."""
-    lines = text_lines(file.content)
-    check_count(f"{file.name}:{len(lines)}", _HEADER_LINES, len(lines), "header lines")
+    lines = kit.text_lines(file.content)
+    kit.check_count(f"{file.name}:{len(lines)}", _HEADER_LINES, len(lines), "header lines")
     header = [line[:_LONGEST_LINE] for line in lines[:_HEADER_LINES]]
     scale = _SCALE.match(header[13])
     if not scale or float(scale[1]) == 0.0 or float(scale[2]) == 0.0:
-        raise unexpected(f"{file.name}:14", "'Scale Factor' as 2000(gal)/8388608", repr(header[13].strip()))
+        raise kit.unexpected(f"{file.name}:14", "'Scale Factor' as 2000(gal)/8388608", repr(header[13].strip()))
     # Names the line of a damaged number, which obspy does not.
-    free_numbers(lines[_HEADER_LINES:], _HEADER_LINES + 1, file.name)
+    kit.free_numbers(lines[_HEADER_LINES:], _HEADER_LINES + 1, file.name)
     # obspy takes ASCII and LF only.
     content = "\n".join([*header, *lines[_HEADER_LINES:], ""]).encode("ascii", errors="replace")
     (trace,), notes = obspy_stream(file, "KNET", content)
@@ -48,9 +46,9 @@ def read_knet(file: SourceFile, options: ReadOptions) -> list[Record]:
     expected = float(stats.knet.duration) * float(stats.sampling_rate)
     if not 0.0 < expected < len(file.content):
         wanted = "a sampling frequency and a duration that fit the file"
-        raise unexpected(f"{file.name}:11", wanted, f"{stats.sampling_rate} Hz and {stats.knet.duration} s")
+        raise kit.unexpected(f"{file.name}:11", wanted, f"{stats.sampling_rate} Hz and {stats.knet.duration} s")
     declared = round(expected)
-    check_count(f"{file.name}:{len(lines)}", declared, int(stats.npts))
+    kit.check_count(f"{file.name}:{len(lines)}", declared, int(stats.npts))
     component, warnings = _component(file, stats.channel)
     if declared < stats.npts <= expected + stats.sampling_rate:
         notes.append(
@@ -59,12 +57,12 @@ def read_knet(file: SourceFile, options: ReadOptions) -> list[Record]:
         )
     elif stats.npts > expected:
         wanted, advice = f"{declared} samples (duration and sampling frequency)", "the file holds more than one record"
-        raise unexpected(f"{file.name}:{len(lines)}", wanted, str(stats.npts), f"{advice}: download it again")
+        raise kit.unexpected(f"{file.name}:{len(lines)}", wanted, str(stats.npts), f"{advice}: download it again")
     counts = np.asarray(trace.data, dtype=float)
     offset = float(np.mean(counts))
-    factor = UNITS["gal"] * float(scale[1]) / float(scale[2])
+    factor = kit.UNITS["gal"] * float(scale[1]) / float(scale[2])
     return [
-        build_record(
+        kit.build_record(
             file,
             1,
             counts - offset,
@@ -76,17 +74,17 @@ def read_knet(file: SourceFile, options: ReadOptions) -> list[Record]:
             component=component.rstrip("12"),
             **{**codes_of(stats), "channel": component},
             start_time=utc_time(file, stats.starttime),
-            facts=stated(
+            facts=kit.stated(
                 origin_time=utc_time(file, stats.knet.evot),
                 magnitude=(float(stats.knet.mag), ""),
                 hypocentre=(float(stats.knet.evla), float(stats.knet.evlo)),
                 depth_km=float(stats.knet.evdp),
                 station=(float(stats.knet.stla), float(stats.knet.stlo)),
             ),
-            header_peak=printed_number(matched(_PEAK, header[14])),
-            peak_factor=UNITS["gal"],
+            header_peak=kit.printed_number(kit.matched(_PEAK, header[14])),
+            peak_factor=kit.UNITS["gal"],
             event=f"{utc_time(file, stats.knet.evot):%Y-%m-%d %H:%M:%S} UTC M{stats.knet.mag:g}",
-            warnings=[*notes, *warnings, *clipping_warning(counts)],
+            warnings=[*notes, *warnings, *kit.clipping_warning(counts)],
             processing=[f"recorder offset removed: mean of the record, {offset * factor:.6g} m/s2"],
         )
     ]

@@ -8,9 +8,8 @@ from typing import Any
 import numpy as np
 
 from rockpulse.errors import RecordRefused
+from rockpulse.readers import kit
 from rockpulse.readers.format import Format, ReadOptions
-from rockpulse.readers.kit.channel import build_record, usable_channels
-from rockpulse.readers.kit.facts import stated
 from rockpulse.readers.kit.obspy_bridge import (
     PROCESSED,
     codes_of,
@@ -20,7 +19,6 @@ from rockpulse.readers.kit.obspy_bridge import (
     utc_time,
 )
 from rockpulse.readers.kit.response import from_counts
-from rockpulse.readers.kit.text import unexpected
 from rockpulse.readers.source import SourceFile
 from rockpulse.record.record import Record
 
@@ -39,15 +37,6 @@ def read_miniseed(file: SourceFile, options: ReadOptions) -> list[Record]:
     """Read every acceleration channel; the gain comes from a StationXML file in the same folder.
 
     A StationXML with the stem of the miniSEED file comes before the others.
-
-    Raises
-    ------
-    NotAcceleration
-        If all channels record velocity or displacement, and `options.response` is not "remove".
-    RecordRefused
-        Gaps, overlaps, counts without a gain or with several.
-    RecordFormatError
-        Damaged bytes.
     """
     stream, notes = obspy_stream(file, "MSEED")
     # Lengths are powers of two, so the shortest divides them all.
@@ -55,12 +44,12 @@ def read_miniseed(file: SourceFile, options: ReadOptions) -> list[Record]:
     if len(file.content) % length:
         found = f"{len(file.content) % length} bytes after the last"
         advice = "the file may be truncated: download it again"
-        raise unexpected(file.name, f"whole data records of {length} bytes", found, advice)
+        raise kit.unexpected(file.name, f"whole data records of {length} bytes", found, advice)
     groups: dict[str, list[Any]] = {}
     for trace in stream:
         groups.setdefault(trace.id, []).append(trace)
     named = enumerate(groups.values(), start=1)
-    return usable_channels((partial(_channel, file, traces, number, options) for number, traces in named), notes)
+    return kit.usable_channels((partial(_channel, file, traces, number, options) for number, traces in named), notes)
 
 
 def _channel(file: SourceFile, traces: list[Any], number: int, options: ReadOptions) -> Record:
@@ -74,7 +63,7 @@ def _channel(file: SourceFile, traces: list[Any], number: int, options: ReadOpti
         )
     channel, site, notes = station_channel(file, trace, full=options.response == "remove")
     found = from_counts(where, np.asarray(trace.data), float(stats.delta), channel.response, options.response)
-    return build_record(
+    return kit.build_record(
         file,
         number,
         found.samples,
@@ -89,7 +78,7 @@ def _channel(file: SourceFile, traces: list[Any], number: int, options: ReadOpti
         station_name=site,
         start_time=utc_time(file, stats.starttime),
         sensor_depth=float("nan") if channel.depth is None else float(channel.depth),
-        facts=stated(station=(float(channel.latitude), float(channel.longitude))),
+        facts=kit.stated(station=(float(channel.latitude), float(channel.longitude))),
         warnings=[*notes, *found.warnings, *_held_rate(float(stats.sampling_rate), channel)],
         processing=found.processing,
     )

@@ -10,21 +10,8 @@ from __future__ import annotations
 import re
 from datetime import datetime
 
+from rockpulse.readers import kit
 from rockpulse.readers.format import Format, ReadOptions, begins_with
-from rockpulse.readers.kit.channel import build_record
-from rockpulse.readers.kit.checks import surplus
-from rockpulse.readers.kit.facts import coordinates, instant, near_event, stated
-from rockpulse.readers.kit.text import (
-    UNITS,
-    Entries,
-    Entry,
-    canonical_unit,
-    check_count,
-    free_rows,
-    printed_number,
-    text_lines,
-    unexpected,
-)
 from rockpulse.readers.source import SourceFile
 from rockpulse.record.record import Record
 
@@ -42,37 +29,37 @@ _LONGEST_HEADER, _LONGEST_LINE = 60, 200
 
 def read_nsmn(file: SourceFile, options: ReadOptions) -> list[Record]:
     """Read the three channels; the options are not used, because the format states everything."""
-    lines = text_lines(file.content)
+    lines = kit.text_lines(file.content)
     head = [line[:_LONGEST_LINE] for line in lines[:_LONGEST_HEADER]]
     found = next(((at, columns) for at, line in enumerate(head) if (columns := _COLUMNS.match(line))), None)
     if found is None:
         where, expected = f"{file.name}:{min(len(lines), _LONGEST_HEADER)}", "a line 'N-S  E-W  U-D' above the values"
-        raise unexpected(where, expected, "none", "the file is damaged or cut off: download it again")
+        raise kit.unexpected(where, expected, "none", "the file is damaged or cut off: download it again")
     first, components = found[0] + 1, [text.upper() for text in found[1].groups()]
-    header = Entries(file.name, first)
+    header = kit.Entries(file.name, first)
     for number, line in enumerate(head[: found[0]], start=1):
         if entry := _KEY.match(line):
-            header[entry[1].upper()] = Entry(entry[3].strip(), entry[2] or "", number)
+            header[entry[1].upper()] = kit.Entry(entry[3].strip(), entry[2] or "", number)
     count, step = int(_number(header, "NUMBER OF DATA")), _number(header, "SAMPLING INTERVAL")
     end = first + count
-    check_count(f"{file.name}:{len(lines)}", count, len(lines) - first, "rows")
-    table = free_rows(lines[first:end], first + 1, 3, file.name)
-    unit = canonical_unit(header["RAW PGA VALUES"].aside, header.where("RAW PGA VALUES"))
-    peaks = {name.upper(): printed_number(value) for name, value in _PEAK.findall(header.text("RAW PGA VALUES"))}
+    kit.check_count(f"{file.name}:{len(lines)}", count, len(lines) - first, "rows")
+    table = kit.free_rows(lines[first:end], first + 1, 3, file.name)
+    unit = kit.canonical_unit(header["RAW PGA VALUES"].aside, header.where("RAW PGA VALUES"))
+    peaks = {name.upper(): kit.printed_number(value) for name, value in _PEAK.findall(header.text("RAW PGA VALUES"))}
     (start_time, notes), date = _start_time(header), header.text("EARTHQUAKE DATE")
     if peaks and sorted(peaks) != sorted(components):
         notes.append(f"the header states the peaks of {', '.join(peaks)}, the columns are {', '.join(components)}")
     magnitude = header.text("EARTHQUAKE MAGNITUDE")
     size, _, scale = magnitude.partition(" ")
-    facts = stated(
+    facts = kit.stated(
         origin_time=_moment(date)[0],
         magnitude=(size, scale),
-        hypocentre=coordinates(header.text("EPICENTER COORDINATES")),
+        hypocentre=kit.coordinates(header.text("EPICENTER COORDINATES")),
         depth_km=header.text("EARTHQUAKE DEPTH"),
-        station=coordinates(header.text("STATION COORDINATES")),
+        station=kit.coordinates(header.text("STATION COORDINATES")),
     )
     return [
-        build_record(
+        kit.build_record(
             file,
             number,
             samples,
@@ -87,18 +74,18 @@ def read_nsmn(file: SourceFile, options: ReadOptions) -> list[Record]:
             event=f"{date} M {magnitude}" if magnitude else date,
             start_time=start_time,
             facts=facts,
-            header_peak=peaks.get(component, printed_number("")),
-            peak_factor=UNITS[unit],
-            warnings=[*notes, *surplus(lines, end, len(lines))],
+            header_peak=peaks.get(component, kit.printed_number("")),
+            peak_factor=kit.UNITS[unit],
+            warnings=[*notes, *kit.surplus(lines, end, len(lines))],
         )
         for number, (samples, component) in enumerate(zip(table.T, components, strict=True), start=1)
     ]
 
 
-def _number(header: Entries, key: str) -> float:
+def _number(header: kit.Entries, key: str) -> float:
     text = header.text(key)
     if not _DECIMAL.fullmatch(text) or not float(text) > 0.0:
-        raise unexpected(header.where(key), f"'{key} : ' and a number above 0", repr(text))
+        raise kit.unexpected(header.where(key), f"'{key} : ' and a number above 0", repr(text))
     return float(text)
 
 
@@ -119,10 +106,10 @@ def _moment(text: str) -> tuple[datetime | None, str]:
         return None, match[7]
     day = [int(part) for part in match.groups()[:3]]
     clock = (int(match[4]), int(match[5]), float(match[6]))
-    return instant(day if len(match[1]) == 4 else day[::-1], clock), ""
+    return kit.instant(day if len(match[1]) == 4 else day[::-1], clock), ""
 
 
-def _start_time(header: Entries) -> tuple[datetime | None, list[str]]:
+def _start_time(header: kit.Entries) -> tuple[datetime | None, list[str]]:
     """UTC time of the first sample, and warnings about it."""
     text = header.text("RECORD TIME")
     if not text:
@@ -131,7 +118,7 @@ def _start_time(header: Entries) -> tuple[datetime | None, list[str]]:
     if start is None:
         reason = f"is in the unknown zone {zone!r}" if zone else "cannot be read"
         return None, [f"the start time {text!r} {reason}; it was left out"]
-    return near_event(start, _moment(header.text("EARTHQUAKE DATE"))[0])
+    return kit.near_event(start, _moment(header.text("EARTHQUAKE DATE"))[0])
 
 
 FORMATS = (

@@ -11,11 +11,10 @@ import re
 from dataclasses import replace
 
 from rockpulse.errors import RecordRefused
+from rockpulse.readers import kit
 from rockpulse.readers.format import Format, ReadOptions
 from rockpulse.readers.formats.csmip import UNCORRECTED, is_uncorrected, read_uncorrected
-from rockpulse.readers.kit.channel import with_warnings
 from rockpulse.readers.kit.csmip import HEADER_LINES, channels, read_header
-from rockpulse.readers.kit.text import matched
 from rockpulse.readers.parts import PartRule
 from rockpulse.readers.source import SourceFile
 from rockpulse.record.record import Record
@@ -39,7 +38,7 @@ def read_renadic(file: SourceFile, options: ReadOptions) -> list[Record]:
         for number, record in enumerate(records, start=1)
         if not record.acceleration.any()
     ]
-    return with_warnings(kept, notes)
+    return kit.with_warnings(kept, notes)
 
 
 def _first_times(file: SourceFile) -> dict[str, float]:
@@ -48,7 +47,7 @@ def _first_times(file: SourceFile) -> dict[str, float]:
     times: dict[str, float] = {}
     for start, _ in spans:
         component = read_header(lines[start : start + HEADER_LINES]).full_component.strip()
-        times.setdefault(component, float(matched(_FIRST_TIME, lines[start + HEADER_LINES]) or 0.0))
+        times.setdefault(component, float(kit.matched(_FIRST_TIME, lines[start + HEADER_LINES]) or 0.0))
     return times
 
 

@@ -10,11 +10,9 @@ from typing import Any
 import numpy as np
 
 from rockpulse.errors import UnitError
+from rockpulse.readers import kit
 from rockpulse.readers.format import Format, ReadOptions
-from rockpulse.readers.kit.channel import build_record
-from rockpulse.readers.kit.facts import Facts, later, stated
 from rockpulse.readers.kit.obspy_bridge import codes_of, obspy_stream, seed_direction, utc_time
-from rockpulse.readers.kit.text import UNITS, canonical_unit, unexpected
 from rockpulse.readers.source import NotAcceleration, SourceFile
 from rockpulse.record.record import Record
 
@@ -44,19 +42,15 @@ def is_sac(head: bytes, name: str) -> bool:
 
 
 def read_sac(file: SourceFile, options: ReadOptions) -> list[Record]:
-    """Read the one channel of a SAC file; `options.units` is needed, because the header does not tell the unit.
-
-    Raises NotAcceleration if the header declares velocity or displacement, UnitError without a unit, RecordFormatError
-    for unequal spacing, fewer samples than declared, or damaged bytes.
-    """
+    """Read the one channel of a SAC file; `options.units` is needed, because the header does not tell the unit."""
     order = _byte_order(file.head)
     if order is None:
-        raise unexpected(file.name, "a SAC header of version 6 or 7", "none", "is it a SAC file?")
+        raise kit.unexpected(file.name, "a SAC header of version 6 or 7", "none", "is it a SAC file?")
     declared = struct.unpack_from(f"{order}i", file.content, _NPTS)[0]
     available = (len(file.content) - _HEADER) // 4
     if not 1 <= declared <= available:
         advice = "the file may be truncated: download it again"
-        raise unexpected(file.name, f"{declared} samples (header NPTS)", f"room for {available}", advice)
+        raise kit.unexpected(file.name, f"{declared} samples (header NPTS)", f"room for {available}", advice)
     _check_coordinates(file, order)
     (trace,), notes = obspy_stream(file, "SAC")
     stats = trace.stats
@@ -64,16 +58,16 @@ def read_sac(file: SourceFile, options: ReadOptions) -> list[Record]:
     if header.get("iftype", 1) != 1 or not header.get("leven", 1):
         expected = "an equally spaced time series (IFTYPE 1, LEVEN true)"
         found = f"IFTYPE {header.get('iftype')}, LEVEN {header.get('leven')}"
-        raise unexpected(file.name, expected, found, "export the record again")
+        raise kit.unexpected(file.name, expected, found, "export the record again")
     series = _SERIES.get(header.get("idep"))
     if series:
         raise NotAcceleration(f"{file.name}: expected an acceleration, the header (IDEP) says {series}")
     if options.units is None:
         raise UnitError(
             f"{file.name}: a SAC header does not state the unit of acceleration; give it with the option units, one of "
-            f"{', '.join(UNITS)}: read(path, units='cm/s2'), or units under [records] of the configuration"
+            f"{', '.join(kit.UNITS)}: read(path, units='cm/s2'), or units under [records] of the configuration"
         )
-    unit = canonical_unit(options.units, "option units")
+    unit = kit.canonical_unit(options.units, "option units")
     inclination, azimuth = header.get("cmpinc"), header.get("cmpaz")
     dip = None if inclination is None else float(inclination) - 90.0
     with np.errstate(invalid="ignore"):  # a signalling NaN; Record names it
@@ -87,7 +81,7 @@ def read_sac(file: SourceFile, options: ReadOptions) -> list[Record]:
     if scale != 1.0:
         notes.append(f"the header word SCALE = {scale:g} is not applied")
     return [
-        build_record(
+        kit.build_record(
             file,
             1,
             values,
@@ -105,13 +99,13 @@ def read_sac(file: SourceFile, options: ReadOptions) -> list[Record]:
             facts=_facts(header, start),
             # The larger of DEPMIN and DEPMAX without sign, where both are set and one is not 0.
             header_peak=(max(map(abs, extremes)) or math.nan, 0.0),
-            peak_factor=UNITS[unit],
+            peak_factor=kit.UNITS[unit],
             warnings=notes,
         )
     ]
 
 
-def _facts(header: Any, start: datetime | None) -> Facts:
+def _facts(header: Any, start: datetime | None) -> kit.Facts:
     """The earthquake and the station; the origin time O and the first sample B count from one reference [s].
 
     Where both are the same nobody has set O: no record begins with its earthquake.
@@ -121,8 +115,8 @@ def _facts(header: Any, start: datetime | None) -> Facts:
         return float(f"{float(header.get(name, math.nan)):.7g}")  # the header holds float32
 
     to_origin = word("o") - word("b")
-    return stated(
-        origin_time=later(start, to_origin) if math.isfinite(to_origin) and to_origin != 0.0 else None,
+    return kit.stated(
+        origin_time=kit.later(start, to_origin) if math.isfinite(to_origin) and to_origin != 0.0 else None,
         magnitude=(word("mag"), ""),
         hypocentre=(word("evla"), word("evlo")),
         depth_km=word("evdp"),
@@ -155,7 +149,7 @@ def _check_coordinates(file: SourceFile, order: str) -> None:
         value = struct.unpack_from(f"{order}f", file.content, 4 * word)[0]
         if value != _UNDEFINED and not abs(value) <= 360.0:
             advice = "the file may be damaged: download it again"
-            raise unexpected(file.name, f"degrees in the header word {name}", f"{value:g}", advice)
+            raise kit.unexpected(file.name, f"degrees in the header word {name}", f"{value:g}", advice)
 
 
 FORMATS = (

@@ -13,23 +13,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from rockpulse.readers import kit
 from rockpulse.readers.format import Format, ReadOptions
-from rockpulse.readers.kit.channel import build_record
-from rockpulse.readers.kit.checks import last_of_equal, repeated_marker, surplus
-from rockpulse.readers.kit.direction import direction
-from rockpulse.readers.kit.facts import stated, written
-from rockpulse.readers.kit.text import (
-    UNITS,
-    Entries,
-    Entry,
-    canonical_unit,
-    check_count,
-    fixed_width,
-    free_numbers,
-    printed_number,
-    text_lines,
-    unexpected,
-)
 from rockpulse.readers.source import NotAcceleration, SourceFile
 from rockpulse.record.record import Record
 
@@ -57,17 +42,14 @@ _OTHER_WAY_ROUND = {"WE": "EW", "W-E": "EW", "SN": "NS", "S-N": "NS"}
 
 def is_sigma(head: bytes, name: str) -> bool:
     """Whether the first lines hold several of the keys of this format."""
-    lines = [line[:_LONGEST_LINE] for line in text_lines(head[: _HEADER_LIMIT * _LONGEST_LINE])[:_HEADER_LIMIT]]
+    lines = [line[:_LONGEST_LINE] for line in kit.text_lines(head[: _HEADER_LIMIT * _LONGEST_LINE])[:_HEADER_LIMIT]]
     keys = {match[1].lower() for line in lines if (match := _LINE.match(line))}
     return len(keys.intersection(_KEYS)) >= _FEWEST_KEYS and not keys.isdisjoint(_KEYS[-3:-1])
 
 
 def read_sigma(file: SourceFile, options: ReadOptions) -> list[Record]:
-    """Read the one component of the file; raises NotAcceleration for velocity and displacement.
-
-    The options are not used, because the format states everything.
-    """
-    lines = text_lines(file.content)
+    """Read the one component of the file; raises NotAcceleration for velocity and displacement."""
+    lines = kit.text_lines(file.content)
     header, kind, unit_text, notes = _header(file.name, lines)
     where = f"{file.name}:{header.end}"
     if kind in _OTHERS:
@@ -75,18 +57,18 @@ def read_sigma(file: SourceFile, options: ReadOptions) -> list[Record]:
             f"{where}: expected 'Acceleration time series', found {_OTHERS[kind]}; "
             "read the acceleration file of the same record"
         )
-    unit = canonical_unit(unit_text, where)
-    step, count = header.get("time increment", Entry(aside="s", line=header.end)), header.text("number of data")
+    unit = kit.canonical_unit(unit_text, where)
+    step, count = header.get("time increment", kit.Entry(aside="s", line=header.end)), header.text("number of data")
     if not (_DECIMAL.fullmatch(step.text) and step.aside.lower() in ("", "s", "sec")):
         found = f"{step.text[:40]!r} ({step.aside or 'no unit'})"
-        raise unexpected(header.where("time increment"), "'Time Increment (s) : dt'", found)
+        raise kit.unexpected(header.where("time increment"), "'Time Increment (s) : dt'", found)
     if not _COUNT.fullmatch(count):
-        raise unexpected(header.where("number of data"), "'Number of Data : n'", repr(count[:40]))
+        raise kit.unexpected(header.where("number of data"), "'Number of Data : n'", repr(count[:40]))
     samples, further = _samples(file.name, lines, header.end, int(count))
     notes = [*notes, *further]
     pga, pga_unit = header.text("pga"), unit
     if pga and _DECIMAL.fullmatch(pga):
-        pga_unit = canonical_unit(header["pga"].aside or unit_text, header.where("pga"))
+        pga_unit = kit.canonical_unit(header["pga"].aside or unit_text, header.where("pga"))
     elif pga:
         notes.append(f"line {header['pga'].line}: the peak is no number that can be: {pga[:40]!r}")
         pga = ""
@@ -94,51 +76,51 @@ def read_sigma(file: SourceFile, options: ReadOptions) -> list[Record]:
     station, _, place = header.text("station code / name").partition("/")
     processed, processing = _processing(header)
     return [
-        build_record(
+        kit.build_record(
             file,
             1,
             samples,
-            printed_number(step.text)[0],
+            kit.printed_number(step.text)[0],
             unit,
             format="sigma",
             processed=processed,
             component=component,
-            facing=direction(_OTHER_WAY_ROUND.get(component.upper(), component)),
+            facing=kit.direction(_OTHER_WAY_ROUND.get(component.upper(), component)),
             network=network.strip(),
             station=station.strip(),
             station_name=place.strip(),
             event=header.text("event date & time"),
-            facts=stated(origin_time=written(header.text("event date & time"))),
-            header_peak=printed_number(pga),
-            peak_factor=UNITS[pga_unit],
+            facts=kit.stated(origin_time=kit.written(header.text("event date & time"))),
+            header_peak=kit.printed_number(pga),
+            peak_factor=kit.UNITS[pga_unit],
             warnings=notes,
             processing=processing,
         )
     ]
 
 
-def _header(name: str, lines: Sequence[str]) -> tuple[Entries, str, str, tuple[str, ...]]:
+def _header(name: str, lines: Sequence[str]) -> tuple[kit.Entries, str, str, tuple[str, ...]]:
     """The header, which ends in the line that names the series, the letter and the unit of the series, and warnings.
 
     RecordFormatError where that line is missing, or a key says two things.
     """
-    header = Entries(name)
+    header = kit.Entries(name)
     for at, line in enumerate(lines[:_HEADER_LIMIT]):
         if series := _SERIES.fullmatch(line[:_LONGEST_LINE]):
-            last = last_of_equal(lines, at)
+            last = kit.last_of_equal(lines, at)
             header.end = last + 1
-            return header, series[1][0].lower(), series[2], repeated_marker(at, last)
+            return header, series[1][0].lower(), series[2], kit.repeated_marker(at, last)
         match = _LINE.match(line[:_LONGEST_LINE])
         if not match:
             continue
-        key, value = match[1].lower(), Entry(match[3].strip(), (match[2] or "").strip(), at + 1)
+        key, value = match[1].lower(), kit.Entry(match[3].strip(), (match[2] or "").strip(), at + 1)
         before = header.setdefault(key, value)
         if key in _KEYS and before[:2] != value[:2]:
             found = f"{value.text[:40]!r} and, in line {before.line}, {before.text[:40]!r}"
             advice = "find out which is right and remove the other line"
-            raise unexpected(f"{name}:{at + 1}", f"one value of {match[1]!r}", found, advice)
+            raise kit.unexpected(f"{name}:{at + 1}", f"one value of {match[1]!r}", found, advice)
     expected = "the line 'Acceleration time series in m/s/s' below the header"
-    raise unexpected(f"{name}:{min(len(lines), _HEADER_LIMIT)}", expected, "none")
+    raise kit.unexpected(f"{name}:{min(len(lines), _HEADER_LIMIT)}", expected, "none")
 
 
 def _samples(name: str, lines: Sequence[str], first: int, count: int) -> tuple[np.ndarray, list[str]]:
@@ -147,12 +129,12 @@ def _samples(name: str, lines: Sequence[str], first: int, count: int) -> tuple[n
     The fields are cut by their width where the rows have that of the format, else at blanks.
     """
     rows = [line.rstrip() for line in lines[first : first + _LOOK_AT]]
-    check_count(f"{name}:{len(lines)}", count, count if rows else 0)
+    kit.check_count(f"{name}:{len(lines)}", count, count if rows else 0)
     lengths = Counter(map(len, rows))
     length = max(lengths, key=lengths.__getitem__)
     if length and length % _WIDTH == 0:
         per_row = length // _WIDTH
-        samples = fixed_width(lines[first:], first + 1, _WIDTH, per_row, count, name)
+        samples = kit.fixed_width(lines[first:], first + 1, _WIDTH, per_row, count, name)
         end = first + -(-count // per_row)
         spare = len(lines[end - 1].rstrip()) // _WIDTH - (count - (end - first - 1) * per_row)
     else:
@@ -160,14 +142,14 @@ def _samples(name: str, lines: Sequence[str], first: int, count: int) -> tuple[n
         while end < len(lines) and total < count:
             total += len(lines[end].split())
             end += 1
-        check_count(f"{name}:{len(lines)}", count, total)
-        samples = free_numbers(lines[first:end], first + 1, name)[:count]
+        kit.check_count(f"{name}:{len(lines)}", count, total)
+        samples = kit.free_numbers(lines[first:end], first + 1, name)[:count]
         spare = total - count
     notes = [f"line {end}: {spare} numbers beyond the declared count were left out"] if spare > 0 else []
-    return samples, [*notes, *surplus(lines, end, len(lines), name, _SERIES)]
+    return samples, [*notes, *kit.surplus(lines, end, len(lines), name, _SERIES)]
 
 
-def _processing(header: Entries) -> tuple[bool | None, list[str]]:
+def _processing(header: kit.Entries) -> tuple[bool | None, list[str]]:
     """Whether the volume is a corrected one, and the words of the file for what was done."""
     words, said = header.text("processing info"), header.text("filter cut-off frequency")
     corners = _CORNERS.fullmatch(said)

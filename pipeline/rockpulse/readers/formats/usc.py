@@ -12,14 +12,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from rockpulse.readers import kit
 from rockpulse.readers.format import Format, ReadOptions, begins_with
 from rockpulse.readers.formats.csmip import read_corrected
-from rockpulse.readers.kit.checks import held_length
 from rockpulse.readers.kit.csmip import HEADER_LINES, TEXT_LINES, Header, channels, direction_code, held_count, real
-from rockpulse.readers.kit.direction import on_structure
-from rockpulse.readers.kit.facts import Facts, coordinates, instant, stated
-from rockpulse.readers.kit.spacing import Block, declared_points, pair_block, pair_unit
-from rockpulse.readers.kit.text import UNITS, check_count, matched, printed_number
 from rockpulse.readers.source import SourceFile
 from rockpulse.record.record import Record
 
@@ -52,10 +48,10 @@ def read_usc_v1(file: SourceFile, options: ReadOptions) -> list[Record]:
     lines, spans, copies = channels(file, _TITLE, "FILE N OF UNCORRECTED ACCELEROGRAM DATA")
     records = []
     for number, (start, end) in enumerate(spans, 1):
-        check_count(f"{file.name}:{end}", HEADER_LINES, end - start, f"header lines of channel {number}")
-        count = declared_points(lines[start + 10], f"{file.name}:{start + 11}")
-        unit = pair_unit(lines[start + 11], f"{file.name}:{start + 12}")
-        block = pair_block(file.name, lines, start + HEADER_LINES, end, count, unit)
+        kit.check_count(f"{file.name}:{end}", HEADER_LINES, end - start, f"header lines of channel {number}")
+        count = kit.declared_points(lines[start + 10], f"{file.name}:{start + 11}")
+        unit = kit.pair_unit(lines[start + 11], f"{file.name}:{start + 12}")
+        block = kit.pair_block(file.name, lines, start + HEADER_LINES, end, count, unit)
         head = lines[start : start + HEADER_LINES]
         header = _header(head).noting(*copies, *_held(head, count, block))
         records.append(header.record(file, number, block, format="usc_v1", processed=False))
@@ -67,23 +63,23 @@ def read_usc_v2(file: SourceFile, options: ReadOptions) -> list[Record]:
     return read_corrected(file, "usc_v2", _header)
 
 
-def _held(lines: Sequence[str], points: int, block: Block) -> list[str]:
+def _held(lines: Sequence[str], points: int, block: kit.Block) -> list[str]:
     """Warnings where count, duration, or the root of the mean square with its unit, contradicts the pairs.
 
     The format states no peak: the root of the mean square is what the unit can be held against.
     """
     behind, square = lines[TEXT_LINES:], _MEAN_SQUARE.match(lines[12][:_WORDS])
     notes = held_count(behind, points)
-    for text in (matched(_DURATION, lines[10][:_WORDS]), real(behind, 3)):
-        notes += held_length(text, round(block.duration / block.dt), block.dt)
+    for text in (kit.matched(_DURATION, lines[10][:_WORDS]), real(behind, 3)):
+        notes += kit.held_length(text, round(block.duration / block.dt), block.dt)
     if not square:
         return notes
-    stated, half = (value * UNITS[square[2].lower()] for value in printed_number(square[1]))
+    stated, half = (value * kit.UNITS[square[2].lower()] for value in kit.printed_number(square[1]))
     peak = float(np.max(np.abs(block.samples))) or 1.0  # the square of a damaged sample may be no number
-    found = peak * float(np.sqrt(np.mean((block.samples / peak) ** 2))) * UNITS[block.unit]
+    found = peak * float(np.sqrt(np.mean((block.samples / peak) ** 2))) * kit.UNITS[block.unit]
     if stated <= _MEAN_SQUARE_FACTOR * found + half and found <= _MEAN_SQUARE_FACTOR * (stated + half):
         return notes
-    said, has = stated / UNITS["g"], found / UNITS["g"]
+    said, has = stated / kit.UNITS["g"], found / kit.UNITS["g"]
     return [
         *notes,
         f"the header states {said:.3g} g as the root of the mean square, the samples have {has:.3g} g; check the unit",
@@ -94,8 +90,8 @@ def _header(lines: Sequence[str]) -> Header:
     """The header from the 13 lines of text and those behind them."""
     text, behind = [line[:_WORDS].strip() for line in lines[:TEXT_LINES]], lines[TEXT_LINES:]
     about = {
-        "structural": on_structure(text[5]),
-        "station": matched(_STATION, text[4]),
+        "structural": kit.on_structure(text[5]),
+        "station": kit.matched(_STATION, text[4]),
         "station_name": text[5],
         "event": " ".join((text[7] or text[1]).split()),
         "facts": _facts(text, behind, [_real(lines, number) for number in _OF_EVENT]),
@@ -104,7 +100,7 @@ def _header(lines: Sequence[str]) -> Header:
     return Header(component[1] if component else text[6], about=about, code=direction_code(behind))
 
 
-def _facts(text: Sequence[str], behind: Sequence[str], reals: Sequence[str]) -> Facts:
+def _facts(text: Sequence[str], behind: Sequence[str], reals: Sequence[str]) -> kit.Facts:
     """Earthquake and station, from the text and, in volume 2, from the line of the magnitude, else from the reals."""
     minute = _MINUTE.match(text[2])
     magnitude = next((found[1] for line in behind if (found := _MAGNITUDE.match(line[:_WORDS]))), reals[1])
@@ -112,14 +108,14 @@ def _facts(text: Sequence[str], behind: Sequence[str], reals: Sequence[str]) -> 
     origin = None
     if minute and minute[1].upper() in _MONTHS:
         day = (int(minute[3]), _MONTHS.index(minute[1].upper()) + 1, int(minute[2]))
-        origin = instant(day, (int(minute[4]), int(minute[5]), 0.0))
-    return stated(
+        origin = kit.instant(day, (int(minute[4]), int(minute[5]), 0.0))
+    return kit.stated(
         origin_time=origin,
         magnitude=(magnitude, ""),
-        hypocentre=coordinates(text[8]),
+        hypocentre=kit.coordinates(text[8]),
         depth_km=reals[2],
         distance_km=distance,
-        station=coordinates(text[4]),
+        station=kit.coordinates(text[4]),
     )
 
 

@@ -110,8 +110,6 @@ def build_record(
     before resampling [unit], where that is given. `number` counts the channels of the file from 1. A start time [UTC]
     that `clock_fault` rejects is left out with a warning; a `sensor_depth` [m] that cannot be, such as -9999, without
     one. A channel that is positive downwards changes its sign, so that vertical motion is positive up.
-
-    Raises RecordFormatError for fewer than two samples, values that are not finite, and dt <= 0.
     """
     code = channel or _DEGREES.sub("", component.strip())
     facing = vertical_if_so(facing or direction(component), code)
@@ -206,14 +204,6 @@ def clipping_warning(samples: np.ndarray, unit: str = "counts") -> list[Remark]:
     """A warning where a raw record stays at its largest or smallest value, or reaches the end of 24 bits.
 
     The samples are those before any filter. Only values in the unit "counts" are compared with the range of a recorder.
-
-    Examples
-    --------
-    >>> wave = np.round(1000.0 * np.sin(0.2 * np.arange(100)))
-    >>> clipping_warning(wave, 'g')
-    []
-    >>> clipping_warning(np.minimum(wave, 700.0), 'g')
-    ['8 samples in a row at the largest value: the record may be clipped']
     """
     warnings: list[Remark] = []
     step = None

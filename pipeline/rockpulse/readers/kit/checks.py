@@ -65,13 +65,7 @@ def held_peak_time(text: str, times: np.ndarray, values: np.ndarray) -> list[str
 
 
 def held_units(stated: Iterable[tuple[str, str]]) -> list[str]:
-    """Whether the channels of a file, or the places of a header, have one unit; each as its name and a key of `UNITS`.
-
-    Examples
-    --------
-    >>> held_units([("L", "g/10"), ("V", "g")])
-    ['the units of one file differ: g/10 (L), g (V); one of them is wrong, and with it a peak']
-    """
+    """Whether the channels of a file, or places of a header, have one unit; each as its name and a key of `UNITS`."""
     stated = list(stated)
     if len({UNITS[unit] for _, unit in stated}) < 2:
         return []
@@ -80,13 +74,7 @@ def held_units(stated: Iterable[tuple[str, str]]) -> list[str]:
 
 
 def held_lengths_of_units(units: Sequence[str]) -> list[str]:
-    """Whether acceleration, velocity and displacement are measured in one unit of length, as a header words them.
-
-    Examples
-    --------
-    >>> held_lengths_of_units(["CMS/SEC/SEC", "cm/s", "cm"]), held_lengths_of_units(["mm/s/s", "cm/s"])
-    ([], ['the header states mm/s/s beside cm/s: units of two lengths; one of them is wrong'])
-    """
+    """Whether acceleration, velocity and displacement are measured in one unit of length, as a header words them."""
     if len({match[1].lower() for unit in units if (match := _LENGTH.match(unit))}) < 2:
         return []
     return [f"the header states {' beside '.join(units)}: units of two lengths; one of them is wrong"]

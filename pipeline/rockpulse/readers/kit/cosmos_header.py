@@ -174,10 +174,7 @@ class Header:
 
 
 def fortran_layout(line: str, where: str) -> tuple[int, int]:
-    """Fields in a row and characters in a field, from ``Format=(8F9.6)`` at the end of a heading.
-
-    Raises RecordFormatError if there is no such format.
-    """
+    """Fields in a row and characters in a field, from ``Format=(8F9.6)`` at the end of a heading."""
     layout = _LAYOUT.search(line[:_LONGEST_LINE])
     if not layout or int(layout[1]) < 1 or int(layout[2]) < 1:
         raise unexpected(where, "a format such as Format=(8F9.6)", repr(line.strip()[:90]))

@@ -201,10 +201,7 @@ def _interval(heading: Heading, where: str) -> float:
 
 
 def equal_block(name: str, lines: Sequence[str], heading: Heading, end: int, unit: str) -> Block:
-    """Read the accelerations below a heading, up to the line at index `end`; `unit` is as the file words it.
-
-    Raises RecordFormatError for no interval, an impossible format, too few numbers or a damaged row; UnitError.
-    """
+    """Read the accelerations below a heading, up to the line at index `end`; `unit` is as the file words it."""
     where = f"{name}:{heading.at + 1}"
     dt = _interval(heading, where)
     found = canonical_unit(unit, where)

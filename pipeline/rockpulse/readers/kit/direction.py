@@ -99,13 +99,7 @@ def direction(wording: str) -> Direction:
 
 
 def means_vertical(code: str) -> bool:
-    """Whether a channel code is that of SEED for a vertical channel.
-
-    Examples
-    --------
-    >>> means_vertical("BNZ"), means_vertical("BNE"), means_vertical("NZ")
-    (True, False, False)
-    """
+    """Whether a channel code is that of SEED for a vertical channel."""
     seed = _SEED.fullmatch(code.strip().upper())
     return bool(seed and seed[1] == "Z")
 

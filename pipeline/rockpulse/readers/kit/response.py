@@ -66,15 +66,7 @@ def from_counts(where: str, counts: np.ndarray, dt: float, response: Any, way: s
 
 
 def sensitivity_factor(where: str, response: Any) -> float:
-    """m/s2 per count from the overall sensitivity of an accelerometer; `where` names file and channel in messages.
-
-    Raises
-    ------
-    NotAcceleration
-        If the instrument records velocity, displacement, or no motion.
-    RecordRefused
-        If no sensitivity is stated, or one per an unknown unit.
-    """
+    """m/s2 per count from the overall sensitivity of an accelerometer; `where` names file and channel in messages."""
     sensitivity = response.instrument_sensitivity
     if sensitivity is None or not sensitivity.value:
         raise RecordRefused(f"{where} is in counts and its response states no sensitivity; get the full StationXML")
@@ -143,15 +135,6 @@ def without_response(where: str, counts: np.ndarray, dt: float, response: Any) -
     The response must lead from ground acceleration, velocity or displacement to counts. The method is
     ``Trace.remove_response(output="ACC")`` with the mean removed before, no taper in time (it would eat a pulse near
     the ends), no water level (it would distort what `pass_band` lets through), and a cosine taper in frequency.
-
-    Raises
-    ------
-    NotAcceleration
-        If the response does not begin with ground motion.
-    RecordRefused
-        If the response has no stages, is a polynomial, or begins with an unknown unit.
-    RecordFormatError
-        If obspy cannot evaluate it.
     """
     import obspy
 

@@ -1,19 +1,21 @@
-"""Equal spacing of sample times, recognised through the rounding of printed times or made by interpolation, and pairs.
+"""Equal spacing of sample times, recognised through the rounding of printed times or made by interpolation.
 
-The volume 1 files of CSMIP, USC and RENADIC hold five (time, acceleration) pairs of a digitised trace in a row, in
-fields of equal width that may touch.
+Times stand in the (time, acceleration) pairs of a digitised trace, of which the volume 1 files of CSMIP, USC and
+RENADIC hold five in a row, in fields of equal width that may touch, and in the first of plain columns, where heading,
+other statements and the caller must agree with it.
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from rockpulse.errors import RecordFormatError
 from rockpulse.readers.kit.checks import surplus
+from rockpulse.readers.kit.headings import Heading
 from rockpulse.readers.kit.text import FILE_DAMAGED, UNITS, canonical_unit, check_count, fixed_width, unexpected
 from rockpulse.record.record import STANDARD_GRAVITY
 
@@ -23,8 +25,18 @@ GROWTH_LIMIT = 10
 ROUNDING_SHARE = 0.2
 #: A step above this many medians is a gap if all others are equal.
 LONG_STEP = 1.5
+#: Two statements of one sampling interval differ by no more than this ratio.
+_SAME_STEP = 1.001
 #: No times are beyond this, Unix time in ms included [s]; larger ones may overflow.
 LATEST = 1e13
+
+#: Seconds in the units that may head a column of times.
+_SECONDS = {"ms": 1e-3, "mi": 1e-3, "us": 1e-6, "µs": 1e-6}
+_MINUTES = 60.0
+#: Rows that no acceleration climbs without a fall, at equal steps.
+_CLIMB = 20
+#: A first column whose values fall at a smaller share of its changes than this can be no acceleration.
+TIME_FALLS = 0.05
 
 PAIRS_PER_ROW = 5
 #: Characters of what stands for a unit.
@@ -41,19 +53,18 @@ def _half_digit(times: np.ndarray) -> float:
     return 0.0
 
 
+def same_step(steps: Iterable[float]) -> bool:
+    """Whether some sampling intervals [s] are one, as printed with few digits."""
+    known = list(steps)
+    return max(known) <= _SAME_STEP * min(known)
+
+
 def even_step(times: np.ndarray) -> float | None:
     """Sampling interval [s] of equally spaced times, rounded as printed; None if they are unequal.
 
     The times (n,) increase strictly, n >= 2. A round interval or rate is preferred where the printed digits allow it.
     Times are unequal if one is off the grid by more than its rounding (at most `ROUNDING_SHARE` of the interval) and 1
     % of the interval.
-
-    Examples
-    --------
-    >>> even_step(np.array([0.0, 0.33, 0.67, 1.0]))
-    0.3333333333333333
-    >>> even_step(np.array([0.0, 0.01, 0.02, 0.04, 0.05])) is None
-    True
     """
     if _beyond(times).any():
         return None
@@ -82,13 +93,6 @@ def printed_at(times: np.ndarray, dt: float) -> bool:
 
     The first time may be any. Where times are printed more coarsely than `dt` [s], a missing row may hide in the
     rounding; a stated count shows it.
-
-    Examples
-    --------
-    >>> printed_at(np.array([0.0, 0.0, 0.01, 0.02, 0.02]), 0.005)
-    True
-    >>> printed_at(np.array([0.0, 0.01, 0.03]), 0.01)
-    False
     """
     if not (np.isfinite(dt) and dt > 0.0) or _beyond(times).any():
         return False
@@ -206,10 +210,7 @@ def pair_unit(line: str, where: str) -> str:
 
 
 def pair_block(name: str, lines: Sequence[str], first: int, end: int, count: int, unit: str) -> Block:
-    """Read the `count` pairs of one channel in ``lines[first:end]`` and make their spacing equal, see `make_even`.
-
-    Raises RecordFormatError for too few pairs, a damaged row, times that do not increase, and a gap.
-    """
+    """Read the `count` pairs of one channel in ``lines[first:end]`` and make their spacing equal, see `make_even`."""
     check_count(f"{name}:{end}", count, PAIRS_PER_ROW * max(end - first, 0), "pairs")
     rows = -(-count // PAIRS_PER_ROW)
     block = lines[first : first + rows]
@@ -224,3 +225,91 @@ def pair_block(name: str, lines: Sequence[str], first: int, end: int, count: int
     samples, dt, notes = make_even(pairs[:, 0], pairs[:, 1], name, first + 1, PAIRS_PER_ROW, gravity)
     used = margin + 2 * width * (count - (rows - 1) * PAIRS_PER_ROW)
     return Block(samples, dt, unit, pairs[:, 0], pairs[:, 1], (*surplus(lines, first + rows, end, used=used), *notes))
+
+
+def names_time(headings: Sequence[Heading]) -> bool:
+    """Whether the first column is headed as time."""
+    return bool(headings and headings[0].kind == "time")
+
+
+def counts_rows(table: np.ndarray, headings: Sequence[Heading]) -> bool:
+    """Whether the first column numbers the rows, 0 1 2 or 1 2 3, and is not headed as time."""
+    first = table[:, 0]
+    counts = first[0] in (0.0, 1.0) and np.array_equal(first - first[0], range(len(first)))
+    return bool(counts and not names_time(headings))
+
+
+def _seconds(name: str, headings: Sequence[Heading]) -> float:
+    """Factor from the unit that the heading states to s."""
+    unit = headings[0].unit.lower() if headings else ""
+    if any(letter.isdigit() for letter in unit) and names_time(headings):
+        raise unexpected(
+            name, "a column of times in s, ms or min", f"{headings[0].name!r} in {unit!r}", "write the times in s"
+        )
+    return _MINUTES if unit.startswith("min") else _SECONDS.get(unit[:2], 1.0)
+
+
+def time_column_step(
+    name: str, table: np.ndarray, headings: Sequence[Heading], start: int, declared: float | None
+) -> float | None:
+    """Interval of the time column [s], or None where the first column is no time.
+
+    It is time if its heading says so or if it hardly ever falls, which no acceleration does; then it has to be equally
+    spaced, or to be what rounding makes of the interval `declared` elsewhere.
+    """
+    named = names_time(headings)
+    first = table[:, 0] * _seconds(name, headings)
+    steps = np.diff(first)
+    falls, changes = int(np.sum(steps < 0.0)), int(np.sum(steps != 0.0))
+    if table.shape[1] < 2 or steps.size == 0 or not (named or (changes and falls < TIME_FALLS * changes)):
+        return None
+    other = next((index + 1 for index in range(1, table.shape[1]) if climbs(table[:, index])), None)
+    if other:
+        expected = "one column of times and accelerations beside it"
+        found = f"that columns 1 and {other} both run like time"
+        raise unexpected(f"{name}:{start + 1}", expected, found, "take out the one that is none")
+    rising = bool(np.all(steps > 0.0))
+    step = even_step(first) if rising else None
+    if step is not None:
+        return step
+    if not falls and declared is not None and printed_at(first, declared):
+        return declared
+    column = f"column {headings[0].name!r}" if named else "first column, which runs like time"
+    if falls or (declared is None and not rising):
+        at, advice = int(np.argmin(steps)), "repair the times"
+        if not falls:
+            advice += ", or give the interval (option dt) if they are rounded more coarsely than it"
+        found = f"{first[at + 1]:g} after {first[at]:g}"
+        raise unexpected(f"{name}:{start + at + 2}", f"increasing times in the {column}", found, advice)
+    at = int(np.argmax(np.abs(steps - np.median(steps))))
+    expected = f"equally spaced times in the {column}"
+    advice = "rows are missing or the times are damaged: fill the gap or resample the record"
+    if declared is not None:
+        expected += f", at the declared interval of {declared:g} s"
+    if not declared:
+        advice += ", or give the interval (option dt) if the times are rounded"
+    found = f"a step of {steps[at]:g} s among steps of {np.median(steps):g} s"
+    raise unexpected(f"{name}:{start + at + 2}", expected, found, advice)
+
+
+def climbs(column: np.ndarray) -> bool:
+    """Whether a column runs like time, at equal steps."""
+    return bool(column.size >= _CLIMB and np.all(np.diff(column) > 0.0)) and even_step(column) is not None
+
+
+def agreed_step(name: str, steps: dict[str, float | None], advice: str) -> float:
+    """The one interval [s] that all sources, by name, give; refused where none does or they differ, with the advice."""
+    known = {source: step for source, step in steps.items() if step is not None}
+    if not known:
+        raise RecordFormatError(
+            f"{name}: expected a time column, a first line 'N dt', or the option dt for the sampling interval, found "
+            "none; give it: --dt 0.01 on the command line, dt = 0.01 under [records] of the configuration, or "
+            "read(path, units='g', dt=0.01)"
+        )
+    for source, step in known.items():
+        if not (np.isfinite(step) and step > 0.0):
+            raise RecordFormatError(f"{name}: expected a positive sampling interval in s, found {step!r} ({source})")
+    if not same_step(known.values()):
+        listed = ", ".join(f"{step:g} s ({source})" for source, step in known.items())
+        raise RecordFormatError(f"{name}: the sampling intervals disagree: {listed}; {advice}")
+    return next(iter(known.values()))

@@ -1,11 +1,4 @@
-"""The layout of a table of numbers: where it begins, how columns are separated, and the decimal mark.
-
-The numbers of a table: all at once where the rows are sound, else the row to blame.
-
-Lines of one or two numbers between the header and the samples: their count and the interval.
-
-One series that is wrapped into rows of several values, told from channels that stand side by side.
-"""
+"""Tables of plain numbers: layout, the numbers, lines of a count and an interval above them, one series in rows."""
 
 from __future__ import annotations
 
@@ -27,6 +20,22 @@ NUMBER = re.compile(r"[+-]?(?:\d++(?:[.,]\d*+)?|[.,]\d++)(?:[eEdD][+-]?\d++)?|na
 #: A line of words, as it stands behind numbers; one that begins with a number, or with nan, is a damaged row.
 _WORDS = re.compile(r"[\s\"'*#%!/=<>(\[;,:_~-]*+(?!(?:nan|inf)(?![a-z]))[^\W\d_]{2}", re.IGNORECASE)
 _COMMA_DECIMAL = re.compile(r"[+-]?\d++(?:,\d++)?(?:[eEdD][+-]?\d++)?", re.ASCII)
+_AS_PYTHON = str.maketrans({",": ".", "d": "e", "D": "e"})
+_SHOWN = 80
+#: Rows that are read, and blamed, together.
+_PART = 2000
+_COUNT = re.compile(r"\d{1,9}", re.ASCII)
+_STEP = re.compile(r"\d{0,3}[.,]\d{1,12}(?:[eE][+-]?\d{1,2})?", re.ASCII)
+#: Rows that show how samples are written.
+_LOOK_AT = 50
+#: Rows that show how a table runs on.
+FEWEST_ROWS = 20
+#: Of a series in rows, the steps from value to value are smaller than those from row to row: their mean squares are
+#: in a ratio below this one, and above 1 for channels that have nothing to do with each other.
+SMOOTHER = 0.5
+#: Of a series in rows, the step from the end of a row to the next is one like those in the row: the ratio of the mean
+#: squares is within this factor. Channels that move together have small steps in the row and larger ones behind it.
+ALIKE = 1.8
 
 
 @dataclass(frozen=True)
@@ -51,12 +60,9 @@ def _find_delimiter(rows: Sequence[str]) -> str | None:
     """The separator of the columns in rows of numbers; commas are decimal marks if blanks separate whole fields."""
     if any(";" in row for row in rows):
         return ";"
-    return "," if any("," in row and not _comma_decimals(row) for row in rows) else None
-
-
-def _comma_decimals(row: str) -> bool:
-    fields = split_row(row, None)
-    return len(fields) > 1 and all(_COMMA_DECIMAL.fullmatch(field) for field in fields)
+    split = (split_row(row, None) for row in rows if "," in row)
+    decimals = (len(fields) > 1 and all(map(_COMMA_DECIMAL.fullmatch, fields)) for fields in split)
+    return None if all(decimals) else ","
 
 
 def row_width(line: str, delimiter: str | None) -> int:
@@ -87,12 +93,6 @@ def end_of_numbers(lines: Sequence[str], start: int) -> int:
     return next((at for at in range(start, len(lines)) if _WORDS.match(lines[at])), len(lines))
 
 
-_AS_PYTHON = str.maketrans({",": ".", "d": "e", "D": "e"})
-_SHOWN = 80
-#: Rows that are read, and blamed, together.
-_PART = 2000
-
-
 def as_float(text: str) -> float:
     """The value of a field that is a `NUMBER`."""
     return float(text.translate(_AS_PYTHON))
@@ -116,10 +116,7 @@ def check_decimals(name: str, rows: Sequence[str], layout: Layout, first: int, n
 
 
 def read_table(name: str, rows: Sequence[str], layout: Layout, first: int) -> np.ndarray:
-    """The numbers (n, columns) of the rows; blank rows and separators at the end of a row do no harm.
-
-    Raises RecordFormatError with the line of the first row that is not `width` finite numbers.
-    """
+    """The numbers (n, columns) of the rows; blank rows and separators at the end of a row do no harm."""
     table = _numbers(rows, layout)
     if table is not None:
         return table
@@ -146,10 +143,8 @@ def _blamed(name: str, rows: Sequence[str], layout: Layout, first: int) -> Recor
         fields = split_row(row, layout.delimiter) if len(row) <= LINE_LIMIT else []
         sound = all(NUMBER.fullmatch(field) and other not in field and np.isfinite(as_float(field)) for field in fields)
         if row and not (sound and len(fields) == layout.width):
-            return RecordFormatError(
-                f"{name}:{first + index}: expected {layout.width} finite numbers, found {row[:_SHOWN]!r}; "
-                "repair the line or cut the record there"
-            )
+            advice = "repair the line or cut the record there"
+            return unexpected(f"{name}:{first + index}", f"{layout.width} finite numbers", repr(row[:_SHOWN]), advice)
     return RecordFormatError(
         f"{name}:{first}: the rows cannot be read as {layout.width} columns of numbers; write them with one "
         "separator and one decimal mark"
@@ -174,18 +169,11 @@ def _numbers(rows: Sequence[str], layout: Layout) -> np.ndarray | None:
     begins = filled & ~np.append(False, filled[:-1])
     if np.any(np.add.reduceat(begins, starts, dtype=np.intp) != layout.width):
         return None
+    text = text.replace(",", ".") if layout.decimal == "," else text
     try:
-        return free_numbers([text.replace(",", ".") if layout.decimal == "," else text], 1, "").reshape(
-            -1, layout.width
-        )
+        return free_numbers([text], 1, "").reshape(-1, layout.width)
     except RecordFormatError:
         return None
-
-
-_COUNT = re.compile(r"\d{1,9}", re.ASCII)
-_STEP = re.compile(r"\d{0,3}[.,]\d{1,12}(?:[eE][+-]?\d{1,2})?", re.ASCII)
-#: Rows that show how samples are written.
-_LOOK_AT = 50
 
 
 @dataclass(frozen=True)
@@ -195,7 +183,6 @@ class Numbered:
     start: int  # index of the first row of samples
     count: int = 0  # rows, or values of a series in rows; 0 where no line says so
     step: float | None = None  # sampling interval [s]
-    line: int = 0  # number of the line with the count, from 1
 
 
 def number_lines(name: str, lines: Sequence[str], layout: Layout, timed: bool) -> Numbered:
@@ -208,17 +195,15 @@ def number_lines(name: str, lines: Sequence[str], layout: Layout, timed: bool) -
     row = layout.start
     if timed:
         return Numbered(row)
-    if layout.width == 1:
-        inside = _first_values(name, lines, layout)
-        if inside:
-            return inside
+    if layout.width == 1 and (inside := _first_values(name, lines, layout)):
+        return inside
     if layout.width == 2 and row + 1 < len(lines):
         fields, following = (split_row(lines[index][:LINE_LIMIT], layout.delimiter) for index in (row, row + 1))
         two_numbers = len(following) == 2 and all(NUMBER.fullmatch(field) for field in following)
         if two_numbers and as_float(following[0]) <= as_float(fields[0]):
             count, step = _count_and_step(fields)
             if count and step:
-                return Numbered(row + 1, count, step, row + 1)
+                return Numbered(row + 1, count, step)
     fields = []
     for line in [line for line in lines[:row] if line.strip()][:-3:-1]:
         found = [field for field in re.split(r"[\s,;]+", line[:LINE_LIMIT].strip(" \t#%")) if field]
@@ -226,7 +211,7 @@ def number_lines(name: str, lines: Sequence[str], layout: Layout, timed: bool) -
             break
         fields = [*found, *fields]
     count, step = _count_and_step(fields)
-    return Numbered(row, count, step, row) if count else Numbered(row)
+    return Numbered(row, count, step) if count else Numbered(row)
 
 
 def _count_and_step(fields: Sequence[str]) -> tuple[int, float | None]:
@@ -245,21 +230,11 @@ def _first_values(name: str, lines: Sequence[str], layout: Layout) -> Numbered |
     for used in (2, 1):
         count, step = _count_and_step(texts[:used])
         if count and count == len(rows) - used:
-            return Numbered(rows[used], count, step, rows[0] + 1)
+            return Numbered(rows[used], count, step)
     count, _ = _count_and_step(texts[:1])
     if count >= len(rows) > 2 and all("." in text or "," in text for text in texts[1:]):
         check_count(f"{name}:{rows[0] + 1}", count, len(rows) - 1, "rows")
     return None
-
-
-#: Rows that show how a table runs on.
-FEWEST_ROWS = 20
-#: Of a series in rows, the steps from value to value are smaller than those from row to row: their mean squares are
-#: in a ratio below this one, and above 1 for channels that have nothing to do with each other.
-SMOOTHER = 0.5
-#: Of a series in rows, the step from the end of a row to the next is one like those in the row: the ratio of the mean
-#: squares is within this factor. Channels that move together have small steps in the row and larger ones behind it.
-ALIKE = 1.8
 
 
 def runs_on(table: np.ndarray) -> bool:

@@ -125,10 +125,7 @@ def printed_number(text: str) -> tuple[float, float]:
 
 
 def check_count(where: str, declared: int, available: int, unit: str = "samples") -> None:
-    """Compare a declared count with what the file can hold, before anything is allocated.
-
-    Raises RecordFormatError if fewer are available than declared, or none is declared.
-    """
+    """Compare a declared count with what the file can hold, before anything is allocated."""
     if declared < 1:
         raise RecordFormatError(f"{where}: expected a positive number of {unit} in the header, found {declared}")
     if available < declared:
@@ -208,10 +205,7 @@ def free_numbers(lines: Sequence[str], first: int, where: str) -> np.ndarray:
 
 
 def free_rows(lines: Sequence[str], first: int, columns: int, where: str) -> np.ndarray:
-    """Rows of numbers separated by blanks as an array (rows, columns).
-
-    Raises RecordFormatError for a row of another length and a field that is no finite number.
-    """
+    """Rows of numbers separated by blanks as an array (rows, columns)."""
     row = next((row for row, line in enumerate(lines) if len(line.split()) != columns), None)
     if row is not None:
         found, advice = repr(lines[row][:60].strip()), "the line is damaged: download the file again"
@@ -263,11 +257,6 @@ def quantity_of(text: str) -> str:
     """The quantity that a unit alone measures; empty where the text is no unit.
 
     One of "acceleration", "velocity", "displacement", "time", "frequency".
-
-    Examples
-    --------
-    >>> quantity_of("cm/sec"), quantity_of("Gal"), quantity_of("east")
-    ('velocity', 'acceleration', '')
     """
     return "acceleration" if _accepted(text) in UNITS else _QUANTITY.get(_squeezed(text), "")
 
