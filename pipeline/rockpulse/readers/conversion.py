@@ -89,10 +89,7 @@ class Written:
 
 
 def write(
-    records: Record | Sequence[Record],
-    out: str | os.PathLike[str],
-    format: str | None = None,
-    overwrite: bool = False,
+    records: Record | Sequence[Record], out: str | os.PathLike[str], format: str | None = None, overwrite: bool = False
 ) -> list[Written]:
     """Write records as AT2, CSV or miniSEED.
 

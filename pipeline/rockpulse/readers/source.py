@@ -261,9 +261,5 @@ def open_stream(stream: BinaryIO) -> SourceFile:
         return SourceFile(name, content[:HEAD], lambda: content)
     folder = Path(name).parent
     return SourceFile(
-        name,
-        content[:HEAD],
-        lambda: content,
-        lambda: folder_station_files(folder),
-        beside=_folder_file(folder),
+        name, content[:HEAD], lambda: content, lambda: folder_station_files(folder), beside=_folder_file(folder)
     )

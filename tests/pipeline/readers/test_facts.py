@@ -350,11 +350,7 @@ SAMPLES = {
     "CLC_NEW.V1": {**SIZE, **HYPOCENTRE, **ROUNDED},
     "clc_90.v2": {"station_latitude": 35.816},
     "clc_1.smc": {"origin_time": when(2019, 7, 6, 3, 19)},
-    "clc_usc.v1": {
-        "origin_time": when(2019, 7, 6, 3, 19),
-        "hypocentre_latitude": 35.77,
-        "station_latitude": 35.815833,
-    },
+    "clc_usc.v1": {"origin_time": when(2019, 7, 6, 3, 19), "hypocentre_latitude": 35.77, "station_latitude": 35.815833},
     "clc_usc.v2": {"origin_time": when(2019, 7, 6, 3, 19)},
     "clc_bhrc.V1": {"origin_time": ORIGIN, **SIZE, **HYPOCENTRE, **ROUNDED},
     "clc_cwb.dat": {"origin_time": ORIGIN, **SIZE, **HYPOCENTRE, **ROUNDED},

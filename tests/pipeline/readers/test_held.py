@@ -7,22 +7,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from rockpulse.readers.kit.checks import (
-    held_direction,
-    held_length,
-    held_lengths_of_units,
-    held_peak_time,
-    held_units,
-    left_in_row,
-)
-from rockpulse.readers.kit.csmip import (
-    channel_count,
-    direction_code,
-    held_count,
-    held_peak_real,
-    one_direction,
-    real,
-)
+from rockpulse.readers.kit.checks import held_direction, held_length, held_lengths_of_units, held_peak_time, held_units
+from rockpulse.readers.kit.csmip import channel_count, direction_code, held_count, held_peak_real, one_direction, real
 from rockpulse.readers.kit.direction import Direction, direction
 from rockpulse.readers.kit.response import sensitivity_notes
 from rockpulse.record.record import STANDARD_GRAVITY

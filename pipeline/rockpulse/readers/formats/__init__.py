@@ -24,7 +24,4 @@ def _is_nothing_but_columns(head: bytes, name: str) -> bool:
 
 
 #: Tried from the first to the last; the first that recognises a file reads it. The least specific one comes last.
-FORMATS: tuple[Format, ...] = (
-    *_SPECIFIC,
-    *(replace(row, detect=_is_nothing_but_columns) for row in columns.FORMATS),
-)
+FORMATS: tuple[Format, ...] = (*_SPECIFIC, *(replace(row, detect=_is_nothing_but_columns) for row in columns.FORMATS))

@@ -40,11 +40,7 @@ _END = re.compile(r"\s*(?:end-of-data|/&)", re.IGNORECASE)
 #: Units that only this format has [m/s2].
 _UNITS = kit.UNITS | {"in/s2": 0.0254, "mg": 1e-3 * STANDARD_GRAVITY, "ug": 1e-6 * STANDARD_GRAVITY, "counts": 1.0}
 _CODES: dict[int | None, str] = {2: "g", 4: "cm/s2", 7: "in/s2", 10: "gal", 11: "mg", 12: "ug", 50: "counts"}
-_FACTORS = {
-    22: "microvolts per count",
-    42: "sensor sensitivity, V/g",
-    47: "sensor gain",
-}
+_FACTORS = {22: "microvolts per count", 42: "sensor sensitivity, V/g", 47: "sensor gain"}
 #: Integer 2 of quantities other than an acceleration along a line.
 _OTHER_QUANTITIES = {2: "velocity", 3: "displacement", 10: "angular acceleration", 11: "angular velocity"}
 #: The closing line may have lines of blanks behind it.

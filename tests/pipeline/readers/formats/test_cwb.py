@@ -159,11 +159,7 @@ def without_row(content: bytes, row: int) -> bytes:
         (cwb(THREE, length="120"), RecordFormatError, r"stream:422: expected 5975 rows .* found 400"),
         (cwb(THREE, length="999999999"), RecordFormatError, r"expected 49999999925 rows"),
         (cwb(THREE)[:-7], RecordFormatError, r"stream:422: expected 4 fields of 10 characters"),
-        (
-            without_row(cwb(THREE), 100),
-            RecordFormatError,
-            r"stream:123: expected 2 s .* found 2.02 s",
-        ),
+        (without_row(cwb(THREE), 100), RecordFormatError, r"stream:123: expected 2 s .* found 2.02 s"),
         (
             cwb(THREE).replace(b"Rate(Hz): 50", b"Rate(Hz): 40"),
             RecordFormatError,

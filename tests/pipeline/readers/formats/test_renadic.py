@@ -17,7 +17,7 @@ from record_writers.renadic import renadic, samples
 from rockpulse.errors import RecordFormatError, RecordRefused
 from rockpulse.readers import read
 from rockpulse.readers.folders import read_all
-from rockpulse.readers.formats.renadic import Part
+from rockpulse.readers.parts import Part
 from rockpulse.record.record import STANDARD_GRAVITY, Record
 
 TENTH = STANDARD_GRAVITY / 10.0
