@@ -171,31 +171,12 @@ def test_what_the_header_says_against_the_record(changes, warning):
     assert warning in note
 
 
-def test_codes_and_direction():
-    record = got(dyna(VALUES, NETWORK="IT", STATION_CODE="AQV", LOCATION="00", STREAM="HNZ"))
-    assert (record.network, record.station, record.location, record.channel) == ("IT", "AQV", "00", "HNZ")
-    assert record.orientation == "vertical"
-    assert got(dyna(VALUES, STREAM="HN2")).orientation == "horizontal"
-
-
-@pytest.mark.parametrize("encoding", ["utf-8", "iso8859-9"])
-def test_names_in_any_encoding(encoding):
-    content = dyna(VALUES, STATION_NAME="Duzce").replace(b"Duzce", "Düzce, İzmit".encode(encoding))
-    assert got(content).station_name.startswith("Düzce")
-
-
 @pytest.mark.parametrize(
     "kind", ["VELOCITY", "DISPLACEMENT", "ACCELERATION RESPONSE SPECTRUM", "PSEUDO VELOCITY RESPONSE SPECTRUM"]
 )
 def test_other_series_are_refused(kind):
     with pytest.raises(NotAcceleration, match=f"stream:50: expected 'DATA_TYPE: ACCELERATION', found '{kind}'"):
         got(dyna(VALUES, DATA_TYPE=kind))
-
-
-def test_lines_beyond_the_declared_count_are_reported():
-    record = got(dyna(VALUES, NDATA=298, DURATION_S=""))
-    assert record.npts == 298
-    assert "line 363: 2 rows beyond the declared count" in record.warnings[0]
 
 
 @pytest.mark.parametrize(
@@ -215,7 +196,6 @@ def test_lines_beyond_the_declared_count_are_reported():
         (dyna(VALUES).replace(b"\n98.0000", b"\n98.0 00"), RecordFormatError, "stream:77: expected one number on"),
         (dyna(VALUES).replace(b"STREAM:", b"STREAM "), RecordFormatError, "stream:31: expected 'DATA_TYPE"),
     ],
-    ids=["cut", "huge", "negative", "zero", "digits", "dt", "no-dt", "no-type", "unit", "no-unit", "x", "two", "key"],
 )
 def test_damage_is_named(content, error, message):
     with pytest.raises(error, match=message):

@@ -85,17 +85,6 @@ def test_readings_in_another_unit_are_multiplied():
     assert record.warnings == ()
 
 
-def test_a_header_peak_that_differs_is_reported():
-    (record,) = got(geonet([THREE[0]], ["N10E"], peak=-3000.0))
-    assert "the header states a peak of 0.3059 g" in record.warnings[0]
-
-
-@pytest.mark.parametrize(("component", "azimuth"), [("S87W", 267.0), ("N03W", 357.0), ("N00E", 0.0), ("S90E", 90.0)])
-def test_directions(component, azimuth):
-    (record,) = got(geonet([THREE[0]], [component]))
-    assert (record.azimuth, record.channel) == (azimuth, component)
-
-
 def test_the_fraction_of_the_start_is_in_milliseconds():
     start = datetime(2016, 2, 14, 0, 13, 25, 845000, tzinfo=UTC)
     (record,) = got(geonet([THREE[0]], ["Up"], start=start, origin=datetime(2016, 2, 14, 0, 13, 43, tzinfo=UTC)))
@@ -155,25 +144,6 @@ LETTER = geonet((THREE[0], np.concatenate([[-5.0], THREE[1]]), THREE[2])).replac
         ),
         (geonet(THREE) + b"more\n", RecordFormatError, "expected the title of component 4"),
     ],
-    ids=[
-        "header",
-        "rows",
-        "displacement",
-        "text",
-        "huge",
-        "step",
-        "unit",
-        "unit-2",
-        "letter",
-        "integer",
-        "real",
-        "value",
-        "no-step",
-        "step-0",
-        "other-step",
-        "negative",
-        "trailing",
-    ],
 )
 def test_damage_is_named(content, error, message):
     with pytest.raises(error, match=message):
@@ -196,22 +166,12 @@ def test_an_azimuth_that_text_and_integer_do_not_agree_on(coded, azimuth):
     assert any("integer 28 of the header says 280" in note for note in record.warnings) is bool(np.isnan(azimuth))
 
 
-def test_an_azimuth_that_only_the_integer_states():
-    content = geonet([THREE[0]], ["X1"]).replace(b"      10       0     140", b"      10      45     140")
-    assert got(content)[0].azimuth == 45.0
-
-
 @pytest.mark.parametrize(("code", "azimuth"), [(0, np.nan), (1, 1.0), (360, 0.0), (361, np.nan)])
 def test_the_azimuths_that_the_integer_may_state(code, azimuth):
     content = geonet([THREE[0]], ["X1"]).replace(b"      10       0     140", f"      10{code:8d}     140".encode())
     (record,) = got(content)
     assert record.azimuth == pytest.approx(azimuth, nan_ok=True)
     assert record.orientation == ("unknown" if np.isnan(azimuth) else "horizontal")
-
-
-def test_an_interval_with_more_digits_than_the_text(tmp_path):
-    content = geonet(THREE).replace(b"  0.0050  0.0050", b"  0.0050  0.0054")
-    assert [record.dt for record in got(content)] == [0.0054] * 3
 
 
 def test_the_facts_of_the_header():
@@ -226,10 +186,6 @@ def test_the_facts_of_the_header():
         assert (record.hypocentre_depth, record.epicentral_distance) == (15_000.0, 25_000.0)
         assert (record.station, record.location) == ("HSES", "20")
         assert (record.station_name, record.event) == ("Hanmer Springs Emergency Centre", "5 km south-west of Waiau")
-
-
-def test_a_place_on_a_structure():
-    assert got(geonet(THREE, place="Town Hall, roof"))[0].orientation == "structural"
 
 
 @pytest.mark.parametrize(("number", "at"), [(0, 47), (1, 94)])
@@ -293,8 +249,3 @@ def test_a_file_that_ends_before_its_third_component_says_so():
         "files of this format hold 3 channels of this recorder, the file holds 2; it may be truncated"
     ] * 2
     assert not any(record.warnings for record in got(geonet(THREE)))
-
-
-def test_a_component_twice_is_damage():
-    with pytest.raises(RecordFormatError, match=r":\d+: expected another channel, found that of line 1 a second time"):
-        got(geonet(THREE, ["N10E", "N80W", "N10E"]))

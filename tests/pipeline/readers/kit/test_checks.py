@@ -1,17 +1,38 @@
-"""Statements of a header against the samples and against each other: where the limits are, and what is no statement."""
+"""Statements of a header against the samples and against each other: where the limits are, and what is no statement.
+
+A part of a file that stands in it twice is one motion, told; two parts that differ are never joined or lost.
+
+Channels that a file should hold, and those that it holds.
+"""
 
 from __future__ import annotations
 
+import io
+import re
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from make_format_samples import FORMATS as FOLDER
+from make_format_samples import format_samples, read_options
 
-from rockpulse.readers.kit.checks import held_direction, held_length, held_lengths_of_units, held_peak_time, held_units
+from rockpulse.errors import RecordFormatError, RockpulseError
+from rockpulse.readers import read
+from rockpulse.readers.kit.checks import (
+    Counted,
+    completeness,
+    distinct_sections,
+    held_direction,
+    held_length,
+    held_lengths_of_units,
+    held_peak_time,
+    held_units,
+    last_of_equal,
+)
 from rockpulse.readers.kit.csmip import channel_count, direction_code, held_count, held_peak_real, one_direction, real
 from rockpulse.readers.kit.direction import Direction, direction
 from rockpulse.readers.kit.response import sensitivity_notes
-from rockpulse.record.record import STANDARD_GRAVITY
+from rockpulse.record.record import STANDARD_GRAVITY, Record
 
 TIMES = 0.01 * np.arange(1000)
 PEAK = 4.0 * np.exp(-(((TIMES - 5.0) / 0.02) ** 2)) - 1.0 * np.exp(-(((TIMES - 8.0) / 0.02) ** 2))
@@ -80,10 +101,6 @@ def test_one_unit_under_two_names_is_one():
     assert held_units([("a", "cm/s2"), ("b", "mm/s2")])[0].startswith("the units of one file differ: cm/s2 (a), mm/s2")
 
 
-def test_units_without_a_length_are_held_against_nothing():
-    assert held_lengths_of_units(["g", "cm/s", "cm"]) == held_lengths_of_units(["gal"]) == []
-
-
 def test_one_length_in_several_spellings_is_one():
     assert held_lengths_of_units(["CMS/SEC/SEC", "cm/s", "cm"]) == []
     assert held_lengths_of_units(["mm/s/s", "CM/s"]) == [
@@ -116,11 +133,6 @@ def test_two_statements_of_a_direction(said, told, found):
     facing = held_direction(direction(said), direction(told), "they differ")
     assert (facing.orientation, bool(facing.note)) == (found[0], found[2])
     assert facing.azimuth == pytest.approx(found[1], nan_ok=True)
-
-
-def test_what_is_left_in_the_last_row():
-    assert left_in_row("  1.0  2.0   ", 7, 10) == ()
-    assert left_in_row("  1.0  2.0  3", 7, 10) == ("line 7: numbers beyond the declared count were left out",)
 
 
 #: The second row of a real header of the Strong Motion Instrumentation Program, whose fields touch.
@@ -169,10 +181,6 @@ def test_a_direction_in_words_and_as_an_integer(component, code, orientation, az
     assert facing.orientation == orientation
     assert facing.azimuth == pytest.approx(azimuth, nan_ok=True)
     assert bool(facing.note) is ((np.isnan(azimuth) and code in (45, 90)) or (component, code) == ("Up", 600))
-
-
-def test_an_integer_tells_whether_upwards_is_positive():
-    assert [one_direction("?", code).sign for code in (500, 600)] == [1.0, -1.0]
 
 
 def test_a_direction_that_another_line_repeats():
@@ -266,3 +274,156 @@ def test_a_sensitivity_is_held_against_the_product_of_the_gains(unit, first, val
     ]
     whole = SimpleNamespace(value=value, input_units=unit)
     assert bool(sensitivity_notes(SimpleNamespace(instrument_sensitivity=whole, response_stages=stages))) is told
+
+
+SHORT = 150
+FILES = {name: content for name, content in format_samples(SHORT).items() if not name.endswith(".xml")}
+#: Rows of numbers alone: nothing tells a copy from a motion that repeats itself.
+WITHOUT_WORDS = {"clc_rows.g3"}
+#: Files of several channels, and the lines with which a channel and, where there is one, its block begins or ends.
+MARKERS = {
+    "CLC_NEW.V1": (b"UNCORRECTED ACCEL", b"ACCELEROGRAM POINTS", b"/&"),
+    "CLC_OLD.V1": (b"UNCORRECTED ACCEL", b"/&"),
+    "clc_90.v2": (b"CORRECTED ACCEL", b"POINTS OF ACCEL", b"/&"),
+    "clc_bhrc.V1": (b"* VOL1DS", b"/&"),
+    "clc_cosmos.V1C": (b"TEXT LINES)", b" PTS, ", b"END-OF-DATA"),
+    "clc_geonet.V1A": (b"UNCORRECTED ACCEL",),
+    "clc_geonet.V2A": (b"CORRECTED ACCEL",),
+    "clc_renadic.v1": (b"UNCORRECTED ACCEL", b"/&"),
+    "clc_usc.v1": (b"OF UNCORRECTED",),
+}
+
+
+def got(content: bytes, name: str) -> list[Record]:
+    stream = io.BytesIO(content)
+    stream.name = str(FOLDER / name)
+    return read(stream, **read_options().get(name, {}))
+
+
+def same(records: list[Record], expected: list[Record]) -> bool:
+    return [record.channel for record in records] == [record.channel for record in expected] and all(
+        np.array_equal(one.acceleration, other.acceleration) and one.dt == other.dt
+        for one, other in zip(records, expected, strict=True)
+    )
+
+
+@pytest.mark.parametrize("name", sorted(set(FILES) - WITHOUT_WORDS))
+def test_a_file_that_holds_everything_twice_is_read_once(name):
+    expected, records = got(FILES[name], name), got(2 * FILES[name], name)
+    assert same(records, expected)
+    assert all("copy of the first: it was read once" in record.warnings[-1] for record in records)
+    assert records[0].source_sha256 != expected[0].source_sha256
+
+
+def begins(name: str, mark: bytes) -> list[int]:
+    """Where each line that holds a marker begins; the titles of CSMIP begin their lines."""
+    before = rb"(?im)^\s?" if mark in (b"UNCORRECTED ACCEL", b"CORRECTED ACCEL") else rb"(?im)^.*"
+    return [match.start() for match in re.finditer(before + re.escape(mark), FILES[name])]
+
+
+@pytest.mark.parametrize(("name", "mark"), [(name, mark) for name, marks in MARKERS.items() for mark in marks])
+def test_a_marker_that_is_written_twice_counts_once(name, mark):
+    content = FILES[name]
+    places = begins(name, mark)
+    assert places
+    for at in (places[0], places[-1]):
+        line = content[at : content.index(b"\n", at) + 1]
+        records = got(content[:at] + line + content[at:], name)
+        assert same(records, got(content, name)), at
+        told = [note for record in records for note in record.warnings if "it was read once" in note]
+        assert told or mark == b"END-OF-DATA"
+
+
+@pytest.mark.parametrize("name", MARKERS)
+def test_a_channel_that_stands_there_twice_is_read_once(name):
+    content = FILES[name]
+    starts = [*begins(name, MARKERS[name][0]), len(content)]
+    expected = got(content, name)
+    for first, last in ((starts[0], starts[1]), (starts[-2], starts[-1])):
+        records = got(content + content[first:last], name)
+        assert same(records, expected)
+        if len(starts) > 2:
+            assert all(any("stands in the file again" in note for note in record.warnings) for record in records)
+
+
+@pytest.mark.parametrize("name", sorted(set(FILES) - WITHOUT_WORDS))
+def test_two_records_in_one_file_are_never_one_motion(name):
+    """Half of the motion behind the whole one: two records, or a refusal, or a warning; never more samples of one."""
+    other = format_samples(SHORT // 2)[name]
+    expected = got(FILES[name], name)
+    try:
+        records = got(FILES[name] + other, name)
+    except RockpulseError:
+        return
+    lengths = {record.npts for record in [*expected, *got(other, name)]}
+    assert {record.npts for record in records} <= lengths
+    assert len(records) == 2 * len(expected) or all(record.warnings for record in records)
+
+
+def test_blocks_of_one_kind_that_differ_are_refused():
+    content = FILES["clc_90.v2"]
+    at = begins("clc_90.v2", b"POINTS OF ACCEL")[0]
+    block = content[at : content.rindex(b"\n", 0, content.index(b"points of veloc")) + 1]
+    again = got(content[:at] + block + content[at:], "clc_90.v2")
+    assert same(again, got(content, "clc_90.v2"))
+    assert "the block of line" in again[0].warnings[0]
+    changed = block[:-12] + block[-12:].translate(bytes.maketrans(b"0123456789", b"1234567890"))
+    with pytest.raises(RecordFormatError, match="found a second block of acceleration"):
+        got(content[:at] + changed + content[at:], "clc_90.v2")
+
+
+def test_sections_and_markers_by_their_words():
+    lines = ["TITLE", "", "TITLE ", "1 2", "TITLE", "1 2  ", "", "TITLE", "1 3"]
+    assert [last_of_equal(lines, at) for at in (0, 2, 3, 8)] == [2, 2, 3, 8]
+    kept, notes = distinct_sections(lines, [(2, 4), (4, 7), (7, 9)])
+    assert kept == [(2, 4), (7, 9)]
+    assert notes == ("line 5: the channel of line 3 stands in the file again; it was read once",)
+
+
+def channels(numbers: str, counted: int, recorder: str = "A") -> list[Counted]:
+    return [Counted(line, recorder, number, counted) for line, number in enumerate(numbers, start=1)]
+
+
+@pytest.mark.parametrize(
+    ("numbers", "counted", "closed", "warned"),
+    [
+        ("12", 3, True, True),
+        ("1", 3, False, True),
+        ("1", 3, True, False),
+        ("123", 3, False, False),
+        ("1234", 3, False, False),
+        ("1", 0, False, False),
+        ("12", 0, False, False),
+    ],
+)
+def test_fewer_channels_than_are_counted(numbers, counted, closed, warned):
+    notes = completeness("a.V1", channels(numbers, counted), closed=closed)
+    words = f"the header counts 3 channels of this recorder, the file holds {len(numbers)}; it may be truncated"
+    assert notes == ((words,) if warned else ())
+
+
+def test_recorders_are_counted_apart():
+    both = [*channels("123", 3), *channels("12", 3, "B")]
+    assert len(completeness("a.V1", both)) == 1
+    assert len(completeness("a.V1", both, closed=True)) == 1
+    assert completeness("a.V1", [*both, Counted(6, "B", "3", 3)]) == ()
+
+
+def test_a_channel_may_come_once():
+    with pytest.raises(
+        RecordFormatError, match=r"a.V1:3: expected another channel, found that of line 1 a second time"
+    ):
+        completeness("a.V1", channels("121", 3))
+
+
+def test_channels_without_a_number_and_of_another_kind_are_others():
+    assert completeness("a.V1", [Counted(1, "A", "", 2), Counted(9, "A", "", 2)]) == ()
+    both = [Counted(1, "A", "1", 1, "acceleration"), Counted(9, "A", "1", 1, "velocity")]
+    assert completeness("a.V1", both) == ()
+
+
+def test_the_largest_count_of_a_recorder_holds():
+    uneven = [Counted(1, "A", "1", 2), Counted(5, "A", "2", 4), Counted(9, "A", "3", 2)]
+    assert completeness("a.V1", uneven, "its numbers tell of") == (
+        "its numbers tell of 4 channels of this recorder, the file holds 3; it may be truncated",
+    )

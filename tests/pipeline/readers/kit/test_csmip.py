@@ -163,8 +163,8 @@ def text_of(**lines):
 )
 def test_the_direction_and_place_of_a_channel(line, component, place, channel, number, structural):
     header = read_header(text_of(line7=line))
-    assert (header.component, header.place, header.channel) == (component, place, channel)
-    assert (header.number, header.structural) == (number, structural)
+    assert (header.component, header.place, header.about["channel"]) == (component, place, channel)
+    assert (header.number, header.about["structural"]) == (number, structural)
     assert (header.counted, header.code, header.recorder) == (5, 90, "words 5")
 
 
@@ -178,25 +178,25 @@ def test_the_words_of_a_header():
         "line9": "Hypocenter: 34.25N, 118.5W, H=18.5KM. ML=6.5",
     }
     header = read_header(text_of(**lines))
-    assert (header.network, header.station, header.location) == ("CE", "23837", "0")
-    assert (header.event, header.station_name) == ("Big Bear", "Pomona")
-    assert header.start_time == datetime(2019, 7, 6, 11, 16, 8, 500000, tzinfo=UTC)
+    assert (header.about["network"], header.about["station"], header.about["location"]) == ("CE", "23837", "0")
+    assert (header.about["event"], header.about["station_name"]) == ("Big Bear", "Pomona")
+    assert header.about["start_time"] == datetime(2019, 7, 6, 11, 16, 8, 500000, tzinfo=UTC)
     assert (header.counted, header.warnings, header.recorder) == (7, (), lines["line5"].strip())
-    facts = header.facts
+    facts = header.about["facts"]
     assert (facts.event_id, facts.magnitude, facts.magnitude_type) == ("38457511", 6.5, "ML")
     assert facts.origin_time == datetime(1994, 1, 17, 12, 30, 55, 400000, tzinfo=UTC)
     assert (facts.hypocentre_latitude, facts.hypocentre_longitude, facts.hypocentre_depth) == (34.25, -118.5, 18500.0)
     assert (facts.station_latitude, facts.station_longitude) == (33.5, -118.25)
 
     fewer = read_header(text_of(**lines | {"line4": "ci12.CE.23837.--.x", "line6": "Pomona S/N 12 S/N 13"}))
-    assert (fewer.facts.event_id, fewer.location, fewer.station_name) == ("", "", "Pomona")
-    assert (fewer.start_time, fewer.warnings) == (None, ())
-    assert read_header(text_of(line9="H= 18 km")).facts.hypocentre_depth == 18000.0
+    assert (fewer.about["facts"].event_id, fewer.about["location"], fewer.about["station_name"]) == ("", "", "Pomona")
+    assert (fewer.about["start_time"], fewer.warnings) == (None, ())
+    assert read_header(text_of(line9="H= 18 km")).about["facts"].hypocentre_depth == 18000.0
     fewer = read_header(text_of(**lines | {"line4": "", "line3": "", "line9": ""}))
-    assert (fewer.network, fewer.station, fewer.location) == ("", "14403", "")
-    assert (fewer.facts.event_id, fewer.facts.origin_time) == ("", None)
-    assert np.isnan(fewer.facts.hypocentre_depth)
-    assert read_header(text_of()).station == ""
+    assert (fewer.about["network"], fewer.about["station"], fewer.about["location"]) == ("", "14403", "")
+    assert (fewer.about["facts"].event_id, fewer.about["facts"].origin_time) == ("", None)
+    assert np.isnan(fewer.about["facts"].hypocentre_depth)
+    assert read_header(text_of()).about["station"] == ""
 
 
 @pytest.mark.parametrize(
@@ -217,7 +217,7 @@ def test_the_words_of_a_header():
 )
 def test_the_start_of_a_channel(start, moment, note):
     header = read_header(text_of(line4=f"x  {start}"))
-    assert header.start_time == (datetime(*moment, tzinfo=UTC) if moment else None)
+    assert header.about["start_time"] == (datetime(*moment, tzinfo=UTC) if moment else None)
     assert len(header.warnings) == bool(note)
     assert note in "".join(header.warnings)
 
@@ -225,19 +225,19 @@ def test_the_start_of_a_channel(start, moment, note):
 def test_the_record_of_a_channel():
     samples = np.array([0.0, 0.25, -0.5])
     block = Block(samples, 0.02, "g", 0.02 * np.arange(4), np.array([0.0, 0.25, -0.75, 0.5]), ("of the block",))
-    header = Header("90 Deg", "Roof", station="CLC").noting("of the header").noting("and another")
+    header = Header("90 Deg", "Roof", {"station": "CLC"}).noting("of the header").noting("and another")
     file = SourceFile("a.v1", b"x", lambda: b"x")
     how = {"format": "csmip_v1", "processed": True, "processing": ("step",)}
-    record = header.record(file, 2, block, **how, peak=(0.75 * G, 0.1))
+    record = header.record(file, 2, block, **how, header_peak=(0.75 * G, 0.1))
     assert list(record.acceleration) == [0.0, 0.25 * G, -0.5 * G]
     assert (record.dt, record.component, record.azimuth, record.station) == (0.02, "90 Deg (Roof)", 90.0, "CLC")
     assert record.warnings == ("of the block", "of the header", "and another")
     assert (record.processing, record.format, record.processed) == (("step",), "csmip_v1", True)
-    assert len(header.record(file, 2, block, **how, peak=(0.85 * G, 0.11 * G)).warnings) == 3
-    assert len(header.record(file, 2, block, **how, peak=(0.85 * G, 0.09 * G)).warnings) == 4
+    assert len(header.record(file, 2, block, **how, header_peak=(0.85 * G, 0.11 * G)).warnings) == 3
+    assert len(header.record(file, 2, block, **how, header_peak=(0.85 * G, 0.09 * G)).warnings) == 4
     assert Header("Up").record(file, 2, block, **how).component == "Up"
     orientations = [
-        Header("Up", structural=inside).record(file, 2, block, **how).orientation for inside in (False, True)
+        Header("Up", about={"structural": inside}).record(file, 2, block, **how).orientation for inside in (False, True)
     ]
     assert [record.orientation, *orientations] == ["horizontal", "vertical", "structural"]
     turned = Header("90 Deg", code=270, repeated=("45",)).record(file, 2, block, **how)

@@ -1,4 +1,7 @@
-"""Removal of an instrument's response against answers that are known without it."""
+"""The sensitivity of an instrument: its unit, its sign, and the gains of the stages.
+
+Removal of an instrument's response against answers that are known without it.
+"""
 
 from __future__ import annotations
 
@@ -11,9 +14,116 @@ from scipy.signal import lsim
 
 from rockpulse.errors import RecordFormatError, RecordRefused
 from rockpulse.readers import read
-from rockpulse.readers.kit.response import _disagreement, _gain, pass_band, without_response
+from rockpulse.readers.kit.response import (
+    _disagreement,
+    _gain,
+    first_stage,
+    measured,
+    pass_band,
+    sensitivity_factor,
+    sensitivity_notes,
+    turned,
+    without_response,
+)
 from rockpulse.readers.source import NotAcceleration
 from rockpulse.record.record import STANDARD_GRAVITY
+
+
+def response(value, unit="M/S**2", gains=(), first="M/S**2"):
+    """Stages of some gains, the last first, as a file may hold them."""
+    stages = [
+        SimpleNamespace(stage_gain=gain, stage_sequence_number=number, input_units=first if number == 1 else "V")
+        for number, gain in enumerate(gains, 1)
+    ]
+    whole = SimpleNamespace(value=value, input_units=unit)
+    return SimpleNamespace(instrument_sensitivity=whole, response_stages=stages[::-1] or None)
+
+
+@pytest.mark.parametrize(
+    ("unit", "expected"),
+    [
+        ("M", ("displacement", 1.0)),
+        ("cm", ("displacement", 0.01)),
+        ("MM", ("displacement", 0.001)),
+        ("UM/S", ("velocity", 1e-6)),
+        ("nm/sec", ("velocity", 1e-9)),
+        ("M/SECOND", ("velocity", 1.0)),
+        ("m s-1", ("velocity", 1.0)),
+        ("MM/S**2", ("acceleration", 0.001)),
+        ("M/S/S", ("acceleration", 1.0)),
+        ("cm s-2", ("acceleration", 0.01)),
+        ("(M/S^2)", ("acceleration", 1.0)),
+        ("g", ("acceleration", STANDARD_GRAVITY)),
+        ("Gal", ("acceleration", 0.01)),
+        ("gals", ("acceleration", 0.01)),
+    ],
+)
+def test_units_of_motion_in_any_spelling(unit, expected):
+    quantity, scale = measured("x", unit)
+    assert (quantity, scale) == (expected[0], pytest.approx(expected[1], rel=1e-12))
+    if quantity == "acceleration":
+        assert sensitivity_factor("x", response(-50.0, unit)) == pytest.approx(-scale / 50.0, rel=1e-12)
+
+
+def test_sensitivities_of_no_acceleration_are_refused():
+    for value in (None, 0.0):
+        with pytest.raises(RecordRefused, match=r"^x is in counts and its response states no sensitivity"):
+            sensitivity_factor("x", response(value))
+    with pytest.raises(RecordRefused, match="states no sensitivity"):
+        sensitivity_factor("x", SimpleNamespace(instrument_sensitivity=None))
+    for value in (float("inf"), float("nan")):
+        with pytest.raises(
+            RecordFormatError, match=rf"^x: expected a finite sensitivity of the instrument, found {value}"
+        ):
+            sensitivity_factor("x", response(value))
+    with pytest.raises(NotAcceleration, match=r"^x records CM/S, expected an acceleration"):
+        sensitivity_factor("x", response(2.0, "CM/S"))
+    with pytest.raises(NotAcceleration, match=r"^x records hPa, expected ground motion"):
+        measured("x", "hPa")
+    with pytest.raises(RecordRefused, match="unknown input unit None"):
+        measured("x", None)
+
+
+@pytest.mark.parametrize(
+    ("value", "unit", "gains", "first", "told"),
+    [
+        (600.0, "M/S**2", (2.0, 300.0), "M/S**2", ""),
+        (600.0, "M/S**2", (2.0, None, 300.0), "M/S**2", ""),
+        (600.0, "M/S**2", (None,), "M/S**2", ""),
+        (600.0, "M/S**2", (), "M/S**2", ""),
+        (600.0, "M/S**2", (2.0, 314.0), "M/S**2", ""),
+        (600.0, "M/S**2", (2.0, 320.0), "M/S**2", "differ from its sensitivity by 6.67 %"),
+        (600.0, "M/S**2", (2.0, 286.0), "M/S**2", ""),
+        (600.0, "M/S**2", (2.0, 270.0), "M/S**2", "differ from its sensitivity by -10 %"),
+        (6.0, "CM/S**2", (2.0, 300.0), "M/S**2", ""),
+        (600.0, "M/S**2", (2.0, 3.0), "CM/S**2", ""),
+        (
+            600.0,
+            "M/S",
+            (2.0, 300.0),
+            "M/S**2",
+            "stated for velocity, the stages of the response begin with acceleration",
+        ),
+        (600.0, "COUNTS", (2.0, 300.0), "CM/S**2", ""),
+        (600.0, "CM/S**2", (2.0, 300.0), "PA", ""),
+        (600.0, "M/S**2", (2.0, float("nan")), "M/S**2", "by nan %"),
+    ],
+)
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_sensitivity_against_the_gains_of_the_stages(value, unit, gains, first, told, sign):
+    signed = tuple(gain and gain * (sign if number == 0 else 1.0) for number, gain in enumerate(gains))
+    notes = sensitivity_notes(response(sign * value, unit, signed, first))
+    assert notes[: len(notes) - bool(told)] == (
+        [f"the sensitivity is negative, {-value:g}: a sign is turned"] if sign < 0.0 else []
+    )
+    assert not told or notes[-1].endswith(told)
+
+
+def test_the_first_stage_is_that_of_the_lowest_number():
+    assert first_stage(response(1.0, gains=(7.0, 8.0, 9.0))).stage_gain == 7.0
+    assert turned(SimpleNamespace(value=-0.5)) == ["the sensitivity is negative, -0.5: a sign is turned"]
+    assert turned(SimpleNamespace(value=0.0)) == turned(SimpleNamespace(value=3.0)) == []
+
 
 pytestmark = pytest.mark.filterwarnings("ignore:ObsPy can not map unit", "ignore:The unit .* is not known to ObsPy")
 
@@ -51,7 +161,7 @@ def test_a_velocity_sensor_gives_back_the_acceleration():
     removed = without_response("test", scale * output[::20], DT, paz([0.0, 0.0], POLES, "M/S"))
     # The pass band begins at 0.1 Hz, where the answer has fallen to a hundredth.
     assert removed.samples * removed.factor == pytest.approx(truth, abs=1e-3)
-    assert "M/S to m/s2" in removed.note
+    assert "M/S to m/s2" in removed.processing[0]
     assert removed.warnings == (
         "a sensor of velocity, differentiated: check that it was not driven to its limit",
         "the pass band begins at 0.101 Hz: impulses longer than about 2 s are damped; use an accelerometer for "
@@ -101,7 +211,7 @@ def test_a_response_in_any_unit_of_acceleration_is_removed_without_a_false_warni
     assert removed.warnings == ()
     assert removed.samples * removed.factor == pytest.approx(wavelet(TIME, 1.0, 20.0), abs=2e-3)
     assert removed.factor == pytest.approx(scale / GAIN, rel=1e-3)
-    assert f"{unit} to m/s2" in removed.note
+    assert f"{unit} to m/s2" in removed.processing[0]
 
 
 @pytest.mark.parametrize(("unit", "scale"), [("CM/S", 0.01), ("MM/S", 1e-3), ("NM/S", 1e-9), ("NM", 1e-9)])
@@ -115,20 +225,10 @@ def test_a_sensor_of_velocity_or_displacement_in_any_unit(unit, scale):
     assert not any("differ" in warning and "stages" in warning for warning in (*plain.warnings, *scaled.warnings))
 
 
-def test_a_sensitivity_in_another_unit_than_the_stages_is_compared_in_the_same():
-    response = paz([], POLES, "CM/S**2", 0.2)
-    response.instrument_sensitivity.input_units = "M/S**2"
-    response.instrument_sensitivity.value *= 100.0
-    assert without_response("test", 1e4 * wavelet(TIME, 1.0, 20.0), DT, response).warnings == ()
-    response.instrument_sensitivity.input_units = "M/S"
-    (warning,) = without_response("test", 1e4 * wavelet(TIME, 1.0, 20.0), DT, response).warnings
-    assert warning == "the sensitivity is stated for velocity, the stages of the response begin with acceleration"
-
-
 def test_a_first_stage_without_a_unit_has_that_of_the_sensitivity():
     response = paz([], POLES, "CM/S**2", 0.2)
     response.response_stages[0].input_units = None
-    assert "CM/S**2 to m/s2" in without_response("test", 1e4 * wavelet(TIME, 1.0, 20.0), DT, response).note
+    assert "CM/S**2 to m/s2" in without_response("test", 1e4 * wavelet(TIME, 1.0, 20.0), DT, response).processing[0]
 
 
 def test_the_response_that_was_given_stays_as_it_is():
@@ -147,7 +247,7 @@ def test_an_accelerometer_keeps_pulses_of_any_length(frequency):
     removed = without_response("test", counts, DT, paz([], poles, "M/S**2", 1.0))
     back = removed.samples * removed.factor
     assert back == pytest.approx(motion - motion.mean(), abs=2e-3)
-    assert "pass band from 0 Hz to 40 Hz" in removed.note
+    assert "pass band from 0 Hz to 40 Hz" in removed.processing[0]
     assert removed.warnings == ()
     assert removed.factor == pytest.approx(1.0 / GAIN, rel=1e-3)
 
@@ -248,7 +348,7 @@ def test_a_seismometer_of_long_periods_damps_no_pulse():
     corner = 2.0 * np.pi * 0.001
     poles = [corner * (-DAMPING + sign * 1j * np.sqrt(1.0 - DAMPING**2)) for sign in (1.0, -1.0)]
     removed = without_response("test", 1e4 * wavelet(TIME, 2.0, 15.0), DT, paz([0.0, 0.0], poles, "M/S"))
-    assert "pass band from 0.025 Hz (nothing below 0.0125 Hz) to 40 Hz (nothing above 47.5 Hz)" in removed.note
+    assert "pass band from 0.025 Hz (nothing below 0.0125 Hz) to 40 Hz (nothing above 47.5 Hz)" in removed.processing[0]
     assert removed.warnings == ("a sensor of velocity, differentiated: check that it was not driven to its limit",)
 
 
@@ -280,13 +380,6 @@ def test_a_response_that_does_not_serve_is_refused():
     broken.response_stages[0].normalization_factor = None
     with pytest.raises(RecordFormatError, match="obspy cannot evaluate the response"):
         without_response("test", counts, DT, broken)
-
-
-def test_stages_that_differ_from_the_sensitivity_are_reported():
-    response = paz([], POLES, "M/S**2", 0.2)
-    response.instrument_sensitivity.value *= 1.2
-    removed = without_response("test", 1e4 * wavelet(TIME, 1.0, 20.0), DT, response)
-    assert removed.warnings == ("the stages of the response differ from its sensitivity by -16.7 %",)
 
 
 @pytest.mark.parametrize(("channel", "share"), [("HNE", 0.04), ("HNN", 0.01)])
