@@ -86,7 +86,7 @@ def come_back(folder, record, name, **options):
     return back
 
 
-@settings(derandomize=True, max_examples=40, deadline=None)
+@settings(derandomize=True, max_examples=12, deadline=None)
 @given(record=RECORDS)
 def test_at2_is_exact_to_its_digits(tmp_path_factory, record):
     back = come_back(tmp_path_factory.getbasetemp(), record, "a.AT2")
@@ -95,7 +95,7 @@ def test_at2_is_exact_to_its_digits(tmp_path_factory, record):
     assert (back.dt, back.azimuth, back.processed) == (record.dt, record.azimuth % 360.0, record.processed)
 
 
-@settings(derandomize=True, max_examples=40, deadline=None)
+@settings(derandomize=True, max_examples=12, deadline=None)
 @given(record=RECORDS)
 def test_csv_is_exact_in_every_bit(tmp_path_factory, record):
     back = come_back(tmp_path_factory.getbasetemp(), record, "a.csv", units="m/s2")
@@ -104,7 +104,7 @@ def test_csv_is_exact_in_every_bit(tmp_path_factory, record):
     assert (back.azimuth, back.orientation) == (record.azimuth % 360.0, "horizontal")
 
 
-@settings(derandomize=True, max_examples=40, deadline=None)
+@settings(derandomize=True, max_examples=12, deadline=None)
 @given(record=RECORDS)
 def test_miniseed_is_exact_in_every_bit(tmp_path_factory, record):
     back = come_back(tmp_path_factory.getbasetemp(), record, "a.mseed")

@@ -277,6 +277,7 @@ def test_a_sensitivity_is_held_against_the_product_of_the_gains(unit, first, val
 
 
 SHORT = 150
+HALVES = format_samples(SHORT // 2)
 FILES = {name: content for name, content in format_samples(SHORT).items() if not name.endswith(".xml")}
 #: Rows of numbers alone: nothing tells a copy from a motion that repeats itself.
 WITHOUT_WORDS = {"clc_rows.g3"}
@@ -349,7 +350,7 @@ def test_a_channel_that_stands_there_twice_is_read_once(name):
 @pytest.mark.parametrize("name", sorted(set(FILES) - WITHOUT_WORDS))
 def test_two_records_in_one_file_are_never_one_motion(name):
     """Half of the motion behind the whole one: two records, or a refusal, or a warning; never more samples of one."""
-    other = format_samples(SHORT // 2)[name]
+    other = HALVES[name]
     expected = got(FILES[name], name)
     try:
         records = got(FILES[name] + other, name)

@@ -329,7 +329,7 @@ def test_a_column_that_is_headed_as_acceleration_and_runs_like_time_is_refused(w
 )
 def test_hostile_lines_cost_no_more_than_their_length(unit):
     rows = columns(PAIR)
-    long, short = unit * (5_000_000 // len(unit)) + b"x\n", unit * (900 // len(unit)) + b"x\n"
+    long, short = unit * (1_000_000 // len(unit)) + b"x\n", unit * (900 // len(unit)) + b"x\n"
     for content in (long, long + rows, rows + long + rows, short * 50 + rows, short * 2000, rows + short * 2000):
         began = time.process_time()
         is_columns(content[:65536], "a.txt")

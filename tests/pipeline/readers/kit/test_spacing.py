@@ -17,7 +17,6 @@ from record_writers import pulse
 
 from rockpulse.errors import RecordFormatError, UnitError
 from rockpulse.readers import read
-from rockpulse.readers.format import ReadOptions
 from rockpulse.readers.kit.headings import Heading
 from rockpulse.readers.kit.spacing import (
     _half_digit,
