@@ -6,12 +6,11 @@ import lzma
 import re
 import zipfile
 import zlib
-from collections.abc import Iterator
 from functools import lru_cache, partial
 from itertools import pairwise
 from pathlib import Path, PurePosixPath
 
-from rockpulse.errors import RecordFormatError, RecordRefused, RockpulseError
+from rockpulse.errors import RecordFormatError, RecordRefused
 from rockpulse.readers.source import FILE_LIMIT, HEAD, RATIO_LIMIT, SourceFile, archive_kind
 
 #: An archive with more members is refused.
@@ -80,21 +79,6 @@ class Archive:
             partial(self._station_files, folder),
             beside=partial(self._beside, folder),
         )
-
-
-def members(path: Path) -> Iterator[tuple[str, SourceFile | RockpulseError]]:
-    """Yield name and content of each file of an archive, in order of their names ``archive.zip!member``.
-
-    In place of the file stands the error that :meth:`Archive.member` raised for it; opening raises as :class:`Archive`.
-    """
-    with Archive(path) as archive:
-        for number, name in enumerate(archive.names):
-            try:
-                file = archive.member(number)
-            except RockpulseError as fault:
-                yield name, fault
-            else:
-                yield name, file
 
 
 def _check_entries(path: str, entries: list[zipfile.ZipInfo]) -> None:

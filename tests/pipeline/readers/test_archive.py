@@ -209,7 +209,6 @@ def test_the_members_of_an_archive_come_sorted_and_without_hidden_ones(tmp_path)
     with archive.Archive(path) as opened:
         assert opened.names == [f"{path}!{name}" for name in ("a.AT2", "sub/b.AT2", "z.AT2")]
         assert opened.member(2).content == ONE
-    assert [name for name, file in archive.members(path) if file.content == ONE] == opened.names
     with pytest.raises(RecordFormatError, match=r"all.zip!a.AT2: damaged member"):
         opened.member(0)  # of an archive that is closed
 
@@ -231,7 +230,8 @@ def test_a_member_of_the_largest_size_and_ratio_is_read(tmp_path, monkeypatch):
     path = tmp_path / "all.zip"
     with zipfile.ZipFile(path, "w") as target:
         target.writestr("a.AT2", ONE)
-    assert [file.content for _, file in archive.members(path)] == [ONE]
+    with archive.Archive(path) as opened:
+        assert opened.member(0).content == ONE
 
 
 def changed(path, kind, content):

@@ -13,7 +13,7 @@ from make_format_samples import SAMPLES
 
 from rockpulse.errors import RecordFormatError, RecordRefused, UnitError
 from rockpulse.readers import FORMATS, ReadOptions, read, read_source
-from rockpulse.readers.archive import members
+from rockpulse.readers.archive import Archive
 from rockpulse.readers.folders import read_all
 from rockpulse.readers.source import HEAD, NotAcceleration
 from rockpulse.record.record import STANDARD_GRAVITY
@@ -164,7 +164,8 @@ def test_the_far_field_set_is_read_as_its_own_list_says(records_folder):
     folder = records_folder / "fema_p695"
     with (folder / "events.tsv").open(encoding="utf-8", newline="") as stream:
         rows = {row["file"]: row for row in csv.DictReader(stream, delimiter="\t")}
-    archive = {name.rpartition("!")[2]: member for name, member in members(folder / "records.zip")}
+    with Archive(folder / "records.zip") as opened:
+        archive = {name.rpartition("!")[2]: opened.member(number) for number, name in enumerate(opened.names)}
     found = {name: read_source(member, ReadOptions(units="g"))[0] for name, member in archive.items()}
     assert set(rows) == set(found)
     for name, row in rows.items():
@@ -203,10 +204,10 @@ def heads(records_folder):
     for path in sorted(path for path in records_folder.rglob("*") if path.is_file()):
         folder = path.relative_to(records_folder).parts[0]
         if path.suffix == ".zip":
-            for name, member in members(path):
-                kinds = {".V1": "csmip_v1", ".V2": "csmip_v2", ".V3": "csmip_v3", ".TXT": "columns"}
-                kind = kinds[Path(name).suffix.upper()]
-                yield name, member.head, kind
+            kinds = {".V1": "csmip_v1", ".V2": "csmip_v2", ".V3": "csmip_v3", ".TXT": "columns"}
+            with Archive(path) as archive:
+                for number, name in enumerate(archive.names):
+                    yield name, archive.member(number).head, kinds[Path(name).suffix.upper()]
         elif path.suffix in (".tsv", ".xml", ".md") or folder not in READERS:
             yield str(path), path.read_bytes()[:HEAD], None
         else:

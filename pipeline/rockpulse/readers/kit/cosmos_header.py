@@ -1,8 +1,6 @@
 """The header of one channel of a COSMOS file: text, integers, reals, comments, each behind a line that states how many.
 
 Integers and reals are counted from 1, as in the description of the format. Those that stand for "unknown" are NaN.
-
-What the header of a COSMOS channel states of length and time of the peak, held against its series.
 """
 
 from __future__ import annotations
@@ -17,7 +15,7 @@ import numpy as np
 from rockpulse.readers.kit.checks import held_length, held_peak_time
 from rockpulse.readers.kit.direction import Direction, direction, means_vertical, on_structure
 from rockpulse.readers.kit.facts import Facts, instant, preferred, stated, written
-from rockpulse.readers.kit.text import check_count, fixed_width, free_numbers, unexpected
+from rockpulse.readers.kit.text import check_count, fixed_width, free_numbers, matched, unexpected
 from rockpulse.remark import Remark
 
 TITLE = re.compile(r"\s?(.{0,60}?)\s*\(Format v\d{1,2}\.\d{1,3} with (\d{1,3}) text lines\)", re.ASCII | re.IGNORECASE)
@@ -39,6 +37,11 @@ _GEOLOGY = re.compile(r"site geology:\s*(.*?)\s*$", re.IGNORECASE)
 #: Network and number of the earthquake, then the codes of the channel: RcrdId: US.1000hyfh.NP.8040.HNE.01
 _EVENT_ID = re.compile(r"\s*\|\s*RcrdId:\s*(\w{2}\.\w+)\.\w{2}\.\w+\.\w{3}\.", re.ASCII | re.IGNORECASE)
 _COUNTED = re.compile(r"\(\s*(\d{1,3})\s*chns?\s+of\s+\d{1,3}", re.ASCII | re.IGNORECASE)
+_PEAK_TIME = re.compile(r"\bmax\s*=.{0,60}?\bat\s+(\d{0,6}\.\d{0,6})\s*sec", re.ASCII | re.IGNORECASE)
+_RAW_LENGTH = re.compile(r"\s*raw record length\s*=\s*(\d{0,6}\.\d{0,6})\s*sec", re.ASCII | re.IGNORECASE)
+_ABOUT = re.compile(r".{0,80}?\bapprox\.?\s+(\d{1,6}(?:\.\d{0,6})?)\s*secs?\b", re.ASCII | re.IGNORECASE)
+#: A stated length may be off by this share.
+_LENGTH_SHARE = 5e-3
 #: No line of the header is longer; a damaged one may be.
 _LONGEST_LINE = 200
 _ORIENTATIONS = {
@@ -216,7 +219,7 @@ def _count(name: str, lines: Sequence[str], at: int, end: int, kind: str) -> int
     heading = re.match(rf"\s*(\d{{1,9}})\s*{kind}\b", lines[at][:80], re.ASCII | re.IGNORECASE) if at < end else None
     if not heading:
         found = repr(lines[at].strip()[:60]) if at < end else "the end of the channel"
-        raise unexpected(f"{name}:{at + 1}", f"the number of {kind} values or lines", str(found))
+        raise unexpected(f"{name}:{at + 1}", f"the number of {kind} values or lines", found)
     return int(heading[1])
 
 
@@ -234,13 +237,6 @@ def _numbers(name: str, lines: Sequence[str], at: int, end: int, kind: str) -> t
     return fixed_width(block, at + 2, width, per_row, count, name), at + 1 + rows
 
 
-_PEAK_TIME = re.compile(r"\bmax\s*=.{0,60}?\bat\s+(\d{0,6}\.\d{0,6})\s*sec", re.ASCII | re.IGNORECASE)
-_RAW_LENGTH = re.compile(r"\s*raw record length\s*=\s*(\d{0,6}\.\d{0,6})\s*sec", re.ASCII | re.IGNORECASE)
-_ABOUT = re.compile(r".{0,80}?\bapprox\.?\s+(\d{1,6}(?:\.\d{0,6})?)\s*secs?\b", re.ASCII | re.IGNORECASE)
-#: A stated length may be off by this share.
-_LENGTH_SHARE = 5e-3
-
-
 def held_series(header: Header, heading: str, step: float, samples: np.ndarray) -> list[str]:
     """Warnings where the heading of the series, the text or real 65 contradicts samples (n,) at a step [s].
 
@@ -248,9 +244,8 @@ def held_series(header: Header, heading: str, step: float, samples: np.ndarray) 
     """
     raw = not header.kind.lower().startswith("corrected")
     spare = _LENGTH_SHARE * step * samples.size
-    about, length = _ABOUT.match(heading[:200]), _RAW_LENGTH.match(header.text[9]) if raw else None
-    notes = held_length(about[1], samples.size, step, spare) if about else []
-    notes += held_length(length[1], samples.size, step, spare) if length else []
+    lengths = (matched(_ABOUT, heading[:200]), matched(_RAW_LENGTH, header.text[9]) if raw else "")
+    notes = [note for text in lengths for note in held_length(text, samples.size, step, spare)]
     lines = header.text[9:11] if raw else header.text[10:11]
     stated = [match[1] for line in lines if (match := _PEAK_TIME.search(line))]
     if not np.isnan(header.real(65)):

@@ -1,7 +1,4 @@
-"""Statements in the prose above plain columns: kind of motion, unit, interval, number of samples.
-
-The headings of a table of numbers: the line above the numbers, and a row of units below it.
-"""
+"""What stands above plain columns: the prose, which may state motion, unit, interval and count, and the headings."""
 
 from __future__ import annotations
 
@@ -156,9 +153,9 @@ def stated_steps(header: Sequence[str]) -> list[Statement]:
         for match in _STEP.finditer(text):
             factor = _TIMES.get(match["unit"] or match["before"] or "", 1.0)
             named.append(Statement(number, match[0].strip(), _value(match) * factor / float(match["divisor"] or 1.0)))
-        named += [Statement(number, match[0], _inverse(_value(match))) for match in _RATE.finditer(text)]
+        named += [Statement(number, match[0], _step_of_rate(match)) for match in _RATE.finditer(text)]
         if not _FILTER.search(text):
-            bare += [Statement(number, match[0], _inverse(_value(match))) for match in _PER_SECOND.finditer(text)]
+            bare += [Statement(number, match[0], _step_of_rate(match)) for match in _PER_SECOND.finditer(text)]
     return named or bare
 
 
@@ -166,7 +163,8 @@ def _value(match: re.Match[str]) -> float:
     return float(match["value"].replace(",", ".") + "e" + (match["power"] or "0"))
 
 
-def _inverse(rate: float) -> float:
+def _step_of_rate(match: re.Match[str]) -> float:
+    rate = _value(match)
     return 1.0 / rate if rate else float("inf")
 
 

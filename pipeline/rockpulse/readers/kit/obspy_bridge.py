@@ -187,11 +187,6 @@ def _channels(
                 yield found, (site.name or "").strip() if site else ""
 
 
-def _is_of(name: str, file: SourceFile) -> bool:
-    """Whether a StationXML file was named by the caller, or has the stem of the miniSEED file."""
-    return file.chosen or PurePosixPath(name.replace("\\", "/").rpartition("!")[2]).stem == file.path.stem
-
-
 def station_channel(file: SourceFile, trace: Any, full: bool) -> tuple[Any, str, list[str]]:
     """The one StationXML channel whose epoch holds the whole record, the name of its station, and obspy's warnings.
 
@@ -206,7 +201,8 @@ def station_channel(file: SourceFile, trace: Any, full: bool) -> tuple[Any, str,
     found: list[tuple[Any, str]] = []
     for own in (True, False):
         for name, content in files:
-            if _is_of(name, file) is not own:
+            stem = PurePosixPath(name.replace("\\", "/").rpartition("!")[2]).stem
+            if (file.chosen or stem == file.path.stem) is not own:
                 continue
             try:
                 warned = _inventory(name, content)[1]
@@ -265,17 +261,18 @@ def _gap(one: Any, other: Any, full: bool) -> tuple[str, str] | None:
     """Name of the property in which two channels differ, and its two values; None where they tell the same."""
     if full and one.response != other.response:
         return "responses", ""
-    pairs = (
-        ("sensitivities", _sensitivity(one), _sensitivity(other)),
-        ("directions", _facing(one), _facing(other)),
-        ("states of processing", _state(one), _state(other)),
-    )
+    states = {True: "corrected", False: "raw", None: "unknown"}
+    told = [
+        (
+            f"{float(channel.response.instrument_sensitivity.value)!r} per "
+            f"{str(channel.response.instrument_sensitivity.input_units).upper()}",
+            _facing(channel),
+            states[PROCESSED.get(channel.description, False)],
+        )
+        for channel in (one, other)
+    ]
+    pairs = zip(("sensitivities", "directions", "states of processing"), *told, strict=True)
     return next(((what, f"{mine}; {theirs}") for what, mine, theirs in pairs if mine != theirs), None)
-
-
-def _sensitivity(channel: Any) -> str:
-    told = channel.response.instrument_sensitivity
-    return f"{float(told.value)!r} per {str(told.input_units).upper()}"
 
 
 def _facing(channel: Any) -> str:
@@ -283,7 +280,3 @@ def _facing(channel: Any) -> str:
     if facing.orientation == "vertical":
         return "up" if facing.sign > 0.0 else "down"
     return f"{facing.orientation}, azimuth {facing.azimuth:g}"
-
-
-def _state(channel: Any) -> str:
-    return {True: "corrected", False: "raw", None: "unknown"}[PROCESSED.get(channel.description, False)]

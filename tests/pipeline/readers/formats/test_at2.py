@@ -191,20 +191,6 @@ def test_damage_is_named(write, content, error, message):
         read(write(content))
 
 
-REAL = {
-    "NIS090.AT2": (4096, 0.01, 0.5027, 90.0),
-    "RSN763_LOMAP_GIL067.AT2": (7999, 0.005, 0.3585, 67.0),
-    "RSN763_LOMAP_GIL337.AT2": (7999, 0.005, 0.3266, 337.0),
-}
-
-
-@pytest.mark.parametrize("name", REAL)
-def test_real_files(records_folder, name):
-    (record,) = read(records_folder / "at2" / name)
-    assert (record.npts, record.dt, record.azimuth) == (*REAL[name][:2], REAL[name][3])
-    assert record.pga / STANDARD_GRAVITY == pytest.approx(REAL[name][2], rel=0.02)
-
-
 @pytest.mark.parametrize(
     ("first_line", "processed"),
     [

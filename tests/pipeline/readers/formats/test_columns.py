@@ -226,12 +226,6 @@ def test_an_interval_that_is_not_positive_is_refused(write, header):
         read(write(table(VALUES, header=header)), units="g", dt=None if "0" in header[:8] else 0.01)
 
 
-def test_deepsoil_file(records_folder):
-    (record,) = read(records_folder / "columns" / "ChiChi.txt", units="g")
-    assert (record.npts, record.dt) == (11800, 0.005)
-    assert record.pga / STANDARD_GRAVITY == pytest.approx(0.1829, rel=0.02)
-
-
 TITLES = [
     "Vs30: 360 m/s",
     "PGV = 25 cm/s",

@@ -176,23 +176,6 @@ def test_damage_is_named_with_file_and_line(write, change, error, message):
         read(write(content))
 
 
-# npts after resampling, dt, PGA [g] of the file.
-OLD = {
-    "LA116TH.RAW": ((12000, 12000, 12000), 0.005, (0.2003, 0.0604, 0.1428)),
-    "ce23583r_HESPERIA.RAW": ((12001, 12001, 12001), 0.005, (0.05792, 0.04203, 0.09058)),
-}
-
-
-@pytest.mark.parametrize("name", OLD)
-def test_old_files(records_folder, name):
-    records = read(records_folder / "csmip_v1" / name)
-    counts, dt, peaks = OLD[name]
-    assert tuple(record.npts for record in records) == counts
-    assert [record.dt for record in records] == pytest.approx([dt] * 3, rel=1e-12)
-    assert [record.pga / STANDARD_GRAVITY for record in records] == pytest.approx(peaks, rel=0.02)
-    assert all(("resampled" in " ".join(record.warnings)) is (name == "LA116TH.RAW") for record in records)
-
-
 OF_THREE = "ETNA   S/N 2866  (3 CHNS OF  3 AT STA)"
 LACKING = "the header counts 3 channels of this recorder, the file holds 2; it may be truncated"
 
@@ -216,20 +199,6 @@ def test_the_integers_count_the_channels_where_the_text_does_not(write):
     assert not any(record.warnings for record in read(write(content)))
     counting = content.replace(b"    0" * 16 + b"\r\n", b"    1    1    1    3    3" + b"    0" * 11 + b"\r\n")
     assert [record.warnings for record in read(write(counting))] == [(LACKING,)] * 2
-
-
-def test_a_file_of_one_channel_that_ends_properly_is_whole(write):
-    content = of_three(2)
-    assert read(write(content))[0].warnings == ()
-    cut = content[: content.index(b"/&")]
-    assert "the file holds 1" in read(write(cut))[0].warnings[0]
-
-
-def test_two_recorders_in_one_file_count_apart(write):
-    other = of_three(1, 2, 3).replace(b"S/N 2866", b"S/N 2867")
-    assert not any(record.warnings for record in read(write(of_three(1, 2, 3) + other)))
-    short = other[: other.rindex(b"UNCORRECTED")]
-    assert len([record for record in read(write(of_three(1, 2, 3) + short)) if record.warnings]) == 5
 
 
 def test_a_channel_of_one_number_with_other_samples_is_damage(write):

@@ -13,47 +13,11 @@ from rockpulse.errors import RecordFormatError, UnitError
 from rockpulse.readers import read
 from rockpulse.readers.folders import read_all
 from rockpulse.readers.source import NotAcceleration
-from rockpulse.record.record import STANDARD_GRAVITY
 
 MOTION = np.round(pulse(403, peak=250.0), 3)
 
 
 NAME = "TEST.V2"
-
-
-# npts, dt [s], PGA [g], peak that the header states [cm/s2], azimuth as measured independently on the same files.
-REAL = {
-    "CE58667.V2": (
-        (7500, 7500, 7500),
-        0.01,
-        (0.02765, 0.01147, 0.02693),
-        (27.114, 11.244, 26.411),
-        (np.nan, np.nan, np.nan),
-        datetime(2014, 8, 24, 10, 20, 33, tzinfo=UTC),
-    ),
-    "ce36456p_CE36456.V2": (
-        (3251, 3250, 3250),
-        0.02,
-        (0.2732, 0.09667, 0.2613),
-        (267.957, 94.805, 256.231),
-        (90.0, np.nan, 0.0),
-        datetime(1983, 5, 2, 23, 42, 48, 200000, tzinfo=UTC),  # the file says PDT
-    ),
-}
-
-
-@pytest.mark.parametrize("name", REAL)
-def test_real_files(records_folder, name):
-    records = read(records_folder / "csmip_v2" / name)
-    counts, dt, peaks, stated, azimuths, start = REAL[name]
-    assert tuple(record.npts for record in records) == counts
-    assert [record.dt for record in records] == [dt] * 3
-    assert [record.pga / STANDARD_GRAVITY for record in records] == pytest.approx(peaks, rel=5e-4)
-    assert [100.0 * record.header_peak for record in records] == pytest.approx(stated, rel=1e-9)
-    assert [record.azimuth for record in records] == pytest.approx(azimuths, nan_ok=True)
-    assert [record.orientation for record in records] == ["horizontal", "vertical", "horizontal"]
-    assert [record.start_time for record in records] == [start] * 3
-    assert [(record.processed, record.source_unit, record.warnings) for record in records] == [(True, "cm/s2", ())] * 3
 
 
 def test_the_text_of_a_real_file(records_folder):

@@ -27,37 +27,6 @@ def got(content: bytes) -> Record:
     return record
 
 
-# npts, dt, PGA [g], azimuth, start, processed.
-REAL = {
-    "HI.ARS1..HNE.D.20190728.160908.C.ACC.ASC": (
-        (19128, 0.005, 0.0003059, 90.0),
-        datetime(2019, 7, 28, 16, 9, 19, 870000, tzinfo=UTC),
-        True,
-    ),
-    "HI.ARS1..HNN.D.20190728.160908.C.ACC.ASC": (
-        (19128, 0.005, 0.0003661, 0.0),
-        datetime(2019, 7, 28, 16, 9, 19, 870000, tzinfo=UTC),
-        True,
-    ),
-    "20101114230825_3104_ap_RawAcc_E.asc": (
-        (5600, 0.01, 0.001664, 90.0),
-        datetime(2010, 11, 14, 23, 9, 19, 300000, tzinfo=UTC),
-        None,
-    ),
-}
-
-
-@pytest.mark.parametrize("name", REAL)
-def test_real_files(records_folder, name):
-    (record,) = read(records_folder / "dyna_asc" / name)
-    (count, dt, peak, azimuth), start, processed = REAL[name]
-    assert (record.npts, record.dt, record.azimuth) == (count, dt, azimuth)
-    assert record.pga / STANDARD_GRAVITY == pytest.approx(peak, rel=5e-4)
-    assert record.header_peak == pytest.approx(record.pga, rel=1e-3)
-    assert (record.start_time, record.processed) == (start, processed)
-    assert record.format == "dyna"
-
-
 def test_codes_of_real_files(records_folder):
     (esm,) = read(records_folder / "dyna_asc" / "HI.ARS1..HNE.D.20190728.160908.C.ACC.ASC")
     assert esm.id == "HI.ARS1..HNE@20190728T160919"

@@ -13,35 +13,13 @@ from record_writers.geonet import START, geonet, samples
 
 from rockpulse.errors import RecordFormatError, UnitError
 from rockpulse.readers import read
-from rockpulse.record.record import STANDARD_GRAVITY, Record
+from rockpulse.record.record import Record
 
 THREE = tuple(np.round(pulse(203, peak, dt=0.005), 1) for peak in (2394.8, 2584.4, 1589.9))
 
 
 def got(content: bytes) -> list[Record]:
     return read(io.BytesIO(content))
-
-
-# npts, dt, PGA [g], azimuths, start, processed.
-REAL = {
-    "20161113_110300_HSES_20.V1A": (65536, 0.005, (0.2442, 0.2635, 0.1621), (10.0, 280.0), 20, False),
-    "20161113_110313_THZ_20.V2A": (8192, 0.02, (0.03649, 0.04764, 0.02288), (90.0, 0.0), 33, True),
-}
-
-
-@pytest.mark.parametrize("name", REAL)
-def test_real_files(records_folder, name):
-    records = read(records_folder / "geonet" / name)
-    count, dt, peaks, azimuths, second, processed = REAL[name]
-    assert [(record.npts, record.dt, record.processed) for record in records] == [(count, dt, processed)] * 3
-    assert [record.pga / STANDARD_GRAVITY for record in records] == pytest.approx(peaks, rel=5e-4)
-    assert [record.header_peak for record in records] == pytest.approx([record.pga for record in records], rel=1e-9)
-    assert [record.orientation for record in records] == ["horizontal", "horizontal", "vertical"]
-    assert tuple(record.azimuth for record in records[:2]) == azimuths
-    # The buffer begins 36 and 23 s before the earthquake of 11:02:56.
-    assert {record.start_time for record in records} == {datetime(2016, 11, 13, 11, 2, second, tzinfo=UTC)}
-    assert {record.event for record in records} == {"5 km south-west of Waiau"}
-    assert {record.warnings for record in records} == {()}
 
 
 def test_codes_of_a_real_file(records_folder):

@@ -153,12 +153,6 @@ def test_the_version_of_the_header_tells_the_format(order, version, known):
     assert not is_sac(bytes(head[:631]), "x")
 
 
-def test_real_sac(records_folder):
-    (record,) = read(records_folder / "sac" / "20190706031952.CJ.T001230.HNE.sac", units="m/s2")
-    assert (record.npts, record.dt) == (15001, 0.02)
-    assert record.pga == pytest.approx(0.043384, rel=1e-4)
-
-
 @pytest.mark.parametrize("known", [{"stdp": 55.0}, {}])
 def test_the_depth_of_the_sensor_is_that_of_the_header(tmp_path, known):
     (record,) = read(write_sac(tmp_path, **known), units="cm/s2")

@@ -233,22 +233,6 @@ def test_damage_is_named(write, content, message):
         read(write(content))
 
 
-# The raw one is resampled at its median step; four pairs after the declared count run backwards and are left out.
-REAL = {
-    "0165b_a.smc": (6014, 0.005, 0.2799, "structural"),
-    "891018_1.cra-1.0210j.smc": (34656, 0.0014, 0.1183, "structural"),
-}
-
-
-@pytest.mark.parametrize("name", REAL)
-def test_real_files(records_folder, name):
-    (record,) = read(records_folder / "smc" / name)
-    count, dt, peak, orientation = REAL[name]
-    assert (record.npts, record.orientation) == (count, orientation)
-    assert record.dt == pytest.approx(dt, rel=1e-12)
-    assert record.pga / STANDARD_GRAVITY == pytest.approx(peak, rel=0.02)
-
-
 @pytest.mark.parametrize(
     ("codes", "structural"),
     [

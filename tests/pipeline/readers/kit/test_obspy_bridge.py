@@ -18,7 +18,6 @@ from rockpulse.readers.kit.obspy_bridge import (
     PROCESSED,
     _gap,
     _holds,
-    _is_of,
     _overlap,
     obspy_notes,
     obspy_stream,
@@ -194,13 +193,3 @@ def test_what_two_channels_tell_differently(one, other, gap):
         assert _gap(first, second, full=True) == gap
     else:
         assert _gap(channel(**one), channel(**other), full=True) == ("responses", "")
-
-
-def test_a_station_file_is_that_of_a_record_by_its_name_or_the_callers_choice():
-    def opened(**options):
-        return SourceFile("b.zip!sub/XX.ABC.mseed.gz", b"", bytes, **options)
-
-    assert _is_of("b.zip!sub/XX.ABC.xml", opened())
-    assert _is_of("c\\XX.ABC.xml", opened())
-    assert not _is_of("XX.DEF.xml", opened())
-    assert _is_of("XX.DEF.xml", opened(chosen=True))
