@@ -66,7 +66,7 @@ def many_results(records, blocks, samples=6000, seed=0):
     summary["safety_factor"].values[...] = factor
     summary["safe_up_to"].values[...] = np.minimum(factor, 10.0)
     summary["interval_count"].values[...] = np.isfinite(factor)
-    for name, value in (("predictable", 1), ("applicable", 1), ("factor_resolved", 1), ("reason", 0), ("pgv_drift", 0)):
+    for name, value in (("applicable", 1), ("factor_resolved", 1), ("reason", 0), ("pgv_drift", 0)):
         summary[name].values[...] = value
     words = {
         "event": [f"Earthquake {'ABCDEFGHIJ'[k % 10] * 3}" for k in range(records)],

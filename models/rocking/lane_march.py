@@ -15,8 +15,7 @@ import numpy as np
 from scipy.special import ndtri
 
 from rocking.block import Block
-from rocking.demand import ground_demand
-from rocking.fidelity import within_measured_range
+from rocking.demand import ground_demand, within_measured_range
 from rocking.lane_probability import Shift, lane_bells, tail_masses
 from rocking.recorded import recorded_response
 from rocking.response import Outcome

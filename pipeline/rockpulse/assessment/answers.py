@@ -17,15 +17,16 @@ import numpy as np
 from rocking.response import Outcome, Reason
 from rockpulse.assessment.demand import Demand, stored_demands
 from rockpulse.assessment.motion_shares import Motions, Share
+from rockpulse.model_table import fullest, is_full
 from rockpulse.motions.events import UNKNOWN
-from rockpulse.storage.hdf5_reader import flag_words, slab, worded
+from rockpulse.record.measures import PGA
+from rockpulse.storage.hdf5_reader import slab, worded
 from rockpulse.storage.probability_variables import MEAN, PROBABILITY, SOURCES
 
 if TYPE_CHECKING:
     import xarray as xr
 
 __all__ = [
-    "PROBABLE",
     "Answers",
     "Body",
     "Margin",
@@ -40,9 +41,6 @@ __all__ = [
     "swept_answers",
 ]
 
-#: Models whose probability of overturning results hold: that of the nonlinear one.
-PROBABLE = ("nonlinear", "auto")
-
 #: What stands in place of a variable along the answers, or along the records, that results lack: not computed, not
 #: marked.
 ABSENT: dict[str, Any] = {
@@ -52,8 +50,6 @@ ABSENT: dict[str, Any] = {
     "search_step": np.nan,
     "factor_resolved": -1,
     "interval_count": -1,
-    "model_used": -1,
-    "predictable": -1,
     "applicable": 1,
     "reason": Reason.NONE,
 }
@@ -149,7 +145,7 @@ class Answers:
         if "demand_factor" in self.summary:
             return np.asarray(self["demand_factor"][..., [*self.demands].index(demand)])
         return np.broadcast_to(
-            (self.demands[demand].value / self["pga"])[:, np.newaxis], (len(self.records), len(self.bodies))
+            (self.demands[demand].value / self[PGA])[:, np.newaxis], (len(self.records), len(self.bodies))
         )
 
     def at_demand(self, demand: str) -> np.ndarray:
@@ -157,11 +153,6 @@ class Answers:
         if "demand_probability" in self.summary:
             return np.asarray(self["demand_probability"][..., [*self.demands].index(demand)])
         return np.full((len(self.records), len(self.bodies)), np.nan)
-
-    @cached_property
-    def used(self) -> np.ndarray:
-        """(records, bodies) name of the model that gave the answer; empty where the results do not say."""
-        return worded(self["model_used"], {-1: "", **flag_words(self.summary["model_used"])})
 
     @cached_property
     def source(self) -> np.ndarray:
@@ -176,7 +167,7 @@ class Answers:
     @cached_property
     def probable(self) -> bool:
         """Whether the probability of overturning by the model is known."""
-        return self.model in PROBABLE and not bool(np.isnan(self["overturning_probability"]).all())
+        return is_full(self.model) and not bool(np.isnan(self["overturning_probability"]).all())
 
     @property
     def factor(self) -> str:
@@ -326,8 +317,7 @@ def bodies_of(summary: xr.Dataset) -> list[Body]:
 
 def fullest_model(summary: xr.Dataset) -> str:
     """The model nearest to the full equation of motion."""
-    models = [str(model) for model in summary["model"].values]
-    return "nonlinear" if "nonlinear" in models else models[-1]
+    return fullest(str(model) for model in summary["model"].values)
 
 
 def searched_up_to(factor: np.ndarray, proven: np.ndarray) -> float:

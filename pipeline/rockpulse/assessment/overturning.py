@@ -34,7 +34,6 @@ from rockpulse.storage.variables import StoredVariable
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["LANES", "overturning_curve", "overturning_factors", "overturning_spectrum", "spectrum_values"]
 
 #: The angle of the blocks that stand for all [rad]; their capacity over g tan(alpha)/p does not depend on it.
 ALPHA = 0.1
@@ -43,7 +42,7 @@ ALPHA = 0.1
 def _of_rule(
     record: Record, rates: np.ndarray = RATES, threads: int | None = None, waves: HalfWaves | None = None
 ) -> SpectrumLanes:
-    return load_rule("balanced").spectrum_lanes(waves or half_waves(record), rates, threads)
+    return load_rule().spectrum_lanes(waves or half_waves(record), rates, threads)
 
 
 def _of_record(

@@ -17,14 +17,11 @@ from rockpulse.config.bodies import Bodies, Place
 from rockpulse.config.configuration import Config
 from rockpulse.config.restraint_settings import FloorSettings
 from rockpulse.errors import RecordRefused
-from rockpulse.ladder import Scene
+from rockpulse.model_row import Scene
 from rockpulse.motions.directions import FACING_WITHIN
 from rockpulse.record.components import Pair
 from rockpulse.record.record import STANDARD_GRAVITY, Record
 from rockpulse.record.rotation import rotate
-
-__all__ = ["aloft", "floor_record", "joined_intervals", "joined_responses", "places_of", "turned"]
-
 
 #: The oscillations of a floor are followed until they are below so much of gravity: a thousandth of the uplift of a
 #: body of slenderness 10.

@@ -25,8 +25,6 @@ from rockpulse.option import hint
 from rockpulse.storage import hdf5_reader, save_load
 from rockpulse.storage.atomic_file import ASSESSMENT, named
 
-__all__ = ["Results", "load", "open_results", "registered"]
-
 #: Colours of the verdicts in a picture, and the bodies that are drawn.
 COLOURS = {Grade.STAYS: GREY, Grade.ROCKS: BLUE, Grade.MAY_OVERTURN: ORANGE, Grade.NOT_KNOWN: INK, Grade.OVERTURNS: RED}
 DRAWN = 20
@@ -205,7 +203,7 @@ def load(path: str | os.PathLike[str]) -> xr.DataTree:
     Raises
     ------
     ResultsError
-        For a file that is no HDF5, is damaged, was not written by rockpulse, is an accuracy report, or has another
+        For a file that is no HDF5, is damaged, was not written by rockpulse, or has another
         major schema version.
     OSError
         Where the file cannot be opened.

@@ -27,7 +27,6 @@ from rockpulse.storage.variables import StoredVariable, failure_table
 if TYPE_CHECKING:
     from rockpulse.assessment.record_assessment import RecordAssessment
 
-__all__ = ["EVENT", "build_tree", "dimension_of", "joined_parts", "nothing", "record_part", "template"]
 
 #: The one variable that grows with the records and is in no part: a record alone does not tell it.
 EVENT = "/summary/event"
@@ -154,7 +153,7 @@ def _in_dims(variable: StoredVariable, values: np.ndarray, bodies: Bodies) -> np
 
 def _absent(variable: StoredVariable, rows: int, bodies: Bodies, config: Config) -> np.ndarray:
     """So many rows without a value."""
-    sizes = {"block": len(bodies.names), "case": bodies.cases, "model": len(config.models.answering)}
+    sizes = {"block": len(bodies.names), "case": bodies.cases, "model": len(config.models.use)}
     sizes |= {"demand": len(config.demands), **AXIS_SIZES}
     shape = (rows, *(sizes[dim] for dim in _dims(variable, bodies)[1:]))
     return np.full(shape, variable.absent, dtype=variable.kind)

@@ -17,22 +17,7 @@ import numpy as np
 from rocking.response import Outcome, Reason
 from rockpulse.assessment.answers import Answers, Body, Margin, Share
 from rockpulse.assessment.demand import FARTHEST
-from rockpulse.ladder import is_upper_bound
-
-__all__ = [
-    "FEWEST_AT_DEMAND",
-    "MAY_OVERTURN",
-    "OVERTURNS",
-    "BodyVerdict",
-    "DemandVerdict",
-    "Grade",
-    "Standing",
-    "chances",
-    "standings",
-    "too_far",
-    "verdicts",
-    "why_unknown",
-]
+from rockpulse.model_table import is_upper_bound
 
 #: Probabilities of overturning from which on a body may overturn, and overturns [-].
 MAY_OVERTURN, OVERTURNS = 0.05, 0.5
@@ -137,8 +122,7 @@ def standings(answers: Answers) -> np.ndarray:
     """The :class:`Standing` of every body under every record, (records, bodies).
 
     Overturning is overturning; a safety factor below 1 at which the model answers is overturning by a weaker record.
-    Unresolved, outside the range of the model, not predictable, or a factor below 1 at which the model cannot answer:
-    not known.
+    Unresolved, outside the range of the model, or a factor below 1 at which the model cannot answer: not known.
     """
     factor = answers["safety_factor"]
     found = np.full(factor.shape, Standing.STANDS, dtype=np.int8)
@@ -239,7 +223,7 @@ def _overturns_at(answers: Answers, demand: str) -> np.ndarray:
     # A search that ends below the demand has shown nothing of what lies between.
     unknown = np.isnan(ratio) | ((ratio < 1.0) & answers.bound)
     unknown |= np.isinf(ratio) & ~(answers.proven(demand) >= 1.0)
-    unknown |= (answers["applicable"] == 0) | (answers["predictable"] == 0)
+    unknown |= answers["applicable"] == 0
     return np.where(unknown, np.nan, ratio < 1.0)
 
 
@@ -249,7 +233,6 @@ def _doubts(answers: Answers) -> list[tuple[np.ndarray, str]]:
     return [
         (weaker, "a weaker copy may overturn it, no answer from there on"),
         (answers["applicable"] == 0, "outside the range of the model"),
-        (answers["predictable"] == 0, "not predictable: changes with the ninth digit"),
         (answers["outcome"] == Outcome.UNRESOLVED, "unresolved"),
     ]
 

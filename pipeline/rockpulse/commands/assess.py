@@ -51,7 +51,7 @@ def _with_models(args: argparse.Namespace, config: Config) -> Config:
         return config
     from dataclasses import replace
 
-    from rockpulse.ladder import ALL_MODELS
+    from rockpulse.model_table import ALL_MODELS
 
     return replace(config, models=replace(config.models, use=ALL_MODELS))
 

@@ -20,7 +20,7 @@ HOW = {
 
 #: What stands in the help for names of files.
 FILES = frozenset(
-    "PATHS RESULTS FILE SITE REPORT TABLE BEFORE AFTER FRAGILITY CURVE CONFIG RULE VERDICTS STUDY OUT".split()  # noqa: SIM905
+    "PATHS RESULTS FILE SITE REPORT TABLE BEFORE AFTER FRAGILITY CURVE CONFIG OUT".split()  # noqa: SIM905
 )
 
 
@@ -31,7 +31,7 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
 def _run(args: argparse.Namespace) -> int:
     import shtab
 
-    from rockpulse.ladder import MODELS
+    from rockpulse.model_table import MODELS
     from rockpulse.readers import UNITS
     from rockpulse.views.plots.kinds import KINDS
 

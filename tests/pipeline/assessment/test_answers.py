@@ -141,7 +141,11 @@ def test_every_model_has_answers_under_the_same_motions():
 
 @pytest.mark.parametrize(
     ("models", "fullest"),
-    [(["nonlinear", "auto"], "nonlinear"), (["resonance", "sequence", "linear"], "linear"), (["sequence"], "sequence")],
+    [
+        (["nonlinear", "linear"], "nonlinear"),
+        (["resonance", "conservative"], "conservative"),
+        (["sequence", "x"], "sequence"),
+    ],
 )
 def test_the_fullest_model_answers(models, fullest):
     each = [summary_of([1.0 + k]).assign_coords(model=[name]) for k, name in enumerate(models)]
@@ -163,7 +167,7 @@ def test_results_that_lack_variables_count_as_not_computed_and_not_marked():
     ):
         assert np.isnan(found[name]).all()
         assert found[name].shape == (2, 1)
-    whole = {"factor_resolved": -1, "interval_count": -1, "model_used": -1, "predictable": -1, "applicable": 1}
+    whole = {"factor_resolved": -1, "interval_count": -1, "applicable": 1}
     whole |= {"reason": 0, "probability_source": 0}
     for name, value in whole.items():
         assert found[name].tolist() == [[value]] * 2, name
@@ -171,18 +175,14 @@ def test_results_that_lack_variables_count_as_not_computed_and_not_marked():
     assert {name: found[name].tolist() for name in of_records} == {name: [one] * 2 for name, one in of_records.items()}
     assert (found.motions.kind, found.motions.event_count) == ("record", 1)
     assert (found.searched, found.told, found.probable, found.factor) == (False, False, False, "safety_factor")
-    assert found.used.tolist() == [[""]] * 2
     assert found.source.tolist() == [["none"]] * 2
     assert found.demands == {}
 
 
-def test_models_and_sources_are_told_in_words():
-    flags = {"flag_values": np.array([0, 1]), "flag_meanings": "static nonlinear"}
+def test_sources_are_told_in_words():
     summary = summary_of([2.0, 3.0, 4.0])
-    summary["model_used"] = (summary["outcome"].dims, np.reshape([1, -1, 0], (3, 1, 1)), flags)
     summary["probability_source"] = (("record", "block"), [[2], [0], [1]])
     found = Answers(summary)
-    assert found.used.tolist() == [["nonlinear"], [""], ["static"]]
     assert found.source.tolist() == [["own_lanes"], ["none"], ["spectrum"]]
 
 

@@ -11,7 +11,7 @@ import rockpulse as rp
 from rockpulse import ModelSettings
 from rockpulse.config.configuration import Config
 from rockpulse.errors import ConfigError
-from rockpulse.ladder import ALL_MODELS
+from rockpulse.model_table import ALL_MODELS
 from rockpulse.models import Block, ImpulseSequence, resonance, resonance_safety, sequence_response
 from rockpulse.storage.design_file import design_of
 
@@ -82,10 +82,8 @@ def test_models_that_need_a_record_are_left_out_in_words(tree):
 
 
 def test_a_configuration_without_a_sequence_model_is_refused():
-    with pytest.raises(
-        ConfigError, match="nonlinear, auto cannot answer a sequence; it is answered by resonance and seq"
-    ):
-        rp.assess_sequence(SEQUENCE, Config(models=ModelSettings(use=["nonlinear"], auto=True)), BLOCKS)
+    with pytest.raises(ConfigError, match="nonlinear cannot answer a sequence; it is answered by resonance and seq"):
+        rp.assess_sequence(SEQUENCE, Config(models=ModelSettings(use=["nonlinear"])), BLOCKS)
 
 
 def test_several_sequences_and_no_body_are_refused():

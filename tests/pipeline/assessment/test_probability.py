@@ -161,14 +161,6 @@ def test_what_is_not_asked_for_is_not_known(sections):
     assert SOURCES[NONE] == "none"
 
 
-def test_auto_has_the_probability_of_the_nonlinear_model():
-    models = rp.ModelSettings(use=("linear",), auto=True)
-    config = configured(WALL, models=models)
-    one = assess_scene(prepare(record("one"), config), gather_bodies(config.blocks), config)
-    assert one.spectrum is not None
-    assert_array_equal(one.probability["factor_50"], direct(Block(0.2, 1.5).lanes(1))["factor_50"])
-
-
 def test_a_design_sequence_has_none():
     sequence = rp.models.ImpulseSequence(0.5, 0.1, interval=0.1, duration=10.0, main_count=3)
     config = rp.Config(

@@ -14,7 +14,7 @@ from rocking.impulse_sequence import ImpulseSequence
 from rocking.restraint import Restraints
 from rockpulse.config.configuration import stored_sections
 from rockpulse.errors import ResultsError
-from rockpulse.ladder import ModelSettings
+from rockpulse.model_table import ModelSettings
 from rockpulse.storage.hdf5_reader import flag_words
 from rockpulse.storage.variables import NOT_KNOWN
 from rockpulse.views.shared.facts import own_radius

@@ -13,6 +13,8 @@ from rockpulse.assessment.answers import Answers, Body, bodies_of
 from rockpulse.config.configuration import stored_sections
 from rockpulse.errors import ResultsError
 from rockpulse.failures import some
+from rockpulse.model_table import MODELS
+from rockpulse.record.measures import PGA
 from rockpulse.storage.fragility_variables import FRAGILITY
 from rockpulse.storage.hdf5_reader import flag_words
 from rockpulse.storage.site_variables import SITE_KIND
@@ -151,9 +153,9 @@ def _bodies(
 def _of_capacities(capacities: xr.Dataset) -> tuple[np.ndarray, np.ndarray]:
     """Records of a fragility file, and their PGA; NaN where that was none of the measures."""
     ids = capacities["record"].values
-    if "pga" not in capacities["measure"].values or not capacities.sizes["block"]:
+    if PGA not in capacities["measure"].values or not capacities.sizes["block"]:
         return ids, np.full(ids.size, np.nan)
-    return ids, capacities["measure_value"].sel(measure="pga").isel(block=0).values
+    return ids, capacities["measure_value"].sel(measure=PGA).isel(block=0).values
 
 
 def _check_design(summary: xr.Dataset, site: xr.Dataset, name: str) -> None:
@@ -179,7 +181,8 @@ def _check_design(summary: xr.Dataset, site: xr.Dataset, name: str) -> None:
 def _check_factors(summary: xr.Dataset, site: xr.Dataset, name: str) -> None:
     """Whether the bodies have the factors that the design spectrum of a site gives them."""
     designed = dict(zip(map(str, site["block"].values), site["design_factor"].values.tolist(), strict=True))
-    factors = summary["safety_factor"].isel(record=0).sel(model="sequence")
+    model = next(name for name in map(str, summary["model"].values) if MODELS[name].paired)
+    factors = summary["safety_factor"].isel(record=0).sel(model=model)
     for body in bodies_of(summary):
         own = factors.isel(block=body.place)
         here = float(own.isel(case=body.case) if "case" in own.dims else own)

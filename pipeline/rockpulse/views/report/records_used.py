@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rockpulse.assessment.answers import Answers
+from rockpulse.record.measures import PGA
 from rockpulse.record.record import STANDARD_GRAVITY
 from rockpulse.views.report.wording import Words
 from rockpulse.views.shared.facts import Known
@@ -60,8 +61,8 @@ def used_table(words: Words, answers: Answers) -> Table:
         key = earthquake_words(words, known), known.place, str(event)
         groups.setdefault(key if key[0] and key[1] else (record, "", ""), []).append(row)
     order = sorted(groups.values(), key=lambda rows: -float(np.max(pga[rows])))
-    titles = ("earthquake", "magnitude", "station", "direction", "records", "pga", "worst")
-    headings = tuple(Heading(words(f"head.{title}"), "g" if title == "pga" else "") for title in titles)
+    titles = ("earthquake", "magnitude", "station", "direction", "records", PGA, "worst")
+    headings = tuple(Heading(words(f"head.{title}"), "g" if title == PGA else "") for title in titles)
     rows = tuple(_used(words, answers, rows) for rows in order[:ROWS])
     told = "caption.used" if len(order) <= ROWS else "caption.strongest"
     caption = words(told, shown=len(rows), total=len(order), records=words.several(len(pga), "record"))

@@ -6,6 +6,7 @@ from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
 from rockpulse.readers.kit.channel import CREDIBLE_PEAK_G
+from rockpulse.record.measures import PGA
 from rockpulse.record.record import STANDARD_GRAVITY
 from rockpulse.remark import remarked
 from rockpulse.views.shared.table import Cell, Mark
@@ -44,7 +45,7 @@ def doubt(pga: float, codes: str) -> tuple[Mark, ...]:
 
 def record_cells(summary: xr.Dataset) -> list[Cell]:
     """The id of every record of /summary, or of a part of it, with its marks."""
-    columns = (summary[name].values.tolist() for name in ("record", "pga", "warning_codes"))
+    columns = (summary[name].values.tolist() for name in ("record", PGA, "warning_codes"))
     return [Cell(str(name), marks=doubt(pga, str(codes))) for name, pga, codes in zip(*columns, strict=True)]
 
 

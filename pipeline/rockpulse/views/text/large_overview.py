@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rockpulse.assessment.answers import Answers, lanes
-from rockpulse.record.record import STANDARD_GRAVITY
+from rockpulse.record.measures import STORED
 from rockpulse.storage.selection import Selection
 from rockpulse.views.shared.record_marks import doubt_notes, record_cells
 from rockpulse.views.shared.table import Cell, Heading, Table, number, text
@@ -61,11 +61,9 @@ def large_overview(answers: Answers, directions: xr.Dataset | None) -> str:
 def _strength(answers: Answers) -> str:
     """The strength of the records."""
     rows = []
-    for title, name, scale, unit in (
-        ("PGA", "pga", STANDARD_GRAVITY, "g"),
-        ("PGV", "pgv", 1.0, "m/s"),
-        ("Arias intensity", "arias_intensity", 1.0, "m/s"),
-        ("main impulse I", "main_impulse", 1.0, "m/s"),
+    for title, name, (_, unit, scale) in (
+        *((row.title, row.name, row.column) for row in STORED),
+        ("main impulse I", "main_impulse", ("I", "m/s", 1.0)),
     ):
         values = answers[name] / scale
         known = values[~np.isnan(values)]
@@ -90,13 +88,11 @@ def _verdicts(answers: Answers) -> str:
     rows = []
     for model, one in answers.of_models.items():
         rest, rocks, over, unresolved = one.counts
-        predictable = one["predictable"]
         weak = int(np.count_nonzero(one["safety_factor"] < 1.0)) if one.searched else None
-        unsure = int(np.count_nonzero(predictable == 0)) if (predictable >= 0).any() else None
         counts = [number(count, str) for count in (rest, rocks, over)]
-        more = [number(count, lambda value: fixed(value, 0)) for count in (unresolved, weak, unsure)]
+        more = [number(count, lambda value: fixed(value, 0)) for count in (unresolved, weak)]
         rows.append((Cell(model), *counts, Cell(f"{over / total:.1%}", over / total), *more))
-    headings = ["", "at rest", "rocks", "OVERTURNS", "", "unresolved", "SF < 1", "not predictable"]
+    headings = ["", "at rest", "rocks", "OVERTURNS", "", "unresolved", "SF < 1"]
     kept = [place for place in range(len(headings)) if not all(row[place].text == ABSENT for row in rows)]
     headings, rows = [headings[place] for place in kept], [tuple(row[place] for place in kept) for row in rows]
     of_factors = ["SF < 1: overturns under the record, or under a weaker copy of it (rocking is not monotonic)."]

@@ -11,6 +11,7 @@ import numpy as np
 
 from rocking.response import Outcome
 from rockpulse.assessment.answers import Answers, Margin, bodies_of, complete, fullest_model
+from rockpulse.record.measures import PGA, STORED
 from rockpulse.record.record import STANDARD_GRAVITY
 from rockpulse.storage.hdf5_reader import flag_words, pointwise, worded
 from rockpulse.storage.selection import Selection, rows
@@ -18,7 +19,7 @@ from rockpulse.views.shared.answer_cells import NAMES, TITLES, answer_cell, fact
 from rockpulse.views.shared.record_marks import doubt, doubt_notes
 from rockpulse.views.shared.table import Cell, Heading, Mark, Table, lines, number
 from rockpulse.views.shared.terminal import paragraph, ratio, restitution, several, shortened
-from rockpulse.views.shared.verdict_notes import BEYOND_CRITICAL, NO_ANSWER, NONE_UP_TO, OUTSIDE, UNPREDICTABLE
+from rockpulse.views.shared.verdict_notes import BEYOND_CRITICAL, NO_ANSWER, NONE_UP_TO, OUTSIDE
 from rockpulse.views.text.capacity import NAME_WIDTH, restitutions
 
 if TYPE_CHECKING:
@@ -33,9 +34,9 @@ DRIFT = Mark("~", "~: the baseline of the record drifts, PGV may be off by as mu
 ID_WIDTH = 36
 
 #: Variables of /summary that a verdict is told by, all that a list of cases has columns for, and what else these need.
-VERDICT = ("outcome", "peak_rotation_ratio", "predictable", "applicable")
-SHOWN = (*VERDICT, "pga", "uplift_ratio", "impulse_ratio", "restitution")
-BESIDE = ("model_used", "warning_codes")
+VERDICT = ("outcome", "peak_rotation_ratio", "applicable")
+SHOWN = (*VERDICT, PGA, "uplift_ratio", "impulse_ratio", "restitution")
+BESIDE = ("warning_codes",)
 
 #: The same of a factor, with how far was searched where none was found, and whether the model answers there.
 OF_FACTOR = {
@@ -73,7 +74,6 @@ def case_list(summary: xr.Dataset, selection: Selection) -> str:
     shown = (*SHOWN, *(name for of in OF_FACTOR.values() for name in of))
     get = _values(summary, (*shown, *BESIDE), places)
     told = [factor for factor, of in OF_FACTOR.items() if not np.isnan(get[of[0]]).all()]
-    rungs = worded(np.array(get["model_used"]), flag_words(summary["model_used"]))
     more = [name for name in _of_interest(selection) if name not in shown]
     extra = [_shown(summary, name, places) for name in more]
     headings = [Heading("record"), Heading("block", width=NAME_WIDTH), *([Heading("model")] if with_model else [])]
@@ -84,16 +84,15 @@ def case_list(summary: xr.Dataset, selection: Selection) -> str:
     table = []
     for k in range(count):
         one = {name: values[k] for name, values in get.items()}
-        pga = one["pga"] / STANDARD_GRAVITY
-        outcome, peak, predictable, applicable = (one[name] for name in VERDICT)
+        pga = one[PGA] / STANDARD_GRAVITY
         table.append(
             (
-                Cell(shortened(records[k], ID_WIDTH), marks=doubt(one["pga"], one["warning_codes"])),
+                Cell(shortened(records[k], ID_WIDTH), marks=doubt(one[PGA], one["warning_codes"])),
                 Cell(blocks[k]),
                 *([Cell(models[k])] if with_model else []),
                 number(one["restitution"], restitution),
                 *(number(value, ratio) for value in (pga, one["uplift_ratio"], one["impulse_ratio"])),
-                answer_cell(outcome, peak, predictable, applicable, rungs[k] if models[k] == "auto" else ""),
+                answer_cell(*(one[name] for name in VERDICT)),
                 *(cell for factor in told for cell in _OF_FACTOR[factor](one, pga)),
                 *(cells[k] for cells in extra),
             )
@@ -111,7 +110,8 @@ def record_list(summary: xr.Dataset, selection: Selection) -> str:
     """
     answers, selection = _selected(summary, selection)
     places, found = rows(answers.summary, ["record"], selection)
-    names = ("pga", "pgv", "pgv_drift", "arias_intensity", "main_impulse", "warning_codes")
+    drifts = [f"{one.name}_drift" for one in STORED if one.drifts]
+    names = (*(one.name for one in STORED), *drifts, "main_impulse", "warning_codes")
     get = _values(answers.summary, names, places)
     stated = [column for column in STATED if _known(answers.summary, column[1])]
     shown = (*names, *(name for _, name, _ in stated))
@@ -121,14 +121,19 @@ def record_list(summary: xr.Dataset, selection: Selection) -> str:
     fallen, margins = answers.overturnings("motion"), answers.margins("motion")
     table = []
     for k, row in enumerate(places["record"].tolist()):
-        pga, pgv, drift, arias, impulse, codes = (get[name][k] for name in names)
+        codes = get["warning_codes"][k]
         table.append(
             (
-                Cell(shortened(answers.records[row], ID_WIDTH), marks=doubt(pga, codes)),
-                number(pga / STANDARD_GRAVITY, ratio),
-                number(pgv, ratio, (DRIFT,) if drift else ()),
-                number(arias, ratio),
-                number(impulse, ratio),
+                Cell(shortened(answers.records[row], ID_WIDTH), marks=doubt(get[PGA][k], codes)),
+                *(
+                    number(
+                        get[one.name][k] / one.column[2],
+                        ratio,
+                        (DRIFT,) if one.drifts and get[f"{one.name}_drift"][k] else (),
+                    )
+                    for one in STORED
+                ),
+                number(get["main_impulse"][k], ratio),
                 *(number(of_files[name][k] / scale) for _, name, scale in stated),
                 Cell(str(len(codes.split()) or ""), float(len(codes.split()))),
                 *(cells[k] for cells in extra),
@@ -136,7 +141,8 @@ def record_list(summary: xr.Dataset, selection: Selection) -> str:
                 *_smallest(margins[row], answers.blocks, NAME_WIDTH),
             )
         )
-    of_record = ("record", "PGA/g", "PGV m/s", "Arias m/s", "I m/s", *(title for title, _, _ in stated), "warnings")
+    strengths = (f"{heading}{'/' if unit == 'g' else ' '}{unit}" for heading, unit, _ in (one.column for one in STORED))
+    of_record = ("record", *strengths, "I m/s", *(title for title, _, _ in stated), "warnings")
     titles = (*of_record, *more, "overturns", TITLES[answers.factor], "of")
     notes = [
         f"overturns: blocks that do, by the {answers.model} model; {TITLES[answers.factor]}: smallest known "
@@ -291,7 +297,6 @@ def _notes(table: list[tuple[Cell, ...]], beyond: bool, told: list[str]) -> list
     marks = marks_of(cell for row in table for cell in row)
     meanings = {
         OUTSIDE: "*: outside the range of this model.",
-        UNPREDICTABLE: UNPREDICTABLE.note,
         NO_ANSWER: "!: a lower bound, from this factor on the model cannot answer.",
     }
     return [

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from rockpulse.record.measures import MEASURES
 from rockpulse.views.shared.files_used import files_used
 from rockpulse.views.shared.table import Cell, Heading, Table, lines, number, text
 from rockpulse.views.shared.terminal import (
@@ -93,7 +94,7 @@ def about_records(site: xr.Dataset) -> list[str]:
     listed = [f"{name} ({count})" for name, count in list(counted)[:LISTED]]
     more = f", and {len(events) - LISTED} more" if len(events) > LISTED else ""
     scaled = str(site.attrs["scaled_to"])
-    unit = "m/s2" if scaled.startswith("pga") else "m/s"
+    unit = "" if scaled == "none" else MEASURES[scaled.split()[0]].shown_unit
     on_records = (
         f"Calibrated on {several(site.sizes['record'], 'record')} of {several(len(events), 'earthquake')}, "
         f"{'not scaled' if scaled == 'none' else f'scaled to {scaled} {unit}'}: {', '.join(listed)}{more}."

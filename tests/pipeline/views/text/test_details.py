@@ -130,28 +130,6 @@ def test_the_radius_of_a_body_that_is_no_rectangle_says_whose_it_is(radius, show
     assert {name: words.strip() for name, words in entries(text)}["half the diagonal R"] == shown
 
 
-@pytest.mark.parametrize("cases", [None, 2])
-def test_the_model_that_answered_for_auto_is_named_for_every_body_and_record(cases):
-    summary = results_tree(cases)["summary"].to_dataset()
-    assert "answered for auto" not in record_details(summary, RECORDS[0]) + block_details(summary, "column")
-    codes = np.zeros(summary["outcome"].shape, dtype=np.int8)
-    codes[0, 0, 2], codes[0, 1, 2], codes[1, 1, 2] = 2, 1, 2
-    flags = {"flag_values": np.arange(3, dtype=np.int8), "flag_meanings": "nonlinear impulsive settled"}
-    summary["model_used"] = (summary["outcome"].dims, codes, flags)
-    summary = summary.assign_coords(model=("model", ["impulsive", "nonlinear", "auto"]))
-
-    def answered(text):
-        part = text[text.index("The model that answered for auto:") :].split("\n\n")[0]
-        return [tuple(line.strip().rsplit(None, 3)) for line in part.splitlines()[1:]]
-
-    shown = [("boundary wall", "C", "0.900" if cases else "0.985", "settled"), ("column", "C", "0.930", "impulsive")]
-    shown += [("column", "C", "0.830", "impulsive")] if cases else []
-    assert answered(record_details(summary, RECORDS[0]))[: len(shown)] == shown
-    first = [line for line in answered(block_details(summary, "column")) if line[2] == "0.930"]
-    rungs = ["impulsive", "settled", "nonlinear"]
-    assert first == [(record, "C", "0.930", rung) for record, rung in zip(RECORDS, rungs, strict=True)]
-
-
 @pytest.mark.parametrize(
     ("show", "wrong", "close"), [(record_details, "weak.2", "weak.1"), (block_details, "colum", "column")]
 )
