@@ -165,8 +165,9 @@ def _fault(parts: Sequence[Sequence[Part]]) -> str:
             return f"not joined: parts {before[0].part} and {after[0].part} differ in their channels or intervals"
         for one, other in zip(before, after, strict=True):
             expected, offset = one.npts * one.dt, other.first_time - one.first_time
-            timed = one.start_time and other.start_time
-            clock = (other.start_time - one.start_time).total_seconds() if timed else offset
+            clock = offset
+            if one.start_time and other.start_time:
+                clock = (other.start_time - one.start_time).total_seconds()
             if min(abs(offset - expected), abs(clock - expected)) > _STEP_SHARE * one.dt:
                 return (
                     f"not joined: part {other.part} begins {offset:g} s after part {one.part} (channel {one.channel}), "

@@ -50,7 +50,7 @@ def is_sigma(head: bytes, name: str) -> bool:
 def read_sigma(file: SourceFile, options: ReadOptions) -> list[Record]:
     """Read the one component of the file; raises NotAcceleration for velocity and displacement."""
     lines = kit.text_lines(file.content)
-    header, kind, unit_text, notes = _header(file.name, lines)
+    header, kind, unit_text, repeated = _header(file.name, lines)
     where = f"{file.name}:{header.end}"
     if kind in _OTHERS:
         raise NotAcceleration(
@@ -64,8 +64,7 @@ def read_sigma(file: SourceFile, options: ReadOptions) -> list[Record]:
         raise kit.unexpected(header.where("time increment"), "'Time Increment (s) : dt'", found)
     if not _COUNT.fullmatch(count):
         raise kit.unexpected(header.where("number of data"), "'Number of Data : n'", repr(count[:40]))
-    samples, further = _samples(file.name, lines, header.end, int(count))
-    notes = [*notes, *further]
+    samples, notes = _samples(file.name, lines, header.end, int(count))
     pga, pga_unit = header.text("pga"), unit
     if pga and _DECIMAL.fullmatch(pga):
         pga_unit = kit.canonical_unit(header["pga"].aside or unit_text, header.where("pga"))
@@ -93,7 +92,7 @@ def read_sigma(file: SourceFile, options: ReadOptions) -> list[Record]:
             facts=kit.stated(origin_time=kit.written(header.text("event date & time"))),
             header_peak=kit.printed_number(pga),
             peak_factor=kit.UNITS[pga_unit],
-            warnings=notes,
+            warnings=[*repeated, *notes],
             processing=processing,
         )
     ]

@@ -102,7 +102,7 @@ def obspy_stream(file: SourceFile, format: str, content: bytes | None = None) ->
     return stream, notes
 
 
-def codes_of(stats: Any) -> dict[str, str]:
+def codes_of(stats: Any) -> dict[str, Any]:
     """The codes of a trace, as `build_record` and `Record` name them."""
     return {code: stats[code] for code in ("network", "station", "location", "channel")}
 
