@@ -15,8 +15,7 @@ import sys
 import header_facts
 import numpy as np
 import pytest
-from header_fact_table import TABLE
-from header_facts import HeaderFact, facts, said
+from header_facts import HeaderFact, facts
 from record_writers import at2, pulse
 
 from rockpulse.errors import ConfigError, RecordRefused, RockpulseError
@@ -145,10 +144,6 @@ def test_every_format_that_is_read_has_facts():
     assert {fact.format for fact in FACTS} == {row.name for row in FORMATS if row.unit != "-"}
 
 
-def test_no_fact_is_listed_twice():
-    assert len({(fact.sample, fact.what) for fact in FACTS}) == len(FACTS) == sum(map(len, TABLE.values()))
-
-
 def test_a_fact_that_differs_from_its_partner_is_told():
     wrong = [
         f"{fact.what} of {fact.sample}: {told}" for fact in FACTS if (told := fact.told()) == "silent" and fact.partner
@@ -163,12 +158,3 @@ def test_a_reader_that_says_nothing_is_seen(monkeypatch, capsys):
     monkeypatch.setattr(header_facts, "facts", lambda: iter([silent, FACTS[0]]))
     assert header_facts.main() == 1
     assert "2 facts with a partner: 1 told by a warning, 0 by a refusal, 1 silent; 0 facts" in capsys.readouterr().out
-
-
-def test_a_change_keeps_the_width_and_happens():
-    for sample in ("CLC090.AT2", "CI.CLC.xml"):
-        assert said(sample, header_facts.contents()[sample])[1] == []
-    with pytest.raises(ValueError, match="found 0"):
-        HeaderFact("CLC090.AT2", "interval", rb"DT= 9", b"DT= 8", "").mutated()
-    with pytest.raises(ValueError, match="found 1"):
-        HeaderFact("CLC090.AT2", "interval", rb"DT= 0", b"DT= 10", "").mutated()
