@@ -29,7 +29,7 @@ from rocking.corners import sorrentino
 from rocking.crossing import factor_at, mean_capacity, rising
 from rocking.half_wave_lanes import half_wave_lanes
 from rocking.spectrum_lanes import RATES
-from rockpulse.storage.spectrum_variables import RESTITUTIONS, ROTATIONS
+from rockpulse.storage.variables.probability import RESTITUTIONS, ROTATIONS
 
 UNCERTAINTY = Uncertainty()
 

@@ -3,8 +3,8 @@
 import re
 from pathlib import Path
 
-from rockpulse.storage.layout import GROUPS
-from rockpulse.storage.save_load import SCHEMA_VERSION
+from rockpulse.storage.hdf5.layout import GROUPS
+from rockpulse.storage.hdf5.results_file import SCHEMA_VERSION
 
 PAGE = Path(__file__).parents[1] / "docs" / "schema.md"
 

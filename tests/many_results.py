@@ -4,9 +4,9 @@ import numpy as np
 import xarray as xr
 
 from rockpulse.models import Block
-from rockpulse.storage.assessment_variables import ASSESSMENT_GROUPS, OVERTURNING, WAVES
-from rockpulse.storage.summary_variables import ANSWER, BLOCK, CASE, DEMAND, RECORD, SUMMARY
 from rockpulse.storage.variables import failure_table
+from rockpulse.storage.variables.assessment import ASSESSMENT_GROUPS, OVERTURNING, WAVES
+from rockpulse.storage.variables.summary import ANSWER, BLOCK, CASE, DEMAND, RECORD, SUMMARY
 
 MODELS = ["resonance", "sequence", "impulsive", "linear", "nonlinear"]
 

@@ -122,7 +122,7 @@ def results_tree(cases=None):
 @cache
 def results_bytes(title="Borgo"):
     """The file of the tree, saved once and for all tests."""
-    from rockpulse.storage.save_load import save
+    from rockpulse.storage.hdf5.results_file import save
 
     tree = results_tree()
     tree.attrs["title"] = title

@@ -20,8 +20,8 @@ from rockpulse.assessment.motion_shares import Motions, Share
 from rockpulse.model_table import fullest, is_full
 from rockpulse.motions.events import UNKNOWN
 from rockpulse.record.measures import PGA
-from rockpulse.storage.hdf5_reader import slab, worded
-from rockpulse.storage.probability_variables import MEAN, PROBABILITY, SOURCES
+from rockpulse.storage.hdf5.results_file import slab, worded
+from rockpulse.storage.variables.probability import MEAN, PROBABILITY, SOURCES
 
 if TYPE_CHECKING:
     import xarray as xr

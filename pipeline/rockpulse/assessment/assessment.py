@@ -30,7 +30,7 @@ from rockpulse.motions.runner import Analysis, Blocks, Part, Watch, Work, run
 from rockpulse.record.components import Pair
 from rockpulse.record.measures import STORED_OF_BODIES, RecordOnBodies
 from rockpulse.record.record import Record
-from rockpulse.storage.atomic_file import ASSESSMENT
+from rockpulse.storage.hdf5.atomic import ASSESSMENT
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -25,7 +25,7 @@ from rockpulse.config.bodies import Bodies
 from rockpulse.config.configuration import Config
 from rockpulse.model_row import Scene
 from rockpulse.record.record import Record
-from rockpulse.storage.probability_variables import AT_DEMAND, PROBABILITY, READ, SOURCES
+from rockpulse.storage.variables.probability import AT_DEMAND, PROBABILITY, READ, SOURCES
 
 ENDS = ("", "_low", "_high")
 
@@ -39,7 +39,7 @@ SERVED = {0: (LEAST_RESTITUTION, 1.0), 1: REBOUNDS, -1: REBOUNDS}
 
 @dataclass(frozen=True, eq=False)
 class RecordProbability:
-    """The variables of :data:`~rockpulse.storage.probability_variables.PROBABILITY` and AT_DEMAND under one record.
+    """The variables of :data:`~rockpulse.storage.variables.probability.PROBABILITY` and AT_DEMAND under one record.
 
     Attributes
     ----------

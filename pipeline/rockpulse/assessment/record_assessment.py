@@ -19,7 +19,7 @@ from rockpulse.config.bodies import Bodies
 from rockpulse.config.configuration import Config
 from rockpulse.model_row import Scene
 from rockpulse.record.record import Record
-from rockpulse.storage.spectrum_variables import AXIS_SIZES, SPECTRUM
+from rockpulse.storage.variables.probability import AXIS_SIZES, SPECTRUM
 
 
 class Rows(NamedTuple):

@@ -22,8 +22,9 @@ from rockpulse.assessment.answers import Answers, answers_of
 from rockpulse.assessment.verdict import BodyVerdict, Grade, verdicts
 from rockpulse.errors import ResultsError
 from rockpulse.option import hint
-from rockpulse.storage import hdf5_reader, save_load
-from rockpulse.storage.atomic_file import ASSESSMENT, named
+from rockpulse.storage.hdf5 import results_file as hdf5_reader
+from rockpulse.storage.hdf5 import results_file as save_load
+from rockpulse.storage.hdf5.atomic import ASSESSMENT, named
 
 #: Colours of the verdicts in a picture, and the bodies that are drawn.
 COLOURS = {Grade.STAYS: GREY, Grade.ROCKS: BLUE, Grade.MAY_OVERTURN: ORANGE, Grade.NOT_KNOWN: INK, Grade.OVERTURNS: RED}

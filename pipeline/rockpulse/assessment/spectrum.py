@@ -15,7 +15,7 @@ from rocking.block import Block
 from rocking.quantities import ArrayLike
 from rocking.recorded import recorded_response
 from rockpulse.record.record import STANDARD_GRAVITY, Record
-from rockpulse.storage.summary_variables import ANSWER, BLOCK, CASE
+from rockpulse.storage.variables.summary import ANSWER, BLOCK, CASE
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -20,9 +20,9 @@ from rockpulse.config.configuration import Config
 from rockpulse.config.report_settings import logo_bytes
 from rockpulse.failures import Failure
 from rockpulse.motions.directions import sweep_azimuths
-from rockpulse.storage.assessment_variables import ASSESSMENT_GROUPS, GROWING
-from rockpulse.storage.spectrum_variables import AXIS_SIZES
 from rockpulse.storage.variables import StoredVariable, failure_table
+from rockpulse.storage.variables.assessment import ASSESSMENT_GROUPS, GROWING
+from rockpulse.storage.variables.probability import AXIS_SIZES
 
 if TYPE_CHECKING:
     from rockpulse.assessment.record_assessment import RecordAssessment

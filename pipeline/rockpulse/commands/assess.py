@@ -61,7 +61,7 @@ def _of_records(args: argparse.Namespace) -> int:
     config = _with_models(args, config)
 
     from rockpulse.batch.run import assess_files
-    from rockpulse.storage.hdf5_reader import open_results
+    from rockpulse.storage.hdf5.results_file import open_results
 
     with recorded(args):
         report = assess_files(paths, config, args.output, batch_options(args))
@@ -73,8 +73,8 @@ def _of_records(args: argparse.Namespace) -> int:
 
 def _of_sequence(args: argparse.Namespace) -> int:
     from rockpulse.errors import ConfigError
-    from rockpulse.storage.design_file import load_design
-    from rockpulse.storage.save_load import check_target, load, save
+    from rockpulse.storage.hdf5.results_file import check_target, load, save
+    from rockpulse.studies.site.tree import load_design
 
     of_records = (("PATHS", args.paths), ("--units", args.units), ("--dt", args.dt), ("--confirm", args.confirm))
     given = [*(name for name, value in of_records if value), *batch_given(args)]

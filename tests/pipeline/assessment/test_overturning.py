@@ -17,7 +17,7 @@ from rockpulse.assessment.overturning import (
 )
 from rockpulse.record.half_wave import half_waves
 from rockpulse.record.synthetic import synthetic_motion
-from rockpulse.storage.spectrum_variables import LEVELS, ROTATIONS
+from rockpulse.storage.variables.probability import LEVELS, ROTATIONS
 
 RECORD = rp.Record(synthetic_motion(3, pga=3.0)[:2000], dt=0.01, id="synthetic", processed=True)
 P = np.array([1.5, 1.7, 1.9])

@@ -17,8 +17,8 @@ from rockpulse.assessment.probability import record_probability
 from rockpulse.assessment.scene import prepare
 from rockpulse.config.bodies import gather_bodies
 from rockpulse.models import Block, OverturningSpectrum, Uncertainty, overturning_probability, spectrum_lanes
-from rockpulse.storage.probability_variables import PROBABILITY, READ, SOURCES
-from rockpulse.storage.spectrum_variables import SPECTRUM as SPECTRUM_VARIABLES
+from rockpulse.storage.variables.probability import PROBABILITY, READ, SOURCES
+from rockpulse.storage.variables.probability import SPECTRUM as SPECTRUM_VARIABLES
 
 NONLINEAR = rp.ModelSettings(use=("nonlinear",))
 NAMES = [name + end for name in READ for end in ("", "_low", "_high")]

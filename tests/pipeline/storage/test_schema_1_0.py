@@ -12,8 +12,7 @@ import rockpulse as rp
 from rockpulse.config.configuration import Config
 from rockpulse.config.settings import ModelSettings
 from rockpulse.models import Block, ImpulseSequence
-from rockpulse.storage.hdf5_reader import open_results
-from rockpulse.storage.save_load import SCHEMA_VERSION, load, save
+from rockpulse.storage.hdf5.results_file import SCHEMA_VERSION, load, open_results, save
 from rockpulse.storage.variables import NOT_KNOWN
 from rockpulse.views.diff.differences import compare_results
 

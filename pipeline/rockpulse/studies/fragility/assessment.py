@@ -18,7 +18,7 @@ from rockpulse.motions.runner import Analysis, Blocks, Part, Prepared, Work, run
 from rockpulse.motions.tables import selection_of
 from rockpulse.motions.votes import unmatched_patterns
 from rockpulse.record.record import Record
-from rockpulse.storage.fragility_variables import FRAGILITY
+from rockpulse.storage.variables.fragility import FRAGILITY
 from rockpulse.studies.fragility.capacity import Lanes, motion_capacity, nothing
 from rockpulse.studies.fragility.results import build_fragility_tree
 

@@ -17,7 +17,7 @@ from scipy.special import stdtrit
 from rocking.quantities import ArrayLike
 from rockpulse.errors import ConfigError
 from rockpulse.motions.events import FEWEST_EVENTS
-from rockpulse.storage.fragility_variables import Band, Extrapolated, Status
+from rockpulse.storage.variables.fragility import Band, Extrapolated, Status
 from rockpulse.studies.fragility.likelihood import ABOVE, EXACT, FAMILIES, NOT_ABOVE, Family, Observations, maximise
 from rockpulse.studies.fragility.statements import (
     STATEMENTS,

@@ -21,8 +21,8 @@ from rockpulse.motions.events import FEWEST_EVENTS
 from rockpulse.motions.runner import Part, joined
 from rockpulse.motions.tables import Selection
 from rockpulse.record.measures import MEASURES
-from rockpulse.storage.fact_variables import FACTS
-from rockpulse.storage.fragility_variables import QUALITIES, STATED, TESTED, Status
+from rockpulse.storage.variables.fragility import QUALITIES, STATED, TESTED, Status
+from rockpulse.storage.variables.summary import FACTS
 from rockpulse.studies.fragility.capacity import nothing
 from rockpulse.studies.fragility.curves import Curve, fit_curve, half_width, jackknife_error, standardised
 from rockpulse.studies.fragility.likelihood import ABOVE, EXACT, FAMILIES, NOT_ABOVE, Observations, maximise

@@ -17,8 +17,8 @@ from rockpulse.config.configuration import Config
 from rockpulse.config.fragility_settings import OVERTURNING, UPLIFT
 from rockpulse.errors import ConfigError, ResultsError
 from rockpulse.record.measures import PGA
-from rockpulse.storage.fragility_variables import FRAGILITY, Status
-from rockpulse.storage.risk_variables import RISK, RiskStatus
+from rockpulse.storage.variables.fragility import FRAGILITY, Status
+from rockpulse.storage.variables.risk import RISK, RiskStatus
 from rockpulse.studies.fragility.ensemble import stored_ensemble
 from rockpulse.studies.fragility.likelihood import ABOVE, FAMILIES, NOT_ABOVE, Family, Observations
 from rockpulse.studies.fragility.statements import STATEMENTS, missing

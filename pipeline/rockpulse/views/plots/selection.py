@@ -15,7 +15,7 @@ from rocking.restraint import Restraints
 from rockpulse.config.configuration import stored_sections
 from rockpulse.errors import ResultsError
 from rockpulse.model_table import ModelSettings
-from rockpulse.storage.hdf5_reader import flag_words
+from rockpulse.storage.hdf5.results_file import flag_words
 from rockpulse.storage.variables import NOT_KNOWN
 from rockpulse.views.shared.facts import own_radius
 from rockpulse.views.shared.terminal import restitution

@@ -15,9 +15,9 @@ from rockpulse.errors import ResultsError
 from rockpulse.failures import some
 from rockpulse.model_table import MODELS
 from rockpulse.record.measures import PGA
-from rockpulse.storage.fragility_variables import FRAGILITY
-from rockpulse.storage.hdf5_reader import flag_words
-from rockpulse.storage.site_variables import SITE_KIND
+from rockpulse.storage.hdf5.results_file import flag_words
+from rockpulse.storage.variables.fragility import FRAGILITY
+from rockpulse.storage.variables.site import SITE_KIND
 from rockpulse.views.report.wording import Words
 
 if TYPE_CHECKING:

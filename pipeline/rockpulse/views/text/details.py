@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from rocking.response import Outcome
 from rockpulse.assessment.answers import Answers
 from rockpulse.record.record import STANDARD_GRAVITY
-from rockpulse.storage.selection import Selection, unknown
+from rockpulse.storage.export.selection import Selection, unknown
 from rockpulse.views.shared.facts import Known
 from rockpulse.views.shared.record_marks import doubt
 from rockpulse.views.shared.table import Cell

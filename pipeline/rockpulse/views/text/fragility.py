@@ -9,7 +9,7 @@ import numpy as np
 
 from rockpulse.motions.events import UNKNOWN
 from rockpulse.record.measures import REFERENCE
-from rockpulse.storage.fragility_variables import STATED, STRENGTH
+from rockpulse.storage.variables.fragility import STATED, STRENGTH
 from rockpulse.views.shared.files_used import files_used
 from rockpulse.views.shared.table import Cell, Heading, Mark, Table, number, text
 from rockpulse.views.shared.terminal import ABSENT, paragraph, ratio, several

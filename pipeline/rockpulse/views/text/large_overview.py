@@ -8,7 +8,7 @@ import numpy as np
 
 from rockpulse.assessment.answers import Answers, lanes
 from rockpulse.record.measures import STORED
-from rockpulse.storage.selection import Selection
+from rockpulse.storage.export.selection import Selection
 from rockpulse.views.shared.record_marks import doubt_notes, record_cells
 from rockpulse.views.shared.table import Cell, Heading, Table, number, text
 from rockpulse.views.shared.terminal import ABSENT, fixed, paragraph

@@ -13,8 +13,8 @@ from rocking.response import Outcome
 from rockpulse.assessment.answers import Answers, Margin, bodies_of, complete, fullest_model
 from rockpulse.record.measures import PGA, STORED
 from rockpulse.record.record import STANDARD_GRAVITY
-from rockpulse.storage.hdf5_reader import flag_words, pointwise, worded
-from rockpulse.storage.selection import Selection, rows
+from rockpulse.storage.export.selection import Selection, rows
+from rockpulse.storage.hdf5.results_file import flag_words, pointwise, worded
 from rockpulse.views.shared.answer_cells import NAMES, TITLES, answer_cell, factor_cell, marks_of
 from rockpulse.views.shared.record_marks import doubt, doubt_notes
 from rockpulse.views.shared.table import Cell, Heading, Mark, Table, lines, number

@@ -7,7 +7,7 @@ import pytest
 
 import rockpulse as rp
 from rockpulse import models
-from rockpulse.storage.risk_variables import RiskStatus
+from rockpulse.storage.variables.risk import RiskStatus
 from rockpulse.studies.fragility.likelihood import ABOVE, FAMILIES, NOT_ABOVE, Observations
 from rockpulse.studies.risk.integral import band_of, fitted_lines, integrate, power_law_frequency
 

@@ -7,7 +7,7 @@ from results_tree import RECORDS, results_tree
 
 from rockpulse.assessment.answers import Answers
 from rockpulse.failures import Failure
-from rockpulse.storage.selection import Condition, Selection
+from rockpulse.storage.export.selection import Condition, Selection
 from rockpulse.storage.variables import failure_table
 from rockpulse.views.text import large_overview
 from rockpulse.views.text.details import block_details, record_details
