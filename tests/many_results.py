@@ -6,7 +6,8 @@ import xarray as xr
 from rockpulse.models import Block
 from rockpulse.storage.variables import failure_table
 from rockpulse.storage.variables.assessment import ASSESSMENT_GROUPS, OVERTURNING, WAVES
-from rockpulse.storage.variables.summary import ANSWER, BLOCK, CASE, DEMAND, RECORD, SUMMARY
+from rockpulse.storage.variables.bodies import BLOCK, CASE
+from rockpulse.storage.variables.summary import ANSWER, DEMAND, RECORD, SUMMARY
 
 MODELS = ["resonance", "sequence", "impulsive", "linear", "nonlinear"]
 

@@ -36,7 +36,7 @@ NODES_PER_OCTAVE = 4
 HANDED_ON = 0.9
 
 #: Sum of speed and build-up left below which no lane of the measured ensembles overturned any more, with a margin: the
-#: lowest one was above 0.8 (docs/decisions/007).
+#: lowest one was above 0.8 (docs/decisions/006).
 SETTLED = 0.7
 
 #: Relative margin at the ends of these ranges, far above the rounding of a product.

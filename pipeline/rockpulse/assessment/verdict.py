@@ -1,7 +1,7 @@
 """The verdict on every body over all motions: the probability that they overturn it, and the words for it.
 
 .. note:: The probability is that of the nonlinear model under a stated uncertainty, over earthquakes that weigh alike.
-   Results without it (another model, a design sequence, files of before) have 0 or 1 for each motion: whether the model
+   Results without it (another model, a design sequence) have 0 or 1 for each motion: whether the model
    overturns the body, as it is or weaker. Rocking is not monotonic in the strength of the motion: a body may rock under
    a record and be overturned by a weaker copy of it.
 """

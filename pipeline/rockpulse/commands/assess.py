@@ -73,7 +73,8 @@ def _of_records(args: argparse.Namespace) -> int:
 
 def _of_sequence(args: argparse.Namespace) -> int:
     from rockpulse.errors import ConfigError
-    from rockpulse.storage.hdf5.results_file import check_target, load, save
+    from rockpulse.storage.hdf5.atomic import check_target
+    from rockpulse.storage.hdf5.results_file import load, save
     from rockpulse.studies.site.tree import load_design
 
     of_records = (("PATHS", args.paths), ("--units", args.units), ("--dt", args.dt), ("--confirm", args.confirm))

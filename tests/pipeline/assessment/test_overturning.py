@@ -158,7 +158,7 @@ def test_by_the_rule_nothing_overturns_before_it_lifts():
 
 
 def test_the_rule_is_near_the_nonlinear_equation(spectrum):
-    """The rule scatters by about 15 % from record to record (docs/decisions/012): three times that is allowed."""
+    """The rule scatters by about 15 % from record to record (docs/decisions/009): three times that is allowed."""
     by_rule = overturning_spectrum(RECORD, P, C, method="rule")
     assert np.abs(np.log(by_rule["spectrum"] / spectrum["spectrum"])).max() < 0.5
 

@@ -12,17 +12,16 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+import xarray as xr
 
 from rockpulse.errors import ResultsError
 from rockpulse.option import hint
 from rockpulse.storage.export.selection import Condition, Selection, label_positions, rows
-from rockpulse.storage.hdf5.results_file import ResultsFile, flag_words, open_results, pointwise, worded
+from rockpulse.storage.hdf5.netcdf4 import flag_words, pointwise, worded
+from rockpulse.storage.hdf5.results_file import KINDS, ResultsFile, open_results
 
 if TYPE_CHECKING:
     import pandas as pd
-    import xarray as xr
-
-__all__ = ["LongTable", "TableColumn", "long_table", "results_table"]
 
 #: Dimensions that become columns, one for each label, where they are the only one beyond those of the table.
 SPREAD = ("demand", "parameter")
@@ -107,8 +106,6 @@ def long_table(
     the variables that have these dimensions, or some of them. A ResultsError for a name that the file does not have,
     or where `dims` has to be given.
     """
-    from rockpulse.storage.hdf5.results_file import KINDS
-
     selection = selection or Selection()
     group = (group or KINDS[file.kind]).strip("/")
     dataset = file.dataset(group)
@@ -225,8 +222,6 @@ def _label_columns(dataset: xr.Dataset, dims: Sequence[str]) -> Iterator[TableCo
         if dim in dataset.coords:
             yield _column(dim, dataset.variables[dim])
         elif len(dims) > 1:
-            import xarray as xr
-
             numbers = xr.Variable((dim,), np.arange(dataset.sizes[dim]))
             yield TableColumn(dim, "1", f"number of the {dim}, from 0", {}, numbers)
 
@@ -238,21 +233,8 @@ def _owners(dataset: xr.Dataset, dims: Sequence[str]) -> Iterator[TableColumn]:
         if dim in dims:
             owner = str(variable.dims[0])
             labels = _texts(dataset[owner]) if owner in dataset.coords else np.arange(variable.size)
-            yield TableColumn(
-                owner,
-                "1",
-                f"{owner} it belongs to",
-                {},
-                dataset.variables[dim] if dim in dataset.variables else _counted(dim, dataset.sizes[dim]),
-                labels,
-                np.cumsum(variable.values),
-            )
-
-
-def _counted(dim: str, size: int) -> xr.Variable:
-    import xarray as xr
-
-    return xr.Variable((dim,), np.broadcast_to(0, (size,)))
+            along = xr.Variable((dim,), np.broadcast_to(0, (dataset.sizes[dim],)))
+            yield TableColumn(owner, "1", f"{owner} it belongs to", {}, along, labels, np.cumsum(variable.values))
 
 
 def _pointers(dataset: xr.Dataset, dims: Sequence[str], named: Mapping[str, np.ndarray]) -> Iterator[TableColumn]:
@@ -290,10 +272,7 @@ def _column(name: str, variable: xr.Variable, attrs: Mapping[str, Any] | None = 
 
 
 def _masks(
-    dataset: xr.Dataset,
-    named: Mapping[str, np.ndarray],
-    labels: Sequence[TableColumn],
-    selection: Selection,
+    dataset: xr.Dataset, named: Mapping[str, np.ndarray], labels: Sequence[TableColumn], selection: Selection
 ) -> tuple[list[tuple[tuple[str, ...], np.ndarray]], Selection]:
     """Filters by a name that the rows only point at, and the selection without them."""
     masks, left = [], dict(selection.names)

@@ -14,12 +14,11 @@ import numpy as np
 from rockpulse.errors import ResultsError
 from rockpulse.option import hint
 from rockpulse.record.measures import STORED, STORED_OF_BODIES
-from rockpulse.storage.hdf5.results_file import flag_words, slab
+from rockpulse.storage.hdf5.netcdf4 import flag_words, slab
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["SHOWN", "Condition", "Selection", "label_positions", "rows", "unknown"]
 
 #: Longest list of known names in a message.
 LISTED = 12

@@ -17,8 +17,6 @@ from pathlib import Path
 
 from rockpulse.errors import ResultsError
 
-__all__ = ["ASSESSMENT", "check_target", "flush", "journal_path", "named", "remove_parts", "replacing"]
-
 #: Root attribute `kind` of the results of an assessment; files without it are assessments.
 ASSESSMENT = "assessment"
 

@@ -1,6 +1,7 @@
-"""Whether the variables of a results file are those that docs/schema.md describes: type, dimensions, unit, words.
+"""Whether a file, which may come from anybody, is one of results: what it may hold at all, and what of its variables.
 
-Whether an HDF5 file, which may come from anybody, holds all that it shows: no link out of it, no endless array.
+All that it shows is to be in it: no link out of it, no endless array. Its variables are to be those that docs/schema.md
+describes: type, dimensions, unit, words.
 """
 
 from __future__ import annotations
@@ -15,16 +16,9 @@ from rockpulse.errors import ResultsError
 from rockpulse.storage.hdf5.atomic import ASSESSMENT
 from rockpulse.storage.hdf5.netcdf4 import NOT_A_COORDINATE, says_no_variable
 from rockpulse.storage.variables import Declared, StoredVariable
-from rockpulse.storage.variables.assessment import ASSESSMENT_GROUPS, minor_of
+from rockpulse.storage.variables.assessment import ASSESSMENT_GROUPS
 from rockpulse.storage.variables.fragility import FRAGILITY, FRAGILITY_GROUPS
 from rockpulse.storage.variables.site import SITE_GROUPS, SITE_KIND
-
-__all__ = [
-    "GROUPS",
-    "contained",
-    "missing_variables",
-    "wrong_variables",
-]
 
 #: Declarations by the kind of file, and by group; after a comma stands the sort of results that a group is of.
 GROUPS: dict[str, dict[str, Declared]] = {
@@ -40,8 +34,8 @@ ALWAYS = {ASSESSMENT: ASSESSMENT_GROUPS.keys() - {"/spectra", "/directions", "/r
 def wrong_variables(variables: Mapping[str, h5py.Dataset], kind: str, units: bool = True) -> Iterator[str]:
     """A sentence on each variable that a file of a kind holds in another type, shape or unit than it is declared with.
 
-    `variables` are the datasets of the open file by their paths. Without `units` any unit will do: earlier versions and
-    trees of the user's own may name one in another way.
+    `variables` are the datasets of the open file by their paths. Without `units` any unit will do: trees
+    of the user's own may name one in another way.
     """
     for path, variable in variables.items():
         if says_no_variable(variable.attrs.get("NAME")):
@@ -54,8 +48,8 @@ def wrong_variables(variables: Mapping[str, h5py.Dataset], kind: str, units: boo
             yield f"variable {path}: {differences[0]}"
 
 
-def missing_variables(variables: Mapping[str, h5py.Dataset], kind: str, schema: str) -> Iterator[str]:
-    """A sentence on each variable that a file of a kind and version lacks, though every file of them has it.
+def missing_variables(variables: Mapping[str, h5py.Dataset], kind: str) -> Iterator[str]:
+    """A sentence on each variable that a file of a kind lacks, though every file of them has it.
 
     Groups that differ with the sort of results or the configuration may be missing, and so may their variables.
     """
@@ -66,7 +60,7 @@ def missing_variables(variables: Mapping[str, h5py.Dataset], kind: str, schema: 
         if group not in present and group not in ALWAYS.get(kind, ()):
             continue
         for name, expected in declared.items():
-            due = not sort and expected.stored is None and expected.since <= minor_of(schema)
+            due = not sort and expected.stored is None
             if due and f"{group}/{name}" not in found:
                 yield f"variable {group}/{name}: it is missing"
 

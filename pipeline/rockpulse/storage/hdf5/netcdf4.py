@@ -1,12 +1,9 @@
-"""A group of a netCDF-4 file as an xarray.Dataset whose numbers are read when they are asked for, by h5py alone.
-
-xarray's own way through h5netcdf looks every object up anew at every property, which takes several times as long for a
-hundred variables (docs/decisions/005). Nothing is decoded: texts are texts, NaN is NaN.
-
-The conventions by which netCDF-4 stores variables, dimensions and attributes in HDF5, read by h5py alone.
+"""The conventions by which netCDF-4 stores variables, dimensions and attributes in HDF5, read by h5py alone.
 
 A dimension is a dimension scale: the variable of its name, or a dataset without values that stands for it. Every other
-variable is attached to the scales of its dimensions.
+variable is attached to the scales of its dimensions. A group becomes an xarray.Dataset whose numbers are read when they
+are asked for, and not decoded: texts are texts, NaN is NaN. xarray's own way through h5netcdf looks every object up
+anew at every property, which takes several times as long for a hundred variables (docs/decisions/005).
 """
 
 from __future__ import annotations
@@ -23,19 +20,6 @@ from xarray.core import indexing
 
 if TYPE_CHECKING:
     from collections.abc import Hashable
-
-__all__ = [
-    "HIDDEN",
-    "NOT_A_COORDINATE",
-    "NO_VARIABLE",
-    "Variable",
-    "attributes",
-    "dataset_of",
-    "groups_of",
-    "read_tree",
-    "says_no_variable",
-    "variables_of",
-]
 
 
 class _Stored(BackendArray):
@@ -161,3 +145,58 @@ def _plain(value: Any) -> Any:
     if isinstance(value, np.ndarray) and value.size == 1:
         value = value.ravel()[0]
     return value.decode("utf-8", "surrogateescape") if isinstance(value, bytes) else value
+
+
+def slab(variable: xr.Variable, positions: dict[Any, Any]) -> np.ndarray:
+    """Values at positions along each dimension, by reading the box around them.
+
+    HDF5 reads a box at the speed of the disk and scattered positions one by one. Positions are integers in any order,
+    or a slice; a dimension that is not named is read whole, and a name that the variable lacks is passed over.
+    """
+    box: list[slice] = []
+    inside: list[Any] = []
+    for dim, size in variable.sizes.items():
+        wanted = positions.get(dim, slice(None))
+        if isinstance(wanted, slice):
+            box.append(wanted)
+            inside.append(np.arange(len(range(*wanted.indices(size)))))
+        else:
+            start, stop = (int(wanted.min()), int(wanted.max()) + 1) if wanted.size else (0, 0)
+            box.append(slice(start, stop))
+            inside.append(wanted - start)
+    values = variable[tuple(box)].values
+    if all(isinstance(positions.get(dim, slice(None)), slice) for dim in variable.dims):
+        return values
+    return values[np.ix_(*inside)]
+
+
+def pointwise(variable: xr.Variable, places: dict[str, np.ndarray]) -> np.ndarray:
+    """One value for each of r places, by reading the box around them.
+
+    `places` holds (r,) positions along each dimension; names that the variable lacks are passed over.
+    """
+    starts = {dim: int(places[dim].min()) if places[dim].size else 0 for dim in map(str, variable.dims)}
+    stops = {dim: int(places[dim].max()) + 1 if places[dim].size else 0 for dim in starts}
+    values = variable[tuple(slice(starts[dim], stops[dim]) for dim in starts)].values
+    return np.asarray(values[tuple(places[dim] - starts[dim] for dim in starts)])
+
+
+def flag_words(variable: xr.Variable | xr.DataArray) -> dict[int, str]:
+    """Words for the values of a flag; empty for a variable that is no flag."""
+    if "flag_meanings" not in variable.attrs:
+        return {}
+    values = np.atleast_1d(variable.attrs["flag_values"]).tolist()
+    return dict(zip(values, str(variable.attrs["flag_meanings"]).split(), strict=True))
+
+
+def worded(values: np.ndarray, words: dict[int, str]) -> np.ndarray:
+    """Integer values of a flag as the words of :func:`flag_words`; a number that has none stays as it is.
+
+    Examples
+    --------
+    >>> worded(np.array([1, 0, 7]), {0: "no", 1: "yes"}).tolist()
+    ['yes', 'no', '7']
+    """
+    codes, inverse = np.unique(values, return_inverse=True)
+    names = np.array([words.get(code, str(code)) for code in codes.tolist()], dtype=object)
+    return names[inverse].reshape(values.shape) if codes.size else values.astype(object)

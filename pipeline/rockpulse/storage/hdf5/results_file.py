@@ -1,17 +1,14 @@
-"""The results file: an xarray tree written whole or not at all, with its provenance, and read back the same.
+"""The results file: a tree written whole or not at all, with its provenance, and read back the same, whole or in part.
 
-A results file opened without reading it: what is asked for is read, and nothing else.
-
-:func:`rockpulse.load` takes a whole file into memory; a table of the worst twenty of two million answers needs a few
-variables, which are read when their values are.
+:func:`load` takes a whole file into memory; a table of the worst twenty of two million answers needs a few variables,
+which a file of :func:`open_results` reads when their values are asked for.
 """
 
 from __future__ import annotations
 
-import math
 import os
 import platform
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
@@ -22,76 +19,28 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rockpulse.config.configuration import stored_sections
-from rockpulse.config.settings import SPACINGS, SequenceSettings
 from rockpulse.errors import ResultsError, RockpulseError
 from rockpulse.input_file import check_regular
 from rockpulse.option import hint
-from rockpulse.remark import find, recognised, with_codes
-from rockpulse.storage.hdf5.atomic import ASSESSMENT, check_target, named, remove_parts, replacing
-from rockpulse.storage.hdf5.writer import CHECKSUM, CHECKSUM_OF_ATTRIBUTES
-from rockpulse.storage.variables import NOT_KNOWN
-from rockpulse.storage.variables.assessment import minor_of
+from rockpulse.storage.hdf5.atomic import ASSESSMENT, replacing
 from rockpulse.storage.variables.fragility import FRAGILITY
 from rockpulse.storage.variables.site import SITE_KIND
-from rockpulse.storage.variables.summary import BLOCK, FACTS, RECORD
 from rockpulse.version import __version__
 
 if TYPE_CHECKING:
     import h5py
     import xarray as xr
 
-__all__ = [
-    "ASSESSMENT",
-    "OF_RECORDS",
-    "SCHEMA_VERSION",
-    "ResultsFile",
-    "check_described",
-    "check_schema",
-    "check_target",
-    "completed",
-    "flag_words",
-    "load",
-    "named",
-    "open_results",
-    "opened",
-    "pointwise",
-    "provenance",
-    "readable",
-    "remove_parts",
-    "replacing",
-    "save",
-    "slab",
-    "with_facts",
-    "worded",
-]
 
-#: MAJOR.MINOR of the layout described in docs/schema.md; another MAJOR is refused.
-SCHEMA_VERSION = "1.5"
+#: Of the layout described in docs/schema.md; files of any other are refused.
+SCHEMA_VERSION = "2.0"
 
 #: Kinds of files that are read back, and the group that each of them has.
 KINDS = {ASSESSMENT: "summary", SITE_KIND: "site", FRAGILITY: "fragility"}
 
-#: Of the kinds that have facts of records: the group with a row for every record.
-OF_RECORDS = {ASSESSMENT: "summary", SITE_KIND: "site", FRAGILITY: "capacities"}
+#: The verb that makes each kind of file.
+VERBS = {ASSESSMENT: "assess", SITE_KIND: "calibrate", FRAGILITY: "fragility"}
 
-#: Variables of /summary that tell how the sequence model answers, but for the spacing.
-OF_SEQUENCES = {
-    "main_impulse",
-    "secondary_impulse",
-    "secondary_interval",
-    "sequence_duration",
-    "main_count",
-    "p",
-    "alpha_c",
-    "radius",
-    "restitution",
-}
-
-#: Variables of /half_cycles that tell the spacing of a sequence.
-OF_HALF_CYCLES = {"record_index", "model_index", "duration"}
-
-CONVENTIONS = "CF-1.11"
 PACKAGES = ("numpy", "numba", "scipy", "xarray", "h5netcdf", "h5py", "obspy")
 
 
@@ -127,135 +76,21 @@ def save(tree: xr.DataTree, path: str | os.PathLike[str], overwrite: bool = Fals
 
 def check_described(tree: xr.DataTree, path: str | os.PathLike[str]) -> None:
     """A ResultsError where a variable of the tree, which is to be written to the path, has no unit or no name."""
-    for name, variable in _variables(tree):
-        for attribute in ("units", "long_name"):
-            if not isinstance(variable.attrs.get(attribute), str):
-                raise ResultsError(f"{path}: the variable {name} has no {attribute!r}; set it before saving")
+    for node in tree.subtree:
+        for name, variable in node.to_dataset(inherit=False).variables.items():
+            for attribute in ("units", "long_name"):
+                if not isinstance(variable.attrs.get(attribute), str):
+                    where = f"{node.path.rstrip('/')}/{name}"
+                    raise ResultsError(f"{path}: the variable {where} has no {attribute!r}; set it before saving")
 
 
 def load(path: str | os.PathLike[str]) -> xr.DataTree:
     """Read results into memory, as :func:`rockpulse.load` does, which adds the accessor of an assessment."""
     from rockpulse.storage.hdf5.netcdf4 import read_tree
 
-    with opened(path) as (hdf5, kind), readable(path):
+    with opened(path) as (hdf5, _), readable(path):
         tree = read_tree(hdf5)
-    tree = tree.map_over_datasets(_as_saved)
-    if (group := OF_RECORDS.get(kind, "")) in tree.children:
-        tree[group].dataset = with_facts(tree[group].to_dataset(), tree.attrs)
-    if kind == ASSESSMENT:
-        summary = tree["summary"].to_dataset()
-        tree["summary"].dataset = completed(
-            summary, tree.attrs, lambda: tree["half_cycles"].to_dataset() if "half_cycles" in tree else None
-        )
-    return tree
-
-
-def completed(
-    summary: xr.Dataset, attrs: Mapping[Any, Any], half_cycles: Callable[[], xr.Dataset | None]
-) -> xr.Dataset:
-    """The group /summary of an assessment with what its version did not store worked out from what it did.
-
-    `attrs` are those of the root; `half_cycles` gives the group of that name, None where the file has none, and is
-    called only where the spacing of a file of schema 1.0 depends on it.
-    """
-    summary = _coded(summary)
-    if attrs["schema_version"] != "1.0":
-        return summary
-    found = {}
-    if "block" in summary.dims:
-        found["gravity"] = BLOCK["gravity"].variable(_gravity(summary))
-    if "main_impulse" in summary:
-        calibrated = np.isfinite(summary["main_impulse"].values)
-        code = _spacing(summary, calibrated, attrs.get("configuration"), half_cycles) if calibrated.any() else NOT_KNOWN
-        found["spacing"] = RECORD["spacing"].variable(np.where(calibrated, code, NOT_KNOWN))
-    return summary.assign(found)
-
-
-def with_facts(dataset: xr.Dataset, attrs: Mapping[Any, Any]) -> xr.Dataset:
-    """A group with a row for every record, what its version did not store of earthquake and site said to be unknown.
-
-    `attrs` are those of the root.
-    """
-    if "record" not in dataset.sizes:
-        return dataset
-    count, minor = dataset.sizes["record"], minor_of(attrs["schema_version"])
-    lacking = {name: fact for name, fact in FACTS.items() if fact.since > minor and name not in dataset}
-    return dataset.assign({name: fact.variable([fact.absent] * count) for name, fact in lacking.items()})
-
-
-def _gravity(summary: xr.Dataset) -> list[float]:
-    """Gravity at each block from its p and R, which are those of a rectangle: g = 4 R p^2/3; NaN without them."""
-    if not {"p", "radius"} <= set(summary):
-        return [math.nan] * summary.sizes["block"]
-    p, radius = summary["p"].values, summary["radius"].values
-    return [float(f"{value:.12g}") for value in 4.0 * radius * p * p / 3.0]
-
-
-def _spacing(
-    summary: xr.Dataset, calibrated: np.ndarray, configuration: Any, half_cycles: Callable[[], xr.Dataset | None]
-) -> int:
-    """The code of the spacing of the sequences, of the records that are `calibrated`, in a file of schema 1.0.
-
-    The spacing is that of the configuration, unless the half-cycles of the first sequence say otherwise: a design
-    sequence has its own. It is not known where the configuration or the half-cycles cannot be asked.
-    """
-    from rocking.block import Block
-    from rocking.sequence import ImpulseSequence, sequence_response
-
-    try:
-        configured = stored_sections(str(configuration)).get("sequence", {}).get("spacing", SequenceSettings().spacing)
-    except ResultsError:  # no TOML, or none at all
-        return NOT_KNOWN
-    if configured not in SPACINGS:
-        return NOT_KNOWN
-    models = summary["model"].values.tolist()
-    if "sequence" not in models:
-        return SPACINGS.index(configured)
-    table = half_cycles()
-    if table is None or not (set(summary) >= OF_SEQUENCES and set(table) >= OF_HALF_CYCLES):
-        return NOT_KNOWN
-    first = int(np.argmax(calibrated))
-    rows = np.flatnonzero(table["record_index"].values == first)
-    own = table.isel(row=slice(rows[0], rows[-1] + 1) if rows.size else slice(0))
-    of_first = (own["record_index"].values == first) & (own["model_index"].values == models.index("sequence"))
-    stored = own["duration"].values[of_first]
-    p, restitution = summary["p"].values, summary["restitution"].values
-    cases = restitution.size // p.size
-    block = Block.from_parameters(
-        np.repeat(p, cases),
-        np.repeat(summary["alpha_c"].values, cases),
-        restitution=restitution.ravel(),
-        gravity=_gravity(summary)[0],
-        log=False,
-    )
-    main, secondary, interval, duration, count = (
-        summary[name].values[first].item()
-        for name in ("main_impulse", "secondary_impulse", "secondary_interval", "sequence_duration", "main_count")
-    )
-    for spacing in dict.fromkeys((configured, *SPACINGS)):
-        sequence = ImpulseSequence(main, secondary, interval, duration, None if count < 0 else count, None, spacing)
-        found = sequence_response(block, sequence).half_cycles
-        assert found is not None
-        durations = found.duration.T[np.isfinite(found.start_velocity).T]
-        if durations.shape == stored.shape and np.allclose(durations, stored, rtol=1e-6):
-            return SPACINGS.index(spacing)
-    return NOT_KNOWN
-
-
-def _coded(summary: xr.Dataset) -> xr.Dataset:
-    """The group /summary with codes beside the remarks, which in files of before 0.2.0 the texts have to tell."""
-    if "warning_codes" in summary or "warnings" not in summary:
-        return summary
-    codes = [with_codes(map(recognised, str(text).splitlines()))[1] for text in summary["warnings"].values]
-    found = {"warning_codes": RECORD["warning_codes"].variable(codes)}
-    if "processing" in summary:
-        acting = [
-            find(map(recognised, str(text).splitlines()), "vertical_acceleration")
-            for text in summary["processing"].values
-        ]
-        names = ["" if one is None else one.values["record"] for one in acting]
-        found["vertical_channel"] = RECORD["vertical_channel"].variable(names)
-    return summary.assign(found)
+    return tree.map_over_datasets(_as_saved)
 
 
 def check_schema(path: str | os.PathLike[str]) -> str:
@@ -265,8 +100,7 @@ def check_schema(path: str | os.PathLike[str]) -> str:
     from rockpulse.storage.hdf5.layout import contained
 
     check_regular(path, ResultsError)
-    with Path(path).open("rb"):
-        pass
+    Path(path).open("rb").close()
     try:
         with h5py.File(path, "r") as file:
             contained(file)
@@ -283,10 +117,10 @@ def check_schema(path: str | os.PathLike[str]) -> str:
             f"{path}: an HDF5 file, not written by rockpulse (or of a kind that this version does not know): attribute "
             f"'schema_version' or group '{KINDS.get(kind, KINDS[ASSESSMENT])}' is missing"
         )
-    if found.split(".")[0] != SCHEMA_VERSION.split(".")[0]:
+    if found != SCHEMA_VERSION:
         raise ResultsError(
-            f"{path}: expected schema version {SCHEMA_VERSION.split('.')[0]}.x, found {found}; run the assessment "
-            "again with this version, or open the file with the version of rockpulse named in it"
+            f"{path}: expected schema version {SCHEMA_VERSION}, found {found}; run 'rockpulse {VERBS.get(kind, '')}' "
+            "again with this version, or open the file with the version that its attribute 'rockpulse_version' names"
         )
     return kind
 
@@ -320,18 +154,12 @@ def readable(path: str | os.PathLike[str]) -> Iterator[None]:
         raise ResultsError(f"{path}: the results file is damaged ({error}); run the assessment again") from error
 
 
-def _variables(tree: xr.DataTree) -> Iterator[tuple[str, Any]]:
-    for node in tree.subtree:
-        for name, variable in node.to_dataset(inherit=False).variables.items():
-            yield f"{node.path.rstrip('/')}/{name}", variable
-
-
 def provenance(attrs: Mapping[Any, Any]) -> dict[str, Any]:
     """Attributes of the root of a file that tell its origin; those that are there already, as a title, stay."""
     stamp = f"{datetime.now(UTC):%Y-%m-%dT%H:%M:%SZ} written by rockpulse {__version__}"
     before = attrs.get("history")
     return {
-        "Conventions": CONVENTIONS,
+        "Conventions": "CF-1.11",
         "kind": ASSESSMENT,
         "title": "Overturning safety of rigid blocks under recorded ground motion",
         "rockpulse_version": __version__,
@@ -350,6 +178,8 @@ def _versions() -> dict[str, str]:
 
 def _as_saved(dataset: xr.Dataset) -> xr.Dataset:
     """Strings come back as objects; the encoding would tie a copy to the old file; checksums are of the file."""
+    from rockpulse.storage.hdf5.writer import CHECKSUM, CHECKSUM_OF_ATTRIBUTES
+
     strings = {name: variable.astype(str) for name, variable in dataset.variables.items() if variable.dtype == object}
     plain = dataset.assign(strings).drop_encoding()
     for attrs in (plain.attrs, *(variable.attrs for variable in plain.variables.values())):
@@ -381,22 +211,13 @@ class ResultsFile:
         if group not in self._opened:
             try:
                 with self.reading():
-                    dataset = dataset_of(self._hdf5[group])
+                    self._opened[group] = dataset_of(self._hdf5[group])
             except (KeyError, ValueError) as error:  # a dimension is gone, or a variable came without any
                 raise ResultsError(
                     f"{self.path}: /{group} is not as it was written ({error}); 'rockpulse verify' says what else, run "
                     "the assessment again"
                 ) from error
-            if group == OF_RECORDS.get(self.kind):
-                dataset = with_facts(dataset, self.attrs)
-            if group == "summary" and self.kind == ASSESSMENT:
-                with self.reading():
-                    dataset = completed(dataset, self.attrs, self._half_cycles)
-            self._opened[group] = dataset
         return self._opened[group]
-
-    def _half_cycles(self) -> xr.Dataset | None:
-        return self.dataset("half_cycles") if "half_cycles" in self.groups else None
 
     def tree(self, *groups: str) -> xr.DataTree:
         """The named groups that the file has (all by default) as a tree whose values are not yet read."""
@@ -429,58 +250,3 @@ def open_results(path: str | Path) -> Iterator[ResultsFile]:
         groups = tuple(name for name, item in hdf5.items() if isinstance(item, h5py.Group))
         attrs = {name: value.item() if isinstance(value, np.generic) else value for name, value in hdf5.attrs.items()}
         yield ResultsFile(Path(path), kind, attrs, groups, hdf5)
-
-
-def slab(variable: xr.Variable, positions: dict[Any, Any]) -> np.ndarray:
-    """Values at positions along each dimension, by reading the box around them.
-
-    HDF5 reads a box at the speed of the disk and scattered positions one by one. Positions are integers in any order,
-    or a slice; a dimension that is not named is read whole, and a name that the variable lacks is passed over.
-    """
-    box: list[slice] = []
-    inside: list[Any] = []
-    for dim, size in variable.sizes.items():
-        wanted = positions.get(dim, slice(None))
-        if isinstance(wanted, slice):
-            box.append(wanted)
-            inside.append(np.arange(len(range(*wanted.indices(size)))))
-        else:
-            start, stop = (int(wanted.min()), int(wanted.max()) + 1) if wanted.size else (0, 0)
-            box.append(slice(start, stop))
-            inside.append(wanted - start)
-    values = variable[tuple(box)].values
-    if all(isinstance(positions.get(dim, slice(None)), slice) for dim in variable.dims):
-        return values
-    return values[np.ix_(*inside)]
-
-
-def pointwise(variable: xr.Variable, places: dict[str, np.ndarray]) -> np.ndarray:
-    """One value for each of r places, by reading the box around them.
-
-    `places` holds (r,) positions along each dimension; names that the variable lacks are passed over.
-    """
-    starts = {dim: int(places[dim].min()) if places[dim].size else 0 for dim in map(str, variable.dims)}
-    stops = {dim: int(places[dim].max()) + 1 if places[dim].size else 0 for dim in starts}
-    values = variable[tuple(slice(starts[dim], stops[dim]) for dim in starts)].values
-    return np.asarray(values[tuple(places[dim] - starts[dim] for dim in starts)])
-
-
-def flag_words(variable: xr.Variable | xr.DataArray) -> dict[int, str]:
-    """Words for the values of a flag; empty for a variable that is no flag."""
-    if "flag_meanings" not in variable.attrs:
-        return {}
-    values = np.atleast_1d(variable.attrs["flag_values"]).tolist()
-    return dict(zip(values, str(variable.attrs["flag_meanings"]).split(), strict=True))
-
-
-def worded(values: np.ndarray, words: dict[int, str]) -> np.ndarray:
-    """Integer values of a flag as the words of :func:`flag_words`; a number that has none stays as it is.
-
-    Examples
-    --------
-    >>> worded(np.array([1, 0, 7]), {0: "no", 1: "yes"}).tolist()
-    ['yes', 'no', '7']
-    """
-    codes, inverse = np.unique(values, return_inverse=True)
-    names = np.array([words.get(code, str(code)) for code in codes.tolist()], dtype=object)
-    return names[inverse].reshape(values.shape) if codes.size else values.astype(object)

@@ -1,7 +1,4 @@
-"""Whether a results file is what was written, and its inputs are what was read.
-
-The files that results rest on: which they are, what they were, and what they are now.
-"""
+"""Whether a results file is what was written, and the files that it rests on are what was read."""
 
 from __future__ import annotations
 
@@ -26,16 +23,6 @@ from rockpulse.storage.hdf5.layout import missing_variables, wrong_variables
 from rockpulse.storage.hdf5.netcdf4 import attributes, groups_of, variables_of
 from rockpulse.storage.hdf5.results_file import check_schema, readable
 from rockpulse.storage.hdf5.writer import CHECKSUM, CHECKSUM_OF_ATTRIBUTES, VariableChecksum, attributes_checksum
-
-__all__ = [
-    "Verification",
-    "in_place",
-    "input_checksums",
-    "input_files",
-    "record_folders",
-    "stored_checksums",
-    "verify",
-]
 
 #: Values that are read at once [bytes].
 CHUNK = 32 * 1024**2
@@ -82,7 +69,7 @@ def verify(
         root = file.attrs["/"]
         schema = str(root["schema_version"])
         differences, count = _wrong_checksums(file, progress)
-        differences += [*missing_variables(file.variables, kind, schema), *wrong_variables(file.variables, kind)]
+        differences += [*missing_variables(file.variables, kind), *wrong_variables(file.variables, kind)]
         stored = stored_checksums(hdf5) if inputs else []
         folders = record_folders(str(root.get("configuration", "")))
     sources = input_files(stored)
@@ -118,7 +105,7 @@ def _listed(hdf5: h5py.File) -> _Listed:
 def _wrong_checksums(file: _Listed, progress: Callable[[list[Any]], Any]) -> tuple[list[str], int]:
     of_all = file.attrs["/"].get(CHECKSUM_OF_ATTRIBUTES)
     if of_all is None and not any(CHECKSUM in file.attrs[path] for path in file.variables):
-        return ["the file has no checksums: it was written by an earlier version, or by another program"], 0
+        return ["the file has no checksums: it was written by another program"], 0
     found = []
     for path in progress(list(file.variables)):
         stored = file.attrs[path].get(CHECKSUM)

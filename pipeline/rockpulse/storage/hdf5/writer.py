@@ -1,16 +1,13 @@
 """Writing the HDF5 file of a tree, variable by variable or piece by piece, with the checksum of each.
 
-The file is one of netCDF-4, laid out with h5py alone: h5netcdf looks every object up anew at every property, which
-takes longer than all else for a hundred variables (docs/decisions/005). Objects and attributes come in the order in
+The file is one of netCDF-4, laid out with h5py alone (docs/decisions/005). Objects and attributes come in the order in
 which h5netcdf makes them; :mod:`rockpulse.storage.hdf5.netcdf4` says what the layout is.
 
-Checksums of a results file: SHA-256 of every variable, and one of all attributes (docs/schema.md).
-
-The checksum of a variable is that of its type and shape in one line (``float64 3x2``; ``text 3``; sizes in order,
-nothing for a single value), a line feed, and its values in C order: numbers little-endian, each text in UTF-8 with a
-zero byte after it. That of the attributes is the one of sorted lines, ``PATH`` for each group, ``PATH DIMENSION...``
-for each variable and ``PATH@ATTRIBUTE CHECKSUM`` for each attribute, that of its values as of a variable of one
-dimension.
+The checksum of a variable is the SHA-256 of its type and shape in one line (``float64 3x2``; ``text 3``; sizes in
+order, nothing for a single value), a line feed, and its values in C order: numbers little-endian, each text in UTF-8
+with a zero byte after it. That of the attributes is the one of sorted lines, ``PATH`` for each group, ``PATH
+DIMENSION...`` for each variable and ``PATH@ATTRIBUTE CHECKSUM`` for each attribute, that of its values as of a variable
+of one dimension.
 """
 
 from __future__ import annotations
@@ -30,16 +27,6 @@ from rockpulse.version import __version__
 
 if TYPE_CHECKING:
     import xarray as xr
-
-__all__ = [
-    "CHECKSUM",
-    "CHECKSUM_OF_ATTRIBUTES",
-    "TreeWriter",
-    "VariableChecksum",
-    "attributes_checksum",
-    "in_utf8",
-    "write_tree",
-]
 
 
 class TreeWriter:
@@ -232,11 +219,7 @@ def write_tree(tree: xr.DataTree, path: Path, attrs: Mapping[str, Any]) -> None:
 
 
 def add_dataset(
-    writer: TreeWriter,
-    path: str,
-    dataset: xr.Dataset,
-    attrs: Mapping[str, Any],
-    sizes: Mapping[str, int] | None = None,
+    writer: TreeWriter, path: str, dataset: xr.Dataset, attrs: Mapping[str, Any], sizes: Mapping[str, int] | None = None
 ) -> None:
     """Add a group with the variables of a dataset, without their values.
 

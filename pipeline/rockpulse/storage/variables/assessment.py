@@ -8,19 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from rockpulse.storage.variables import FAILURE, Declared, StoredVariable, along, flag, real, text, whole
+from rockpulse.storage.variables import FAILURE, NO_YES, Declared, StoredVariable, along, flag, real, text, whole
 from rockpulse.storage.variables.probability import SPECTRA
 from rockpulse.storage.variables.summary import LANES, SUMMARY
-
-__all__ = [
-    "ASSESSMENT_GROUPS",
-    "DIRECTIONS",
-    "GROWING",
-    "HALF_CYCLE",
-    "OVERTURNING",
-    "WAVES",
-    "minor_of",
-]
 
 #: Dimensions that grow with the records.
 GROWING = frozenset({"record", "row", "interval", "wave", "sample", "history", "instant"})
@@ -32,6 +22,10 @@ def _of_half_cycle(name: str) -> Callable[[Any], np.ndarray]:
 
 def _of_interval(name: str) -> Callable[[Any], np.ndarray]:
     return lambda one: one.intervals(lambda rows: getattr(rows.source, name))
+
+
+def _of_wave(name: str) -> Callable[[Any], np.ndarray]:
+    return lambda one: getattr(one.scene.waves, name)
 
 
 def _pointers(table: str) -> dict[str, StoredVariable]:
@@ -55,40 +49,30 @@ HALF_CYCLE = along(
         "half_cycle": whole(
             "number of the half-cycle, from 1", lambda one: one.half_cycles(lambda rows: rows.cycle + 1)
         ),
-        "start_velocity": real("1", "u = theta'/(p alpha_c) at its start", _of_half_cycle("start_velocity")),
-        "peak": real("1", "largest theta/alpha_c in it; inf where the block overturns", _of_half_cycle("peak")),
-        "duration": real("s", "time to the next impact; inf where there is none", _of_half_cycle("duration")),
-        "impulse_count": whole(
-            "intermediate impulses in it; -1 where n -> infinity", _of_half_cycle("impulse_count"), explanation="n_i"
-        ),
-        "interval": real(
-            "s",
-            "corrected interval of the intermediate impulses; NaN without",
-            _of_half_cycle("interval"),
-            explanation="dT_i",
-        ),
-        "impact_speed": real(
-            "1", "speed right before the next impact over p alpha_c; NaN without", _of_half_cycle("impact_speed")
-        ),
+        "start_velocity": real("1", "u = theta'/(p alpha_c) at its start"),
+        "peak": real("1", "largest theta/alpha_c in it; inf where the block overturns"),
+        "duration": real("s", "time to the next impact; inf where there is none"),
+        "impulse_count": whole("intermediate impulses in it; -1 where n -> infinity", explanation="n_i"),
+        "interval": real("s", "corrected interval of the intermediate impulses; NaN without", explanation="dT_i"),
+        "impact_speed": real("1", "speed right before the next impact over p alpha_c; NaN without"),
     },
+    by=_of_half_cycle,
 )
 
 OVERTURNING = along(
     ("interval",),
     {
         **_pointers("intervals"),
-        "lower": real(
-            "1", "smallest factor on the model's input that overturns in this interval", _of_interval("lower")
-        ),
-        "upper": real("1", "largest one; the end of the search where open", _of_interval("upper")),
-        "open": flag(("no", "yes"), "whether the block still overturns at the end of the search", _of_interval("open")),
+        "lower": real("1", "smallest factor on the model's input that overturns in this interval"),
+        "upper": real("1", "largest one; the end of the search where open"),
+        "open": flag(NO_YES, "whether the block still overturns at the end of the search"),
         "resolved": flag(
-            ("no", "yes"),
+            NO_YES,
             "whether the model can answer at the lower end",
-            _of_interval("resolved"),
             explanation="no: from `lower` on it cannot, as in free flight, which counts as overturning",
         ),
     },
+    by=_of_interval,
 )
 
 #: Of each direction of a sweep, of each pair of channels, and of its answers: put together from those of /summary.
@@ -146,7 +130,6 @@ DIRECTIONS: Declared = {
         "1",
         "mean over direction of the probability of overturning; NaN where one is not known",
         dims=("pair", *LANES[1:]),
-        since=3,
         explanation="that of a body whose direction is not known; only with `[uncertainty] azimuth = true`",
         stored=lambda config: config.uncertainty.azimuth,
     ),
@@ -155,12 +138,13 @@ DIRECTIONS: Declared = {
 WAVES = along(
     ("wave",),
     {
-        "impulse": real("m s-1", "signed impulse of the half-wave", lambda one: one.scene.waves.impulse),
-        "centroid": real("s", "time of its centroid from the first sample", lambda one: one.scene.waves.centroid),
-        "start": real("s", "its start", lambda one: one.scene.waves.start),
-        "end": real("s", "its end", lambda one: one.scene.waves.end),
-        "peak": real("m s-2", "its signed peak acceleration", lambda one: one.scene.waves.peak),
+        "impulse": real("m s-1", "signed impulse of the half-wave"),
+        "centroid": real("s", "time of its centroid from the first sample"),
+        "start": real("s", "its start"),
+        "end": real("s", "its end"),
+        "peak": real("m s-2", "its signed peak acceleration"),
     },
+    by=_of_wave,
 )
 
 _SAMPLES = {
@@ -172,52 +156,36 @@ _SAMPLES = {
     ),
 }
 
-_HISTORIES = {
-    "history_row_size": whole(
-        "instants of each history",
-        lambda one: one.histories(lambda rows: np.full(rows.lane.size, rows.source.rotation.shape[1])),
-        dims=("history",),
-        sample_dimension="instant",
-    ),
-    **along(
-        ("history",),
-        {
-            "history_record_index": whole(
-                "index into record", lambda one: one.histories(lambda rows: np.zeros(rows.lane.size, dtype=int))
-            ),
-            "history_lane_index": whole(
-                "index into block x case of /summary, case running faster",
-                lambda one: one.histories(lambda rows: rows.lane),
-            ),
-            "history_model_index": whole(
-                "index into model of /summary",
-                lambda one: one.histories(lambda rows: np.full(rows.lane.size, rows.model)),
-            ),
-        },
-    ),
-    **along(
-        ("instant",),
-        {
-            "rotation": real(
-                "rad",
-                "rotation at the record's samples",
-                lambda one: one.histories(lambda rows: rows.source.rotation.ravel()),
-            ),
-            "velocity": real(
-                "rad s-1", "its rate", lambda one: one.histories(lambda rows: rows.source.velocity.ravel())
-            ),
-        },
-    ),
-}
+_HISTORIES = along(
+    ("history",),
+    {
+        "history_row_size": whole(
+            "instants of each history",
+            lambda one: one.histories(lambda rows: np.full(rows.lane.size, rows.source.rotation.shape[1])),
+            sample_dimension="instant",
+        ),
+        "history_record_index": whole(
+            "index into record", lambda one: one.histories(lambda rows: np.zeros(rows.lane.size, dtype=int))
+        ),
+        "history_lane_index": whole(
+            "index into block x case of /summary, case running faster",
+            lambda one: one.histories(lambda rows: rows.lane),
+        ),
+        "history_model_index": whole(
+            "index into model of /summary", lambda one: one.histories(lambda rows: np.full(rows.lane.size, rows.model))
+        ),
+    },
+) | along(
+    ("instant",),
+    {"rotation": real("rad", "rotation at the record's samples"), "velocity": real("rad s-1", "its rate")},
+    by=lambda name: lambda one: one.histories(lambda rows: getattr(rows.source, name).ravel()),
+)
 
 #: Ragged arrays: the values of all records one after the other, with the number of each.
 _RECORDS: Declared = {
     "record": SUMMARY["record"],
     "half_wave_row_size": whole(
-        "half-waves of each record",
-        lambda one: one.scene.waves.impulse.size,
-        dims=("record",),
-        sample_dimension="wave",
+        "half-waves of each record", lambda one: one.scene.waves.impulse.size, dims=("record",), sample_dimension="wave"
     ),
     **{f"half_wave_{name}": variable for name, variable in WAVES.items()},
     **{name: replace(one, stored=lambda config: config.records.store == "all") for name, one in _SAMPLES.items()},
@@ -229,7 +197,7 @@ ASSESSMENT_GROUPS: dict[str, Declared] = {
     "/summary": SUMMARY,
     "/half_cycles": HALF_CYCLE,
     "/overturning_intervals": OVERTURNING,
-    "/spectra": {"record": replace(SUMMARY["record"], since=3, stored=SPECTRA["spectrum"].stored), **SPECTRA},
+    "/spectra": {"record": replace(SUMMARY["record"], stored=SPECTRA["spectrum"].stored), **SPECTRA},
     "/failures": FAILURE,
     "/directions": DIRECTIONS,
     "/records": {
@@ -237,9 +205,3 @@ ASSESSMENT_GROUPS: dict[str, Declared] = {
         for name, one in _RECORDS.items()
     },
 }
-
-
-def minor_of(schema: str) -> int:
-    """The MINOR of a version of the schema, "1.2" and the like."""
-    minor = schema.partition(".")[2]
-    return int(minor) if minor.isdecimal() else 0

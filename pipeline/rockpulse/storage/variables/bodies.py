@@ -11,9 +11,7 @@ from rocking.block import Block
 from rockpulse.config.bodies import Bodies
 from rockpulse.config.configuration import Config
 from rockpulse.config.restraint_settings import floors_as_text
-from rockpulse.storage.variables import along, flag, real, text
-
-__all__ = ["BLOCK", "CASE"]
+from rockpulse.storage.variables import NO_YES, along, flag, real, text
 
 
 def _lifting(lanes: Block) -> np.ndarray:
@@ -40,30 +38,23 @@ BLOCK = along(
             "m",
             "R, from the corner to the centre of mass: half the diagonal; for a body given by p the radius given with "
             "it, else that of the rectangle with the same p",
-            _of_body("radius"),
         ),
-        "alpha_c": real("rad", "critical angle", _of_body("alpha_c"), explanation="about the right-hand corner"),
-        "p": real("s-1", "frequency parameter", _of_body("p"), explanation="about the right-hand corner"),
-        "alpha_2": real("rad", "critical angle about the left-hand corner", _of_body("alpha_2"), since=5),
-        "p_2": real("s-1", "frequency parameter about the left-hand corner", _of_body("p_2"), since=5),
-        "radius_2": real("m", "from the left-hand corner to the centre of mass", _of_body("radius_2"), since=5),
-        "one_sided": flag(
-            ("no", "yes"), "whether the body leans on a wall and falls away from it only", _of_body("side"), since=5
-        ),
+        "alpha_c": real("rad", "critical angle", explanation="about the right-hand corner"),
+        "p": real("s-1", "frequency parameter", explanation="about the right-hand corner"),
+        "alpha_2": real("rad", "critical angle about the left-hand corner"),
+        "p_2": real("s-1", "frequency parameter about the left-hand corner"),
+        "radius_2": real("m", "from the left-hand corner to the centre of mass"),
+        "one_sided": flag(NO_YES, "whether the body leans on a wall and falls away from it only", _of_body("side")),
         "facing": real(
-            "degree",
-            "azimuth towards which such a body falls; NaN where not known",
-            lambda b, config: b.facing,
-            since=5,
+            "degree", "azimuth towards which such a body falls; NaN where not known", lambda b, config: b.facing
         ),
         "body_azimuth": real(
             "degree",
             "direction of its own in which pairs of channels shake the body; NaN for that of the records",
             lambda b, config: b.azimuth,
-            since=5,
         ),
-        "friction": real("1", "coefficient at the base; NaN where not known", lambda b, config: b.friction, since=5),
-        "mass": real("kg", "mass with the loads that it carries along; NaN where not known", _of_body("mass"), since=5),
+        "friction": real("1", "coefficient at the base; NaN where not known", lambda b, config: b.friction),
+        "mass": real("kg", "mass with the loads that it carries along; NaN where not known"),
         "restraints": text(
             "ties, loads and thrusts of the body",
             lambda bodies, config: [
@@ -72,41 +63,35 @@ BLOCK = along(
                     :: bodies.cases
                 ]
             ],
-            since=5,
             explanation="as JSON, in SI units; empty for none",
         ),
         "floors": text(
             "modes of the building that the body stands on",
             lambda bodies, config: [floors_as_text(floors) for floors in bodies.floors],
-            since=5,
             explanation="as JSON: period [s], damping and participation [-] of each; empty on the ground",
         ),
         "pedestal_of": text(
             "name of the body that this one is together with its pedestal",
             lambda bodies, config: bodies.pedestal_of,
-            since=5,
             explanation="empty for all others",
         ),
         "uplift_acceleration": real(
             "m s-2",
             "smallest horizontal acceleration that lifts it",
             lambda bodies, config: _lifting(bodies.lanes)[:: bodies.cases],
-            since=5,
         ),
         "gravity": real(
             "m s-2",
             "acceleration of gravity at the block",
             lambda bodies, config: np.full(len(bodies.names), bodies.lanes.gravity),
-            since=1,
         ),
-        "slenderness": real("1", "height over width", _of_body("slenderness")),
-        "critical_impulse": real(
-            "m s-1", "I_1c, the impulse that overturns the resting block at once", _of_body("critical_impulse")
-        ),
+        "slenderness": real("1", "height over width"),
+        "critical_impulse": real("m s-1", "I_1c, the impulse that overturns the resting block at once"),
         "block_warnings": text(
             "remarks on the block", lambda bodies, config: bodies.warnings, explanation="one a line"
         ),
     },
+    by=_of_body,
 )
 
 CASE = {
@@ -122,6 +107,5 @@ CASE = {
         "velocity ratio C of an impact that ends the rotation about the left-hand corner",
         lambda bodies, config: bodies.per_case(np.asarray(bodies.lanes.restitution_2)),
         dims=("block", "case"),
-        since=5,
     ),
 }

@@ -5,27 +5,8 @@ from __future__ import annotations
 from enum import IntEnum
 
 from rockpulse.storage.variables import FAILURE, NOT_KNOWN, Declared, along, flag, real, text, whole
-from rockpulse.storage.variables.summary import BLOCK, CASE, FACTS, RECORD
-
-__all__ = [
-    "CAPACITIES",
-    "COORDINATES",
-    "CURVE",
-    "CURVES",
-    "EFFICIENCY",
-    "FRAGILITY",
-    "FRAGILITY_GROUPS",
-    "IDA",
-    "POOLED",
-    "QUALITIES",
-    "STATED",
-    "STRENGTH",
-    "STRIPES",
-    "TESTED",
-    "Band",
-    "Extrapolated",
-    "Status",
-]
+from rockpulse.storage.variables.bodies import BLOCK, CASE
+from rockpulse.storage.variables.summary import FACTS, RECORD
 
 #: Root attribute `kind` of a fragility file, and its first group.
 FRAGILITY = "fragility"
@@ -83,6 +64,8 @@ def _words(values: type[IntEnum]) -> list[str]:
     return [value.name.lower() for value in values]
 
 
+_LANES = ("block", "limit_state", "measure")
+
 COORDINATES: Declared = {
     "record": text("record id", dims=("record",)),
     "block": text("name of the body", dims=("block",), explanation="with the restitution where a body has several"),
@@ -110,7 +93,7 @@ _JUDGED: Declared = {
 
 #: Of the fits of each body, limit state and measure, and what they rest on.
 CURVE = along(
-    ("block", "limit_state", "measure"),
+    _LANES,
     {
         **_FIT,
         "status": flag(_words(Status), "whether there is a curve, and why not"),
@@ -181,7 +164,6 @@ STRIPES: Declared = {
         "weight of the record at that factor in the fits",
         dims=("record", "stripe"),
         explanation="1 without a selection of records",
-        since=5,
     ),
     "reached": flag(
         ("not_known", "not_reached", "reached"),
@@ -234,8 +216,8 @@ def _pooled(declared: Declared) -> Declared:
 
 #: Of each body, then of all bodies together, for which only dimensionless measures have values.
 EFFICIENCY: Declared = {
-    **along(("block", "limit_state", "measure"), _RATIO),
-    **along(("block", "limit_state", "measure", "quality"), _QUALITY),
+    **along(_LANES, _RATIO),
+    **along((*_LANES, "quality"), _QUALITY),
     **along(("limit_state", "measure"), _pooled(_RATIO)),
     **along(("limit_state", "measure", "quality"), _pooled(_QUALITY)),
     "quality_records": whole("number of records that have the quality", dims=("quality",)),

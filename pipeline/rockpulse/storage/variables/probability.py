@@ -1,7 +1,4 @@
-"""The variables of /summary that tell the probability of overturning of a body, and the factors that it grows with.
-
-The variables of an overturning spectrum, in memory and in /spectra of a results file.
-"""
+"""The variables of the probability of overturning in /summary, and of overturning spectra, also those in /spectra."""
 
 from __future__ import annotations
 
@@ -14,21 +11,6 @@ import numpy as np
 from rocking.block_limits import RATES
 from rockpulse.config.configuration import Config
 from rockpulse.storage.variables import Declared, StoredVariable, along, flag, real
-
-__all__ = [
-    "AT_DEMAND",
-    "AXIS_SIZES",
-    "LEVELS",
-    "MEAN",
-    "PROBABILITY",
-    "READ",
-    "RESTITUTIONS",
-    "ROTATIONS",
-    "SOURCES",
-    "SPECTRA",
-    "SPECTRUM",
-    "SPECTRUM_AXES",
-]
 
 #: The mean over direction of the probability of overturning: that of a body whose direction is not known.
 MEAN = "overturning_probability_mean"
@@ -67,13 +49,7 @@ def _with_ends(name: str, long_name: str, explanation: str) -> dict[str, StoredV
     }
     return {
         key: real(
-            "1",
-            words,
-            _of_lanes(key),
-            since=3,
-            of_ground=True,
-            explanation=explanation if key == name else "",
-            comment=_comment,
+            "1", words, _of_lanes(key), of_ground=True, explanation=explanation if key == name else "", comment=_comment
         )
         for key, words in told.items()
     }
@@ -102,7 +78,6 @@ PROBABILITY: Declared = {
         "1",
         "probability that the body lifts off under the record as it is; NaN where not computed",
         _of_lanes("uplift_probability"),
-        since=3,
         of_ground=True,
         explanation="in closed form, from `uplift_ratio`: without the vertical acceleration",
         comment=_comment,
@@ -111,7 +86,6 @@ PROBABILITY: Declared = {
         SOURCES,
         "what the probability of overturning was read from",
         _of_lanes("probability_source"),
-        since=3,
         explanation="spectrum: the overturning spectrum of the record, which is the same for all slender bodies; own "
         "lanes: motions of the body itself, where the spectrum does not hold (slenderness below 3.5, p or C outside "
         "it, vertical acceleration)",
@@ -124,7 +98,6 @@ AT_DEMAND: Declared = {
         "1",
         "factor on the record that brings it to the demand",
         _of_lanes("demand_factor"),
-        since=4,
         of_ground=True,
         explanation="the demand over the strength of the motion, of a pair of horizontal channels over the geometric "
         "mean of theirs",
@@ -133,7 +106,6 @@ AT_DEMAND: Declared = {
         "1",
         "probability that the body overturns under the record brought to the demand; NaN where not computed",
         _of_lanes("demand_probability"),
-        since=4,
         of_ground=True,
         explanation="not computed where `demand_factor` lies outside 0.25 to 4 or above `[search] factor_max`",
         comment=_comment,
@@ -204,11 +176,11 @@ def _has(config: Config) -> bool:
 
 def _of_record(name: str, variable: StoredVariable) -> StoredVariable:
     take: Callable[[Any], np.ndarray] = lambda one: one.spectra[name]  # noqa: E731
-    return replace(variable, dims=("record", *variable.dims), take=take, since=3, stored=_has, of_ground=True)
+    return replace(variable, dims=("record", *variable.dims), take=take, stored=_has, of_ground=True)
 
 
 #: The group /spectra of an assessment, without the names of records; NaN at the p that no body of a record is read at.
 SPECTRA: Declared = {
-    **{name: replace(axis, since=3, stored=_has) for name, axis in SPECTRUM_AXES.items()},
+    **{name: replace(axis, stored=_has) for name, axis in SPECTRUM_AXES.items()},
     **{name: _of_record(name, variable) for name, variable in SPECTRUM.items()},
 }

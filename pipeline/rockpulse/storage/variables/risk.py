@@ -1,22 +1,10 @@
-"""The variables of the annual frequency of a limit state.
-
-The variables of the checks of codes.
-"""
+"""The variables of the annual frequency of a limit state, and of the checks of codes."""
 
 from __future__ import annotations
 
 from enum import IntEnum
 
 from rockpulse.storage.variables import NOT_KNOWN, Declared, along, flag, real, text, whole
-
-__all__ = [
-    "CHECK",
-    "FREE_FRAGILITY",
-    "INVENTORY",
-    "RISK",
-    "STANDING",
-    "RiskStatus",
-]
 
 
 class RiskStatus(IntEnum):

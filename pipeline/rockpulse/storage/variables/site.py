@@ -1,7 +1,4 @@
-"""The variables of a site file; those of one by the spectrum are in :mod:`.site_spectrum_variables`.
-
-The variables of a site file by the overturning spectrum, and every variable of site files of both kinds.
-"""
+"""The variables of a site file, by the sequences of its records or by their overturning spectra."""
 
 from __future__ import annotations
 
@@ -11,19 +8,6 @@ from rockpulse.record.measures import STORED_LEVELS
 from rockpulse.storage.variables import FAILURE, Declared, StoredVariable, along, flag, real, text, whole
 from rockpulse.storage.variables.probability import SPECTRUM_AXES
 from rockpulse.storage.variables.summary import FACTS
-
-__all__ = [
-    "COORDINATES",
-    "OF_RECORDS",
-    "PARAMETER",
-    "SITE",
-    "SITE_AXES",
-    "SITE_GROUPS",
-    "SITE_KIND",
-    "SPECTRA",
-    "SPECTRA_AXES",
-    "VARIABLES",
-]
 
 #: Root attribute `kind` of a site file.
 SITE_KIND = "site calibration"

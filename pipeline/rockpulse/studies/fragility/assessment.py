@@ -67,7 +67,7 @@ def fragility_curves(
     With ``data = "stripes"`` every record is scaled to each level, within ``[fragility] factors``, and the curve is the
     probability of reaching the limit state at a level. With ``data = "ida"`` capacity is the first factor that reaches
     it, and the curve the probability of reaching it at or below a level. Rotation need not grow with the factor, so the
-    latter lies above the former (docs/decisions/015).
+    latter lies above the former (docs/decisions/012).
 
     Examples
     --------

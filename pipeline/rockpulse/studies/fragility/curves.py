@@ -2,7 +2,7 @@
 
 .. note:: A curve is P(x) = F(a + b ln x): the median is exp(-a/b), the dispersion beta the standard deviation of ln
    capacity. Records of one event are no independent observations, so a band comes from leaving out one event after
-   the other (docs/decisions/015). Where the data do not say what a curve needs, there is a statement and no number.
+   the other (docs/decisions/012). Where the data do not say what a curve needs, there is a statement and no number.
 """
 
 from __future__ import annotations

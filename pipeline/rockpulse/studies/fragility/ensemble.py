@@ -173,16 +173,9 @@ def stored_ensemble(tree: xr.DataTree) -> Ensemble:
         factors=np.moveaxis(factors, 1, 2),
         step=None if stripes else table["search_step"].values,
         reached=np.moveaxis(reached, 1, 3) if stripes else None,
-        weight=_weight(table) if stripes else None,
+        weight=table["weight"].transpose("record", "stripe").values if stripes else None,
         config=config,
     )
-
-
-def _weight(table: xr.Dataset) -> np.ndarray:
-    """The weights of a file; ones in one that was written before there were any."""
-    if "weight" in table:
-        return np.asarray(table["weight"].transpose("record", "stripe").values)
-    return np.ones((table.sizes["record"], table.sizes["stripe"]))
 
 
 @dataclass(frozen=True, eq=False)

@@ -296,7 +296,7 @@ def _floors(table: xr.Dataset, hazard: Hazard) -> list[float]:
 
     Only a PGA tells: it lifts a body on the ground, or it does not.
     """
-    if hazard.measure != PGA or "uplift_acceleration" not in table:
+    if hazard.measure != PGA:
         return [-math.inf] * table.sizes["block"]
     lifting = table["uplift_acceleration"].values
     return np.where(np.isnan(lifting), -math.inf, np.log(np.where(np.isnan(lifting), 1.0, lifting))).tolist()

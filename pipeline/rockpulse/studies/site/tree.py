@@ -19,7 +19,8 @@ from rockpulse.calibration.design_spectrum import DesignSpectrum
 from rockpulse.config.configuration import Config
 from rockpulse.errors import ResultsError
 from rockpulse.failures import Failure
-from rockpulse.storage.hdf5.results_file import ASSESSMENT, load, named
+from rockpulse.storage.hdf5.atomic import ASSESSMENT, named
+from rockpulse.storage.hdf5.results_file import load
 from rockpulse.storage.variables import failure_table, with_values
 from rockpulse.storage.variables.site import COORDINATES, PARAMETER, SITE_KIND, VARIABLES
 from rockpulse.studies.site.coverage import coverage_of, judged, leave_one_event_out, unjudged_events
@@ -35,11 +36,6 @@ from rockpulse.studies.site.design import (
 from rockpulse.studies.site.record import rotation_to_cover
 from rockpulse.studies.site.remarks import site_remarks
 from rockpulse.studies.site.statistics import correlation, event_draws, fit_lognormal, weighted_quantile
-
-__all__ = [
-    "design_of",
-    "load_design",
-]
 
 #: Mark of a pair that does not count.
 NOT_COUNTED = -1

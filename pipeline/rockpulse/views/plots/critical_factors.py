@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rockpulse.assessment.answers import complete, fullest_model
+from rockpulse.assessment.answers import fullest_model
 from rockpulse.errors import ResultsError
 from rockpulse.model_table import SEQUENCE_MODELS, UPPER_BOUND, SearchSettings, is_full, is_upper_bound
 from rockpulse.views.plots.demand_marks import demand_ticks, factors_to_demands, least, tick_notes
@@ -189,7 +189,7 @@ def critical_scale(
     """
     summary = tree["summary"].to_dataset()
     block = one_name(summary, "block", block)
-    own = complete(summary).sel(block=block).isel(chosen_case(summary, case))
+    own = summary.sel(block=block).isel(chosen_case(summary, case))
     factors, without = own["safety_factor"], own["safety_factor"].isnull().all("record")
     probable = [name for name in map(str, own["model"].values) if is_full(name) and bool(without.sel(model=name))]
     own["safety_factor"] = factors.where(~own["model"].isin(probable), own["factor_10"])

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from rockpulse.errors import ResultsError
 from rockpulse.option import hint
-from rockpulse.storage.hdf5.results_file import ASSESSMENT, named
+from rockpulse.storage.hdf5.atomic import ASSESSMENT, named
 from rockpulse.storage.variables.fragility import FRAGILITY
 from rockpulse.storage.variables.site import SITE_KIND
 

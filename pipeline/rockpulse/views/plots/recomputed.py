@@ -48,8 +48,7 @@ def recomputed(
     A ResultsError where the file does not hold the ground motion that acts on the block.
     """
     summary, row = tree["summary"].to_dataset(), MODELS[model]
-    told = str(summary["floors"].sel(block=block).values) if "floors" in summary else ""
-    floors = floors_from_text(told)
+    floors = floors_from_text(str(summary["floors"].sel(block=block).values))
     if not _in_direction(summary, record, block, tree):
         raise ResultsError(
             f"{block}: it is shaken in a direction of its own, whose motion is not in the file: assess again with "
@@ -73,7 +72,7 @@ def recomputed(
     if floors:
         motion = floor_record(motion, floors)
     # What is stored of a body before a wall is the worse of those senses of the record that may act.
-    facing = float(summary["facing"].sel(block=block)) if "facing" in summary else np.nan
+    facing = float(summary["facing"].sel(block=block))
     azimuth = float(summary["azimuth"].sel(record=record))
     scene = _scene(tree, motion, {"impulse": np.zeros(0), "centroid": np.zeros(0)})
     senses = acting(azimuth, facing) if body.side else (1,)
@@ -128,7 +127,7 @@ def _worse(body: Block, found: Sequence[Response]) -> Recomputed:
 
 def _in_direction(summary: xr.Dataset, record: str, block: str, tree: xr.DataTree) -> bool:
     """Whether a record is what shakes a block, which may have a direction of its own."""
-    own = float(summary["body_azimuth"].sel(block=block)) if "body_azimuth" in summary else np.nan
+    own = float(summary["body_azimuth"].sel(block=block))
     turned = setting(tree, "records", "components", "horizontal") != "horizontal"
     apart = abs(math.remainder(own - float(summary["azimuth"].sel(record=record)), 180.0)) if np.isfinite(own) else 0.0
     return not turned or apart <= FACING_WITHIN

@@ -15,7 +15,7 @@ from rockpulse.errors import ResultsError
 from rockpulse.failures import some
 from rockpulse.model_table import MODELS
 from rockpulse.record.measures import PGA
-from rockpulse.storage.hdf5.results_file import flag_words
+from rockpulse.storage.hdf5.netcdf4 import flag_words
 from rockpulse.storage.variables.fragility import FRAGILITY
 from rockpulse.storage.variables.site import SITE_KIND
 from rockpulse.views.report.wording import Words

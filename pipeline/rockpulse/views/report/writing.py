@@ -14,7 +14,8 @@ from typing import TYPE_CHECKING
 from rockpulse.errors import ResultsError
 from rockpulse.file_set import FileSet
 from rockpulse.foreign_text import escaped
-from rockpulse.storage.hdf5.results_file import ASSESSMENT, load, named
+from rockpulse.storage.hdf5.atomic import ASSESSMENT, named
+from rockpulse.storage.hdf5.results_file import load
 from rockpulse.storage.variables.fragility import FRAGILITY
 from rockpulse.storage.variables.site import SITE_KIND
 from rockpulse.version import __version__

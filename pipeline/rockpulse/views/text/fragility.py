@@ -172,8 +172,6 @@ def sufficiency_tables(efficiency: xr.Dataset) -> list[Table]:
 
 def _told_by(efficiency: xr.Dataset, p_value: xr.DataArray) -> list[str]:
     """A sentence for every quality that files of some records state: by how many, and whether they are enough."""
-    if "quality_records" not in efficiency:
-        return []
     total = int(efficiency["quality_records"].sel(quality=STRENGTH))
     said = []
     for name in (name for name in STATED if name in efficiency["quality"].values):

@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rocking.response import Outcome
-from rockpulse.assessment.answers import Answers, Margin, bodies_of, complete, fullest_model
+from rockpulse.assessment.answers import Answers, Margin, bodies_of, fullest_model
 from rockpulse.record.measures import PGA, STORED
 from rockpulse.record.record import STANDARD_GRAVITY
 from rockpulse.storage.export.selection import Selection, rows
-from rockpulse.storage.hdf5.results_file import flag_words, pointwise, worded
+from rockpulse.storage.hdf5.netcdf4 import flag_words, pointwise, worded
 from rockpulse.views.shared.answer_cells import NAMES, TITLES, answer_cell, factor_cell, marks_of
 from rockpulse.views.shared.record_marks import doubt, doubt_notes
 from rockpulse.views.shared.table import Cell, Heading, Mark, Table, lines, number
@@ -60,7 +60,6 @@ def case_list(summary: xr.Dataset, selection: Selection) -> str:
 
     Raises ResultsError for a name or variable that is not there.
     """
-    summary = complete(summary)
     if not selection.names.get("model"):
         selection = replace(selection, names={**selection.names, "model": (fullest_model(summary),)})
     dims = [dim for dim in ("record", "block", "case", "model") if dim in summary["outcome"].dims]

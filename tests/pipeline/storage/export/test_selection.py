@@ -7,7 +7,7 @@ from results_tree import BLOCKS, RECORDS, results_tree
 
 from rockpulse.errors import ResultsError
 from rockpulse.storage.export.selection import SHOWN, Condition, Selection, label_positions, rows
-from rockpulse.storage.hdf5.results_file import pointwise, slab, worded
+from rockpulse.storage.hdf5.netcdf4 import pointwise, slab, worded
 from rockpulse.storage.variables.summary import SUMMARY
 from rockpulse.views.shared.answer_cells import TITLES
 
@@ -98,23 +98,22 @@ def test_a_variable_that_is_known_of_no_answer_is_no_condition(summary):
         lanes(summary, where("SF < 1"))
 
 
-def test_an_unknown_name_variable_word_or_text_comparison_says_what_there_is(summary):
-    with pytest.raises(ResultsError, match=r'no block "colum" in these results; did you mean "column"'):
-        rows(summary, DIMS, Selection({"block": ("colum",)}))
-    with pytest.raises(ResultsError, match=r"; 1 of 3 hold it, the pattern '\*lum\*' takes:\n  column$"):
-        rows(summary, DIMS, Selection({"block": ("LUM",)}))
-    with pytest.raises(ResultsError, match=r"no variable 'outcom' .* did you mean \"outcome\""):
-        rows(summary, DIMS, where("outcom = rocks"))
-    with pytest.raises(ResultsError, match=r"outcome: expected one of at_rest, rocks, overturns, unresolved"):
-        rows(summary, DIMS, where("outcome = falls"))
-    with pytest.raises(ResultsError, match=r"unresolved, found 'rock'; did you mean \"rocks\"\?$"):
-        rows(summary, DIMS, where("outcome = rock"))
-    with pytest.raises(ResultsError, match=r"pga: expected a number, found 'high'"):
-        rows(summary, DIMS, where("pga > high"))
-    with pytest.raises(ResultsError, match=r"source is a text: expected = or !=, found <"):
-        rows(summary, DIMS, where("source < a"))
-    with pytest.raises(ResultsError, match="this table has no demand"):
-        rows(summary, DIMS, Selection({"demand": ("collapse",)}))
+@pytest.mark.parametrize(
+    ("selection", "message"),
+    [
+        (Selection({"block": ("colum",)}), r'no block "colum" in these results; did you mean "column"'),
+        (Selection({"block": ("LUM",)}), r"; 1 of 3 hold it, the pattern '\*lum\*' takes:\n  column$"),
+        (where("outcom = rocks"), r"no variable 'outcom' .* did you mean \"outcome\""),
+        (where("outcome = falls"), r"outcome: expected one of at_rest, rocks, overturns, unresolved"),
+        (where("outcome = rock"), r"unresolved, found 'rock'; did you mean \"rocks\"\?$"),
+        (where("pga > high"), r"pga: expected a number, found 'high'"),
+        (where("source < a"), r"source is a text: expected = or !=, found <"),
+        (Selection({"demand": ("collapse",)}), "this table has no demand"),
+    ],
+)
+def test_what_is_not_there_is_answered_with_what_there_is(summary, selection, message):
+    with pytest.raises(ResultsError, match=message):
+        rows(summary, DIMS, selection)
 
 
 def test_rows_are_sorted_what_is_not_known_last_and_cut_after_that(summary):

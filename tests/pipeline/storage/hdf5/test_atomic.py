@@ -79,28 +79,25 @@ def test_a_name_too_long_for_the_file_system_is_refused_at_once(tmp_path, length
     assert list(tmp_path.iterdir()) == []
 
 
-def test_the_check_leaves_nothing_behind(tmp_path):
-    assert check_target(tmp_path / "results.h5") == (tmp_path / "results.h5").resolve()
-    assert list(tmp_path.iterdir()) == []
-
-
-def test_a_link_is_followed_not_replaced(tmp_path):
+def test_a_link_is_followed_and_the_check_leaves_nothing_behind(tmp_path):
     (tmp_path / "far").mkdir()
     link = tmp_path / "results.h5"
     link.symlink_to(tmp_path / "far" / "real.h5")
+    assert check_target(link) == (tmp_path / "far" / "real.h5").resolve()
+    assert list((tmp_path / "far").iterdir()) == []
     save(results_tree(), link)
     assert link.is_symlink()
     assert (tmp_path / "far" / "real.h5").is_file()
 
 
-def test_places_that_cannot_be_written_are_refused(tmp_path):
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [("file/results.h5", "no folder"), ("missing/results.h5", "no folder .*create it first"), (".", "no regular file")],
+)
+def test_places_that_cannot_be_written_are_refused(tmp_path, name, message):
     (tmp_path / "file").write_text("x")
-    with pytest.raises(ResultsError, match="no folder"):
-        check_target(tmp_path / "file" / "results.h5")
-    with pytest.raises(ResultsError, match=r"no folder .*create it first"):
-        check_target(tmp_path / "missing" / "results.h5")
-    with pytest.raises(ResultsError, match="no regular file"):
-        check_target(tmp_path, overwrite=True)
+    with pytest.raises(ResultsError, match=message):
+        check_target(tmp_path / name, overwrite=True)
 
 
 def test_a_folder_that_takes_no_file_is_refused(tmp_path, monkeypatch):

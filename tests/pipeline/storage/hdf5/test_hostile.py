@@ -224,26 +224,22 @@ def twice(file, pipe):
     file["summary/again"] = file["summary"]
 
 
-def raw(file, pipe):
-    file.create_dataset("more", (3,), float, external=[(pipe, 0, h5py.h5f.UNLIMITED)])
-
-
 def virtual(file, pipe):
     layout = h5py.VirtualLayout(shape=(4,), dtype=float)
     layout[:] = h5py.VirtualSource(pipe, "x", shape=(4,))
     file.create_virtual_dataset("more", layout)
 
 
-def endless(file, pipe):
-    file.create_dataset("more", (10**6, 10**6), float, chunks=(1000, 1000))
-
-
 def named_type(file, pipe):
     file["more"] = np.dtype(float)
 
 
-def packed(file, pipe):
-    file.create_dataset("more", (100,), float, compression="lzf")
+def dataset(shape, outside=False, **options):
+    def change(file, pipe):
+        beside = {"external": [(pipe, 0, h5py.h5f.UNLIMITED)]} if outside else {}
+        file.create_dataset("more", shape, float, **options, **beside)
+
+    return change
 
 
 def many(file, pipe):
@@ -258,11 +254,14 @@ def many(file, pipe):
         (external, "/more: a link to somewhere else"),
         (soft, "/more: a link to somewhere else"),
         (twice, "/summary/again: this object stands in the file under another name too"),
-        (raw, "/more: its values are kept in another file"),
+        (dataset((3,), outside=True), "/more: its values are kept in another file"),
         (virtual, "/more: its values are kept in another file"),
-        (endless, "/more: declares 8,000,000,000,000 bytes of values, of which the file holds 0"),
+        (
+            dataset((10**6, 10**6), chunks=(1000, 1000)),
+            "/more: declares 8,000,000,000,000 bytes of values, of which the file holds 0",
+        ),
         (named_type, "/more: expected a group or a variable, found a type"),
-        (packed, "/more: packed by lzf, which results are not"),
+        (dataset((100,), compression="lzf"), "/more: packed by lzf, which results are not"),
         (many, f"more than {OBJECTS} groups and variables"),
     ],
 )

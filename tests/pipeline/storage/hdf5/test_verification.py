@@ -19,7 +19,6 @@ from rockpulse.storage.hdf5 import results_file as store
 from rockpulse.storage.hdf5.results_file import load, save
 from rockpulse.storage.hdf5.verification import verify
 from rockpulse.storage.hdf5.writer import CHECKSUM, CHECKSUM_OF_ATTRIBUTES, TreeWriter, VariableChecksum
-from rockpulse.storage.variables.probability import PROBABILITY
 
 
 def sha256(content):
@@ -159,18 +158,8 @@ def test_a_file_without_checksums_says_so(results):
         for variable in every(file):
             variable.attrs.pop(CHECKSUM, None)
     assert verify(results, inputs=False).differences == (
-        "the file has no checksums: it was written by an earlier version, or by another program",
+        "the file has no checksums: it was written by another program",
     )
-
-
-def test_a_file_of_another_major_schema_or_none_is_refused(results, tmp_path):
-    with h5py.File(results, "a") as file:
-        file.attrs["schema_version"] = "9.0"
-    with pytest.raises(ResultsError, match=r"expected schema version 1\.x, found 9\.0"):
-        verify(results)
-    (tmp_path / "notes.txt").write_text("no results")
-    with pytest.raises(ResultsError, match="expected a results file"):
-        verify(tmp_path / "notes.txt")
 
 
 def test_a_file_of_another_kind_has_checksums_too(tmp_path):
@@ -183,23 +172,29 @@ def test_a_file_of_another_kind_has_checksums_too(tmp_path):
     assert verify(tmp_path / "site.h5").differences == ("variable /site/x: its values are not what was written",)
 
 
-INPUTS = {
-    "one.txt": lambda path: path.write_bytes(b"other"),
-    "three.txt.gz": lambda path: path.write_bytes(gzip.compress(b"other")),
-    "two; half!.txt": lambda path: path.write_bytes(b""),
-}
-
-
-@pytest.mark.parametrize("name", INPUTS)
-def test_an_input_that_changed_is_named(folder, results, name):
+@pytest.mark.parametrize(
+    ("name", "content", "changed"),
+    [
+        ("one.txt", b"other", True),
+        ("two; half!.txt", b"", True),
+        ("three.txt.gz", gzip.compress(b"other", mtime=0), True),
+        (
+            "three.txt.gz",
+            gzip.compress(b"third", compresslevel=1, mtime=7),
+            False,
+        ),  # other bytes around the same record
+    ],
+    ids=["text", "empty", "packed", "packed otherwise"],
+)
+def test_an_input_that_changed_is_named(folder, results, name, content, changed):
     before = (folder / name).read_bytes()
-    INPUTS[name](folder / name)
+    (folder / name).write_bytes(content)
     try:
         differences = verify(results).differences
     finally:
         (folder / name).write_bytes(before)
-    assert len(differences) == 1
-    assert differences[0].startswith(f"input {folder}/{name}: it ")
+    assert len(differences) == changed
+    assert all(one.startswith(f"input {folder}/{name}: it ") for one in differences)
 
 
 def test_an_input_inside_an_archive_that_changed_is_named(folder, results):
@@ -244,34 +239,6 @@ def test_inputs_are_found_from_any_folder(samples, tmp_path, monkeypatch):
     assert (found.inputs, found.absent, found.differences) == (4, (), ())
 
 
-def test_a_file_of_schema_1_2_lacks_nothing_for_want_of_a_probability(tmp_path, monkeypatch):
-    motion = rp.Record(4.0 * np.sin(6.0 * np.arange(0.0, 4.0, 0.01)), 0.01, "one")
-    config = Config(models=ModelSettings(use=("resonance",)), records=RecordSettings(store="none"))
-    tree = rp.assess([motion], config, {"pier": rp.models.Block(half_width=0.5, half_height=1.9365)})
-    save(tree, tmp_path / "new.h5")
-    assert verify(tmp_path / "new.h5").differences == ()
-    table = rp.results_table(tmp_path / "new.h5", columns=["factor_10", "probability_source"])
-    assert table["probability_source"].tolist() == ["none"]
-    assert table["factor_10"].isna().all()
-    tree["summary"].dataset = tree["summary"].to_dataset().drop_vars(PROBABILITY)
-    save(tree, tmp_path / "without.h5")
-    assert len(verify(tmp_path / "without.h5").differences) == len(PROBABILITY)
-    monkeypatch.setattr(store, "SCHEMA_VERSION", "1.2")
-    save(tree, tmp_path / "old.h5")
-    assert verify(tmp_path / "old.h5").differences == ()
-    assert set(PROBABILITY).isdisjoint(load(tmp_path / "old.h5")["summary"].data_vars)
-
-
-def test_compressed_copies_keep_the_checksum_of_what_is_in_them(folder, results):
-    # A zip of the folder and a gz of a file are other bytes around the same record.
-    content = (folder / "three.txt.gz").read_bytes()
-    (folder / "three.txt.gz").write_bytes(gzip.compress(b"third", compresslevel=1, mtime=7))
-    try:
-        assert verify(results).differences == ()
-    finally:
-        (folder / "three.txt.gz").write_bytes(content)
-
-
 def test_the_checksum_is_the_documented_one(results):
     with h5py.File(results) as file:
         pga, record, outcome = (file[f"summary/{name}"] for name in ("pga", "record", "outcome"))
@@ -288,13 +255,6 @@ def test_a_checksum_does_not_depend_on_the_pieces_or_the_byte_order():
         pieces.add(row[np.newaxis])
     turned.add(np.asfortranarray(values).astype(">f8"))
     assert whole.hexdigest() == pieces.hexdigest() == turned.hexdigest()
-
-
-def test_saved_again_a_file_has_the_same_checksums(results, tmp_path):
-    save(load(results), tmp_path / "again.h5")
-    with h5py.File(results) as one, h5py.File(tmp_path / "again.h5") as other:
-        assert one["summary/outcome"].attrs[CHECKSUM] == other["summary/outcome"].attrs[CHECKSUM]
-        assert one["records/acceleration"].attrs[CHECKSUM] == other["records/acceleration"].attrs[CHECKSUM]
 
 
 def test_a_writer_that_was_given_too_little_or_too_much_says_so(tmp_path):

@@ -96,15 +96,6 @@ def test_every_object_is_as_h5netcdf_writes_it(files):
             assert described(own[path]) == described(other[path]), path
 
 
-def test_xarray_reads_the_tree_that_was_written(files, tree):
-    with xr.open_datatree(files[0], engine="h5netcdf") as found:
-        for group in ("summary", "empty", "odd"):
-            for name, variable in tree[group].to_dataset().variables.items():
-                np.testing.assert_array_equal(found[group][name].values, variable.values)
-                assert found[group][name].dims == variable.dims
-            assert set(found[group].coords) == set(tree[group].coords)
-
-
 def test_a_group_is_read_as_xarray_reads_it_undecoded(files):
     with h5py.File(files[0]) as file:
         for group in ("summary", "empty", "odd"):
@@ -149,13 +140,6 @@ def test_the_checksum_of_attributes_is_that_of_the_file(files):
                 path = f"{group.name.rstrip('/')}/{variable.name}"
                 attrs[path], dims[path] = attributes(variable.stored), variable.dimensions()
         assert attributes_checksum(attrs, dims) == file.attrs["attributes_sha256"]
-
-
-def test_places_are_read_as_they_are_asked_for(files):
-    with h5py.File(files[0]) as file:
-        outcome = dataset_of(file["summary"])["outcome"]
-        assert outcome[1, [2, 0]].values.tolist() == [0, 2]
-        assert outcome.isel(block=slice(None, None, -1)).values.tolist() == [[2, 1, 0], [0, 1, 2]]
 
 
 def test_a_variable_without_dimensions_is_refused(tmp_path):

@@ -1,19 +1,16 @@
-"""Facts of earthquake and site in results files: stored as the record has them, unknown in files of before."""
+"""Facts of earthquake and site in results files: stored as the record has them, unknown where it has none."""
 
 from dataclasses import fields, replace
 from datetime import UTC, datetime
 
-import h5py
 import numpy as np
 import pytest
-import xarray as xr
 from nominal import Config
 
 import rockpulse as rp
 from rockpulse.models import Block
 from rockpulse.record.record import Record
-from rockpulse.storage.hdf5.results_file import load, open_results, save
-from rockpulse.storage.variables.site import SITE_KIND
+from rockpulse.storage.hdf5.results_file import load, save
 from rockpulse.storage.variables.summary import FACTS, facts_of
 
 TIME = 0.01 * np.arange(400)
@@ -60,37 +57,3 @@ def test_an_assessment_stores_the_facts_of_each_record(assessed, tmp_path):
         assert summary[name].attrs["units"] == fact.units
     assert summary["hypocentre_latitude"].attrs["units"] == "degrees_north"
     assert summary["station_longitude"].attrs["units"] == "degrees_east"
-
-
-def test_in_a_file_of_before_the_facts_are_unknown(assessed, tmp_path):
-    before = assessed.copy()
-    before["summary"] = xr.DataTree(assessed["summary"].to_dataset().drop_vars(list(FACTS)))
-    path = tmp_path / "before.h5"
-    save(before, path)
-    with h5py.File(path, "a") as file:
-        file.attrs["schema_version"] = "1.1"
-    with open_results(path) as file:
-        for summary in (load(path)["summary"].to_dataset(), file.dataset("summary").load()):
-            assert np.isnan(summary["magnitude"].values).all()
-            assert summary["magnitude"].dims == ("record",)
-            assert summary["site_class"].values.tolist() == ["", ""]
-
-
-@pytest.mark.parametrize(
-    ("kind", "group"), [(SITE_KIND, "site"), ("fragility", "capacities")], ids=["site calibration", "fragility"]
-)
-def test_in_other_files_of_before_too(kind, group, tmp_path):
-    def made(schema):
-        names = {"record": ("record", ["a", "b"], {"units": "1", "long_name": "record id"})}
-        groups = {"/": xr.Dataset(attrs={"kind": kind}), f"/{group}": xr.Dataset(coords=names)}
-        path = tmp_path / f"{schema}.h5"
-        save(xr.DataTree.from_dict({"/fragility": xr.Dataset(), **groups}), path)
-        with h5py.File(path, "a") as file:
-            file.attrs["schema_version"] = schema
-        with open_results(path) as file:
-            return load(path)[group].to_dataset(), file.dataset(group).load()
-
-    for found in made("1.1"):
-        assert np.isnan(found["vs30"].values).tolist() == [True, True]
-    for found in made("1.2"):  # lacks what it should have: nothing is made up
-        assert "vs30" not in found

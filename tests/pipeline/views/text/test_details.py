@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from results_tree import RECORDS, results_tree
+from results_tree import RECORDS, demanding, results_tree
 
 from rockpulse.errors import ResultsError
 from rockpulse.views.text.details import block_details, record_details
@@ -79,8 +79,7 @@ def test_capacities_over_the_demands_are_shown_for_the_record_and_for_the_block(
     cube = summary["safety_factor"].dims
     ratio = np.full((*summary["safety_factor"].shape, 1), np.inf)
     ratio[0, 0, 2], ratio[0, 1, 2] = 0.84, np.nan
-    summary = summary.assign(capacity_ratio=((*cube, "demand"), ratio), demand_acceleration=("demand", [2.94]))
-    summary = summary.assign_coords(demand=("demand", ["collapse"]))
+    summary = demanding(summary, {"collapse": 2.94}, capacity_ratio=((*cube, "demand"), ratio))
     of_record = record_details(summary, RECORDS[0]).partition(
         "Capacity (safety factor x strength, nonlinear model) over demand"
     )[2]
