@@ -49,8 +49,8 @@ from .readers import read as read
 from .readers.conversion import write as write
 from .readers.folders import read_all as read_all
 from .readers.format import FileSettings as FileSettings
-from .readers.obspy_trace import from_trace as from_trace
-from .readers.obspy_trace import to_trace as to_trace
+from .readers.obspy_plugin import from_trace as from_trace
+from .readers.obspy_plugin import to_trace as to_trace
 from .record.components import Pair as Pair
 from .record.components import find_pairs as find_pairs
 from .record.conditioning import condition as condition
