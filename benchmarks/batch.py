@@ -31,11 +31,11 @@ sys.path.append(str(Path(__file__).parents[1] / "tests"))
 
 from record_writers import at2
 
-from rocking.threads import available_cores
+from rocking.lanes import available_cores
 from rockpulse import BlockSettings, ModelSettings, SearchSettings, SequenceSettings, UncertaintySettings
 from rockpulse.cli import main as rockpulse
 from rockpulse.config.configuration import Config
-from rockpulse.ladder import ALL_MODELS
+from rockpulse.model_table import ALL_MODELS
 from rockpulse.record.synthetic import synthetic_motion
 from rockpulse.run.batch import assess_files
 from rockpulse.run.options import BatchOptions, BatchReport

@@ -16,11 +16,12 @@ import pandas as pd
 from scipy.stats import mannwhitneyu
 
 from laboratory.ensemble import blocks
-from rocking.block import Block
+from rocking.body.block import Block
 from rocking.response import Outcome
 from rockpulse.assessment.scene import prepare
 from rockpulse.config.configuration import Config
-from rockpulse.ladder import ALL_MODELS, MODELS, Scene
+from rockpulse.model_row import Scene
+from rockpulse.model_table import ALL_MODELS, MODELS
 from rockpulse.record.intensity import pgv
 from rockpulse.record.record import Record
 from rockpulse.record.synthetic import synthetic_motion

@@ -14,18 +14,18 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
-from rocking.capacity import uplift_scale
-from rocking.overturning_probability import overturning_probability
-from rocking.overturning_spectrum import OverturningFactors, OverturningSpectrum, covered
-from rocking.spectrum_lanes import LEAST_RESTITUTION, RATES, REBOUNDS, neighbours, spectrum_lanes
-from rocking.uncertainty import Uncertainty
+from rocking.search.capacity import uplift_scale
+from rocking.spectrum.body_probability import overturning_probability
+from rocking.spectrum.lanes import LEAST_RESTITUTION, RATES, REBOUNDS, neighbours, spectrum_lanes
+from rocking.spectrum.overturning import OverturningFactors, OverturningSpectrum, covered
+from rocking.spectrum.probability import Uncertainty
 from rockpulse.assessment.demand import FARTHEST, demand_factors
 from rockpulse.assessment.senses import senses
 from rockpulse.config.bodies import Bodies
 from rockpulse.config.configuration import Config
-from rockpulse.ladder import Scene
+from rockpulse.model_row import Scene
 from rockpulse.record.record import Record
-from rockpulse.storage.probability_variables import AT_DEMAND, PROBABILITY, READ, SOURCES
+from rockpulse.storage.variables.probability import AT_DEMAND, PROBABILITY, READ, SOURCES
 
 ENDS = ("", "_low", "_high")
 
@@ -39,7 +39,7 @@ SERVED = {0: (LEAST_RESTITUTION, 1.0), 1: REBOUNDS, -1: REBOUNDS}
 
 @dataclass(frozen=True, eq=False)
 class RecordProbability:
-    """The variables of :data:`~rockpulse.storage.probability_variables.PROBABILITY` and AT_DEMAND under one record.
+    """The variables of :data:`~rockpulse.storage.variables.probability.PROBABILITY` and AT_DEMAND under one record.
 
     Attributes
     ----------
@@ -58,7 +58,7 @@ def record_probability(
 ) -> RecordProbability:
     """The probability of overturning of bodies under a record that was made ready, as it is and brought to each demand.
 
-    It is that of the nonlinear model: without ``nonlinear`` or ``auto`` among the models, and where the configuration
+    It is that of the nonlinear model: without ``nonlinear`` among the models, and where the configuration
     switches it off, every probability is NaN and the source "none". All restitutions of a body have the same.
 
     `channels` are those whose strengths are brought to the demands; without them it is the record. At a factor beyond
@@ -68,7 +68,7 @@ def record_probability(
     values = {name: np.full(count, np.nan) for name in PROBABILITY}
     values |= {name: np.full((count, len(config.demands)), np.nan) for name in AT_DEMAND}
     if config.demands:
-        blocks = bodies.lanes.chosen(slice(None, None, bodies.cases)).weaker
+        blocks = bodies.lanes.take(slice(None, None, bodies.cases)).weaker
         values["demand_factor"] = demand_factors(channels or [scene.record], blocks, config)
     values["probability_source"] = np.full(count, SOURCES.index("none"))
     spectrum = None
@@ -79,7 +79,7 @@ def record_probability(
 
 def _fill(values: dict[str, np.ndarray], scene: Scene, bodies: Bodies, config: Config) -> OverturningSpectrum | None:
     """Put the values of b bodies in; the spectrum where one of them is read from it."""
-    record, uncertainty, limit = scene.record, config.uncertainty.of_draws(), scene.search.factor_max
+    record, uncertainty, limit = scene.record, config.uncertainty.of_draws(), scene.factor_max
     found = senses(bodies, record, bodies.cases)
     origin = np.concatenate([np.arange(found.count), found.both])
     blocks, (least, most) = found.block.weaker, (ends[origin] for ends in _ranges(bodies, uncertainty))
@@ -113,7 +113,7 @@ def _fill(values: dict[str, np.ndarray], scene: Scene, bodies: Bodies, config: C
         lanes = spectrum_lanes(record.acceleration, record.dt, rates, side=side)
         spectrum = OverturningSpectrum(lanes, uncertainty)
         stored = spectrum if side == 0 else stored
-        read = blocks.chosen(places), least[places], most[places]
+        read = blocks.take(places), least[places], most[places]
         put(places, spectrum.factors(*read, limit))
         if config.demands:
             at_demand[places] = spectrum.overturning(read[0], asked[places], *read[1:])
@@ -121,7 +121,7 @@ def _fill(values: dict[str, np.ndarray], scene: Scene, bodies: Bodies, config: C
     others = np.flatnonzero(~slender)
     if others.size:
         own = overturning_probability(
-            found.block.chosen(others),
+            found.block.take(others),
             record.acceleration,
             record.dt,
             uncertainty,

@@ -13,7 +13,7 @@ from rockpulse.errors import ConfigError, ResultsError
 if TYPE_CHECKING:
     from rockpulse.config.configuration import Config
     from rockpulse.config.settings import RecordSettings
-    from rockpulse.storage.selection import Selection
+    from rockpulse.storage.export.selection import Selection
 
 
 #: What --quiet does.
@@ -108,7 +108,7 @@ def read_selection(args: argparse.Namespace) -> Selection:
 
     Raises ResultsError for a condition that cannot be understood.
     """
-    from rockpulse.storage.selection import SHOWN, Condition, Selection
+    from rockpulse.storage.export.selection import SHOWN, Condition, Selection
 
     if args.descending and args.sort is None:
         raise ResultsError("--descending goes with --sort VARIABLE")
@@ -127,7 +127,7 @@ def reading_options(args: argparse.Namespace, settings: RecordSettings | None = 
     Raises ConfigError or UnitError for an interval or a unit that cannot be.
     """
     from rockpulse.config.settings import RecordSettings
-    from rockpulse.readers.units import canonical_unit
+    from rockpulse.readers.kit.text import canonical_unit
 
     records = settings or RecordSettings()
     if args.units is not None:

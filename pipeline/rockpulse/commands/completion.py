@@ -25,7 +25,7 @@ FILES = frozenset(
 def _run(args: argparse.Namespace) -> int:
     import shtab
 
-    from rockpulse.ladder import MODELS
+    from rockpulse.model_table import MODELS
     from rockpulse.readers import UNITS
     from rockpulse.views.plots.kinds import KINDS
 

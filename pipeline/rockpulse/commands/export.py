@@ -10,14 +10,14 @@ from rockpulse.commands.parser import Verb
 from rockpulse.commands.terminal import progress_bars, tell
 
 if TYPE_CHECKING:
-    from rockpulse.storage.hdf5_reader import ResultsFile
-    from rockpulse.storage.long_table import LongTable
+    from rockpulse.storage.export.long_table import LongTable
+    from rockpulse.storage.hdf5.results_file import ResultsFile
 
 
 def _run(args: argparse.Namespace) -> int:
-    from rockpulse.storage.csv_table import check_table_target, write_table
-    from rockpulse.storage.hdf5_reader import open_results
-    from rockpulse.storage.long_table import long_table
+    from rockpulse.storage.export.long_table import long_table
+    from rockpulse.storage.export.table_file import check_table_target, write_table
+    from rockpulse.storage.hdf5.results_file import open_results
 
     selection = read_selection(args)
     check_table_target(args.output, args.overwrite)

@@ -14,7 +14,7 @@ from rockpulse.errors import ResultsError
 if TYPE_CHECKING:
     import xarray as xr
 
-    from rockpulse.storage.hdf5_reader import ResultsFile
+    from rockpulse.storage.hdf5.results_file import ResultsFile
 
 #: Files of other verbs by their characteristic group: words for the file, and the module of its text.
 SHOWN_WHOLE = {
@@ -35,7 +35,7 @@ NOTHING = "nothing failed and nothing was skipped"
 
 
 def _run(args: argparse.Namespace) -> int:
-    from rockpulse.storage.hdf5_reader import open_results
+    from rockpulse.storage.hdf5.results_file import open_results
 
     with open_results(args.results) as file, file.reading():
         for group in SHOWN_WHOLE:
@@ -78,7 +78,7 @@ def _check_worst(args: argparse.Namespace) -> None:
 
 def _details(summary: xr.Dataset, args: argparse.Namespace) -> list[str]:
     """Records and blocks one by one; a list of cases where a pattern names several."""
-    from rockpulse.storage.selection import label_positions
+    from rockpulse.storage.export.selection import label_positions
     from rockpulse.views.text.details import block_details, record_details
 
     pages = []
@@ -105,7 +105,7 @@ def _cases(summary: xr.Dataset, args: argparse.Namespace) -> str:
 
 
 def _inspect_whole(file: ResultsFile, group: str, args: argparse.Namespace) -> int:
-    from rockpulse.storage.save_load import load
+    from rockpulse.storage.hdf5.results_file import load
     from rockpulse.views.text.left_out import failure_list
 
     said, name = SHOWN_WHOLE[group]

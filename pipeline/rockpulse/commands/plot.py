@@ -24,7 +24,7 @@ class _List(argparse.Action):
 
 
 def _run(args: argparse.Namespace) -> int:
-    from rockpulse.storage.save_load import load
+    from rockpulse.storage.hdf5.results_file import load
     from rockpulse.views.plots.kinds import OPTIONS, draw
     from rockpulse.views.plots.picture import picture_bytes
     from rockpulse.views.shared.output_files import PICTURES, check_file, write_files

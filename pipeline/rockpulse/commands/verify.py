@@ -12,7 +12,7 @@ LISTED = 5
 
 
 def _run(args: argparse.Namespace) -> int:
-    from rockpulse.storage.verification import verify
+    from rockpulse.storage.hdf5.verification import verify
 
     bars = progress_bars(args.quiet)
     found = verify(args.results, args.inputs, lambda items: bars(items, desc="verifying", leave=False))

@@ -10,7 +10,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from rocking.block_limits import LARGEST_SIZE, doubt_of_size, radius_of_rectangle
+from rocking.body.limits import LARGEST_SIZE, doubt_of_size, radius_of_rectangle
 from rockpulse.errors import ConfigError
 from rockpulse.option import KeyType, Section, boolean, choice, entries, is_number, key, number
 from rockpulse.record.record import STANDARD_GRAVITY
@@ -319,7 +319,7 @@ class BlockSettings(Section):
         ConfigError
             Without a mass, or where it stands over the edge of a pedestal.
         """
-        from rocking.pedestal import with_pedestal
+        from rocking.body.supports import with_pedestal
 
         found: dict[str, Block] = {}
         if not self.pedestals:

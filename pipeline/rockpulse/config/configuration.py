@@ -36,7 +36,7 @@ from rockpulse.config.study_settings import (
 )
 from rockpulse.errors import ConfigError, ResultsError
 from rockpulse.files import TOML_LIMIT, parse_toml, read_text
-from rockpulse.ladder import ModelSettings, SearchSettings
+from rockpulse.model_table import ModelSettings, SearchSettings, is_full
 from rockpulse.option import Section, hint
 
 #: Sections of which there may be several.
@@ -126,8 +126,8 @@ class Config:
 
     @property
     def has_probability(self) -> bool:
-        """Whether a probability of overturning is worked out: it is asked for, and the nonlinear equation is in use."""
-        return self.uncertainty.probability and not {"nonlinear", "auto"}.isdisjoint(self.models.answering)
+        """Whether a probability of overturning is worked out: it is asked for, and a full model is in use."""
+        return self.uncertainty.probability and any(map(is_full, self.models.use))
 
     def record_paths(self) -> list[Path]:
         """``records.paths`` as they are found from the current folder."""

@@ -9,11 +9,12 @@ from typing import TYPE_CHECKING, Any
 
 from rockpulse.errors import ConfigError
 from rockpulse.files import check_regular
+from rockpulse.model_table import EQUATIONS
 from rockpulse.option import KeyType, Section, boolean, choice, choices, is_number, key, number, text
 from rockpulse.record.measures import FRAGILITY, HAZARD, MEASURES, PGA, REFERENCE
 
 if TYPE_CHECKING:
-    from rocking.uncertainty import Uncertainty
+    from rocking.spectrum.probability import Uncertainty
 
 #: The codes whose checks are known, in the order of tables.
 CODES = ("circolare_2009", "circolare_2019", "en_1998")
@@ -80,7 +81,7 @@ _LEVELS = KeyType("a list of positive numbers that ascend", _ascend, _floats)
 class UncertaintySettings(Section):
     """The uncertainty under which the probability of overturning is stated, and whether there is one.
 
-    It is of the nonlinear model: without `nonlinear` or `auto` among the models there is none. A body whose restitution
+    It is of the nonlinear model: without `nonlinear` among the models there is none. A body whose restitution
     is a list has the range from its least to its largest value in place of `restitution`.
     """
 
@@ -94,7 +95,7 @@ class UncertaintySettings(Section):
 
     def of_draws(self) -> Uncertainty:
         """The same for the solver."""
-        from rocking.uncertainty import Uncertainty
+        from rocking.spectrum.probability import Uncertainty
 
         return Uncertainty(factor=self.factor, restitution=self.restitution, geometry=self.geometry)
 
@@ -124,7 +125,7 @@ class FragilitySettings(Section):
     model: str = choice("lognormal", MODELS)
     overturning_model: str = choice("logistic", MODELS)
     confidence: float = number(0.9, low=0.5, high=0.999)
-    equation: str = choice("nonlinear", ("nonlinear", "linear"))
+    equation: str = choice(EQUATIONS[0], EQUATIONS)
 
     def __post_init__(self) -> None:
         super().__post_init__()

@@ -10,7 +10,7 @@ from contextlib import ExitStack
 from functools import partial
 from pathlib import Path
 
-from rocking.threads import available_cores, thread_limit
+from rocking.lanes import available_cores, thread_limit
 from rockpulse.assessment.assessment import Assessment
 from rockpulse.config.configuration import Config
 from rockpulse.errors import Failure, RecordRefused, ResultsError, StoppedAtFailure, some
@@ -23,7 +23,7 @@ from rockpulse.run.journal import UNFINISHED, Journal, journal_path
 from rockpulse.run.options import BatchOptions, BatchReport, Interrupted
 from rockpulse.run.survey import Located, gather, survey_file
 from rockpulse.run.tasks import Task, carry_out, digest_of, read_options, tasks_of, warm_up
-from rockpulse.storage.save_load import check_target, remove_parts
+from rockpulse.storage.hdf5.atomic import check_target, remove_parts
 
 logger = logging.getLogger("rockpulse")
 
@@ -92,7 +92,7 @@ def fragility_files(paths: Paths, config: Config, output: PathLike, options: Bat
 
     Arguments, outcome and errors are those of :func:`assess_files`.
     """
-    from rockpulse.studies.fragility.assessment import FragilityAnalysis
+    from rockpulse.studies.fragility.analysis import FragilityAnalysis
 
     return _Batch(FragilityAnalysis(config), output, options or BatchOptions()).carried_out(paths)
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 from itertools import islice
 from typing import Any, TypeVar
 
-from rocking.threads import available_cores
+from rocking.lanes import available_cores
 from rockpulse.errors import ConfigError
 from rockpulse.foreign_text import first_line
 from rockpulse.run.processes import WorkerDied, WorkerProcesses, call

@@ -22,7 +22,7 @@ from typing import Any, Self
 from rockpulse.errors import Failure, ResultsError
 from rockpulse.files import check_regular
 from rockpulse.run.frames import MARK, Frame, append, frames_of, is_beginning
-from rockpulse.storage.atomic_file import flush, journal_path
+from rockpulse.storage.hdf5.atomic import flush, journal_path
 
 __all__ = ["UNFINISHED", "Done", "Journal", "JournalError", "holder", "journal_path", "open_locked"]
 

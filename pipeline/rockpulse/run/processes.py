@@ -18,7 +18,7 @@ from multiprocessing.context import SpawnProcess
 from multiprocessing.resource_tracker import ensure_running
 from typing import Any
 
-from rocking.threads import thread_limit
+from rocking.lanes import thread_limit
 
 #: How often a worker may be killed while it starts before that is taken for more than bad luck.
 STARTS = 5
@@ -84,7 +84,7 @@ class WorkerProcesses(ThreadPoolExecutor):
 
     A process is started with the first call that no other is free for, and again after a death. A future raises the
     error of the function, with the worker's traceback in its notes; :class:`WorkerDied` where the process did not live
-    to answer; ``ChildProcessError`` where no process can be started. See docs/decisions/018-batch.md.
+    to answer; ``ChildProcessError`` where no process can be started. See docs/decisions/014-batch.md.
     """
 
     def __init__(self, workers: int) -> None:

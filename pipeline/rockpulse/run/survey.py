@@ -28,7 +28,7 @@ class Place:
     member: int | None  # place of the file in the archive; None outside archives
     channel: int  # number of the channel in the file, from 0
     source_sha256: str  # of the file
-    digest: str  # of the samples and the interval (`rockpulse.readers.folders.sample_digest`)
+    digest: str  # of the samples and the interval (`rockpulse.readers.parts.sample_digest`)
 
 
 @dataclass(frozen=True, eq=False, slots=True)

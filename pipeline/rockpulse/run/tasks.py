@@ -15,7 +15,7 @@ from threading import get_ident
 from typing import Any
 
 import rocking
-from rocking.block import Block
+from rocking.body.block import Block
 from rockpulse.config.configuration import SECTIONS, Config, located
 from rockpulse.config.settings import CalibrationSettings
 from rockpulse.errors import Failure, RockpulseError
@@ -28,7 +28,7 @@ from rockpulse.run.analysis import Analysis, Work, unwatched, worked
 from rockpulse.run.frames import pack
 from rockpulse.run.journal import UNFINISHED, Done
 from rockpulse.run.survey import Located, Place, unexpected
-from rockpulse.storage.save_load import SCHEMA_VERSION
+from rockpulse.storage.hdf5.results_file import SCHEMA_VERSION
 from rockpulse.version import __version__
 
 #: Sections of the configuration on which no record's numbers depend, by verb.
@@ -231,7 +231,7 @@ def warm_up(analysis: Analysis) -> None:
         fragility=replace(config.fragility, pga_min=0.0),
     )
     record = Record(synthetic_motion(1, duration=8.0, pga=6.0), dt=0.01, id="warm-up", processed=True)
-    # From a post that the motion overturns to a wall that it hardly moves: every rung of the ladder has work to do.
+    # From a post that the motion overturns to a wall that it hardly moves: every kernel has work to do.
     sizes = {"a": (0.1, 1.0), "b": (0.2, 2.0), "c": (0.5, 2.5), "d": (1.0, 5.0), "e": (1.0, 4.0)}
     blocks = {name: Block(half_width=b, half_height=h) for name, (b, h) in sizes.items()}
     small = type(analysis)(plain, blocks)

@@ -8,8 +8,8 @@ import pytest
 
 import rockpulse as rp
 from rockpulse.assessment.scene import extract, matched, prepare
-from rockpulse.calibration import response
 from rockpulse.errors import RecordRefused
+from rockpulse.sequences import response
 
 T = np.arange(0.0, 6.0, 0.01)
 RECORD = rp.Record(3.0 * np.sin(9.0 * T) * np.exp(-(((T - 3.0) / 1.5) ** 2)), dt=0.01, id="burst", processed=True)
@@ -64,8 +64,9 @@ def test_a_sequence_is_matched_to_the_record_where_that_is_asked_for(monkeypatch
     }  # fmt: skip
     # Nothing is searched by another method, without a sequence to begin with, or for models that take none.
     assert matched(scene, CONFIG) is scene
-    for other in (replace(scene, sequence=None), replace(scene, models=rp.ModelSettings(use=("nonlinear",)))):
-        assert matched(other, asked) is other
+    bare, unasked = replace(scene, sequence=None), replace(asked, models=rp.ModelSettings(use=("nonlinear",)))
+    assert matched(bare, asked) is bare
+    assert matched(scene, unasked) is scene
 
     def refused(record, **options):
         raise RecordRefused("too few bodies move")

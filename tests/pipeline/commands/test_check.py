@@ -6,8 +6,8 @@ import xarray as xr
 from record_writers import at2
 
 from rockpulse.cli import main
-from rockpulse.storage.save_load import save
-from rockpulse.storage.site_variables import SITE_KIND
+from rockpulse.storage.hdf5.results_file import save
+from rockpulse.storage.variables.site import SITE_KIND
 
 CONFIG = """
 [check]

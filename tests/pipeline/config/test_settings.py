@@ -26,12 +26,12 @@ def test_python_values_are_checked_like_those_of_a_file():
 
 
 def test_the_words_are_those_of_the_modules_that_act_on_them():
-    from rocking.sequence import SPACINGS
-    from rockpulse.calibration import estimators
+    from rocking.impulses.impulse_sequence import SPACINGS
     from rockpulse.motions.directions import DIRECTIONS
     from rockpulse.readers.format import RESPONSES
     from rockpulse.record.conditioning import BASELINES
     from rockpulse.record.intensity import INTENSE_PHASES
+    from rockpulse.sequences import estimators
     from rockpulse.studies.site.design import DESIGN
 
     served = {
@@ -50,7 +50,7 @@ def test_the_words_are_those_of_the_modules_that_act_on_them():
         assert set(words_of(SECTIONS[section], name)) == set(table), name
 
 
-def test_models_are_kept_in_the_order_of_the_ladder():
+def test_models_are_kept_in_the_order_of_their_table():
     assert ModelSettings(use=["nonlinear", "resonance"]).use == ("resonance", "nonlinear")
 
 

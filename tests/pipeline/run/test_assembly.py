@@ -21,8 +21,8 @@ from rockpulse.run.analysis import worked
 from rockpulse.run.assembly import JournalParts, assemble, run_of
 from rockpulse.run.frames import pack
 from rockpulse.run.journal import Done, Journal
-from rockpulse.storage.save_load import save
-from rockpulse.storage.verification import verify
+from rockpulse.storage.hdf5.results_file import save
+from rockpulse.storage.hdf5.verification import verify
 
 BLOCKS = '[[block]]\nname = "wall"\nwidth = 0.5\nheight = 4.0\n[[block]]\nname = "pier"\nwidth = 0.3\nheight = 1.5\n'
 CASES = BLOCKS.replace("width", "restitution = [0.9, 0.95]\nwidth")

@@ -31,7 +31,7 @@ from rockpulse.run.frames import unpack
 from rockpulse.run.journal import UNFINISHED, Done
 from rockpulse.run.survey import gather, survey_file
 from rockpulse.run.tasks import carry_out, read_options, tasks_of
-from rockpulse.studies.fragility.assessment import FragilityAnalysis
+from rockpulse.studies.fragility.analysis import FragilityAnalysis
 from rockpulse.studies.site.calibration import SiteCalibration
 
 WALL = BlockSettings(name="wall", width=0.4, height=3.0)

@@ -17,16 +17,15 @@ from scipy.special import stdtr
 
 from rockpulse.config.configuration import Config, config_from_text
 from rockpulse.config.study_settings import OVERTURNING
-from rockpulse.motions.events import FEWEST_EVENTS
+from rockpulse.earthquakes import FEWEST_EVENTS, jackknife_error, jackknife_half_width
 from rockpulse.motions.tables import Selection
 from rockpulse.record.measures import MEASURES
 from rockpulse.run.analysis import Part, joined
-from rockpulse.storage.fact_variables import FACTS
-from rockpulse.storage.fragility_variables import QUALITIES, STATED, TESTED, Status
-from rockpulse.studies.fragility.capacity import nothing
-from rockpulse.studies.fragility.curves import Curve, fit_curve, half_width, jackknife_error, standardised
+from rockpulse.storage.variables.fragility import QUALITIES, STATED, TESTED, Status
+from rockpulse.storage.variables.summary import FACTS
+from rockpulse.studies.fragility.capacity import NOT_KNOWN, nothing
+from rockpulse.studies.fragility.curves import Curve, fit_curve, standardised
 from rockpulse.studies.fragility.likelihood import ABOVE, EXACT, FAMILIES, NOT_ABOVE, Observations, maximise
-from rockpulse.studies.fragility.limit_states import NOT_KNOWN
 from rockpulse.studies.fragility.statements import missing
 
 if TYPE_CHECKING:
@@ -48,7 +47,7 @@ def dispersion_ratio(curve: Curve, reference: Curve) -> tuple[float, float, floa
     events, so that the scatter they have in common cancels.
     """
     difference = curve.log_beta - reference.log_beta
-    half = np.nan if curve.events < FEWEST_EVENTS else half_width(difference, curve.confidence)
+    half = np.nan if curve.events < FEWEST_EVENTS else jackknife_half_width(difference, curve.confidence)
     ratio, low, high = np.exp(difference[0] + np.array([0.0, -half, half]))
     return float(ratio), float(low), float(high)
 
@@ -173,16 +172,9 @@ def stored_ensemble(tree: xr.DataTree) -> Ensemble:
         factors=np.moveaxis(factors, 1, 2),
         step=None if stripes else table["search_step"].values,
         reached=np.moveaxis(reached, 1, 3) if stripes else None,
-        weight=_weight(table) if stripes else None,
+        weight=table["weight"].transpose("record", "stripe").values if stripes else None,
         config=config,
     )
-
-
-def _weight(table: xr.Dataset) -> np.ndarray:
-    """The weights of a file; ones in one that was written before there were any."""
-    if "weight" in table:
-        return np.asarray(table["weight"].transpose("record", "stripe").values)
-    return np.ones((table.sizes["record"], table.sizes["stripe"]))
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,9 +8,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rocking.outline import Outline
+from rocking.body.outline import Outline
 from rockpulse.config.block_settings import floors_from_text
-from rockpulse.errors import ResultsError
 from rockpulse.views.plots.selection import block_of, one_name
 from rockpulse.views.plots.style import BLACK, BLUE, GREY, ORANGE, PALE, RED, SMALL, figure_of
 from rockpulse.views.plots.words import plain, wrapped
@@ -21,7 +20,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from matplotlib.patches import Polygon
 
-    from rocking.block import Block
+    from rocking.body.block import Block
 
 __all__ = ["bodies", "outlines"]
 
@@ -47,11 +46,9 @@ def bodies(tree: xr.DataTree, block: str | None = None) -> Figure:
     Raises
     ------
     ResultsError
-        For a body that is not in the file, or results of before schema 1.5.
+        For a body that is not in the file.
     """
     summary = tree["summary"].to_dataset()
-    if "restraints" not in summary:
-        raise ResultsError("bodies: these results are of a schema before 1.5, which does not hold what is drawn")
     names = [one_name(summary, "block", block)] if block else [str(name) for name in summary["block"].values[:MOST]]
     drawn = []
     for name in names:

@@ -7,15 +7,16 @@ from typing import TYPE_CHECKING, Any
 
 import xarray as xr
 
-from rocking.block import Block
-from rocking.impulse_sequence import ImpulseSequence
+from rocking.body.block import Block
+from rocking.impulses.impulse_sequence import ImpulseSequence
 from rocking.response import Response
 from rockpulse.errors import ResultsError
 from rockpulse.record.half_wave import HalfWaves
 from rockpulse.record.record import Record
-from rockpulse.storage.fragility_variables import FRAGILITY
-from rockpulse.storage.save_load import ASSESSMENT, load, named
-from rockpulse.storage.site_variables import SITE_KIND
+from rockpulse.storage.hdf5.atomic import ASSESSMENT, named
+from rockpulse.storage.hdf5.results_file import load
+from rockpulse.storage.variables.fragility import FRAGILITY
+from rockpulse.storage.variables.site import SITE_KIND
 from rockpulse.views.plots.ground_motion import accelerogram
 from rockpulse.views.plots.impulse_sequences import limit_accelerogram
 from rockpulse.views.plots.kinds import KINDS, draw

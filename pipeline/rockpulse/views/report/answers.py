@@ -7,7 +7,7 @@ import numpy as np
 from rocking.response import Outcome
 from rockpulse.assessment.answers import Answers
 from rockpulse.assessment.verdict import Standing, standings, why_unknown
-from rockpulse.ladder import UPPER_BOUND, is_upper_bound
+from rockpulse.model_table import UPPER_BOUND, is_upper_bound
 from rockpulse.views.report.wording import Words
 from rockpulse.views.shared.answer_cells import (
     NAMES,

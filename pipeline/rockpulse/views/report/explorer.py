@@ -13,14 +13,15 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from rocking.block import Block
-from rocking.outline import Outline
+from rocking.body.block import Block
+from rocking.body.outline import Outline
 from rockpulse.assessment.answers import Answers, Body
 from rockpulse.assessment.overturning import overturning_curve
 from rockpulse.errors import ResultsError
+from rockpulse.model_table import FOLLOWING
 from rockpulse.views.plots.model_histories import histories
 from rockpulse.views.plots.motion import stored_record
-from rockpulse.views.plots.recomputed import RECOMPUTED, recomputed
+from rockpulse.views.plots.recomputed import recomputed
 from rockpulse.views.plots.selection import block_of, plain_bodies
 from rockpulse.views.report.explorer_choice import (
     SHARES,
@@ -70,7 +71,7 @@ def explorer(tree: xr.DataTree, words: Words, file: str = "results.h5") -> Explo
     None where nothing moves in time: a design sequence, no record, or a model that follows none.
     """
     answers, told = Answers(tree["summary"].to_dataset()), words.section("explorer")
-    if answers.model not in RECOMPUTED or not answers.bodies or not (answers["npts"] >= 0).any():
+    if answers.model not in FOLLOWING or not answers.bodies or not (answers["npts"] >= 0).any():
         return None
     if not ("records" in tree.children and any(name in tree["records"] for name in ("acceleration", "rotation"))):
         return Explorer("", words.shared(answers.model))

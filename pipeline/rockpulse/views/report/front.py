@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from markupsafe import Markup, escape
 
-from rocking.outline import Outline
+from rocking.body.outline import Outline
 from rockpulse.assessment.answers import Answers
 from rockpulse.assessment.verdict import BodyVerdict
 from rockpulse.config.configuration import config_from_text
@@ -72,7 +72,7 @@ def drawings(words: Words, tree: xr.DataTree) -> list[Drawing]:
     summary = tree["summary"].to_dataset()
     below = _pedestals(str(tree.attrs.get("configuration", "")))
     names = [str(name) for name in summary["block"].values]
-    alone = summary["pedestal_of"].values.tolist() if "pedestal_of" in summary else [""] * len(names)
+    alone = summary["pedestal_of"].values.tolist()
     found = []
     for place, (name, part) in enumerate(zip(names, alone, strict=True)):
         if part and part not in names:
@@ -80,7 +80,7 @@ def drawings(words: Words, tree: xr.DataTree) -> list[Drawing]:
         # A body with its first pedestal comes first, then that with the first two.
         joined = alone[: place + 1].count(part) if part else 0
         body = Outline.of(block_of(summary, part or name))
-        floor = "floors" in summary and bool(summary["floors"].sel(block=part or name).item())
+        floor = bool(summary["floors"].sel(block=part or name).item())
         support = Support(floor, below.get(part or name, ()), joined)
         held = _held(words, body, support)
         label = escape(words("drawing.label", name=name, held=f", {held}" if held else ""))

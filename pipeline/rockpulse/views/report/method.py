@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from rockpulse.config.configuration import stored_sections
-from rockpulse.ladder import MODELS
+from rockpulse.model_table import MODELS
 from rockpulse.views.report.wording import Words
 from rockpulse.views.shared.table import Fact
 

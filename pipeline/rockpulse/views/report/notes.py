@@ -11,19 +11,16 @@ from rocking.response import Outcome
 from rockpulse.assessment.answers import Answers, searched_up_to
 from rockpulse.assessment.verdict import BodyVerdict
 from rockpulse.config.study_settings import UncertaintySettings
-from rockpulse.ladder import is_upper_bound
+from rockpulse.model_table import is_upper_bound
 from rockpulse.views.report.answers import AnswerCells
 from rockpulse.views.report.wording import Words
 from rockpulse.views.shared.answer_cells import AT_MOST, factor_cell, margin_cells, marks_of
 from rockpulse.views.shared.record_marks import doubt_notes
 from rockpulse.views.shared.verdict_notes import (
     BEYOND_CRITICAL,
-    ESTIMATE,
     NO_ANSWER,
     NONE_UP_TO,
     OUTSIDE,
-    SO_FAR,
-    UNPREDICTABLE,
     beyond_critical,
 )
 
@@ -40,7 +37,7 @@ def table_notes(cells: AnswerCells, found: Sequence[BodyVerdict], uncertainty: U
     notes += [words("note.upper_bound", model=words.shared(model)) for model in answers.models if is_upper_bound(model)]
     margins = [margin for one in found for margin in (one.margin, *(demand.margin for demand in one.demands))]
     marks = cells.marks | marks_of(margin_cells(margin)[0] for margin in margins)
-    told = [mark.note for mark in (OUTSIDE, UNPREDICTABLE, ESTIMATE, SO_FAR, AT_MOST, NO_ANSWER) if mark in marks]
+    told = [mark.note for mark in (OUTSIDE, AT_MOST, NO_ANSWER) if mark in marks]
     notes += dict.fromkeys(map(words.shared, told))
     if answers.motions.kind == "pair":
         notes.append(words("note.pair_mean" if answers.motions.any_azimuth else "note.pair_worst"))

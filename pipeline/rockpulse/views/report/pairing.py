@@ -12,10 +12,11 @@ import numpy as np
 from rockpulse.assessment.answers import Answers, Body, bodies_of
 from rockpulse.config.configuration import stored_sections
 from rockpulse.errors import ResultsError, some
+from rockpulse.model_table import MODELS
 from rockpulse.record.measures import PGA
-from rockpulse.storage.fragility_variables import FRAGILITY
-from rockpulse.storage.hdf5_reader import flag_words
-from rockpulse.storage.site_variables import SITE_KIND
+from rockpulse.storage.hdf5.netcdf4 import flag_words
+from rockpulse.storage.variables.fragility import FRAGILITY
+from rockpulse.storage.variables.site import SITE_KIND
 from rockpulse.views.report.wording import Words
 
 if TYPE_CHECKING:
@@ -179,7 +180,8 @@ def _check_design(summary: xr.Dataset, site: xr.Dataset, name: str) -> None:
 def _check_factors(summary: xr.Dataset, site: xr.Dataset, name: str) -> None:
     """Whether the bodies have the factors that the design spectrum of a site gives them."""
     designed = dict(zip(map(str, site["block"].values), site["design_factor"].values.tolist(), strict=True))
-    factors = summary["safety_factor"].isel(record=0).sel(model="sequence")
+    model = next(name for name in map(str, summary["model"].values) if MODELS[name].paired)
+    factors = summary["safety_factor"].isel(record=0).sel(model=model)
     for body in bodies_of(summary):
         own = factors.isel(block=body.place)
         here = float(own.isel(case=body.case) if "case" in own.dims else own)

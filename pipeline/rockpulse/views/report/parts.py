@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from rockpulse.config.configuration import stored_sections
-from rockpulse.ladder import SEQUENCE_MODELS
+from rockpulse.model_table import SEQUENCE_MODELS
 from rockpulse.views.report.pairing import Paired
 from rockpulse.views.report.remarks import files_words
 from rockpulse.views.report.wording import Words
@@ -136,7 +136,7 @@ def _differences(words: Words, of: Paired, assessed: int, model: str) -> list[st
     """Sentences on the things in which the curves and the verdict differ."""
     said = of.other_motions(words, "fragility", assessed)
     equation = stored_sections(str(of.tree.attrs.get("configuration", ""))).get("fragility", {}).get("equation", model)
-    if equation != model and model not in ("auto", *SEQUENCE_MODELS):
+    if equation != model and model not in SEQUENCE_MODELS:
         fields = {"equation": words.shared(equation), "model": words.shared(model)}
         said.append(words("fragility.equation", **fields))
     named = {"missing": of.missing, "foreign": of.foreign}

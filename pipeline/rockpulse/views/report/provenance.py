@@ -33,10 +33,7 @@ def hash_of(path: str | Path) -> str:
 
 def input_table(words: Words, summary: xr.Dataset) -> Table:
     """The files that the records came from."""
-    columns = [
-        summary[name].values.tolist() if name in summary else [""] * summary.sizes["record"]
-        for name in ("source", "source_sha256", "format")
-    ]
+    columns = [summary[name].values.tolist() for name in ("source", "source_sha256", "format")]
     found = Counter(zip(*columns, strict=True))
     of_file: dict[str, dict[str, None]] = {}
     for record, source in zip(summary["record"].values, columns[0], strict=True):

@@ -5,13 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 
-import numpy as np
-
 from rocking.response import Outcome
 from rockpulse.assessment.answers import Answers, Margin
 from rockpulse.views.shared.table import Cell, Mark, number
 from rockpulse.views.shared.terminal import ABSENT, lower_bound, ratio
-from rockpulse.views.shared.verdict_notes import ESTIMATE, MARKED, NO_ANSWER, NONE_UP_TO, OUTSIDE, SO_FAR, UNPREDICTABLE
+from rockpulse.views.shared.verdict_notes import NO_ANSWER, NONE_UP_TO, OUTSIDE
 
 __all__ = [
     "AT_MOST",
@@ -46,37 +44,27 @@ _WORDS = {Outcome.AT_REST: "at rest", Outcome.OVERTURNS: "overturns", Outcome.UN
 _SORTED = {Outcome.AT_REST: 0.0, Outcome.OVERTURNS: math.inf, Outcome.UNRESOLVED: math.nan}
 
 
-def answer_cell(outcome: int, peak: float, predictable: int, applicable: int, rung: str = "") -> Cell:
+def answer_cell(outcome: int, peak: float, applicable: int) -> Cell:
     """The answer of a model: the largest rotation over alpha_c, or a word, with its marks.
-
-    For the model `auto`, `rung` is the model that answered: its rotation is marked where that gives the verdict alone.
 
     Examples
     --------
-    >>> answer_cell(1, 0.4123, predictable=0, applicable=1).marked, answer_cell(2, 0.4, 0, 0).marked
-    ('0.41?', 'overturns?*')
-    >>> answer_cell(1, 0.1279, 1, 1, "settled").marked
-    '>0.12'
+    >>> answer_cell(1, 0.4123, applicable=1).marked, answer_cell(2, 0.4, 0).marked
+    ('0.41', 'overturns*')
     """
-    marks = [UNPREDICTABLE] if predictable == 0 else []
-    marks += [OUTSIDE] if applicable == 0 else []
+    marks = (OUTSIDE,) if applicable == 0 else ()
     if outcome in _WORDS:
         kind = Outcome(outcome)
-        return Cell(_WORDS[kind], _SORTED[kind], tuple(marks), grade="bad" if kind == Outcome.OVERTURNS else "")
+        return Cell(_WORDS[kind], _SORTED[kind], marks, grade="bad" if kind == Outcome.OVERTURNS else "")
     if outcome != Outcome.ROCKS:
         return Cell(ABSENT, math.nan)
-    if rung not in MARKED:
-        return Cell(ratio(peak), peak, tuple(marks))
-    sign = ESTIMATE if rung == "impulsive" else SO_FAR
-    return Cell(MARKED[rung](peak).removeprefix(sign.sign), peak, (sign, *marks))
+    return Cell(ratio(peak), peak, marks)
 
 
 def answer_cells(answers: Answers) -> list[list[Cell]]:
     """Of every record the cells of all bodies, by the model of the answers."""
-    names = ("outcome", "peak_rotation_ratio", "predictable", "applicable")
-    tables = [answers[name].tolist() for name in names]
-    rungs = np.where(answers.model == "auto", answers.used, "").tolist()
-    return [[answer_cell(*each) for each in zip(*rows, strict=True)] for rows in zip(*tables, rungs, strict=True)]
+    tables = [answers[name].tolist() for name in ("outcome", "peak_rotation_ratio", "applicable")]
+    return [[answer_cell(*each) for each in zip(*rows, strict=True)] for rows in zip(*tables, strict=True)]
 
 
 def factor_cells(answers: Answers, name: str = "") -> list[list[Cell]]:

@@ -16,7 +16,6 @@ __all__ = [
     "paragraph",
     "ratio",
     "restitution",
-    "rough",
     "several",
     "share",
     "shortened",
@@ -44,17 +43,6 @@ def ratio(value: float) -> str:
     if abs(value) < 0.001:
         return "<0.001" if value > 0.0 else ">-0.001"
     return f"{value:.{3 if abs(value) < 0.1 else 2 if abs(value) < 10.0 else 1}f}"
-
-
-def rough(value: float) -> str:
-    """A ratio that is an estimate: one digit behind a mark.
-
-    Examples
-    --------
-    >>> [rough(value) for value in (0.0, 0.0004, 0.0007, 0.056, 0.41, 1.3, 24.6)]
-    ['~0', '~0', '~0.001', '~0.06', '~0.4', '~1', '~25']
-    """
-    return "~" + (f"{value:.0f}" if value >= 1.0 else f"{round(value, 3):.1g}")
 
 
 def lower_bound(value: float) -> str:

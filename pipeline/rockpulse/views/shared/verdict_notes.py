@@ -4,27 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Sequence
 
-import numpy as np
-
 from rocking.response import Outcome, Reason
 from rockpulse.assessment.answers import Answers, Motions
 from rockpulse.assessment.screens import sliding, worse_screens
 from rockpulse.assessment.verdict import BodyVerdict
-from rockpulse.ladder import MODELS, UPPER_BOUND, is_upper_bound
-from rockpulse.storage.hdf5_reader import flag_words
+from rockpulse.model_table import MODELS, UPPER_BOUND, is_upper_bound
 from rockpulse.views.shared.record_marks import doubt_notes, record_cells
 from rockpulse.views.shared.table import Mark
-from rockpulse.views.shared.terminal import lower_bound, ratio, rough, several
+from rockpulse.views.shared.terminal import ratio, several
 
 __all__ = [
     "BEYOND_CRITICAL",
-    "ESTIMATE",
-    "MARKED",
     "NONE_UP_TO",
     "NO_ANSWER",
     "OUTSIDE",
-    "SO_FAR",
-    "UNPREDICTABLE",
     "beyond_critical",
     "body_notes",
     "cautions",
@@ -33,19 +26,12 @@ __all__ = [
     "verdict_notes",
 ]
 
-#: How a peak is shown that `auto` took from one of these.
-MARKED = {"impulsive": rough, "settled": lower_bound}
-
 #: Marks at a peak, at a safety factor, or at a capacity.
 OUTSIDE = Mark(
     "*",
     "*: outside the range of this model (slenderness below 3, or a body unlike those of the rule's fit); read with "
     "caution.",
 )
-UNPREDICTABLE = Mark("?", "?: not predictable: another answer when C or the record changes in the ninth digit.")
-_OF_AUTO = "Peaks of auto: ~0.06 an estimate from impulses; >0.12 the peak so far, when the verdict was sure."
-ESTIMATE = Mark("~", _OF_AUTO, before=True)
-SO_FAR = Mark(">", _OF_AUTO, before=True)
 NO_ANSWER = Mark(
     "!",
     "!: from this factor on the model cannot answer, as in free flight: a lower bound; below it no overturning was "
@@ -81,13 +67,7 @@ def verdict_notes(answers: Answers, of_factors: list[str], marks: Collection[Mar
         )
     notes += doubt_notes(record_cells(answers.summary))
     notes += cautions(answers.models)
-    notes += [mark.note for mark in (OUTSIDE, UNPREDICTABLE) if mark in marks]
-    if "auto" in answers.models:
-        codes, counts = np.unique(answers.of_models["auto"]["model_used"], return_counts=True)
-        names = flag_words(answers.summary["model_used"])
-        used = ", ".join(f"{names[code].replace('_', ' ')} {count}" for code, count in zip(codes, counts, strict=True))
-        notes.append(f"auto: the cheapest model that answers, here {used}; the figures are those of that model.")
-        notes += [ESTIMATE.note] if {ESTIMATE, SO_FAR} & {*marks} else []
+    notes += [OUTSIDE.note] if OUTSIDE in marks else []
     models = answers.of_models.values()
     reasons = {int(code) for one in models for code in one["reason"][one["outcome"] == Outcome.UNRESOLVED]}
     if reasons:

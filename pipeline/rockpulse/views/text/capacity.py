@@ -9,6 +9,7 @@ import numpy as np
 
 from rocking.response import Outcome
 from rockpulse.assessment.answers import Answers, Margin, searched_up_to
+from rockpulse.model_table import MODELS
 from rockpulse.views.shared.answer_cells import AT_MOST, NAMES, TITLES, factor_cell, margin_cells, marks_of
 from rockpulse.views.shared.table import Cell, Heading, Table, lines, number
 from rockpulse.views.shared.terminal import ABSENT, paragraph, restitution
@@ -63,7 +64,7 @@ def factor_notes(answers: Answers, swept: bool = False) -> list[str]:
     if missed > 0.0:
         notes[0] += (
             f" Bands narrower than the step of the search (up to {missed:.1%}) may lie below it: do not read it to two "
-            f"digits ([search] {'step' if answers.model == 'sequence' else 'points'})."
+            f"digits ([search] {MODELS[answers.model].grid})."
         )
     if bounds := np.count_nonzero(answers.bound):
         notes.append(
@@ -139,7 +140,7 @@ def _below(answers: Answers) -> str:
 
 
 def _capacity(answers: Answers) -> str:
-    return f"{NAMES[answers.factor]} x strength, {'nonlinear' if answers.probable else answers.model} model"
+    return f"{NAMES[answers.factor]} x strength, {answers.model} model"
 
 
 def _lines(of: str, answers: Answers, rows: list[list[Cell]]) -> list[str]:

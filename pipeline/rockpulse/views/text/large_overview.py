@@ -8,7 +8,7 @@ import numpy as np
 
 from rockpulse.assessment.answers import Answers, lanes
 from rockpulse.record.measures import STORED
-from rockpulse.storage.selection import Selection
+from rockpulse.storage.export.selection import Selection
 from rockpulse.views.shared.record_marks import doubt_notes, record_cells
 from rockpulse.views.shared.table import Cell, Heading, Table, number, text
 from rockpulse.views.shared.terminal import ABSENT, fixed, paragraph
@@ -28,12 +28,6 @@ WHOLE = 200
 
 #: Worst cases and blocks that are shown, and worst pairs of channels of a sweep.
 WORST, PAIRS = 12, 3
-
-#: What a table of the worst pairs is made of, beside the node /directions.
-OF_PAIRS = (
-    *("restitution", "outcome", "safety_factor", "safe_up_to", "search_step", "factor_resolved"),
-    *("overturning_probability", "factor_10", "factor_10_low"),
-)
 
 
 def is_large(answers: Answers) -> bool:
@@ -88,13 +82,11 @@ def _verdicts(answers: Answers) -> str:
     rows = []
     for model, one in answers.of_models.items():
         rest, rocks, over, unresolved = one.counts
-        predictable = one["predictable"]
         weak = int(np.count_nonzero(one["safety_factor"] < 1.0)) if one.searched else None
-        unsure = int(np.count_nonzero(predictable == 0)) if (predictable >= 0).any() else None
         counts = [number(count, str) for count in (rest, rocks, over)]
-        more = [number(count, lambda value: fixed(value, 0)) for count in (unresolved, weak, unsure)]
+        more = [number(count, lambda value: fixed(value, 0)) for count in (unresolved, weak)]
         rows.append((Cell(model), *counts, Cell(f"{over / total:.1%}", over / total), *more))
-    headings = ["", "at rest", "rocks", "OVERTURNS", "", "unresolved", "SF < 1", "not predictable"]
+    headings = ["", "at rest", "rocks", "OVERTURNS", "", "unresolved", "SF < 1"]
     kept = [place for place in range(len(headings)) if not all(row[place].text == ABSENT for row in rows)]
     headings, rows = [headings[place] for place in kept], [tuple(row[place] for place in kept) for row in rows]
     of_factors = ["SF < 1: overturns under the record, or under a weaker copy of it (rocking is not monotonic)."]
@@ -113,7 +105,7 @@ def _pairs(answers: Answers, directions: xr.Dataset) -> str:
         for table, axis, most in ((key, 1, PAIRS), (answers.by_block(np.fmin, key), 0, WORST))
     )
     part = directions.isel(pair=order, block=blocks).load()
-    few = answers.summary[[*OF_PAIRS, "npts", "warning_codes"]].isel(block=blocks).load()
+    few = answers.summary.isel(block=blocks)
     heading = f"The {order.size} worst of {directions.sizes['pair']} pairs of channels"
     if blocks.size < directions.sizes["block"]:
         heading += f", the {blocks.size} worst of {directions.sizes['block']} blocks"

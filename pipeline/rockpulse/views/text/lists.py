@@ -10,16 +10,16 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rocking.response import Outcome
-from rockpulse.assessment.answers import Answers, Margin, bodies_of, complete, fullest_model
+from rockpulse.assessment.answers import Answers, Margin, bodies_of, fullest_model
 from rockpulse.record.measures import PGA, STORED
 from rockpulse.record.record import STANDARD_GRAVITY
-from rockpulse.storage.hdf5_reader import flag_words, pointwise, worded
-from rockpulse.storage.selection import Selection, rows
+from rockpulse.storage.export.selection import Selection, rows
+from rockpulse.storage.hdf5.netcdf4 import flag_words, pointwise, worded
 from rockpulse.views.shared.answer_cells import NAMES, TITLES, answer_cell, factor_cell, marks_of
 from rockpulse.views.shared.record_marks import doubt, doubt_notes
 from rockpulse.views.shared.table import Cell, Heading, Mark, Table, lines, number
 from rockpulse.views.shared.terminal import paragraph, ratio, restitution, several, shortened
-from rockpulse.views.shared.verdict_notes import BEYOND_CRITICAL, NO_ANSWER, NONE_UP_TO, OUTSIDE, UNPREDICTABLE
+from rockpulse.views.shared.verdict_notes import BEYOND_CRITICAL, NO_ANSWER, NONE_UP_TO, OUTSIDE
 from rockpulse.views.text.capacity import NAME_WIDTH, restitutions
 
 if TYPE_CHECKING:
@@ -34,9 +34,9 @@ DRIFT = Mark("~", "~: the baseline of the record drifts, PGV may be off by as mu
 ID_WIDTH = 36
 
 #: Variables of /summary that a verdict is told by, all that a list of cases has columns for, and what else these need.
-VERDICT = ("outcome", "peak_rotation_ratio", "predictable", "applicable")
+VERDICT = ("outcome", "peak_rotation_ratio", "applicable")
 SHOWN = (*VERDICT, PGA, "uplift_ratio", "impulse_ratio", "restitution")
-BESIDE = ("model_used", "warning_codes")
+BESIDE = ("warning_codes",)
 
 #: The same of a factor, with how far was searched where none was found, and whether the model answers there.
 OF_FACTOR = {
@@ -60,7 +60,6 @@ def case_list(summary: xr.Dataset, selection: Selection) -> str:
 
     Raises ResultsError for a name or variable that is not there.
     """
-    summary = complete(summary)
     if not selection.names.get("model"):
         selection = replace(selection, names={**selection.names, "model": (fullest_model(summary),)})
     dims = [dim for dim in ("record", "block", "case", "model") if dim in summary["outcome"].dims]
@@ -74,7 +73,6 @@ def case_list(summary: xr.Dataset, selection: Selection) -> str:
     shown = (*SHOWN, *(name for of in OF_FACTOR.values() for name in of))
     get = _values(summary, (*shown, *BESIDE), places)
     told = [factor for factor, of in OF_FACTOR.items() if not np.isnan(get[of[0]]).all()]
-    rungs = worded(np.array(get["model_used"]), flag_words(summary["model_used"]))
     more = [name for name in _of_interest(selection) if name not in shown]
     extra = [_shown(summary, name, places) for name in more]
     headings = [Heading("record"), Heading("block", width=NAME_WIDTH), *([Heading("model")] if with_model else [])]
@@ -86,7 +84,6 @@ def case_list(summary: xr.Dataset, selection: Selection) -> str:
     for k in range(count):
         one = {name: values[k] for name, values in get.items()}
         pga = one[PGA] / STANDARD_GRAVITY
-        outcome, peak, predictable, applicable = (one[name] for name in VERDICT)
         table.append(
             (
                 Cell(shortened(records[k], ID_WIDTH), marks=doubt(one[PGA], one["warning_codes"])),
@@ -94,7 +91,7 @@ def case_list(summary: xr.Dataset, selection: Selection) -> str:
                 *([Cell(models[k])] if with_model else []),
                 number(one["restitution"], restitution),
                 *(number(value, ratio) for value in (pga, one["uplift_ratio"], one["impulse_ratio"])),
-                answer_cell(outcome, peak, predictable, applicable, rungs[k] if models[k] == "auto" else ""),
+                answer_cell(*(one[name] for name in VERDICT)),
                 *(cell for factor in told for cell in _OF_FACTOR[factor](one, pga)),
                 *(cells[k] for cells in extra),
             )
@@ -299,7 +296,6 @@ def _notes(table: list[tuple[Cell, ...]], beyond: bool, told: list[str]) -> list
     marks = marks_of(cell for row in table for cell in row)
     meanings = {
         OUTSIDE: "*: outside the range of this model.",
-        UNPREDICTABLE: UNPREDICTABLE.note,
         NO_ANSWER: "!: a lower bound, from this factor on the model cannot answer.",
     }
     return [

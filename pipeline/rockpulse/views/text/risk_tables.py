@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from rockpulse.storage.risk_variables import INVENTORY, RISK, STANDING, RiskStatus
+from rockpulse.storage.variables.risk import INVENTORY, RISK, STANDING, RiskStatus
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -12,8 +12,8 @@ from rocking.response import Outcome
 from rockpulse.assessment.answers import Answers, searched_up_to
 from rockpulse.assessment.demand import FARTHEST
 from rockpulse.assessment.verdict import FEWEST_AT_DEMAND, MAY_OVERTURN, OVERTURNS, BodyVerdict, verdicts
+from rockpulse.earthquakes import FEWEST_EVENTS
 from rockpulse.errors import some
-from rockpulse.motions.events import FEWEST_EVENTS
 from rockpulse.record.record import STANDARD_GRAVITY
 from rockpulse.views.shared.answer_cells import (
     NAMES,
@@ -169,10 +169,7 @@ def body_verdicts(answers: Answers, most: int | None = None) -> str:
     places = sorted(order) if most is None else order
     names = [cell.marked for cell in record_cells(answers.summary)]
     factors, (top, turn) = _middle_factors(answers), _largest_survived(answers)
-    gravity = answers.summary["gravity"].values if "gravity" in answers.summary else STANDARD_GRAVITY
-    uplift = np.tan(answers.summary["alpha_c"].values) * gravity / STANDARD_GRAVITY
-    if "uplift_acceleration" in answers.summary:
-        uplift = answers.summary["uplift_acceleration"].values / STANDARD_GRAVITY
+    uplift = answers.summary["uplift_acceleration"].values / STANDARD_GRAVITY
     of = "P" if answers.probable else "share"
     shares = [f"{of} at {name}" for name in answers.demands] if answers.demands else [of]
     headings = ("", "verdict", *shares, "up to", "a_up [g]", "f_50" if answers.probable else "median SF")
@@ -214,9 +211,7 @@ def _under(answers: Answers, found: Sequence[BodyVerdict]) -> str:
         without = f", {lost} left out, farther from it than a factor of {FARTHEST[1]:g}" if lost else ""
         short = f"; {several(left, 'earthquake')} left, {FEWEST_AT_DEMAND} are needed" if every[0].few else ""
         told.append(f"{name} ({demand.words}{without}{short})")
-    before = answers.probable and "demand_probability" not in answers.summary
-    again = "; a file of before, without the probability there: assess again" if before else ""
-    return f"{counted(motions)} brought to the demand {' and '.join(told)}{again}"
+    return f"{counted(motions)} brought to the demand {' and '.join(told)}"
 
 
 def _legend(answers: Answers) -> list[str]:

@@ -6,7 +6,7 @@ import xarray as xr
 from results_tree import results_tree
 
 from rockpulse.errors import ResultsError
-from rockpulse.storage.summary_variables import SUMMARY
+from rockpulse.storage.variables.summary import SUMMARY
 from rockpulse.views.report.writing import report_page
 
 

@@ -15,7 +15,7 @@ from results_tree import results_tree
 import rockpulse as rp
 from rocking.response import Reason
 from rockpulse.errors import ConfigError
-from rockpulse.ladder import MODELS, UPPER_BOUND
+from rockpulse.model_table import MODELS, UPPER_BOUND
 from rockpulse.views.report.method import REFERENCE
 from rockpulse.views.report.wording import LANGUAGES, words_of
 from rockpulse.views.report.writing import report_page

@@ -2,7 +2,6 @@
 
 import math
 
-import pytest
 from report_cases import answers, motions, probable, summary_of
 
 from rocking.response import Outcome
@@ -17,25 +16,16 @@ from rockpulse.views.shared.answer_cells import (
     safety_cells,
     unexplained,
 )
-from rockpulse.views.shared.verdict_notes import ESTIMATE, NO_ANSWER, NONE_UP_TO, OUTSIDE, SO_FAR, UNPREDICTABLE
-
-
-@pytest.mark.parametrize(
-    ("rung", "shown", "mark"), [("impulsive", "~0.1", ESTIMATE), ("settled", ">0.12", SO_FAR), ("linear", "0.13", None)]
-)
-def test_a_peak_of_auto_that_is_no_answer_bears_a_mark(rung, shown, mark):
-    cell = answer_cell(Outcome.ROCKS, 0.1279, 1, 1, rung)
-    assert (cell.marked, cell.value) == (shown, 0.1279)
-    assert cell.marks == (() if mark is None else (mark,))
+from rockpulse.views.shared.verdict_notes import NO_ANSWER, NONE_UP_TO, OUTSIDE
 
 
 def test_words_bear_the_marks_of_the_answer_and_are_sorted_beside_the_figures():
-    cell = answer_cell(Outcome.OVERTURNS, math.inf, predictable=0, applicable=0)
+    cell = answer_cell(Outcome.OVERTURNS, math.inf, applicable=0)
     assert (cell.text, cell.value, cell.grade) == ("overturns", math.inf, "bad")
-    assert cell.marks == (UNPREDICTABLE, OUTSIDE)
-    assert answer_cell(Outcome.AT_REST, 0.0, 1, 1).value == 0.0
-    assert math.isnan(answer_cell(Outcome.UNRESOLVED, math.nan, 1, 1).value)
-    assert answer_cell(-1, math.nan, 1, 0).marked == "-"
+    assert cell.marks == (OUTSIDE,)
+    assert answer_cell(Outcome.AT_REST, 0.0, 1).value == 0.0
+    assert math.isnan(answer_cell(Outcome.UNRESOLVED, math.nan, 1).value)
+    assert answer_cell(-1, math.nan, 0).marked == "-"
 
 
 def test_a_factor_that_was_not_found_names_how_far_was_searched():
