@@ -13,9 +13,8 @@ from rockpulse.assessment.assessment import assess_scene
 from rockpulse.assessment.results import registered
 from rockpulse.assessment.scene import solver_options
 from rockpulse.assessment.tree import EVENT, build_tree, record_part
-from rockpulse.config.bodies import gather_bodies, refuse_aloft
+from rockpulse.config.bodies import Blocks, gather_bodies, refuse_aloft
 from rockpulse.config.configuration import Config, given_config
-from rockpulse.config.given_bodies import Blocks
 from rockpulse.errors import ConfigError
 from rockpulse.model_row import Scene
 from rockpulse.model_table import MODELS, SEQUENCE_MODELS

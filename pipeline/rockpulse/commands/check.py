@@ -5,9 +5,9 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from rockpulse.commands.telling import QUIET, tell
-from rockpulse.commands.verb import Verb
-from rockpulse.config.check_settings import CODES
+from rockpulse.commands.parser import Verb
+from rockpulse.commands.terminal import QUIET, tell
+from rockpulse.config.study_settings import CODES
 
 __all__ = ["VERB"]
 

@@ -7,8 +7,8 @@ import sys
 from dataclasses import replace
 from pathlib import Path
 
-from rockpulse.commands.telling import QUIET, tell
-from rockpulse.commands.verb import Verb
+from rockpulse.commands.parser import Verb
+from rockpulse.commands.terminal import QUIET, tell
 
 __all__ = ["VERB"]
 

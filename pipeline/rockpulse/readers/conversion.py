@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from rockpulse.errors import ConfigError, RecordFormatError, RecordRefused, RockpulseError
-from rockpulse.file_set import FileSet
+from rockpulse.files import FileSet
 from rockpulse.readers import ReadOptions, read_source
 from rockpulse.readers.formats.miniseed import is_miniseed
 from rockpulse.readers.source import HEAD, SourceFile, check_link, folder_station_files, open_source

@@ -15,9 +15,8 @@ from functools import lru_cache, partial
 from pathlib import Path
 from typing import NamedTuple
 
-from rockpulse.errors import ConfigError, RecordFormatError, RecordRefused, RockpulseError
-from rockpulse.failures import NO_RECORD, Failure
-from rockpulse.input_file import check_regular
+from rockpulse.errors import NO_RECORD, ConfigError, Failure, RecordFormatError, RecordRefused, RockpulseError
+from rockpulse.files import check_regular
 from rockpulse.readers import ReadOptions, read_source
 from rockpulse.readers.archive import Archive, is_archive
 from rockpulse.readers.format import FileSettings

@@ -11,7 +11,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from rockpulse.failures import Failure
+from rockpulse.errors import Failure
 from rockpulse.readers.kit.facts import later
 from rockpulse.readers.source import SourceFile
 from rockpulse.record.record import BETWEEN, Record, distinct_ids, record_id

@@ -15,7 +15,7 @@ from pathlib import Path, PurePosixPath
 from typing import BinaryIO
 
 from rockpulse.errors import RecordFormatError, RecordRefused
-from rockpulse.input_file import check_regular
+from rockpulse.files import check_regular
 
 #: Bytes from the start of a file that decide its format.
 HEAD = 65536
