@@ -21,8 +21,8 @@ from pathlib import Path
 
 from io_fault_runs import in_a_fork
 
-from rockpulse.batch.frames import MARK
 from rockpulse.cli import main
+from rockpulse.run.frames import MARK
 
 #: How long everybody of a group may take to end when one of it was killed [s].
 PATIENCE = 60.0

@@ -30,12 +30,12 @@ NO_MODEL = {
         ("rockpulse.views.text.verdicts", "sequence"),
     },
     "a file that holds a sequence, and a fact on a record": {
-        ("rockpulse.commands.file_fault", "sequence"),
+        ("rockpulse.commands.terminal", "sequence"),
         ("rockpulse.views.report.pages", "sequence"),
     },
     "a working point of the rule, after which its model is called": {
-        ("rockpulse.calibration.rule", "balanced"),
-        ("rockpulse.calibration.rule", "conservative"),
+        ("rockpulse.sequences.rule", "balanced"),
+        ("rockpulse.sequences.rule", "conservative"),
     },
     "the straight line of a baseline correction": {
         ("rockpulse.config.settings", "linear"),

@@ -6,6 +6,7 @@ import argparse
 from functools import partial
 from typing import TYPE_CHECKING
 
+from rockpulse.commands.arguments import add_record_arguments, configured, resolved
 from rockpulse.commands.batch_input import (
     add_batch_arguments,
     batch_given,
@@ -14,8 +15,7 @@ from rockpulse.commands.batch_input import (
     recorded,
     told,
 )
-from rockpulse.commands.record_input import add_record_arguments, configured, resolved
-from rockpulse.commands.verb import Verb
+from rockpulse.commands.parser import Verb
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -60,7 +60,7 @@ def _of_records(args: argparse.Namespace) -> int:
     config, paths = resolved(args)
     config = _with_models(args, config)
 
-    from rockpulse.batch.run import assess_files
+    from rockpulse.run.batch import assess_files
     from rockpulse.storage.hdf5.results_file import open_results
 
     with recorded(args):
@@ -75,7 +75,7 @@ def _of_sequence(args: argparse.Namespace) -> int:
     from rockpulse.errors import ConfigError
     from rockpulse.storage.hdf5.atomic import check_target
     from rockpulse.storage.hdf5.results_file import load, save
-    from rockpulse.studies.site.tree import load_design
+    from rockpulse.studies.site.calibration import load_design
 
     of_records = (("PATHS", args.paths), ("--units", args.units), ("--dt", args.dt), ("--confirm", args.confirm))
     given = [*(name for name, value in of_records if value), *batch_given(args)]

@@ -14,16 +14,15 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, NoReturn
 
-from rockpulse.commands.progress import compiling_told, progress_bars
-from rockpulse.commands.telling import tell
+from rockpulse.commands.terminal import compiling_told, progress_bars, tell
 from rockpulse.errors import ConfigError
 from rockpulse.foreign_text import escaped
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from rockpulse.batch.options import BatchOptions
-    from rockpulse.failures import Failure
+    from rockpulse.errors import Failure
+    from rockpulse.run.batch import BatchOptions
 
 __all__ = ["add_batch_arguments", "batch_given", "batch_options", "nothing_written", "recorded", "told"]
 
@@ -61,7 +60,7 @@ def batch_given(args: argparse.Namespace) -> list[str]:
 
 def batch_options(args: argparse.Namespace) -> BatchOptions:
     """The options by which the batch is carried out."""
-    from rockpulse.batch.options import BatchOptions
+    from rockpulse.run.batch import BatchOptions
 
     return BatchOptions(
         workers=args.workers,
@@ -137,7 +136,7 @@ def recorded(args: argparse.Namespace) -> Iterator[None]:
 
 def nothing_written(failures: Sequence[Failure], what: str, quiet: bool) -> int:
     """Tell why not one record could be used, in a quiet run in one line; the exit code."""
-    from rockpulse.failures import alike
+    from rockpulse.errors import alike
     from rockpulse.views.shared.files_used import count_files
     from rockpulse.views.text.left_out import rows_not_used
 

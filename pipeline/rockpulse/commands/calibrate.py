@@ -5,10 +5,10 @@ from __future__ import annotations
 import argparse
 import sys
 
+from rockpulse.commands.arguments import add_record_arguments, resolved
 from rockpulse.commands.batch_input import add_batch_arguments, batch_options, nothing_written, recorded, told
-from rockpulse.commands.record_input import add_record_arguments, resolved
-from rockpulse.commands.telling import tell
-from rockpulse.commands.verb import Verb
+from rockpulse.commands.parser import Verb
+from rockpulse.commands.terminal import tell
 
 __all__ = ["VERB"]
 
@@ -21,8 +21,8 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
 def _run(args: argparse.Namespace) -> int:
     config, paths = resolved(args)
 
-    from rockpulse.batch.run import calibrate_files
     from rockpulse.errors import RecordRefused
+    from rockpulse.run.batch import calibrate_files
     from rockpulse.storage.hdf5.results_file import load
     from rockpulse.studies.site.calibration import NothingCalibrated
     from rockpulse.views.text.site import site_overview

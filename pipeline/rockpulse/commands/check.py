@@ -5,9 +5,9 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from rockpulse.commands.telling import QUIET, tell
-from rockpulse.commands.verb import Verb
-from rockpulse.config.check_settings import CODES
+from rockpulse.commands.parser import Verb
+from rockpulse.commands.terminal import QUIET, tell
+from rockpulse.config.study_settings import CODES
 
 __all__ = ["VERB"]
 
@@ -37,7 +37,7 @@ def _run(args: argparse.Namespace) -> int:
     from rockpulse.errors import ConfigError, ResultsError
     from rockpulse.storage.hdf5.atomic import ASSESSMENT, named
     from rockpulse.storage.hdf5.results_file import load
-    from rockpulse.studies.check.codes import code_check
+    from rockpulse.studies.check.bodies import code_check
     from rockpulse.views.shared.output_files import check_file, csv_bytes, write_files
     from rockpulse.views.text.check import check_overview, check_table
 

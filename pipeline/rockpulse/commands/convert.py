@@ -5,10 +5,9 @@ from __future__ import annotations
 import argparse
 import sys
 
-from rockpulse.commands.progress import progress_bars
-from rockpulse.commands.record_input import add_reading_arguments, reading_options
-from rockpulse.commands.telling import QUIET, tell
-from rockpulse.commands.verb import Verb
+from rockpulse.commands.arguments import add_reading_arguments, reading_options
+from rockpulse.commands.parser import Verb
+from rockpulse.commands.terminal import QUIET, progress_bars, tell
 
 __all__ = ["VERB"]
 

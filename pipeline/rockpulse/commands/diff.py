@@ -5,9 +5,9 @@ from __future__ import annotations
 import argparse
 import math
 
-from rockpulse.commands.selection_input import count
-from rockpulse.commands.telling import tell
-from rockpulse.commands.verb import Verb
+from rockpulse.commands.arguments import count
+from rockpulse.commands.parser import Verb
+from rockpulse.commands.terminal import tell
 
 __all__ = ["VERB"]
 

@@ -5,10 +5,9 @@ from __future__ import annotations
 import argparse
 from typing import TYPE_CHECKING
 
-from rockpulse.commands.progress import progress_bars
-from rockpulse.commands.selection_input import add_selection, read_selection
-from rockpulse.commands.telling import tell
-from rockpulse.commands.verb import Verb
+from rockpulse.commands.arguments import add_selection, read_selection
+from rockpulse.commands.parser import Verb
+from rockpulse.commands.terminal import progress_bars, tell
 
 if TYPE_CHECKING:
     from rockpulse.storage.export.long_table import LongTable

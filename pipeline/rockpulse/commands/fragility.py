@@ -5,9 +5,9 @@ from __future__ import annotations
 import argparse
 from typing import TYPE_CHECKING
 
+from rockpulse.commands.arguments import add_record_arguments, resolved
 from rockpulse.commands.batch_input import add_batch_arguments, batch_options, nothing_written, recorded, told
-from rockpulse.commands.record_input import add_record_arguments, resolved
-from rockpulse.commands.verb import Verb
+from rockpulse.commands.parser import Verb
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -23,7 +23,7 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
 def _run(args: argparse.Namespace) -> int:
     config, paths = resolved(args)
 
-    from rockpulse.batch.run import fragility_files
+    from rockpulse.run.batch import fragility_files
     from rockpulse.storage.hdf5.results_file import load
     from rockpulse.views.text.fragility import fragility_overview
     from rockpulse.views.text.left_out import not_used

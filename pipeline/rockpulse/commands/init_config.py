@@ -9,9 +9,9 @@ import textwrap
 from importlib.resources import files
 from pathlib import Path
 
-from rockpulse.commands.telling import tell
-from rockpulse.commands.verb import Verb
-from rockpulse.config.hazard_settings import HAZARD_UNITS
+from rockpulse.commands.parser import Verb
+from rockpulse.commands.terminal import tell
+from rockpulse.config.study_settings import HAZARD_UNITS
 from rockpulse.errors import ConfigError
 from rockpulse.record.measures import DEMAND, FRAGILITY, HAZARD, MEASURES, PERIODIC, ROWS, SCALING, Measure
 

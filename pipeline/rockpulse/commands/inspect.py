@@ -6,9 +6,9 @@ import argparse
 from importlib import import_module
 from typing import TYPE_CHECKING
 
-from rockpulse.commands.selection_input import add_selection, count, read_selection
-from rockpulse.commands.telling import tell
-from rockpulse.commands.verb import Verb
+from rockpulse.commands.arguments import add_selection, count, read_selection
+from rockpulse.commands.parser import Verb
+from rockpulse.commands.terminal import tell
 
 if TYPE_CHECKING:
     import xarray as xr

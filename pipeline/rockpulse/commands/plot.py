@@ -5,8 +5,8 @@ from __future__ import annotations
 import argparse
 from typing import Any
 
-from rockpulse.commands.telling import tell
-from rockpulse.commands.verb import Verb
+from rockpulse.commands.parser import Verb
+from rockpulse.commands.terminal import tell
 
 __all__ = ["VERB"]
 

@@ -5,9 +5,8 @@ from __future__ import annotations
 import argparse
 import math
 
-from rockpulse.commands.progress import compiling_told
-from rockpulse.commands.telling import QUIET, tell
-from rockpulse.commands.verb import Verb
+from rockpulse.commands.parser import Verb
+from rockpulse.commands.terminal import QUIET, compiling_told, tell
 
 __all__ = ["VERB"]
 
@@ -65,7 +64,7 @@ def _machine() -> str:
     from importlib.metadata import version
     from pathlib import Path
 
-    from rocking.threads import available_cores
+    from rocking.lanes import available_cores
     from rockpulse.version import __version__
 
     info = Path("/proc/cpuinfo")

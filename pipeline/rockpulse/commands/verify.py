@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import argparse
 
-from rockpulse.commands.progress import progress_bars
-from rockpulse.commands.telling import tell
-from rockpulse.commands.verb import Verb
+from rockpulse.commands.parser import Verb
+from rockpulse.commands.terminal import progress_bars, tell
 
 __all__ = ["VERB"]
 

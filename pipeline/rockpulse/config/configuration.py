@@ -15,10 +15,6 @@ from pathlib import Path
 from typing import Any
 
 from rockpulse.config.block_settings import BlockSettings, require_pairs
-from rockpulse.config.check_settings import CheckSettings
-from rockpulse.config.fragility_settings import FragilitySettings
-from rockpulse.config.hazard_settings import HazardSettings
-from rockpulse.config.report_settings import ReportSettings, logo_bytes
 from rockpulse.config.settings import (
     SECTIONS,
     CalibrationSettings,
@@ -31,9 +27,16 @@ from rockpulse.config.settings import (
     SequenceSettings,
     SiteSettings,
 )
-from rockpulse.config.uncertainty_settings import UncertaintySettings
+from rockpulse.config.study_settings import (
+    CheckSettings,
+    FragilitySettings,
+    HazardSettings,
+    ReportSettings,
+    UncertaintySettings,
+    logo_bytes,
+)
 from rockpulse.errors import ConfigError, ResultsError
-from rockpulse.input_file import TOML_LIMIT, parse_toml, read_text
+from rockpulse.files import TOML_LIMIT, parse_toml, read_text
 from rockpulse.model_table import ModelSettings, SearchSettings, is_full
 from rockpulse.option import Section, hint
 

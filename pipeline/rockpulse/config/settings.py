@@ -6,11 +6,13 @@ import math
 from dataclasses import MISSING, dataclass
 from typing import Any
 
-from rockpulse.config.check_settings import CheckSettings
-from rockpulse.config.fragility_settings import FragilitySettings
-from rockpulse.config.hazard_settings import HazardSettings
-from rockpulse.config.report_settings import ReportSettings
-from rockpulse.config.uncertainty_settings import UncertaintySettings
+from rockpulse.config.study_settings import (
+    CheckSettings,
+    FragilitySettings,
+    HazardSettings,
+    ReportSettings,
+    UncertaintySettings,
+)
 from rockpulse.errors import ConfigError
 from rockpulse.model_table import ModelSettings, SearchSettings
 from rockpulse.option import KeyType, Section, boolean, choice, count, entries, key, number, text, texts

@@ -15,11 +15,11 @@ from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
-from rocking.block import Block
-from rocking.floor import floor_motion
-from rocking.recorded import recorded_response
+from rocking.body.block import Block
+from rocking.body.restraint import Tie
+from rocking.body.supports import floor_motion
+from rocking.march.recorded import recorded_response
 from rocking.response import Outcome
-from rocking.restraint import Tie
 from rockpulse.studies.selftest.baseline import response as by_solve_ivp
 
 __all__ = ["COLUMNS", "TABLE", "Case", "Stored", "Tried", "stored_cases", "tried"]
