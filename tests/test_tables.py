@@ -86,7 +86,6 @@ NO_MODEL = {
     },
     "a section of the configuration": {
         ("rockpulse.config.settings", "sequence"),
-        ("rockpulse.storage.hdf5.results_file", "sequence"),
     },
     "the kind of the motions: records, pairs or the sequence of a site": {
         ("rockpulse.assessment.answers", "sequence"),
