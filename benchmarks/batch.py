@@ -31,7 +31,7 @@ sys.path.append(str(Path(__file__).parents[1] / "tests"))
 
 from record_writers import at2
 
-from rocking.threads import available_cores
+from rocking.lanes import available_cores
 from rockpulse import BlockSettings, ModelSettings, SearchSettings, SequenceSettings, UncertaintySettings
 from rockpulse.batch.options import BatchOptions
 from rockpulse.batch.run import BatchReport, assess_files

@@ -17,14 +17,21 @@ SOURCES = [path for top in TOPS for path in sorted(top.rglob("*.py"))]
 #: The rooms from the ground up, those of one line side by side: a module imports from its own room and from the lines
 #: above its own. A room is the longest of these names that a module's dotted name begins with.
 ROOMS = """
+rocking.arguments rocking.pictures rocking.lanes
+rocking.response
+rocking.body
+rocking.march
+rocking.impulses
+rocking.search
+rocking.spectrum
 rocking
-rockpulse.version rockpulse.failures rockpulse.remark
+rockpulse.version rockpulse.failures rockpulse.remark rockpulse.earthquakes
 rockpulse.errors
 rockpulse.option rockpulse.file_set rockpulse.foreign_text rockpulse.input_file
 rockpulse.input_table
 rockpulse.record
 rockpulse.readers
-rockpulse.calibration
+rockpulse.sequences
 rockpulse.model_row
 rockpulse.model_table
 rockpulse.config

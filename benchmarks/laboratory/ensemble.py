@@ -15,7 +15,7 @@ from pathlib import Path
 
 import numpy as np
 
-from rocking.block import Block
+from rocking.body.block import Block
 from rockpulse.config.settings import RecordSettings
 from rockpulse.errors import ConfigError, RockpulseError
 from rockpulse.failures import Failure, some

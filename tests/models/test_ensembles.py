@@ -89,13 +89,6 @@ def test_list_of_restitutions_is_answered_lane_by_lane(motions):  # VALIDATION V
             assert alone.impacts == lanes.impacts[lane]
 
 
-def test_restitution_above_housners_is_taken_and_warned_of():  # VALIDATION V20
-    assert column(RUBBER, CONCRETE_LOW, CONCRETE_HIGH, HOUSNER).warnings == ()
-    lively = column(RUBBER, HOUSNER, 1.02)
-    (warning,) = lively.warnings
-    assert f"restitution {lively.restitution[2]:.4g} is above Housner's {lively.restitution[1]:.4g}" in warning
-
-
 @pytest.fixture(scope="module", params=EQUATIONS)
 def peaks(request, motions):
     """(motions, C) theta_max/alpha_c under 0.3 g: rubber, concrete twice, Housner's."""

@@ -8,7 +8,8 @@ from scipy.optimize import brentq
 from scipy.stats import ks_2samp
 
 import rockpulse as rp
-from rocking import Block, OverturningSpectrum, critical_scale, recorded_response, spectrum_lanes
+from rocking import Block, OverturningSpectrum, critical_scale, recorded_response
+from rocking.spectrum.lanes import spectrum_lanes
 from rockpulse.record.synthetic import synthetic_motion
 
 G = 9.81

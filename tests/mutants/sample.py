@@ -32,7 +32,7 @@ MODULES = (
     "pipeline/rockpulse/*/plan.py",
     "models/rocking/**/*.py",
 )
-PICTURES = ("*_picture.py", "svg_lines.py")
+PICTURES = ("models/rocking/pictures.py",)
 ADDED = tomllib.loads((HERE / "tests.toml").read_text())
 
 #: Time that a mutant gets: this, or as many times the time of its tests without it, and what a test file may take [s].

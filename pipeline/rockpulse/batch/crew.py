@@ -10,7 +10,7 @@ from itertools import islice
 from types import TracebackType
 from typing import Any, TypeVar
 
-from rocking.threads import available_cores
+from rocking.lanes import available_cores
 from rockpulse.batch.processes import WorkerDied, WorkerProcesses
 from rockpulse.batch.worker import call
 from rockpulse.errors import ConfigError

@@ -12,7 +12,7 @@ import numpy as np
 from rockpulse.errors import RecordRefused
 from rockpulse.readers import ReadOptions, read_source
 from rockpulse.readers.archive import Archive
-from rockpulse.readers.folders import sample_digest
+from rockpulse.readers.parts import sample_digest
 from rockpulse.readers.source import SourceFile, open_source
 from rockpulse.record.record import Record
 
@@ -27,7 +27,7 @@ class Place:
     member: int | None  # place of the file in the archive; None outside archives
     channel: int  # number of the channel in the file, from 0
     source_sha256: str  # of the file
-    digest: str  # of the samples and the interval (`rockpulse.readers.folders.sample_digest`)
+    digest: str  # of the samples and the interval (`rockpulse.readers.parts.sample_digest`)
 
 
 @dataclass(frozen=True, eq=False, slots=True)

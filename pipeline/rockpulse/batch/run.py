@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
 
-from rocking.threads import available_cores, thread_limit
+from rocking.lanes import available_cores, thread_limit
 from rockpulse.assessment.assessment import Assessment
 from rockpulse.batch.assembly import JournalParts, is_assembled, run_digest, write_results
 from rockpulse.batch.crew import Crew, WorkerLost
@@ -162,7 +162,7 @@ def fragility_files(
     ConfigError, ResultsError, StoppedAtFailure, Interrupted
         As :func:`assess_files`.
     """
-    from rockpulse.studies.fragility.assessment import FragilityAnalysis
+    from rockpulse.studies.fragility.analysis import FragilityAnalysis
 
     return _run(FragilityAnalysis(config), paths, output, options or BatchOptions())
 

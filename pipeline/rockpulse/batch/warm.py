@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from rocking.block import Block
+from rocking.body.block import Block
 from rockpulse.config.configuration import Config
 from rockpulse.config.settings import CalibrationSettings
 from rockpulse.motions.directions import conditioned_motions

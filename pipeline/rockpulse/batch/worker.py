@@ -15,7 +15,7 @@ from collections.abc import Callable
 from multiprocessing.connection import Connection, wait
 from typing import Any
 
-from rocking.threads import thread_limit
+from rocking.lanes import thread_limit
 from rockpulse.version import __version__
 
 __all__ = ["call", "serve", "version"]

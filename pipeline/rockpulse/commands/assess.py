@@ -75,7 +75,7 @@ def _of_sequence(args: argparse.Namespace) -> int:
     from rockpulse.errors import ConfigError
     from rockpulse.storage.hdf5.atomic import check_target
     from rockpulse.storage.hdf5.results_file import load, save
-    from rockpulse.studies.site.tree import load_design
+    from rockpulse.studies.site.calibration import load_design
 
     of_records = (("PATHS", args.paths), ("--units", args.units), ("--dt", args.dt), ("--confirm", args.confirm))
     given = [*(name for name, value in of_records if value), *batch_given(args)]

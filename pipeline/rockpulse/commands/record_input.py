@@ -53,7 +53,7 @@ def reading_options(args: argparse.Namespace, settings: RecordSettings | None = 
 
     from rockpulse.config.settings import RecordSettings
     from rockpulse.errors import ConfigError
-    from rockpulse.readers.units import canonical_unit
+    from rockpulse.readers.kit.text import canonical_unit
 
     records = settings or RecordSettings()
     if args.units is not None:

@@ -75,10 +75,9 @@ def _run(args: argparse.Namespace) -> int:
     from rockpulse.config.configuration import config_from_text, load_config
     from rockpulse.errors import ConfigError
     from rockpulse.storage.hdf5.results_file import load
-    from rockpulse.studies.risk.frequency import annual_frequency
+    from rockpulse.studies.risk.frequency import annual_frequency, standing_test
     from rockpulse.studies.risk.hazard_files import hazard_of, site_hazards_of
     from rockpulse.studies.risk.inventory import inventory_frequency, read_inventory
-    from rockpulse.studies.risk.standing import standing_test
     from rockpulse.views.shared.output_files import check_file, csv_bytes, write_files
     from rockpulse.views.text import risk as text
     from rockpulse.views.text import risk_tables as tables

@@ -27,13 +27,13 @@ def _run(args: argparse.Namespace) -> int:
         found = [tried(case) for case in stored_cases()]
     failed = [one for one in found if not one.passed]
     if not args.quiet:
-        tell(_line(tuple(HEADS)))
+        tell(_line(list(HEADS)))
         for one in found:
             stored = one.stored
-            cells = (stored.case.case, stored.case.kind, one.outcome, f"{float(stored.peak):.5f}")
-            cells += (_error(one.error), f"{stored.bound:.0e}", _cost(one.cost))
+            cells = [stored.case.case, stored.case.kind, one.outcome, f"{float(stored.peak):.5f}"]
+            cells += [_error(one.error), f"{stored.bound:.0e}", _cost(one.cost)]
             if not math.isnan(one.error_of_solve_ivp):
-                cells += (_error(one.error_of_solve_ivp), _cost(one.cost_of_solve_ivp))
+                cells += [_error(one.error_of_solve_ivp), _cost(one.cost_of_solve_ivp)]
             tell(_line(cells) + ("" if one.passed else f"  FAILED: expected {stored.outcome}"))
         tell(f"\n{_machine()}")
         tell(
@@ -46,7 +46,7 @@ def _run(args: argparse.Namespace) -> int:
     return 1 if failed else 0
 
 
-def _line(cells: tuple[str, ...]) -> str:
+def _line(cells: list[str]) -> str:
     widths = zip(cells, HEADS.values(), strict=False)  # some cases are not for solve_ivp
     return " ".join(cell.ljust(-width) if width < 0 else cell.rjust(width) for cell, width in widths)
 
@@ -65,7 +65,7 @@ def _machine() -> str:
     from importlib.metadata import version
     from pathlib import Path
 
-    from rocking.threads import available_cores
+    from rocking.lanes import available_cores
     from rockpulse.version import __version__
 
     info = Path("/proc/cpuinfo")

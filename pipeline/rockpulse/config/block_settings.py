@@ -9,7 +9,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from rocking.block_limits import LARGEST_SIZE, doubt_of_size, radius_of_rectangle
+from rocking.body.limits import LARGEST_SIZE, doubt_of_size, radius_of_rectangle
 from rockpulse.config.restraint_settings import (
     FloorSettings,
     LoadSettings,
@@ -210,7 +210,7 @@ class BlockSettings(Section):
             Where the model refuses it (Housner's restitution for a body squatter than 0.707, a radius that no body of
             this p has).
         """
-        from rocking.block import Block
+        from rocking.body.block import Block
 
         restitution, rebound = (
             list(value) if isinstance(value, tuple) else value for value in (self.restitution, self.rebound)
@@ -243,7 +243,7 @@ class BlockSettings(Section):
         ConfigError
             Without a mass, or where it stands over the edge of a pedestal.
         """
-        from rocking.pedestal import with_pedestal
+        from rocking.body.supports import with_pedestal
 
         found: dict[str, Block] = {}
         if not self.pedestals:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from rocking.block import Block
+from rocking.body.block import Block
 from rockpulse.config.block_settings import BlockSettings, require_pairs
 from rockpulse.config.given_bodies import Blocks, given_bodies
 from rockpulse.config.restraint_settings import FloorSettings
@@ -76,7 +76,7 @@ class Bodies:
         }
         for name in ("names", "floors", "pedestal_of", "warnings"):
             some[name] = tuple(getattr(self, name)[place] for place in places)
-        return Bodies(lanes=self.lanes.chosen(lanes), cases=self.cases, **some)
+        return Bodies(lanes=self.lanes.take(lanes), cases=self.cases, **some)
 
     def per_case(self, values: np.ndarray) -> np.ndarray:
         """(..., b x cases) -> (..., b, cases)."""

@@ -7,7 +7,7 @@ from dataclasses import replace
 from numbers import Real
 from typing import Any, TypeAlias
 
-from rocking.block import Block
+from rocking.body.block import Block
 from rockpulse.config.block_settings import BlockSettings
 from rockpulse.errors import ConfigError
 

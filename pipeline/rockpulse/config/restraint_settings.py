@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 from rockpulse.option import Section, choice, number
 
 if TYPE_CHECKING:
-    from rocking.restraint import Load, Thrust, Tie
+    from rocking.body.restraint import Load, Thrust, Tie
 
 
 @dataclass(frozen=True)
@@ -30,7 +30,7 @@ class TieSettings(Section):
 
     def made(self) -> Tie:
         """The tie of the model."""
-        from rocking.restraint import Tie
+        from rocking.body.restraint import Tie
 
         found: dict[str, Any] = {name: self[name] for name in self.keys()}
         found |= {name: math.inf for name in ("yield_force", "ultimate") if found[name] is None}
@@ -64,7 +64,7 @@ class LoadSettings(Section):
 
     def made(self) -> Load:
         """The load of the model."""
-        from rocking.restraint import Load
+        from rocking.body.restraint import Load
 
         return Load(**{name: self[name] for name in self.keys()})
 
@@ -80,7 +80,7 @@ class ThrustSettings(Section):
 
     def made(self) -> Thrust:
         """The thrust of the model."""
-        from rocking.restraint import Thrust
+        from rocking.body.restraint import Thrust
 
         return Thrust(self.force, self.height, self.distance)
 

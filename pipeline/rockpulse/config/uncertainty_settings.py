@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from rockpulse.option import KeyType, Section, boolean, choice, is_number, key, number
 
 if TYPE_CHECKING:
-    from rocking.uncertainty import Uncertainty
+    from rocking.spectrum.probability import Uncertainty
 
 
 #: Least and largest standard deviation of the factor, and largest loss of the angle, as the solver takes them; a test
@@ -49,6 +49,6 @@ class UncertaintySettings(Section):
 
     def of_draws(self) -> Uncertainty:
         """The same for the solver."""
-        from rocking.uncertainty import Uncertainty
+        from rocking.spectrum.probability import Uncertainty
 
         return Uncertainty(factor=self.factor, restitution=self.restitution, geometry=self.geometry)

@@ -92,6 +92,13 @@ class Analysis(ABC):
     def collect(self, parts: Sequence[Part], planned: Sequence[PlannedMotion], failures: list[Failure]) -> xr.DataTree:
         """The tree of results, from the parts of all motions in the order of the plan."""
 
+    def described(self, tree: xr.DataTree, title: str) -> xr.DataTree:
+        """The tree of results with the attributes of its root; `title` stands where the site has no name."""
+        site = self.config.site
+        tree.attrs |= {"kind": self.kind, "title": site.name or title, "site_description": site.description}
+        tree.attrs["configuration"] = self.config.as_text()
+        return tree
+
     def prepare(self, records: Iterable[Record], failures: Iterable[Failure] = ()) -> Prepared:
         """Plan the motions and group them by earthquake; of the samples nothing but their number is asked.
 

@@ -21,8 +21,6 @@ from rockpulse.readers.source import HEAD, SourceFile, check_link, folder_statio
 from rockpulse.readers.writers import at2_bytes, azimuth_of, csv_bytes, miniseed_bytes, orientation_of
 from rockpulse.record.record import Record
 
-__all__ = ["WRITERS", "Writer", "Written", "check_output", "write"]
-
 logger = logging.getLogger("rockpulse")
 
 #: Largest value that a number of few digits may lose near zero [m/s2].
@@ -91,10 +89,7 @@ class Written:
 
 
 def write(
-    records: Record | Sequence[Record],
-    out: str | os.PathLike[str],
-    format: str | None = None,
-    overwrite: bool = False,
+    records: Record | Sequence[Record], out: str | os.PathLike[str], format: str | None = None, overwrite: bool = False
 ) -> list[Written]:
     """Write records as AT2, CSV or miniSEED.
 

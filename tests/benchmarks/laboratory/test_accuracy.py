@@ -34,14 +34,14 @@ from laboratory.accuracy.statistics import (
     reference_under_perturbation,
 )
 from laboratory.ensemble import blocks
-from rocking.block import Block
-from rocking.polynomial import ORDER
-from rocking.recorded import recorded_response
+from rocking.body.block import Block
+from rocking.march.polynomial import ORDER
+from rocking.march.recorded import recorded_response
 from rocking.response import Outcome
 from rockpulse.assessment.scene import prepare
 from rockpulse.config.configuration import Config
 from rockpulse.errors import RockpulseError
-from rockpulse.ladder import MODELS
+from rockpulse.model_table import MODELS
 from rockpulse.record.conditioning import condition
 from rockpulse.record.synthetic import synthetic_motion
 

@@ -7,7 +7,8 @@ import pytest
 import xarray as xr
 
 import rockpulse as rp
-from rocking import Block, OverturningSpectrum, spectrum_lanes
+from rocking import Block, OverturningSpectrum
+from rocking.spectrum.lanes import spectrum_lanes
 from rockpulse.assessment.overturning import (
     LANES,
     overturning_curve,

@@ -29,7 +29,7 @@ from rockpulse.batch.run import assess_files
 from rockpulse.config.fragility_settings import DATA
 from rockpulse.motions.runner import worked
 from rockpulse.record.record import STANDARD_GRAVITY
-from rockpulse.studies.fragility.assessment import FragilityAnalysis
+from rockpulse.studies.fragility.analysis import FragilityAnalysis
 from rockpulse.studies.site.calibration import SiteCalibration
 
 

@@ -32,7 +32,7 @@ from rockpulse.batch.survey import gather, survey_file
 from rockpulse.batch.tasks import carry_out
 from rockpulse.motions.runner import run
 from rockpulse.readers.folders import find_files, read_all
-from rockpulse.studies.fragility.assessment import FragilityAnalysis
+from rockpulse.studies.fragility.analysis import FragilityAnalysis
 from rockpulse.studies.site.calibration import SiteCalibration
 
 WALL = BlockSettings(name="wall", width=0.4, height=3.0)

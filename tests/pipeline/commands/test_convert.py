@@ -10,7 +10,7 @@ from record_writers import at2, csmip_equal, pulse
 
 from rockpulse.cli import main
 from rockpulse.readers import read
-from rockpulse.readers.units import for_other_files
+from rockpulse.readers.kit.text import for_other_files
 
 
 @pytest.fixture

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from rocking.block import Block
+from rocking.body.block import Block
 from rocking.response import Response
 from rockpulse.assessment.places import floor_record
 from rockpulse.assessment.senses import acting

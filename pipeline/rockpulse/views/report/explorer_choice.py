@@ -7,7 +7,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from rocking.crossing import factor_at
+from rocking.spectrum.probability import factor_at
 from rockpulse.assessment.answers import Answers
 
 __all__ = ["SHARES", "chosen", "known", "laid_through", "points_of", "probability_at", "steps_on"]

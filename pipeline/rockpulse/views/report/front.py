@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from markupsafe import Markup, escape
 
-from rocking.outline import Outline
+from rocking.body.outline import Outline
 from rockpulse.assessment.answers import Answers
 from rockpulse.assessment.verdict import BodyVerdict
 from rockpulse.config.configuration import config_from_text

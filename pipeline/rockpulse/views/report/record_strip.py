@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from rocking.svg_lines import thinned
+from rocking.pictures import thinned
 from rockpulse.record.record import STANDARD_GRAVITY
 from rockpulse.views.report.wording import Words
 

@@ -12,8 +12,8 @@ from rockpulse.assessment.answers import Answers, Motions
 from rockpulse.assessment.demand import FARTHEST
 from rockpulse.assessment.screens import sliding, worse_screens
 from rockpulse.assessment.verdict import FEWEST_AT_DEMAND, MAY_OVERTURN, BodyVerdict, Grade
+from rockpulse.earthquakes import CONFIDENCE, FEWEST_EVENTS, probability_interval
 from rockpulse.model_table import is_full, is_upper_bound
-from rockpulse.motions.events import CONFIDENCE, FEWEST_EVENTS, share_interval
 from rockpulse.remark import remarked
 from rockpulse.views.report.statements import of_unknown_event
 from rockpulse.views.report.wording import Words
@@ -72,7 +72,7 @@ def limits(words: Words, said: Sequence[Limit], found: Sequence[BodyVerdict], mo
     else:
         counts = [one.deciding.earthquakes if one.deciding else motions.event_count for one in found]
         fewest = min(counts, default=motions.event_count)
-        most = words.ratio(float(share_interval(0.0, fewest)[1]))
+        most = words.ratio(float(probability_interval(0.0, fewest)[1]))
         lines.append(words("limits.earthquakes", events=words.several(fewest, "earthquake"), most=most))
     return [*lines, words("limits.not_covered")]
 
@@ -136,7 +136,7 @@ def _confidence(words: Words, motions: Motions, site: xr.Dataset | None) -> Limi
         "limits",
         "confidence",
         events=events,
-        most=words.ratio(float(share_interval(0.0, motions.event_count)[1])),
+        most=words.ratio(float(probability_interval(0.0, motions.event_count)[1])),
         confidence=words.share(CONFIDENCE),
         few=few if motions.event_count < FEWEST_EVENTS else "",
         unknown=of_unknown_event(words, motions),

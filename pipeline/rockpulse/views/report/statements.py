@@ -7,8 +7,9 @@ import math
 from rockpulse.assessment.answers import Answers, Motions
 from rockpulse.assessment.demand import FARTHEST
 from rockpulse.assessment.verdict import FEWEST_AT_DEMAND, MAY_OVERTURN, OVERTURNS, BodyVerdict, Grade
+from rockpulse.earthquakes import CONFIDENCE
 from rockpulse.model_table import is_upper_bound
-from rockpulse.motions.events import CONFIDENCE, UNKNOWN
+from rockpulse.motions.events import UNKNOWN
 from rockpulse.record.record import STANDARD_GRAVITY
 from rockpulse.views.report.wording import Words
 from rockpulse.views.shared.answer_cells import margin_cells

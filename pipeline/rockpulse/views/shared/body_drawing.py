@@ -10,7 +10,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from rocking.outline import Outline, TieLine
+from rocking.body.outline import Outline, TieLine
 
 __all__ = ["Support", "drawing"]
 

@@ -13,7 +13,7 @@ import rockpulse as rp
 from rockpulse import CalibrationSettings, ConditioningSettings, SearchSettings
 from rockpulse.errors import ResultsError
 from rockpulse.models import Block
-from rockpulse.studies.site.tree import design_of
+from rockpulse.studies.site.calibration import design_of
 from rockpulse.views.report.content import gather
 from rockpulse.views.report.pairing import paired
 from rockpulse.views.report.writing import report_page

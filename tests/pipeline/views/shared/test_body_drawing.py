@@ -5,7 +5,7 @@ import re
 import numpy as np
 import pytest
 
-from rocking.outline import Outline, TieLine
+from rocking.body.outline import Outline, TieLine
 from rockpulse.views.shared.body_drawing import SIDE, Support, drawing
 from rockpulse.views.shared.terminal import figure
 

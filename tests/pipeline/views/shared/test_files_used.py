@@ -20,7 +20,7 @@ def results(group, sources, rows=(), checksums=None):
     return xr.DataTree.from_dict({f"/{group}": xr.Dataset(variables), "/failures": failure_table(rows)})
 
 
-@pytest.mark.parametrize("group", ["summary", "site", "capacities", "cases"])
+@pytest.mark.parametrize("group", ["summary", "site", "capacities"])
 def test_a_file_is_counted_once_whatever_its_channels(group):
     found = files_used(results(group, ["a", "a", "b"], [row("c"), row("c", reason="c: another reason")]))
     assert found.counted == "2 of 3 files used, 1 not"
