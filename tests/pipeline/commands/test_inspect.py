@@ -123,7 +123,7 @@ def test_answers_that_another_program_has_taken_out_are_named(results, capsys, g
         del file["summary"][gone]
     assert main(["inspect", results]) == 2
     said = capsys.readouterr().err
-    assert "verify' says what else" in said
+    assert "rockpulse verify" in said
     assert gone == "record" or "variable /summary/" in said
 
 
