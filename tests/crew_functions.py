@@ -9,7 +9,7 @@ import sys
 import time
 from pathlib import Path
 
-from rockpulse.batch.worker import serve
+from rockpulse.run.processes import serve
 
 
 def square(number):

@@ -30,7 +30,7 @@ NO_MODEL = {
         ("rockpulse.views.text.verdicts", "sequence"),
     },
     "a file that holds a sequence, and a fact on a record": {
-        ("rockpulse.commands.file_fault", "sequence"),
+        ("rockpulse.commands.terminal", "sequence"),
         ("rockpulse.views.report.pages", "sequence"),
     },
     "a working point of the rule, after which its model is called": {

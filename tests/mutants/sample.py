@@ -29,7 +29,7 @@ MODULES = (
     *(f"pipeline/rockpulse/{room}/**/*.py" for room in ("record", "readers", "calibration", "sequences", "assessment")),
     "pipeline/rockpulse/studies/fragility/**/*.py",
     "pipeline/rockpulse/views/**/statements.py",
-    "pipeline/rockpulse/*/plan.py",
+    "pipeline/rockpulse/run/tasks.py",
     "models/rocking/**/*.py",
 )
 PICTURES = ("models/rocking/pictures.py",)

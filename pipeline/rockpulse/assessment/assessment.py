@@ -22,14 +22,14 @@ from rockpulse.assessment.senses import senses
 from rockpulse.assessment.tree import EVENT, build_tree, dimension_of, nothing, record_part, template
 from rockpulse.config.bodies import Bodies, Place, gather_bodies
 from rockpulse.config.configuration import Config, given_config
-from rockpulse.failures import Failure
+from rockpulse.errors import Failure
 from rockpulse.model_row import Scene
 from rockpulse.model_table import MODELS
 from rockpulse.motions.directions import Motion, PlannedMotion, swept_directions
-from rockpulse.motions.runner import Analysis, Blocks, Part, Watch, Work, run
 from rockpulse.record.components import Pair
 from rockpulse.record.measures import STORED_OF_BODIES, RecordOnBodies
 from rockpulse.record.record import Record
+from rockpulse.run.analysis import Analysis, Blocks, Part, Watch, Work, run
 from rockpulse.storage.hdf5.atomic import ASSESSMENT
 
 if TYPE_CHECKING:

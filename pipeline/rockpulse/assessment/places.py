@@ -11,9 +11,9 @@ import numpy as np
 from rocking.body.supports import floor_motion
 from rocking.response import Response
 from rockpulse.assessment.scene import extract
+from rockpulse.config.block_settings import FloorSettings
 from rockpulse.config.bodies import Bodies, Place
 from rockpulse.config.configuration import Config
-from rockpulse.config.restraint_settings import FloorSettings
 from rockpulse.errors import RecordRefused
 from rockpulse.model_row import Scene
 from rockpulse.motions.directions import FACING_WITHIN

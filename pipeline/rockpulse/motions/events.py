@@ -13,8 +13,7 @@ from collections import Counter, defaultdict
 from collections.abc import Iterable, Mapping, Sequence
 
 from rockpulse.config.configuration import Config, located
-from rockpulse.errors import ConfigError
-from rockpulse.failures import Failure, some, unread
+from rockpulse.errors import ConfigError, Failure, some, unread
 from rockpulse.motions.event_pairs import JOINED_WITHIN_S, moment_of, name_of, pairs_of_one_event, words_of
 from rockpulse.motions.tables import read_event_table
 from rockpulse.record.record import Record

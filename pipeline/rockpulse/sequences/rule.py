@@ -29,7 +29,7 @@ from rocking.search.factors import ScaleIntervals
 from rocking.spectrum.half_waves import HalfWaveDemand, demand_of_half_waves, half_wave_lanes
 from rocking.spectrum.lanes import SpectrumLanes
 from rockpulse.errors import ConfigError
-from rockpulse.input_file import TOML_LIMIT, parse_toml, read_text
+from rockpulse.files import TOML_LIMIT, parse_toml, read_text
 from rockpulse.record.half_wave import HalfWaves
 
 #: Working points: the march of each (:class:`rockpulse.models.HalfWaveDemand`), and the factor that 1/D stands for.

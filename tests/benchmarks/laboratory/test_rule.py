@@ -29,8 +29,7 @@ from laboratory.rule.truth import FACTOR_MAX, nonlinear_capacity
 from rocking import Block, Uncertainty, critical_scale
 from rocking.spectrum.body_probability import overturning_probability
 from rockpulse.assessment.scene import extract
-from rockpulse.errors import ConfigError
-from rockpulse.failures import Failure
+from rockpulse.errors import ConfigError, Failure
 from rockpulse.model_table import MODELS
 from rockpulse.models import Outcome
 from rockpulse.record.half_wave import half_waves

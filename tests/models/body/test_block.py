@@ -5,7 +5,8 @@ import dataclasses
 import numpy as np
 import pytest
 
-from rocking.body.block import STANDARD_GRAVITY, Block
+from rocking.body.block import Block
+from rocking.body.block_lanes import STANDARD_GRAVITY
 
 
 def block(radius, **options):

@@ -6,7 +6,8 @@ import math
 import numpy as np
 import pytest
 
-from rocking.body.block import STANDARD_GRAVITY, Block
+from rocking.body.block import Block
+from rocking.body.block_lanes import STANDARD_GRAVITY
 from rocking.body.limits import RATES, both_corners, corner, doubt_of_size, rebound_of, restitution_of, sorrentino
 from rocking.body.restraint import Load, Thrust, Tie
 

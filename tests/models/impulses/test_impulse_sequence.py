@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from rocking.body.block import Block
-from rocking.impulses.sequence import ImpulseSequence, sequence_response
+from rocking.impulses.impulse_sequence import ImpulseSequence
+from rocking.impulses.sequence import sequence_response
 from rocking.pictures import BLUE, RED
 from rocking.response import Outcome
 

@@ -7,10 +7,10 @@ from hypothesis import strategies as st
 
 from rocking.body.block import Block
 from rocking.impulses.half_cycle import first_return
-from rocking.impulses.impulse_sequence import SPACINGS
+from rocking.impulses.impulse_sequence import SPACINGS, ImpulseSequence
 from rocking.impulses.impulsive import impulsive_response
 from rocking.impulses.main import resonance
-from rocking.impulses.sequence import ImpulseSequence, impulse_train, sequence_response, steady_state
+from rocking.impulses.sequence import impulse_train, sequence_response, steady_state
 from rocking.response import Outcome, Reason
 
 PROPERTY = settings(derandomize=True, deadline=None, max_examples=60)

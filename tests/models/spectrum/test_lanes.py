@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 
 from rocking import Block, Outcome, OverturningSpectrum, recorded_response
+from rocking.body.limits import RATES
 from rocking.spectrum.lanes import (
     FIRST,
     LEAST_RESTITUTION,
     MIDDLE,
     MOST_RESTITUTION,
-    RATES,
     SECOND,
     SLOPE,
     _filled,

@@ -22,8 +22,7 @@ from rockpulse import (
 from rockpulse.assessment.assessment import assess
 from rockpulse.assessment.scene import matched, prepare
 from rockpulse.assessment.tree import dimension_of, joined_parts
-from rockpulse.errors import ConfigError
-from rockpulse.failures import Failure
+from rockpulse.errors import ConfigError, Failure
 from rockpulse.models import Block, Outcome, Reason, recorded_response
 from rockpulse.record.intensity import pgv
 from rockpulse.record.record import Record

@@ -10,10 +10,9 @@ import numpy as np
 
 from rockpulse.assessment.answers import Answers, answers_of
 from rockpulse.assessment.verdict import verdicts
-from rockpulse.config.block_settings import BlockSettings
-from rockpulse.config.check_settings import CODES, CheckSettings
+from rockpulse.config.block_settings import BlockSettings, FloorSettings
 from rockpulse.config.configuration import Config, config_from_text
-from rockpulse.config.restraint_settings import FloorSettings
+from rockpulse.config.study_settings import CODES, CheckSettings
 from rockpulse.errors import ConfigError
 from rockpulse.storage.variables.risk import CHECK
 from rockpulse.studies.check.codes import CHECKS, Checked, worst

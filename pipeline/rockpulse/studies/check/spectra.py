@@ -15,10 +15,9 @@ from typing import Protocol
 
 import numpy as np
 
-from rockpulse.config.check_settings import CheckSettings
+from rockpulse.config.study_settings import CheckSettings
 from rockpulse.errors import ConfigError
-from rockpulse.input_file import read_text
-from rockpulse.input_table import numbers, table_of
+from rockpulse.files import numbers, read_text, table_of
 from rockpulse.record.record import STANDARD_GRAVITY
 
 #: S, T_B, T_C, T_D [s] of the ground types of EN 1998-1: Tables 3.2 and 3.3.

@@ -16,11 +16,11 @@ import numpy as np
 from scipy.special import stdtr
 
 from rockpulse.config.configuration import Config, config_from_text
-from rockpulse.config.fragility_settings import OVERTURNING
+from rockpulse.config.study_settings import OVERTURNING
 from rockpulse.earthquakes import FEWEST_EVENTS, jackknife_error, jackknife_half_width
-from rockpulse.motions.runner import Part, joined
 from rockpulse.motions.tables import Selection
 from rockpulse.record.measures import MEASURES
+from rockpulse.run.analysis import Part, joined
 from rockpulse.storage.variables.fragility import QUALITIES, STATED, TESTED, Status
 from rockpulse.storage.variables.summary import FACTS
 from rockpulse.studies.fragility.capacity import NOT_KNOWN, nothing

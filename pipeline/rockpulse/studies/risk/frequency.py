@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from rockpulse.config.configuration import Config
-from rockpulse.config.fragility_settings import OVERTURNING, UPLIFT
+from rockpulse.config.study_settings import OVERTURNING, UPLIFT
 from rockpulse.errors import ConfigError, ResultsError
 from rockpulse.record.measures import PGA
 from rockpulse.storage.variables.fragility import FRAGILITY, Status

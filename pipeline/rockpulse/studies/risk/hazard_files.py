@@ -12,10 +12,9 @@ import numpy as np
 import pandas as pd
 from numpy.typing import ArrayLike
 
-from rockpulse.config.hazard_settings import HazardSettings
+from rockpulse.config.study_settings import HazardSettings
 from rockpulse.errors import ConfigError
-from rockpulse.input_file import read_text
-from rockpulse.input_table import numbers, separator, table_of
+from rockpulse.files import numbers, read_text, separator, table_of
 from rockpulse.record.measures import MEASURES, PGA, ROWS
 from rockpulse.studies.risk.hazard import (
     Hazard,

@@ -19,8 +19,7 @@ from rocking.body.block import Block
 from rockpulse.config.configuration import config_from_text
 from rockpulse.earthquakes import lognormal_mean_half_width, mean_weights
 from rockpulse.errors import ConfigError
-from rockpulse.input_file import read_text
-from rockpulse.input_table import numbers, table_of
+from rockpulse.files import numbers, read_text, table_of
 from rockpulse.record.measures import PGA
 from rockpulse.storage.variables.risk import INVENTORY, RiskStatus
 from rockpulse.studies.risk.free_bodies import BodyCurves, chosen, curves_in_parts, spectra_of

@@ -138,10 +138,10 @@ def tried(stored: Stored) -> Tried:
         ground, dt, up = floor.acceleration, floor.dt, np.zeros(floor.acceleration.size)
     options: dict[str, Any] = {"equation": case.equation, "vertical": up if case.vertical else None, "threads": 1}
     found = recorded_response(block, ground, dt, scale=case.scale, **options)
-    outcome, peak = Outcome(found.outcome).name, float(found.peak_rotation_ratio)
+    outcome, peak = Outcome(int(found.outcome)).name, float(found.peak_rotation_ratio)
     start = time.perf_counter()
     many = recorded_response(block, ground, dt, scale=case.scale * FACTORS, **options)
-    cost = _cost(start, int(np.sum(many.active_samples)))
+    cost = _cost(start, int(np.sum(np.asarray(many.active_samples))))
     error = _error(stored, outcome, peak)
     if case.kind != "plain" or ground.size > FEW_SAMPLES:
         return Tried(stored, outcome, error, cost, np.nan, np.nan)

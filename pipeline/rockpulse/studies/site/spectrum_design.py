@@ -24,8 +24,8 @@ from rockpulse.config.configuration import Config
 from rockpulse.earthquakes import ROUNDING, bootstrap_interval, draw_earthquakes
 from rockpulse.errors import RecordRefused
 from rockpulse.motions.directions import Motion
-from rockpulse.motions.runner import Part, Watch
 from rockpulse.record.half_wave import half_waves
+from rockpulse.run.analysis import Part, Watch
 from rockpulse.sequences.design_spectrum import DesignSpectrum
 from rockpulse.storage.variables import with_values
 from rockpulse.storage.variables.probability import RESTITUTIONS

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rocking.body.outline import Outline
-from rockpulse.config.restraint_settings import floors_from_text
+from rockpulse.config.block_settings import floors_from_text
 from rockpulse.views.plots.selection import block_of, one_name
 from rockpulse.views.plots.style import BLACK, BLUE, GREY, ORANGE, PALE, RED, SMALL, figure_of
 from rockpulse.views.plots.words import plain, wrapped

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from rockpulse.assessment.answers import Motions, answers_of
 from rockpulse.assessment.verdict import BodyVerdict, verdicts
 from rockpulse.config.configuration import stored_sections
-from rockpulse.config.uncertainty_settings import UncertaintySettings
+from rockpulse.config.study_settings import UncertaintySettings
 from rockpulse.views.report.answers import AnswerCells, answer_table, count_table
 from rockpulse.views.report.bodies import body_table, event_table
 from rockpulse.views.report.front import MOST, Card, Drawing, cards, drawings

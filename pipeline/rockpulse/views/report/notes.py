@@ -10,7 +10,7 @@ import numpy as np
 from rocking.response import Outcome
 from rockpulse.assessment.answers import Answers, searched_up_to
 from rockpulse.assessment.verdict import BodyVerdict
-from rockpulse.config.uncertainty_settings import UncertaintySettings
+from rockpulse.config.study_settings import UncertaintySettings
 from rockpulse.model_table import is_upper_bound
 from rockpulse.views.report.answers import AnswerCells
 from rockpulse.views.report.wording import Words

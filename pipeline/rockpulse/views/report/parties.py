@@ -6,7 +6,7 @@ import base64
 from typing import TYPE_CHECKING
 
 from rockpulse.config.configuration import config_from_text
-from rockpulse.config.report_settings import PNG, logo_bytes
+from rockpulse.config.study_settings import PNG, logo_bytes
 from rockpulse.errors import ResultsError
 from rockpulse.views.report.wording import Words
 from rockpulse.views.shared.table import Fact

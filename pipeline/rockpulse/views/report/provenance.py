@@ -7,7 +7,7 @@ from collections import Counter
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from rockpulse.failures import alike
+from rockpulse.errors import alike
 from rockpulse.views.report.records_used import earthquake_words
 from rockpulse.views.report.wording import Words
 from rockpulse.views.shared.facts import Known

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
-from rockpulse.readers.channel import CREDIBLE_PEAK_G
+from rockpulse.readers.kit.channel import CREDIBLE_PEAK_G
 from rockpulse.record.measures import PGA
 from rockpulse.record.record import STANDARD_GRAVITY
 from rockpulse.remark import remarked

@@ -13,7 +13,7 @@ from rockpulse.assessment.answers import Answers, searched_up_to
 from rockpulse.assessment.demand import FARTHEST
 from rockpulse.assessment.verdict import FEWEST_AT_DEMAND, MAY_OVERTURN, OVERTURNS, BodyVerdict, verdicts
 from rockpulse.earthquakes import FEWEST_EVENTS
-from rockpulse.failures import some
+from rockpulse.errors import some
 from rockpulse.record.record import STANDARD_GRAVITY
 from rockpulse.views.shared.answer_cells import (
     NAMES,

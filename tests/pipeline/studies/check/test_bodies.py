@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import rockpulse as rp
-from rockpulse.config.check_settings import CODES, CheckSettings
+from rockpulse.config.study_settings import CODES, CheckSettings
 from rockpulse.errors import ConfigError
 from rockpulse.studies.check.bodies import code_check
 

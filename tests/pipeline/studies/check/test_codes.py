@@ -7,8 +7,8 @@ import pytest
 
 from rocking.body.block import Block
 from rocking.body.restraint import Tie
-from rockpulse.config.check_settings import CheckSettings
-from rockpulse.config.restraint_settings import FloorSettings
+from rockpulse.config.block_settings import FloorSettings
+from rockpulse.config.study_settings import CheckSettings
 from rockpulse.studies.check.codes import (
     circolare_2009,
     circolare_2019,

@@ -5,7 +5,7 @@ import pytest
 from scipy.optimize import minimize
 from scipy.stats import CensoredData, logistic, norm
 
-from rockpulse.config.fragility_settings import MODELS
+from rockpulse.config.study_settings import MODELS
 from rockpulse.studies.fragility.likelihood import ABOVE, EXACT, FAMILIES, NOT_ABOVE, has_maximum, maximise, scores
 
 DISTRIBUTION = {"lognormal": norm, "logistic": logistic}

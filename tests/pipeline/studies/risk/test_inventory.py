@@ -11,7 +11,7 @@ from scipy.special import ndtr
 
 import rockpulse as rp
 from rockpulse import models
-from rockpulse.config.hazard_settings import HazardSettings
+from rockpulse.config.study_settings import HazardSettings
 from rockpulse.sequences.design_spectrum import at_blocks
 from rockpulse.studies.risk.free_bodies import curves_in_parts
 from rockpulse.studies.risk.hazard_files import site_hazards_of

@@ -13,7 +13,6 @@ import rockpulse as rp
 from rocking.body.limits import RATES
 from rockpulse import CalibrationSettings
 from rockpulse.assessment.overturning import LANES
-from rockpulse.config.settings import SPECTRA
 from rockpulse.earthquakes import bootstrap_interval, draw_earthquakes, weighted_quantile
 from rockpulse.errors import ResultsError
 from rockpulse.models import Block, ImpulseSequence
@@ -88,7 +87,7 @@ def spectra(word, *records, **calibration):
 
 
 def test_every_word_of_the_configuration_has_a_spectrum():
-    assert set(LANES) == set(SPECTRA)
+    assert set(LANES) == set(CalibrationSettings.__dataclass_fields__["spectrum"].metadata["values"].words)
 
 
 @pytest.fixture(scope="module")

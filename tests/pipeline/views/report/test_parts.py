@@ -7,7 +7,7 @@ import pytest
 import xarray as xr
 from report_cases import WORDS
 
-from rockpulse.failures import Failure
+from rockpulse.errors import Failure
 from rockpulse.storage.variables import failure_table
 from rockpulse.views.report.pairing import Paired
 from rockpulse.views.report.parts import describe_fragility
