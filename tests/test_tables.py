@@ -20,9 +20,7 @@ NO_MODEL = {
         ("rockpulse.model_row", "linear"),
         ("rockpulse.model_row", "nonlinear"),
     },
-    "a section of the configuration": {
-        ("rockpulse.config.settings", "sequence"),
-    },
+    "a section of the configuration": {},
     "the kind of the motions: records, pairs or the sequence of a site": {
         ("rockpulse.assessment.answers", "sequence"),
         ("rockpulse.views.plots.probability_map", "sequence"),

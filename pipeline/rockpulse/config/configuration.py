@@ -142,7 +142,9 @@ class Config:
 
 #: Sections by their name in the file, in the order of the template.
 SECTIONS: dict[str, type[Section]] = {
-    item.name: item.default_factory for item in dataclasses.fields(Config) if isinstance(item.default_factory, type)
+    item.name: factory
+    for item in dataclasses.fields(Config)
+    if isinstance(factory := item.default_factory, type) and issubclass(factory, Section)
 }
 
 
