@@ -12,7 +12,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from glob import escape, has_magic
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 from rockpulse.config.block_settings import BlockSettings, require_pairs
 from rockpulse.config.settings import (
@@ -142,9 +142,9 @@ class Config:
 
 #: Sections by their name in the file, in the order of the template.
 SECTIONS: dict[str, type[Section]] = {
-    item.name: factory
+    item.name: cast(type[Section], item.default_factory)
     for item in dataclasses.fields(Config)
-    if isinstance(factory := item.default_factory, type) and issubclass(factory, Section)
+    if isinstance(item.default_factory, type)
 }
 
 
