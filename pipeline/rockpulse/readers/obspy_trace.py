@@ -23,7 +23,6 @@ from rockpulse.readers.sensitivity import sensitivity_factor, sensitivity_notes
 from rockpulse.readers.source import SourceFile
 from rockpulse.readers.units import UNITS, canonical_unit
 from rockpulse.record.record import Orientation, Record, record_id
-from rockpulse.remark import recognised
 
 if TYPE_CHECKING:
     import obspy
@@ -168,7 +167,7 @@ def _restored(where: str, trace: Any, kept: Any, azimuth: float | None) -> Recor
     values = {field.name: kept[field.name] for field in _KEPT if field.name in kept}
     same = abs(stats.delta - values["dt"]) <= _SAME_STEP * values["dt"]
     values["dt"] = values["dt"] if same else float(stats.delta)
-    values["warnings"] = tuple(map(recognised, values.get("warnings", ())))
+    values["warnings"] = tuple(values.get("warnings", ()))
     values["processing"] = (*values.get("processing", ()), *_steps(stats))
     start = utc_time(SourceFile(where, b"", bytes), stats.starttime) if kept.get("start_time_known", True) else None
     codes = {code: stats[code] for code in _CODES}

@@ -74,6 +74,7 @@ VARIABLES: Declared = {
     "remarks": text(
         "what the numbers of this file do not say by themselves, one remark a line", explanation="the gravest first"
     ),
+    "remark_values": text("the same remarks by their codes and values, as JSON"),
     **along(
         ("parameter",),
         {

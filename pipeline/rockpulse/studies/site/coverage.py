@@ -74,7 +74,7 @@ def coverage_of(
 def unjudged_events(found: Coverage, sample: SiteSample) -> dict[int, str]:
     """Events of a weight above zero on which the coverage of standing blocks does not rest, with the reason by number.
 
-    The reason is worded to stand behind the name of the event.
+    The reason is a code of a remark.
     """
     rests = np.any(judged(found.covered, sample), axis=1)
     lifts = np.any(~np.isnan(sample.peaks), axis=1)
@@ -84,9 +84,9 @@ def unjudged_events(found: Coverage, sample: SiteSample) -> dict[int, str]:
         if np.any(rests[rows]):
             continue
         if not np.any(lifts[rows]):
-            reasons[int(event)] = "lifts no block"
+            reasons[int(event)] = "unlifted"
         elif np.isnan(found.main[rows]).all():
-            reasons[int(event)] = "the others alone make no design"
+            reasons[int(event)] = "no_design"
         else:
-            reasons[int(event)] = "the design of the others overturns all that it lifts"
+            reasons[int(event)] = "overturning_design"
     return reasons

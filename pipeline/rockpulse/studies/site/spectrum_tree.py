@@ -14,6 +14,7 @@ from rocking.spectrum_lanes import RATES
 from rockpulse.calibration.design_spectrum import DesignSpectrum
 from rockpulse.config.configuration import Config
 from rockpulse.failures import Failure
+from rockpulse.remark import Remark, as_stored
 from rockpulse.storage.site_spectrum_variables import SITE, SITE_AXES, SPECTRA, SPECTRA_AXES
 from rockpulse.storage.site_variables import OF_RECORDS, SITE_KIND
 from rockpulse.storage.spectrum_variables import RESTITUTIONS
@@ -55,10 +56,8 @@ def build_spectrum_tree(
         )
         spectra |= _quantiles(sample, {name: values[counted] for name, values in spectra.items()}, settings.quantile)
     else:
-        remarks = [
-            f"not enough earthquakes ({count}; at least {least} for the quantile {settings.quantile:g})",
-            *remarks,
-        ]
+        few = Remark("too_few_events", count=count, least=int(least), quantile=float(settings.quantile))
+        remarks = [few, *remarks]
         spectra |= {
             name: np.full([{"p": RATES.size, "restitution": RESTITUTIONS.size}[dim] for dim in one.dims], math.nan)
             for name, one in SPECTRA.items()
@@ -71,16 +70,18 @@ def build_spectrum_tree(
         if enough and math.isnan(effect)
     ]
     if outside:
-        remarks = [*remarks, f"outside the spectrum, and without a design: {', '.join(outside)}"]
+        remarks = [*remarks, Remark("outside_spectrum", names=", ".join(outside))]
     if config.records.include_vertical:
-        remarks = [*remarks, "the vertical acceleration is left out: no spectrum is common to all bodies under it"]
+        remarks = [*remarks, Remark("vertical_left_out")]
+    remarks = [*remarks, *scaled_far(done["scale_factor"])]
     site = {
         "quantile": settings.quantile,
         "confidence": settings.confidence,
         "resamples": settings.bootstrap,
         "record_count": np.count_nonzero(counted),
         "event_count": count,
-        "remarks": "\n".join([*remarks, *scaled_far(done["scale_factor"])]),
+        "remarks": "\n".join(remarks),
+        "remark_values": as_stored(remarks),
         **{name: done[name] for name in OF_RECORDS if name != "weight"},
         "weight": weights,
         "event_records": np.bincount(numbers),

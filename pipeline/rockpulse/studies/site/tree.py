@@ -13,6 +13,7 @@ from rocking.block import Block
 from rocking.sequence import ImpulseSequence, sequence_response
 from rockpulse.config.configuration import Config
 from rockpulse.failures import Failure
+from rockpulse.remark import as_stored
 from rockpulse.storage.site_variables import COORDINATES, PARAMETER, SITE_KIND, VARIABLES
 from rockpulse.storage.variables import failure_table, with_values
 from rockpulse.studies.site.coverage import coverage_of, judged, leave_one_event_out, unjudged_events
@@ -95,7 +96,8 @@ def build_site_tree(
     }
     unjudged = {str(names[event]): reason for event, reason in unjudged_events(left_out, sample).items()}
     told = site | {"share_below": below, "design_upper": per_parameter["design_upper"][0]}
-    site["remarks"] = "\n".join([*remarks, *site_remarks(told, done["scale_factor"], done["event"], weights, unjudged)])
+    remarks = [*remarks, *site_remarks(told, done["scale_factor"], done["event"], weights, unjudged)]
+    site |= {"remarks": "\n".join(remarks), "remark_values": as_stored(remarks)}
     of_events = [coverage_of(marks[numbers == one], sample.part(numbers == one), 0.9)[0] for one in range(names.size)]
     values = site | per_parameter | _records(done, weights, left_out.main) | _blocks(sample, design, marks)
     values |= {

@@ -16,7 +16,7 @@ from rockpulse.storage.assessment_variables import WAVES
 from rockpulse.storage.summary_variables import RECORD
 from rockpulse.storage.variables import real
 from rockpulse.views.plots.selection import ragged
-from rockpulse.views.shared.facts import Known, record_words
+from rockpulse.views.shared.facts import Known, RecordFacts
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -133,7 +133,7 @@ def motion_of_record(
         }
     )
     motion.attrs["record"] = record.id
-    motion.attrs["words"] = record_words(lambda name: getattr(record, _FIELDS.get(name, name)))
+    motion.attrs["words"] = RecordFacts(lambda name: getattr(record, _FIELDS.get(name, name))).described
     return motion
 
 

@@ -6,12 +6,15 @@ import math
 import textwrap
 from collections.abc import Callable
 
+from rockpulse.views.shared.words import numerals, say
+
 __all__ = [
     "ABSENT",
     "WIDTH",
     "between",
     "figure",
     "fixed",
+    "general",
     "lower_bound",
     "paragraph",
     "ratio",
@@ -42,8 +45,8 @@ def ratio(value: float) -> str:
     if value == 0.0 or math.isinf(value):
         return f"{value:.0f}"
     if abs(value) < 0.001:
-        return "<0.001" if value > 0.0 else ">-0.001"
-    return f"{value:.{3 if abs(value) < 0.1 else 2 if abs(value) < 10.0 else 1}f}"
+        return numerals("<0.001" if value > 0.0 else ">-0.001")
+    return numerals(f"{value:.{3 if abs(value) < 0.1 else 2 if abs(value) < 10.0 else 1}f}")
 
 
 def rough(value: float) -> str:
@@ -54,7 +57,7 @@ def rough(value: float) -> str:
     >>> [rough(value) for value in (0.0, 0.0004, 0.0007, 0.056, 0.41, 1.3, 24.6)]
     ['~0', '~0', '~0.001', '~0.06', '~0.4', '~1', '~25']
     """
-    return "~" + (f"{value:.0f}" if value >= 1.0 else f"{round(value, 3):.1g}")
+    return numerals("~" + (f"{value:.0f}" if value >= 1.0 else f"{round(value, 3):.1g}"))
 
 
 def lower_bound(value: float) -> str:
@@ -67,7 +70,7 @@ def lower_bound(value: float) -> str:
     """
     places = 3 if value < 0.1 else 2 if value < 10.0 else 1
     down = math.floor(value * 10**places) / 10**places
-    return f">{down:.{places}f}" if down > 0.0 else ">0"
+    return numerals(f">{down:.{places}f}") if down > 0.0 else ">0"
 
 
 def restitution(value: float) -> str:
@@ -78,7 +81,7 @@ def restitution(value: float) -> str:
     >>> restitution(0.98514)
     '0.985'
     """
-    return f"{value:.3f}"
+    return numerals(f"{value:.3f}")
 
 
 def figure(value: float, unit: str = "") -> str:
@@ -91,7 +94,12 @@ def figure(value: float, unit: str = "") -> str:
     """
     if math.isnan(value):
         return ABSENT
-    return f"{value:.3g} {unit}".rstrip()
+    return f"{numerals(f'{value:.3g}')} {unit}".rstrip()
+
+
+def general(value: float) -> str:
+    """A number with the digits that it has, six at most."""
+    return numerals(f"{value:g}")
 
 
 def fixed(value: float, places: int = 2) -> str:
@@ -102,7 +110,7 @@ def fixed(value: float, places: int = 2) -> str:
     >>> fixed(0.4151), fixed(0.4151, 3), fixed(math.nan)
     ('0.42', '0.415', '-')
     """
-    return ABSENT if math.isnan(value) else f"{value:.{places}f}"
+    return ABSENT if math.isnan(value) else numerals(f"{value:.{places}f}")
 
 
 def between(low: float, high: float, show: Callable[[float], str] = figure) -> str:
@@ -115,7 +123,7 @@ def between(low: float, high: float, show: Callable[[float], str] = figure) -> s
     """
     if math.isnan(low) and math.isnan(high):
         return ABSENT
-    return f"{show(low)} to {'no limit' if math.isinf(high) else show(high)}"
+    return say("between", low=show(low), high=say("no_limit") if math.isinf(high) else show(high))
 
 
 def share(value: float) -> str:

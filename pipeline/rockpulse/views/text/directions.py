@@ -10,12 +10,10 @@ import numpy as np
 from rocking.response import Outcome
 from rockpulse.assessment.answers import Answers, lanes, swept_answers
 from rockpulse.record.record import STANDARD_GRAVITY
-from rockpulse.views.shared.answer_cells import NAMES, TITLES, factor_cell
-from rockpulse.views.shared.record_marks import doubt, doubt_notes
+from rockpulse.views.shared.columns import COLUMNS, NAME_WIDTH, doubt, doubt_notes, factor_cell
+from rockpulse.views.shared.notes import cautions, factor_name, factor_notes, factor_title
 from rockpulse.views.shared.table import Cell, Heading, Table, lines, number
-from rockpulse.views.shared.terminal import ABSENT, figure, paragraph, ratio, restitution, shortened
-from rockpulse.views.shared.verdict_notes import cautions
-from rockpulse.views.text.capacity import NAME_WIDTH, factor_notes
+from rockpulse.views.shared.terminal import ABSENT, figure, paragraph, ratio, shortened
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -37,7 +35,7 @@ def direction_table(summary: xr.Dataset, directions: xr.Dataset) -> str:
     largest_at = np.where(largest == 0.0, np.nan, swept("largest_azimuth"))
     fallen = [(swept("overturning_share", model), swept("unanswered_count", model)) for model in answers.models]
     factor, row_of_factor = answers.least_over_direction
-    titles = [TITLES[answers.factor], "at"] if of_factors else []
+    titles = [factor_title(answers.factor), "at"] if of_factors else []
     names, pair_headings, rows = [], [], []
     for pair in range(directions.sizes["pair"]):
         one = directions.isel(pair=pair)
@@ -54,7 +52,7 @@ def direction_table(summary: xr.Dataset, directions: xr.Dataset) -> str:
             rows.append(
                 (
                     Cell("  " + shortened(body.block, NAME_WIDTH)),
-                    number(body.restitution, restitution),
+                    COLUMNS["restitution"].cell(body.restitution),
                     *(number(float(peaks[at]), _peak) for peaks in (median, largest)),
                     number(largest_at[at], _degrees),
                     *(smallest if titles else ()),
@@ -68,7 +66,7 @@ def direction_table(summary: xr.Dataset, directions: xr.Dataset) -> str:
     told, size = [], len(answers.bodies)
     for place, heading in enumerate(pair_headings):
         told += ["", heading, over, head, *laid[place * size : (place + 1) * size]]
-    smallest_of = f" Smallest {NAMES[answers.factor]}, and its azimuth." if of_factors else ""
+    smallest_of = f" Smallest {factor_name(answers.factor)}, and its azimuth." if of_factors else ""
     notes = [
         f"Median and largest over {count} directions of theta_max/alpha_c by the {answers.model} model, and the "
         "azimuth of the largest (where several overturn: of the one that does so first)."

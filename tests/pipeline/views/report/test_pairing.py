@@ -14,8 +14,8 @@ from rockpulse import CalibrationSettings, ConditioningSettings, SearchSettings
 from rockpulse.errors import ResultsError
 from rockpulse.models import Block
 from rockpulse.storage.design_file import design_of
+from rockpulse.views.report.beside import paired
 from rockpulse.views.report.content import gather
-from rockpulse.views.report.pairing import paired
 from rockpulse.views.report.writing import report_page
 
 CURVES = rp.Config(search=SearchSettings(points=24), fragility=ida(limit_states=("uplift",), measures=("pga",)))

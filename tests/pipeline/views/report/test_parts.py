@@ -9,8 +9,7 @@ from report_cases import WORDS
 
 from rockpulse.failures import Failure
 from rockpulse.storage.variables import failure_table
-from rockpulse.views.report.pairing import Paired
-from rockpulse.views.report.parts import describe_fragility
+from rockpulse.views.report.beside import Paired, describe_fragility
 from rockpulse.views.report.writing import typeset
 from rockpulse.views.shared.table import text
 from rockpulse.views.shared.terminal import shortened
