@@ -169,7 +169,10 @@ TEMPLATES = {
     "no_record": "no curve: no record",
     "one_record_reached": "no curve: one record only, {levels} reached; a dispersion needs several",
     "one_record_not_reached": "no curve: one record only, {levels} not reached; a dispersion needs several",
-    "nothing_reached": "no curve: none of {records} reached the limit state, looked at up to {levels}",
+    "nothing_reached": "no curve: none of {records} reached the limit state, looked at up to {level:.3g}",
+    "nothing_reached_between": (
+        "no curve: none of {records} reached the limit state, looked at up to {low:.3g} to {high:.3g}"
+    ),
     "everything_reached": (
         "no curve: all of {records} reached the limit state at every level, from {level:.3g}; look at lower levels"
     ),

@@ -87,6 +87,13 @@ def _range(levels: np.ndarray) -> str:
     return f"{low:.3g}" if math.isclose(low, high, rel_tol=1e-3) else Remark("interval", low=low, high=high)
 
 
+def _nothing_reached(rows: Observations) -> Remark:
+    records, levels = counted(rows.records, "record"), _range(rows.level)
+    if isinstance(levels, Remark):
+        return Remark("nothing_reached_between", records=records, **levels.values)
+    return Remark("nothing_reached", records=records, level=float(np.min(rows.level)))
+
+
 def _one_record(rows: Observations) -> Remark:
     reached = "reached" if np.any(rows.kind != ABOVE) else "not_reached"
     return Remark(f"one_record_{reached}", levels=_range(rows.level))
@@ -109,9 +116,7 @@ def _separated(rows: Observations) -> Remark:
 STATEMENTS: dict[Status, Callable[[Observations], Remark]] = {
     Status.NO_RECORD: lambda rows: Remark("no_record"),
     Status.ONE_RECORD: _one_record,
-    Status.NOTHING_REACHED: lambda rows: Remark(
-        "nothing_reached", records=counted(rows.records, "record"), levels=_range(rows.level)
-    ),
+    Status.NOTHING_REACHED: _nothing_reached,
     Status.EVERYTHING_REACHED: lambda rows: Remark(
         "everything_reached", records=counted(rows.records, "record"), level=float(np.min(rows.level))
     ),

@@ -67,6 +67,8 @@ class AnswerCells:
         factors = columns("factor_10" if answers.probable else "safety_factor")
         self._factors = [row[0] for row in filled(factors, self.every)]
         self.names = record_cells(answers.summary)
+        if answers.motions.kind == "sequence":
+            self.names = [cell._replace(text=say("motions.design")) for cell in self.names]
         peak = f"θ_max/α_c, {say(f'models.{answers.model}')}"
         self._peak = Heading(say("head.peak"), note=peak)
 
