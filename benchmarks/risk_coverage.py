@@ -12,10 +12,8 @@ import math
 import numpy as np
 
 import rockpulse as rp
-from rockpulse.studies.fragility.likelihood import FAMILIES
-from rockpulse.studies.fragility.observations import ABOVE, NOT_ABOVE, Observations
-from rockpulse.studies.risk.bands import band_of, fitted_lines
-from rockpulse.studies.risk.integral import integrate, power_law_frequency
+from rockpulse.studies.fragility.likelihood import ABOVE, FAMILIES, NOT_ABOVE, Observations
+from rockpulse.studies.risk.integral import band_of, fitted_lines, integrate, power_law_frequency
 
 LEVELS = np.array([0.4, 0.6, 0.8, 1.1, 1.5, 2.2])
 FAMILY = FAMILIES["lognormal"]

@@ -1,4 +1,4 @@
-"""The directive `command-help`: the help of every verb, taken from the parsers themselves while the manual is built."""
+"""Directives `command-help` and `configuration-template`: what the program prints, taken while the manual is built."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ from sphinx.application import Sphinx
 from sphinx.util.docutils import SphinxDirective
 
 from rockpulse.cli import build_parser
+from rockpulse.commands.init_config import template
 
 COLUMNS = "100"
 
@@ -47,7 +48,17 @@ class CommandHelp(SphinxDirective):
         return sections
 
 
+class ConfigurationTemplate(SphinxDirective):
+    """The configuration that ``rockpulse init-config`` writes."""
+
+    def run(self) -> list[nodes.Node]:
+        """The text of the file."""
+        text = template()
+        return [nodes.literal_block(text, text, language="toml")]
+
+
 def setup(app: Sphinx) -> dict[str, Any]:
-    """Make the directive known to Sphinx."""
+    """Make the directives known to Sphinx."""
     app.add_directive("command-help", CommandHelp)
+    app.add_directive("configuration-template", ConfigurationTemplate)
     return {"parallel_read_safe": True, "parallel_write_safe": True}

@@ -77,14 +77,14 @@ from .studies.check.kinematic import kinematic_check as kinematic_check
 from .studies.fragility.assessment import fragility_curves as fragility_curves
 from .studies.fragility.curves import fit_capacities as fit_capacities
 from .studies.fragility.curves import fit_stripes as fit_stripes
-from .studies.risk.free_fragility import free_body_fragility as free_body_fragility
+from .studies.risk.body_curves import free_body_fragility as free_body_fragility
 from .studies.risk.frequency import annual_frequency as annual_frequency
 from .studies.risk.hazard import HazardCurve as HazardCurve
 from .studies.risk.hazard import PowerLawHazard as PowerLawHazard
+from .studies.risk.hazard import SiteHazards as SiteHazards
 from .studies.risk.hazard_files import load_hazard as load_hazard
 from .studies.risk.hazard_files import load_site_hazards as load_site_hazards
 from .studies.risk.inventory import inventory_frequency as inventory_frequency
-from .studies.risk.site_hazards import SiteHazards as SiteHazards
 from .studies.risk.standing import standing_test as standing_test
 from .studies.site.calibration import calibrate_site as calibrate_site
 from .views.plots.dispatch import plot as plot

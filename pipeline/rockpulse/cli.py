@@ -10,10 +10,11 @@ import io
 import logging
 import os
 import sys
+import traceback
 from collections.abc import Sequence
 
 from rockpulse.commands import VERBS
-from rockpulse.commands.file_fault import WRITTEN, file_fault, results_fault
+from rockpulse.commands.file_fault import WRITTEN, differing_results, file_fault
 from rockpulse.commands.parser import Parser
 from rockpulse.commands.telling import forsake, tell
 from rockpulse.errors import ConfigError, RockpulseError, StoppedAtFailure
@@ -87,10 +88,12 @@ def main(argv: Sequence[str] | None = None) -> int:
         if isinstance(error, BrokenPipeError) and _reader_has_left():  # as in `rockpulse ... | head`
             return 0
         return _ended(file_fault(error, args), USAGE)
-    except Exception:
-        if not (wrong := results_fault(args)):
+    except Exception as error:
+        if not (differing := differing_results(args)):
             raise
-        return _ended(wrong, USAGE)
+        logging.getLogger("rockpulse").exception("internal error of %s", args.run.__module__)
+        last_line = "".join(traceback.format_exception_only(error)).strip().splitlines()[-1]
+        return _ended(f"internal error: {last_line}; its cause may be the file: {differing}", USAGE)
     except KeyboardInterrupt as error:
         return _ended(str(error) or "interrupted", INTERRUPTED)
 

@@ -71,8 +71,10 @@ def test_no_block_hides_from_the_test():
 
 def options_of_the_template():
     """Every (section, key) of the configuration."""
+    from rockpulse.commands.init_config import template
+
     keys, heading = set(), ""
-    for line in (TOP / "pipeline" / "rockpulse" / "config" / "template.toml").read_text(encoding="utf-8").splitlines():
+    for line in template().splitlines():
         if found := re.match(r"(?:# )?\[+(\w+)\]+", line):
             heading = found[1]
         elif found := re.match(r"(?:# )?(\w+) = ", line):

@@ -6,9 +6,12 @@ import subprocess
 import sys
 from dataclasses import replace
 
+import h5py
+import numpy as np
 import pytest
 from results_tree import results_bytes
 
+import rockpulse as rp
 from rockpulse import __version__, cli
 from rockpulse.cli import build_parser, main
 from rockpulse.commands import VERBS
@@ -259,3 +262,25 @@ def test_an_interruption_is_told_and_has_the_usual_code(monkeypatch, capsys):
     monkeypatch.setattr(cli, "VERBS", (replace(formats.VERB, run=interrupt),))
     assert main(["formats"]) == 130
     assert "interrupted" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("changed", [False, True])
+def test_an_internal_error_is_shown_with_what_differs_in_the_file(changed, tmp_path, monkeypatch, capsys, caplog):
+    path = tmp_path / "results.h5"
+    record = rp.Record(np.sin(np.arange(0.0, 4.0, 0.02)), dt=0.02, id="motion", processed=True)
+    config = rp.Config(models=rp.ModelSettings(use=("resonance",)))
+    rp.save(rp.assess([record], config, {"wall": rp.models.Block(0.1, 1.0)}), path)
+    if changed:
+        with h5py.File(path, "r+") as file:
+            file["summary/pga"].attrs["foreign"] = 1
+    monkeypatch.setattr("rockpulse.views.text.overview.overview", lambda *given, **options: {}["absent"])
+    if not changed:
+        with pytest.raises(KeyError, match="absent"):
+            main(["inspect", str(path)])
+        return
+    assert main(["inspect", str(path)]) == 2
+    said = capsys.readouterr().err
+    assert "KeyError: 'absent'" in said
+    assert "is not as it was written" in said
+    assert "Traceback" not in said
+    assert caplog.records[-1].exc_info[0] is KeyError

@@ -18,6 +18,7 @@ from rocking.response import Outcome, Reason
 from rockpulse.assessment.demand import Demand, stored_demands
 from rockpulse.assessment.motion_shares import Motions, Share
 from rockpulse.motions.events import UNKNOWN
+from rockpulse.record.measures import PGA
 from rockpulse.storage.hdf5_reader import flag_words, slab, worded
 from rockpulse.storage.probability_variables import MEAN, PROBABILITY, SOURCES
 
@@ -149,7 +150,7 @@ class Answers:
         if "demand_factor" in self.summary:
             return np.asarray(self["demand_factor"][..., [*self.demands].index(demand)])
         return np.broadcast_to(
-            (self.demands[demand].value / self["pga"])[:, np.newaxis], (len(self.records), len(self.bodies))
+            (self.demands[demand].value / self[PGA])[:, np.newaxis], (len(self.records), len(self.bodies))
         )
 
     def at_demand(self, demand: str) -> np.ndarray:

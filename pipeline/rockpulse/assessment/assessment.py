@@ -28,14 +28,13 @@ from rockpulse.ladder import MODELS, USED, Scene, auto_response, critical_scales
 from rockpulse.motions.directions import Motion, PlannedMotion, swept_directions
 from rockpulse.motions.runner import Analysis, Blocks, Part, Watch, Work, run
 from rockpulse.record.components import Pair
-from rockpulse.record.intensity import pgv
+from rockpulse.record.measures import STORED_OF_BODIES, RecordOnBodies
 from rockpulse.record.record import Record
 from rockpulse.storage.atomic_file import ASSESSMENT
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["Assessment", "assess", "assess_motion", "assess_scene"]
 
 #: The motion of a body on the ground without a direction of its own.
 RECORD_ITSELF = Place(None, ())
@@ -239,11 +238,9 @@ def _assess_at(
 def _strength(scene: Scene, bodies: Bodies, stronger: float) -> dict[str, np.ndarray]:
     """The strength of the motion that bodies feel, over theirs; and the friction that it asks for."""
     lanes, record = bodies.lanes.weaker, scene.record
-    found: dict[str, np.ndarray] = {}
-    lifting = uplift_scale(bodies.lanes, np.array([-1.0, 1.0]))
+    on = RecordOnBodies(record, lambda: scene.waves, lanes, uplift_scale(bodies.lanes, np.array([-1.0, 1.0])))
+    found = {measure.name: np.asarray(measure.value(on)) for measure in STORED_OF_BODIES}
     main = np.nan if scene.sequence is None or scene.sequence.shape else float(scene.sequence.main)
-    found["uplift_ratio"] = record.pga / lifting
-    found["velocity_ratio"] = np.asarray(lanes.p * pgv(record) / lifting)
     found["impulse_ratio"] = np.asarray(main / lanes.critical_impulse)
     found["floor_amplification"] = np.full(lanes.shape, stronger)
     friction = np.repeat(bodies.friction, bodies.cases)

@@ -3,37 +3,24 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
+from functools import partial
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from rocking.block import Block
-from rockpulse.config.settings import DemandSettings
-from rockpulse.record.intensity import pgv, spectral_acceleration, spectrum_intensity
+from rockpulse.config.configuration import Config
+from rockpulse.record.half_wave import half_waves
+from rockpulse.record.measures import PGA, ROWS, RecordOnBodies
 from rockpulse.record.record import Record
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["FARTHEST", "Demand", "demand_factors", "stored_demands"]
 
 #: Factors on a record between which it still stands for a recorded earthquake of that strength (docs/limits.md).
 FARTHEST = (0.25, 4.0)
-
-#: The strength of a motion in each measure of a demand; that of "velocity_ratio" before it is taken over the body's.
-_STRENGTH: dict[str, Callable[[Record, DemandSettings], float]] = {
-    "pga": lambda record, demand: record.pga,
-    "pgv": lambda record, demand: pgv(record),
-    "si": lambda record, demand: spectrum_intensity(record),
-    "velocity_ratio": lambda record, demand: pgv(record),
-    "sa": lambda record, demand: spectral_acceleration(record, demand.period or math.nan),
-}
-
-
-#: The measures in words, and units as they are shown.
-_TITLES = {"pga": "PGA", "pgv": "PGV", "si": "SI", "velocity_ratio": "p PGV/(g tan alpha_c)", "sa": "Sa"}
-_SHOWN_UNITS = {"m s-2": "m/s2", "m s-1": "m/s", "1": ""}
 
 
 class Demand(NamedTuple):
@@ -53,13 +40,13 @@ def stored_demands(summary: xr.Dataset) -> dict[str, Demand]:
         told = {str(key): one.values[place] for key, one in summary.variables.items() if one.dims == ("demand",)}
         value = float(told.get("demand_value", told["demand_acceleration"]))
         period = float(told.get("demand_period", math.nan))
-        title = _TITLES[str(told.get("demand_measure", "pga"))] + ("" if math.isnan(period) else f"({period:g} s)")
-        words = f"{title} {value:.4g} {_SHOWN_UNITS[str(told.get('demand_units', 'm s-2'))]}".rstrip()
+        measure = ROWS[str(told.get("demand_measure", PGA))].at(None if math.isnan(period) else period)
+        words = f"{measure.title} {value:.4g} {measure.shown_unit}".rstrip()
         found[str(name)] = Demand(value, str(told.get("limit_state", "")), words)
     return found
 
 
-def demand_factors(channels: Sequence[Record], blocks: Block, demands: Sequence[DemandSettings]) -> np.ndarray:
+def demand_factors(channels: Sequence[Record], blocks: Block, config: Config) -> np.ndarray:
     """The factor on a motion that brings it to each demand, for each of (m,) blocks.
 
     Parameters
@@ -68,9 +55,9 @@ def demand_factors(channels: Sequence[Record], blocks: Block, demands: Sequence[
         The conditioned channels of the motion's shaking: the geometric mean of their strengths is brought to the
         demand, so that a pair has one factor.
     blocks : Block
-        (m,) bodies; only `measure = "velocity_ratio"` depends on them.
-    demands : sequence of DemandSettings
-        d demands.
+        (m,) bodies; only some measures depend on them.
+    config : Config
+        With d demands, and the rules for half-waves.
 
     Returns
     -------
@@ -79,15 +66,18 @@ def demand_factors(channels: Sequence[Record], blocks: Block, demands: Sequence[
 
     Examples
     --------
-    >>> from rockpulse import Record
+    >>> from rockpulse import DemandSettings, Record
     >>> pair = [Record([0.0, 1.0, -1.0, 0.0], dt=0.1, id="x"), Record([0.0, 4.0, -4.0, 0.0], dt=0.1, id="y")]
     >>> body = Block(half_width=[0.2], half_height=[1.0])
-    >>> demand_factors(pair, body, [DemandSettings(name="ULS", value=3.0)]).tolist()  # geometric mean 2 m/s2
+    >>> demanding = Config(demands=(DemandSettings(name="ULS", value=3.0),))
+    >>> demand_factors(pair, body, demanding).tolist()  # geometric mean 2 m/s2
     [[1.5]]
     """
-    found = np.empty((*blocks.shape, len(demands)))
-    for place, demand in enumerate(demands):
-        strength = math.exp(np.mean([math.log(_STRENGTH[demand.measure](one, demand)) for one in channels]))
-        own = blocks.p / (blocks.gravity * np.tan(blocks.alpha_c)) if demand.measure == "velocity_ratio" else 1.0
-        found[:, place] = demand.strength / (strength * own)
+    on = [RecordOnBodies.slender(one, partial(half_waves, one, **config.half_waves), blocks) for one in channels]
+    found = np.empty((*blocks.shape, len(config.demands)))
+    for place, demand in enumerate(config.demands):
+        measure = ROWS[demand.measure].at(demand.period)
+        of_channels = np.stack([np.atleast_1d(measure.value(one)) for one in on], axis=1).tolist()
+        strength = [math.exp(np.mean([math.log(value) for value in values])) for values in of_channels]
+        found[:, place] = demand.strength / np.array(strength)
     return found

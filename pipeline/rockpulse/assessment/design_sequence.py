@@ -26,8 +26,6 @@ from rockpulse.remark import Remark
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["assess_sequence"]
-
 #: The name of a design sequence in place of the id of a record, unless it is given another.
 NAME = "design sequence"
 

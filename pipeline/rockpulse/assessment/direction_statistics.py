@@ -13,10 +13,9 @@ import numpy as np
 import xarray as xr
 
 from rocking.response import Outcome
+from rockpulse.record.measures import PGA
 from rockpulse.storage.assessment_variables import DIRECTIONS
 from rockpulse.storage.probability_variables import MEAN
-
-__all__ = ["direction_statistics", "largest_over", "median_over", "smallest_over"]
 
 
 def direction_statistics(
@@ -48,7 +47,7 @@ def direction_statistics(
 
     directions = np.asarray(azimuths, dtype=float)
     measures: dict[str, Any] = {"pair": list(pairs), "direction_azimuth": directions, "record_index": index}
-    for name, measure in (("pga", swept("pga")), ("main_impulse", swept("main_impulse"))):
+    for name, measure in ((PGA, swept(PGA)), ("main_impulse", swept("main_impulse"))):
         largest, at = largest_over(measure)
         measures |= {f"{name}_median": median_over(measure), f"{name}_largest": largest}
         measures[f"{name}_azimuth"] = _at(directions, at)

@@ -9,8 +9,6 @@ import numpy as np
 
 from rockpulse.motions.events import UNKNOWN, share_interval
 
-__all__ = ["Motions", "Share"]
-
 
 class Share(NamedTuple):
     """The probability that a motion overturns a body, over earthquakes that weigh alike, with its interval of 90 % [-].

@@ -34,7 +34,6 @@ from rockpulse.storage.variables import StoredVariable
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["LANES", "overturning_curve", "overturning_factors", "overturning_spectrum", "spectrum_values"]
 
 #: The angle of the blocks that stand for all [rad]; their capacity over g tan(alpha)/p does not depend on it.
 ALPHA = 0.1

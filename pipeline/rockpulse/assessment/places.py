@@ -23,9 +23,6 @@ from rockpulse.record.components import Pair
 from rockpulse.record.record import STANDARD_GRAVITY, Record
 from rockpulse.record.rotation import rotate
 
-__all__ = ["aloft", "floor_record", "joined_intervals", "joined_responses", "places_of", "turned"]
-
-
 #: The oscillations of a floor are followed until they are below so much of gravity: a thousandth of the uplift of a
 #: body of slenderness 10.
 QUIET = 1e-4

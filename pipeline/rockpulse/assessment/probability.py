@@ -27,8 +27,6 @@ from rockpulse.ladder import Scene
 from rockpulse.record.record import Record
 from rockpulse.storage.probability_variables import AT_DEMAND, PROBABILITY, READ, SOURCES
 
-__all__ = ["RecordProbability", "record_probability"]
-
 ENDS = ("", "_low", "_high")
 
 #: Probability of uplift at the largest factor below which a body counts as one that never moves.
@@ -71,7 +69,7 @@ def record_probability(
     values |= {name: np.full((count, len(config.demands)), np.nan) for name in AT_DEMAND}
     if config.demands:
         blocks = bodies.lanes.chosen(slice(None, None, bodies.cases)).weaker
-        values["demand_factor"] = demand_factors(channels or [scene.record], blocks, config.demands)
+        values["demand_factor"] = demand_factors(channels or [scene.record], blocks, config)
     values["probability_source"] = np.full(count, SOURCES.index("none"))
     spectrum = None
     if config.has_probability:

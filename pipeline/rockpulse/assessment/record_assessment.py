@@ -21,8 +21,6 @@ from rockpulse.ladder import Scene
 from rockpulse.record.record import Record
 from rockpulse.storage.spectrum_variables import AXIS_SIZES, SPECTRUM
 
-__all__ = ["RecordAssessment", "Rows"]
-
 
 class Rows(NamedTuple):
     """The rows that one model gives to a table of the results."""

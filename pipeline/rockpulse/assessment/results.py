@@ -25,8 +25,6 @@ from rockpulse.option import hint
 from rockpulse.storage import hdf5_reader, save_load
 from rockpulse.storage.atomic_file import ASSESSMENT, named
 
-__all__ = ["Results", "load", "open_results", "registered"]
-
 #: Colours of the verdicts in a picture, and the bodies that are drawn.
 COLOURS = {Grade.STAYS: GREY, Grade.ROCKS: BLUE, Grade.MAY_OVERTURN: ORANGE, Grade.NOT_KNOWN: INK, Grade.OVERTURNS: RED}
 DRAWN = 20

@@ -15,8 +15,6 @@ from rockpulse.record.intensity import intense_phase
 from rockpulse.record.record import Record
 from rockpulse.remark import Remark
 
-__all__ = ["extract", "matched", "prepare"]
-
 
 def prepare(record: Record, config: Config, vertical: Record | None = None) -> Scene:
     """Condition a record as it was read, extract its half-waves and calibrate its sequence.

@@ -10,8 +10,6 @@ import numpy as np
 from rockpulse.assessment.answers import Answers, Body
 from rockpulse.assessment.verdict import BodyVerdict
 
-__all__ = ["Sliding", "sliding", "worse_screens"]
-
 
 class Sliding(NamedTuple):
     """A body whose friction does not hold it under `above` of `total` records, of which one asks for `most`."""

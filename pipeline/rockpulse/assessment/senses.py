@@ -19,8 +19,6 @@ from rocking.scale_search import ScaleIntervals
 from rockpulse.config.bodies import Bodies
 from rockpulse.record.record import Record
 
-__all__ = ["Senses", "acting", "senses"]
-
 #: Degrees between the azimuths of a record and of a body's fall up to which the record tells the sense.
 SAME_DIRECTION = 30.0
 

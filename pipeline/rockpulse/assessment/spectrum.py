@@ -20,7 +20,6 @@ from rockpulse.storage.summary_variables import ANSWER, BLOCK, CASE
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["ALPHAS", "P", "rocking_spectrum"]
 
 #: Default frequency parameters [1/s]: R from 7.4 m to 0.2 m.
 P = tuple(np.linspace(1.0, 6.0, 101).round(10).tolist())

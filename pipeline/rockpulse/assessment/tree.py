@@ -27,7 +27,6 @@ from rockpulse.storage.variables import StoredVariable, failure_table
 if TYPE_CHECKING:
     from rockpulse.assessment.record_assessment import RecordAssessment
 
-__all__ = ["EVENT", "build_tree", "dimension_of", "joined_parts", "nothing", "record_part", "template"]
 
 #: The one variable that grows with the records and is in no part: a record alone does not tell it.
 EVENT = "/summary/event"

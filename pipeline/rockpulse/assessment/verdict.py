@@ -19,21 +19,6 @@ from rockpulse.assessment.answers import Answers, Body, Margin, Share
 from rockpulse.assessment.demand import FARTHEST
 from rockpulse.ladder import is_upper_bound
 
-__all__ = [
-    "FEWEST_AT_DEMAND",
-    "MAY_OVERTURN",
-    "OVERTURNS",
-    "BodyVerdict",
-    "DemandVerdict",
-    "Grade",
-    "Standing",
-    "chances",
-    "standings",
-    "too_far",
-    "verdicts",
-    "why_unknown",
-]
-
 #: Probabilities of overturning from which on a body may overturn, and overturns [-].
 MAY_OVERTURN, OVERTURNS = 0.05, 0.5
 

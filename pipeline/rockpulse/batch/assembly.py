@@ -20,6 +20,7 @@ from rockpulse.errors import ResultsError
 from rockpulse.failures import Failure
 from rockpulse.motions.directions import swept_directions
 from rockpulse.motions.runner import Analysis, Part, Prepared
+from rockpulse.record.measures import PGA
 from rockpulse.storage.hdf5_writer import TreeWriter, add_dataset
 from rockpulse.storage.probability_variables import MEAN
 from rockpulse.storage.save_load import check_described, provenance, replacing, save
@@ -45,7 +46,7 @@ PER_ARRAY = 500
 PER_TEXT = 32
 
 #: What /directions is made of, in /summary: of the record, and of its answers.
-SWEPT_RECORD = ("record", "pga", "main_impulse")
+SWEPT_RECORD = ("record", PGA, "main_impulse")
 SWEPT_ANSWER = ("peak_rotation_ratio", "outcome", "overturning_time", "safety_factor")
 SWEPT_PROBABILITY = ("overturning_probability",)
 

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from rockpulse.errors import RockpulseError
 
-__all__ = ["WRITTEN", "file_fault", "results_fault"]
+__all__ = ["WRITTEN", "differing_results", "file_fault"]
 
 #: The command that would make a missing file, by the argument that names the file.
 MISSING = {
@@ -58,11 +58,8 @@ def file_fault(error: OSError, args: argparse.Namespace) -> str:
     return f"{shown}: no such file; check the path{f' ({MISSING[option]})' if option in MISSING else ''}"
 
 
-def results_fault(args: argparse.Namespace) -> str:
-    """What of the results that a verb was to read is not as it was written; empty where all of it is, or none is read.
-
-    Asked where a verb has failed for a reason of its own, to tell a defect of the program from one of the file.
-    """
+def differing_results(args: argparse.Namespace) -> str:
+    """How the results that a verb was to read differ from what was written; empty if none does, or none is read."""
     from rockpulse.storage.verification import verify
 
     named = [value for name in RESULTS if isinstance(value := getattr(args, name, None), str)]
@@ -74,9 +71,9 @@ def results_fault(args: argparse.Namespace) -> str:
         except RockpulseError as error:
             return str(error)
         if found.variables and found.differences:  # without checksums nothing is compared
-            wrong = [one for one in found.differences if one.startswith("variable ")] or [*found.differences]
+            changed = [one for one in found.differences if one.startswith("variable ")] or [*found.differences]
             return (
-                f"{path}: {'; '.join(wrong[:SAID])}; the file is not as it was written and cannot be used: 'rockpulse "
-                "verify' says what else, run the assessment again"
+                f"{path} is not as it was written ({'; '.join(changed[:SAID])}); 'rockpulse verify {path}' lists every "
+                "difference; run the assessment again"
             )
     return ""

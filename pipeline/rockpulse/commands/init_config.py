@@ -3,14 +3,47 @@
 from __future__ import annotations
 
 import argparse
+import re
+import textwrap
 from importlib.resources import files
 from pathlib import Path
 
 from rockpulse.commands.telling import tell
 from rockpulse.commands.verb import Verb
+from rockpulse.config.hazard_settings import HAZARD_UNITS
 from rockpulse.errors import ConfigError
+from rockpulse.record.measures import DEMAND, FRAGILITY, HAZARD, MEASURES, PERIODIC, ROWS, SCALING, Measure
 
-__all__ = ["VERB"]
+__all__ = ["VERB", "template"]
+
+
+#: Columns between which the comments of the template stand.
+BEGIN, END = 28, 122
+
+
+def template() -> str:
+    """Every key of the configuration with its default and its meaning; what it says of measures is from their table."""
+    named = {"hazard": HAZARD, "units": HAZARD_UNITS, "families": PERIODIC}
+    told = {of: " | ".join(f'"{name}"' for name in names) for of, names in named.items()}
+    for use, names in (("scaling", SCALING), ("demand", DEMAND)):
+        told[use] = " | ".join(f'"{name}" ({_meaning(ROWS[name])})' for name in names)
+    entries = {f'    "{name}",': MEASURES[name] for name in FRAGILITY}
+    told["fragility"] = "\n".join(f"{entry:<{BEGIN}}# {_meaning(measure)}" for entry, measure in entries.items())
+    text = files("rockpulse.config").joinpath("template.toml").read_text(encoding="utf-8")
+    return "\n".join(_filled(line, told) for line in text.split("\n"))
+
+
+def _meaning(measure: Measure) -> str:
+    return f"{measure.meaning or measure.long_name}, {measure.shown_unit}".removesuffix(", ")
+
+
+def _filled(line: str, told: dict[str, str]) -> str:
+    """A line of the template with the names between braces filled in, its comment over as many lines as that takes."""
+    filled = re.sub(r"\{(\w+)\}", lambda name: told[name[1]], line)
+    if filled == line or "\n" in filled:
+        return filled
+    comment = textwrap.wrap(filled[BEGIN:].removeprefix("# "), END - BEGIN - len("# "), break_on_hyphens=False)
+    return filled[:BEGIN] + f"\n{'':{BEGIN}}".join(f"# {part}" for part in comment)
 
 
 def _add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -18,13 +51,13 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def _run(args: argparse.Namespace) -> int:
-    template = files("rockpulse.config").joinpath("template.toml").read_text(encoding="utf-8")
+    text = template()
     if args.output is None:
-        tell(template.removesuffix("\n"))
+        tell(text.removesuffix("\n"))
         return 0
     try:
         with Path(args.output).open("x", encoding="utf-8", newline="\n") as file:
-            file.write(template)
+            file.write(text)
     except FileExistsError:
         found = "a folder of this name" if Path(args.output).is_dir() else "the file"
         raise ConfigError(f"{args.output}: {found} exists; choose another name") from None

@@ -77,8 +77,7 @@ def _run(args: argparse.Namespace) -> int:
     from rockpulse.storage.save_load import load
     from rockpulse.studies.risk.frequency import annual_frequency
     from rockpulse.studies.risk.hazard_files import hazard_of, site_hazards_of
-    from rockpulse.studies.risk.inventory import inventory_frequency
-    from rockpulse.studies.risk.inventory_table import read_inventory
+    from rockpulse.studies.risk.inventory import inventory_frequency, read_inventory
     from rockpulse.studies.risk.standing import standing_test
     from rockpulse.views.shared.output_files import check_file, csv_bytes, write_files
     from rockpulse.views.text import risk as text

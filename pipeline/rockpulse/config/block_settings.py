@@ -25,7 +25,6 @@ if TYPE_CHECKING:
     from rocking import Block
     from rockpulse.config.settings import RecordSettings
 
-__all__ = ["BlockSettings", "parse_block_option", "require_pairs"]
 
 logger = logging.getLogger("rockpulse")
 

@@ -18,7 +18,6 @@ from rockpulse.errors import ConfigError
 if TYPE_CHECKING:
     from rockpulse.config.settings import RecordSettings
 
-__all__ = ["Bodies", "Place", "gather_bodies", "refuse_aloft"]
 
 #: Mass of a body over that of its floor above which it would change the floor's motion noticeably [-].
 LIGHT = 0.05

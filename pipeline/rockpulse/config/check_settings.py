@@ -7,8 +7,6 @@ from dataclasses import dataclass
 from rockpulse.errors import ConfigError
 from rockpulse.option import Section, choice, number, text
 
-__all__ = ["CODES", "GROUNDS", "LIMIT_STATES", "SPECTRA", "TOPOGRAPHIES", "CheckSettings"]
-
 #: The codes whose checks are known, in the order of tables.
 CODES = ("circolare_2009", "circolare_2019", "en_1998")
 

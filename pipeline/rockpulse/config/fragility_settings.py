@@ -8,31 +8,11 @@ from typing import Any
 
 from rockpulse.errors import ConfigError
 from rockpulse.option import KeyType, Section, choice, choices, is_number, key, number, text
-
-__all__ = ["DATA", "EQUATIONS", "MEASURES", "MODELS", "OVERTURNING", "UPLIFT", "FragilitySettings"]
+from rockpulse.record.measures import FRAGILITY, REFERENCE
 
 #: Limit states that are no rotation.
 UPLIFT, OVERTURNING = "uplift", "overturning"
 
-MEASURES = (
-    "pga",
-    "pgv",
-    "si",
-    "fajfar",
-    "sa_0.5",
-    "sa_1",
-    "sa_2",
-    "uplift_ratio",
-    "velocity_ratio",
-    "si_ratio",
-    "change_ratio",
-    "impulse",
-    "impulse_ratio",
-    "demand_largest",
-    "demand_rms",
-    "demand_cubic",
-    "demand_build_up",
-)
 DATA = ("stripes", "ida", "cloud")
 MODELS = ("lognormal", "logistic")
 EQUATIONS = ("nonlinear", "linear")
@@ -93,10 +73,10 @@ class FragilitySettings(Section):
 
     heading = "[fragility]"
     limit_states: tuple[str | float, ...] = key((UPLIFT, 0.1, 0.4, 0.6, 1.0, OVERTURNING), _LIMIT_STATES)
-    measures: tuple[str, ...] = choices(MEASURES, MEASURES)
+    measures: tuple[str, ...] = choices(FRAGILITY, FRAGILITY)
     pga_min: float = number(1.0, low=0.0, unit="m/s2")
     data: str = choice("stripes", DATA)
-    stripe_measure: str = choice("velocity_ratio", MEASURES)
+    stripe_measure: str = choice(REFERENCE, FRAGILITY)
     stripe_levels: tuple[float, ...] = key((0.15, 0.25, 0.4, 0.6, 0.9, 1.4), _LEVELS)
     factors: tuple[float, float] = key((0.25, 4.0), _FACTORS)
     selection: str | None = text(None)

@@ -11,8 +11,6 @@ from rocking.block import Block
 from rockpulse.config.block_settings import BlockSettings
 from rockpulse.errors import ConfigError
 
-__all__ = ["Blocks", "given_bodies"]
-
 #: Bodies: by their names full (width, height) in m, Blocks or BlockSettings; or BlockSettings in a row.
 Blocks: TypeAlias = Mapping[str, tuple[float, float] | Block | BlockSettings] | Sequence[BlockSettings]
 

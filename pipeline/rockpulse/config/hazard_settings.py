@@ -4,15 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from rockpulse.config.fragility_settings import MEASURES
 from rockpulse.errors import ConfigError
 from rockpulse.option import Section, choice, number, text
+from rockpulse.record.measures import HAZARD, MEASURES, PGA
 
-__all__ = ["HAZARD_MEASURES", "HAZARD_UNITS", "HazardSettings"]
-
-#: Measures that a hazard is given in, of those of fragility, and units of their levels.
-HAZARD_MEASURES = tuple(name for name in MEASURES if name in ("pga", "pgv", "si") or name.startswith("sa_"))
-HAZARD_UNITS = ("m/s2", "g", "cm/s2", "m/s", "cm/s")
+#: Units of the levels of the measures that a hazard is given in.
+HAZARD_UNITS = tuple(dict.fromkeys(unit for name in HAZARD for unit in MEASURES[name].known_units))
 
 
 @dataclass(frozen=True)
@@ -35,7 +32,7 @@ class HazardSettings(Section):
     latitude: float | None = number(None, low=-90.0, high=90.0, unit="degrees")
     k0: float | None = number(None, low=0.0, above=True, unit="1/year")
     k: float | None = number(None, low=0.0, above=True)
-    measure: str = choice("pga", HAZARD_MEASURES)
+    measure: str = choice(PGA, HAZARD)
     unit: str | None = choice(None, HAZARD_UNITS)
     soil_factor: float = number(1.0, low=0.0, above=True)
     years: float = number(50.0, low=0.0, above=True, unit="years")

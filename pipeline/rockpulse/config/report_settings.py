@@ -9,8 +9,6 @@ from rockpulse.errors import ConfigError
 from rockpulse.input_file import check_regular
 from rockpulse.option import Section, text
 
-__all__ = ["LOGO_LIMIT", "ReportSettings", "logo_bytes"]
-
 #: Largest logo [bytes]: as text it is an attribute of the results file, of which HDF5 takes 64 kB.
 LOGO_LIMIT = 45_000
 

@@ -14,16 +14,6 @@ from rockpulse.option import Section, choice, number
 if TYPE_CHECKING:
     from rocking.restraint import Load, Thrust, Tie
 
-__all__ = [
-    "FloorSettings",
-    "LoadSettings",
-    "PedestalSettings",
-    "ThrustSettings",
-    "TieSettings",
-    "floors_as_text",
-    "floors_from_text",
-]
-
 
 @dataclass(frozen=True)
 class TieSettings(Section):

@@ -15,19 +15,7 @@ from rockpulse.errors import ConfigError
 from rockpulse.ladder import ModelSettings, SearchSettings
 from rockpulse.option import KeyType, Section, boolean, choice, count, entries, key, number, text, texts
 from rockpulse.readers.format import FileSettings
-
-__all__ = [
-    "SECTIONS",
-    "CalibrationSettings",
-    "ConditioningSettings",
-    "DemandSettings",
-    "HalfWaveSettings",
-    "IntensePhaseSettings",
-    "RecordSettings",
-    "RunSettings",
-    "SequenceSettings",
-    "SiteSettings",
-]
+from rockpulse.record.measures import DEMAND, PERIODIC, PGA, ROWS, SCALING, quoted, units_in_words
 
 #: The words a key knows. The modules that act on them import numba or scipy, so they are stated here once more; a test
 #: compares these with theirs.
@@ -37,7 +25,6 @@ STORES = ("all", "half_waves", "none")
 BASELINES = ("auto", "none", "mean", "pre-event", "linear", "quadratic")
 PHASES = ("D5-95", "D5-75", "bracketed", "window")
 SEQUENCES = ("rule", "statistics", "response")
-DEMANDS = ("pga", "pgv", "si", "velocity_ratio", "sa")
 MAINS = ("largest", "mean-largest", "quantile")
 SECONDARIES = ("rms", "median", "mean")
 INTERVALS = ("median", "mean")
@@ -47,7 +34,7 @@ METHODS = ("spectrum", "response", "statistics")
 SPECTRA = ("rule", "nonlinear")
 #: Words of `weights`, which also takes the name of a table.
 WEIGHTS = ("equal", "event")
-SCALES = ("none", "pga", "pgv", "impulse")
+SCALES = ("none", *SCALING)
 FAMILIES = ("default", "blocks")
 DESIGNS = ("response", "parameters")
 WORKERS = ("all",)
@@ -211,22 +198,24 @@ class DemandSettings(Section):
     name: str = key(MISSING, _NAME)
     acceleration: float | None = number(None, low=0.0, above=True, unit="m/s2")
     limit_state: str = text()
-    measure: str = choice("pga", DEMANDS)
-    value: float | None = number(None, low=0.0, above=True, unit="m/s2 (pga, sa), m/s (pgv, si) or 1 (velocity_ratio)")
+    measure: str = choice(PGA, DEMAND)
+    value: float | None = number(None, low=0.0, above=True, unit=units_in_words(DEMAND))
     period: float | None = number(None, low=0.02, unit="s")
 
     def __post_init__(self) -> None:
         super().__post_init__()
         if self.acceleration is None and self.value is None:
             raise ConfigError(f"{self.where} {self.name}: expected value, or acceleration for a PGA, found neither")
-        if self.acceleration is not None and (self.measure != "pga" or self.value not in (None, self.acceleration)):
+        if self.acceleration is not None and (self.measure != PGA or self.value not in (None, self.acceleration)):
             raise ConfigError(
-                f'{self.where} {self.name}: acceleration is the value of measure = "pga"; found measure = '
+                f'{self.where} {self.name}: acceleration is the value of measure = "{PGA}"; found measure = '
                 f'"{self.measure}" and value = {self.value}; give value alone'
             )
-        if (self.period is None) == (self.measure == "sa"):
+        if (self.period is None) == bool(ROWS[self.measure].periods):
             told = "found none" if self.period is None else f'found measure = "{self.measure}"'
-            raise ConfigError(f'{self.where} {self.name}: period belongs to measure = "sa", and only to it; {told}')
+            raise ConfigError(
+                f"{self.where} {self.name}: period belongs to measure = {quoted(PERIODIC)}, and only to it; {told}"
+            )
 
     @property
     def strength(self) -> float:
@@ -249,7 +238,7 @@ class CalibrationSettings(Section):
     family: str = choice("default", FAMILIES)
     weights: str | None = text(None)
     scale_to: str = choice("none", SCALES)
-    target: float | None = number(None, low=0.0, above=True, unit="m/s2 (pga) or m/s (pgv, impulse)")
+    target: float | None = number(None, low=0.0, above=True, unit=units_in_words(SCALING))
     design: str = choice("response", DESIGNS)
     quantile: float = number(0.84, low=0.01, high=0.99)
     confidence: float = number(0.9, low=0.5, high=0.99)
@@ -265,7 +254,7 @@ class CalibrationSettings(Section):
             raise ConfigError(f'[calibration] scale_to: "{self.scale_to}" needs the value to scale to; give target')
         if self.scale_to == "none" and self.target is not None:
             raise ConfigError(
-                '[calibration] target: it belongs to scale_to = "pga", "pgv" or "impulse", found scale_to = "none"; '
+                f'[calibration] target: it belongs to scale_to = {quoted(SCALING)}, found scale_to = "none"; '
                 "drop it or say what is scaled to it"
             )
 

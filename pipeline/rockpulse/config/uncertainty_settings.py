@@ -10,7 +10,6 @@ from rockpulse.option import KeyType, Section, boolean, choice, is_number, key, 
 if TYPE_CHECKING:
     from rocking.uncertainty import Uncertainty
 
-__all__ = ["UncertaintySettings"]
 
 #: Least and largest standard deviation of the factor, and largest loss of the angle, as the solver takes them; a test
 #: compares these with its own.

@@ -21,18 +21,6 @@ from rockpulse.record.record import Record
 from rockpulse.record.rotation import pair_id, rotate, rotated_id, strongest_azimuth
 from rockpulse.remark import Remark
 
-__all__ = [
-    "DIRECTIONS",
-    "Motion",
-    "PlannedMotion",
-    "VerticalRefused",
-    "conditioned_motions",
-    "plan_motions",
-    "planned_ids",
-    "sweep_azimuths",
-    "swept_directions",
-]
-
 #: A channel that faces the direction asked for within this stands for it without a partner [degrees].
 FACING_WITHIN = 1.0
 

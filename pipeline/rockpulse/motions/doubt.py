@@ -11,8 +11,6 @@ from rockpulse.motions.directions import Motion, PlannedMotion
 from rockpulse.readers.channel import CREDIBLE_PEAK_G, odd_peak
 from rockpulse.record.record import STANDARD_GRAVITY, Record, id_matches
 
-__all__ = ["unconfirmed", "unconfirmed_peaks"]
-
 logger = logging.getLogger("rockpulse")
 
 #: No larger peak counts before it is confirmed [m/s2].

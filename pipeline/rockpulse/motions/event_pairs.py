@@ -10,8 +10,6 @@ from itertools import chain, combinations, pairwise
 
 from rockpulse.record.record import Record
 
-__all__ = ["JOINED_WITHIN_S", "moment_of", "name_of", "names_earthquake", "pairs_of_one_event", "words_of"]
-
 #: Records that start within this of one another are of one earthquake [s]; so are those of one name, unless their times
 #: are known to lie further apart.
 JOINED_WITHIN_S = 600.0

@@ -15,15 +15,6 @@ from rockpulse.config.configuration import Config, located
 from rockpulse.errors import ConfigError
 from rockpulse.input_file import read_text
 
-__all__ = [
-    "Selection",
-    "read_event_table",
-    "read_selection_table",
-    "read_weight_table",
-    "record_weights",
-    "selection_of",
-]
-
 
 def read_event_table(path: Path) -> dict[str, str]:
     """Event of each channel from a CSV table with the columns record, event; further columns are passed over.

@@ -30,8 +30,6 @@ from rockpulse.record.components import concurrent, find_pairs, instrument, plac
 from rockpulse.record.record import Record, id_matches
 from rockpulse.remark import find
 
-__all__ = ["SAME_DIRECTION", "one_vote_each", "unmatched_patterns"]
-
 #: Azimuths that differ by no more than this, or by as much from 180, are one direction [degrees].
 SAME_DIRECTION = 5.0
 

@@ -15,22 +15,6 @@ from rockpulse.failures import Failure, some
 from rockpulse.record.record import Record
 from rockpulse.remark import Remark
 
-__all__ = [
-    "SHALLOW",
-    "Neighbours",
-    "Pair",
-    "align",
-    "concurrent",
-    "find_pairs",
-    "instrument",
-    "matching_vertical",
-    "offset",
-    "place_on_structure",
-    "select_horizontal",
-    "sensor_level",
-    "uncovered",
-]
-
 _REASONS = {
     "vertical": "vertical channel: read, not assessed as horizontal",
     "structural": "channel on a structure: read, not assessed as ground motion",

@@ -22,8 +22,6 @@ from rockpulse.record.intensity import pgv
 from rockpulse.record.record import Record
 from rockpulse.remark import Remark, code_of, find
 
-__all__ = ["BASELINES", "QUIET_LENGTH", "condition", "quiet_length"]
-
 #: The pre-event window ends where the energy about its own mean reaches this share of the whole record's.
 QUIET_SHARE = 1e-6
 

@@ -17,8 +17,6 @@ from rocking.svg_lines import BLUE, GREY, RED, Picture, Shown, brief
 from rockpulse.errors import ConfigError
 from rockpulse.record.record import Record
 
-__all__ = ["STRONG", "HalfWaves", "half_waves"]
-
 #: A merged wave keeps at least this share of the absolute impulses of its lobes.
 KEPT_SHARE = 0.5
 

@@ -16,18 +16,6 @@ import numpy as np
 from rockpulse.errors import ConfigError, RecordRefused
 from rockpulse.record.record import STANDARD_GRAVITY, Record
 
-__all__ = [
-    "INTENSE_PHASES",
-    "IntensePhase",
-    "arias_intensity",
-    "fajfar_index",
-    "intense_phase",
-    "largest_change",
-    "pgv",
-    "spectral_acceleration",
-    "spectrum_intensity",
-]
-
 #: Length of the intense phase in section 4 of Casapulla & Maione (2017) [s].
 WINDOW_LENGTH = 20.0
 

@@ -16,8 +16,6 @@ from rockpulse.record.record import Record
 from rockpulse.record.rotation import check_angle
 from rockpulse.remark import Remark
 
-__all__ = ["condition_pair"]
-
 #: Starts that differ from whole sampling intervals by less than this share of one are taken as whole.
 CLOCK_SHARE = 1e-3
 

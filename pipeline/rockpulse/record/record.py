@@ -18,8 +18,6 @@ import numpy as np
 from rocking.svg_lines import BLUE, GREY, RED, Picture, Shown, thinned
 from rockpulse.errors import RecordFormatError
 
-__all__ = ["BETWEEN", "STANDARD_GRAVITY", "Orientation", "Record", "distinct_ids", "id_matches", "record_id"]
-
 #: The file unit "g", always this value [m/s2].
 STANDARD_GRAVITY = 9.80665
 

@@ -24,8 +24,6 @@ from rockpulse.record.half_wave import half_waves
 from rockpulse.record.record import BETWEEN, Record, record_id
 from rockpulse.remark import Remark, code_of, remarked
 
-__all__ = ["check_angle", "pair_id", "rotate", "rotated_component", "rotated_id", "strongest_azimuth"]
-
 #: Two channels need at least this sine between them: below it (10 degrees) their noise is multiplied by more than 6.
 SMALLEST_SINE = 0.17
 

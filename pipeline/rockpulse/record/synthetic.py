@@ -12,8 +12,6 @@ import numpy as np
 from rockpulse.errors import ConfigError
 from rockpulse.record.record import STANDARD_GRAVITY
 
-__all__ = ["SyntheticLanes", "synthetic_lanes", "synthetic_motion"]
-
 #: Samples are whole multiples of 1/PER_UNIT [m/s2]: the last bits of an FFT differ between machines, these digits do
 #: not. Dividing a whole number by PER_UNIT is rounded correctly everywhere.
 PER_UNIT = 1e6

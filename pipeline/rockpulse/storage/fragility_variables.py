@@ -18,9 +18,11 @@ __all__ = [
     "FRAGILITY_GROUPS",
     "IDA",
     "POOLED",
+    "QUALITIES",
     "STATED",
     "STRENGTH",
     "STRIPES",
+    "TESTED",
     "Band",
     "Extrapolated",
     "Status",
@@ -37,6 +39,12 @@ STRENGTH = "strength"
 
 #: The qualities that the files of some records state, by the names of the facts.
 STATED = ("magnitude", "epicentral_distance", "vs30")
+
+#: The qualities of a record beside its intensity, which every record has.
+QUALITIES = ("duration", "period", "strong_half_waves")
+
+#: All that capacity is tested to depend on, in the order of the results.
+TESTED = (*QUALITIES, STRENGTH, *STATED)
 
 
 class Status(IntEnum):

@@ -13,6 +13,7 @@ import numpy as np
 
 from rockpulse.errors import ResultsError
 from rockpulse.option import hint
+from rockpulse.record.measures import STORED, STORED_OF_BODIES
 from rockpulse.storage.hdf5_reader import flag_words, slab
 
 if TYPE_CHECKING:
@@ -32,14 +33,11 @@ SHOWN = {
     "f_50": "factor_50",
     "of 50 %": "factor_50",
     "mean capacity": "capacity_mean",
-    "PGA": "pga",
-    "PGV": "pgv",
     "I": "main_impulse",
     "C": "restitution",
-    "a/a_up": "uplift_ratio",
     "I/I_1c": "impulse_ratio",
-    "p PGV/(g tan alpha_c)": "velocity_ratio",
     "theta_max/alpha_c": "peak_rotation_ratio",
+    **{measure.column[0]: measure.name for measure in (*STORED, *STORED_OF_BODIES)},
 }
 
 _COMPARISONS: dict[str, Callable[[Any, Any], Any]] = {

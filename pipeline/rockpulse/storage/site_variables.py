@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from rockpulse.record.measures import STORED_LEVELS
 from rockpulse.storage.fact_variables import FACTS
 from rockpulse.storage.variables import Declared, along, flag, real, text, whole
 
@@ -31,8 +32,7 @@ OF_RECORDS: Declared = along(
         "event": text("event that the record belongs to, by the user's table, the title or the time"),
         "weight": real("1", "weight of the record, of mean one"),
         "scale_factor": real("1", "factor on the conditioned record"),
-        "pga": real("m s-2", "peak ground acceleration of the scaled record"),
-        "pgv": real("m s-1", "peak ground velocity of the scaled record"),
+        **{one.name: real(one.unit, f"{one.meaning} of the scaled record") for one in STORED_LEVELS},
         "largest_impulse": real("m s-1", "largest half-wave impulse of the scaled record"),
         "warnings": text("remarks on the record"),
         "processing": text("conditioning steps in their order, and the scaling"),

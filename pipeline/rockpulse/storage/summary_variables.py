@@ -5,8 +5,9 @@ The order is that of the file, and of the columns of an export.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -17,12 +18,12 @@ from rockpulse.config.bodies import Bodies
 from rockpulse.config.configuration import Config
 from rockpulse.config.settings import SPACINGS
 from rockpulse.ladder import USED
-from rockpulse.record.intensity import arias_intensity, pgv
+from rockpulse.record.measures import PGA, ROWS, STORED, STORED_OF_BODIES, Measure, RecordOnBodies
 from rockpulse.remark import find, with_codes
 from rockpulse.storage.body_variables import BLOCK, CASE
 from rockpulse.storage.fact_variables import FACTS
 from rockpulse.storage.probability_variables import AT_DEMAND, PROBABILITY
-from rockpulse.storage.variables import NOT_KNOWN, Declared, along, flag, real, text, whole
+from rockpulse.storage.variables import NOT_KNOWN, Declared, StoredVariable, along, flag, real, text, whole
 
 __all__ = ["ANSWER", "BLOCK", "CASE", "DEMAND", "RECORD", "SUMMARY"]
 
@@ -60,6 +61,26 @@ def _of_strength(name: str) -> Callable[[Any], Any]:
     return lambda one: one.per_lane(one.strength[name])
 
 
+def _of_motion(measure: Measure, one: Any) -> Any:
+    return measure.value(RecordOnBodies(one.record, lambda: one.scene.waves))
+
+
+def _measured(measures: Iterable[Measure], take: Callable[[Measure], Callable[..., Any]]) -> dict[str, StoredVariable]:
+    """The variable of each measure, and after it whether a drifting baseline puts it in doubt."""
+    found = {}
+    for one in measures:
+        long_name = f"{one.meaning or one.long_name}{one.stored}"
+        found[one.name] = real(one.unit, long_name, take(one), of_ground=True, explanation=one.explanation)
+        if one.drifts:
+            found[f"{one.name}_drift"] = flag(
+                ("reliable", "drift"),
+                "whether the ground velocity does not come back to zero, so that the "
+                f"{one.title} may be off by as much",
+                lambda one: find(one.record.warnings, "baseline_drift") is not None,
+            )
+    return found
+
+
 def _vertical_channel(one: Any) -> str:
     acting = find(one.record.processing, "vertical_acceleration")
     return "" if acting is None else str(acting.values["record"])
@@ -91,25 +112,7 @@ RECORD = along(
         ),
         "npts": whole("number of samples", _of_record("npts"), of_ground=True),
         "dt": real("s", "sampling interval", _of_record("dt"), of_ground=True),
-        "pga": real("m s-2", "peak ground acceleration after conditioning", _of_record("pga"), of_ground=True),
-        "pgv": real(
-            "m s-1",
-            "peak ground velocity after conditioning, from rest at the first sample",
-            lambda one: pgv(one.record),
-            of_ground=True,
-        ),
-        "pgv_drift": flag(
-            ("reliable", "drift"),
-            "whether the ground velocity does not come back to zero, so that the PGV may be off by as much",
-            lambda one: find(one.record.warnings, "baseline_drift") is not None,
-        ),
-        "arias_intensity": real(
-            "m s-1",
-            "Arias intensity",
-            lambda one: arias_intensity(one.record),
-            of_ground=True,
-            explanation="after conditioning",
-        ),
+        **_measured(STORED, lambda measure: partial(_of_motion, measure)),
         "intense_start": real(
             "s",
             "start of the intense phase from the first sample",
@@ -163,19 +166,7 @@ RECORD = along(
 DEMAND = along(
     LANES,
     {
-        "uplift_ratio": real(
-            "1",
-            "PGA/(g tan alpha_c)",
-            _of_strength("uplift_ratio"),
-            of_ground=True,
-            explanation="over `uplift_acceleration`; of a body on a floor the PGA is the floor's",
-        ),
-        "velocity_ratio": real(
-            "1",
-            "p PGV/(g tan alpha_c)",
-            _of_strength("velocity_ratio"),
-            of_ground=True,
-        ),
+        **_measured(STORED_OF_BODIES, lambda measure: _of_strength(measure.name)),
         "impulse_ratio": real(
             "1",
             "I/I_1c; NaN where the record gave no sequence",
@@ -286,9 +277,6 @@ ANSWER = along(
     },
 )
 
-#: Units of the measures of a demand.
-_DEMAND_UNITS = {"pga": "m s-2", "pgv": "m s-1", "si": "m s-1", "velocity_ratio": "1", "sa": "m s-2"}
-
 CAPACITY_RATIO = real(
     "1",
     "safety factor over demand_factor; NaN where not computed",
@@ -314,13 +302,13 @@ SITE_DEMAND = {
         "demand_acceleration": real(
             "m s-2",
             "ground acceleration that the site asks for, a_g S; NaN for another measure",
-            lambda bodies, config: [one.strength if one.measure == "pga" else np.nan for one in config.demands],
+            lambda bodies, config: [one.strength if one.measure == PGA else np.nan for one in config.demands],
         ),
         "demand_measure": text("measure of the strength that the site asks for", _of_demands("measure"), since=4),
         "demand_value": real("1", "strength that the site asks for, in demand_units", _of_demands("strength"), since=4),
         "demand_units": text(
             "unit of demand_value",
-            lambda bodies, config: [_DEMAND_UNITS[one.measure] for one in config.demands],
+            lambda bodies, config: [ROWS[one.measure].unit for one in config.demands],
             since=4,
         ),
         "demand_period": real(

@@ -12,8 +12,9 @@ from rocking import Block
 from rockpulse.assessment.answers import answers_of
 from rockpulse.assessment.demand import demand_factors, stored_demands
 from rockpulse.assessment.verdict import verdicts
-from rockpulse.config.settings import DEMANDS, DemandSettings
+from rockpulse.config.settings import DemandSettings
 from rockpulse.record.intensity import pgv, spectral_acceleration, spectrum_intensity
+from rockpulse.record.measures import DEMAND, PERIODIC, ROWS, RecordOnBodies
 
 BODIES = {"wall": Block(half_width=0.15, half_height=1.2), "stele": Block(half_width=0.2, half_height=1.5)}
 LANES = Block.stack([body.lanes(1) for body in BODIES.values()])
@@ -55,16 +56,16 @@ RECORDS = [channel(number, azimuth, 2.0 + number * 0.2) for number in range(5) f
 def test_a_pair_has_one_factor_from_the_geometric_mean_of_its_channels(demand, measured):
     asked = DemandSettings(name="ULS", **demand)
     pair = RECORDS[:2]
-    found = demand_factors(pair, LANES, [asked])
+    found = demand_factors(pair, LANES, rp.Config(demands=(asked,)))
     assert found == pytest.approx(np.full((2, 1), asked.strength / np.sqrt(measured(pair[0]) * measured(pair[1]))))
-    alone = demand_factors(pair[:1], LANES, [asked])[0, 0]
+    alone = demand_factors(pair[:1], LANES, rp.Config(demands=(asked,)))[0, 0]
     scaled = dataclasses.replace(pair[0], acceleration=alone * pair[0].acceleration)
     assert measured(scaled) == pytest.approx(asked.strength, rel=1e-9)
 
 
 def test_every_demand_has_a_column_of_its_own():
     asked = [DemandSettings(name=str(value), value=value) for value in (3.0, 4.5, 1.0)]
-    found = demand_factors(RECORDS[2:3], LANES, asked)
+    found = demand_factors(RECORDS[2:3], LANES, rp.Config(demands=tuple(asked)))
     assert found == pytest.approx(np.array([[3.0, 4.5, 1.0]] * 2) / RECORDS[2].pga)
 
 
@@ -94,17 +95,21 @@ def test_the_demands_of_a_file_are_told_with_their_measure_and_unit():
 
 
 def test_a_velocity_ratio_asks_each_body_for_its_own_factor():
-    found = demand_factors(RECORDS[:1], LANES, [DemandSettings(name="ULS", measure="velocity_ratio", value=0.8)])
+    found = demand_factors(
+        RECORDS[:1], LANES, rp.Config(demands=(DemandSettings(name="ULS", measure="velocity_ratio", value=0.8),))
+    )
     expected = 0.8 * LANES.gravity * np.tan(LANES.alpha_c) / (LANES.p * pgv(RECORDS[0]))
     assert found[:, 0] == pytest.approx(expected)
 
 
-@pytest.mark.parametrize("measure", DEMANDS)
+@pytest.mark.parametrize("measure", DEMAND)
 def test_the_verdict_at_a_demand_is_that_of_the_records_scaled_by_hand(measure):
-    value = {"pga": 2.5, "pgv": 0.5, "si": 0.6, "velocity_ratio": 0.6, "sa": 7.0}[measure]
-    asked = DemandSettings(name="ULS", measure=measure, value=value, period=0.8 if measure == "sa" else None)
-    config = rp.Config(models=rp.ModelSettings(use=["nonlinear"]), demands=(asked,))
     bodies = dict([*BODIES.items()][:1])  # a velocity ratio asks another factor of another body
+    row, period = ROWS[measure], 0.8 if measure in PERIODIC else None
+    on = RecordOnBodies.slender(RECORDS[0], lambda: rp.half_waves(RECORDS[0]), LANES.chosen(slice(1)))
+    value = 1.1 * float(np.squeeze(row.at(period).value(on)))
+    asked = DemandSettings(name="ULS", measure=measure, value=value, period=period)
+    config = rp.Config(models=rp.ModelSettings(use=["nonlinear"]), demands=(asked,))
     tree = rp.assess(RECORDS, config, bodies)
     factor = tree["summary"]["demand_factor"].squeeze().values
     assert np.all(factor[::2] == factor[1::2])

@@ -13,11 +13,12 @@ from hypothesis import strategies as st
 
 import rockpulse as rp
 from rockpulse import BlockSettings
-from rockpulse.config.configuration import Config, load_config
+from rockpulse.commands.init_config import template
+from rockpulse.config.configuration import Config, config_from_text, load_config
 from rockpulse.config.settings import SECTIONS
 from rockpulse.errors import ConfigError
 
-TEMPLATE = Path(rp.__file__).parent / "config" / "template.toml"
+TEMPLATE = template()
 SITE = Path(__file__).parents[3] / "data" / "samples" / "site.toml"
 
 
@@ -36,14 +37,13 @@ def test_an_empty_file_gives_the_defaults(load):
 
 
 def test_defaults_are_those_of_the_template():
-    template = load_config(TEMPLATE)
-    assert dataclasses.replace(template, blocks=()) == Config()
-    assert template.blocks == (BlockSettings(name="block", width=0.6, height=2.4),)
+    found = config_from_text(TEMPLATE)
+    assert dataclasses.replace(found, blocks=()) == Config()
+    assert found.blocks == (BlockSettings(name="block", width=0.6, height=2.4),)
 
 
-@pytest.mark.parametrize("path", [TEMPLATE, SITE], ids=["template", "site"])
-def test_every_key_is_shown_and_commented(path):
-    text = path.read_text(encoding="utf-8")
+@pytest.mark.parametrize("text", [TEMPLATE, SITE.read_text(encoding="utf-8")], ids=["template", "site"])
+def test_every_key_is_shown_and_commented(text):
     for name, section in {**SECTIONS, "block": BlockSettings}.items():
         heading = "[[block]]" if name == "block" else f"[{name}]"
         part = text.partition(heading)[2].partition("\n[")[0]
@@ -56,7 +56,7 @@ def test_every_key_is_shown_and_commented(path):
 
 @pytest.mark.parametrize("name", SECTIONS)
 def test_every_allowed_word_is_in_the_template(name):
-    part = TEMPLATE.read_text(encoding="utf-8").partition(f"[{name}]")[2].partition("\n[")[0]
+    part = TEMPLATE.partition(f"[{name}]")[2].partition("\n[")[0]
     for field in dataclasses.fields(SECTIONS[name]):
         for word in field.metadata["values"].words:
             assert f'"{word}"' in part, (field.name, word)

@@ -23,7 +23,6 @@ def test_python_values_are_checked_like_those_of_a_file():
 
 def test_the_words_are_those_of_the_modules_that_act_on_them():
     from rocking.sequence import SPACINGS
-    from rockpulse.assessment import demand
     from rockpulse.calibration import estimators
     from rockpulse.config import settings
     from rockpulse.motions.directions import DIRECTIONS
@@ -31,16 +30,13 @@ def test_the_words_are_those_of_the_modules_that_act_on_them():
     from rockpulse.record.conditioning import BASELINES
     from rockpulse.record.intensity import INTENSE_PHASES
     from rockpulse.studies.site.design import DESIGN
-    from rockpulse.studies.site.scaling import MEASURE
 
     assert ("horizontal", *DIRECTIONS) == settings.COMPONENTS
-    assert set(settings.DEMANDS) == set(demand._STRENGTH)
     assert tuple(RESPONSES) == settings.RESPONSES
     assert tuple(BASELINES) == settings.BASELINES
     assert tuple(INTENSE_PHASES) == settings.PHASES
     assert tuple(SPACINGS) == settings.SPACINGS
     assert tuple(DESIGN) == settings.DESIGNS
-    assert ("none", *MEASURE) == settings.SCALES
     for stated, table in (
         (settings.MAINS, estimators.MAIN),
         (settings.SECONDARIES, estimators.SECONDARY),

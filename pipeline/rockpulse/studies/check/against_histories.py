@@ -30,7 +30,6 @@ from rockpulse.studies.rule.cases import StrongMotion
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["ALLOWED", "LEVELS", "check_cases", "check_rates", "check_study"]
 
 #: Factors on each record at which cases are counted [-].
 LEVELS = (0.5, 1.0, 2.0)

@@ -37,16 +37,6 @@ from rockpulse.studies.check.spectra import (
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = [
-    "Checked",
-    "circolare_2009",
-    "circolare_2019",
-    "code_check",
-    "en_1998",
-    "floor_peak",
-    "floor_spectrum",
-    "worst",
-]
 
 #: Circolare 617/2009: d_u* over d_0*, and d_s* over d_u* [-].
 ULTIMATE, SECANT = 0.4, 0.4

@@ -16,7 +16,6 @@ from rockpulse.config.configuration import Config, config_from_text
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["of_histories"]
 
 #: Settings of a body that no code asks for: with others it is still the same body.
 NOT_OF_A_CODE = {"name", "restitution", "rebound", "facing", "azimuth", "friction", "confirm_size"}

@@ -14,8 +14,6 @@ from rockpulse.config.check_settings import CheckSettings
 from rockpulse.studies.check.codes import circolare_2009, worst
 from rockpulse.studies.check.mechanism import senses_of
 
-__all__ = ["KinematicCheck", "kinematic_check"]
-
 
 class KinematicCheck(NamedTuple):
     """The kinematic check of (m,) blocks.

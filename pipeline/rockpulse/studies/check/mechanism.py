@@ -21,8 +21,6 @@ from rocking.block import STANDARD_GRAVITY, Block
 from rocking.restraint import Load, Restraints
 from rockpulse.config.block_settings import BlockSettings
 
-__all__ = ["SENSES", "Force", "Mechanism", "Weight", "mechanisms", "senses_of"]
-
 #: What the senses of :func:`senses_of` are called.
 SENSES = ("positive", "negative")
 

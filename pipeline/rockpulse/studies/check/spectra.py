@@ -21,17 +21,6 @@ from rockpulse.input_file import read_text
 from rockpulse.input_table import numbers, table_of
 from rockpulse.record.record import STANDARD_GRAVITY
 
-__all__ = [
-    "CodeSpectrum",
-    "DemandSpectrum",
-    "ElasticSpectrum",
-    "TableEnds",
-    "TabledSpectrum",
-    "damping_factor",
-    "displacement_of",
-    "spectrum_of",
-]
-
 #: S, T_B, T_C, T_D [s] of the ground types of EN 1998-1: Tables 3.2 and 3.3.
 EN_1998 = {
     "en_1998_1": {

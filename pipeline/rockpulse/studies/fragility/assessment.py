@@ -25,8 +25,6 @@ from rockpulse.studies.fragility.results import build_fragility_tree
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["FragilityAnalysis", "fragility_curves"]
-
 
 def fragility_curves(
     records: Iterable[Record],

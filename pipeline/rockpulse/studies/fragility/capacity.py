@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -18,11 +19,14 @@ from rockpulse.motions.directions import Motion
 from rockpulse.motions.runner import Part, Watch
 from rockpulse.motions.tables import Selection
 from rockpulse.record.components import Pair
+from rockpulse.record.intensity import pgv
+from rockpulse.record.measures import MEASURES, RecordOnBodies
 from rockpulse.storage.fact_variables import FACTS, facts_of
+from rockpulse.storage.fragility_variables import QUALITIES
 from rockpulse.studies.fragility.limit_states import NOT_KNOWN, reached_at, scale_capacities
-from rockpulse.studies.fragility.measures import QUALITIES, record_measures, record_qualities
 
-__all__ = ["Lanes", "motion_capacity", "nothing"]
+#: Half-waves with more than this share of the largest impulse are strong.
+STRONG_SHARE = 0.5
 
 
 class Lanes(NamedTuple):
@@ -39,7 +43,7 @@ def motion_capacity(
     """The capacities of (m,) lanes under one motion, as arrays.
 
     "measures" (1, k, m) are those of the ground's motion as it is, in the direction of each body and in the order of
-    ``[fragility] measures``, "qualities" (1, c) those of :data:`rockpulse.studies.fragility.measures.QUALITIES`. An
+    ``[fragility] measures``, "qualities" (1, c) those of :data:`rockpulse.storage.fragility_variables.QUALITIES`. An
     incremental analysis adds "factors" (1, s, m), the first that reaches each limit state, inf where none does, and
     "step" (1, m), the ratio of neighbouring factors of the scan; others add "factors" (1, r, m), those that were looked
     at, "reached" (1, s, r, m), whether the limit state was, and "weight" (1, r). Beyond ``[fragility] factors`` a
@@ -91,6 +95,22 @@ def motion_capacity(
             }
         )
     return {name: np.array([row[name] for row in rows]) for name in rows[0]}
+
+
+def record_measures(scene: Scene, block: Block, names: tuple[str, ...]) -> np.ndarray:
+    """The k named measures of a record as it is, (k, m) in the unit of each, for (m,) lanes."""
+    on = RecordOnBodies.slender(scene.record, lambda: scene.waves, block.weaker)
+    return np.stack([np.broadcast_to(MEASURES[name].value(on), block.shape) for name in names])
+
+
+def record_qualities(scene: Scene) -> dict[str, float]:
+    """Properties of a record on which a measure should not depend, by the names of QUALITIES."""
+    sizes = np.abs(scene.waves.between(scene.phase.start, scene.phase.end).impulse)
+    return {
+        "duration": scene.phase.duration,
+        "period": 2.0 * math.pi * pgv(scene.record) / scene.record.pga,
+        "strong_half_waves": float(np.count_nonzero(sizes > STRONG_SHARE * np.max(sizes, initial=0.0))),
+    }
 
 
 def _reversed(scene: Scene) -> Scene:

@@ -16,30 +16,17 @@ from scipy.special import stdtrit
 
 from rocking.quantities import ArrayLike
 from rockpulse.errors import ConfigError
+from rockpulse.motions.events import FEWEST_EVENTS
 from rockpulse.remark import as_stored
-from rockpulse.studies.fragility.likelihood import FAMILIES, Family, maximise
-from rockpulse.studies.fragility.observations import ABOVE, EXACT, NOT_ABOVE, Observations
+from rockpulse.storage.fragility_variables import Band, Extrapolated, Status
+from rockpulse.studies.fragility.likelihood import ABOVE, EXACT, FAMILIES, NOT_ABOVE, Family, Observations, maximise
 from rockpulse.studies.fragility.statements import (
-    FEWEST_EVENTS,
     STATEMENTS,
-    Band,
-    Extrapolated,
-    Status,
     band_statement,
     extrapolated,
     extrapolation_statement,
     missing,
 )
-
-__all__ = [
-    "Curve",
-    "fit_capacities",
-    "fit_curve",
-    "fit_stripes",
-    "half_width",
-    "jackknife_error",
-    "standardised",
-]
 
 
 @dataclass(frozen=True, eq=False)

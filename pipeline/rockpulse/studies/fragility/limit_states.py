@@ -15,8 +15,6 @@ from rocking.response import Outcome
 from rockpulse.config.fragility_settings import OVERTURNING, UPLIFT
 from rockpulse.ladder import Scene
 
-__all__ = ["NOT_KNOWN", "Capacities", "limit_state_names", "reached_at", "scale_capacities"]
-
 #: Stands for a motion that the model cannot resolve.
 NOT_KNOWN = -1
 

@@ -13,6 +13,7 @@ from rockpulse.config.configuration import Config
 from rockpulse.failures import Failure
 from rockpulse.motions.runner import Part
 from rockpulse.motions.tables import Selection
+from rockpulse.record.measures import MEASURES, REFERENCE
 from rockpulse.storage.fragility_variables import (
     CAPACITIES,
     COORDINATES,
@@ -22,20 +23,15 @@ from rockpulse.storage.fragility_variables import (
     FRAGILITY,
     IDA,
     POOLED,
+    QUALITIES,
     STRIPES,
+    TESTED,
     Status,
 )
 from rockpulse.storage.variables import failure_table, with_values
 from rockpulse.studies.fragility.curves import Curve
-from rockpulse.studies.fragility.efficiency import dispersion_ratio
-from rockpulse.studies.fragility.ensemble import Ensemble, Fits, fit_ensemble, gather
+from rockpulse.studies.fragility.ensemble import Ensemble, Fits, dispersion_ratio, fit_ensemble, gather
 from rockpulse.studies.fragility.limit_states import limit_state_names
-from rockpulse.studies.fragility.measures import MEASURES, QUALITIES, TESTED
-
-__all__ = ["build_fragility_tree"]
-
-#: The measure that dispersions are compared with.
-REFERENCE = "velocity_ratio"
 
 #: Points of a curve, and how many dispersions they reach beyond the outermost medians of a body.
 POINTS, REACH = 41, 3.0
@@ -89,7 +85,7 @@ def _curves(
         **{name: fits.of(name) for name in CURVE},
         "level": level,
         **dict(zip(("probability", "probability_low", "probability_high"), probability, strict=True)),
-        "measure_units": [MEASURES[key].units for key in measures],
+        "measure_units": [MEASURES[key].unit for key in measures],
         "measure_long_name": [MEASURES[key].long_name for key in measures],
         **{name: getattr(block, name) for name in ("alpha_c", "p", "restitution")},
         "uplift_acceleration": uplift,

@@ -10,17 +10,7 @@ import numpy as np
 from rockpulse.motions.events import FEWEST_EVENTS
 from rockpulse.remark import Remark, counted
 from rockpulse.storage.fragility_variables import Band, Extrapolated, Status
-from rockpulse.studies.fragility.likelihood import has_maximum
-from rockpulse.studies.fragility.observations import ABOVE, EXACT, NOT_ABOVE, Observations
-
-__all__ = [
-    "FEWEST_EVENTS",
-    "STATEMENTS",
-    "band_statement",
-    "extrapolated",
-    "extrapolation_statement",
-    "missing",
-]
+from rockpulse.studies.fragility.likelihood import ABOVE, EXACT, NOT_ABOVE, Observations, has_maximum
 
 #: Relative difference of capacities that are the same but for rounding.
 EQUAL = 1e-9

@@ -1,24 +1,29 @@
-"""The probability of overturning of free bodies under each record, at levels of a measure, from stored spectra."""
+"""The fragility of free bodies over an intensity measure, from the stored overturning spectra of records.
+
+.. note:: At the level x of a measure a record of the value m acts with the factor x/m, so its effective impulse on a
+   body is S x/m, and the body overturns where that exceeds g tan(alpha)/p. Over records ln(S/m) has a mean and a
+   standard deviation, earthquakes alike: P(overturning | x) is the normal distribution of (ln x + mean - ln(g
+   tan(alpha)/p))/deviation. Beside it stands the mean of the records' own probabilities, which assumes no distribution.
+"""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
+from scipy.special import ndtr
 
 from rocking.block import Block
 from rockpulse.calibration.design_spectrum import at_blocks, within
 from rockpulse.errors import ConfigError, ResultsError
+from rockpulse.record.measures import PGA, STORED_LEVELS
+from rockpulse.storage.risk_variables import FREE_FRAGILITY
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["BodyCurves", "chosen", "curves_in_parts", "event_weights", "spectra_of"]
-
-#: Measures that every results file holds of its records.
-MEASURED = ("pga", "pgv")
 
 #: Pairs of a body and a record that are worked on at once.
 AT_ONCE = 30_000
@@ -93,8 +98,9 @@ def spectra_of(results: xr.DataTree, measure: str) -> tuple[xr.Dataset, xr.Datas
 
     ConfigError for a measure that results do not hold, ResultsError without spectra.
     """
-    if measure not in MEASURED:
-        raise ConfigError(f"measure: expected one of {' or '.join(MEASURED)}, which results hold, got {measure}")
+    measured = [one.name for one in STORED_LEVELS]
+    if measure not in measured:
+        raise ConfigError(f"measure: expected one of {' or '.join(measured)}, which results hold, got {measure}")
     if "spectra" not in results.children:
         raise ResultsError("results: expected those of rockpulse assess with overturning spectra, found none")
     spectra = results["spectra"].to_dataset()
@@ -116,3 +122,69 @@ def event_weights(events: list[str]) -> np.ndarray:
     """Weights (k, r) of records in the mean of each of k earthquakes."""
     names, place, counts = np.unique(events, return_inverse=True, return_counts=True)
     return np.asarray((place == np.arange(names.size)[:, np.newaxis]) / counts[:, np.newaxis])
+
+
+def free_body_fragility(results: xr.DataTree, block: Block, levels: Any, measure: str = PGA) -> xr.Dataset:
+    """The probability of overturning of free bodies at levels of an intensity measure.
+
+    Parameters
+    ----------
+    results : xarray.DataTree
+        Of :func:`rockpulse.assess`, with the spectra at the p of these bodies (``[uncertainty] spectrum = "all"``).
+    block : Block
+        (m,) slender free-standing bodies.
+    levels : (n,) array_like
+        Of the measure, positive [m/s2 or m/s].
+    measure : str
+        "pga" or "pgv", of one component as the records were assessed.
+
+    Returns
+    -------
+    xarray.Dataset
+        Over (body, level): `probability`, the mean of those of the records, and `lognormal`, by the `median` and
+        `dispersion` of S over (body). In PGA they are 0 below g tan(alpha). NaN for a body that the spectra do not
+        stand for.
+
+    Raises
+    ------
+    ResultsError
+        For results without spectra, or with gaps at the p of the bodies.
+    ConfigError
+        For another measure, or levels that are not positive.
+
+    Examples
+    --------
+    >>> import numpy as np, rockpulse as rp
+    >>> t = np.arange(0.0, 4.0, 0.01)
+    >>> shake = [
+    ...     rp.Record(3.0 * np.sin(2.0 * np.pi * f * t), dt=0.01, id=f"sine {f}", processed=True) for f in (0.7, 1.1)
+    ... ]
+    >>> config = rp.Config(uncertainty=rp.UncertaintySettings(spectrum="all"))
+    >>> tree = rp.assess(shake, config, blocks={"pier": rp.models.Block(width=1.0, height=5.0)})
+    >>> found = rp.free_body_fragility(tree, rp.models.Block(width=[1.0], height=[5.0]), [1.0, 3.0, 30.0])
+    >>> bool(found["probability"][0, 0] == 0.0), bool(found["probability"][0, 2] > 0.9)
+    (True, True)
+    """
+    import xarray as xr
+
+    at = np.atleast_1d(np.asarray(levels, dtype=float))
+    spectra, summary = spectra_of(results, measure)
+    if at.ndim != 1 or not np.all(np.isfinite(at) & (at > 0.0)):
+        raise ConfigError(f"levels: expected positive numbers, got {levels!r:.80}")
+    lanes = block if block.shape else block.lanes(1)
+    weights = event_weights([str(event) for event in summary["event"].values]).mean(axis=0)
+    found = {
+        name: np.full((lanes.shape[0], *([at.size] if "level" in one.dims else [])), np.nan)
+        for name, one in FREE_FRAGILITY.items()
+    }
+    for places, curves in curves_in_parts(spectra, summary, lanes, measure):
+        middle, deviation = curves.scatter(weights)
+        moves = np.log(at) > curves.floor[:, np.newaxis] if measure == PGA else np.ones((places.size, at.size))
+        over = (np.log(at) - middle[:, np.newaxis]) / deviation[:, np.newaxis]
+        of_records = [curves.read_at(curves.probability, np.full((1, 1), one)) @ weights for one in np.log(at)]
+        found["lognormal"][places] = moves * ndtr(over)
+        found["probability"][places] = moves * np.stack(of_records, axis=1)
+        found["median"][places], found["dispersion"][places] = np.exp(middle), deviation
+    return xr.Dataset(
+        {name: one.variable(found[name]) for name, one in FREE_FRAGILITY.items()}, {"level": at}, {"measure": measure}
+    )

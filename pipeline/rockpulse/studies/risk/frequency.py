@@ -8,27 +8,65 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from rockpulse.config.configuration import Config
 from rockpulse.config.fragility_settings import OVERTURNING, UPLIFT
 from rockpulse.errors import ConfigError, ResultsError
+from rockpulse.record.measures import PGA
 from rockpulse.storage.fragility_variables import FRAGILITY, Status
 from rockpulse.storage.risk_variables import RISK, RiskStatus
 from rockpulse.studies.fragility.ensemble import stored_ensemble
-from rockpulse.studies.fragility.likelihood import FAMILIES, Family
-from rockpulse.studies.fragility.observations import ABOVE, NOT_ABOVE, Observations
+from rockpulse.studies.fragility.likelihood import ABOVE, FAMILIES, NOT_ABOVE, Family, Observations
 from rockpulse.studies.fragility.statements import STATEMENTS, missing
-from rockpulse.studies.risk.assumptions import fragility_assumed, hazard_assumed, several_events
-from rockpulse.studies.risk.bands import FEWEST_EVENTS, LEAST_EVENTS, band_of, fitted_lines
 from rockpulse.studies.risk.hazard import Hazard, HazardCurve, PowerLawHazard
-from rockpulse.studies.risk.integral import Integral, integrate
+from rockpulse.studies.risk.integral import FEWEST_EVENTS, LEAST_EVENTS, Integral, band_of, fitted_lines, integrate
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["OUTSIDE", "annual_frequency"]
+
+#: The horizontal component that a hazard has to be of, by [records] components.
+COMPONENTS = {
+    "horizontal": "any single horizontal component, as each channel is a motion of its own, not the larger of two",
+    "azimuth": "a single horizontal component in a given direction, not the larger of two",
+    "strongest": "the horizontal component in the direction of the strongest motion, not of any single one",
+    "sweep": "any single horizontal component, as each direction is a motion of its own, not the larger of two",
+}
+
+#: What the fragility is the probability of, by [fragility] data.
+DATA = {
+    "stripes": "records scaled to levels (stripes)",
+    "ida": (
+        "the first level at which each record reaches the limit state (ida); a body may stand at higher ones, so the "
+        "frequency is none too small"
+    ),
+    "cloud": "records as they are, not scaled (cloud)",
+}
+
+
+def several_events(count: int) -> str:
+    """The number of earthquakes in words."""
+    return "1 earthquake" if count == 1 else f"{count} earthquakes"
+
+
+def hazard_assumed(remarks: Iterable[str], config: Config) -> str:
+    """The remarks on a hazard, and for which ground and which component it has to be given."""
+    wanted = f"to be of the ground below the bodies, and of {COMPONENTS[config.records.components]}"
+    return "; ".join([*remarks, wanted])
+
+
+def fragility_assumed(config: Config, model: str, records: int, events: int) -> str:
+    """The fragility of a file: its data, its distribution, and how records count."""
+    settings = config.fragility
+    of = "records chosen elsewhere" if settings.selection is not None else DATA[settings.data]
+    alike = "by their weights" if settings.selection is not None else "alike"
+    shown = f"{records} record{'' if records == 1 else 's'} of {several_events(events)}"
+    return f"of {of}; {model}, {settings.equation} equation, {shown}, in which records count {alike}"
+
 
 #: Share of a frequency that comes from levels that nothing was looked at, from which on that is told.
 OUTSIDE = 0.1
@@ -258,7 +296,7 @@ def _floors(table: xr.Dataset, hazard: Hazard) -> list[float]:
 
     Only a PGA tells: it lifts a body on the ground, or it does not.
     """
-    if hazard.measure != "pga" or "uplift_acceleration" not in table:
+    if hazard.measure != PGA or "uplift_acceleration" not in table:
         return [-math.inf] * table.sizes["block"]
     lifting = table["uplift_acceleration"].values
     return np.where(np.isnan(lifting), -math.inf, np.log(np.where(np.isnan(lifting), 1.0, lifting))).tolist()

@@ -1,4 +1,4 @@
-"""How often the ground exceeds a level of an intensity measure: a power law, or a tabled hazard curve.
+"""How often the ground exceeds a level of an intensity measure: a power law, a table, or one of each body.
 
 .. note:: A hazard is an annual rate of exceedance H over levels x in SI units. Between its points a curve is straight
    in the logarithms; beyond them it goes on with its outermost slopes, which is told wherever it matters. A hazard of
@@ -8,25 +8,21 @@
 from __future__ import annotations
 
 import math
+from abc import ABC, abstractmethod
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import TypeAlias
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from rockpulse.config.hazard_settings import HAZARD_MEASURES
 from rockpulse.errors import ConfigError
-from rockpulse.record.record import STANDARD_GRAVITY
-
-__all__ = ["Hazard", "HazardCurve", "PowerLawHazard", "known_measure", "unit_factor"]
-
-#: Units of the levels, by the kind of the measure, as factors to SI.
-ACCELERATIONS = {"m/s2": 1.0, "g": STANDARD_GRAVITY, "g/10": 0.1 * STANDARD_GRAVITY, "cm/s2": 0.01, "gal": 0.01}
-VELOCITIES = {"m/s": 1.0, "cm/s": 0.01}
+from rockpulse.record.measures import HAZARD, MEASURES, PGA
 
 
 def unit_factor(measure: str, unit: str, where: str) -> float:
     """A unit of a measure in SI units; ConfigError for a unit of something else."""
-    known = VELOCITIES if measure in ("pgv", "si") else ACCELERATIONS
+    known = MEASURES[measure].known_units
     if unit not in known:
         raise ConfigError(f"{where}: expected a unit of {measure} among {', '.join(known)}, found {unit!r}")
     return known[unit]
@@ -34,31 +30,49 @@ def unit_factor(measure: str, unit: str, where: str) -> float:
 
 def known_measure(measure: str, where: str) -> str:
     """The measure itself; ConfigError where hazards are not given in it."""
-    if measure not in HAZARD_MEASURES:
-        raise ConfigError(f"{where}: expected a measure among {', '.join(HAZARD_MEASURES)}, found {measure!r}")
+    if measure not in HAZARD:
+        raise ConfigError(f"{where}: expected a measure among {', '.join(HAZARD)}, found {measure!r}")
     return measure
 
 
-def _checked_unit(measure: str, unit: str, where: str) -> str:
-    """The unit, that in SI where it is empty; ConfigError for an unknown measure or a unit that it does not have."""
-    known_measure(measure, f"{where} measure")
-    unit = unit or ("m/s" if measure in ("pgv", "si") else "m/s2")
-    unit_factor(measure, unit, f"{where} unit")
-    return unit
+class _Hazard(ABC):
+    """What both kinds of hazard have in common."""
 
+    measure: str
+    unit: str
+    soil_factor: float
 
-def _check_positive(where: str, **values: float) -> None:
-    for name, value in values.items():
-        if not (isinstance(value, (int, float)) and math.isfinite(value) and value > 0.0):
-            raise ConfigError(f"{where} {name}: expected a positive number, found {value!r}")
+    def _check(self, where: str, **positive: float) -> None:
+        """Put the unit in SI where there is none; ConfigError for an unknown measure or unit, or a number below 0."""
+        known_measure(self.measure, f"{where} measure")
+        object.__setattr__(self, "unit", self.unit or MEASURES[self.measure].shown_unit)
+        unit_factor(self.measure, self.unit, f"{where} unit")
+        for name, value in {**positive, "soil_factor": self.soil_factor}.items():
+            if not (isinstance(value, (int, float)) and math.isfinite(value) and value > 0.0):
+                raise ConfigError(f"{where} {name}: expected a positive number, found {value!r}")
 
+    @property
+    def unit_in_si(self) -> float:
+        """The unit in SI units."""
+        return MEASURES[self.measure].known_units[self.unit]
 
-def _on_soil(soil_factor: float) -> str:
-    return "" if soil_factor == 1.0 else f", levels times the soil factor {soil_factor:g}"
+    @property
+    def _levels(self) -> str:
+        """The levels in words."""
+        on_soil = "" if self.soil_factor == 1.0 else f", levels times the soil factor {self.soil_factor:g}"
+        return f"{self.measure} in {self.unit}{on_soil}"
+
+    def rate(self, level: np.ndarray | float) -> np.ndarray:
+        """Annual rate of exceedance [1/year] at levels in SI units."""
+        return np.exp(self.log_rate(np.log(np.asarray(level, dtype=float))))
+
+    @abstractmethod
+    def log_rate(self, log_level: np.ndarray) -> np.ndarray:
+        """ln of the rate at logarithms of levels in SI units."""
 
 
 @dataclass(frozen=True)
-class PowerLawHazard:
+class PowerLawHazard(_Hazard):
     """The annual rate of exceedance k0 x^-k.
 
     Attributes
@@ -68,9 +82,9 @@ class PowerLawHazard:
     k : float
         Slope in the logarithms [-].
     measure : str
-        Intensity measure, of those that fragility knows: pga, pgv, si, sa_0.5, sa_1, sa_2.
+        Intensity measure, of those that serve hazards in :data:`rockpulse.record.measures.MEASURES`, such as "pga".
     unit : str
-        Of the level at which k0 is meant: "m/s2", "g", "cm/s2", or "m/s", "cm/s" of pgv and si; that in SI without.
+        Of the level at which k0 is meant: "m/s2", "g", "cm/s2", or "m/s", "cm/s" of a velocity; that in SI without.
     soil_factor : float
         Levels at the ground of the site over those that k0 and k are meant for [-].
     remarks : tuple of str
@@ -90,19 +104,13 @@ class PowerLawHazard:
 
     k0: float
     k: float
-    measure: str = "pga"
+    measure: str = PGA
     unit: str = ""
     soil_factor: float = 1.0
     remarks: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
-        _check_positive("[hazard]", k0=self.k0, k=self.k, soil_factor=self.soil_factor)
-        object.__setattr__(self, "unit", _checked_unit(self.measure, self.unit, "[hazard]"))
-
-    @property
-    def unit_in_si(self) -> float:
-        """The unit in SI units."""
-        return unit_factor(self.measure, self.unit, "hazard")
+        self._check("[hazard]", k0=self.k0, k=self.k)
 
     @property
     def knots(self) -> np.ndarray:
@@ -117,16 +125,12 @@ class PowerLawHazard:
     @property
     def words(self) -> str:
         """What the hazard is, in words."""
-        return f"power law {self.k0:g} x^-{self.k:g} of {self.measure} in {self.unit}{_on_soil(self.soil_factor)}"
+        return f"power law {self.k0:g} x^-{self.k:g} of {self._levels}"
 
     @property
     def slopes(self) -> np.ndarray:
         """The slopes in the logarithms, from low levels to high ones."""
         return np.array([self.k])
-
-    def rate(self, level: np.ndarray | float) -> np.ndarray:
-        """Annual rate of exceedance [1/year] at levels in SI units."""
-        return np.exp(self.log_rate(np.log(np.asarray(level, dtype=float))))
 
     def log_rate(self, log_level: np.ndarray) -> np.ndarray:
         """ln of the rate at logarithms of levels in SI units."""
@@ -143,7 +147,7 @@ class PowerLawHazard:
 
 
 @dataclass(frozen=True, eq=False)
-class HazardCurve:
+class HazardCurve(_Hazard):
     """A tabled hazard curve.
 
     Attributes
@@ -188,8 +192,7 @@ class HazardCurve:
 
     def __post_init__(self) -> None:
         level, rates = np.asarray(self.level, dtype=float), np.asarray(self.rates, dtype=float)
-        object.__setattr__(self, "unit", _checked_unit(self.measure, self.unit, self.source))
-        _check_positive(self.source, soil_factor=self.soil_factor)
+        self._check(self.source)
         if level.ndim != 1 or level.shape != rates.shape or level.size < 2:
             raise ConfigError(
                 f"{self.source}: expected as many rates as levels, two or more, found {rates.size} and {level.size}"
@@ -209,11 +212,6 @@ class HazardCurve:
             object.__setattr__(self, name, value)
 
     @property
-    def unit_in_si(self) -> float:
-        """The unit in SI units."""
-        return unit_factor(self.measure, self.unit, self.source)
-
-    @property
     def covered(self) -> tuple[float, float]:
         """Levels between which the hazard was given, at the ground of the site."""
         return float(self.level[0] * self.soil_factor), float(self.level[-1] * self.soil_factor)
@@ -221,14 +219,10 @@ class HazardCurve:
     @property
     def words(self) -> str:
         """What the hazard is, in words."""
-        return f"{self.source}: {self.level.size} points of {self.measure} in {self.unit}{_on_soil(self.soil_factor)}"
+        return f"{self.source}: {self.level.size} points of {self._levels}"
 
     def _piece(self, log_level: np.ndarray) -> np.ndarray:
         return np.clip(np.searchsorted(self.knots, log_level, side="right") - 1, 0, self.slopes.size - 1)
-
-    def rate(self, level: np.ndarray | float) -> np.ndarray:
-        """Annual rate of exceedance [1/year] at levels in SI units."""
-        return np.exp(self.log_rate(np.log(np.asarray(level, dtype=float))))
 
     def log_rate(self, log_level: np.ndarray) -> np.ndarray:
         """ln of the rate at logarithms of levels in SI units."""
@@ -259,3 +253,135 @@ class HazardCurve:
 
 #: Either of them.
 Hazard: TypeAlias = PowerLawHazard | HazardCurve
+
+
+@dataclass(frozen=True, eq=False)
+class SiteHazards:
+    """A hazard for each of m bodies; those of one site and soil factor share it.
+
+    Made by :func:`rockpulse.load_site_hazards`.
+
+    Attributes
+    ----------
+    hazards : tuple of PowerLawHazard or HazardCurve
+        The different ones, all of one measure and unit.
+    of_body : (m,) ndarray
+        The number of the hazard of each body.
+    distance : (m,) ndarray
+        From the site of each body to the place that its hazard was computed for [m]; NaN where that is not known.
+
+    Raises
+    ------
+    ConfigError
+        For no hazard, hazards of several measures or units, or numbers of hazards that there are not.
+    """
+
+    hazards: tuple[Hazard, ...]
+    of_body: np.ndarray
+    distance: np.ndarray
+
+    def __post_init__(self) -> None:
+        kinds = {(one.measure, one.unit) for one in self.hazards}
+        if len(kinds) != 1:
+            found = ", ".join(f"{measure} in {unit}" for measure, unit in sorted(kinds))
+            raise ConfigError(f"hazards: expected one measure in one unit, found {found or 'no hazard'}")
+        numbers, distance = np.asarray(self.of_body), np.asarray(self.distance, dtype=float)
+        known = np.issubdtype(numbers.dtype, np.integer) and numbers.ndim == 1
+        if not known or distance.shape != numbers.shape or np.any((numbers < 0) | (numbers >= len(self.hazards))):
+            raise ConfigError(
+                f"of_body, distance: expected for each body a number from 0 to {len(self.hazards) - 1} and a distance, "
+                f"got {self.of_body!r:.80}, {self.distance!r:.80}"
+            )
+        object.__setattr__(self, "of_body", numbers)
+        object.__setattr__(self, "distance", distance)
+
+    @classmethod
+    def of_all(cls, hazard: Hazard, count: int) -> SiteHazards:
+        """One hazard for so many bodies."""
+        return cls((hazard,), np.zeros(count, int), np.full(count, np.nan))
+
+    @classmethod
+    def distinct(
+        cls, keys: np.ndarray, hazard: Callable[..., Hazard], distance: np.ndarray | None = None
+    ) -> SiteHazards:
+        """The hazards of m bodies whose keys (m, k) say which ones are alike; `hazard` makes one of a key."""
+        found, of_body = np.unique(keys, axis=0, return_inverse=True)
+        known = np.full(len(keys), np.nan) if distance is None else distance
+        return cls(tuple(hazard(*key) for key in found.tolist()), of_body.ravel(), known)
+
+    @property
+    def measure(self) -> str:
+        """The intensity measure of all."""
+        return self.hazards[0].measure
+
+    @property
+    def unit(self) -> str:
+        """The unit in which levels are told."""
+        return self.hazards[0].unit
+
+    @property
+    def unit_in_si(self) -> float:
+        """The unit in SI units."""
+        return self.hazards[0].unit_in_si
+
+    @property
+    def covered(self) -> tuple[float, float]:
+        """Levels between which the hazard was given; NaN for an end that is not the same for all."""
+        ends = np.array([one.covered for one in self.hazards])
+        low, high = np.where(ends.min(axis=0) == ends.max(axis=0), ends[0], np.nan).tolist()
+        return low, high
+
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """What is to be known of any of them, and how far away the places of the curves are."""
+        told = tuple(dict.fromkeys(text for one in self.hazards for text in one.remarks))
+        if np.all(np.isnan(self.distance)):
+            return told
+        return (f"of the place nearest to each body, up to {1e-3 * np.nanmax(self.distance):.1f} km away", *told)
+
+    @property
+    def words(self) -> str:
+        """What the hazards are, in words."""
+        if len(self.hazards) == 1:
+            return self.hazards[0].words
+        return f"{len(self.hazards)} hazards of {self.measure} in {self.unit}, such as {self.hazards[0].words}"
+
+    def chosen(self, bodies: np.ndarray) -> SiteHazards:
+        """The hazards of some bodies by their numbers."""
+        return SiteHazards(self.hazards, self.of_body[bodies], self.distance[bodies])
+
+    def log_rate(self, log_level: np.ndarray) -> np.ndarray:
+        """ln of the annual rate of each body at logarithms (m, ...) of levels in SI units."""
+        return self._of_each(log_level, lambda one, at: one.log_rate(at))
+
+    def integral_above(self, log_level: np.ndarray) -> np.ndarray:
+        """The integral of each rate over ln x from logarithms (m, ...) of levels in SI units upwards [1/year]."""
+        return self._of_each(log_level, lambda one, at: one.integral_above(at))
+
+    def _of_each(self, log_level: np.ndarray, read: Callable[[Hazard, np.ndarray], np.ndarray]) -> np.ndarray:
+        if len(numbers := np.unique(self.of_body).tolist()) == 1:
+            return read(self.hazards[numbers[0]], log_level)
+        found = np.empty(log_level.shape)
+        for number in numbers:
+            own = self.of_body == number
+            found[own] = read(self.hazards[number], log_level[own])
+        return found
+
+    def log_ends(self) -> tuple[np.ndarray, np.ndarray]:
+        """Logarithms (m, 1) of the levels between which the hazard of each body was given."""
+        with np.errstate(divide="ignore"):
+            ends = np.log([self.hazards[number].covered for number in self.of_body.tolist()])
+        return ends[:, :1], ends[:, 1:]
+
+
+def of_each(values: ArrayLike, count: int, what: str) -> np.ndarray:
+    """A positive number for each of so many bodies, or one for all: (count,); ConfigError for anything else."""
+    try:
+        found = np.asarray(values, dtype=float)
+    except (TypeError, ValueError):
+        found = np.full(1, np.nan)
+    if found.shape not in ((), (count,)) or not np.all(np.isfinite(found) & (found > 0.0)):
+        raise ConfigError(
+            f"{what}: expected one positive number, or one for each of {count} bodies, got {values!r:.80}"
+        )
+    return np.broadcast_to(found, (count,))

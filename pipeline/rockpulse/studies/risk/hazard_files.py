@@ -1,4 +1,4 @@
-"""Files of hazard curves: levels with rates or probabilities, OpenQuake's curves, and return periods."""
+"""Files of hazard curves of one place or many: levels with rates or probabilities, OpenQuake's, return periods."""
 
 from __future__ import annotations
 
@@ -16,20 +16,22 @@ from rockpulse.config.hazard_settings import HazardSettings
 from rockpulse.errors import ConfigError
 from rockpulse.input_file import read_text
 from rockpulse.input_table import numbers, separator, table_of
-from rockpulse.studies.risk.hazard import Hazard, HazardCurve, PowerLawHazard, known_measure, unit_factor
-from rockpulse.studies.risk.hazard_places import coordinates, named, nearest_places
-from rockpulse.studies.risk.site_hazards import SiteHazards, of_each
-
-__all__ = ["hazard_of", "load_hazard", "load_site_hazards", "site_hazards_of"]
+from rockpulse.record.measures import MEASURES, PGA, ROWS
+from rockpulse.studies.risk.hazard import (
+    Hazard,
+    HazardCurve,
+    PowerLawHazard,
+    SiteHazards,
+    known_measure,
+    of_each,
+    unit_factor,
+)
 
 EXPECTED = (
     'expected columns "pga [g],rate" (or pgv, si, sa(1.0), and "probability in 50 years"), OpenQuake\'s hazard curves '
     '("# ... investigation_time=..., imt=...", lon,lat,depth,poe-0.005,...), return periods ("TR [years],ag [g]"), or '
     "the grid of NTC 2008 (ID;LON;LAT;T30ag;T30F0;T30Tc;...)"
 )
-
-#: Units of OpenQuake's levels.
-OPENQUAKE = {"pga": "g", "sa": "g", "pgv": "cm/s"}
 
 #: Unit of a_g in the grid of NTC 2008 (annex B), where the heading names none.
 ANNEX = "g/10"
@@ -233,8 +235,8 @@ def _read(path: str | Path) -> _Sheet:
 
 
 def _measure_of(path: str, told: str) -> str:
-    found = re.fullmatch(r"sa\s*\(\s*([0-9.]+)\s*(?:s)?\s*\)", told.strip().lower())
-    return known_measure(f"sa_{float(found[1]):g}" if found else told.strip().lower(), path)
+    found = re.fullmatch(r"(\w+)\s*\(\s*([0-9.]+)\s*s?\s*\)", told.strip().lower())
+    return known_measure(f"{found[1]}_{float(found[2]):g}" if found else told.strip().lower(), path)
 
 
 def _rates(path: str, probability: np.ndarray, years: float) -> np.ndarray:
@@ -267,7 +269,7 @@ def _return_periods(path: str, table: pd.DataFrame, heads: list[str]) -> _Sheet:
     period, level = numbers(path, table, heads[0]), numbers(path, table, heads[named["ag"]])
     if np.any(period <= 0.0):
         raise ConfigError(f"{path}: expected positive return periods [years], found {period.min():g}")
-    return _Sheet("pga", unit[1].strip(), level, 1.0 / period, rock=True)
+    return _Sheet(PGA, unit[1].strip(), level, 1.0 / period, rock=True)
 
 
 def _with_one_heading(lines: list[str]) -> str:
@@ -299,7 +301,7 @@ def _grid(path: str, table: pd.DataFrame, heads: list[str], places: np.ndarray) 
         raise ConfigError(f"{path}: expected positive return periods [years], found {period.min():g}")
     level = np.stack([numbers(path, table, heads[place]) for place, _ in columns], axis=1)
     unit = units.pop()
-    return _Sheet("pga", unit, level, 1.0 / period, places, (f"a_g read in {unit}",), rock=True)
+    return _Sheet(PGA, unit, level, 1.0 / period, places, (f"a_g read in {unit}",), rock=True)
 
 
 def _openquake(path: str, lines: list[str]) -> _Sheet:
@@ -309,9 +311,10 @@ def _openquake(path: str, lines: list[str]) -> _Sheet:
         raise ConfigError(f"{path}, line 1: expected investigation_time=... and imt=..., found {lines[0]!r:.120}")
     years = float(told["investigation_time"].strip("'\""))
     measure = _measure_of(path, told["imt"].strip("'\""))
-    unit = OPENQUAKE.get(measure.partition("_")[0], "")
+    unit = MEASURES[measure].openquake
     if not unit:
-        raise ConfigError(f"{path}, line 1: expected imt among PGA, PGV and SA(...), found {told['imt']}")
+        known = [name.upper() + "(...)" * bool(row.periods) for name, row in ROWS.items() if row.openquake]
+        raise ConfigError(f"{path}, line 1: expected imt among {', '.join(known)}, found {told['imt']}")
     table = table_of(path, "\n".join(lines[1:]))
     heads = [str(name) for name in table.columns]
     columns, places = [place for place, name in enumerate(heads) if name.startswith("poe-")], coordinates(path, table)
@@ -323,3 +326,50 @@ def _openquake(path: str, lines: list[str]) -> _Sheet:
         raise ConfigError(f"{path}, line 2: expected a level behind poe-: {error}") from None
     probability = np.stack([numbers(path, table, heads[place]) for place in columns], axis=1)
     return _Sheet(measure, unit, level, _rates(path, probability, years), places)
+
+
+#: Distance of a site beyond which its hazard stands for no other [km].
+FARTHEST = 50.0
+
+
+def coordinates(path: str, table: pd.DataFrame) -> np.ndarray | None:
+    """Longitude and latitude (n, 2) of each row [degrees]; None without these columns, ConfigError without a row."""
+    columns = {str(name).lower(): str(name) for name in table.columns}
+    if not {"lon", "lat"} <= columns.keys():
+        return None
+    if len(table) == 0:
+        raise ConfigError(f"{path}: expected a row for a site, found none")
+    return np.stack([numbers(path, table, columns[name]) for name in ("lon", "lat")], axis=1)
+
+
+def nearest_places(path: str, places: np.ndarray, sites: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The row (m,) of the place nearest to each of some sites, and how far away it is [m].
+
+    `places` (n, 2) and `sites` (m, 2) are longitudes and latitudes [degrees]. Raises ConfigError for a site whose
+    nearest place is more than 50 km away.
+    """
+    from obspy.geodetics import degrees2kilometers, locations2degrees
+    from scipy.spatial import KDTree
+
+    _, rows = KDTree(_on_sphere(places)).query(_on_sphere(sites))
+    near = places[rows]
+    distance = degrees2kilometers(locations2degrees(near[:, 1], near[:, 0], sites[:, 1], sites[:, 0]))
+    far = int(np.argmax(distance))
+    if not distance[far] <= FARTHEST:
+        raise ConfigError(
+            f"{path}: the place nearest to the site {named(*sites[far])} is {named(*near[far])}, {distance[far]:,.0f} "
+            f"km away; expected one within {FARTHEST:g} km; longitude stands before latitude"
+        )
+    return rows, 1e3 * distance
+
+
+def named(longitude: float, latitude: float) -> str:
+    """A place in words."""
+    return f"{longitude:.4g} E {latitude:.4g} N"
+
+
+def _on_sphere(places: np.ndarray) -> np.ndarray:
+    """Places (n, 2) as points (n, 3) of a sphere of radius 1, where what is near is near, across any meridian."""
+    longitude, latitude = np.radians(places).T
+    level = np.cos(latitude)
+    return np.stack([level * np.cos(longitude), level * np.sin(longitude), np.sin(latitude)], axis=1)

@@ -18,8 +18,6 @@ from rockpulse.storage.risk_variables import STANDING
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["standing_test"]
-
 
 def standing_test(risk: xr.Dataset, age: float, confidence: float = 0.95) -> xr.Dataset:
     """What it says of the hazard that bodies have stood for so many years.

@@ -21,14 +21,12 @@ from rockpulse.motions.tables import read_weight_table, record_weights
 from rockpulse.record.record import Record
 from rockpulse.storage.site_variables import SITE_KIND
 from rockpulse.studies.site.record import no_site_record, site_record
-from rockpulse.studies.site.record_spectrum import no_spectrum_record, site_spectrum_record
+from rockpulse.studies.site.spectrum import no_spectrum_record, site_spectrum_record
 from rockpulse.studies.site.spectrum_tree import build_spectrum_tree
 from rockpulse.studies.site.tree import build_site_tree
 
 if TYPE_CHECKING:
     import xarray as xr
-
-__all__ = ["NothingCalibrated", "SiteCalibration", "calibrate_site", "site_family"]
 
 
 def calibrate_site(

@@ -11,8 +11,6 @@ from rockpulse.errors import RecordRefused
 from rockpulse.studies.site.design import BEYOND, SiteSample, covered, design_sequence
 from rockpulse.studies.site.statistics import share_interval
 
-__all__ = ["Coverage", "coverage_of", "judged", "leave_one_event_out", "unjudged_events"]
-
 
 @dataclass(frozen=True, eq=False)
 class Coverage:

@@ -25,17 +25,6 @@ from rocking.sequence import ImpulseSequence, sequence_response
 from rockpulse.errors import RecordRefused
 from rockpulse.studies.site.statistics import ROUNDING, bootstrap_interval, correlation, log_moments, weighted_quantile
 
-__all__ = [
-    "BEYOND",
-    "DESIGN",
-    "PARAMETERS",
-    "SiteSample",
-    "covered",
-    "design_sequence",
-    "main_impulse_interval",
-    "overturning_limit",
-]
-
 #: Parameters of a sequence, in the order of the tables.
 PARAMETERS = ("main", "ratio", "interval", "main_count", "duration")
 

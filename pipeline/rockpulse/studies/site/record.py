@@ -1,8 +1,10 @@
-"""One motion of a site: scaled, its sequence, and what it does to the blocks."""
+"""One motion of a site: scaled to a target, its sequence, and what it does to the blocks."""
 
 from __future__ import annotations
 
 import math
+from dataclasses import replace
+from functools import partial
 from types import SimpleNamespace
 from typing import Any
 
@@ -19,23 +21,45 @@ from rockpulse.errors import RecordRefused, TooWeak
 from rockpulse.ladder import Scene
 from rockpulse.motions.directions import Motion
 from rockpulse.motions.runner import Part, Watch
-from rockpulse.record.intensity import pgv
+from rockpulse.record.half_wave import half_waves
+from rockpulse.record.measures import IMPULSE, MEASURES, STORED_LEVELS, RecordOnBodies
 from rockpulse.record.record import Record
 from rockpulse.remark import Remark, find
 from rockpulse.storage.fact_variables import facts_of
 from rockpulse.storage.site_variables import OF_RECORDS
 from rockpulse.studies.site.design import PARAMETERS
-from rockpulse.studies.site.scaling import largest_impulse, scale_factor, scaled
 
-__all__ = [
-    "USUAL_FACTORS",
-    "facts_of_record",
-    "no_facts",
-    "no_site_record",
-    "rotation_to_cover",
-    "scaled_motion",
-    "site_record",
-]
+
+def measured(name: str, record: Record, config: Config) -> float:
+    """A measure of a conditioned record."""
+    return float(MEASURES[name].value(RecordOnBodies(record, partial(half_waves, record, **config.half_waves))))
+
+
+def scale_factor(record: Record, config: Config) -> float:
+    """Factor [-] that takes a conditioned record to the configured target; RecordRefused for a record of zeros.
+
+    Examples
+    --------
+    >>> from rockpulse import CalibrationSettings
+    >>> config = Config(calibration=CalibrationSettings(scale_to="pga", target=3.0))
+    >>> scale_factor(Record([0.0, 1.5, 0.0], dt=0.01, id="a"), config)
+    2.0
+    """
+    settings = config.calibration
+    if settings.scale_to == "none" or settings.target is None:
+        return 1.0
+    measure = measured(settings.scale_to, record, config)
+    if not (math.isfinite(measure) and measure > 0.0):
+        raise RecordRefused(f"{record.id}: its {settings.scale_to} is {measure:g}: it cannot be scaled to a target")
+    return settings.target / measure
+
+
+def scaled(record: Record, factor: float) -> Record:
+    """A record times a positive factor [-], with a note of it."""
+    if factor == 1.0:
+        return record
+    return replace(record, acceleration=factor * record.acceleration).with_note(f"scaled by {factor:.6g}")
+
 
 #: Smaller recorded peaks do not enter a misfit: just after uplift no sequence is comparable [-].
 SMALLEST_PEAK = 0.01
@@ -109,11 +133,11 @@ def scaled_motion(motion: Motion, config: Config) -> tuple[Record, float]:
 
     A RecordRefused where it cannot be scaled.
     """
-    conditioned, factor = motion.record, scale_factor(motion.record, config)
+    conditioned, factor, scale_to = motion.record, scale_factor(motion.record, config), config.calibration.scale_to
     if not USUAL_FACTORS[0] <= factor <= USUAL_FACTORS[1]:
         low, high = USUAL_FACTORS
         conditioned = conditioned.with_warning(Remark("scaled_far", factor=factor, low=low, high=high))
-    if config.calibration.scale_to == "pgv" and find(conditioned.warnings, "baseline_drift"):
+    if scale_to != "none" and MEASURES[scale_to].drifts and find(conditioned.warnings, "baseline_drift"):
         conditioned = conditioned.with_warning(Remark("scaled_to_drift"))
     return scaled(conditioned, factor), factor
 
@@ -127,9 +151,8 @@ def facts_of_record(record: Record, factor: float, config: Config) -> dict[str, 
         "warnings": "\n".join(record.warnings),
         "processing": "\n".join(record.processing),
         "scale_factor": factor,
-        "pga": record.pga,
-        "pgv": pgv(record),
-        "largest_impulse": largest_impulse(record, config),
+        **{one.name: measured(one.name, record, config) for one in STORED_LEVELS},
+        "largest_impulse": measured(IMPULSE, record, config),
         **facts_of(SimpleNamespace(record=record)),
     }
 

@@ -11,8 +11,6 @@ import numpy as np
 from rockpulse.remark import Remark
 from rockpulse.studies.site.record import USUAL_FACTORS
 
-__all__ = ["FEWEST_EVENTS", "FEWEST_RECORDS", "scaled_far", "site_remarks"]
-
 #: With fewer than these the intervals are those of a guess, and are called so.
 FEWEST_RECORDS, FEWEST_EVENTS = 10, 5
 

@@ -23,8 +23,6 @@ from rockpulse.studies.site.remarks import scaled_far
 from rockpulse.studies.site.spectrum import Quantiles, QuantileSample, fewest_events
 from rockpulse.studies.site.statistics import event_draws
 
-__all__ = ["build_spectrum_tree"]
-
 #: Quantiles that every file has beside that of the design, by their names.
 STATED = {"spectrum_50": 0.5, "spectrum_84": 0.84}
 
@@ -40,7 +38,7 @@ def build_spectrum_tree(
 ) -> xr.DataTree:
     """Put the spectra of all records, their quantiles and the design of every body into one tree.
 
-    `done` is what :func:`rockpulse.studies.site.record_spectrum.site_spectrum_record` found of every record, and
+    `done` is what :func:`rockpulse.studies.site.spectrum.site_spectrum_record` found of every record, and
     "event"; the weights are of mean one; `remarks` is what is to be said already.
     """
     settings = config.calibration

@@ -12,18 +12,6 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.stats import beta, chi2, norm, t
 
-__all__ = [
-    "ROUNDING",
-    "Lognormal",
-    "bootstrap_interval",
-    "correlation",
-    "event_draws",
-    "fit_lognormal",
-    "log_moments",
-    "share_interval",
-    "weighted_quantile",
-]
-
 #: Sums of weights are rounded: a share of 0.84 may come out as a bit less.
 ROUNDING = 1e-9
 

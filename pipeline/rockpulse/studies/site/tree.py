@@ -30,8 +30,6 @@ from rockpulse.studies.site.record import rotation_to_cover
 from rockpulse.studies.site.remarks import site_remarks
 from rockpulse.studies.site.statistics import correlation, event_draws, fit_lognormal, weighted_quantile
 
-__all__ = ["build_site_tree"]
-
 #: Mark of a pair that does not count.
 NOT_COUNTED = -1
 

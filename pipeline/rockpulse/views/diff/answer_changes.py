@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from rockpulse.assessment.answers import Answers, fullest_model
+from rockpulse.record.measures import PGA
 from rockpulse.views.diff.row_matching import Matched
 from rockpulse.views.shared.columns import margin_cells
 from rockpulse.views.shared.notes import factor_title
@@ -86,7 +87,7 @@ def body_changes(
     names = [name for name in MARGIN if name in one and name in other and not {name, f"/summary/{name}"} & set(ignore)]
     sides = []
     for dataset, side in ((one, "first"), (other, "second")):
-        beside = {"outcome", "pga", "event", "restitution"}
+        beside = {"outcome", PGA, "event", "restitution"}
         if "capacity_ratio" in names:
             beside |= {str(name) for name in dataset.variables if str(name).startswith("demand_")}
         whole = dataset[sorted({*names, *beside})]

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rockpulse.assessment.demand import stored_demands
+from rockpulse.record.measures import PGA
 from rockpulse.views.plots.style import BLACK
 from rockpulse.views.plots.words import plain
 from rockpulse.views.shared.terminal import shortened
@@ -29,7 +30,7 @@ def factors_to_demands(
 
     NaN stands for a factor beyond the end of the search. Empty where the results have no demand.
     """
-    pga, found = summary["pga"].sel(record=list(records)).values, {}
+    pga, found = summary[PGA].sel(record=list(records)).values, {}
     for name, demand in stored_demands(summary).items():
         factor = demand.value / pga
         if "demand_factor" in summary:  # of files before schema 1.4 that over the PGA

@@ -9,6 +9,7 @@ import numpy as np
 
 from rockpulse.config.fragility_settings import OVERTURNING, UPLIFT
 from rockpulse.config.hazard_settings import HazardSettings
+from rockpulse.record.measures import PGA
 from rockpulse.views.plots.selection import one_name, setting
 from rockpulse.views.plots.style import (
     GREY,
@@ -187,7 +188,7 @@ def _panel(
     if first < last:
         ax.set_xlim(first, last)
     notes = [_counts(tree, own), *_band_notes(tree, own, banded, shown)]
-    lifted = float(own["uplift_acceleration"]) if measure == "pga" else np.nan
+    lifted = float(own["uplift_acceleration"]) if measure == PGA else np.nan
     if lifted > ax.get_xlim()[0]:
         ax.axvline(lifted, color=GREY, lw=0.9, label=LIFTS)
         notes.append("The body is never lifted by less than the grey line, whatever a curve says.")

@@ -16,6 +16,7 @@ from rockpulse.config.configuration import stored_sections
 from rockpulse.errors import ResultsError
 from rockpulse.failures import some
 from rockpulse.ladder import SEQUENCE_MODELS
+from rockpulse.record.measures import PGA
 from rockpulse.storage.fragility_variables import FRAGILITY
 from rockpulse.storage.hdf5_reader import flag_words
 from rockpulse.storage.site_variables import SITE_KIND
@@ -162,9 +163,9 @@ def _bodies(
 def _of_capacities(capacities: xr.Dataset) -> tuple[np.ndarray, np.ndarray]:
     """Records of a fragility file, and their PGA; NaN where that was none of the measures."""
     ids = capacities["record"].values
-    if "pga" not in capacities["measure"].values or not capacities.sizes["block"]:
+    if PGA not in capacities["measure"].values or not capacities.sizes["block"]:
         return ids, np.full(ids.size, np.nan)
-    return ids, capacities["measure_value"].sel(measure="pga").isel(block=0).values
+    return ids, capacities["measure_value"].sel(measure=PGA).isel(block=0).values
 
 
 def _check_design(summary: xr.Dataset, site: xr.Dataset, name: str) -> None:

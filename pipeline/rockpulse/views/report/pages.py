@@ -9,6 +9,7 @@ import numpy as np
 
 from rockpulse.assessment.answers import Answers
 from rockpulse.assessment.verdict import BodyVerdict
+from rockpulse.record.measures import PGA
 from rockpulse.views.report.answers import AnswerCells, record_table
 from rockpulse.views.report.records import event_name, record_named, record_words
 from rockpulse.views.report.verdict import acceleration
@@ -82,7 +83,7 @@ def record_pages(cells: AnswerCells) -> list[RecordPage]:
         worst = cells.verdict(place, cells.worst(place)) if answers.bodies else Cell(ABSENT)
         one = Known(answers.summary, record=record)
         brief = ", ".join(one.strength)
-        if math.isnan(one.value("pga")):
+        if math.isnan(one.value(PGA)):
             brief = f"I {figure(one.value('main_impulse'), 'm/s')}"
         pages.append(
             RecordPage(
@@ -123,7 +124,7 @@ def _governing(cells: AnswerCells, own: list[int], place: int) -> Table:
     pairs = [(record, lane) for record in range(len(answers.records)) for lane in own]
     factor = np.where(np.isnan(answers[answers.factor]), np.inf, answers[answers.factor])
     order = sorted(pairs, key=lambda at: (factor[at], -cells.standing[at]))[:GOVERNING]
-    selected = columns(*(["restitution"] if len(own) > 1 else []), "pga")
+    selected = columns(*(["restitution"] if len(own) > 1 else []), PGA)
     shown = cells.cells(selected, *zip(*order, strict=True)) if order else []
     rows = tuple((_by_name(cells, at[0]), *told, *cells.of(*at)) for at, told in zip(order, shown, strict=True))
     headings = (Heading(say("head.record")), *headed(selected), *cells.short)
@@ -148,7 +149,7 @@ def _of_record(one: Known, event: str) -> tuple[Fact, ...]:
             "station_name": own("station_name"),
             "start": own("start_time"),
             "samples": say("fact.at_interval", count=one.value("npts"), interval=known("dt", "s")),
-            "pga": acceleration(one.value("pga")),
+            "pga": acceleration(one.value(PGA)),
             "pgv": one.peak_velocity,
             "arias": known("arias_intensity", "m/s"),
             "intense": say("between", low=start, high=end),

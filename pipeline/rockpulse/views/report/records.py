@@ -14,6 +14,7 @@ import numpy as np
 from rockpulse.assessment.answers import Answers
 from rockpulse.failures import alike
 from rockpulse.motions.events import UNKNOWN
+from rockpulse.record.measures import PGA
 from rockpulse.record.record import STANDARD_GRAVITY
 from rockpulse.views.shared.facts import Known
 from rockpulse.views.shared.files_used import reasons_of
@@ -83,8 +84,8 @@ def used_table(answers: Answers) -> Table:
         key = earthquake_words(known), known.place, str(event)
         groups.setdefault(key if key[0] and key[1] else (record, "", ""), []).append(row)
     order = sorted(groups.values(), key=lambda rows: -float(np.max(pga[rows])))
-    titles = ("earthquake", "magnitude", "station", "direction", "records", "pga", "worst")
-    headings = tuple(Heading(say(f"head.{title}"), "g" if title == "pga" else "") for title in titles)
+    titles = ("earthquake", "magnitude", "station", "direction", "records", PGA, "worst")
+    headings = tuple(Heading(say(f"head.{title}"), "g" if title == PGA else "") for title in titles)
     rows = tuple(_used(answers, rows) for rows in order[:ROWS])
     told = "caption.used" if len(order) <= ROWS else "caption.strongest"
     caption = say(told, shown=len(rows), total=len(order), records=counted(len(pga), "record"))

@@ -18,6 +18,7 @@ from rocking.response import Outcome
 from rockpulse.assessment.answers import Answers, Margin
 from rockpulse.assessment.verdict import OVERTURNS, BodyVerdict, Grade
 from rockpulse.readers.channel import CREDIBLE_PEAK_G
+from rockpulse.record.measures import PGA, STORED, STORED_OF_BODIES, Measure
 from rockpulse.record.record import STANDARD_GRAVITY
 from rockpulse.remark import remarked
 from rockpulse.views.shared.table import Cell, Heading, Mark, number
@@ -227,7 +228,22 @@ def _restitutions(values: Sequence[float]) -> Cell:
     return Cell(low if low == high else say("between", low=low, high=high), min(values))
 
 
-_RECORD = ("record", "pga", "warning_codes")
+def _of_measure(row: Measure) -> Column:
+    """The column of an intensity measure that results have of every record, or of every record and body."""
+    title, unit, scale = row.column
+    if row.drifts:
+        of = (row.name, f"{row.name}_drift")
+        return Column(
+            row.name,
+            of,
+            lambda value, drift: number(value / scale, ratio, (DRIFT,) if drift else ()),
+            unit,
+            title=title,
+        )
+    return Column(row.name, (row.name,), _shown(ratio, scale), unit, title=title)
+
+
+_RECORD = ("record", PGA, "warning_codes")
 _SEARCHED = ("safety_factor", "safe_up_to", "factor_resolved")
 
 #: Every column by its name; of those that tell one variable that is its name.
@@ -239,8 +255,7 @@ COLUMNS = {
         Column("block", ("block",), Cell, width=NAME_WIDTH),
         Column("model", ("model",), lambda name: Cell(say(f"models.{name}"))),
         Column("restitution", ("restitution",), _shown(restitution)),
-        Column("uplift_ratio", ("uplift_ratio",), _shown(ratio)),
-        Column("velocity_ratio", ("velocity_ratio",), _shown(ratio)),
+        *map(_of_measure, STORED_OF_BODIES),
         Column("impulse_ratio", ("impulse_ratio",), _shown(ratio)),
         Column("answer", ("outcome", "peak_rotation_ratio", "predictable", "applicable", "used"), answer_cell),
         Column("overturning_probability", ("overturning_probability",), _shown(ratio)),
@@ -259,14 +274,12 @@ COLUMNS = {
         ),
         Column(
             "capacity_pga",
-            ("capacity_pga", "safe_up_to", "pga"),
+            ("capacity_pga", "safe_up_to", PGA),
             lambda capacity, limit, pga: factor_cell(capacity / STANDARD_GRAVITY, limit * pga / STANDARD_GRAVITY),
             "g",
         ),
         # a record
-        Column("pga", ("pga",), _shown(ratio, STANDARD_GRAVITY), "g"),
-        Column("pgv", ("pgv", "pgv_drift"), lambda pgv, drift: number(pgv, ratio, (DRIFT,) if drift else ()), "m/s"),
-        Column("arias_intensity", ("arias_intensity",), _shown(ratio), "m/s"),
+        *map(_of_measure, STORED),
         Column("main_impulse", ("main_impulse",), _shown(ratio), "m/s"),
         Column("magnitude", ("magnitude",), number),
         Column("epicentral_distance", ("epicentral_distance",), lambda distance: number(distance / 1000.0), "km"),
@@ -296,7 +309,7 @@ COLUMNS = {
 
 def columns(*names: str, **titles: str) -> tuple[Column, ...]:
     """A selection of columns, some under another title."""
-    return tuple(replace(COLUMNS[name], title=titles.get(name, "")) for name in names)
+    return tuple(replace(COLUMNS[name], title=titles.get(name) or COLUMNS[name].title) for name in names)
 
 
 def headed(selected: Iterable[Column]) -> tuple[Heading, ...]:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rockpulse.motions.events import UNKNOWN
+from rockpulse.record.measures import REFERENCE
 from rockpulse.storage.fragility_variables import STATED, STRENGTH
 from rockpulse.views.shared.files_used import files_used
 from rockpulse.views.shared.table import Cell, Heading, Mark, Table, number, text
@@ -20,9 +21,6 @@ if TYPE_CHECKING:
     import xarray as xr
 
 __all__ = ["fragility_overview", "median_table", "records_words", "shown_measure", "state_words", "sufficiency_tables"]
-
-#: The measure that the curves are shown in, where it is there: it puts bodies of all sizes on one scale.
-SHOWN = "velocity_ratio"
 
 #: At a median that no record was looked at.
 BEYOND = Mark("beyond", "!")
@@ -52,7 +50,7 @@ def fragility_overview(tree: xr.DataTree) -> str:
 def shown_measure(curves: xr.Dataset) -> str:
     """The intensity measure that is shown, of the node /fragility."""
     measures = [str(name) for name in curves["measure"].values]
-    return SHOWN if SHOWN in measures else measures[0]
+    return REFERENCE if REFERENCE in measures else measures[0]
 
 
 def records_words(tree: xr.DataTree) -> str:
@@ -137,7 +135,7 @@ def _pooled(curves: xr.Dataset, efficiency: xr.Dataset) -> str:
         band = ratio(value) if math.isnan(low) else f"{ratio(value)} ({ratio(low)}..{ratio(high)})"
         rows.append((Cell(name), *cells, Cell(band, value)))
     headings = tuple(map(Heading, ("", *states, f"{states[-1]}, ratio")))
-    head = f"Efficiency: dispersion beta of capacity, all bodies together, and over that in {SHOWN}"
+    head = f"Efficiency: dispersion beta of capacity, all bodies together, and over that in {REFERENCE}"
     if bool(compared[1].sel(measure=kept).notnull().any()):
         head += " with its band"
     words = [f"{name}: {curves['measure_long_name'].sel(measure=name).values}" for name in kept]

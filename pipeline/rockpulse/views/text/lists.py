@@ -10,6 +10,7 @@ import numpy as np
 
 from rocking.response import Outcome
 from rockpulse.assessment.answers import Answers, bodies_of, complete, fullest_model
+from rockpulse.record.measures import PGA, STORED
 from rockpulse.storage.hdf5_reader import flag_words, pointwise, worded
 from rockpulse.storage.selection import Selection, rows
 from rockpulse.views.shared.columns import (
@@ -39,7 +40,7 @@ if TYPE_CHECKING:
 __all__ = ["block_list", "case_list", "record_list", "worst_first"]
 
 #: Columns of a list of cases; those of each factor, where it is known, and what they are.
-CASE = ("record", "block", "model", "restitution", "pga", "uplift_ratio", "impulse_ratio", "answer")
+CASE = ("record", "block", "model", "restitution", PGA, "uplift_ratio", "impulse_ratio", "answer")
 OF_FACTOR = {
     "factor_10": ("overturning_probability", "factor_10"),
     "safety_factor": ("safety_factor", "capacity_pga"),
@@ -51,7 +52,8 @@ _MEANING = {
 }
 
 #: Columns of a list of records, among them what their files state, where one of them does; and of a list of blocks.
-RECORD = ("record", "pga", "pgv", "arias_intensity", "main_impulse", "magnitude", "epicentral_distance", "warnings")
+STRENGTH = (*(one.name for one in STORED), "main_impulse")
+RECORD = ("record", *STRENGTH, "magnitude", "epicentral_distance", "warnings")
 STATED = frozenset({"magnitude", "epicentral_distance"})
 BLOCK = ("block", "width", "height", "alpha_c", "p", "critical_impulse", "restitutions", "overturned_by")
 

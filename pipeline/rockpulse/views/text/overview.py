@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rockpulse.assessment.answers import Answers, answers_of, lanes
-from rockpulse.record.record import STANDARD_GRAVITY
+from rockpulse.record.measures import STORED
 from rockpulse.storage.selection import Selection
 from rockpulse.views.shared.columns import doubt_notes, record_cells
 from rockpulse.views.shared.files_used import files_used
@@ -116,11 +116,9 @@ def _large(answers: Answers, directions: xr.Dataset | None) -> str:
 def _strength(answers: Answers) -> str:
     """The strength of the records."""
     rows = []
-    for title, name, scale, unit in (
-        ("PGA", "pga", STANDARD_GRAVITY, "g"),
-        ("PGV", "pgv", 1.0, "m/s"),
-        ("Arias intensity", "arias_intensity", 1.0, "m/s"),
-        ("main impulse I", "main_impulse", 1.0, "m/s"),
+    for title, name, (_, unit, scale) in (
+        *((row.title, row.name, row.column) for row in STORED),
+        ("main impulse I", "main_impulse", ("I", "m/s", 1.0)),
     ):
         values = answers[name] / scale
         known = values[~np.isnan(values)]

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rockpulse.storage.risk_variables import INVENTORY, RISK, STANDING, RiskStatus
-from rockpulse.studies.risk.bands import LEAST_EVENTS
 from rockpulse.studies.risk.frequency import OUTSIDE
+from rockpulse.studies.risk.integral import LEAST_EVENTS
 from rockpulse.views.shared.table import Cell, Heading, Mark, Table, lines
 from rockpulse.views.shared.terminal import ABSENT, figure, paragraph, several
 

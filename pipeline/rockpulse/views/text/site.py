@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from rockpulse.record.measures import MEASURES
 from rockpulse.views.shared.files_used import files_used
 from rockpulse.views.shared.table import Cell, Heading, Table, lines, number, text
 from rockpulse.views.shared.terminal import (
@@ -80,7 +81,7 @@ def about_records(site: xr.Dataset) -> list[str]:
     each = zip(events, site["event_records"].values.tolist(), strict=True)
     names = listed([f"{name} ({count})" for name, count in each], LISTED)
     scaled = str(site.attrs["scaled_to"])
-    target = f"{scaled} {'m/s2' if scaled.startswith('pga') else 'm/s'}"
+    target = "" if scaled == "none" else f"{scaled} {MEASURES[scaled.split()[0]].shown_unit}"
     records = {
         "records": counted(site.sizes["record"], "record"),
         "earthquakes": counted(len(events), "earthquake"),

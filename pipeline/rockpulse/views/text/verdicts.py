@@ -14,6 +14,7 @@ from rockpulse.assessment.demand import FARTHEST
 from rockpulse.assessment.verdict import FEWEST_AT_DEMAND, MAY_OVERTURN, OVERTURNS, BodyVerdict, verdicts
 from rockpulse.failures import some
 from rockpulse.motions.events import FEWEST_EVENTS
+from rockpulse.record.measures import PGA, PGV
 from rockpulse.record.record import STANDARD_GRAVITY
 from rockpulse.views.shared.columns import (
     COLUMNS,
@@ -289,7 +290,7 @@ def worst_motions(answers: Answers, most: int) -> str:
     order = np.lexsort((near[at], -likely[at]))[:most]
     limit = searched_up_to(answers[answers.factor], answers.proven())
     marked = dict(zip(answers.records, (cell.marked for cell in record_cells(answers.summary)), strict=True))
-    motion = {name: np.fmax.reduce(motions.over(answers[name], np.nan), axis=1)[order] for name in ("pga", "pgv")}
+    motion = {name: np.fmax.reduce(motions.over(answers[name], np.nan), axis=1)[order] for name in (PGA, PGV)}
     values = {name: column.tolist() for name, column in motion.items()} | {
         "pgv_drift": [0] * len(order),
         "worst_for": [shortened(answers.bodies[body[row]].name, NAME_WIDTH) for row in order],
@@ -297,9 +298,7 @@ def worst_motions(answers: Answers, most: int) -> str:
         "fallen": answers.overturned.sum(axis=1)[order].tolist(),
         "total": [len(answers.bodies)] * len(order),
     }
-    selected = columns(
-        "pga", "pgv", "worst_for", *(["overturning_probability"] if answers.probable else []), "overturns"
-    )
+    selected = columns(PGA, PGV, "worst_for", *(["overturning_probability"] if answers.probable else []), "overturns")
     rows = []
     for row, (*first, last) in zip(order.tolist(), filled(selected, values), strict=True):
         name = "  " + marked.get(motions.names[row], motions.names[row])

@@ -11,7 +11,7 @@ from rockpulse.errors import ConfigError
 from rockpulse.storage.fragility_variables import Band, Extrapolated, Status
 from rockpulse.studies.fragility import curves
 from rockpulse.studies.fragility.curves import fit_capacities, fit_curve, fit_stripes, half_width
-from rockpulse.studies.fragility.observations import ABOVE, EXACT, NOT_ABOVE, Observations
+from rockpulse.studies.fragility.likelihood import ABOVE, EXACT, NOT_ABOVE, Observations
 from rockpulse.studies.fragility.statements import missing
 
 EVENTS = np.repeat([f"event {k}" for k in range(6)], 3)

@@ -6,8 +6,8 @@ from scipy.special import ndtr
 from scipy.stats import t
 
 from rockpulse.studies.fragility.curves import fit_curve
-from rockpulse.studies.fragility.efficiency import dispersion_ratio, sufficiency
-from rockpulse.studies.fragility.observations import ABOVE, EXACT, NOT_ABOVE, Observations
+from rockpulse.studies.fragility.ensemble import dispersion_ratio, sufficiency
+from rockpulse.studies.fragility.likelihood import ABOVE, EXACT, NOT_ABOVE, Observations
 
 EVENT = np.repeat([f"event {k:02d}" for k in range(12)], 4)
 RNG = np.random.default_rng(7)

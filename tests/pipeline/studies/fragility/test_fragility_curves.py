@@ -20,8 +20,8 @@ from rockpulse.record.components import Pair
 from rockpulse.record.rotation import rotate
 from rockpulse.studies.fragility.curves import fit_capacities
 from rockpulse.studies.fragility.ensemble import Ensemble, Fits, fit_ensemble, stored_ensemble
+from rockpulse.studies.fragility.likelihood import ABOVE, EXACT, NOT_ABOVE
 from rockpulse.studies.fragility.limit_states import limit_state_names, reached_at, scale_capacities
-from rockpulse.studies.fragility.observations import ABOVE, EXACT, NOT_ABOVE
 from rockpulse.studies.fragility.results import _grid
 
 BLOCKS = {"wall": Block(half_width=0.3, half_height=1.5), "pier": Block(half_width=0.5, half_height=1.9365)}

@@ -6,8 +6,7 @@ from scipy.optimize import minimize
 from scipy.stats import CensoredData, logistic, norm
 
 from rockpulse.config.fragility_settings import MODELS
-from rockpulse.studies.fragility.likelihood import FAMILIES, has_maximum, maximise, scores
-from rockpulse.studies.fragility.observations import ABOVE, EXACT, NOT_ABOVE
+from rockpulse.studies.fragility.likelihood import ABOVE, EXACT, FAMILIES, NOT_ABOVE, has_maximum, maximise, scores
 
 DISTRIBUTION = {"lognormal": norm, "logistic": logistic}
 

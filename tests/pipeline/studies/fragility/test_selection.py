@@ -7,7 +7,7 @@ import rockpulse as rp
 from rockpulse.errors import ConfigError
 from rockpulse.studies.fragility.curves import fit_curve
 from rockpulse.studies.fragility.ensemble import stored_ensemble
-from rockpulse.studies.fragility.observations import ABOVE, NOT_ABOVE, Observations
+from rockpulse.studies.fragility.likelihood import ABOVE, NOT_ABOVE, Observations
 
 WALL = {"wall": rp.models.Block(half_width=0.2, half_height=1.5)}
 

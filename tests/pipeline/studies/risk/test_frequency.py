@@ -8,10 +8,8 @@ import pytest
 import rockpulse as rp
 from rockpulse import models
 from rockpulse.storage.risk_variables import RiskStatus
-from rockpulse.studies.fragility.likelihood import FAMILIES
-from rockpulse.studies.fragility.observations import ABOVE, NOT_ABOVE, Observations
-from rockpulse.studies.risk.bands import band_of, fitted_lines
-from rockpulse.studies.risk.integral import integrate, power_law_frequency
+from rockpulse.studies.fragility.likelihood import ABOVE, FAMILIES, NOT_ABOVE, Observations
+from rockpulse.studies.risk.integral import band_of, fitted_lines, integrate, power_law_frequency
 
 T = np.arange(0.0, 5.0, 0.02)
 

@@ -16,9 +16,9 @@ from rockpulse.failures import Failure
 from rockpulse.models import Block
 from rockpulse.motions.runner import worked
 from rockpulse.motions.tables import record_weights
+from rockpulse.record.measures import SCALING
 from rockpulse.studies.site import record as site_record
 from rockpulse.studies.site.calibration import SiteCalibration
-from rockpulse.studies.site.scaling import MEASURE
 
 TIME = 0.01 * np.arange(1200)
 BLOCKS = {"wall": Block(0.15, 1.5), "pier": Block(0.4, 1.8), "column": Block(0.5, 4.0)}
@@ -175,10 +175,10 @@ def test_one_record_alone_still_has_a_design():
         site(RECORDS[:1], design="parameters")
 
 
-@pytest.mark.parametrize("measure", MEASURE)
+@pytest.mark.parametrize("measure", SCALING)
 def test_scaling_to_twice_the_target_doubles_every_impulse(measure):
     weak, strong = (site(scale_to=measure, target=target) for target in (1.5, 3.0))
-    name = {"pga": "pga", "pgv": "pgv", "impulse": "largest_impulse"}[measure]
+    name = "largest_impulse" if measure == "impulse" else measure
     np.testing.assert_allclose(strong[name], 3.0, rtol=1e-12)
     np.testing.assert_allclose(strong["scale_factor"], 2.0 * weak["scale_factor"], rtol=1e-12)
     ratio = (strong["value"] / weak["value"]).values

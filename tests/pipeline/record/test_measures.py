@@ -1,6 +1,4 @@
-"""The table of intensity measures."""
-
-from types import SimpleNamespace
+"""The table of intensity measures: what it computes, and that every part takes its rows."""
 
 import numpy as np
 import pytest
@@ -10,11 +8,9 @@ from rocking.block import Block
 from rocking.demand import ground_demand
 from rockpulse.assessment.scene import prepare
 from rockpulse.config.configuration import Config
-from rockpulse.config.fragility_settings import MEASURES as WORDS
-from rockpulse.record.half_wave import half_waves
 from rockpulse.record.intensity import fajfar_index, largest_change, pgv, spectral_acceleration, spectrum_intensity
-from rockpulse.studies.fragility.capacity import _reversed
-from rockpulse.studies.fragility.measures import MEASURES, record_measures, record_qualities
+from rockpulse.record.measures import DEMAND, FRAGILITY, HAZARD, MEASURES, ROWS, SCALING, STORED
+from rockpulse.studies.fragility.capacity import record_measures
 
 BLOCKS = Block(half_width=[0.3, 0.5], half_height=[1.5, 1.9365])
 
@@ -25,11 +21,7 @@ def scene(factor=1.0):
     return prepare(rp.Record(ground, dt=0.01, id="pulse", processed=True), Config())
 
 
-def test_the_words_of_the_configuration_are_the_names_of_the_table():
-    assert tuple(MEASURES) == WORDS
-
-
-@pytest.mark.parametrize("name", MEASURES)
+@pytest.mark.parametrize("name", FRAGILITY)
 def test_every_measure_is_proportional_to_the_factor(name):
     one, three = (record_measures(scene(factor), BLOCKS, (name,)) for factor in (1.0, 3.0))
     assert one.shape == (1, 2)
@@ -37,15 +29,9 @@ def test_every_measure_is_proportional_to_the_factor(name):
     np.testing.assert_allclose(three, 3.0 * one, rtol=1e-9)
 
 
-def test_bodies_are_put_together_in_measures_without_a_unit_only():
-    together = {name for name, measure in MEASURES.items() if measure.dimensionless}
-    assert {"velocity_ratio"} <= together
-    assert together.isdisjoint({"pga", "pgv"})
-
-
 def test_measures_against_their_definitions():
     motion = scene()
-    value = dict(zip(MEASURES, record_measures(motion, BLOCKS, tuple(MEASURES)), strict=True))
+    value = dict(zip(FRAGILITY, record_measures(motion, BLOCKS, FRAGILITY), strict=True))
     capacity = BLOCKS.gravity * np.tan(BLOCKS.alpha_c)
     np.testing.assert_allclose(value["uplift_ratio"], motion.record.pga / capacity)
     np.testing.assert_allclose(value["velocity_ratio"], BLOCKS.p * value["pgv"] / capacity)
@@ -86,29 +72,23 @@ def test_one_pulse_has_one_lobe_and_all_norms_agree():
     np.testing.assert_allclose(rms, largest / np.sqrt(6.0))
 
 
-def test_qualities_of_a_sine():
-    t = np.arange(0.0, 10.005, 0.01)
-    found = record_qualities(prepare(rp.Record(np.sin(np.pi * t), dt=0.01, id="sine", processed=True), Config()))
-    assert found["duration"] == pytest.approx(9.0, abs=0.5)
-    assert found["period"] == pytest.approx(4.0, rel=0.01)  # the velocity of a sine from rest is (1 - cos)/pi
-    assert found["strong_half_waves"] == 10
+def test_a_quadratic_measure_serves_nothing_that_scales():
+    for name, one in MEASURES.items():
+        assert one.proportional or name not in {*FRAGILITY, *DEMAND, *HAZARD, *SCALING}, name
 
 
-def test_strong_half_waves_are_those_above_half_the_largest_of_the_intense_phase():
-    motion = scene()
-    sizes = [0.9, 0.1, -0.2, 0.10001, 0.19, 0.05, 0.9]
-    waves = SimpleNamespace(between=lambda start, end: SimpleNamespace(impulse=np.array(sizes[int(start) : int(end)])))
-    known = SimpleNamespace(record=motion.record, waves=waves)
-    for start, end, count in ((1, 6, 3), (0, 6, 1), (1, 2, 1), (1, 1, 0)):
-        known.phase = SimpleNamespace(start=start, end=end, duration=end - start)
-        found = record_qualities(known)
-        assert (found["strong_half_waves"], found["duration"]) == (count, end - start)
-        assert found["period"] == pytest.approx(2.0 * np.pi * pgv(motion.record) / motion.record.pga)
+def test_what_knows_no_body_depends_on_the_record_alone():
+    """Hazards and scaling, and the variables along records, have no body to give."""
+    assert not any(MEASURES[name].of_bodies for name in (*HAZARD, *SCALING, *(row.name for row in STORED)))
 
 
-def test_the_reverse_of_a_motion_has_the_half_waves_of_its_record():
-    back = _reversed(scene())
-    assert np.array_equal(back.record.acceleration, -scene().record.acceleration)
-    again = half_waves(back.record)
-    np.testing.assert_allclose(back.waves.impulse, again.impulse)
-    np.testing.assert_allclose(back.waves.peak, again.peak)
+def test_hazards_are_given_in_units_of_the_kind_of_the_measure():
+    kinds = {name: MEASURES[name].known_units.keys() & {"g", "cm/s"} for name in ("pga", "sa_0.5", "pgv", "si")}
+    assert kinds == {"pga": {"g"}, "sa_0.5": {"g"}, "pgv": {"cm/s"}, "si": {"cm/s"}}
+    assert all(MEASURES[name].openquake in {"", *MEASURES[name].known_units} for name in HAZARD)
+
+
+def test_a_member_of_a_family_is_named_by_its_period():
+    one = ROWS["sa"].at(0.75)
+    assert (one.name, one.title, one.long_name) == ("sa_0.75", "Sa(0.75 s)", "Sa(0.75 s), 5 %")
+    assert one.column == ("Sa(0.75 s)", "g", 9.80665)

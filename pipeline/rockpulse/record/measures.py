@@ -1,0 +1,265 @@
+"""The intensity measures of a ground motion, one row each: all that any part of the program knows of them.
+
+.. note:: Demands, hazards, fragility, the scaling of records, the stored variables and the configuration's template are
+   made from these rows: a measure is added here and nowhere else. E is the exponentially weighted impulse of
+   :mod:`rocking.demand`; its lobes are the largest abs(E) between two changes of sign, up to 16 of them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from rockpulse.record.intensity import (
+    arias_intensity,
+    fajfar_index,
+    largest_change,
+    pgv,
+    spectral_acceleration,
+    spectrum_intensity,
+)
+from rockpulse.record.record import STANDARD_GRAVITY, Record
+
+if TYPE_CHECKING:
+    from rocking.block import Block
+    from rocking.demand import Demand
+    from rockpulse.record.half_wave import HalfWaves
+
+#: Units in which levels of a measure are given, by its unit in SI: factors to SI, the unit that is shown first.
+UNITS = {
+    "m s-2": {"m/s2": 1.0, "g": STANDARD_GRAVITY, "g/10": 0.1 * STANDARD_GRAVITY, "cm/s2": 0.01, "gal": 0.01},
+    "m s-1": {"m/s": 1.0, "cm/s": 0.01},
+    "1": {"": 1.0},
+}
+
+#: Measures that are asked for by name: the PGA alone tells whether a body on the ground lifts, a drifting baseline puts
+#: the PGV in doubt, and the reference puts bodies of all sizes on one scale.
+PGA, PGV, IMPULSE, REFERENCE = "pga", "pgv", "impulse", "velocity_ratio"
+
+#: Lobes of E whose root mean square is a measure.
+LARGEST_LOBES = 6
+
+
+@dataclass(frozen=True)
+class RecordOnBodies:
+    """What a measure is taken of: a conditioned record, its half-waves, and (m,) bodies where it depends on them."""
+
+    record: Record
+    waves: Callable[[], HalfWaves]
+    block: Any = None  # Block
+    lifting: Any = None  # (m,) acceleration that lifts each body [m/s2]
+
+    @classmethod
+    def slender(cls, record: Record, waves: Callable[[], HalfWaves], block: Block) -> RecordOnBodies:
+        """A record on bodies that g tan(alpha_c) lifts."""
+        return cls(record, waves, block, np.asarray(block.gravity * np.tan(block.alpha_c)))
+
+    @property
+    def demand(self) -> Demand:
+        """The lobes of E, over what overturns each body."""
+        from rocking.demand import ground_demand  # compiled
+
+        return ground_demand(self.block, self.record.acceleration, self.record.dt)
+
+
+@dataclass(frozen=True)
+class Measure:
+    """An intensity measure."""
+
+    name: str
+    unit: str  # in SI, as in the files of results
+    title: str
+    #: Takes a RecordOnBodies, and of a family the period [s]; returns a number or, of bodies, (m,) numbers.
+    value: Callable[..., Any]
+    detail: str = ""  # what the long name adds to the title
+    uses: str = ""  # what it serves beside fragility: any of "demand hazard scaling"
+    of_bodies: bool = False
+    proportional: bool = True  # to a factor on the record, so that a capacity found as a factor is one in the measure
+    periods: tuple[float, ...] = ()  # of a family: those of its members in fragility and hazards [s]
+    drifts: bool = False  # whether a baseline that drifts puts it in doubt
+    openquake: str = ""  # unit of its levels in OpenQuake's hazard curves, where it has them
+    stored: str | None = None  # whether /summary has it, and what its long name there adds to the meaning
+    meaning: str = ""  # in words; the long name without
+    heading: str = ""  # in tables; the title without
+    explanation: str = ""  # for docs/schema.md
+
+    @property
+    def long_name(self) -> str:
+        """The title with what it leaves out."""
+        return f"{self.title}{self.detail}"
+
+    @property
+    def known_units(self) -> dict[str, float]:
+        """The units in which levels of the measure are given, as factors to SI."""
+        return UNITS.get(self.unit, {self.unit: 1.0})
+
+    @property
+    def shown_unit(self) -> str:
+        """The unit in SI as it is shown."""
+        return next(iter(self.known_units))
+
+    @property
+    def column(self) -> tuple[str, str, float]:
+        """Heading, unit and its factor to SI in a table that a person reads: accelerations are in g."""
+        unit = "g" if "g" in self.known_units else self.shown_unit
+        return self.heading or self.title, unit, self.known_units[unit]
+
+    def at(self, period: float | None) -> Measure:
+        """The member of a family at a period [s]; the measure itself where there is none."""
+        if period is None:
+            return self
+        return replace(
+            self,
+            name=f"{self.name}_{period:g}",
+            title=f"{self.title}({period:g} s)",
+            meaning="",
+            value=partial(self.value, period=period),
+            periods=(),
+        )
+
+
+def _rms_of_lobes(on: RecordOnBodies) -> np.ndarray:
+    return np.asarray(np.sqrt(np.mean(on.demand.lobes[:, :LARGEST_LOBES] ** 2, axis=1)))
+
+
+def _change_ratio(on: RecordOnBodies) -> np.ndarray:
+    rates, place = np.unique(on.block.p, return_inverse=True)
+    largest = np.array([largest_change(on.record, 2.0 / rate) for rate in rates])[place]
+    return np.asarray(on.block.p * largest / on.lifting)
+
+
+def _largest_impulse(on: RecordOnBodies) -> float:
+    return float(np.max(np.abs(on.waves().impulse), initial=0.0))
+
+
+def _ratio(name: str, title: str, value: Callable[[RecordOnBodies], Any], **more: Any) -> Measure:
+    return Measure(name, "1", title, value, of_bodies=True, **more)
+
+
+_TABLE = (
+    Measure(
+        PGA,
+        "m s-2",
+        "PGA",
+        lambda on: on.record.pga,
+        meaning="peak ground acceleration",
+        stored=" after conditioning",
+        uses="demand hazard scaling",
+        openquake="g",
+    ),
+    Measure(
+        PGV,
+        "m s-1",
+        "PGV",
+        lambda on: pgv(on.record),
+        meaning="peak ground velocity",
+        stored=" after conditioning, from rest at the first sample",
+        uses="demand hazard scaling",
+        openquake="cm/s",
+        drifts=True,
+    ),
+    Measure(
+        "arias_intensity",
+        "m s-1",
+        "Arias intensity",
+        lambda on: arias_intensity(on.record),
+        heading="Arias",
+        stored="",
+        explanation="after conditioning",
+        proportional=False,
+    ),
+    Measure(
+        "si",
+        "m s-1",
+        "SI",
+        lambda on: spectrum_intensity(on.record),
+        detail=" (mean pseudo-velocity, 0.1 to 2.5 s)",
+        meaning="Housner's intensity: mean pseudo-velocity, 0.1 to 2.5 s",
+        uses="demand hazard",
+    ),
+    Measure("fajfar", "m s-3/4", "PGV t_D^(1/4), t_D = D5-95", lambda on: fajfar_index(on.record)),
+    Measure(
+        "sa",
+        "m s-2",
+        "Sa",
+        lambda on, period: spectral_acceleration(on.record, period),
+        detail=", 5 %",
+        meaning="pseudo-acceleration at the period, 5 %",
+        uses="demand hazard",
+        periods=(0.5, 1.0, 2.0),
+        openquake="g",
+    ),
+    _ratio(
+        "uplift_ratio",
+        "PGA/(g tan alpha_c)",
+        lambda on: on.record.pga / on.lifting,
+        heading="a/a_up",
+        stored="",
+        explanation="over `uplift_acceleration`; of a body on a floor the PGA is the floor's",
+    ),
+    _ratio(
+        REFERENCE,
+        "p PGV/(g tan alpha_c)",
+        lambda on: on.block.p * pgv(on.record) / on.lifting,
+        stored="",
+        uses="demand",
+    ),
+    _ratio("si_ratio", "p SI/(g tan alpha_c)", lambda on: on.block.p * spectrum_intensity(on.record) / on.lifting),
+    _ratio("change_ratio", "p times the largest change of velocity within 2/p, over g tan alpha_c", _change_ratio),
+    Measure(IMPULSE, "m s-1", "largest half-wave impulse I", _largest_impulse, uses="scaling"),
+    _ratio("impulse_ratio", "I/I_1c", lambda on: _largest_impulse(on) / on.block.critical_impulse),
+    _ratio("demand_largest", "largest p abs(E)/(g tan alpha_c)", lambda on: on.demand.largest),
+    _ratio("demand_rms", "root mean square of the six largest lobes of p abs(E)/(g tan alpha_c)", _rms_of_lobes),
+    _ratio(
+        "demand_cubic",
+        "cube root of the sum of the cubes of the lobes of p abs(E)/(g tan alpha_c)",
+        lambda on: np.cbrt(np.sum(on.demand.lobes**3, axis=1)),
+    ),
+    _ratio(
+        "demand_build_up",
+        "sum of (0.9 C)^k times the k-th largest lobe of p abs(E)/(g tan alpha_c), k from 0",
+        lambda on: on.demand.build_up,
+    ),
+)
+
+#: Every row by its name, and every measure with the members of families in place of these.
+ROWS = {row.name: row for row in _TABLE}
+MEASURES = {one.name: one for row in _TABLE for one in (map(row.at, row.periods) if row.periods else [row])}
+
+#: The names that each part takes. A demand names the period of a member of a family beside the family.
+FRAGILITY = tuple(name for name, one in MEASURES.items() if one.proportional)
+HAZARD, SCALING = (tuple(name for name, one in MEASURES.items() if use in one.uses) for use in ("hazard", "scaling"))
+DEMAND = tuple(name for name, row in ROWS.items() if "demand" in row.uses)
+PERIODIC = tuple(name for name in DEMAND if ROWS[name].periods)
+
+#: The rows that results have of every record, those of them whose values a factor multiplies, and the rows that results
+#: have of every record and body.
+STORED = tuple(row for row in _TABLE if row.stored is not None and not row.of_bodies)
+STORED_LEVELS = tuple(row for row in STORED if row.proportional)
+STORED_OF_BODIES = tuple(row for row in _TABLE if row.stored is not None and row.of_bodies)
+
+
+def units_in_words(names: tuple[str, ...]) -> str:
+    """The units of some rows, and which of these have each.
+
+    Examples
+    --------
+    >>> units_in_words(("pga", "pgv", "impulse"))
+    'm/s2 (pga) or m/s (pgv, impulse)'
+    """
+    units = dict.fromkeys(ROWS[name].shown_unit for name in names)
+    told = [f"{unit or 1} ({', '.join(name for name in names if ROWS[name].shown_unit == unit)})" for unit in units]
+    return _either(told)
+
+
+def quoted(names: tuple[str, ...]) -> str:
+    """The names between quotation marks, the last after an "or"."""
+    return _either([f'"{name}"' for name in names])
+
+
+def _either(words: list[str]) -> str:
+    return " or ".join(filter(None, [", ".join(words[:-1]), words[-1]]))
