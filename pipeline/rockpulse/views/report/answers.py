@@ -8,10 +8,10 @@ import numpy as np
 
 from rocking.response import Outcome
 from rockpulse.assessment.answers import Answers
-from rockpulse.assessment.design_sequence import NAME
 from rockpulse.assessment.verdict import BodyVerdict, Standing, standings, why_unknown
 from rockpulse.config.uncertainty_settings import UncertaintySettings
 from rockpulse.ladder import is_upper_bound
+from rockpulse.views.report.records import record_label
 from rockpulse.views.shared.columns import (
     AT_MOST,
     ESTIMATE,
@@ -67,9 +67,8 @@ class AnswerCells:
         self.of_models = answer_columns(answers)
         factors = columns("factor_10" if answers.probable else "safety_factor")
         self._factors = [row[0] for row in filled(factors, self.every)]
-        self.names = record_cells(answers.summary)
-        if answers.records == [NAME]:
-            self.names = [self.names[0]._replace(text=say("motions.design"))]
+        names = record_cells(answers.summary)
+        self.names = [cell._replace(text=record_label(cell.text)) for cell in names]
         peak = f"θ_max/α_c, {say(f'models.{answers.model}')}"
         self._peak = Heading(say("head.peak"), note=peak)
 

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rockpulse.assessment.answers import Answers
+from rockpulse.assessment.design_sequence import NAME
 from rockpulse.failures import alike
 from rockpulse.motions.events import UNKNOWN
 from rockpulse.record.measures import PGA
@@ -33,6 +34,7 @@ __all__ = [
     "hash_of",
     "input_table",
     "left_out_table",
+    "record_label",
     "record_named",
     "record_words",
     "used_table",
@@ -53,6 +55,11 @@ _TOLD = ("failed", "skipped")
 def event_name(event: str) -> str:
     """The name of the earthquake that a record is counted to."""
     return say("unknown_event.name") if event == UNKNOWN else event
+
+
+def record_label(record: str) -> str:
+    """The id of a record, or what stands in its place for a design sequence."""
+    return say("motions.design") if record == NAME else record
 
 
 def earthquake_words(known: Known) -> str:
@@ -220,7 +227,7 @@ def warning_table(summary: xr.Dataset) -> Table:
             continue
         for place, (label, text) in enumerate(zip(summary[kind].values, summary[name].values, strict=True)):
             key = f"{'body' if kind == 'block' else 'record'}-{place}"
-            rows += [(Cell(str(label), link=key), Cell(line)) for line in str(text).splitlines() if line]
+            rows += [(Cell(record_label(str(label)), link=key), Cell(line)) for line in str(text).splitlines() if line]
     return Table("warnings", say("page.warnings"), _headings("of_what", "warning"), tuple(rows))
 
 
