@@ -8,7 +8,7 @@ KERNEL_TESTS := $(patsubst %,tests/models/test_%.py,recorded linear nonlinear fi
 	sequence_lanes)
 LONG_IN_PYTHON := test_quarter_period or from_housners_threshold or more_half_cycles_than or same_without_compilation or slow_hops
 
-.PHONY: help install run test test-slow test-sweeps test-python samples schema mutate mutants fuzz kernel-cache lint types doctest wheel docs docs-test docs-pictures clean
+.PHONY: help install run test test-slow test-sweeps test-python paper accuracy rule check-histories reference selftest-cases samples schema mutate mutants fuzz kernel-cache lint types doctest wheel docs docs-test docs-pictures clean
 
 help:  ## list the targets
 	@grep -hE '^[a-z-]+: .*##' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):[^#]*## (.*)/  \1\t\2/' | expand -t 16
@@ -34,6 +34,30 @@ test-sweeps:  ## what takes seconds a test: oracles, kills, compilation, memory 
 test-python:  ## the kernels' tests with the kernels as plain Python (under 2 minutes on two cores)
 	@# Plain Python warns of the arithmetic of empty slots, which nobody reads.
 	NUMBA_DISABLE_JIT=1 $(PYTHON) -m pytest -q -n 2 --dist worksteal -W ignore::RuntimeWarning $(KERNEL_TESTS) -k "not ($(LONG_IN_PYTHON))"
+
+# Studies of our own questions (benchmarks/laboratory): tables and pictures go to build/. Files for which RECORDS stands
+# may need OPTIONS="--units g --events TABLE".
+LABORATORY := PYTHONPATH=benchmarks:$$PYTHONPATH $(PYTHON) -m laboratory
+RECORDS ?= data/samples/records
+OPTIONS ?=
+
+paper:  ## Figures 4 and 5 of the paper and the verdict on each of its statements (15 s)
+	$(LABORATORY).paper build/paper
+
+accuracy:  ## speed and error of solvers and models, on the samples or RECORDS (minutes; OPTIONS=--quick: one)
+	$(LABORATORY).accuracy $(RECORDS) -o build/accuracy $(OPTIONS)
+
+rule:  ## the rule and other measures on RECORDS of four earthquakes or more (OPTIONS=--fit: fits it anew)
+	$(LABORATORY).rule $(RECORDS) -o build/rule $(OPTIONS)
+
+check-histories:  ## the checks of codes against time histories of RECORDS
+	$(LABORATORY).histories $(RECORDS) -o build/check-histories $(OPTIONS)
+
+reference:  ## the stored reference of make accuracy, in 140-bit numbers (hours; goes on where it stopped)
+	$(PYTHON) benchmarks/make_reference.py
+
+selftest-cases:  ## the stored cases of rockpulse selftest, in 140-bit numbers (minutes)
+	$(PYTHON) benchmarks/selftest_cases.py
 
 samples:  ## write data/samples/formats: a small file of every format that is read
 	$(PYTHON) tests/make_format_samples.py

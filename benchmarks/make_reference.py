@@ -21,13 +21,13 @@ from typing import NamedTuple
 import numpy as np
 from precise_rocking import BITS, LONGEST_STEP, ONE, TERM, Real, respond
 
+from laboratory.accuracy.reference import COLUMNS, SYNTHETIC, TABLE, motion_sha256, sample_motion
 from rocking.block import Block
 from rockpulse.config.configuration import load_config
 from rockpulse.readers import read
 from rockpulse.record.conditioning import condition
 from rockpulse.record.record import STANDARD_GRAVITY
 from rockpulse.record.synthetic import synthetic_lanes, synthetic_motion
-from rockpulse.studies.accuracy.reference import COLUMNS, SYNTHETIC, TABLE, motion_sha256, sample_motion
 
 TOP = Path(__file__).parents[1]
 PERTURBATION = ONE / 10**13

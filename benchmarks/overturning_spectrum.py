@@ -23,13 +23,13 @@ from scipy.interpolate import RegularGridInterpolator
 from scipy.stats import norm, qmc
 
 import rockpulse as rp
+from laboratory.ensemble import StrongMotion, strong_motions
 from rocking import Block, OverturningSpectrum, Uncertainty, recorded_response, spectrum_lanes
 from rocking.corners import sorrentino
 from rocking.crossing import factor_at, mean_capacity, rising
 from rocking.half_wave_lanes import half_wave_lanes
 from rocking.spectrum_lanes import RATES
 from rockpulse.storage.spectrum_variables import RESTITUTIONS, ROTATIONS
-from rockpulse.studies.rule.cases import StrongMotion, strong_motions
 
 UNCERTAINTY = Uncertainty()
 

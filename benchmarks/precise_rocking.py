@@ -4,11 +4,13 @@ A block (p, alpha, C) stands on ground with acceleration a, linear between sampl
 s = sgn theta, phi = s theta >= 0, tau = p t and G = s a/g
 
     linear      phi'' = phi - alpha - G
-    nonlinear   phi'' = -[sin(alpha - phi) + G cos(alpha - phi)]
+    nonlinear   phi'' = -[(1 + a_v/g) sin(alpha - phi) + G cos(alpha - phi) + kappa sin(phi) cos(phi)]
 
-The block at rest lifts off where abs(a)/g passes alpha, or tan(alpha), strictly, to theta > 0 for a < 0. At an impact
-phi' becomes C phi' on the other side. Everything below is written from these lines in numbers of `BITS` bits and shares
-nothing with the kernels of ``models/``.
+a_v is a vertical acceleration, positive up; kappa = K z^2/(M g R) stands for elastic ties of stiffness K at a height z
+above both corners, taut at rest. The block at rest lifts off where abs(a)/g passes alpha, or (1 + a_v/g) tan(alpha),
+strictly, to theta > 0 for a < 0. At an impact phi' becomes C phi' on the other side; of a body before a wall, which
+turns to theta > 0 only, on the same side. Everything below is written from these lines in numbers of `BITS` bits and
+shares nothing with the kernels of ``models/``.
 
 Steps are whole samples, divided where p dt > 0.08. Linear motion goes from sample to sample by the exact exponential
 map. Nonlinear motion, and the inside of a sample with an event, is a Taylor series continued until two of its terms in
@@ -22,7 +24,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import pairwise
 from operator import mul
 from typing import Any, NamedTuple
@@ -76,12 +78,17 @@ class Scene:
     restitution: Real
     ground: list[Real]  # a/g at the samples
     step: Real  # p dt
+    vertical: list[Real] = field(default_factory=list)  # a_v/g at the samples; none without
+    wall: bool = False
+    kappa: Real = ZERO
 
     def __post_init__(self) -> None:
         self.threshold = self.alpha if self.linear else numbers.tan(self.alpha)
-        self.rough = np.abs(np.array([float(value) for value in self.ground]))
-        self.left = np.maximum.accumulate(self.rough[::-1])[::-1]
-        near = self.rough > float(self.threshold) * (1.0 - 1e-9)
+        ground = np.array([float(value) for value in self.ground])
+        self.lift = 1.0 + np.array([float(value) for value in self.vertical or [ZERO] * len(self.ground)])
+        self.rough = np.maximum(-ground, 0.0) if self.wall else np.abs(ground)  # what pushes off the ground
+        self.left = np.maximum.accumulate(np.abs(ground)[::-1])[::-1]
+        near = self.rough > float(self.threshold) * self.lift * (1.0 - 1e-9)
         self.strong = np.flatnonzero(near[1:] | near[:-1])  # samples in which the ground may pass the threshold
         self.cosh, self.sinh = numbers.cosh(self.step), numbers.sinh(self.step)
 
@@ -144,13 +151,16 @@ def newton(c: Sequence[Real], low: Real, high: Real, start: Real, t: Real, bits:
     return t
 
 
-def series(scene: Scene, phi: Real, speed: Real, ground: Real, slope: Real, length: Real) -> list[Real]:
-    """Taylor coefficients of phi on a step; ground is G at its start and slope that of G per tau."""
+def series(
+    scene: Scene, phi: Real, speed: Real, ground: Real, slope: Real, length: Real, lift: Real = ONE, rise: Real = ZERO
+) -> list[Real]:
+    """Taylor coefficients of phi on a step; ground and lift are G and 1 + a_v/g at its start, the others per tau."""
     c, h, power, small = [phi, speed], float(length), 1.0, 0
     largest = abs(float(phi)) + abs(float(speed * length))
     if not scene.linear:
         sine, cosine = [numbers.sin(scene.alpha - phi)], [numbers.cos(scene.alpha - phi)]
         d = [speed]  # d[j - 1] = j c[j]
+        twice = [numbers.sin(2 * phi)], [numbers.cos(2 * phi)]
     for k in range(MOST_TERMS):
         if scene.linear:
             push = c[k]
@@ -161,7 +171,13 @@ def series(scene: Scene, phi: Real, speed: Real, ground: Real, slope: Real, leng
                 # (sin z)' = -cos z phi', (cos z)' = sin z phi', z = alpha - phi
                 sine.append(-dot(d, reversed(cosine)) / k)
                 cosine.append(dot(d, reversed(sine[:-1])) / k)
-            push = -(sine[k] + ground * cosine[k] + (slope * cosine[k - 1] if k else ZERO))
+            push = -(lift * sine[k] + ground * cosine[k] + (slope * cosine[k - 1] + rise * sine[k - 1] if k else ZERO))
+            if scene.kappa:
+                if k:
+                    following = 2 * dot(d, reversed(twice[1])) / k, -2 * dot(d, reversed(twice[0])) / k
+                    for one, value_ in zip(twice, following, strict=True):
+                        one.append(value_)
+                push -= scene.kappa * twice[0][k] / 2
         c.append(push / ((k + 1) * (k + 2)))
         if not scene.linear:
             d.append((k + 2) * c[k + 2])
@@ -176,11 +192,14 @@ def series(scene: Scene, phi: Real, speed: Real, ground: Real, slope: Real, leng
 
 def lift_off(scene: Scene, k: int, passed: Real) -> tuple[Real, int] | None:
     """Time in sample k, from `passed` on, at which the resting block lifts off, and the side; None if it stays."""
-    rate = (scene.ground[k + 1] - scene.ground[k]) / scene.step
+    part = passed / scene.step
     found = []
-    for side in (1, -1):
-        before = -side * (scene.ground[k] + rate * passed) - scene.threshold
-        after = -side * scene.ground[k + 1] - scene.threshold
+    for side in (1,) if scene.wall else (1, -1):
+        start, after = (
+            -side * scene.ground[j] - scene.threshold * (1 + scene.vertical[j] if scene.vertical else 1)
+            for j in (k, k + 1)
+        )
+        before = start + (after - start) * part
         if before > 0:
             found.append((passed, side))
         elif after > 0:
@@ -203,27 +222,30 @@ def settles(scene: Scene, k: int, passed: Real, speed: Real, peak: Real) -> bool
     if restitution >= 1.0 or w >= 0.5 * IMPACT_CUTOFF * alpha:
         return False
 
-    def least(strongest: float) -> float:
-        return alpha - strongest if scene.linear else math.sin(alpha) - strongest * math.cos(alpha)
+    def least(strongest: float, lift: float) -> float:
+        return alpha - strongest if scene.linear else lift * math.sin(alpha) - strongest * math.cos(alpha)
 
-    def ground(place: float) -> float:
-        j = min(int(place), len(scene.ground) - 2)
-        return float(scene.ground[j] + (scene.ground[j + 1] - scene.ground[j]) * (place - j))
+    def at(values: np.ndarray, place: float) -> float:
+        return float(np.interp(place, (j := min(int(place), len(values) - 2), j + 1), values[j : j + 2]))
 
     start = k + float(passed / scene.step)
-    if least(abs(ground(start))) <= 0.0:
+    now = least(at(scene.rough, start), at(scene.lift, start))
+    if now <= 0.0:
         return False
-    window = 8.0 * w / (least(abs(ground(start))) * (1.0 - restitution))
+    window = 8.0 * w / (now * (1.0 - restitution))
     end = start + window / step
     if end > len(scene.ground) - 1:
         return False
     last = max(math.ceil(end), k + 1)
-    slope = max(abs(float(scene.ground[j + 1] - scene.ground[j])) for j in range(k, last)) / step
-    strongest = max(abs(ground(start)), abs(ground(end)), *scene.rough[k + 1 : last], 0.0)
-    least_left = least(strongest) * (1.0 - 1e-6)
+    changes = (abs(float(scene.ground[j + 1] - scene.ground[j])) for j in range(k, last))
+    slope = (max(changes) + float(np.max(np.abs(np.diff(scene.lift[k : last + 1]))))) / step
+    strongest = max(at(scene.rough, start), at(scene.rough, end), *scene.rough[k + 1 : last], 0.0)
+    lightest = float(min(scene.lift[k : last + 1]))
+    least_left = least(strongest, lightest) * (1.0 - 1e-6)
     if least_left <= 0.0 or w * w / least_left >= CHATTER_HEIGHT * float(peak):
         return False
-    d = least_left - (1.0 + strongest) * w * w / least_left
+    largest = max(abs(float(one)) for one in scene.ground[k : last + 1])
+    d = least_left - (float(max(scene.lift[k : last + 1])) + largest) * w * w / least_left
     if d < 0.5 * least_left:
         return False
     q = restitution * (1.0 + slope * 2.0 * w / (d * d))
@@ -267,6 +289,9 @@ def respond(
     initial_velocity: float = 0.0,
     restitution_factor: Real = ONE,
     record_factor: Real = ONE,
+    vertical: Sequence[float] | None = None,
+    wall: bool = False,
+    kappa: Real = ZERO,
 ) -> Answer:
     """Response of one block to a record; every argument is taken as the exact number that the float64 is.
 
@@ -282,11 +307,20 @@ def respond(
         theta [rad] and theta' [rad/s] at the first sample.
     restitution_factor, record_factor : real
         Factors on C and on the record, for perturbations too small for a float64.
+    vertical : (n,) sequence, optional
+        Vertical acceleration [m/s2]; nonlinear equation only, and so is `kappa`. With ties the record has to go on
+        until the body is at rest.
+    wall : bool
+        Whether the body turns to theta > 0 only; C is that of the rebound.
     """
     factor = real(scale) / real(gravity) * record_factor
-    ground = [real(float(sample)) * factor for sample in acceleration]
+    ground, up = (
+        [(sample if isinstance(sample, type(ONE)) else real(float(sample))) * factor for sample in samples]
+        for samples in (acceleration, () if vertical is None else vertical)
+    )
     step = real(p) * real(dt)
-    scene = Scene(equation == "linear", real(alpha), real(restitution) * restitution_factor, ground, step)
+    fixed = real(restitution) * restitution_factor
+    scene = Scene(equation == "linear", real(alpha), fixed, ground, step, up, wall, real(kappa))
     cutoff = IMPACT_CUTOFF * scene.alpha
     longest = step / math.ceil(float(step) / LONGEST_STEP - 1e-9)
 
@@ -312,12 +346,16 @@ def respond(
         elif scene.linear and passed == 0 and float(phi + speed - scene.alpha) > scene.left[k] * (1.0 + 1e-12):
             # The growing mode exceeds what the ground can still do: certain, and no longer a matter of precision.
             return Answer(real("inf"), "OVERTURNS", math.nan, impacts)
+        lift, rise = ONE, ZERO
+        if up:
+            rise = (up[k + 1] - up[k]) / step
+            lift = 1 + up[k] + rise * passed
         slope = side * (ground[k + 1] - ground[k]) / step
         start = side * ground[k] + slope * passed
         remaining = step - passed
         # Pieces of a divided sample are equal; a rounding rest of the last one is part of it.
         length = remaining if remaining < longest * 1.000001 else longest
-        c = series(scene, phi, speed, start, slope, length)
+        c = series(scene, phi, speed, start, slope, length, lift, rise)
         if phi == 0 and speed == 0 and abs(float(c[2])) < 1e-36:
             c[2] = ZERO  # lifted at the threshold itself, where phi'' = 0
         hop = next(j for j, term in enumerate(c) if term != 0)  # phi = t^hop times a series without the root at 0
@@ -350,11 +388,13 @@ def respond(
         arrival = -value(derivative(c), touch)
         impacts += arrival >= cutoff
         passed += touch
-        phi, speed, side = ZERO, scene.restitution * arrival, -side
+        phi, speed, side = ZERO, scene.restitution * arrival, side if wall else -side
         resting = speed == 0 or settles(scene, k, passed, speed, peak)
 
     if resting:
         return Answer(peak / scene.alpha, "ROCKS" if moved else "AT_REST", math.nan, impacts)
+    if scene.kappa:
+        raise RuntimeError("with ties the record has to go on until the body is at rest")
     largest, over, before, impact = after(scene, phi, speed)
     if over:
         wait = real("nan") if scene.linear else falling_time(scene, phi, speed)

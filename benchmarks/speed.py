@@ -24,7 +24,7 @@ from numba import njit
 from rocking.threads import available_cores
 from rockpulse.models import Block, Outcome, recorded_response
 from rockpulse.record.synthetic import synthetic_lanes, synthetic_motion
-from rockpulse.studies.accuracy.baseline import response as solve_ivp_response
+from rockpulse.studies.selftest.baseline import response as solve_ivp_response
 
 EQUATIONS = ("linear", "nonlinear")
 DT = 0.01  # s

@@ -30,13 +30,11 @@ rockpulse.config
 rockpulse.motions
 rockpulse.storage
 rockpulse.assessment
-rockpulse.studies.accuracy
+rockpulse.studies.selftest
 rockpulse.studies.site
-rockpulse.studies.rule
 rockpulse.studies.fragility
 rockpulse.studies.risk
 rockpulse.studies.check
-rockpulse.studies.paper
 rockpulse.batch
 rockpulse.views.shared
 rockpulse.views.text
@@ -46,7 +44,7 @@ rockpulse.views.report
 rockpulse.commands
 rockpulse.cli
 rockpulse.__main__
-rockpulse.models rockpulse.plots rockpulse.study
+rockpulse.models rockpulse.plots
 rockpulse
 """
 LEVEL = {room: level for level, line in enumerate(ROOMS.split("\n")) for room in line.split()}
@@ -222,10 +220,9 @@ def test_texts_reach_the_terminal_by_one_way():
 def test_the_public_names_are_there():
     import rocking
     import rockpulse
-    from rockpulse.studies import paper
     from rockpulse.views import plots
 
-    for package in (rockpulse, rocking, plots, paper):
+    for package in (rockpulse, rocking, plots):
         tree = ast.parse(Path(package.__file__).with_suffix(".pyi").read_text(encoding="utf-8"))
         named = {alias.asname for node in tree.body if isinstance(node, ast.ImportFrom) for alias in node.names}
         assert named
@@ -237,10 +234,9 @@ def test_the_short_names_are_the_packages_themselves():
     import rocking
     import rockpulse
     from rockpulse import models
-    from rockpulse.studies import paper
     from rockpulse.views import plots
 
-    for short, package in ((models, rocking), (rockpulse.plots, plots), (rockpulse.study, paper)):
+    for short, package in ((models, rocking), (rockpulse.plots, plots)):
         assert short.__all__ == package.__all__
         assert set(dir(short)) >= set(package.__all__)
         assert all(getattr(short, name) is getattr(package, name) for name in package.__all__)

@@ -25,41 +25,6 @@ RENAMED = {
 }
 
 
-#: Stored variables of 0.1.0 that are gone, by kind of file: the rule is judged by capacities since.
-GIVEN_UP = {
-    "rule verdicts": {
-        "balanced",
-        "build_up",
-        "conservative",
-        "difference",
-        "difference_alone",
-        "difference_alone_high",
-        "difference_alone_low",
-        "difference_high",
-        "difference_low",
-        "false_difference",
-        "false_difference_high",
-        "false_difference_low",
-        "false_least",
-        "false_most",
-        "flips",
-        "left_out_march",
-        "left_out_velocity_ratio",
-        "missed_bound",
-        "missed_bound_clustered",
-        "missed_least",
-        "missed_most",
-        "overturns",
-        "peak",
-        "peak_bias",
-        "peak_dispersion",
-        "peaks",
-        "scale",
-        "velocity_alone",
-    }
-}
-
-
 def options_of(parser, words=()):
     """The options of a parser and of its verbs, by the words of the command."""
     found = {" ".join(words): {flag for action in parser._actions for flag in action.option_strings}}
@@ -94,4 +59,4 @@ def test_every_stored_variable_is_still_declared(kind):
     """Other tests hold the declarations against the files that are written."""
     groups = KINDS[kind.split()[0]].values()
     lost = set(BEFORE["variables"][kind]) - {name for group in groups for name in group}
-    assert lost == GIVEN_UP.get(kind, set())
+    assert lost == set()

@@ -36,8 +36,6 @@ SMALL = [
     ["assess", "--help"],
     ["inspect", "--help"],
     ["report", "--help"],
-    ["accuracy", "--help"],
-    ["study", "figure4", "--help"],
     ["plot", "--help"],
     ["plot", "--list"],
     ["formats"],

@@ -1,6 +1,5 @@
 from . import models as models
 from . import plots as plots
-from . import study as study
 from .assessment.assessment import assess as assess
 from .assessment.design_sequence import assess_sequence as assess_sequence
 from .assessment.overturning import overturning_factors as overturning_factors

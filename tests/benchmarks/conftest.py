@@ -41,11 +41,6 @@ def make_reference(precise):
 
 
 @pytest.fixture(scope="session")
-def baseline():
-    return load("baseline_solve_ivp", "baseline_solve_ivp")
-
-
-@pytest.fixture(scope="session")
 def parse():
     return load("parse", "parse")
 

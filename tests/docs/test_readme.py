@@ -17,7 +17,7 @@ TOP = Path(__file__).parents[2]
 LEFT_OUT = {
     "python3 -m venv": "they install; .ci/run runs them word for word",
     "rockpulse assess archive/ --config site.toml -o all.h5 --scheduler": "it needs a cluster; tests/pipeline/batch",
-    "rockpulse accuracy": "minutes; tests/pipeline/commands/test_accuracy.py",
+    "make ": "minutes to hours; tests/benchmarks",
     "python benchmarks/": "minutes to hours; CONTRIBUTING.md",
 }
 

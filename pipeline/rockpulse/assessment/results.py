@@ -203,7 +203,7 @@ def load(path: str | os.PathLike[str]) -> xr.DataTree:
     Raises
     ------
     ResultsError
-        For a file that is no HDF5, is damaged, was not written by rockpulse, is an accuracy report, or has another
+        For a file that is no HDF5, is damaged, was not written by rockpulse, or has another
         major schema version.
     OSError
         Where the file cannot be opened.

@@ -216,7 +216,7 @@ def load_rule(point: str = "balanced", path: str | Path | None = None) -> Rule:
     point : {"balanced", "conservative"}
         The working point of the rule.
     path : str or Path, optional
-        File that ``rockpulse rule fit`` wrote; that of the package without.
+        File that ``make rule`` wrote in the repository; that of the package without.
 
     Returns
     -------
@@ -242,7 +242,7 @@ def load_rule(point: str = "balanced", path: str | Path | None = None) -> Rule:
     section = table.get(point)
     factor = section.get("factor") if isinstance(section, Mapping) else None
     if not isinstance(factor, (int, float)) or isinstance(factor, bool):
-        raise ConfigError(f"{source}: expected [{point}] factor, a number; `rockpulse rule fit` writes such a file")
+        raise ConfigError(f"{source}: expected [{point}] factor, a number, as in {SHIPPED} of the package")
     return replace(Rule(point, float(factor)), within=_range(table, str(source)))
 
 
@@ -250,7 +250,7 @@ def _range(table: Mapping[str, Any], source: str) -> dict[str, tuple[float, floa
     section = table.get("range")
     if not isinstance(section, Mapping) or not section or not set(section) <= set(TRAITS):
         raise ConfigError(
-            f"{source}: expected [range] with some of {', '.join(TRAITS)}; `rockpulse rule fit` writes it"
+            f"{source}: expected [range] with some of {', '.join(TRAITS)}, as in {SHIPPED} of the package"
         )
     for name, ends in section.items():
         numeric = isinstance(ends, list) and [type(end) for end in ends] in ([float, float], [int, int])

@@ -4,7 +4,6 @@ What a verb needs beyond the standard library is imported when it runs.
 """
 
 from rockpulse.commands import (
-    accuracy,
     assess,
     calibrate,
     check,
@@ -19,8 +18,7 @@ from rockpulse.commands import (
     plot,
     report,
     risk,
-    rule,
-    study,
+    selftest,
     verify,
 )
 
@@ -42,8 +40,6 @@ VERBS = (
     init_config.VERB,
     formats.VERB,
     convert.VERB,
-    rule.VERB,
-    accuracy.VERB,
-    study.VERB,
+    selftest.VERB,
     completion.VERB,
 )

@@ -17,7 +17,6 @@ MISSING = {
     "sequence": "rockpulse calibrate writes one",
     "site": "rockpulse calibrate writes one",
     "fragility": "rockpulse fragility writes one",
-    "rule": "rockpulse rule fit writes one",
     "results": "rockpulse assess writes one",
     "first": "rockpulse assess writes one",
     "second": "rockpulse assess writes one",

@@ -21,8 +21,6 @@ __all__ = ["VERB"]
 SHOWN_WHOLE = {
     "site": ("this is a site file", "site"),
     "fragility": ("this is a fragility file", "fragility"),
-    "statements": ("this is a study", "study"),
-    "rates": ("these are verdicts of the rule", "rule"),
 }
 
 #: Options that ask for a list of cases.
@@ -38,9 +36,7 @@ NOTHING = "nothing failed and nothing was skipped"
 
 
 def _add_arguments(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument(
-        "results", metavar="RESULTS", help="file of rockpulse assess, calibrate, fragility, rule judge or study"
-    )
+    parser.add_argument("results", metavar="RESULTS", help="file of rockpulse assess, calibrate or fragility")
     parser.add_argument(
         "--record",
         action="append",

@@ -25,9 +25,7 @@ class _List(argparse.Action):
 
 
 def _add_arguments(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument(
-        "results", metavar="RESULTS", help="file of rockpulse assess, calibrate, fragility, study or accuracy"
-    )
+    parser.add_argument("results", metavar="RESULTS", help="file of rockpulse assess, calibrate or fragility")
     parser.add_argument("kind", metavar="KIND", help="what to draw; --list shows all, and the file each needs")
     parser.add_argument("-o", "--output", required=True, metavar="FILE", help="picture to write: .png, .svg or .pdf")
     parser.add_argument("--list", action=_List, help="list the kinds and leave")
@@ -49,8 +47,6 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="STATE",
         help="a limit state of the file; may be repeated; default: all",
     )
-    parser.add_argument("--spacing", metavar="NAME", help="spacing of the secondary impulses; default the first one")
-    parser.add_argument("--count", type=float, metavar="N", help="secondary impulses in a half-cycle; default inf")
     parser.add_argument("--restitution", metavar="C", help='of the blocks of a spectrum: a number; default "housner"')
     parser.add_argument("--overwrite", action="store_true", help="replace a picture that exists")
     parser.add_argument("--quiet", action="store_true", help="do not name the file that was written")
@@ -58,9 +54,9 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def _run(args: argparse.Namespace) -> int:
     from rockpulse.errors import ConfigError
+    from rockpulse.storage.save_load import load
     from rockpulse.views.plots.kinds import OPTIONS, draw
     from rockpulse.views.plots.picture import picture_bytes
-    from rockpulse.views.plots.reading import open_results
     from rockpulse.views.shared.output_files import PICTURES, check_file, write_files
 
     target = check_file(args.output, args.overwrite, PICTURES)
@@ -72,7 +68,7 @@ def _run(args: argparse.Namespace) -> int:
             raise ConfigError(
                 f'--restitution: expected a number from 0 to 1 or "housner", got "{args.restitution}"'
             ) from None
-    figure = draw(open_results(args.results), args.kind, **options)
+    figure = draw(load(args.results), args.kind, **options)
     write_files({target: picture_bytes(figure, target.suffix[1:].lower())})
     if not args.quiet:
         tell(f"written: {target}")

@@ -11,16 +11,12 @@ from rockpulse.commands.telling import QUIET
 if TYPE_CHECKING:
     from rockpulse.config.configuration import Config
     from rockpulse.config.settings import RecordSettings
-    from rockpulse.failures import Failure
-    from rockpulse.studies.rule.cases import StrongMotion
 
 __all__ = [
     "add_confirm_argument",
     "add_reading_arguments",
     "add_record_arguments",
-    "add_strong_arguments",
     "configured",
-    "read_strong",
     "reading_options",
     "resolved",
 ]
@@ -44,32 +40,6 @@ def add_confirm_argument(parser: argparse.ArgumentParser) -> None:
         help="a peak above 5 g is right in channels of this id, which fail without; * and ? stand for any letters; "
         "repeatable",
     )
-
-
-def add_strong_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the records, and what may have to be said of them, of a verb that takes strong motions without a file."""
-    parser.add_argument("paths", nargs="+", metavar="PATHS", help="files, folders, zips or globs of records")
-    add_reading_arguments(parser)
-    add_confirm_argument(parser)
-    parser.add_argument(
-        "--events",
-        metavar="TABLE",
-        help="CSV table with the columns record, event: the earthquake of channels whose files name none, such as "
-        '"Kobe 1995-01-16"',
-    )
-
-
-def read_strong(args: argparse.Namespace) -> tuple[list[StrongMotion], list[Failure]]:
-    """The strong motions that the arguments of :func:`add_strong_arguments` name, and what was left out."""
-    from rockpulse.motions.tables import read_event_table
-    from rockpulse.readers.folders import read_all
-    from rockpulse.studies.rule.cases import strong_motions
-
-    options = reading_options(args)
-    records, failures = read_all(args.paths, options.units, dt=options.dt)
-    titles = read_event_table(Path(args.events)) if args.events else None
-    motions, left_out = strong_motions(records, args.confirm, failures, titles)
-    return motions, [*failures, *left_out]
 
 
 def reading_options(args: argparse.Namespace, settings: RecordSettings | None = None) -> RecordSettings:

@@ -7,15 +7,12 @@ from collections.abc import Iterator, Mapping
 import h5py
 import numpy as np
 
-from rockpulse.storage.accuracy_variables import REPORT, TABLES
 from rockpulse.storage.assessment_variables import ASSESSMENT_GROUPS, minor_of
 from rockpulse.storage.atomic_file import ASSESSMENT
 from rockpulse.storage.fragility_variables import FRAGILITY, FRAGILITY_GROUPS
 from rockpulse.storage.netcdf4 import NOT_A_COORDINATE, says_no_variable
-from rockpulse.storage.rule_variables import RULE_KIND, RULE_TABLES
 from rockpulse.storage.site_spectrum_variables import SITE_GROUPS
 from rockpulse.storage.site_variables import SITE_KIND
-from rockpulse.storage.study_variables import STUDY, STUDY_GROUPS
 from rockpulse.storage.variables import Declared, StoredVariable
 
 __all__ = ["GROUPS", "missing_variables", "wrong_variables"]
@@ -24,10 +21,7 @@ __all__ = ["GROUPS", "missing_variables", "wrong_variables"]
 GROUPS: dict[str, dict[str, Declared]] = {
     ASSESSMENT: ASSESSMENT_GROUPS,
     FRAGILITY: FRAGILITY_GROUPS,
-    REPORT: {f"/{name}": table for name, table in TABLES.items()},
     SITE_KIND: SITE_GROUPS,
-    STUDY: STUDY_GROUPS,
-    RULE_KIND: {f"/{name}": table for name, table in RULE_TABLES.items()},
 }
 
 #: Groups that every file of a kind has.

@@ -20,15 +20,12 @@ from rockpulse.config.settings import SPACINGS, SequenceSettings
 from rockpulse.errors import ResultsError, RockpulseError
 from rockpulse.input_file import check_regular
 from rockpulse.remark import find, recognised, with_codes
-from rockpulse.storage.accuracy_variables import REPORT
 from rockpulse.storage.assessment_variables import minor_of
 from rockpulse.storage.atomic_file import ASSESSMENT, check_target, named, remove_parts, replacing
 from rockpulse.storage.checksums import CHECKSUM, CHECKSUM_OF_ATTRIBUTES
 from rockpulse.storage.fact_variables import FACTS
 from rockpulse.storage.fragility_variables import FRAGILITY
-from rockpulse.storage.rule_variables import RULE_KIND
 from rockpulse.storage.site_variables import SITE_KIND
-from rockpulse.storage.study_variables import STUDY
 from rockpulse.storage.summary_variables import BLOCK, RECORD
 from rockpulse.storage.variables import NOT_KNOWN
 from rockpulse.version import __version__
@@ -60,7 +57,7 @@ __all__ = [
 SCHEMA_VERSION = "1.5"
 
 #: Kinds of files that are read back, and the group that each of them has.
-KINDS = {ASSESSMENT: "summary", SITE_KIND: "site", FRAGILITY: "fragility", RULE_KIND: "rates", STUDY: "statements"}
+KINDS = {ASSESSMENT: "summary", SITE_KIND: "site", FRAGILITY: "fragility"}
 
 #: Of the kinds that have facts of records: the group with a row for every record.
 OF_RECORDS = {ASSESSMENT: "summary", SITE_KIND: "site", FRAGILITY: "capacities"}
@@ -248,11 +245,8 @@ def _coded(summary: xr.Dataset) -> xr.Dataset:
     return summary.assign(found)
 
 
-def check_schema(path: str | os.PathLike[str], reports: bool = False) -> str:
-    """The kind of a file of results, a key of `KINDS` or `REPORT`; errors as of :func:`load` where it cannot be read.
-
-    `reports` says whether an accuracy report, which is not read back, will do.
-    """
+def check_schema(path: str | os.PathLike[str]) -> str:
+    """The kind of a file of results, a key of `KINDS`; errors as of :func:`load` where it cannot be read."""
     import h5py
 
     from rockpulse.storage.contained import contained
@@ -265,17 +259,12 @@ def check_schema(path: str | os.PathLike[str], reports: bool = False) -> str:
             contained(file)
             found = file.attrs.get("schema_version")
             kind = str(file.attrs.get("kind", ASSESSMENT))
-            known = (kind == REPORT or KINDS.get(kind, "?") in file) and isinstance(found, str)
+            known = KINDS.get(kind, "?") in file and isinstance(found, str)
     except (OSError, RuntimeError, KeyError) as error:
         raise ResultsError(
             f"{path}: expected a results file of rockpulse (HDF5), found something else or a truncated file ({error}); "
             "records are assessed with 'rockpulse assess'"
         ) from error
-    if kind == REPORT and not reports:
-        raise ResultsError(
-            f"{path}: expected results of 'rockpulse assess'; this is an accuracy report: open it with xarray or h5py, "
-            "see docs/schema.md"
-        )
     if not known:
         raise ResultsError(
             f"{path}: an HDF5 file, not written by rockpulse (or of a kind that this version does not know): attribute "
@@ -290,14 +279,14 @@ def check_schema(path: str | os.PathLike[str], reports: bool = False) -> str:
 
 
 @contextmanager
-def opened(path: str | os.PathLike[str], reports: bool = False) -> Iterator[tuple[h5py.File, str]]:
+def opened(path: str | os.PathLike[str]) -> Iterator[tuple[h5py.File, str]]:
     """An open file of results, whose variables are as docs/schema.md describes them, and its kind; errors as `load`."""
     import h5py
 
     from rockpulse.storage.contained import contained
     from rockpulse.storage.layout import wrong_variables
 
-    kind = check_schema(path, reports)
+    kind = check_schema(path)
     with h5py.File(path, "r") as hdf5:
         with readable(path):
             wrong = next(wrong_variables(contained(hdf5), kind, units=False), "")

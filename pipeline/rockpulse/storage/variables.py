@@ -1,7 +1,7 @@
 """The description of a variable of a results file, declared once for whoever writes, checks or describes it.
 
-A variable is added to the declarations of its kind of file: `assessment_variables`, `accuracy_variables`,
-`fragility_variables`, `rule_variables`, `site_variables`, `study_variables`. docs/schema.md is made of them.
+A variable is added to the declarations of its kind of file: `assessment_variables`, `fragility_variables`,
+`site_variables`. docs/schema.md is made of them.
 """
 
 from __future__ import annotations

@@ -147,10 +147,10 @@ def test_a_file_that_holds_no_rule_is_refused(tmp_path, text, words):
 
 
 def test_the_range_is_that_of_the_bodies_of_the_fit():
-    from rockpulse.studies.accuracy.model_form import blocks
-
     rule = load_rule()
-    assert rule.applicable(blocks()).all()
+    slenderness, radius = np.array([(a, r) for a in (4.0, 6.0, 8.0, 12.0) for r in (1.0, 2.0, 4.0)]).T
+    of_fit = np.arctan(1.0 / slenderness)
+    assert rule.applicable(Block(radius * np.sin(of_fit), radius * np.cos(of_fit))).all()
     alpha = np.arctan(1.0 / 8.0)
     usual = {"p": 2.0, "alpha": alpha, "restitution": 1.0 - 1.5 * np.sin(alpha) ** 2}
     for other, inside in (

@@ -161,7 +161,7 @@ def test_files_of_another_kind_are_refused(assessed, samples, config, tmp_path, 
         rp.load_design(results)
     with pytest.raises(ResultsError, match="expected a results file of rockpulse"):
         rp.load_design(text)
-    for kind, words in (("fragility", "a fragility"), ("rule verdicts", "a rule verdicts"), ("study", "a study")):
+    for kind, words in (("fragility", "a fragility"), ("assessment", "an assessment")):
         with monkeypatch.context() as patch:
             patch.setattr(
                 "rockpulse.storage.design_file.load", lambda path, kind=kind: SimpleNamespace(attrs={"kind": kind})

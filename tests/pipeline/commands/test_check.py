@@ -2,12 +2,14 @@
 
 import pandas as pd
 import pytest
+import xarray as xr
 from record_writers import at2
 
 from rockpulse.assessment.answers import answers_of
 from rockpulse.assessment.verdict import verdicts
 from rockpulse.cli import main
-from rockpulse.storage.save_load import load
+from rockpulse.storage.save_load import load, save
+from rockpulse.storage.site_variables import SITE_KIND
 
 CONFIG = """
 [check]
@@ -107,10 +109,11 @@ def test_the_probability_is_that_under_the_demand_of_the_site(site, tmp_path, ca
 
 
 def test_a_file_of_another_kind_is_refused(tmp_path, capsys):
-    study = tmp_path / "study.h5"
-    assert main(["study", "figure4", "-o", str(study), "--impulse-ratio", "1", "--count", "2", "--quiet"]) == 0
-    assert main(["check", str(study)]) == 2
-    assert "study.h5: expected an assessment of rockpulse, found a study" in capsys.readouterr().err
+    other = xr.DataTree.from_dict({"/site": xr.Dataset()})
+    other.attrs["kind"] = SITE_KIND
+    save(other, tmp_path / "site.h5")
+    assert main(["check", str(tmp_path / "site.h5")]) == 2
+    assert "site.h5: expected an assessment of rockpulse, found a site calibration" in capsys.readouterr().err
 
 
 def test_wrong_arguments_are_told(site, tmp_path, capsys):

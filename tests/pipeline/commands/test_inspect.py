@@ -3,24 +3,17 @@
 from pathlib import Path
 
 import h5py
-import numpy as np
 import pytest
 import xarray as xr
-from made_up_cases import made_up
 from results_tree import RECORDS, results_bytes, results_tree
 
 import rockpulse as rp
 from rockpulse import CalibrationSettings
-from rockpulse.calibration.rule import POINTS, Rule
 from rockpulse.cli import main
 from rockpulse.record.synthetic import synthetic_motion
 from rockpulse.storage.fragility_variables import FRAGILITY
-from rockpulse.storage.rule_variables import RULE_KIND
 from rockpulse.storage.save_load import ASSESSMENT, KINDS, save
 from rockpulse.storage.site_variables import SITE_KIND
-from rockpulse.storage.study_variables import STUDY
-from rockpulse.studies.paper.parametric_analysis import figure4
-from rockpulse.studies.rule.judgement import judge_rules
 
 
 @pytest.fixture
@@ -75,11 +68,6 @@ def motions():
     ]
 
 
-def verdicts(events=6):
-    """A judgement on made-up cases; a statement where they are few."""
-    return judge_rules(made_up(events=events, records=2), {point: Rule(point, 1.0) for point in POINTS}, resamples=5)
-
-
 def site():
     few = rp.Config(calibration=CalibrationSettings(method="statistics", bootstrap=100))
     return rp.calibrate_site(motions(), few, blocks={"wall": rp.models.Block(0.2, 1.6)})
@@ -94,29 +82,16 @@ EVERY = {
     ASSESSMENT: (results_tree, "Verdict on each body"),
     SITE_KIND: (site, "design sequence"),
     FRAGILITY: (fragility, "wall"),
-    RULE_KIND: (verdicts, "left-out"),
-    STUDY: (
-        lambda: figure4(impulse_ratios=(0.1, 0.3), secondary_ratios=(0.0, 0.5), counts=(2.0, np.inf)),
-        "theta_max/alpha_c",
-    ),
 }
 
 
-@pytest.mark.parametrize("kind", [*KINDS, "statement only"])
+@pytest.mark.parametrize("kind", KINDS)
 def test_every_kind_of_file_is_shown(kind, tmp_path, capsys):
-    make, words = EVERY.get(kind, (lambda: verdicts(1), "no verdict on the rule"))
+    make, words = EVERY[kind]
     path = tmp_path / "file.h5"
     save(make(), path)
     assert main(["inspect", str(path)]) == 0
     assert words in capsys.readouterr().out
-
-
-def test_verdicts_of_the_rule_are_shown_whole(tmp_path, capsys):
-    save(verdicts(), tmp_path / "verdicts.h5")
-    assert main(["inspect", str(tmp_path / "verdicts.h5"), "--failures"]) == 0
-    assert capsys.readouterr().out == "nothing failed and nothing was skipped\n"
-    assert main(["inspect", str(tmp_path / "verdicts.h5"), "--record", "one"]) == 2
-    assert "verdicts of the rule" in capsys.readouterr().err
 
 
 def test_cases_records_and_blocks_are_listed_and_filtered(results, capsys):
@@ -192,9 +167,9 @@ def test_the_worst_cases_and_those_of_a_pattern(results, capsys):
 
 
 def test_files_that_are_shown_whole_take_no_filters(tmp_path, capsys):
-    save(verdicts(40), tmp_path / "verdicts.h5")
-    assert main(["inspect", str(tmp_path / "verdicts.h5"), "--records", "--worst", "3"]) == 2
-    assert "--records, --worst: for results of 'rockpulse assess'; these are verdicts" in capsys.readouterr().err
+    save(site(), tmp_path / "site.h5")
+    assert main(["inspect", str(tmp_path / "site.h5"), "--records", "--worst", "3"]) == 2
+    assert "--records, --worst: for results of 'rockpulse assess'; this is a site file" in capsys.readouterr().err
 
 
 def test_a_damaged_file_is_told_as_such(results, capsys):

@@ -24,13 +24,6 @@ def results(ccc, tmp_path_factory):
     return path
 
 
-@pytest.fixture(scope="module")
-def study(tmp_path_factory):
-    path = tmp_path_factory.mktemp("plot") / "study.h5"
-    rp.save(rp.study.figure4(impulse_ratios=[0.2], secondary_ratios=np.linspace(0.0, 1.0, 5), counts=[2]), path)
-    return path
-
-
 HEADS = {"png": b"\x89PNG", "svg": b"<?xml"}
 
 
@@ -50,7 +43,7 @@ def test_what_is_drawn_is_what_the_file_holds(results):
         lower = file["overturning_intervals/lower"][()][file["overturning_intervals/model_index"][()] == 1]
         impulse = file["records/half_wave_impulse"][()]
         units = file["summary/main_impulse"].attrs["units"]
-    tree = rp.plots.open_results(results)
+    tree = rp.load(results)
     whole, _, impulses = rp.plots.draw(tree, "accelerogram").axes
     assert np.max(np.abs(whole.lines[1].get_ydata())) == stored["pga"][0]
     lines = dict(zip(*reversed(impulses.get_legend_handles_labels()), strict=True))
@@ -72,7 +65,7 @@ def test_a_picture_is_the_same_on_every_run(results, tmp_path):
 
 
 @pytest.mark.sweep
-def test_models_and_options_are_passed_on(results, study, tmp_path):
+def test_models_and_options_are_passed_on(results, tmp_path):
     target = tmp_path / "picture.svg"
     words = ["--model", "nonlinear", "--model", "resonance", "-o", str(target), "--quiet"]
     assert main(["plot", str(results), "rotation-history", *words]) == 0
@@ -80,9 +73,6 @@ def test_models_and_options_are_passed_on(results, study, tmp_path):
     arguments = ["--restitution", "0.9", "-o", str(target), "--overwrite", "--quiet"]
     assert main(["plot", str(results), "rocking-spectrum", *arguments]) == 0
     assert "0.900" in target.read_text(encoding="utf-8")
-    words = ["--spacing", "middle", "--count", "2", "-o", str(target), "--overwrite", "--quiet"]
-    assert main(["plot", str(study), "figure4", *words]) == 0
-    assert 'Spacing "middle", n = 2' in target.read_text(encoding="utf-8")
 
 
 def test_a_picture_that_exists_is_kept(results, tmp_path, capsys):

@@ -17,15 +17,11 @@ from .objects import half_wave_impulses as half_wave_impulses
 from .objects import response as response
 from .objects import two_half_cycles as two_half_cycles
 from .overturning_curves import overturning_spectra as overturning_spectra
-from .paper import figure4 as figure4
-from .paper import figure5 as figure5
 from .picture import picture_bytes as picture_bytes
 from .picture import svg as svg
 from .probability_map import probability_map as probability_map
-from .reading import open_results as open_results
 from .rotation import rotation_history as rotation_history
 from .selection import block_of as block_of
 from .selection import sequence_of as sequence_of
 from .site import calibration as calibration
 from .spectrum_map import rocking_spectrum as rocking_spectrum
-from .work_precision_diagram import work_precision as work_precision

@@ -13,18 +13,15 @@ from rocking.response import Response
 from rockpulse.errors import ResultsError
 from rockpulse.record.half_wave import HalfWaves
 from rockpulse.record.record import Record
-from rockpulse.storage.accuracy_variables import REPORT
 from rockpulse.storage.fragility_variables import FRAGILITY
-from rockpulse.storage.save_load import ASSESSMENT, named
+from rockpulse.storage.save_load import ASSESSMENT, load, named
 from rockpulse.storage.site_variables import SITE_KIND
-from rockpulse.storage.study_variables import STUDY
 from rockpulse.views.plots.ground_motion import accelerogram
 from rockpulse.views.plots.impulse_sequences import limit_accelerogram
 from rockpulse.views.plots.kinds import KINDS, draw
 from rockpulse.views.plots.motion import motion_of_record
 from rockpulse.views.plots.objects import block_outlines, half_wave_impulses, response, two_half_cycles
 from rockpulse.views.plots.overturning_curves import overturning_spectra
-from rockpulse.views.plots.reading import open_results
 from rockpulse.views.plots.spectrum_map import rocking_spectrum
 
 if TYPE_CHECKING:
@@ -38,8 +35,6 @@ FIRST: dict[str, tuple[str, ...]] = {
     ASSESSMENT: ("spectrum", "bodies"),
     FRAGILITY: ("fragility",),
     SITE_KIND: ("calibration",),
-    STUDY: ("figure4", "figure5", "code-check"),
-    REPORT: ("work-precision",),
 }
 
 
@@ -88,7 +83,7 @@ def plot(
     '2.2 m'
     """
     if isinstance(what, (xr.DataTree, str, os.PathLike)):
-        tree = what if isinstance(what, xr.DataTree) else open_results(os.fspath(what))
+        tree = what if isinstance(what, xr.DataTree) else load(what)
         return draw(tree, kind or _first(tree), block=block, **options)
     if not isinstance(what, (Record, HalfWaves, ImpulseSequence, Block, Response, xr.Dataset)):
         raise TypeError(

@@ -12,9 +12,7 @@ from rockpulse.assessment.spectrum import ALPHAS, P
 from rockpulse.assessment.spectrum import rocking_spectrum as compute_spectrum
 from rockpulse.config.uncertainty_settings import UncertaintySettings
 from rockpulse.errors import ConfigError, ResultsError
-from rockpulse.studies.accuracy.measurement import table_of
 from rockpulse.views.plots.bodies import bodies
-from rockpulse.views.plots.code_checks import code_checks
 from rockpulse.views.plots.critical_factors import critical_scale, overturning_map
 from rockpulse.views.plots.fragility_curves import fragility_panels
 from rockpulse.views.plots.ground_motion import accelerogram
@@ -22,14 +20,12 @@ from rockpulse.views.plots.impulse_sequences import limit_accelerogram
 from rockpulse.views.plots.model_histories import histories
 from rockpulse.views.plots.motion import had_vertical, stored_motion, stored_record
 from rockpulse.views.plots.overturning_curves import spectra_of_results
-from rockpulse.views.plots.paper import figure4, figure5
 from rockpulse.views.plots.probability_map import probability_map
 from rockpulse.views.plots.rotation import rotation_history
 from rockpulse.views.plots.selection import block_of, named_body, one_name, plain_bodies, ragged, sequence_of, setting
 from rockpulse.views.plots.site import calibration
 from rockpulse.views.plots.spectrum_map import rocking_spectrum
 from rockpulse.views.plots.words import plain
-from rockpulse.views.plots.work_precision_diagram import work_precision
 from rockpulse.views.shared.facts import Known
 
 if TYPE_CHECKING:
@@ -175,22 +171,6 @@ def _calibration(tree: xr.DataTree) -> Figure:
     return _figure(calibration(tree)[0])
 
 
-def _figure4(tree: xr.DataTree, spacing: str | None = None, count: float = np.inf) -> Figure:
-    return _figure(figure4(tree, spacing=spacing, count=count)[0])
-
-
-def _figure5(tree: xr.DataTree, spacing: str | None = None) -> Figure:
-    return _figure(figure5(tree, spacing=spacing)[0, 0])
-
-
-def _work_precision(tree: xr.DataTree) -> Figure:
-    return _figure(work_precision(table_of(tree, "work_precision"))[0])
-
-
-def _code_check(tree: xr.DataTree) -> Figure:
-    return _figure(code_checks(tree)[0])
-
-
 #: By the names of :data:`rockpulse.views.plots.kinds.KINDS`.
 DRAWERS: dict[str, Callable[..., Figure]] = {
     "accelerogram": _accelerogram,
@@ -204,8 +184,4 @@ DRAWERS: dict[str, Callable[..., Figure]] = {
     "critical-scale": _critical_scale,
     "fragility": _fragility,
     "calibration": _calibration,
-    "figure4": _figure4,
-    "figure5": _figure5,
-    "code-check": _code_check,
-    "work-precision": _work_precision,
 }

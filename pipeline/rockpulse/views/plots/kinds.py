@@ -7,11 +7,9 @@ from typing import TYPE_CHECKING, Any
 
 from rockpulse.errors import ResultsError
 from rockpulse.option import hint
-from rockpulse.storage.accuracy_variables import REPORT
 from rockpulse.storage.fragility_variables import FRAGILITY
 from rockpulse.storage.save_load import ASSESSMENT, named
 from rockpulse.storage.site_variables import SITE_KIND
-from rockpulse.storage.study_variables import STUDY
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -105,24 +103,6 @@ KINDS = {
         "rockpulse calibrate",
         (),
     ),
-    "figure4": PictureKind(
-        "Figure 4 of the paper: largest rotation against I_s/I",
-        STUDY,
-        "rockpulse study figure4",
-        ("spacing", "count"),
-        "figure4",
-    ),
-    "figure5": PictureKind(
-        "Figure 5 of the paper: time histories of two blocks", STUDY, "rockpulse study figure5", ("spacing",), "figure5"
-    ),
-    "code-check": PictureKind(
-        "checks of codes: what bodies bear over what a check allows",
-        STUDY,
-        "rockpulse study code-check",
-        (),
-        "code_check",
-    ),
-    "work-precision": PictureKind("error against cost of the solvers", REPORT, "rockpulse accuracy", ()),
 }
 
 
@@ -132,14 +112,14 @@ def draw(tree: xr.DataTree, kind: str, **options: Any) -> Figure:
     Parameters
     ----------
     tree : xarray.DataTree
-        As :func:`rockpulse.plots.open_results` reads it, or as the functions that compute it return it.
+        As :func:`rockpulse.load` reads it, or as the functions that compute it return it.
     kind : str
         One of :data:`KINDS`.
     **options
-        What is chosen, those of the kind: `record`, `block`, `demand`, `measure`, `spacing` (names), `models`,
-        `limit_states` (sequences of names), `case` (number of the restitution, from 1), `factor` (on the record),
-        `count` (n, or inf), `restitution` (a number or "housner"). None stands for the default. A record or a block may
-        be left out where there is one only; for a name of the file a pattern (* and ?) does that no other name meets.
+        What is chosen, those of the kind: `record`, `block`, `demand`, `measure` (names), `models`, `limit_states`
+        (sequences of names), `case` (number of the restitution, from 1), `factor` (on the record), `restitution` (a
+        number or "housner"). None stands for the default. A record or a block may be left out where there is one only;
+        for a name of the file a pattern (* and ?) does that no other name meets.
 
     Returns
     -------
@@ -154,9 +134,10 @@ def draw(tree: xr.DataTree, kind: str, **options: Any) -> Figure:
     Examples
     --------
     >>> import rockpulse as rp
-    >>> figure = rp.plots.draw(rp.study.figure5(intervals=[0.5]), "figure5", spacing="end")
-    >>> len(figure.axes)
-    4
+    >>> record = rp.read("data/samples/records/CICLC.v1")[0]
+    >>> results = rp.assess([record], rp.Config(blocks=[rp.BlockSettings("wall", width=0.5, height=4.0)]))
+    >>> len(rp.plots.draw(results, "bodies").axes)
+    1
     """
     if kind not in KINDS:
         told = f"there are: {', '.join(KINDS)}"
@@ -205,7 +186,5 @@ OPTIONS = {
     "factor": "--factor",
     "measure": "--measure",
     "limit_states": "--limit-state",
-    "spacing": "--spacing",
-    "count": "--count",
     "restitution": "--restitution",
 }

@@ -11,7 +11,7 @@ from rocking.block import Block
 from rocking.response import IMPACT_CUTOFF, Outcome
 from rockpulse.errors import ResultsError
 from rockpulse.ladder import SEQUENCE_MODELS
-from rockpulse.studies.paper.motion_history import HalfCycle, rotation_history
+from rockpulse.views.plots.motion_history import HalfCycle, rotation_history
 from rockpulse.views.plots.recomputed import RECOMPUTED, recomputed
 from rockpulse.views.plots.selection import block_of, chosen_case, one_name, sequence_of, table_of_pair
 

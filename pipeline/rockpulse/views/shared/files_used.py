@@ -27,7 +27,7 @@ _OF_FILES = frozenset({"find", "read"})
 #: The steps whose rows of what failed are about a table or a pattern of the user, no file of records.
 _OF_OPTIONS = frozenset({"events", "select"})
 #: Groups with a row for each record of the results, by the kind of file; the first that is there counts.
-_GROUPS = ("summary", "site", "cases", "capacities")
+_GROUPS = ("summary", "site", "capacities")
 #: Reasons in a sentence, files named with each, and characters of each.
 _REASONS, _NAMED, _LONGEST = 3, 2, 120
 
@@ -100,8 +100,6 @@ def files_used(tree: xr.DataTree) -> FilesUsed:
     if group is None:
         return count_files((), failure_rows(tree))
     records = tree[group].to_dataset()
-    if "source" not in records:  # a file of rule verdicts of before 0.2.0
-        return FilesUsed(None)
     sources = records["source"].values.tolist()
     if "source_sha256" not in records:
         return count_files((name for source in sources for name in _apart(source)), failure_rows(tree))

@@ -12,8 +12,8 @@ from results_tree import BLOCKS, RECORDS, results_tree
 from rockpulse.errors import ResultsError
 from rockpulse.storage.assessment_variables import ASSESSMENT_GROUPS, HALF_CYCLE, WAVES
 from rockpulse.storage.hdf5_reader import open_results
-from rockpulse.storage.rule_variables import RULE_KIND
 from rockpulse.storage.save_load import save
+from rockpulse.storage.site_variables import SITE_KIND
 from rockpulse.storage.variables import FAILURE
 from rockpulse.views.diff.differences import OUTCOME, SAFETY, compare_results
 from rockpulse.views.diff.overview import difference_overview
@@ -367,9 +367,9 @@ def test_files_of_different_kinds_are_refused(saved, tmp_path):
 def test_failures_are_counted_whatever_the_rows_of_their_group_are_called(compare_files):
     failures = {name: variable.variable(["one", "two", "three"], ("row",)) for name, variable in FAILURE.items()}
     empty = {name: variable.variable([], ("row",)) for name, variable in FAILURE.items()}
-    made = xr.DataTree.from_dict({"/rates": xr.Dataset(), "/failures": xr.Dataset(failures)})
-    none = xr.DataTree.from_dict({"/rates": xr.Dataset(), "/failures": xr.Dataset(empty)})
-    made.attrs["kind"] = none.attrs["kind"] = RULE_KIND
+    made = xr.DataTree.from_dict({"/site": xr.Dataset(), "/failures": xr.Dataset(failures)})
+    none = xr.DataTree.from_dict({"/site": xr.Dataset(), "/failures": xr.Dataset(empty)})
+    made.attrs["kind"] = none.attrs["kind"] = SITE_KIND
     same, text = compare_files(made, made)
     assert (same.same, same.compared) == (True, 3)
     assert "The results are the same: 3 values" in text

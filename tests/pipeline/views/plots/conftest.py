@@ -2,8 +2,6 @@
 
 from dataclasses import replace
 
-import numpy as np
-import pandas as pd
 import pytest
 import xarray as xr
 from nominal import Config, ida
@@ -59,38 +57,9 @@ def changed(assessed):
 
 
 @pytest.fixture(scope="session")
-def study4():
-    return rp.study.figure4(impulse_ratios=[0.1, 0.4, 1.0], secondary_ratios=np.linspace(0.0, 1.0, 11), counts=[2])
-
-
-@pytest.fixture(scope="session")
-def study5():
-    return rp.study.figure5(intervals=[0.5])
-
-
-@pytest.fixture(scope="session")
 def fragility_tree(clc):
     settings = Config(
         search=SearchSettings(points=16),
         fragility=ida(limit_states=("uplift", 0.4, "overturning"), measures=("pga", "velocity_ratio")),
     )
     return rp.fragility_curves(clc, settings, blocks={"wall": BLOCKS["wall"]})
-
-
-@pytest.fixture(scope="session")
-def work_precision_rows():
-    """Errors below the floor, and two tolerances of about the same error and cost."""
-    rows = pd.DataFrame(
-        {
-            "equation": "nonlinear",
-            "method": ["reference", "rockpulse", "RK45", "RK45", "RK45"],
-            "option": ["perturbation", "step", "rtol", "rtol", "rtol"],
-            "setting": [1e-13, 0.08, 1e-3, 1e-6, 1e-9],
-            "call": ["lanes", "lanes", "single", "single", "single"],
-            "cases": 6,
-            "median": [1e-12, 4e-18, 4e-4, 2e-4, 2e-7],
-            "p90": [1e-10, 3e-13, 2e-3, 1e-3, 1e-6],
-            "ns_per_active_sample": [np.nan, 60.0, 7.5e4, 1.5e5, 5.5e5],
-        }
-    )
-    return pd.concat([rows, rows.assign(equation="linear")])

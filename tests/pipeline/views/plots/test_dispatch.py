@@ -38,11 +38,9 @@ def test_datasets_of_spectra_are_drawn(record):
         rp.plot(xr.Dataset({"pga": 1.0}))
 
 
-def test_results_are_drawn_by_their_kind(assessed, study4, study5, fragility_tree):
+def test_results_are_drawn_by_their_kind(assessed, fragility_tree):
     assert len(rp.plot(assessed, "critical-scale", block="wall").axes) >= 1
     assert rp.plot(assessed).axes[0].get_title() == "wall"  # without spectra its bodies
-    assert len(rp.plot(study4, count=2).axes) == len(rp.plots.draw(study4, "figure4", count=2).axes)
-    assert len(rp.plot(study5, spacing="end").axes) == 4
     assert rp.plot(fragility_tree).axes[0].get_ylabel().startswith("probability")
 
 

@@ -10,7 +10,6 @@ from matplotlib.text import Text
 
 import rockpulse as rp
 from rockpulse.errors import ConfigError, ResultsError
-from rockpulse.storage.accuracy_variables import REPORT
 from rockpulse.storage.save_load import ASSESSMENT
 from rockpulse.storage.spectrum_variables import SPECTRUM, SPECTRUM_AXES
 from rockpulse.views.plots.drawing import DRAWERS
@@ -123,23 +122,9 @@ def _seen(figure):
     return {text.get_text() for text in figure.findobj(Text) if text.get_visible()} - hidden
 
 
-def test_kinds_of_other_files(study4, study5, fragility_tree):
-    assert len(draw(study4, "figure4", spacing="end", count=2).axes) == 2
-    assert len(draw(study5, "figure5").axes) == 4
+def test_kinds_of_other_files(fragility_tree):
     assert len(draw(fragility_tree, "fragility", block="wall").axes) == 2
     assert len(draw(fragility_tree, "fragility", measure="pga").axes) == 1
-
-
-def test_an_accuracy_report_is_drawn(work_precision_rows):
-    from rockpulse.storage.accuracy_variables import TABLES
-
-    rows = work_precision_rows.assign(
-        **{name: np.nan for name in TABLES["work_precision"] if name not in work_precision_rows}
-    )
-    table = xr.Dataset.from_dataframe(rows.reset_index(drop=True).rename_axis("row"))
-    tree = xr.DataTree.from_dict({"/work_precision": table})
-    tree.attrs["kind"] = REPORT
-    assert len(draw(tree, "work-precision").axes) == 2
 
 
 def test_the_tables_agree():
@@ -154,18 +139,14 @@ def test_an_unknown_kind_is_refused_with_the_nearest(assessed):
         draw(assessed, "rotations-history")
 
 
-def test_another_file_is_refused_with_the_command_that_makes_it(assessed, study4):
+def test_another_file_is_refused_with_the_command_that_makes_it(assessed):
     with pytest.raises(ResultsError, match="expected a file of 'rockpulse fragility', found an assessment file"):
         draw(assessed, "fragility")
-    with pytest.raises(ResultsError, match="'rockpulse study figure5', found a study file without the group figure5"):
-        draw(study4, "figure5")
 
 
-def test_an_option_of_another_kind_is_refused(assessed, study5):
+def test_an_option_of_another_kind_is_refused(assessed):
     with pytest.raises(ResultsError, match=r"no block to choose; it takes record \(--record\)"):
         draw(assessed, "accelerogram", block="wall")
-    with pytest.raises(ResultsError, match="no count to choose; it takes spacing"):
-        draw(study5, "figure5", count=2)
 
 
 def test_unknown_names_are_refused_with_the_nearest(assessed):

@@ -1,0 +1,214 @@
+"""The rule fitted to nonlinear capacities, and judged on them beside other measures by the same protocol.
+
+.. note:: One coefficient a measure and target: the most likely centre of ln(measure x capacity), with the earthquakes
+   alike and capacities that were not reached known from below. Left out: the coefficient of a case is fitted without
+   its earthquake. Without uplift nothing overturns: no score raises an alarm there. The limit is the score that nobody
+   can beat: the probability of overturning by the nonlinear equation itself under the same uncertainty.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import partial
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from laboratory.ensemble import blocks
+from laboratory.rule.cases import SCALES
+from laboratory.rule.measures import MEASURES
+from laboratory.rule.statistics import (
+    RESAMPLES,
+    alike,
+    between,
+    coefficient,
+    dispersion,
+    false_at,
+    missed_and_false,
+    resampled,
+    weighted_median,
+)
+from laboratory.rule.truth import FACTOR_MAX
+from rockpulse.calibration.rule import POINTS, Rule, traits
+
+__all__ = ["LIMIT", "fit_rules", "judge_rules", "too_few"]
+
+#: An ensemble that a rule is fitted on or judged by has at least so many earthquakes with capacities that are reached,
+#: and so many of these in all.
+FEWEST_EVENTS, FEWEST_CASES = 4, 20
+
+#: Missed shares at which false alarms are compared [-].
+MISSED_SHARES = (0.01, 0.05)
+
+#: The score that tells the limit, beside the measures.
+LIMIT = "limit"
+
+#: Scores that are verdicts as published: an alarm at 1 and above.
+PUBLISHED = ("uplift_ratio", "ishiyama_ratio")
+
+
+def too_few(cases: pd.DataFrame) -> str:
+    """The reason why an ensemble of :func:`~laboratory.rule.cases.motion_cases` is too small; empty if it is not."""
+    reached = np.isfinite(cases["capacity_mean"].to_numpy(dtype=float))
+    within = cases["event"][reached].nunique()
+    if within >= FEWEST_EVENTS and reached.sum() >= FEWEST_CASES:
+        return ""
+    return (
+        f"{int(reached.sum())} of {reached.size} capacities are reached by a factor of {FACTOR_MAX:g}, in {within} "
+        f"earthquakes; a rule is fitted and judged on at least {FEWEST_CASES} in {FEWEST_EVENTS} earthquakes"
+    )
+
+
+def fit_rules(cases: pd.DataFrame) -> dict[str, Rule]:
+    """The rule at each of its working points, unbiased on the cases, with the range of their bodies."""
+    within = {name: (float(values.min()), float(values.max())) for name, values in traits(blocks()).items()}
+    return {
+        point: Rule(point, float(np.exp(-coefficient(*_errors(cases, measure, target))[0])), within)
+        for point, (measure, target) in POINTS.items()
+    }
+
+
+def judge_rules(
+    cases: pd.DataFrame, given: Mapping[str, Rule], seed: int = 0, resamples: int = RESAMPLES
+) -> dict[str, pd.DataFrame]:
+    """How well the rule predicts nonlinear capacities and verdicts, left out and as given.
+
+    The cases are those of :func:`~laboratory.rule.cases.motion_cases`, of several motions below each other; `given` is
+    a stored rule, by working point; `seed` and `resamples` are those of the bootstrap. The tables are `capacities`
+    (bias and scatter of every measure), `rates` (missed and false alarms), `at_missed` (false alarms at a missed
+    share), each with intervals of 95 % over earthquakes, and `cases` with the demands of the rules fitted without the
+    earthquake.
+    """
+    targets = [target for _, target in POINTS.values()]
+    left_out = {(measure, target): _left_out(cases, measure, target) for target in targets for measure in MEASURES}
+    own = {point: -left_out[of_point] for point, of_point in POINTS.items()}  # ln of the coefficient
+    cases = cases.assign(
+        **{f"left_out_{point}": cases[POINTS[point][0]] * np.exp(values) for point, values in own.items()}
+    )
+    capacities = [
+        _capacity_row(cases, measure, target, centre, seed, resamples) for (measure, target), centre in left_out.items()
+    ]
+    for point, rule in given.items():
+        of_given = np.full(len(cases), -np.log(rule.factor))
+        capacities.append(_capacity_row(cases, *POINTS[point], of_given, seed, resamples, kind="as-given"))
+    verdicts = _verdicts(cases)
+    alarms = {(f"left_out_{point}", point, "left-out"): f"left_out_{point}" for point in POINTS}
+    rows = []
+    for point, rule in given.items():
+        verdicts[f"given_{point}"] = rule.factor * verdicts[POINTS[point][0]]
+        alarms[POINTS[point][0], point, "as-given"] = f"given_{point}"
+    alarms |= {(score, "", "as published"): score for score in PUBLISHED}
+    over, events = verdicts["overturns"].to_numpy(dtype=bool), verdicts["event"].to_numpy(dtype=str)
+    lifted = verdicts["uplift_ratio"].to_numpy(dtype=float) > 1.0
+    for (_, point, kind), column in alarms.items():
+        alarm = lifted & (verdicts[column].to_numpy(dtype=float) >= 1.0)
+        score = POINTS[point][0] if point else column
+        rows.append({"score": score, "point": point, "kind": kind, **_rates(alarm, over, events, seed, resamples)})
+    at_missed = []
+    for score in (*MEASURES, LIMIT):
+        values = np.where(lifted, verdicts[score].to_numpy(dtype=float), 0.0)
+        for share in MISSED_SHARES:
+            low, high = between(resampled(events, partial(_false_at, values, over, share), seed, resamples))
+            row = {"score": score, "missed_share": share, "false_share": false_at(values, over, share)}
+            at_missed.append(row | {"false_low": low, "false_high": high})
+    return {
+        "capacities": pd.DataFrame(capacities),
+        "rates": pd.DataFrame(rows),
+        "at_missed": pd.DataFrame(at_missed),
+        "cases": cases,
+    }
+
+
+def _errors(cases: pd.DataFrame, measure: str, target: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """ln(measure x capacity) (n,), whether the capacity is known from below only, and the weight of each case."""
+    capacity = cases[target].to_numpy(dtype=float)
+    beyond = ~np.isfinite(capacity)
+    least = cases[f"{target}_low"].to_numpy(dtype=float) if f"{target}_low" in cases else FACTOR_MAX
+    # A measure of 0 is a safety factor beyond the largest one.
+    demand = np.maximum(cases[measure].to_numpy(dtype=float), 1.0 / FACTOR_MAX if measure == "single_ratio" else 1e-12)
+    return np.log(demand * np.where(beyond, least, capacity)), beyond, alike(cases["event"].to_numpy(dtype=str))
+
+
+def _left_out(cases: pd.DataFrame, measure: str, target: str) -> np.ndarray:
+    """Centre (n,) of ln(measure x capacity) on the cases of all other earthquakes."""
+    errors = _errors(cases, measure, target)
+    events = cases["event"].to_numpy(dtype=str)
+    centre = np.empty(events.size)
+    for event in np.unique(events):
+        out = events == event
+        centre[out] = coefficient(*(values[~out] for values in errors))[0]
+    return centre
+
+
+def _capacity_row(
+    cases: pd.DataFrame,
+    measure: str,
+    target: str,
+    centre: np.ndarray,
+    seed: int,
+    resamples: int,
+    kind: str = "left-out",
+) -> dict[str, Any]:
+    """Bias and scatter of a measure with a coefficient of exp(-centre), on the capacities that are reached."""
+    error, beyond, _ = _errors(cases, measure, target)
+    known = ~beyond
+    error, events = (error - centre)[known], cases["event"].to_numpy(dtype=str)[known]
+    bodies = cases.groupby(["slenderness", "radius"]).ngroup().to_numpy()[known]
+    weight = alike(events)
+    spread = resampled(events, lambda drawn: dispersion(error[drawn], weight[drawn], bodies[drawn]), seed, resamples)
+    biases = resampled(events, lambda drawn: weighted_median(error[drawn], weight[drawn]), seed, resamples)
+    low, high = between(spread)
+    bias_low, bias_high = between(biases)
+    return {
+        "measure": measure,
+        "target": target,
+        "kind": kind,
+        "coefficient": float(np.exp(-np.median(centre))),
+        # Predicted capacity over the nonlinear one.
+        "bias": float(np.exp(-weighted_median(error, weight))),
+        "bias_low": float(np.exp(-bias_high)),
+        "bias_high": float(np.exp(-bias_low)),
+        "dispersion": dispersion(error, weight),
+        "within": dispersion(error, weight, bodies),
+        "within_low": low,
+        "within_high": high,
+        "reached": int(known.sum()),
+        "censored_share": float(np.mean(beyond)),
+    }
+
+
+def _verdicts(cases: pd.DataFrame) -> pd.DataFrame:
+    """The cases at every factor of SCALES: demands times the factor, the nonlinear verdict and its probability."""
+    demands = [*MEASURES, *(str(name) for name in cases if str(name).startswith("left_out_"))]
+    frames = []
+    for name, scale in SCALES.items():
+        frame = scale * cases[demands]
+        frame["event"], frame["overturns"] = cases["event"], cases[f"overturns_{name}"]
+        frame[LIMIT] = cases[f"probability_{name}"]
+        frames.append(frame)
+    return pd.concat(frames, ignore_index=True)
+
+
+def _rates(alarm: np.ndarray, over: np.ndarray, events: np.ndarray, seed: int, resamples: int) -> dict[str, Any]:
+    missed, false = missed_and_false(alarm, over)
+    row = {
+        "overturnings": int(over.sum()),
+        "survivors": int(np.sum(~over)),
+        "missed": int(np.sum(over & ~alarm)),
+        "false": int(np.sum(~over & alarm)),
+        "missed_share": missed,
+        "false_share": false,
+    }
+    for place, name in enumerate(("missed", "false")):
+        spread = resampled(events, partial(_rate, alarm, over, place), seed, resamples)
+        row[f"{name}_low"], row[f"{name}_high"] = between(spread)
+    return row
+
+
+def _false_at(scores: np.ndarray, over: np.ndarray, share: float, drawn: np.ndarray) -> float:
+    return false_at(scores[drawn], over[drawn], share)
+
+
+def _rate(alarm: np.ndarray, over: np.ndarray, place: int, drawn: np.ndarray) -> float:
+    return missed_and_false(alarm[drawn], over[drawn])[place]

@@ -1,0 +1,164 @@
+"""The stored cases that an installation is tried on: answers of 24 digits, the errors and costs on this machine.
+
+The ground of a case is a row of parabolic half-waves, whose samples are exact in binary; ``cases.csv`` has the answers,
+which ``benchmarks/selftest_cases.py`` computed in 42 digits, and the largest error that each allows.
+"""
+
+from __future__ import annotations
+
+import csv
+import time
+from dataclasses import asdict, dataclass, fields, replace
+from decimal import Decimal
+from pathlib import Path
+from typing import Any, ClassVar, NamedTuple
+
+import numpy as np
+
+from rocking.block import Block
+from rocking.floor import floor_motion
+from rocking.recorded import recorded_response
+from rocking.response import Outcome
+from rocking.restraint import Tie
+from rockpulse.studies.selftest.baseline import response as by_solve_ivp
+
+__all__ = ["COLUMNS", "TABLE", "Case", "Stored", "Tried", "stored_cases", "tried"]
+
+TABLE = Path(__file__).with_name("cases.csv")
+
+#: Factors on the record of a case, solved in one call, from which its cost is told.
+FACTORS = np.linspace(0.9, 1.1, 64)
+
+#: solve_ivp takes 0.15 ms a sample: it solves free bodies under records of at most so many samples.
+FEW_SAMPLES = 200
+
+
+def lobes(peaks: str, samples: int, quiet: int) -> np.ndarray:
+    """Parabolic half-waves with these peaks [m/s2], each of a number of samples, then quiet ones as long."""
+    place = np.arange(samples) / samples
+    shape = 4.0 * place * (1.0 - place)
+    return np.concatenate([*(float(peak) * shape for peak in peaks.split()), np.zeros(quiet * samples + 1)])
+
+
+@dataclass(frozen=True)
+class Case:
+    """A body on a motion."""
+
+    MASS: ClassVar[float] = 1000.0  # of a body with ties [kg]
+
+    case: str
+    kind: str
+    equation: Any  # "nonlinear" or "linear"
+    width: float  # [m]
+    height: float  # [m]
+    restitution: float  # C, or before a wall e [-]
+    dt: float  # [s]
+    samples: int  # of a half-wave; a power of two
+    ground: str  # peaks of the half-waves [m/s2]
+    quiet: int  # half-waves of rest after them
+    vertical: str  # peaks of the vertical motion, as many; empty without
+    scale: float  # factor on the record [-]
+    wall: int  # 1 for a body before a wall
+    floor: float  # period of the building on whose top it stands [s]; 0 on the ground
+    stiffness: float  # of elastic ties on both sides [N/m]; 0 without
+    tie_height: float  # [m]
+
+    def motions(self) -> tuple[np.ndarray, np.ndarray]:
+        """The ground and the vertical acceleration [m/s2], (n,) each."""
+        both = [lobes(peaks, self.samples, self.quiet) for peaks in (self.ground, self.vertical or self.ground)]
+        return both[0], both[1] if self.vertical else np.zeros(both[0].size)
+
+    def with_scale(self, scale: float) -> Case:
+        """The same with another factor on the record."""
+        return replace(self, scale=scale)
+
+    def row(self) -> dict[str, Any]:
+        """The columns of the case in the table."""
+        return asdict(self)
+
+    def block(self) -> Block:
+        """The body."""
+        size: dict[str, Any] = {"width": self.width, "height": self.height, "log": False}
+        if self.wall:
+            return Block(**size, one_sided=True, rebound=self.restitution)
+        ties = [Tie(self.tie_height, self.stiffness, side="both")] if self.stiffness else []
+        return Block(**size, restitution=self.restitution, ties=ties, mass=self.MASS if ties else None)
+
+
+class Stored(NamedTuple):
+    """A case with its answer."""
+
+    case: Case
+    peak: Decimal
+    outcome: str
+    bound: float
+
+
+class Tried(NamedTuple):
+    """What this machine answers to a case."""
+
+    stored: Stored
+    outcome: str
+    error: float  #: of theta_max/alpha_c [-]; 0 where both overturn, inf where the verdict is another
+    cost: float  #: of an active sample [ns], many factors in a call; NaN without one
+    error_of_solve_ivp: float  #: NaN where it does not solve the case
+    cost_of_solve_ivp: float
+
+    @property
+    def passed(self) -> bool:
+        """Whether the error is within its bound."""
+        return self.error <= self.stored.bound
+
+
+COLUMNS = (*(one.name for one in fields(Case)), "peak", "outcome", "bound")
+
+
+def stored_cases(path: Path = TABLE) -> list[Stored]:
+    """The stored cases, in their order."""
+    kinds = {one.name: {"float": float, "int": int}.get(str(one.type), str) for one in fields(Case)}
+    with path.open(encoding="utf-8", newline="") as file:
+        return [
+            Stored(
+                Case(**{name: kind(row[name]) for name, kind in kinds.items()}),
+                Decimal(row["peak"]),
+                row["outcome"],
+                float(row["bound"]),
+            )
+            for row in csv.DictReader(file)
+        ]
+
+
+def tried(stored: Stored) -> Tried:
+    """A case solved here, by one thread."""
+    case, block = stored.case, stored.case.block()
+    ground, up = case.motions()
+    dt = case.dt
+    if case.floor:
+        floor = floor_motion(ground, dt, case.floor)
+        ground, dt, up = floor.acceleration, floor.dt, np.zeros(floor.acceleration.size)
+    options: dict[str, Any] = {"equation": case.equation, "vertical": up if case.vertical else None, "threads": 1}
+    found = recorded_response(block, ground, dt, scale=case.scale, **options)
+    outcome, peak = Outcome(found.outcome).name, float(found.peak_rotation_ratio)
+    start = time.perf_counter()
+    many = recorded_response(block, ground, dt, scale=case.scale * FACTORS, **options)
+    cost = _cost(start, int(np.sum(many.active_samples)))
+    error = _error(stored, outcome, peak)
+    if case.kind != "plain" or ground.size > FEW_SAMPLES:
+        return Tried(stored, outcome, error, cost, np.nan, np.nan)
+    start = time.perf_counter()
+    given = float(block.p), float(block.alpha_c), case.restitution
+    other = by_solve_ivp(*given, ground, dt, case.equation, case.scale, block.gravity)
+    spent = _cost(start, other.active_samples)
+    return Tried(stored, outcome, error, cost, _error(stored, other.outcome, other.peak_rotation_ratio), spent)
+
+
+def _cost(start: float, active: int) -> float:
+    """Time since a start for each active sample [ns]; NaN without one."""
+    return 1e9 * (time.perf_counter() - start) / active if active else np.nan
+
+
+def _error(stored: Stored, outcome: str, peak: float) -> float:
+    """abs(peak - stored) to the digits of a float; the stored answer has more."""
+    if outcome != stored.outcome:
+        return np.inf
+    return float(abs(Decimal(peak) - stored.peak)) if stored.peak.is_finite() else 0.0

@@ -1,1 +1,0 @@
-from rockpulse.studies.paper import *
