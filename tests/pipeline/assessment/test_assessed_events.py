@@ -18,7 +18,7 @@ from rockpulse.cli import main
 from rockpulse.errors import ConfigError
 from rockpulse.motions.events import UNKNOWN
 from rockpulse.readers.folders import read_all
-from rockpulse.views.report.statements import of_unknown_event
+from rockpulse.views.report.verdict import of_unknown_event
 
 CONFIG = Config(
     blocks=(BlockSettings(name="wall", width=0.3, height=2.4),),

@@ -9,7 +9,7 @@ from rockpulse.errors import ResultsError
 from rockpulse.storage.hdf5_reader import pointwise, slab, worded
 from rockpulse.storage.selection import SHOWN, Condition, Selection, label_positions, rows
 from rockpulse.storage.summary_variables import SUMMARY
-from rockpulse.views.shared.answer_cells import TITLES
+from rockpulse.views.shared.columns import TITLES
 
 DIMS = ("record", "block", "model")
 

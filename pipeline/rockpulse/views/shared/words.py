@@ -139,9 +139,11 @@ class _Numerals(Formatter):
     """Fills in fields, numbers in the form of the language that is written, remarks in its words."""
 
     def get_value(self, key: int | str, args: Sequence[Any], kwargs: Mapping[str, Any]) -> Any:
+        """A value, a remark in the words of the language."""
         return _told(super().get_value(key, args, kwargs))
 
     def format_field(self, value: Any, format_spec: str) -> Any:
+        """A value as text."""
         shown = super().format_field(value, format_spec)
         return numerals(shown) if isinstance(value, int | float) else shown
 

@@ -163,8 +163,8 @@ def coverage(site: xr.Dataset) -> str:
 def _block_table(site: xr.Dataset) -> Table:
     """The blocks under the design sequence."""
     rows = []
-    for name in site["block"].values.tolist():
-        one = site.sel(block=name)
+    for place, name in enumerate(site["block"].values.tolist()):
+        one = site.isel(block=place)
         peak = _number(one, "design_rotation_ratio")
         verdict = number(peak, ratio)
         if math.isinf(peak):

@@ -6,7 +6,7 @@ import xarray as xr
 
 from rockpulse.failures import Failure
 from rockpulse.storage.variables import failure_table
-from rockpulse.views.shared.files_used import FilesUsed, count_files, files_used
+from rockpulse.views.shared.files_used import count_files, files_used
 
 
 def row(file, kind="failed", reason="", stage="read"):
@@ -20,7 +20,7 @@ def results(group, sources, rows=(), checksums=None):
     return xr.DataTree.from_dict({f"/{group}": xr.Dataset(variables), "/failures": failure_table(rows)})
 
 
-@pytest.mark.parametrize("group", ["summary", "site", "capacities", "cases"])
+@pytest.mark.parametrize("group", ["summary", "site", "capacities"])
 def test_a_file_is_counted_once_whatever_its_channels(group):
     found = files_used(results(group, ["a", "a", "b"], [row("c"), row("c", reason="c: another reason")]))
     assert found.counted == "2 of 3 files used, 1 not"
@@ -88,7 +88,6 @@ def test_a_rotated_pair_has_the_files_of_both_channels():
 
 def test_records_that_do_not_tell_their_file_leave_the_number_of_used_ones_open():
     assert files_used(results("summary", ["", "a"], [row("b")])).counted == "1 file not used"
-    assert files_used(xr.DataTree.from_dict({"/cases": xr.Dataset({"record": ("row", ["a"])})})) == FilesUsed(None)
 
 
 def test_without_any_record_the_count_is_of_what_failed():
