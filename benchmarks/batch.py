@@ -37,7 +37,7 @@ from rockpulse.batch.options import BatchOptions
 from rockpulse.batch.run import BatchReport, assess_files
 from rockpulse.cli import main as rockpulse
 from rockpulse.config.configuration import Config
-from rockpulse.ladder import ALL_MODELS
+from rockpulse.model_table import ALL_MODELS
 from rockpulse.record.synthetic import synthetic_motion
 
 SAMPLES = 6000

@@ -2,7 +2,7 @@
 
 ``python benchmarks/overturning_spectrum.py FOLDER [--units g] [--pairs 500]`` draws bodies of slenderness 3.5 to 18, R
 0.3 to 8 m (p inside the default grid) and C of 0.93 to 1 times Housner's for the strong horizontal channels of a
-folder, by the protocol of the rule (docs/decisions/012), and compares what a body reads from the spectrum with the same
+folder, by the protocol of the rule (docs/decisions/009), and compares what a body reads from the spectrum with the same
 quantities from lanes of its own: 4096 draws of (C, alpha) in a scrambled Sobol set, the exact factor of each on levels
 that fill 2.2 in ln f about the capacity, and the uncertainty of the factor as a normal kernel. ``--wall`` draws bodies
 before a wall, with Sorrentino's rebound. ``--cost`` times the spectrum of one record against the solver's lanes alone.
@@ -29,7 +29,7 @@ from rocking.corners import sorrentino
 from rocking.crossing import factor_at, mean_capacity, rising
 from rocking.half_wave_lanes import half_wave_lanes
 from rocking.spectrum_lanes import RATES
-from rockpulse.storage.spectrum_variables import RESTITUTIONS, ROTATIONS
+from rockpulse.storage.variables.probability import RESTITUTIONS, ROTATIONS
 
 UNCERTAINTY = Uncertainty()
 

@@ -2,7 +2,7 @@
 
 Medians of whole calls, in processor time of the calling thread (so that other work on the machine counts little), on
 the same cases for both sides. ``--only`` takes some of the sections, ``--runs`` sets the number of calls. The error of
-the same kernels is the business of ``rockpulse accuracy``, and the choice of a model that of ``benchmarks/auto.py``.
+the same kernels is the business of ``rockpulse accuracy``.
 """
 
 from __future__ import annotations
@@ -170,10 +170,9 @@ calls = {
     "effective": lambda: models.effective_impulse_response(block, motion, 0.01),
     "sequence": lambda: models.sequence_response(block, models.ImpulseSequence(0.3, 0.1, 0.2, 10.0)),
     "resonance": lambda: [models.resonance(block, 0.3, 10), models.resonance_safety(block, 0.3, 10)],
-    "choice": lambda: models.choose_response(block, motion, 0.01),
 }
 for name in ("recorded_response", "impulsive_response", "effective_impulse_response", "sequence_response", "resonance",
-             "resonance_safety", "choose_response"):
+             "resonance_safety"):
     getattr(models, name)  # imports numba and the kernels' modules: no part of compiling them
 for name, call in calls.items():
     start = clock(); call(); print(name, clock() - start)

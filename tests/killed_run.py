@@ -16,7 +16,7 @@ from pathlib import Path
 
 from rockpulse.batch.journal import Journal
 from rockpulse.cli import main
-from rockpulse.storage.hdf5_writer import TreeWriter
+from rockpulse.storage.hdf5.writer import TreeWriter
 
 #: What is passed, whether the signal comes before or after it, and which.
 POINTS = {

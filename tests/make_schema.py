@@ -3,8 +3,7 @@
 import re
 from pathlib import Path
 
-from rockpulse.storage.layout import GROUPS
-from rockpulse.storage.save_load import SCHEMA_VERSION
+from rockpulse.storage.hdf5.layout import GROUPS
 
 PAGE = Path(__file__).parents[1] / "docs" / "schema.md"
 
@@ -16,12 +15,12 @@ TABLE = re.compile(r"(<!-- variables: (\w+)(?: (/\w+))? -->\n).*?(<!-- end -->)"
 
 
 def meaning(variable):
-    """What the page says of a variable: its long name, its explanation, the words of a flag, since when it is there."""
+    """What the page says of a variable: its long name, its explanation, the words of a flag."""
     told = "; ".join(filter(None, [variable.long_name, variable.explanation]))
     if variable.words:
         values = range(variable.first, variable.first + len(variable.words))
         told += f" (flag: {', '.join(f'{value} {word}' for value, word in zip(values, variable.words, strict=True))})"
-    return f"{told} (since {SCHEMA_VERSION.partition('.')[0]}.{variable.since})" if variable.since else told
+    return told
 
 
 def row(name, variable):

@@ -4,9 +4,10 @@ import numpy as np
 import xarray as xr
 
 from rockpulse.models import Block
-from rockpulse.storage.assessment_variables import ASSESSMENT_GROUPS, OVERTURNING, WAVES
-from rockpulse.storage.summary_variables import ANSWER, BLOCK, CASE, DEMAND, RECORD, SUMMARY
 from rockpulse.storage.variables import failure_table
+from rockpulse.storage.variables.assessment import ASSESSMENT_GROUPS, OVERTURNING, WAVES
+from rockpulse.storage.variables.bodies import BLOCK, CASE
+from rockpulse.storage.variables.summary import ANSWER, DEMAND, RECORD, SUMMARY
 
 MODELS = ["resonance", "sequence", "impulsive", "linear", "nonlinear"]
 
@@ -66,7 +67,7 @@ def many_results(records, blocks, samples=6000, seed=0):
     summary["safety_factor"].values[...] = factor
     summary["safe_up_to"].values[...] = np.minimum(factor, 10.0)
     summary["interval_count"].values[...] = np.isfinite(factor)
-    for name, value in (("predictable", 1), ("applicable", 1), ("factor_resolved", 1), ("reason", 0), ("pgv_drift", 0)):
+    for name, value in (("applicable", 1), ("factor_resolved", 1), ("reason", 0), ("pgv_drift", 0)):
         summary[name].values[...] = value
     words = {
         "event": [f"Earthquake {'ABCDEFGHIJ'[k % 10] * 3}" for k in range(records)],

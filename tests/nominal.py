@@ -4,7 +4,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import rockpulse as rp
-from rockpulse.ladder import ALL_MODELS, DEFAULT_MODELS
+from rockpulse.model_table import ALL_MODELS, DEFAULT_MODELS
 
 #: The same for the command line.
 FILE = Path(__file__).with_name("nominal.toml")

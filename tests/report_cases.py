@@ -2,6 +2,7 @@
 
 import numpy as np
 import xarray as xr
+from results_tree import completed
 
 from rocking.response import Outcome
 from rockpulse.assessment.answers import Answers, Motions
@@ -33,11 +34,12 @@ def summary_of(factors, outcomes=None, demand=None, resolved=None, pga=1.0, up_t
     coords = {"record": [f"r{k}" for k in range(factors.size)], "block": ["b"], "model": ["nonlinear"]}
     if demand is not None:
         coords["demand"] = ["ULS"]
-        variables["demand_acceleration"] = (("demand",), np.array([demand]))
+        told = {"demand_value": demand, "demand_measure": "pga", "demand_units": "m s-2"}
+        variables |= {name: (("demand",), [value]) for name, value in told.items()}
         variables["capacity_ratio"] = ((*OF, "demand"), (factors * pga / demand)[:, None, None, None])
         scale = np.broadcast_to(np.asarray(demand) / pga if to_demand is None else to_demand, factors.shape)
         variables["demand_factor"] = ((*OF[:2], "demand"), np.array(scale, dtype=float)[:, None, None])
-    return xr.Dataset(variables, coords)
+    return completed(xr.Dataset(variables, coords))
 
 
 def probable(probability, factor_10=None, uplift=1.0, low=10.0, at_demand=None, **options):

@@ -7,6 +7,8 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
+from rockpulse.storage.variables.summary import SUMMARY
+
 RECORDS = ["CI.CCC..HNE@20190706T031953", "CI.CCC..HNN@20190706T031953", "weak.1"]
 BLOCKS = ["boundary wall", "column", "cabinet"]
 MODELS = ["resonance", "sequence", "nonlinear"]
@@ -21,6 +23,50 @@ OUTCOMES = np.array(
     ],
     dtype=np.int8,
 )
+
+
+def completed(summary):
+    """A node /summary by hand with every variable that it lacks: not computed, not known, of a plain body."""
+    known = {
+        "applicable": 1,
+        "reason": 0,
+        "probability_source": 0,
+        "pgv_drift": 0,
+        "one_sided": 0,
+        "event": "unknown",
+        "npts": 0,
+    }
+    for name in ("alpha", "p", "radius", "restitution"):
+        one = "alpha_c" if name == "alpha" else name
+        if one in summary:
+            known[f"{name}_2"] = summary[one].values
+    if {"alpha_c", "gravity"} <= set(summary):
+        known["uplift_acceleration"] = np.tan(summary["alpha_c"].values) * summary["gravity"].values
+    added = {}
+    for name, one in SUMMARY.items():
+        if name not in summary.variables and ("demand" in summary.dims or "demand" not in one.dims):
+            order = [dim for dim in summary.get("outcome", summary["restitution"]).dims if dim in one.dims]
+            dims = (*order, *(dim for dim in one.dims if dim in summary.dims and dim not in order and dim != "case"))
+            values = np.broadcast_to(known.get(name, one.absent), [summary.sizes[dim] for dim in dims])
+            added[name] = one.variable(values.copy(), dims)
+    return summary.assign(added)
+
+
+def demanding(summary, demands, **variables):
+    """A node /summary with demands in the PGA [m/s2], by name, and other variables."""
+    value = np.array([*demands.values()], dtype=float)
+    name = SUMMARY["demand"].variable([*demands])
+    own = {"demand_acceleration": value, "demand_value": value, "demand_measure": ["pga"] * value.size}
+    own |= {"demand_units": ["m s-2"] * value.size}
+    own = {name: SUMMARY[name].variable(values) for name, values in own.items()}
+    summary = summary.assign_coords(demand=name).assign(own | variables)
+    lanes = [dim for dim in summary["outcome"].dims if dim != "model"]
+    factor = (xr.DataArray(value, dims="demand") / summary["pga"]).expand_dims(
+        {dim: summary.sizes[dim] for dim in lanes[1:]}
+    )
+    dims = (*lanes, "demand")
+    summary["demand_factor"] = SUMMARY["demand_factor"].variable(factor.transpose(*dims).values, dims)
+    return completed(summary)
 
 
 def results_tree(cases=None):
@@ -103,6 +149,7 @@ def results_tree(cases=None):
             "model": made("model", model, "1", "model"),
         },
     )
+    summary = completed(summary)
     failures = xr.Dataset(
         {
             name: made("failure", values, "1", name)
@@ -122,7 +169,7 @@ def results_tree(cases=None):
 @cache
 def results_bytes(title="Borgo"):
     """The file of the tree, saved once and for all tests."""
-    from rockpulse.storage.save_load import save
+    from rockpulse.storage.hdf5.results_file import save
 
     tree = results_tree()
     tree.attrs["title"] = title

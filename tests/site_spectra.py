@@ -9,7 +9,7 @@ from rocking.spectrum_lanes import RATES
 from rockpulse import CalibrationSettings
 from rockpulse.models import Block
 from rockpulse.motions.tables import record_weights
-from rockpulse.storage.spectrum_variables import RESTITUTIONS
+from rockpulse.storage.variables.probability import RESTITUTIONS
 from rockpulse.studies.site.record import facts_of_record
 from rockpulse.studies.site.spectrum_tree import build_spectrum_tree
 

@@ -5,8 +5,6 @@ from .corner_response import static_capacity as static_capacity
 from .demand import Demand as Demand
 from .demand import ground_demand as ground_demand
 from .effective_impulse import effective_impulse_response as effective_impulse_response
-from .fidelity import Rung as Rung
-from .fidelity import choose_response as choose_response
 from .floor import FloorMotion as FloorMotion
 from .floor import floor_motion as floor_motion
 from .half_wave_demand import HalfWaveDemand as HalfWaveDemand
@@ -24,7 +22,6 @@ from .overturning_spectrum import OverturningSpectrum as OverturningSpectrum
 from .pedestal import with_pedestal as with_pedestal
 from .periodic import SteadyState as SteadyState
 from .periodic import steady_state as steady_state
-from .predictability import predictable as predictable
 from .recorded import recorded_response as recorded_response
 from .response import HalfCycles as HalfCycles
 from .response import Outcome as Outcome

@@ -6,7 +6,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
@@ -16,7 +16,7 @@ from rocking.quantities import ArrayLike, Booleans, Floats, Integers
 if TYPE_CHECKING:
     from rocking.restraint import Restraints
 
-__all__ = ["LANE_FIELDS", "SLENDERNESS_RANGE", "BlockLanes"]
+__all__ = ["FEATURES", "LANE_FIELDS", "SLENDERNESS_RANGE", "BlockLanes"]
 
 #: The linear, resonance and sequence models are stated for slenderness of at least this (section 3).
 SLENDERNESS_RANGE = 3.0
@@ -193,19 +193,15 @@ class BlockLanes:
     @property
     def free(self) -> Booleans:
         """True for a free-standing symmetric body, which every model knows."""
-        return self.symmetric & (np.asarray(self.side) == 0) & ~np.asarray(self.restrained, dtype=bool)
+        return self.known_to(())
 
-    def known_to(self, model: str) -> Booleans:
-        """True where a model knows all that a body has, beside being free and symmetric.
-
-        The words for a `model` are "all", "linear" (unlike corners, and a wall), "wall" (that only) and "".
-        """
-        if model == "all":
-            return np.ones(self.shape, dtype=bool)
-        alone = ~np.asarray(self.restrained)
-        if model == "linear":
-            return alone
-        return alone & self.symmetric & ((np.asarray(self.side) == 0) | (model == "wall"))
+    def known_to(self, features: Collection[str]) -> Booleans:
+        """True where a body has none of :data:`FEATURES` but those that a model knows."""
+        known = np.ones(self.shape, dtype=bool)
+        for name, has in FEATURES.items():
+            if name not in features:
+                known = known & ~np.asarray(has(self))
+        return known
 
     @property
     def weaker(self) -> Self:
@@ -226,3 +222,11 @@ class BlockLanes:
         """True where the slenderness is within the range of the models with linear natural motion."""
         # A block of exactly 3 comes back from its angle as 3 less a bit.
         return self.slenderness >= SLENDERNESS_RANGE * (1.0 - 1e-12)
+
+
+#: What a body may have beside being free-standing and symmetric, and where it has it: a model names what it knows.
+FEATURES: dict[str, Callable[[BlockLanes], Booleans]] = {
+    "corners": lambda block: ~np.asarray(block.symmetric),
+    "wall": lambda block: np.asarray(block.side) != 0,
+    "restraints": lambda block: block.restrained,
+}

@@ -1,4 +1,4 @@
-"""The demand of a ground motion on a block, on the block's own time scale: the impulse measure of the fidelity ladder.
+"""The demand of a ground motion on a block, on the block's own time scale: the impulse measure of rocking.
 
 .. note:: While a block rocks on the side s, the growing mode y = s theta/alpha - 1 + s theta'/(p alpha) of the linear
    equation obeys y' = p y - s p a_g/(g alpha), so that
@@ -16,7 +16,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numba import njit
@@ -24,7 +24,7 @@ from numba import njit
 from rocking.block import Block
 from rocking.quantities import ArrayLike
 
-__all__ = ["LOBES", "Demand", "ground_demand"]
+__all__ = ["LOBES", "MEASURED_RANGE", "Demand", "ground_demand", "within_measured_range"]
 
 #: Lobes of E(t0) that are kept, the largest ones.
 LOBES = 16
@@ -36,8 +36,14 @@ NODES_PER_OCTAVE = 4
 HANDED_ON = 0.9
 
 #: Sum of speed and build-up left below which no lane of the measured ensembles overturned any more, with a margin: the
-#: lowest one was above 0.8 (docs/decisions/007).
+#: lowest one was above 0.8 (docs/decisions/006).
 SETTLED = 0.7
+
+#: Relative margin at the ends of these ranges, far above the rounding of a product.
+ROUNDING = 1e-9
+
+#: Where SETTLED was measured: p [1/s], alpha_c [rad], C over Housner's value [-], p dt [-].
+MEASURED_RANGE = {"p": (0.7, 9.0), "alpha": (0.04, 0.32), "restitution": (0.85, 1.0), "p_dt": (0.0, 0.1)}
 
 #: Levels of the build-up at which the last time above them is kept: max abs(a_g)/p times 8 times 2^(-k/4).
 LEVELS = 56
@@ -130,17 +136,6 @@ class Demand:
     samples: int
     settled: float = SETTLED
 
-    def of(self, chosen: np.ndarray) -> Demand:
-        """The demand on some of the blocks, by their indices (k,), which may come more than once."""
-        return replace(
-            self,
-            largest=self.largest[chosen],
-            lobes=self.lobes[chosen],
-            build_up=self.build_up[chosen],
-            levels=self.levels[chosen],
-            last=self.last[chosen],
-        )
-
 
 def ground_demand(block: Block, acceleration: ArrayLike, dt: float) -> Demand:
     """Demand of a ground motion on blocks.
@@ -209,3 +204,18 @@ def ground_demand(block: Block, acceleration: ArrayLike, dt: float) -> Demand:
         last=last[low, np.searchsorted(RESTITUTIONS[:-1], restitution)],
         samples=ground.size,
     )
+
+
+def within_measured_range(block: Block, dt: float) -> np.ndarray:
+    """True, (m,), for the free blocks that lie within :data:`MEASURED_RANGE` on a record sampled at dt [s]."""
+    measured = {
+        "p": block.p,
+        "alpha": block.alpha_c,
+        "restitution": block.restitution / (1.0 - 1.5 * np.sin(block.alpha_c) ** 2),
+        "p_dt": block.p * dt,
+    }
+    within = np.asarray(block.free)
+    for name, (low, high) in MEASURED_RANGE.items():
+        # Housner's own value may come back as 1 + 1e-16 times itself.
+        within = within & (measured[name] >= low * (1.0 - ROUNDING)) & (measured[name] <= high * (1.0 + ROUNDING))
+    return within

@@ -140,7 +140,7 @@ def demand_of_half_waves(
     -----
     With the linear equation the march sees nothing of a block but p, C and x = f p/(g tan alpha). It is made at
     frequency parameters a ratio of 1.128 apart and read between them, probabilities linear in ln p, which a march at
-    the p of the body itself meets within 2 % (docs/decisions/012). C is uniform in 0.9 to 1 times that of the block.
+    the p of the body itself meets within 2 % (docs/decisions/009). C is uniform in 0.9 to 1 times that of the block.
 
     Examples
     --------

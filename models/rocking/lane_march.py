@@ -3,7 +3,7 @@
 .. note:: The draws of a part of lanes are one scrambled Sobol set, the same for all bodies of a call: the answer of a
    body does not depend on the others. A free flight cannot be answered and counts as overturning, as in
    :func:`rocking.critical_scale`. Where no vertical acts and the body lies in the range in which that was measured, a
-   march ends as soon as its verdict is settled (docs/decisions/007).
+   march ends as soon as its verdict is settled (docs/decisions/006).
 """
 
 from __future__ import annotations
@@ -15,8 +15,7 @@ import numpy as np
 from scipy.special import ndtri
 
 from rocking.block import Block
-from rocking.demand import ground_demand
-from rocking.fidelity import within_measured_range
+from rocking.demand import ground_demand, within_measured_range
 from rocking.lane_probability import Shift, lane_bells, tail_masses
 from rocking.recorded import recorded_response
 from rocking.response import Outcome

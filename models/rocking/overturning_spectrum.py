@@ -41,13 +41,13 @@ REACH = 6.0
 TWO_SIDED = 1.6448536269514722
 
 #: Error of the similarity and of the interpolation in ln p, as a standard deviation of ln f, part of every interval
-#: (docs/decisions/024).
+#: (docs/decisions/018).
 INTERPOLATION = 0.02
 
 #: Narrowest range of C that is read from the lanes, over the range of C that they fill [-].
 LEAST_SHARE = 0.09
 
-#: Slenderness from which on the spectrum stands for a block (docs/decisions/024).
+#: Slenderness from which on the spectrum stands for a block (docs/decisions/018).
 LEAST_SLENDERNESS = 3.5
 
 

@@ -84,13 +84,13 @@ def recorded_response(
     gain : {"linear", "tangent"}
         Linear equation only. "linear": lifted at g alpha_c, as Eq. 1 stands. "tangent": the record times alpha_c/tan
         alpha_c, so that the block is lifted at g tan(alpha_c) as by the nonlinear equation; most of the difference
-        between the two is the instant of uplift (docs/decisions/008).
+        between the two is the instant of uplift (docs/decisions/006).
     block_scale : float or (m,) array_like
         Factor on the record for each block, on top of `scale`, not negative [-].
     verdict : Demand, optional
         Demand of the same ground on the same blocks (:func:`rocking.ground_demand`), where nothing but the
         outcome of a block that starts at rest is wanted: a lane ends as soon as that is settled, by a bound where it
-        overturns and by a measured margin where it rocks (docs/decisions/007), with the peak so far and -1 impacts
+        overturns and by a measured margin where it rocks (docs/decisions/006), with the peak so far and -1 impacts
         then. The overturning time is that of the angle of no return. Nonlinear equation without vertical
         acceleration and histories only.
     step : float

@@ -13,7 +13,7 @@ from rocking.quantities import ArrayLike
 __all__ = ["ScaleIntervals", "exceedance_intervals"]
 
 #: Below the first exceedance, where the safety factor is read, a step of the scan is halved for the k-th time where the
-#: lane may come this near the limit in it (docs/decisions/011).
+#: lane may come this near the limit in it (docs/decisions/008).
 NEAR = (0.2, 0.45, 0.7, 0.95, 1.2, 1.45)
 
 #: Steps of a lane that are halved together, from the lowest on: half of all that are due, at least these.

@@ -49,8 +49,8 @@ from .errors import RockpulseError as RockpulseError
 from .errors import StoppedAtFailure as StoppedAtFailure
 from .errors import TooWeak as TooWeak
 from .errors import UnitError as UnitError
-from .ladder import ModelSettings as ModelSettings
-from .ladder import SearchSettings as SearchSettings
+from .model_table import ModelSettings as ModelSettings
+from .model_table import SearchSettings as SearchSettings
 from .readers import read as read
 from .readers.conversion import write as write
 from .readers.folders import read_all as read_all
@@ -67,9 +67,8 @@ from .record.pair_conditioning import condition_pair as condition_pair
 from .record.record import Record as Record
 from .record.rotation import rotate as rotate
 from .record.rotation import strongest_azimuth as strongest_azimuth
-from .storage.design_file import load_design as load_design
-from .storage.long_table import results_table as results_table
-from .storage.save_load import save as save
+from .storage.export.long_table import results_table as results_table
+from .storage.hdf5.results_file import save as save
 from .studies.check.codes import code_check as code_check
 from .studies.check.kinematic import KinematicCheck as KinematicCheck
 from .studies.check.kinematic import kinematic_check as kinematic_check
@@ -86,6 +85,7 @@ from .studies.risk.hazard_files import load_site_hazards as load_site_hazards
 from .studies.risk.inventory import inventory_frequency as inventory_frequency
 from .studies.risk.standing import standing_test as standing_test
 from .studies.site.calibration import calibrate_site as calibrate_site
+from .studies.site.tree import load_design as load_design
 from .views.plots.dispatch import plot as plot
 from .views.report.writing import write_report as write_report
 

@@ -36,8 +36,8 @@ bodies and options in a file, for --config site.toml:
 what a verb takes, with examples:
   rockpulse VERB --help
 
-Exit codes: 0 all done, 1 some records failed or, of diff and verify, something
-differs, 2 wrong usage, configuration or results file."""
+Exit codes: 0 all done, 1 some records failed or, of diff, verify and selftest,
+something differs, 2 wrong usage, configuration or results file."""
 
 
 def build_parser() -> argparse.ArgumentParser:

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from rocking import Block, Load, Thrust, Tie
+from rocking.block_lanes import FEATURES
 
 G = 9.7
 LEFT = Block.from_corners(0.35, 0.2, 1.1, 0.6, gravity=G)  # weaker about its left-hand corner
@@ -43,16 +44,17 @@ def test_each_constant_of_the_corners_may_break_the_symmetry(name):
 
 
 @pytest.mark.parametrize(
-    ("model", "known"),
+    ("features", "known"),
     [
-        ("all", [True] * 6),
-        ("linear", [True, True, True, True, False, False]),
-        ("wall", [True, False, True, True, False, False]),
-        ("", [True, False, False, False, False, False]),
+        (FEATURES, [True] * 6),
+        (("corners", "wall"), [True, True, True, True, False, False]),
+        (("wall",), [True, False, True, True, False, False]),
+        (("restraints",), [True, False, False, False, True, False]),
+        ((), [True, False, False, False, False, False]),
     ],
 )
-def test_what_a_model_knows_of_bodies(model, known):
-    assert EVERY.known_to(model).tolist() == known
+def test_what_a_model_knows_of_bodies(features, known):
+    assert EVERY.known_to(features).tolist() == known
 
 
 def test_angles_are_over_that_of_the_corner_that_the_body_turns_about():

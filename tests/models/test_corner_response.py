@@ -12,10 +12,8 @@ from rocking import (
     OverturningSpectrum,
     Thrust,
     Tie,
-    choose_response,
     critical_scale,
     overturning_probability,
-    predictable,
     recorded_response,
     spectrum_lanes,
     static_capacity,
@@ -209,15 +207,6 @@ def test_capacities_and_probabilities_are_those_of_single_runs():
     probability = overturning_probability(bodies, motion, 0.01, factor_max=8.0)
     near = probability.factor_50[finite] / found.safety_factor[finite]
     assert np.all((near > 0.6) & (near < 1.6))
-    response, _ = choose_response(bodies, motion, 0.01)
-    plain = recorded_response(bodies, motion, 0.01)
-    assert np.array_equal(response.outcome, plain.outcome)
-    assert np.array_equal(response.peak_rotation_ratio, plain.peak_rotation_ratio)
-
-    def respond(block, scale):
-        return recorded_response(block, motion, 0.01, scale=scale)
-
-    assert predictable(recorded_response(bodies, motion, 0.01, scale=1.0), respond, bodies).shape == (3,)
 
 
 @pytest.mark.parametrize("side", [1, -1])

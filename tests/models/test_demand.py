@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 from recorded_cases import synthetic
 from scipy.integrate import quad
 
-from rocking import Block, ground_demand
-from rocking.demand import LOBES
+from rocking import Block, Outcome, ground_demand, recorded_response
+from rocking.demand import LOBES, within_measured_range
 
 
 def demand(ground, dt=0.01, p=(2.0,), alpha=0.1, c=0.9):
@@ -78,15 +78,6 @@ def test_build_up_left_after_the_last_sample_of_a_level_is_not_above_it(c):
             seen += 1
     assert seen > 5
     assert np.all(last[levels > 1.2 * found.build_up[0]] == -1)
-
-
-def test_demand_of_some_blocks_is_theirs():
-    found = demand(synthetic(7), p=[1.0, 2.0, 7.0])
-    some = found.of(np.array([2, 0, 2]))
-    assert np.array_equal(some.build_up, found.build_up[[2, 0, 2]])
-    for name in ("last", "largest", "lobes", "levels"):
-        assert np.array_equal(getattr(some, name), getattr(found, name)[[2, 0, 2]])
-    assert (some.samples, some.settled) == (found.samples, found.settled)
 
 
 def test_a_quiet_record_asks_nothing():
@@ -169,3 +160,41 @@ def test_what_is_left_is_that_of_the_next_larger_restitution_of_the_list():
 
 def test_two_samples_are_a_record():
     assert demand([0.0, 1.0]).samples == 2
+
+
+@pytest.mark.parametrize("seed", [11, 12, 13, 14])
+def test_settled_verdicts_are_those_of_the_whole_motion_on_records_that_no_limit_was_measured_on(seed):
+    rng = np.random.default_rng(0)
+    alpha = np.tile(rng.uniform(0.05, 0.3, 120), 3)
+    housner = np.tile(rng.choice([1.0, 0.95, 0.87], 120), 3) * (1.0 - 1.5 * np.sin(alpha) ** 2)
+    blocks = Block.from_parameters(np.tile(np.exp(rng.uniform(0.0, np.log(8.0), 120)), 3), alpha, housner)
+    ground, factor = synthetic(seed, n=2500), np.repeat([0.3, 0.6, 1.0], 120)
+    assert within_measured_range(blocks, 0.01).all()
+    early, whole = (
+        recorded_response(blocks, ground, 0.01, block_scale=factor, verdict=one)
+        for one in (ground_demand(blocks, ground, 0.01), None)
+    )
+    assert np.array_equal(early.outcome, whole.outcome)
+    assert {Outcome.AT_REST, Outcome.ROCKS, Outcome.OVERTURNS} == set(np.unique(whole.outcome))
+    fallen = whole.outcome == Outcome.OVERTURNS
+    assert np.all(early.overturning_time[fallen] <= whole.overturning_time[fallen])
+
+
+def test_the_ends_of_the_measured_range_belong_to_it():
+    alpha = np.array([0.04, 0.32])
+    housner = 1.0 - 1.5 * np.sin(alpha) ** 2
+    ends = Block.from_parameters([0.7, 9.0], alpha, housner * [0.85, 1.0])
+    assert within_measured_range(ends, 0.1 / 9.0).all()
+    beyond = Block.from_parameters([0.699, 9.01], alpha, housner * [0.85, 1.0])
+    assert not within_measured_range(beyond, 0.1 / 9.01).any()
+    for p, angle, share, dt in ((3.0, 0.0399, 0.9, 0.01), (3.0, 0.3201, 0.9, 0.01), (3.0, 1.2, 0.9, 0.01),
+                                (3.0, 0.1, 0.849, 0.01), (3.0, 0.1, 1.001, 0.01), (3.0, 0.1, 0.9, 0.0334)):  # fmt: skip
+        housner_of = abs(1.0 - 1.5 * np.sin(angle) ** 2)
+        one = Block.from_parameters([3.0, p], [0.1, angle], [0.9 * (1.0 - 1.5 * np.sin(0.1) ** 2), share * housner_of])
+        assert within_measured_range(one, dt).tolist() == [dt < 0.0333, False]
+
+
+def test_only_free_bodies_alike_on_both_sides_were_measured():
+    plain, unlike = Block.from_parameters(3.0, 0.2, 0.9), Block.from_corners(0.2, 0.21, 1.0, 0.6, 0.9)
+    wall = Block.from_parameters(3.0, 0.2, "housner", one_sided=True, rebound=0.9)
+    assert within_measured_range(Block.stack([plain, unlike, wall]), 0.01).tolist() == [True, False, False]

@@ -111,7 +111,7 @@ def test_between_the_marches_the_answer_is_that_of_the_body_itself():
     own = OverturningSpectrum(half_wave_lanes(*waves, p=block.p)).probability([0.93])
     level = OverturningSpectrum(half_wave_lanes(*waves, p=block.p)).level
     direct = 1.0 / mean_capacity(level, own[:, 0]) / lift(block)
-    assert found.march == pytest.approx(direct, rel=0.08)  # docs/decisions/012: 2 % on records
+    assert found.march == pytest.approx(direct, rel=0.08)  # docs/decisions/009: 2 % on records
     assert np.all(found.march_10 > found.march)
 
 

@@ -35,7 +35,7 @@ def test_overturned_is_a_bool_for_one_lane_and_an_array_for_several():
 
 
 def test_names_of_outcomes_are_those_that_results_store():
-    from rockpulse.storage.summary_variables import SUMMARY
+    from rockpulse.storage.variables.summary import SUMMARY
 
     stored = SUMMARY["outcome"].variable(np.zeros((1, 1, 1)), ("record", "block", "model")).attrs["flag_meanings"]
     assert EVERY.outcome_name.tolist() == str(stored).split() == [outcome.word for outcome in Outcome]

@@ -78,7 +78,7 @@ def test_a_block_of_any_slenderness_has_the_same_spectrum(lanes, slenderness):
     assert np.mean(over != np.isinf(lanes.peak.ravel())) < 0.08
     own = OverturningSpectrum(replace(lanes, peak=nonlinear.peak_rotation_ratio.reshape(lanes.peak.shape)))
     slender = OverturningSpectrum(lanes)
-    # Single lanes near an edge: over records the error has a dispersion of 0.03 (docs/decisions/024).
+    # Single lanes near an edge: over records the error has a dispersion of 0.03 (docs/decisions/018).
     for rotation in (np.inf, 0.4):
         difference = np.log(own.spectrum(C, rotation) / slender.spectrum(C, rotation))
         assert np.max(np.abs(difference)) < 0.08

@@ -62,7 +62,7 @@ class Mutant:
 
     @property
     def key(self) -> tuple[str, str, str, int]:
-        """Module, line, operator and occurrence, by which equivalent.toml names it."""
+        """Module, line, operator and occurrence, by which it is drawn."""
         return self.module, self.line, self.operator, self.occurrence
 
     def text(self) -> str:

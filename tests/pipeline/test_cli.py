@@ -58,7 +58,6 @@ def test_without_a_verb_the_whole_help_is_shown(capsys):
     ("arguments", "message"),
     [
         (["asess", "x"], """'completion'); did you mean "assess"?"""),
-        (["rule", "jugde"], 'did you mean "judge"?'),
         (["assess", "x", "-o", "y", "--worker", "3"], 'unrecognized arguments: --worker 3; did you mean "--workers"?'),
         (["assess", "x", "--ouput", "y"], 'required: -o/--output; --ouput is not known; did you mean "--output"?'),
         (["assess", "x", "-output", "y"], 'unrecognized arguments: -output; did you mean "--output"?'),
@@ -153,7 +152,6 @@ def test_the_help_names_every_verb_and_the_exit_codes():
         (["init-config", "-o", "{below}"], "there is no folder"),
         (["init-config", "-o", "{folder}"], "a folder of this name exists"),
         (["init-config", "-o", ""], "--output: expected the name of a file, found nothing"),
-        (["rule", "judge", "x.AT2", "--dt", "nan", "-o", "{new}"], "--dt: expected a number in s > 0"),
         (
             ["convert", "x.AT2", "--units", "gg", "-o", "{new}.csv"],
             """option --units: unknown unit of acceleration 'gg'""",

@@ -20,7 +20,8 @@ from rocking.block import Block
 from rocking.response import Outcome
 from rockpulse.assessment.scene import prepare
 from rockpulse.config.configuration import Config
-from rockpulse.ladder import ALL_MODELS, MODELS, Scene
+from rockpulse.model_row import Scene
+from rockpulse.model_table import ALL_MODELS, MODELS
 from rockpulse.record.intensity import pgv
 from rockpulse.record.record import Record
 from rockpulse.record.synthetic import synthetic_motion

@@ -1,32 +1,29 @@
 """The answers of one model for every body under every motion of a results file, and the margin of each body.
 
 The motions are the records; the pairs of channels of a sweep, each in its worst direction; or the design sequence of a
-site. Whatever shows a smallest or a median factor takes it from here, and variables that results may lack are filled in
-here, once. The factor is that at which the probability of overturning is 10 % where the results hold it, else the
-safety factor.
+site. Whatever shows a smallest or a median factor takes it from here. The factor is that at which the probability of
+overturning is 10 % where the results hold it, else the safety factor.
 """
 
 from __future__ import annotations
 
 import math
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple
+from typing import TYPE_CHECKING, Literal, NamedTuple
 
 import numpy as np
 
-from rocking.response import Outcome, Reason
+from rocking.response import Outcome
 from rockpulse.assessment.demand import Demand, stored_demands
 from rockpulse.assessment.motion_shares import Motions, Share
-from rockpulse.motions.events import UNKNOWN
-from rockpulse.record.measures import PGA
-from rockpulse.storage.hdf5_reader import flag_words, slab, worded
-from rockpulse.storage.probability_variables import MEAN, PROBABILITY, SOURCES
+from rockpulse.model_table import fullest, is_full
+from rockpulse.storage.hdf5.netcdf4 import slab, worded
+from rockpulse.storage.variables.probability import MEAN, SOURCES
 
 if TYPE_CHECKING:
     import xarray as xr
 
 __all__ = [
-    "PROBABLE",
     "Answers",
     "Body",
     "Margin",
@@ -34,33 +31,12 @@ __all__ = [
     "Share",
     "answers_of",
     "bodies_of",
-    "complete",
     "fullest_model",
     "lanes",
     "searched_up_to",
     "swept_answers",
 ]
 
-#: Models whose probability of overturning results hold: that of the nonlinear one.
-PROBABLE = ("nonlinear", "auto")
-
-#: What stands in place of a variable along the answers, or along the records, that results lack: not computed, not
-#: marked.
-ABSENT: dict[str, Any] = {
-    "capacity_pga": np.nan,
-    "safety_factor": np.nan,
-    "safe_up_to": np.nan,
-    "search_step": np.nan,
-    "factor_resolved": -1,
-    "interval_count": -1,
-    "model_used": -1,
-    "predictable": -1,
-    "applicable": 1,
-    "reason": Reason.NONE,
-}
-#: The same along records and bodies alone: results without a probability of overturning.
-ABSENT_OF_BODY: dict[str, Any] = dict.fromkeys(PROBABILITY, np.nan) | {"probability_source": 0}
-ABSENT_OF_RECORD: dict[str, Any] = {"event": UNKNOWN, "npts": 0, "pgv_drift": 0, "warning_codes": ""}
 
 #: Over what a margin is taken for: every body, every block with the worst of its restitutions, every motion with the
 #: worst of the blocks under it.
@@ -111,7 +87,7 @@ class Answers:
     """
 
     def __init__(self, summary: xr.Dataset, motions: Motions | None = None, model: str | None = None) -> None:
-        self.summary: xr.Dataset = complete(summary)
+        self.summary = summary
         self.models: list[str] = [str(name) for name in summary["model"].values]
         self.model: str = fullest_model(summary) if model is None else model
         self.records: list[str] = [str(name) for name in summary["record"].values]
@@ -147,22 +123,11 @@ class Answers:
 
     def to_demand(self, demand: str) -> np.ndarray:
         """(records, bodies) factor on each record that brings it to a demand."""
-        if "demand_factor" in self.summary:
-            return np.asarray(self["demand_factor"][..., [*self.demands].index(demand)])
-        return np.broadcast_to(
-            (self.demands[demand].value / self[PGA])[:, np.newaxis], (len(self.records), len(self.bodies))
-        )
+        return np.asarray(self["demand_factor"][..., [*self.demands].index(demand)])
 
     def at_demand(self, demand: str) -> np.ndarray:
         """(records, bodies) probability of overturning under each record brought to a demand; NaN where not known."""
-        if "demand_probability" in self.summary:
-            return np.asarray(self["demand_probability"][..., [*self.demands].index(demand)])
-        return np.full((len(self.records), len(self.bodies)), np.nan)
-
-    @cached_property
-    def used(self) -> np.ndarray:
-        """(records, bodies) name of the model that gave the answer; empty where the results do not say."""
-        return worded(self["model_used"], {-1: "", **flag_words(self.summary["model_used"])})
+        return np.asarray(self["demand_probability"][..., [*self.demands].index(demand)])
 
     @cached_property
     def source(self) -> np.ndarray:
@@ -177,7 +142,7 @@ class Answers:
     @cached_property
     def probable(self) -> bool:
         """Whether the probability of overturning by the model is known."""
-        return self.model in PROBABLE and not bool(np.isnan(self["overturning_probability"]).all())
+        return is_full(self.model) and not bool(np.isnan(self["overturning_probability"]).all())
 
     @property
     def factor(self) -> str:
@@ -269,7 +234,6 @@ def answers_of(tree: xr.DataTree) -> Answers:
 
 def swept_answers(summary: xr.Dataset, directions: xr.Dataset) -> Answers:
     """The answers of the fullest model under pairs of channels, whose directions are the records of /summary."""
-    summary = complete(summary)
     events = [str(event) for event in summary["event"].values]
     index = directions["record_index"].transpose("pair", "direction").values
     kept = np.flatnonzero((index >= 0).any(axis=1))
@@ -277,23 +241,6 @@ def swept_answers(summary: xr.Dataset, directions: xr.Dataset) -> Answers:
     names = [str(name) for name in directions["pair"].values[kept]]
     of = [events[own[own >= 0][0]] for own in index]
     return Answers(summary, Motions(names, index, of, "pair", MEAN in directions))
-
-
-def complete(summary: xr.Dataset) -> xr.Dataset:
-    """The node /summary with every variable that it lacks and that has a value of its own for that."""
-    outcome = summary["outcome"].variable
-    of_body = tuple(dim for dim in outcome.dims if dim != "model")
-    absent: dict[str, Any] = {
-        name: (dims, np.broadcast_to(value, shape))
-        for dims, shape, values in (
-            (outcome.dims, outcome.shape, ABSENT),
-            (of_body, tuple(outcome.sizes[dim] for dim in of_body), ABSENT_OF_BODY),
-            (("record",), (summary.sizes["record"],), ABSENT_OF_RECORD),
-        )
-        for name, value in values.items()
-        if name not in summary
-    }
-    return summary.assign(absent) if absent else summary
 
 
 def lanes(dataset: xr.Dataset, name: str, bodies: list[Body], model: str) -> np.ndarray:
@@ -327,8 +274,7 @@ def bodies_of(summary: xr.Dataset) -> list[Body]:
 
 def fullest_model(summary: xr.Dataset) -> str:
     """The model nearest to the full equation of motion."""
-    models = [str(model) for model in summary["model"].values]
-    return "nonlinear" if "nonlinear" in models else models[-1]
+    return fullest(str(model) for model in summary["model"].values)
 
 
 def searched_up_to(factor: np.ndarray, proven: np.ndarray) -> float:

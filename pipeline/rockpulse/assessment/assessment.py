@@ -11,26 +11,26 @@ import numpy as np
 
 from rocking.block import Block
 from rocking.capacity import uplift_scale
-from rocking.predictability import NOT_CHECKED, predictable
-from rocking.response import Response
+from rocking.scale_search import ScaleIntervals
 from rocking.sliding import sliding_demand
 from rockpulse.assessment.places import aloft, joined_intervals, joined_responses, places_of, turned
 from rockpulse.assessment.probability import record_probability
 from rockpulse.assessment.record_assessment import RecordAssessment
 from rockpulse.assessment.results import registered
 from rockpulse.assessment.scene import extract, matched
-from rockpulse.assessment.senses import Senses, senses
+from rockpulse.assessment.senses import senses
 from rockpulse.assessment.tree import EVENT, build_tree, dimension_of, nothing, record_part, template
 from rockpulse.config.bodies import Bodies, Place, gather_bodies
 from rockpulse.config.configuration import Config, given_config
 from rockpulse.failures import Failure
-from rockpulse.ladder import MODELS, USED, Scene, auto_response, critical_scales
+from rockpulse.model_row import Scene
+from rockpulse.model_table import MODELS
 from rockpulse.motions.directions import Motion, PlannedMotion, swept_directions
 from rockpulse.motions.runner import Analysis, Blocks, Part, Watch, Work, run
 from rockpulse.record.components import Pair
 from rockpulse.record.measures import STORED_OF_BODIES, RecordOnBodies
 from rockpulse.record.record import Record
-from rockpulse.storage.atomic_file import ASSESSMENT
+from rockpulse.storage.hdf5.atomic import ASSESSMENT
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -179,9 +179,7 @@ def assess_scene(
             for name in parts[0].responses
         },
         scales={name: joined_intervals([part.scales[name] for part in parts], lanes) for name in parts[0].scales},
-        used=at_lanes([part.used for part in parts]),
         applicable=at_lanes([part.applicable for part in parts]),
-        predictable=at_lanes([part.predictable for part in parts]),
         probability=at_lanes([part.probability for part in parts]),
         strength=at_lanes([part.strength for part in parts]),
         spectrum=None if on_ground is None else on_ground.spectrum,
@@ -194,21 +192,15 @@ def _assess_at(
     """Assess bodies that stand on the same ground or floor, whose peak is `stronger` than that of the ground."""
     lanes = bodies.lanes
     sides = senses(bodies, scene.record)
-    every = {name: MODELS[name].response(sides.block, scene) for name in scene.models.use}
-    rungs = None
-    if scene.models.auto:
-        every["auto"], rungs = auto_response(sides.block, scene)
-    responses = {name: sides.worse(one) for name, one in every.items()}
-    used = {name: np.full(lanes.shape, USED.index(name), dtype=np.int8) for name in scene.models.use}
-    if rungs is not None:
-        used["auto"] = rungs[sides.worst(every["auto"])]
-    contact = responses["sequence"].ground_contact if "sequence" in responses else None
-    if scene.sequence is not None and contact is not None and np.any(contact):
-        warning = (
-            f"sequence: with spacing {scene.sequence.spacing!r} and this I_s/I, {np.count_nonzero(contact)} of "
-            f"{np.size(contact)} bodies touch the ground inside a half-cycle; take another spacing"
-        )
-        scene = replace(scene, record=scene.record.with_warning(warning))
+    responses = {name: sides.worse(MODELS[name].response(sides.block, scene)) for name in config.models.use}
+    for model, response in responses.items():
+        contact = response.ground_contact if MODELS[model].paired else None
+        if scene.sequence is not None and contact is not None and np.any(contact):
+            warning = (
+                f"{model}: with spacing {scene.sequence.spacing!r} and this I_s/I, {np.count_nonzero(contact)} of "
+                f"{np.size(contact)} bodies touch the ground inside a half-cycle; take another spacing"
+            )
+            scene = replace(scene, record=scene.record.with_warning(warning))
     for model in responses:
         # In the column of the sequence a mark says it, record by record and body by body.
         rule = MODELS[model].rule(scene) if MODELS[model].fitted else None
@@ -225,14 +217,19 @@ def _assess_at(
         bodies=bodies,
         config=config,
         responses=responses,
-        scales={name: sides.smaller(one) for name, one in critical_scales(sides.block, scene).items()},
-        used=used,
+        scales={name: sides.smaller(_intervals(name, sides.block, scene, config)) for name in responses},
         applicable={name: MODELS[name].applicable(lanes, scene).astype(np.int8) for name in responses},
-        predictable={name: _predictable(name, sides, scene, one) for name, one in every.items()},
         probability=overturning.values,
         strength=_strength(scene, bodies, stronger),
         spectrum=overturning.spectrum,
     )
+
+
+def _intervals(model: str, block: Block, scene: Scene, config: Config) -> ScaleIntervals:
+    """The factors at which bodies overturn by a model; NaN where they are not asked for."""
+    if not config.search.asks_for(model):
+        return ScaleIntervals.unknown(block.shape)
+    return MODELS[model].intervals(block, scene)
 
 
 def _strength(scene: Scene, bodies: Bodies, stronger: float) -> dict[str, np.ndarray]:
@@ -253,18 +250,3 @@ def _strength(scene: Scene, bodies: Bodies, stronger: float) -> dict[str, np.nda
         )
         found["friction_required"][asked], found["friction_share"][asked] = demand.required, demand.share
     return found
-
-
-def _predictable(model: str, sides: Senses, scene: Scene, response: Response) -> np.ndarray:
-    block = sides.block
-    settings = scene.models
-    if not settings.predictability or not MODELS[model].checkable:
-        return np.full(sides.count, NOT_CHECKED, dtype=np.int8)
-
-    def respond(blocks: Block, scale: np.ndarray) -> Response:
-        return MODELS[model].response(blocks, scene, scale)
-
-    # With output = "outcome" the peak of auto is that of whichever rung answered: no promise that could be broken.
-    verdict_only = model == "auto" and settings.output == "outcome"
-    found = predictable(response, respond, block, tolerance=None if verdict_only else settings.tolerance)
-    return np.asarray(found)[sides.worst(response)]

@@ -12,7 +12,7 @@ import numpy as np
 from rocking.block import Block
 from rockpulse.config.configuration import Config
 from rockpulse.record.half_wave import half_waves
-from rockpulse.record.measures import PGA, ROWS, RecordOnBodies
+from rockpulse.record.measures import ROWS, RecordOnBodies
 from rockpulse.record.record import Record
 
 if TYPE_CHECKING:
@@ -32,17 +32,16 @@ class Demand(NamedTuple):
 
 
 def stored_demands(summary: xr.Dataset) -> dict[str, Demand]:
-    """The demands of the node /summary by their names; of files before schema 1.4 the measure is the PGA."""
-    if "demand_acceleration" not in summary:
+    """The demands of the node /summary by their names."""
+    if "demand" not in summary.dims:
         return {}
     found = {}
     for place, name in enumerate(summary["demand"].values):
-        told = {str(key): one.values[place] for key, one in summary.variables.items() if one.dims == ("demand",)}
-        value = float(told.get("demand_value", told["demand_acceleration"]))
-        period = float(told.get("demand_period", math.nan))
-        measure = ROWS[str(told.get("demand_measure", PGA))].at(None if math.isnan(period) else period)
+        own = summary.isel(demand=place)
+        period, value = float(own["demand_period"]), float(own["demand_value"])
+        measure = ROWS[str(own["demand_measure"].values)].at(None if math.isnan(period) else period)
         words = f"{measure.title} {value:.4g} {measure.shown_unit}".rstrip()
-        found[str(name)] = Demand(value, str(told.get("limit_state", "")), words)
+        found[str(name)] = Demand(value, str(own["limit_state"].values), words)
     return found
 
 

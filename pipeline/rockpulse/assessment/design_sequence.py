@@ -11,13 +11,15 @@ import numpy as np
 from rocking.sequence import ImpulseSequence
 from rockpulse.assessment.assessment import assess_scene
 from rockpulse.assessment.results import registered
+from rockpulse.assessment.scene import solver_options
 from rockpulse.assessment.tree import EVENT, build_tree, record_part
 from rockpulse.calibration.design_spectrum import DesignSpectrum
 from rockpulse.config.bodies import gather_bodies, refuse_aloft
 from rockpulse.config.configuration import Config, given_config
 from rockpulse.config.given_bodies import Blocks
 from rockpulse.errors import ConfigError
-from rockpulse.ladder import SEQUENCE_MODELS, Scene
+from rockpulse.model_row import Scene
+from rockpulse.model_table import MODELS, SEQUENCE_MODELS
 from rockpulse.record.half_wave import HalfWaves
 from rockpulse.record.intensity import IntensePhase
 from rockpulse.record.record import Record
@@ -56,7 +58,7 @@ def assess_sequence(
     -------
     xarray.DataTree
         As :func:`rockpulse.assess` returns it, with one row whose columns of a record are empty. The models that need a
-        record (impulsive, linear, nonlinear, auto) are left out, and a warning of the row says so; under a design
+        record (impulsive, linear, nonlinear) are left out, and a warning of the row says so; under a design
         spectrum resonance too, and the columns of the sequence are empty: every body has its own.
 
     Raises
@@ -79,7 +81,7 @@ def assess_sequence(
     answering: tuple[str, ...] = SEQUENCE_MODELS
     what = "a sequence"
     if isinstance(sequence, DesignSpectrum):
-        what, answering = "a design spectrum", ("sequence",)  # resonance knows one sequence for all bodies
+        what, answering = "a design spectrum", tuple(name for name in SEQUENCE_MODELS if MODELS[name].paired)
         inside = np.all(bodies.per_case(sequence.covers(bodies.lanes)), axis=1)
         outside = [body for body, covered in zip(bodies.names, inside.tolist(), strict=True) if not covered]
         try:
@@ -89,21 +91,22 @@ def assess_sequence(
             raise ConfigError(f"{told}{error}") from None
     elif sequence.shape:
         raise ConfigError(f"sequence: expected one sequence, found {sequence.shape[0]}")
-    asked = asked_for.models.answering
-    use = tuple(model for model in asked_for.models.use if model in answering)
+    asked = asked_for.models.use
+    use = tuple(model for model in asked if model in answering)
     if not use:
         raise ConfigError(
             f"[models] use: {', '.join(asked)} cannot answer {what}; it is answered by {' and '.join(answering)}"
         )
-    if "resonance" in use and sequence.main_count is None and math.isinf(sequence.duration):
+    endless = [model for model in use if MODELS[model].needs_end]
+    if endless and sequence.main_count is None and math.isinf(sequence.duration):
         raise ConfigError(
-            "sequence: without main_count and duration the resonance model has no end; give one of them, or leave the "
-            "model out of [models] use"
+            f"sequence: without main_count and duration the {endless[0]} model has no end; give one of them, or leave "
+            "the model out of [models] use"
         )
     dropped = [model for model in asked if model not in use]
     config = replace(
         asked_for,
-        models=replace(asked_for.models, use=use, auto=False, predictability=False, histories=False),
+        models=replace(asked_for.models, use=use, histories=False),
         records=replace(asked_for.records, components="horizontal", azimuth=None, store="none"),
         sequence=replace(asked_for.sequence, spacing=sequence.spacing),
         uncertainty=replace(asked_for.uncertainty, probability=False, azimuth=False),
@@ -118,8 +121,7 @@ def assess_sequence(
         waves=HalfWaves(nothing, nothing, nothing, nothing, nothing, nothing, dt=rest.dt, record_id=name),
         phase=IntensePhase(0.0, float(np.max(sequence.duration))),
         sequence=sequence,
-        models=config.models,
-        search=config.search,
+        **solver_options(config),
     )
     done = replace(assess_scene(scene, bodies, config), shaken=False)
     warnings = []

@@ -14,8 +14,8 @@ import xarray as xr
 
 from rocking.response import Outcome
 from rockpulse.record.measures import PGA
-from rockpulse.storage.assessment_variables import DIRECTIONS
-from rockpulse.storage.probability_variables import MEAN
+from rockpulse.storage.variables.assessment import DIRECTIONS
+from rockpulse.storage.variables.probability import MEAN
 
 
 def direction_statistics(

@@ -21,7 +21,8 @@ from rockpulse.calibration.design_spectrum import at_blocks, within
 from rockpulse.calibration.rule import load_rule
 from rockpulse.record.half_wave import HalfWaves, half_waves
 from rockpulse.record.record import Record
-from rockpulse.storage.spectrum_variables import (
+from rockpulse.storage.variables import StoredVariable
+from rockpulse.storage.variables.probability import (
     AXIS_SIZES,
     LEVELS,
     RESTITUTIONS,
@@ -29,7 +30,6 @@ from rockpulse.storage.spectrum_variables import (
     SPECTRUM,
     SPECTRUM_AXES,
 )
-from rockpulse.storage.variables import StoredVariable
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -42,7 +42,7 @@ ALPHA = 0.1
 def _of_rule(
     record: Record, rates: np.ndarray = RATES, threads: int | None = None, waves: HalfWaves | None = None
 ) -> SpectrumLanes:
-    return load_rule("balanced").spectrum_lanes(waves or half_waves(record), rates, threads)
+    return load_rule().spectrum_lanes(waves or half_waves(record), rates, threads)
 
 
 def _of_record(
@@ -123,7 +123,7 @@ def overturning_spectrum(
 
 
 def spectrum_values(spectrum: OverturningSpectrum, restitution: np.ndarray = RESTITUTIONS) -> dict[str, np.ndarray]:
-    """The variables of :data:`~rockpulse.storage.spectrum_variables.SPECTRUM` of a spectrum, at nominal C (c,)."""
+    """The variables of :data:`~rockpulse.storage.variables.probability.SPECTRUM` of a spectrum, at nominal C (c,)."""
     least, most = (share * restitution for share in spectrum.uncertainty.restitution)
     if np.any(outside := ~covered_range(least, most, spectrum.lanes.between)):
         # The lanes do not reach down to wide ranges of a low nominal C, and are not dense enough for narrow ones.

@@ -17,7 +17,7 @@ from rockpulse.config.bodies import Bodies, Place
 from rockpulse.config.configuration import Config
 from rockpulse.config.restraint_settings import FloorSettings
 from rockpulse.errors import RecordRefused
-from rockpulse.ladder import Scene
+from rockpulse.model_row import Scene
 from rockpulse.motions.directions import FACING_WITHIN
 from rockpulse.record.components import Pair
 from rockpulse.record.record import STANDARD_GRAVITY, Record

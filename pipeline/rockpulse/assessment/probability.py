@@ -23,9 +23,9 @@ from rockpulse.assessment.demand import FARTHEST, demand_factors
 from rockpulse.assessment.senses import senses
 from rockpulse.config.bodies import Bodies
 from rockpulse.config.configuration import Config
-from rockpulse.ladder import Scene
+from rockpulse.model_row import Scene
 from rockpulse.record.record import Record
-from rockpulse.storage.probability_variables import AT_DEMAND, PROBABILITY, READ, SOURCES
+from rockpulse.storage.variables.probability import AT_DEMAND, PROBABILITY, READ, SOURCES
 
 ENDS = ("", "_low", "_high")
 
@@ -39,7 +39,7 @@ SERVED = {0: (LEAST_RESTITUTION, 1.0), 1: REBOUNDS, -1: REBOUNDS}
 
 @dataclass(frozen=True, eq=False)
 class RecordProbability:
-    """The variables of :data:`~rockpulse.storage.probability_variables.PROBABILITY` and AT_DEMAND under one record.
+    """The variables of :data:`~rockpulse.storage.variables.probability.PROBABILITY` and AT_DEMAND under one record.
 
     Attributes
     ----------
@@ -58,7 +58,7 @@ def record_probability(
 ) -> RecordProbability:
     """The probability of overturning of bodies under a record that was made ready, as it is and brought to each demand.
 
-    It is that of the nonlinear model: without ``nonlinear`` or ``auto`` among the models, and where the configuration
+    It is that of the nonlinear model: without ``nonlinear`` among the models, and where the configuration
     switches it off, every probability is NaN and the source "none". All restitutions of a body have the same.
 
     `channels` are those whose strengths are brought to the demands; without them it is the record. At a factor beyond
@@ -79,7 +79,7 @@ def record_probability(
 
 def _fill(values: dict[str, np.ndarray], scene: Scene, bodies: Bodies, config: Config) -> OverturningSpectrum | None:
     """Put the values of b bodies in; the spectrum where one of them is read from it."""
-    record, uncertainty, limit = scene.record, config.uncertainty.of_draws(), scene.search.factor_max
+    record, uncertainty, limit = scene.record, config.uncertainty.of_draws(), scene.factor_max
     found = senses(bodies, record, bodies.cases)
     origin = np.concatenate([np.arange(found.count), found.both])
     blocks, (least, most) = found.block.weaker, (ends[origin] for ends in _ranges(bodies, uncertainty))

@@ -17,9 +17,9 @@ from rocking.sequence import ImpulseSequence
 from rockpulse.assessment.overturning import spectrum_values
 from rockpulse.config.bodies import Bodies
 from rockpulse.config.configuration import Config
-from rockpulse.ladder import Scene
+from rockpulse.model_row import Scene
 from rockpulse.record.record import Record
-from rockpulse.storage.spectrum_variables import AXIS_SIZES, SPECTRUM
+from rockpulse.storage.variables.probability import AXIS_SIZES, SPECTRUM
 
 
 class Rows(NamedTuple):
@@ -45,9 +45,7 @@ class RecordAssessment:
     config: Config
     responses: dict[str, Response]  # by model, of all lanes, and so are the following
     scales: dict[str, ScaleIntervals]
-    used: dict[str, np.ndarray]  # the flags `model_used`, `applicable` and `predictable`
     applicable: dict[str, np.ndarray]
-    predictable: dict[str, np.ndarray]
     probability: dict[str, np.ndarray]  # of overturning, by variable, of all lanes
     strength: dict[str, np.ndarray]  # of the motion over that of the bodies, by variable, of all lanes
     spectrum: OverturningSpectrum | None = None  # None where no body is read from it

@@ -22,8 +22,8 @@ from rockpulse.assessment.answers import Answers, answers_of
 from rockpulse.assessment.verdict import BodyVerdict, Grade, verdicts
 from rockpulse.errors import ResultsError
 from rockpulse.option import hint
-from rockpulse.storage import hdf5_reader, save_load
-from rockpulse.storage.atomic_file import ASSESSMENT, named
+from rockpulse.storage.hdf5 import results_file
+from rockpulse.storage.hdf5.atomic import ASSESSMENT, named
 
 #: Colours of the verdicts in a picture, and the bodies that are drawn.
 COLOURS = {Grade.STAYS: GREY, Grade.ROCKS: BLUE, Grade.MAY_OVERTURN: ORANGE, Grade.NOT_KNOWN: INK, Grade.OVERTURNS: RED}
@@ -212,7 +212,7 @@ def load(path: str | os.PathLike[str]) -> xr.DataTree:
     --------
     open_results : the same without reading everything.
     """
-    return registered(save_load.load(path))
+    return registered(results_file.load(path))
 
 
 @contextmanager
@@ -242,5 +242,5 @@ def open_results(path: str | os.PathLike[str]) -> Iterator[xr.DataTree]:
     >>> with rp.open_results("results.h5") as tree:  # doctest: +SKIP
     ...     worst = tree["summary"]["factor_10"].min("record").load()
     """
-    with hdf5_reader.open_results(Path(path)) as file:
+    with results_file.open_results(Path(path)) as file:
         yield registered(file.tree())

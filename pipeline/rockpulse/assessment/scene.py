@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 from rockpulse.calibration.estimators import calibrate
 from rockpulse.config.configuration import Config
 from rockpulse.errors import RecordRefused
-from rockpulse.ladder import Scene
+from rockpulse.model_row import Scene
+from rockpulse.model_table import MODELS, RULE_POINT
 from rockpulse.record.components import align, uncovered
 from rockpulse.record.conditioning import condition
 from rockpulse.record.half_wave import half_waves
@@ -44,8 +46,16 @@ def extract(conditioned: Record, config: Config, up: Record | None = None) -> Sc
     except RecordRefused as error:
         sequence = None
         conditioned = conditioned.with_warning(Remark("no_sequence", reason=str(error)))
-    rule = "conservative" if config.sequence.method == "rule" else ""
-    return Scene(conditioned, lift, waves, phase, sequence, config.models, config.search, rule)
+    rule = RULE_POINT if config.sequence.method == "rule" else ""
+    return Scene(conditioned, lift, waves, phase, sequence, rule=rule, **solver_options(config))
+
+
+def solver_options(config: Config) -> dict[str, Any]:
+    """The options of a scene that the configuration has for all models."""
+    models, search = config.models, config.search
+    return {name: getattr(models, name) for name in ("gain", "histories")} | {
+        name: getattr(search, name) for name in ("factor_max", "points", "step")
+    }
 
 
 def matched(scene: Scene, config: Config) -> Scene:
@@ -53,7 +63,8 @@ def matched(scene: Scene, config: Config) -> Scene:
 
     A record that moves too few bodies for that has no sequence, and a warning that says so.
     """
-    if config.sequence.method != "response" or scene.sequence is None or "sequence" not in scene.models.use:
+    wanted = config.sequence.method == "response" and any(MODELS[name].paired for name in config.models.use)
+    if not wanted or scene.sequence is None:
         return scene
     from rockpulse.calibration.response import calibrate_response  # a second, and rarely asked for
 

@@ -23,8 +23,6 @@ class Sliding(NamedTuple):
 
 def worse_screens(answers: Answers, found: Sequence[BodyVerdict]) -> Iterator[tuple[str, BodyVerdict]]:
     """Every body on a pedestal that is assessed alone and as one with it: its name, and the worse verdict of both."""
-    if "pedestal_of" not in answers.summary:
-        return
     whole = answers.summary["pedestal_of"].values.tolist()
     for alone in dict.fromkeys(filter(None, whole)):
         screens = [one for one in found if alone in (one.body.block, whole[one.body.place])]
@@ -34,8 +32,6 @@ def worse_screens(answers: Answers, found: Sequence[BodyVerdict]) -> Iterator[tu
 
 def sliding(answers: Answers) -> Iterator[Sliding]:
     """Every body that some records ask for more friction than it has."""
-    if "friction_required" not in answers.summary:
-        return
     friction = answers.summary["friction"].values
     for lane, body in enumerate(answers.bodies):
         required, own = answers["friction_required"][:, lane], float(friction[body.place])

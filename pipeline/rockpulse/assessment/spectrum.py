@@ -15,7 +15,8 @@ from rocking.block import Block
 from rocking.quantities import ArrayLike
 from rocking.recorded import recorded_response
 from rockpulse.record.record import STANDARD_GRAVITY, Record
-from rockpulse.storage.summary_variables import ANSWER, BLOCK, CASE
+from rockpulse.storage.variables.bodies import BLOCK, CASE
+from rockpulse.storage.variables.summary import ANSWER
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -20,9 +20,9 @@ from rockpulse.config.configuration import Config
 from rockpulse.config.report_settings import logo_bytes
 from rockpulse.failures import Failure
 from rockpulse.motions.directions import sweep_azimuths
-from rockpulse.storage.assessment_variables import ASSESSMENT_GROUPS, GROWING
-from rockpulse.storage.spectrum_variables import AXIS_SIZES
 from rockpulse.storage.variables import StoredVariable, failure_table
+from rockpulse.storage.variables.assessment import ASSESSMENT_GROUPS, GROWING
+from rockpulse.storage.variables.probability import AXIS_SIZES
 
 if TYPE_CHECKING:
     from rockpulse.assessment.record_assessment import RecordAssessment
@@ -153,7 +153,7 @@ def _in_dims(variable: StoredVariable, values: np.ndarray, bodies: Bodies) -> np
 
 def _absent(variable: StoredVariable, rows: int, bodies: Bodies, config: Config) -> np.ndarray:
     """So many rows without a value."""
-    sizes = {"block": len(bodies.names), "case": bodies.cases, "model": len(config.models.answering)}
+    sizes = {"block": len(bodies.names), "case": bodies.cases, "model": len(config.models.use)}
     sizes |= {"demand": len(config.demands), **AXIS_SIZES}
     shape = (rows, *(sizes[dim] for dim in _dims(variable, bodies)[1:]))
     return np.full(shape, variable.absent, dtype=variable.kind)

@@ -1,7 +1,7 @@
 """The verdict on every body over all motions: the probability that they overturn it, and the words for it.
 
 .. note:: The probability is that of the nonlinear model under a stated uncertainty, over earthquakes that weigh alike.
-   Results without it (another model, a design sequence, files of before) have 0 or 1 for each motion: whether the model
+   Results without it (another model, a design sequence) have 0 or 1 for each motion: whether the model
    overturns the body, as it is or weaker. Rocking is not monotonic in the strength of the motion: a body may rock under
    a record and be overturned by a weaker copy of it.
 """
@@ -17,7 +17,7 @@ import numpy as np
 from rocking.response import Outcome, Reason
 from rockpulse.assessment.answers import Answers, Body, Margin, Share
 from rockpulse.assessment.demand import FARTHEST
-from rockpulse.ladder import is_upper_bound
+from rockpulse.model_table import is_upper_bound
 
 #: Probabilities of overturning from which on a body may overturn, and overturns [-].
 MAY_OVERTURN, OVERTURNS = 0.05, 0.5
@@ -122,8 +122,7 @@ def standings(answers: Answers) -> np.ndarray:
     """The :class:`Standing` of every body under every record, (records, bodies).
 
     Overturning is overturning; a safety factor below 1 at which the model answers is overturning by a weaker record.
-    Unresolved, outside the range of the model, not predictable, or a factor below 1 at which the model cannot answer:
-    not known.
+    Unresolved, outside the range of the model, or a factor below 1 at which the model cannot answer: not known.
     """
     factor = answers["safety_factor"]
     found = np.full(factor.shape, Standing.STANDS, dtype=np.int8)
@@ -224,7 +223,7 @@ def _overturns_at(answers: Answers, demand: str) -> np.ndarray:
     # A search that ends below the demand has shown nothing of what lies between.
     unknown = np.isnan(ratio) | ((ratio < 1.0) & answers.bound)
     unknown |= np.isinf(ratio) & ~(answers.proven(demand) >= 1.0)
-    unknown |= (answers["applicable"] == 0) | (answers["predictable"] == 0)
+    unknown |= answers["applicable"] == 0
     return np.where(unknown, np.nan, ratio < 1.0)
 
 
@@ -234,7 +233,6 @@ def _doubts(answers: Answers) -> list[tuple[np.ndarray, str]]:
     return [
         (weaker, "weaker"),
         (answers["applicable"] == 0, "outside"),
-        (answers["predictable"] == 0, "unpredictable"),
         (answers["outcome"] == Outcome.UNRESOLVED, "unresolved"),
     ]
 

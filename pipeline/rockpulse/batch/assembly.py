@@ -21,10 +21,11 @@ from rockpulse.failures import Failure
 from rockpulse.motions.directions import swept_directions
 from rockpulse.motions.runner import Analysis, Part, Prepared
 from rockpulse.record.measures import PGA
-from rockpulse.storage.hdf5_writer import TreeWriter, add_dataset
-from rockpulse.storage.probability_variables import MEAN
-from rockpulse.storage.save_load import check_described, provenance, replacing, save
+from rockpulse.storage.hdf5.atomic import replacing
+from rockpulse.storage.hdf5.results_file import check_described, provenance, save
+from rockpulse.storage.hdf5.writer import TreeWriter, add_dataset
 from rockpulse.storage.variables import failure_table
+from rockpulse.storage.variables.probability import MEAN
 
 if TYPE_CHECKING:
     import xarray as xr

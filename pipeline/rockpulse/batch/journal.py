@@ -23,7 +23,7 @@ from rockpulse.batch.frames import MARK, Body, Frame, append, frames_of, is_begi
 from rockpulse.errors import ResultsError
 from rockpulse.failures import Failure
 from rockpulse.input_file import check_regular
-from rockpulse.storage.atomic_file import flush, journal_path
+from rockpulse.storage.hdf5.atomic import flush, journal_path
 
 __all__ = ["UNFINISHED", "Done", "Journal", "JournalError", "journal_path"]
 

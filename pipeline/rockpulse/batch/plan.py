@@ -18,7 +18,7 @@ from rockpulse.motions.directions import PlannedMotion
 from rockpulse.motions.tables import selection_of
 from rockpulse.readers import ReadOptions
 from rockpulse.record.record import BETWEEN, Record, id_matches
-from rockpulse.storage.save_load import SCHEMA_VERSION
+from rockpulse.storage.hdf5.results_file import SCHEMA_VERSION
 from rockpulse.version import __version__
 
 __all__ = ["Task", "configuration_fingerprint", "digest_of", "program_digest", "read_options", "tasks_of"]

@@ -36,7 +36,7 @@ class WorkerProcesses(Executor):
 
     A process is started with the first call that no other is free for, and again after a death. A future raises the
     error of the function, with the worker's traceback in its notes; :class:`WorkerDied` where the process did not live
-    to answer; ``ChildProcessError`` where no process can be started. See docs/decisions/018-batch.md.
+    to answer; ``ChildProcessError`` where no process can be started. See docs/decisions/014-batch.md.
     """
 
     def __init__(self, workers: int) -> None:

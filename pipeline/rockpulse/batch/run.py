@@ -29,7 +29,7 @@ from rockpulse.errors import RecordRefused, ResultsError, StoppedAtFailure
 from rockpulse.failures import Failure, some
 from rockpulse.motions.runner import Analysis
 from rockpulse.readers.folders import Found, check_patterns, find_files
-from rockpulse.storage.save_load import check_target, remove_parts
+from rockpulse.storage.hdf5.atomic import check_target, remove_parts
 
 __all__ = ["BatchReport", "Interrupted", "assess_files", "calibrate_files", "fragility_files"]
 

@@ -32,7 +32,7 @@ def warm_up(analysis: Analysis) -> None:
         fragility=replace(config.fragility, pga_min=0.0),
     )
     record = Record(synthetic_motion(1, duration=8.0, pga=6.0), dt=0.01, id="warm-up", processed=True)
-    # From a post that the motion overturns to a wall that it hardly moves: every rung of the ladder has work to do.
+    # From a post that the motion overturns to a wall that it hardly moves: every kernel has work to do.
     sizes = {"a": (0.1, 1.0), "b": (0.2, 2.0), "c": (0.5, 2.5), "d": (1.0, 5.0), "e": (1.0, 4.0)}
     blocks = {name: Block(half_width=b, half_height=h) for name, (b, h) in sizes.items()}
     small = type(analysis)(plain, blocks)

@@ -27,7 +27,7 @@ FREQUENCIES = (1.0, 5.0)
 #: Critical angles [rad]: slenderness 12.5 to 3.
 ANGLES = (0.08, 0.32)
 
-#: Restitutions over Housner's, which tell the parameters apart (docs/decisions/013). At 0.4 hardly more than the last
+#: Restitutions over Housner's, which tell the parameters apart (docs/decisions/010). At 0.4 hardly more than the last
 #: main impulse counts; no free block is that dull, but the equation that its peak comes from is the same.
 RESTITUTIONS = (1.0, 0.8, 0.6, 0.4)
 

@@ -1,7 +1,7 @@
 """The posterior probability of sequences given the targets: weighted samples by adaptive importance sampling.
 
 .. note:: The likelihood jumps wherever the number of secondary impulses of a block changes, so a deviance is not
-   chi-squared distributed and the interval that it would cut off is too narrow (docs/decisions/013). The posterior
+   chi-squared distributed and the interval that it would cut off is too narrow (docs/decisions/010). The posterior
    needs no smoothness. The prior is flat in ln I, I_s/I, ln dT and the number of main impulses, within the limits of
    the search, and in ln of the spread.
 """

@@ -129,7 +129,7 @@ def block_family() -> Block:
     """The default family: 100 blocks of engineering size.
 
     p of 1 to 5 1/s (half-diagonals of 7.4 to 0.3 m), slenderness 12.5 to 3, five of each in equal ratios, and Housner's
-    restitution times 1, 0.9, 0.75 and 0.6. The restitution is what tells the parameters apart (docs/decisions/013): a
+    restitution times 1, 0.9, 0.75 and 0.6. The restitution is what tells the parameters apart (docs/decisions/010): a
     block answers the N-th main impulse with the velocity I [1 - sigma/2 + (1 - sigma) (C + ... + C^(N-1))]/I_1c, in
     which I, sigma = I_s/I and N act differently at different C only. Measured restitutions are 0.95 to 0.97 of
     Housner's on concrete and 0.67 on rubber (ElGawady).

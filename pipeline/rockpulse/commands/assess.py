@@ -51,7 +51,7 @@ def _with_models(args: argparse.Namespace, config: Config) -> Config:
         return config
     from dataclasses import replace
 
-    from rockpulse.ladder import ALL_MODELS
+    from rockpulse.model_table import ALL_MODELS
 
     return replace(config, models=replace(config.models, use=ALL_MODELS))
 
@@ -61,7 +61,7 @@ def _of_records(args: argparse.Namespace) -> int:
     config = _with_models(args, config)
 
     from rockpulse.batch.run import assess_files
-    from rockpulse.storage.hdf5_reader import open_results
+    from rockpulse.storage.hdf5.results_file import open_results
 
     with recorded(args):
         report = assess_files(paths, config, args.output, batch_options(args))
@@ -73,8 +73,9 @@ def _of_records(args: argparse.Namespace) -> int:
 
 def _of_sequence(args: argparse.Namespace) -> int:
     from rockpulse.errors import ConfigError
-    from rockpulse.storage.design_file import load_design
-    from rockpulse.storage.save_load import check_target, load, save
+    from rockpulse.storage.hdf5.atomic import check_target
+    from rockpulse.storage.hdf5.results_file import load, save
+    from rockpulse.studies.site.tree import load_design
 
     of_records = (("PATHS", args.paths), ("--units", args.units), ("--dt", args.dt), ("--confirm", args.confirm))
     given = [*(name for name, value in of_records if value), *batch_given(args)]

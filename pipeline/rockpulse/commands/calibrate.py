@@ -23,7 +23,7 @@ def _run(args: argparse.Namespace) -> int:
 
     from rockpulse.batch.run import calibrate_files
     from rockpulse.errors import RecordRefused
-    from rockpulse.storage.save_load import load
+    from rockpulse.storage.hdf5.results_file import load
     from rockpulse.studies.site.calibration import NothingCalibrated
     from rockpulse.views.text.site import site_overview
 

@@ -31,7 +31,7 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
 def _run(args: argparse.Namespace) -> int:
     import shtab
 
-    from rockpulse.ladder import MODELS
+    from rockpulse.model_table import MODELS
     from rockpulse.readers import UNITS
     from rockpulse.views.plots.kinds import KINDS
 

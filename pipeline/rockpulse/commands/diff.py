@@ -48,7 +48,7 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def _run(args: argparse.Namespace) -> int:
-    from rockpulse.storage.hdf5_reader import open_results
+    from rockpulse.storage.hdf5.results_file import open_results
     from rockpulse.views.diff.differences import compare_results
     from rockpulse.views.diff.overview import difference_overview
 

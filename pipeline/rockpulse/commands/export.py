@@ -11,8 +11,8 @@ from rockpulse.commands.telling import tell
 from rockpulse.commands.verb import Verb
 
 if TYPE_CHECKING:
-    from rockpulse.storage.hdf5_reader import ResultsFile
-    from rockpulse.storage.long_table import LongTable
+    from rockpulse.storage.export.long_table import LongTable
+    from rockpulse.storage.hdf5.results_file import ResultsFile
 
 __all__ = ["VERB"]
 
@@ -62,9 +62,9 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def _run(args: argparse.Namespace) -> int:
-    from rockpulse.storage.csv_table import check_table_target, write_table
-    from rockpulse.storage.hdf5_reader import open_results
-    from rockpulse.storage.long_table import long_table
+    from rockpulse.storage.export.long_table import long_table
+    from rockpulse.storage.export.table_file import check_table_target, write_table
+    from rockpulse.storage.hdf5.results_file import open_results
 
     selection = read_selection(args)
     check_table_target(args.output, args.overwrite)

@@ -59,7 +59,7 @@ def file_fault(error: OSError, args: argparse.Namespace) -> str:
 
 def differing_results(args: argparse.Namespace) -> str:
     """How the results that a verb was to read differ from what was written; empty if none does, or none is read."""
-    from rockpulse.storage.verification import verify
+    from rockpulse.storage.hdf5.verification import verify
 
     named = [value for name in RESULTS if isinstance(value := getattr(args, name, None), str)]
     for path in named:

@@ -24,7 +24,7 @@ def _run(args: argparse.Namespace) -> int:
     config, paths = resolved(args)
 
     from rockpulse.batch.run import fragility_files
-    from rockpulse.storage.save_load import load
+    from rockpulse.storage.hdf5.results_file import load
     from rockpulse.views.text.fragility import fragility_overview
     from rockpulse.views.text.left_out import not_used
 

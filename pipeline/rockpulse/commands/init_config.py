@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import json
 import re
 import textwrap
 from importlib.resources import files
@@ -22,9 +23,15 @@ BEGIN, END = 28, 122
 
 
 def template() -> str:
-    """Every key of the configuration with its default and its meaning; what it says of measures is from their table."""
+    """Every key of the configuration with its default and its meaning; models and measures by their tables."""
+    from rockpulse.model_table import DEFAULT_MODELS, MODELS, NAMES, UPPER_BOUND
+
     named = {"hazard": HAZARD, "units": HAZARD_UNITS, "families": PERIODIC}
     told = {of: " | ".join(f'"{name}"' for name in names) for of, names in named.items()}
+    others = [row for row in MODELS.values() if not row.default]
+    told["others"] = ", ".join(f'"{row.name}"' + f" ({UPPER_BOUND})" * bool(row.upper_bound) for row in others)
+    told["searched"] = ", ".join(row.name for row in MODELS.values() if row.searched)
+    told |= {"default": json.dumps(DEFAULT_MODELS), "names": json.dumps(NAMES)}
     for use, names in (("scaling", SCALING), ("demand", DEMAND)):
         told[use] = " | ".join(f'"{name}" ({_meaning(ROWS[name])})' for name in names)
     entries = {f'    "{name}",': MEASURES[name] for name in FRAGILITY}
@@ -40,7 +47,7 @@ def _meaning(measure: Measure) -> str:
 def _filled(line: str, told: dict[str, str]) -> str:
     """A line of the template with the names between braces filled in, its comment over as many lines as that takes."""
     filled = re.sub(r"\{(\w+)\}", lambda name: told[name[1]], line)
-    if filled == line or "\n" in filled:
+    if filled == line or "\n" in filled or not filled.startswith("# ", BEGIN):
         return filled
     comment = textwrap.wrap(filled[BEGIN:].removeprefix("# "), END - BEGIN - len("# "), break_on_hyphens=False)
     return filled[:BEGIN] + f"\n{'':{BEGIN}}".join(f"# {part}" for part in comment)

@@ -13,7 +13,7 @@ from rockpulse.commands.verb import Verb
 if TYPE_CHECKING:
     import xarray as xr
 
-    from rockpulse.storage.hdf5_reader import ResultsFile
+    from rockpulse.storage.hdf5.results_file import ResultsFile
 
 __all__ = ["VERB"]
 
@@ -57,7 +57,7 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def _run(args: argparse.Namespace) -> int:
-    from rockpulse.storage.hdf5_reader import open_results
+    from rockpulse.storage.hdf5.results_file import open_results
 
     with open_results(args.results) as file, file.reading():
         for group in SHOWN_WHOLE:
@@ -102,7 +102,7 @@ def _check_worst(args: argparse.Namespace) -> None:
 
 def _details(summary: xr.Dataset, args: argparse.Namespace) -> list[str]:
     """Records and blocks one by one; a list of cases where a pattern names several."""
-    from rockpulse.storage.selection import label_positions
+    from rockpulse.storage.export.selection import label_positions
     from rockpulse.views.text.details import block_details, record_details
 
     pages = []
@@ -130,7 +130,7 @@ def _cases(summary: xr.Dataset, args: argparse.Namespace) -> str:
 
 def _inspect_whole(file: ResultsFile, group: str, args: argparse.Namespace) -> int:
     from rockpulse.errors import ResultsError
-    from rockpulse.storage.save_load import load
+    from rockpulse.storage.hdf5.results_file import load
     from rockpulse.views.text.left_out import failure_list
 
     said, name = SHOWN_WHOLE[group]

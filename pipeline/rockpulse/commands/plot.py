@@ -54,7 +54,7 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def _run(args: argparse.Namespace) -> int:
     from rockpulse.errors import ConfigError
-    from rockpulse.storage.save_load import load
+    from rockpulse.storage.hdf5.results_file import load
     from rockpulse.views.plots.kinds import OPTIONS, draw
     from rockpulse.views.plots.picture import picture_bytes
     from rockpulse.views.shared.output_files import PICTURES, check_file, write_files

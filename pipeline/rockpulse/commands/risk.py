@@ -74,7 +74,7 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
 def _run(args: argparse.Namespace) -> int:
     from rockpulse.config.configuration import config_from_text, load_config
     from rockpulse.errors import ConfigError
-    from rockpulse.storage.save_load import load
+    from rockpulse.storage.hdf5.results_file import load
     from rockpulse.studies.risk.frequency import annual_frequency
     from rockpulse.studies.risk.hazard_files import hazard_of, site_hazards_of
     from rockpulse.studies.risk.inventory import inventory_frequency, read_inventory

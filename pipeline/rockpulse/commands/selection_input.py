@@ -6,7 +6,7 @@ import argparse
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from rockpulse.storage.selection import Selection
+    from rockpulse.storage.export.selection import Selection
 
 __all__ = ["add_selection", "count", "read_selection"]
 
@@ -43,7 +43,7 @@ def read_selection(args: argparse.Namespace) -> Selection:
     Raises ResultsError for a condition that cannot be understood.
     """
     from rockpulse.errors import ResultsError
-    from rockpulse.storage.selection import SHOWN, Condition, Selection
+    from rockpulse.storage.export.selection import SHOWN, Condition, Selection
 
     if args.descending and args.sort is None:
         raise ResultsError("--descending goes with --sort VARIABLE")

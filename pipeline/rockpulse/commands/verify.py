@@ -26,7 +26,7 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def _run(args: argparse.Namespace) -> int:
-    from rockpulse.storage.verification import verify
+    from rockpulse.storage.hdf5.verification import verify
 
     bars = progress_bars(args.quiet)
     found = verify(args.results, args.inputs, lambda items: bars(items, desc="verifying", leave=False))

@@ -34,7 +34,7 @@ from rockpulse.config.settings import (
 from rockpulse.config.uncertainty_settings import UncertaintySettings
 from rockpulse.errors import ConfigError, ResultsError
 from rockpulse.input_file import TOML_LIMIT, parse_toml, read_text
-from rockpulse.ladder import ModelSettings, SearchSettings
+from rockpulse.model_table import ModelSettings, SearchSettings, is_full
 from rockpulse.option import Section, hint
 
 __all__ = ["Config", "config_from_text", "given_config", "load_config", "located", "stored_sections"]
@@ -126,8 +126,8 @@ class Config:
 
     @property
     def has_probability(self) -> bool:
-        """Whether a probability of overturning is worked out: it is asked for, and the nonlinear equation is in use."""
-        return self.uncertainty.probability and not {"nonlinear", "auto"}.isdisjoint(self.models.answering)
+        """Whether a probability of overturning is worked out: it is asked for, and a full model is in use."""
+        return self.uncertainty.probability and any(map(is_full, self.models.use))
 
     def record_paths(self) -> list[Path]:
         """``records.paths`` as they are found from the current folder."""

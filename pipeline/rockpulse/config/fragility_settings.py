@@ -7,6 +7,7 @@ from itertools import pairwise
 from typing import Any
 
 from rockpulse.errors import ConfigError
+from rockpulse.model_table import EQUATIONS
 from rockpulse.option import KeyType, Section, choice, choices, is_number, key, number, text
 from rockpulse.record.measures import FRAGILITY, REFERENCE
 
@@ -15,7 +16,6 @@ UPLIFT, OVERTURNING = "uplift", "overturning"
 
 DATA = ("stripes", "ida", "cloud")
 MODELS = ("lognormal", "logistic")
-EQUATIONS = ("nonlinear", "linear")
 
 
 def _is_limit_states(value: Any) -> bool:
@@ -83,7 +83,7 @@ class FragilitySettings(Section):
     model: str = choice("lognormal", MODELS)
     overturning_model: str = choice("logistic", MODELS)
     confidence: float = number(0.9, low=0.5, high=0.999)
-    equation: str = choice("nonlinear", EQUATIONS)
+    equation: str = choice(EQUATIONS[0], EQUATIONS)
 
     def __post_init__(self) -> None:
         super().__post_init__()

@@ -12,7 +12,7 @@ from rockpulse.config.hazard_settings import HazardSettings
 from rockpulse.config.report_settings import ReportSettings
 from rockpulse.config.uncertainty_settings import UncertaintySettings
 from rockpulse.errors import ConfigError
-from rockpulse.ladder import ModelSettings, SearchSettings
+from rockpulse.model_table import ModelSettings, SearchSettings
 from rockpulse.option import KeyType, Section, boolean, choice, count, entries, key, number, text, texts
 from rockpulse.readers.format import FileSettings
 from rockpulse.record.measures import DEMAND, PERIODIC, PGA, ROWS, SCALING, quoted, units_in_words

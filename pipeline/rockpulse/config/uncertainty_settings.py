@@ -35,7 +35,7 @@ _RANGE = KeyType(
 class UncertaintySettings(Section):
     """The uncertainty under which the probability of overturning is stated, and whether there is one.
 
-    It is of the nonlinear model: without `nonlinear` or `auto` among the models there is none. A body whose restitution
+    It is of the nonlinear model: without `nonlinear` among the models there is none. A body whose restitution
     is a list has the range from its least to its largest value in place of `restitution`.
     """
 

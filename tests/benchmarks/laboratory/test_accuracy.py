@@ -41,7 +41,7 @@ from rocking.response import Outcome
 from rockpulse.assessment.scene import prepare
 from rockpulse.config.configuration import Config
 from rockpulse.errors import RockpulseError
-from rockpulse.ladder import MODELS
+from rockpulse.model_table import MODELS
 from rockpulse.record.conditioning import condition
 from rockpulse.record.synthetic import synthetic_motion
 

@@ -32,7 +32,7 @@ from rockpulse.assessment.scene import extract
 from rockpulse.calibration.rule import POINTS, Rule, load_rule
 from rockpulse.errors import ConfigError
 from rockpulse.failures import Failure
-from rockpulse.ladder import MODELS
+from rockpulse.model_table import MODELS
 from rockpulse.models import Outcome
 from rockpulse.record.half_wave import half_waves
 from rockpulse.record.intensity import pgv

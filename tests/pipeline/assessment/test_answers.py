@@ -10,7 +10,7 @@ from results_tree import results_tree
 
 from rocking.response import Outcome
 from rockpulse.assessment.answers import Answers, answers_of, bodies_of, searched_up_to
-from rockpulse.storage.probability_variables import MEAN
+from rockpulse.storage.variables.probability import MEAN
 from rockpulse.views.shared.notes import counted_motions as counted
 
 INF, NAN = math.inf, math.nan
@@ -141,7 +141,11 @@ def test_every_model_has_answers_under_the_same_motions():
 
 @pytest.mark.parametrize(
     ("models", "fullest"),
-    [(["nonlinear", "auto"], "nonlinear"), (["resonance", "sequence", "linear"], "linear"), (["sequence"], "sequence")],
+    [
+        (["nonlinear", "linear"], "nonlinear"),
+        (["resonance", "conservative"], "conservative"),
+        (["sequence", "x"], "sequence"),
+    ],
 )
 def test_the_fullest_model_answers(models, fullest):
     each = [summary_of([1.0 + k]).assign_coords(model=[name]) for k, name in enumerate(models)]
@@ -150,39 +154,17 @@ def test_the_fullest_model_answers(models, fullest):
     assert (found.model, found["safety_factor"].tolist()) == (fullest, [[1.0 + models.index(fullest)]])
 
 
-def test_results_that_lack_variables_count_as_not_computed_and_not_marked():
-    summary = summary_of([2.0, 3.0])[["outcome", "restitution", "pga"]]
-    found = Answers(summary)
-    for name in (
-        "capacity_pga",
-        "safety_factor",
-        "safe_up_to",
-        "search_step",
-        "overturning_probability",
-        "factor_10_low",
-    ):
-        assert np.isnan(found[name]).all()
-        assert found[name].shape == (2, 1)
-    whole = {"factor_resolved": -1, "interval_count": -1, "model_used": -1, "predictable": -1, "applicable": 1}
-    whole |= {"reason": 0, "probability_source": 0}
-    for name, value in whole.items():
-        assert found[name].tolist() == [[value]] * 2, name
-    of_records = {"npts": 0, "pgv_drift": 0, "warning_codes": ""}
-    assert {name: found[name].tolist() for name in of_records} == {name: [one] * 2 for name, one in of_records.items()}
+def test_without_a_search_or_a_probability_nothing_is_told():
+    found = Answers(summary_of([np.nan, np.nan]))
     assert (found.motions.kind, found.motions.event_count) == ("record", 1)
     assert (found.searched, found.told, found.probable, found.factor) == (False, False, False, "safety_factor")
-    assert found.used.tolist() == [[""]] * 2
-    assert found.source.tolist() == [["none"]] * 2
-    assert found.demands == {}
+    assert (found.source.tolist(), found.demands) == ([["none"]] * 2, {})
 
 
-def test_models_and_sources_are_told_in_words():
-    flags = {"flag_values": np.array([0, 1]), "flag_meanings": "static nonlinear"}
+def test_sources_are_told_in_words():
     summary = summary_of([2.0, 3.0, 4.0])
-    summary["model_used"] = (summary["outcome"].dims, np.reshape([1, -1, 0], (3, 1, 1)), flags)
     summary["probability_source"] = (("record", "block"), [[2], [0], [1]])
     found = Answers(summary)
-    assert found.used.tolist() == [["nonlinear"], [""], ["static"]]
     assert found.source.tolist() == [["own_lanes"], ["none"], ["spectrum"]]
 
 
@@ -195,7 +177,7 @@ def two_demands(summary, other):
 
 
 def test_factors_are_taken_over_what_brings_a_record_to_each_demand():
-    times = {"demand_acceleration": 3.0, "demand_factor": 3.0, "capacity_ratio": 1.0 / 3.0}
+    times = {"demand_value": 3.0, "demand_factor": 3.0, "capacity_ratio": 1.0 / 3.0}
     found = answers(two_demands(summary_of([3.0, INF], demand=2.0, to_demand=[2.0, 0.5]), times))
     assert [one.value for one in found.demands.values()] == [2.0, 6.0]
     assert found.to_demand("ULS").tolist() == [[2.0], [0.5]]
@@ -213,17 +195,6 @@ def test_factors_are_taken_over_what_brings_a_record_to_each_demand():
     assert found.ratios("ULS") == pytest.approx(np.array([[0.35], [INF]]))
     assert found.proven("ULS") == pytest.approx(np.array([[0.35], [16.0]]))
     assert (found.probable, found.factor, found.told, found.searched) == (True, "factor_10", True, False)
-
-
-def test_results_of_before_have_a_demand_in_the_peak_acceleration():
-    summary = (
-        results_tree()["summary"]
-        .to_dataset()
-        .assign(demand_acceleration=("demand", [2.0]))
-        .assign_coords(demand=["ULS"])
-    )
-    expected = 2.0 / np.repeat(summary["pga"].values[:, np.newaxis], 3, axis=1)
-    assert Answers(summary).to_demand("ULS") == pytest.approx(expected)
 
 
 def test_a_bound_is_where_the_model_cannot_answer():

@@ -22,7 +22,7 @@ from rockpulse.views.report.verdict import of_unknown_event
 
 CONFIG = Config(
     blocks=(BlockSettings(name="wall", width=0.3, height=2.4),),
-    models=ModelSettings(use=("resonance",), predictability=False),
+    models=ModelSettings(use=("resonance",)),
 )
 TITLES = ("Kobe, 1/16/1995", "KOBE 01/16/95", "", "")
 
@@ -117,8 +117,7 @@ def test_a_name_of_no_record_is_told_also_where_little_is(folder, tmp_path, caps
     (folder / "broken.at2").write_bytes((folder / "m0.at2").read_bytes()[:900])
     (tmp_path / "events.csv").write_text("record,event\nelsewhere,Kobe\n")
     (tmp_path / "site.toml").write_text(
-        '[records]\nevents = "events.csv"\n[models]\nuse = ["resonance"]\npredictability = false\n'
-        '[calibration]\nmethod = "statistics"\n'
+        '[records]\nevents = "events.csv"\n[models]\nuse = ["resonance"]\n[calibration]\nmethod = "statistics"\n'
     )
     options = ["--config", str(tmp_path / "site.toml"), "--block", "wall=0.3x2.4", "--quiet"]
     assert main([verb, str(folder), *options, "-o", str(tmp_path / "x.h5")]) == 1

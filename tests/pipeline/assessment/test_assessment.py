@@ -28,7 +28,7 @@ from rockpulse.failures import Failure
 from rockpulse.models import Block, Outcome, Reason, recorded_response
 from rockpulse.record.intensity import pgv
 from rockpulse.record.record import Record
-from rockpulse.storage.save_load import load, save
+from rockpulse.storage.hdf5.results_file import load, save
 from rockpulse.views.plots.selection import block_of
 
 

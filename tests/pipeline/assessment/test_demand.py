@@ -89,9 +89,7 @@ def test_the_demands_of_a_file_are_told_with_their_measure_and_unit():
         "c": (5.0, "SLC", "Sa(0.7 s) 5 m/s2"),
         "d": (0.6, "", "p PGV/(g tan alpha_c) 0.6"),
     }
-    # Files of before schema 1.4 know the acceleration alone, and files without demands none.
-    assert stored_demands(summary[["demand_acceleration"]].isel(demand=[0])) == {"a": (3.0, "", "PGA 3 m/s2")}
-    assert stored_demands(summary[["limit_state"]]) == {}
+    assert stored_demands(xr.Dataset()) == {}
 
 
 def test_a_velocity_ratio_asks_each_body_for_its_own_factor():

@@ -11,9 +11,9 @@ import rockpulse as rp
 from rockpulse import ModelSettings
 from rockpulse.config.configuration import Config
 from rockpulse.errors import ConfigError
-from rockpulse.ladder import ALL_MODELS
+from rockpulse.model_table import ALL_MODELS
 from rockpulse.models import Block, ImpulseSequence, resonance, resonance_safety, sequence_response
-from rockpulse.storage.design_file import design_of
+from rockpulse.studies.site.tree import design_of
 
 SEQUENCE = ImpulseSequence(main=0.35, secondary=0.12, interval=0.15, duration=12.0, main_count=4)
 BLOCKS = {"wall": Block(0.15, 1.5), "pier": Block(0.4, 1.8), "column": Block(0.5, 4.0)}
@@ -82,10 +82,8 @@ def test_models_that_need_a_record_are_left_out_in_words(tree):
 
 
 def test_a_configuration_without_a_sequence_model_is_refused():
-    with pytest.raises(
-        ConfigError, match="nonlinear, auto cannot answer a sequence; it is answered by resonance and seq"
-    ):
-        rp.assess_sequence(SEQUENCE, Config(models=ModelSettings(use=["nonlinear"], auto=True)), BLOCKS)
+    with pytest.raises(ConfigError, match="nonlinear cannot answer a sequence; it is answered by resonance and seq"):
+        rp.assess_sequence(SEQUENCE, Config(models=ModelSettings(use=["nonlinear"])), BLOCKS)
 
 
 def test_several_sequences_and_no_body_are_refused():

@@ -17,7 +17,7 @@ from rockpulse.assessment.overturning import (
 )
 from rockpulse.record.half_wave import half_waves
 from rockpulse.record.synthetic import synthetic_motion
-from rockpulse.storage.spectrum_variables import LEVELS, ROTATIONS
+from rockpulse.storage.variables.probability import LEVELS, ROTATIONS
 
 RECORD = rp.Record(synthetic_motion(3, pga=3.0)[:2000], dt=0.01, id="synthetic", processed=True)
 P = np.array([1.5, 1.7, 1.9])
@@ -158,7 +158,7 @@ def test_by_the_rule_nothing_overturns_before_it_lifts():
 
 
 def test_the_rule_is_near_the_nonlinear_equation(spectrum):
-    """The rule scatters by about 15 % from record to record (docs/decisions/012): three times that is allowed."""
+    """The rule scatters by about 15 % from record to record (docs/decisions/009): three times that is allowed."""
     by_rule = overturning_spectrum(RECORD, P, C, method="rule")
     assert np.abs(np.log(by_rule["spectrum"] / spectrum["spectrum"])).max() < 0.5
 

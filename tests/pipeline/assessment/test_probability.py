@@ -17,8 +17,8 @@ from rockpulse.assessment.probability import record_probability
 from rockpulse.assessment.scene import prepare
 from rockpulse.config.bodies import gather_bodies
 from rockpulse.models import Block, OverturningSpectrum, Uncertainty, overturning_probability, spectrum_lanes
-from rockpulse.storage.probability_variables import PROBABILITY, READ, SOURCES
-from rockpulse.storage.spectrum_variables import SPECTRUM as SPECTRUM_VARIABLES
+from rockpulse.storage.variables.probability import PROBABILITY, READ, SOURCES
+from rockpulse.storage.variables.probability import SPECTRUM as SPECTRUM_VARIABLES
 
 NONLINEAR = rp.ModelSettings(use=("nonlinear",))
 NAMES = [name + end for name in READ for end in ("", "_low", "_high")]
@@ -159,14 +159,6 @@ def test_what_is_not_asked_for_is_not_known(sections):
     assert one.probability["probability_source"].tolist() == [NONE, NONE]
     assert all(np.isnan(one.probability[name]).all() for name in PROBABILITY if name != "probability_source")
     assert SOURCES[NONE] == "none"
-
-
-def test_auto_has_the_probability_of_the_nonlinear_model():
-    models = rp.ModelSettings(use=("linear",), auto=True)
-    config = configured(WALL, models=models)
-    one = assess_scene(prepare(record("one"), config), gather_bodies(config.blocks), config)
-    assert one.spectrum is not None
-    assert_array_equal(one.probability["factor_50"], direct(Block(0.2, 1.5).lanes(1))["factor_50"])
 
 
 def test_a_design_sequence_has_none():

@@ -25,8 +25,8 @@ from rockpulse.errors import ResultsError
 from rockpulse.failures import Failure
 from rockpulse.motions.directions import plan_motions, swept_directions
 from rockpulse.motions.runner import worked
-from rockpulse.storage.save_load import save
-from rockpulse.storage.verification import verify
+from rockpulse.storage.hdf5.results_file import save
+from rockpulse.storage.hdf5.verification import verify
 
 BLOCKS = '[[block]]\nname = "wall"\nwidth = 0.5\nheight = 4.0\n[[block]]\nname = "pier"\nwidth = 0.3\nheight = 1.5\n'
 CASES = BLOCKS.replace("width", "restitution = [0.9, 0.95]\nwidth")
@@ -227,7 +227,7 @@ def test_a_kill_while_assembling_leaves_old_file_and_journal(assessed, tmp_path,
         from rockpulse.batch.assembly import JournalParts, assemble
         from rockpulse.batch.journal import Journal
         from rockpulse.assessment.assessment import Assessment
-        from rockpulse.storage.hdf5_writer import TreeWriter
+        from rockpulse.storage.hdf5.writer import TreeWriter
         config = rp.load_config({str(tmp_path / "site.toml")!r})
         setattr(TreeWriter, {step!r}, lambda *args: os.kill(os.getpid(), signal.SIGKILL))
         with Journal.open({str(target)!r}, resume=True) as journal:

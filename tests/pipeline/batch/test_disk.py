@@ -15,7 +15,7 @@ from file_contents import assert_contents
 
 from rockpulse.batch import frames
 from rockpulse.batch.journal import journal_path
-from rockpulse.storage.hdf5_writer import TreeWriter
+from rockpulse.storage.hdf5.writer import TreeWriter
 
 
 def test_a_disk_that_fills_up_keeps_what_is_finished(folder, tmpfs, undisturbed, capsys):

@@ -49,7 +49,7 @@ def work(kind):
     if kind == "everything":
         config = rp.Config(
             records=RecordSettings(include_vertical=True, components="strongest"),
-            models=ModelSettings(use=everything, auto=True, predictability=True, histories=True),
+            models=ModelSettings(use=everything, histories=True),
             search=SearchSettings(models=everything, intervals=True, points=16, step=1.2),
         )
     warm_up(Assessment(config, blocks))

@@ -201,7 +201,7 @@ def test_start_generations_survey_and_twenty_rounds(monkeypatch, spread, generat
     assert np.min(np.max(np.abs(tried.batches[1] - start), axis=1)) < 1e-9
     assert np.array_equal(explored.points[:, 3], np.rint(explored.points[:, 3]))
     assert np.all((explored.points >= LOW - 1e-9) & (explored.points <= HIGH + 1e-9))
-    # docs/decisions/013: the deviance shrinks from 300 to four times the threshold, in equal ratios.
+    # docs/decisions/010: the deviance shrinks from 300 to four times the threshold, in equal ratios.
     assert (cuts[0], cuts[-1], len(cuts)) == (pytest.approx(300.0), pytest.approx(12.0), 20)
     assert np.diff(np.log(cuts)) == pytest.approx(np.log(12.0 / 300.0) / 19.0)
     survey = tried.batches[generations + 1]

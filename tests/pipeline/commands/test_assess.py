@@ -85,7 +85,7 @@ def test_bare_h5py_finds_unit_and_long_name_on_every_variable(done):
 
     with h5py.File(done) as file:
         file.visititems(visit)
-        assert file.attrs["schema_version"] == "1.5"
+        assert file.attrs["schema_version"] == "2.0"
     assert {
         "summary/pga",
         "summary/safety_factor",

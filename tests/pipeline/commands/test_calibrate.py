@@ -164,7 +164,7 @@ def test_files_of_another_kind_are_refused(assessed, samples, config, tmp_path, 
     for kind, words in (("fragility", "a fragility"), ("assessment", "an assessment")):
         with monkeypatch.context() as patch:
             patch.setattr(
-                "rockpulse.storage.design_file.load", lambda path, kind=kind: SimpleNamespace(attrs={"kind": kind})
+                "rockpulse.studies.site.tree.load", lambda path, kind=kind: SimpleNamespace(attrs={"kind": kind})
             )
             with pytest.raises(ResultsError, match=f"found {words}$"):
                 rp.load_design(results)

@@ -8,8 +8,8 @@ from record_writers import at2
 from rockpulse.assessment.answers import answers_of
 from rockpulse.assessment.verdict import verdicts
 from rockpulse.cli import main
-from rockpulse.storage.save_load import load, save
-from rockpulse.storage.site_variables import SITE_KIND
+from rockpulse.storage.hdf5.results_file import load, save
+from rockpulse.storage.variables.site import SITE_KIND
 
 CONFIG = """
 [check]

@@ -6,7 +6,7 @@ import pytest
 from results_tree import results_bytes, results_tree
 
 from rockpulse.cli import main
-from rockpulse.storage.save_load import save
+from rockpulse.storage.hdf5.results_file import save
 
 
 @pytest.fixture(scope="module")

@@ -3,10 +3,10 @@
 import pandas as pd
 import pytest
 import xarray as xr
-from results_tree import RECORDS, results_bytes, results_tree
+from results_tree import RECORDS, demanding, results_bytes, results_tree
 
 from rockpulse.cli import main
-from rockpulse.storage.save_load import save
+from rockpulse.storage.hdf5.results_file import save
 
 
 @pytest.fixture(scope="module")
@@ -73,14 +73,9 @@ def test_a_limit_is_a_whole_number_from_one(results, tmp_path, capsys, limit):
 def test_the_readme_has_the_demands_and_the_decimal_comma_is_an_option(tmp_path):
     tree = results_tree()
     summary = tree["summary"].to_dataset()
-    summary = summary.assign_coords(demand=("demand", ["SLD", "SLV"], {"units": "1", "long_name": "demand"}))
     ratio = summary["safety_factor"].expand_dims(demand=2, axis=-1)
-    tree["summary"] = xr.DataTree(
-        summary.assign(
-            demand_acceleration=("demand", [1.0, 2.5], {"units": "m s-2", "long_name": "asked for"}),
-            capacity_ratio=(ratio.dims, ratio.values, {"units": "1", "long_name": "over demand"}),
-        )
-    )
+    ratio = (ratio.dims, ratio.values, {"units": "1", "long_name": "over demand"})
+    tree["summary"] = xr.DataTree(demanding(summary, {"SLD": 1.0, "SLV": 2.5}, capacity_ratio=ratio))
     save(tree, tmp_path / "r.h5")
     target = tmp_path / "t.csv"
     options = ["--model", "nonlinear", "--columns", "pga,outcome,capacity_ratio", "--decimal-comma"]

@@ -11,9 +11,10 @@ import rockpulse as rp
 from rockpulse import CalibrationSettings
 from rockpulse.cli import main
 from rockpulse.record.synthetic import synthetic_motion
-from rockpulse.storage.fragility_variables import FRAGILITY
-from rockpulse.storage.save_load import ASSESSMENT, KINDS, save
-from rockpulse.storage.site_variables import SITE_KIND
+from rockpulse.storage.hdf5.atomic import ASSESSMENT
+from rockpulse.storage.hdf5.results_file import KINDS, save
+from rockpulse.storage.variables.fragility import FRAGILITY
+from rockpulse.storage.variables.site import SITE_KIND
 
 
 @pytest.fixture

@@ -131,15 +131,6 @@ def test_a_fragility_file_and_a_site_tell_the_count(folder, tmp_path, capsys, ve
     assert f"! {COUNT}: {WHY}." in flat(capsys.readouterr().out)
 
 
-@pytest.mark.sweep
-def test_verdicts_of_the_rule_tell_the_count(folder, tmp_path, capsys):
-    path = tmp_path / "out.h5"
-    assert main(["rule", "judge", str(folder), "-o", str(path), "--quiet"]) == 1
-    assert capsys.readouterr().err == f"rockpulse: {COUNT}: {WHY}.\n"
-    assert main(["inspect", str(path)]) == 0
-    assert f"! {COUNT}: {WHY}." in flat(capsys.readouterr().out)
-
-
 def test_what_is_converted_is_counted_too(folder, tmp_path, capsys):
     assert main(["convert", str(folder), "-o", str(tmp_path / "all.mseed"), "--quiet"]) == 1
     assert capsys.readouterr() == ("", f"rockpulse: {COUNT}: {WHY}.\n")

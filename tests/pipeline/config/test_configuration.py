@@ -124,7 +124,7 @@ WRONG = [
     ("[models]\nuse = ['linear', 'linear']", r"each once, found"),
     ("[models]\nuse = ['nonlinaer']", r"use: .*did you mean \"nonlinear\""),
     ("[models]\nuse = 'linear'", r"use: expected a list"),
-    ('[models]\noutput = "peaks"', r'output: expected one of .*did you mean "peak"'),
+    ('[models]\ngain = "papers"', r'gain: expected one of .*did you mean "paper"'),
     (
         "[models]\nhistories = true\n[records]\nstore = 'none'",
         r"\[models\] histories: .*\[records\] store = \"none\" leaves them out.*set store = .* or histories = false",
@@ -246,7 +246,7 @@ def _configs(draw):
             values.update(start_s=1.0, end_s=draw(st.floats(1.5, 1e3)))
         if name == "records":
             rotated = values["components"] == "azimuth"
-            values.update(azimuth=draw(st.floats(0.0, 360.0)) if rotated else None)
+            values.update(azimuth=draw(st.floats(1e-6, 360.0)) if rotated else None)
             values.update(azimuth_step=180.0 / draw(st.integers(2, 180)))
         if name == "calibration":
             values.update(target=None if values["scale_to"] == "none" else draw(_numbers))

@@ -46,7 +46,7 @@ def test_the_words_are_those_of_the_modules_that_act_on_them():
         assert set(stated) == set(table)
 
 
-def test_models_are_kept_in_the_order_of_the_ladder():
+def test_models_are_kept_in_the_order_of_their_table():
     assert ModelSettings(use=["nonlinear", "resonance"]).use == ("resonance", "nonlinear")
 
 

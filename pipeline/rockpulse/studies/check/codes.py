@@ -22,7 +22,7 @@ from rockpulse.config.check_settings import CODES, CheckSettings
 from rockpulse.config.configuration import Config
 from rockpulse.config.restraint_settings import FloorSettings
 from rockpulse.errors import ConfigError
-from rockpulse.storage.check_variables import CHECK
+from rockpulse.storage.variables.risk import CHECK
 from rockpulse.studies.check.histories import of_histories
 from rockpulse.studies.check.mechanism import SENSES, Mechanism, mechanisms
 from rockpulse.studies.check.spectra import (

@@ -18,7 +18,7 @@ from rockpulse.motions.runner import Analysis, Blocks, Part, Prepared, Work, run
 from rockpulse.motions.tables import selection_of
 from rockpulse.motions.votes import unmatched_patterns
 from rockpulse.record.record import Record
-from rockpulse.storage.fragility_variables import FRAGILITY
+from rockpulse.storage.variables.fragility import FRAGILITY
 from rockpulse.studies.fragility.capacity import Lanes, motion_capacity, nothing
 from rockpulse.studies.fragility.results import build_fragility_tree
 
@@ -67,7 +67,7 @@ def fragility_curves(
     With ``data = "stripes"`` every record is scaled to each level, within ``[fragility] factors``, and the curve is the
     probability of reaching the limit state at a level. With ``data = "ida"`` capacity is the first factor that reaches
     it, and the curve the probability of reaching it at or below a level. Rotation need not grow with the factor, so the
-    latter lies above the former (docs/decisions/015).
+    latter lies above the former (docs/decisions/012).
 
     Examples
     --------

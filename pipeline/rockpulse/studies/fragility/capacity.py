@@ -14,15 +14,15 @@ from rockpulse.assessment.scene import extract
 from rockpulse.config.bodies import Bodies
 from rockpulse.config.configuration import Config
 from rockpulse.errors import TooWeak
-from rockpulse.ladder import Scene
+from rockpulse.model_row import Scene
 from rockpulse.motions.directions import Motion
 from rockpulse.motions.runner import Part, Watch
 from rockpulse.motions.tables import Selection
 from rockpulse.record.components import Pair
 from rockpulse.record.intensity import pgv
 from rockpulse.record.measures import MEASURES, RecordOnBodies
-from rockpulse.storage.fact_variables import FACTS, facts_of
-from rockpulse.storage.fragility_variables import QUALITIES
+from rockpulse.storage.variables.fragility import QUALITIES
+from rockpulse.storage.variables.summary import FACTS, facts_of
 from rockpulse.studies.fragility.limit_states import NOT_KNOWN, reached_at, scale_capacities
 
 #: Half-waves with more than this share of the largest impulse are strong.
@@ -43,7 +43,7 @@ def motion_capacity(
     """The capacities of (m,) lanes under one motion, as arrays.
 
     "measures" (1, k, m) are those of the ground's motion as it is, in the direction of each body and in the order of
-    ``[fragility] measures``, "qualities" (1, c) those of :data:`rockpulse.storage.fragility_variables.QUALITIES`. An
+    ``[fragility] measures``, "qualities" (1, c) those of :data:`rockpulse.storage.variables.fragility.QUALITIES`. An
     incremental analysis adds "factors" (1, s, m), the first that reaches each limit state, inf where none does, and
     "step" (1, m), the ratio of neighbouring factors of the scan; others add "factors" (1, r, m), those that were looked
     at, "reached" (1, s, r, m), whether the limit state was, and "weight" (1, r). Beyond ``[fragility] factors`` a

@@ -2,7 +2,7 @@
 
 .. note:: A curve is P(x) = F(a + b ln x): the median is exp(-a/b), the dispersion beta the standard deviation of ln
    capacity. Records of one event are no independent observations, so a band comes from leaving out one event after
-   the other (docs/decisions/015). Where the data do not say what a curve needs, there is a statement and no number.
+   the other (docs/decisions/012). Where the data do not say what a curve needs, there is a statement and no number.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from rocking.quantities import ArrayLike
 from rockpulse.errors import ConfigError
 from rockpulse.motions.events import FEWEST_EVENTS
 from rockpulse.remark import as_stored
-from rockpulse.storage.fragility_variables import Band, Extrapolated, Status
+from rockpulse.storage.variables.fragility import Band, Extrapolated, Status
 from rockpulse.studies.fragility.likelihood import ABOVE, EXACT, FAMILIES, NOT_ABOVE, Family, Observations, maximise
 from rockpulse.studies.fragility.statements import (
     STATEMENTS,

@@ -21,8 +21,8 @@ from rockpulse.motions.events import FEWEST_EVENTS
 from rockpulse.motions.runner import Part, joined
 from rockpulse.motions.tables import Selection
 from rockpulse.record.measures import MEASURES
-from rockpulse.storage.fact_variables import FACTS
-from rockpulse.storage.fragility_variables import QUALITIES, STATED, TESTED, Status
+from rockpulse.storage.variables.fragility import QUALITIES, STATED, TESTED, Status
+from rockpulse.storage.variables.summary import FACTS
 from rockpulse.studies.fragility.capacity import nothing
 from rockpulse.studies.fragility.curves import Curve, fit_curve, half_width, jackknife_error, standardised
 from rockpulse.studies.fragility.likelihood import ABOVE, EXACT, FAMILIES, NOT_ABOVE, Observations, maximise
@@ -173,16 +173,9 @@ def stored_ensemble(tree: xr.DataTree) -> Ensemble:
         factors=np.moveaxis(factors, 1, 2),
         step=None if stripes else table["search_step"].values,
         reached=np.moveaxis(reached, 1, 3) if stripes else None,
-        weight=_weight(table) if stripes else None,
+        weight=table["weight"].transpose("record", "stripe").values if stripes else None,
         config=config,
     )
-
-
-def _weight(table: xr.Dataset) -> np.ndarray:
-    """The weights of a file; ones in one that was written before there were any."""
-    if "weight" in table:
-        return np.asarray(table["weight"].transpose("record", "stripe").values)
-    return np.ones((table.sizes["record"], table.sizes["stripe"]))
 
 
 @dataclass(frozen=True, eq=False)

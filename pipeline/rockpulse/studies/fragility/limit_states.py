@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Literal, cast
 
 import numpy as np
 
@@ -13,7 +12,8 @@ from rocking.capacity import critical_scale, uplift_scale
 from rocking.recorded import recorded_response
 from rocking.response import Outcome
 from rockpulse.config.fragility_settings import OVERTURNING, UPLIFT
-from rockpulse.ladder import Scene
+from rockpulse.model_row import Equation, Scene
+from rockpulse.model_table import MODELS
 
 #: Stands for a motion that the model cannot resolve.
 NOT_KNOWN = -1
@@ -52,21 +52,22 @@ def scale_capacities(
 ) -> Capacities:
     """Incremental dynamic analysis of one record: the first factor at which each limit state is reached.
 
-    The `states` are "uplift", values of theta_max/alpha_c, and "overturning"; `equation` is "nonlinear" or "linear";
+    The `states` are "uplift", values of theta_max/alpha_c, and "overturning"; `equation` is the model by that equation;
     each of the (m,) lanes of the block is scanned at `points` factors up to `factor_max`. Uplift is known in closed
     form. A factor that the model cannot resolve (free flight) counts as reached.
     """
-    record, vertical = scene.record, _vertical(scene, equation)
+    record = scene.record
+    solved, vertical = _acting(scene, equation)
     capacities, step = np.empty((len(states), *block.shape)), np.ones(block.shape)
     for row, state in enumerate(states):
         if state == UPLIFT:
-            factor = uplift_scale(block, record.acceleration, equation, vertical)
+            factor = uplift_scale(block, record.acceleration, solved, vertical)
         else:
             found = critical_scale(
                 block,
                 record.acceleration,
                 record.dt,
-                equation=cast(Literal["nonlinear", "linear"], equation),
+                equation=solved,
                 vertical=vertical,
                 level=None if state == OVERTURNING else float(state),
                 factor_max=factor_max,
@@ -84,15 +85,16 @@ def reached_at(
 
     The answer (s, r, m) is 1 for reached, 0 for not, :data:`NOT_KNOWN` where the model cannot say.
     """
-    record, vertical = scene.record, _vertical(scene, equation)
-    lifted = uplift_scale(block, record.acceleration, equation, vertical)
+    record = scene.record
+    solved, vertical = _acting(scene, equation)
+    lifted = uplift_scale(block, record.acceleration, solved, vertical)
     reached = np.empty((len(states), *factors.shape), dtype=np.int8)
     for column, own in enumerate(factors):
         response = recorded_response(
             block,
             record.acceleration,
             record.dt,
-            equation=cast(Literal["nonlinear", "linear"], equation),
+            equation=solved,
             vertical=vertical,
             block_scale=own,
         )
@@ -107,5 +109,8 @@ def reached_at(
     return reached
 
 
-def _vertical(scene: Scene, equation: str) -> np.ndarray | None:
-    return scene.vertical if equation == "nonlinear" else None
+def _acting(scene: Scene, model: str) -> tuple[Equation, np.ndarray | None]:
+    """The equation of motion of a model, and the vertical acceleration that acts by it."""
+    equation = MODELS[model].equation
+    assert equation is not None
+    return equation, MODELS[model].vertical_of(scene)

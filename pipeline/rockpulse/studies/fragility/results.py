@@ -14,7 +14,8 @@ from rockpulse.failures import Failure
 from rockpulse.motions.runner import Part
 from rockpulse.motions.tables import Selection
 from rockpulse.record.measures import MEASURES, REFERENCE
-from rockpulse.storage.fragility_variables import (
+from rockpulse.storage.variables import failure_table, with_values
+from rockpulse.storage.variables.fragility import (
     CAPACITIES,
     COORDINATES,
     CURVE,
@@ -28,7 +29,6 @@ from rockpulse.storage.fragility_variables import (
     TESTED,
     Status,
 )
-from rockpulse.storage.variables import failure_table, with_values
 from rockpulse.studies.fragility.curves import Curve
 from rockpulse.studies.fragility.ensemble import Ensemble, Fits, dispersion_ratio, fit_ensemble, gather
 from rockpulse.studies.fragility.limit_states import limit_state_names

@@ -9,7 +9,7 @@ import numpy as np
 
 from rockpulse.motions.events import FEWEST_EVENTS
 from rockpulse.remark import Remark, counted
-from rockpulse.storage.fragility_variables import Band, Extrapolated, Status
+from rockpulse.storage.variables.fragility import Band, Extrapolated, Status
 from rockpulse.studies.fragility.likelihood import ABOVE, EXACT, NOT_ABOVE, Observations, has_maximum
 
 #: Relative difference of capacities that are the same but for rounding.

@@ -19,7 +19,7 @@ from rocking.block import Block
 from rockpulse.calibration.design_spectrum import at_blocks, within
 from rockpulse.errors import ConfigError, ResultsError
 from rockpulse.record.measures import PGA, STORED_LEVELS
-from rockpulse.storage.risk_variables import FREE_FRAGILITY
+from rockpulse.storage.variables.risk import FREE_FRAGILITY
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -17,8 +17,8 @@ from rockpulse.config.configuration import Config
 from rockpulse.config.fragility_settings import OVERTURNING, UPLIFT
 from rockpulse.errors import ConfigError, ResultsError
 from rockpulse.record.measures import PGA
-from rockpulse.storage.fragility_variables import FRAGILITY, Status
-from rockpulse.storage.risk_variables import RISK, RiskStatus
+from rockpulse.storage.variables.fragility import FRAGILITY, Status
+from rockpulse.storage.variables.risk import RISK, RiskStatus
 from rockpulse.studies.fragility.ensemble import stored_ensemble
 from rockpulse.studies.fragility.likelihood import ABOVE, FAMILIES, NOT_ABOVE, Family, Observations
 from rockpulse.studies.fragility.statements import STATEMENTS, missing
@@ -296,7 +296,7 @@ def _floors(table: xr.Dataset, hazard: Hazard) -> list[float]:
 
     Only a PGA tells: it lifts a body on the ground, or it does not.
     """
-    if hazard.measure != PGA or "uplift_acceleration" not in table:
+    if hazard.measure != PGA:
         return [-math.inf] * table.sizes["block"]
     lifting = table["uplift_acceleration"].values
     return np.where(np.isnan(lifting), -math.inf, np.log(np.where(np.isnan(lifting), 1.0, lifting))).tolist()

@@ -22,7 +22,7 @@ from rockpulse.errors import ConfigError
 from rockpulse.input_file import read_text
 from rockpulse.input_table import numbers, table_of
 from rockpulse.record.measures import PGA
-from rockpulse.storage.risk_variables import INVENTORY, RiskStatus
+from rockpulse.storage.variables.risk import INVENTORY, RiskStatus
 from rockpulse.studies.risk.body_curves import BodyCurves, chosen, curves_in_parts, event_weights, spectra_of
 from rockpulse.studies.risk.frequency import hazard_assumed, several_events
 from rockpulse.studies.risk.hazard import Hazard, SiteHazards

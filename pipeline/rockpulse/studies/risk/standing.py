@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rockpulse.errors import ConfigError
-from rockpulse.storage.risk_variables import STANDING
+from rockpulse.storage.variables.risk import STANDING
 
 if TYPE_CHECKING:
     import xarray as xr

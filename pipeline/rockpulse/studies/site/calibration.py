@@ -19,7 +19,7 @@ from rockpulse.motions.directions import PlannedMotion, planned_ids
 from rockpulse.motions.runner import Analysis, Blocks, Part, Prepared, Work, joined, run
 from rockpulse.motions.tables import read_weight_table, record_weights
 from rockpulse.record.record import Record
-from rockpulse.storage.site_variables import SITE_KIND
+from rockpulse.storage.variables.site import SITE_KIND
 from rockpulse.studies.site.record import no_site_record, site_record
 from rockpulse.studies.site.spectrum import no_spectrum_record, site_spectrum_record
 from rockpulse.studies.site.spectrum_tree import build_spectrum_tree

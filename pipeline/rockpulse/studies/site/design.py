@@ -8,7 +8,7 @@
    others given it, is there for comparison; the coverage of records left out judges both.
 
    Blocks that the design overturns are covered whatever the records do. Counted with the others they buy the quantile
-   for blocks that the design calls safe, which it then does not cover (docs/decisions/014).
+   for blocks that the design calls safe, which it then does not cover (docs/decisions/011).
 """
 
 from __future__ import annotations

@@ -18,15 +18,15 @@ from rockpulse.assessment.scene import extract
 from rockpulse.calibration.response import calibrate_response
 from rockpulse.config.configuration import Config
 from rockpulse.errors import RecordRefused, TooWeak
-from rockpulse.ladder import Scene
+from rockpulse.model_row import Scene
 from rockpulse.motions.directions import Motion
 from rockpulse.motions.runner import Part, Watch
 from rockpulse.record.half_wave import half_waves
 from rockpulse.record.measures import IMPULSE, MEASURES, STORED_LEVELS, RecordOnBodies
 from rockpulse.record.record import Record
 from rockpulse.remark import Remark, find
-from rockpulse.storage.fact_variables import facts_of
-from rockpulse.storage.site_variables import OF_RECORDS
+from rockpulse.storage.variables.site import OF_RECORDS
+from rockpulse.storage.variables.summary import facts_of
 from rockpulse.studies.site.design import PARAMETERS
 
 

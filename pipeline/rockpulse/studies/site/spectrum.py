@@ -22,7 +22,7 @@ from rockpulse.errors import RecordRefused
 from rockpulse.motions.directions import Motion
 from rockpulse.motions.runner import Part, Watch
 from rockpulse.record.half_wave import half_waves
-from rockpulse.storage.spectrum_variables import RESTITUTIONS
+from rockpulse.storage.variables.probability import RESTITUTIONS
 from rockpulse.studies.site.record import facts_of_record, no_facts, scaled_motion
 from rockpulse.studies.site.remarks import FEWEST_EVENTS
 from rockpulse.studies.site.statistics import ROUNDING, bootstrap_interval

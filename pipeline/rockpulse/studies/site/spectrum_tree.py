@@ -15,10 +15,9 @@ from rockpulse.calibration.design_spectrum import DesignSpectrum
 from rockpulse.config.configuration import Config
 from rockpulse.failures import Failure
 from rockpulse.remark import Remark, as_stored
-from rockpulse.storage.site_spectrum_variables import SITE, SITE_AXES, SPECTRA, SPECTRA_AXES
-from rockpulse.storage.site_variables import OF_RECORDS, SITE_KIND
-from rockpulse.storage.spectrum_variables import RESTITUTIONS
 from rockpulse.storage.variables import failure_table, with_values
+from rockpulse.storage.variables.probability import RESTITUTIONS
+from rockpulse.storage.variables.site import OF_RECORDS, SITE, SITE_AXES, SITE_KIND, SPECTRA, SPECTRA_AXES
 from rockpulse.studies.site.remarks import scaled_far
 from rockpulse.studies.site.spectrum import Quantiles, QuantileSample, fewest_events
 from rockpulse.studies.site.statistics import event_draws

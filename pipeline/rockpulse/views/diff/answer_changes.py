@@ -7,19 +7,16 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
+import xarray as xr
 
 from rockpulse.assessment.answers import Answers, fullest_model
-from rockpulse.record.measures import PGA
 from rockpulse.views.diff.row_matching import Matched
 from rockpulse.views.shared.columns import margin_cells
 from rockpulse.views.shared.notes import factor_title
 from rockpulse.views.shared.terminal import ratio
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 __all__ = ["Changes", "Flip", "body_changes", "leading_model"]
 
@@ -86,12 +83,15 @@ def body_changes(
         return []
     names = [name for name in MARGIN if name in one and name in other and not {name, f"/summary/{name}"} & set(ignore)]
     sides = []
+    ignored = [name for name in MARGIN if name not in ("outcome", "capacity_ratio", *names)]
     for dataset, side in ((one, "first"), (other, "second")):
-        beside = {"outcome", PGA, "event", "restitution"}
+        beside = {"outcome", "event", "npts", "restitution", *ignored}
         if "capacity_ratio" in names:
-            beside |= {str(name) for name in dataset.variables if str(name).startswith("demand_")}
+            beside |= {str(name) for name in dataset.variables if dataset[name].dims == ("demand",)}
+            beside |= {"demand_factor", "demand_probability"}
         whole = dataset[sorted({*names, *beside})]
         part = whole.isel(model=[whole["model"].values.tolist().index(model)]).load()
+        part = part.assign({name: xr.full_like(part[name], np.nan, dtype=float) for name in ignored})
         sides.append(_told(part.isel(record=getattr(records, side), block=getattr(blocks, side)), names))
     every = size == one.sizes["record"] == other.sizes["record"]
     of = f" of {size} records" if every else f" of the {size} records in both"
@@ -115,7 +115,7 @@ def _told(summary: xr.Dataset, names: list[str]) -> dict[str, list[str]]:
         margins = answers.margins("block")
         told[f"smallest {factor_title(answers.factor)}"] = [margin_cells(margin)[0].marked for margin in margins]
     for demand in answers.demands:
-        if answers.probable and "demand_probability" in summary:
+        if answers.probable:
             left_out = np.isnan(answers.at_demand(demand))
             at = [share.value for share in answers.motions.shares(answers.at_demand(demand), left_out)]
             told[f"P at {demand}"] = [ratio(value) for value in answers.by_block(np.fmax, np.array([at]))[0]]

@@ -17,8 +17,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rockpulse.errors import ResultsError
-from rockpulse.storage.hdf5_reader import ResultsFile, flag_words, slab
-from rockpulse.storage.long_table import POINTS_AT
+from rockpulse.storage.export.long_table import POINTS_AT
+from rockpulse.storage.hdf5.netcdf4 import flag_words, slab
+from rockpulse.storage.hdf5.results_file import ResultsFile
 from rockpulse.views.diff.answer_changes import Changes, Flip, body_changes, leading_model
 from rockpulse.views.diff.row_matching import Matched, OnlyIn, RowMatcher, add_only
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from rockpulse.storage.hdf5_reader import ResultsFile
+from rockpulse.storage.hdf5.results_file import ResultsFile
 from rockpulse.views.diff.answer_changes import Changes
 from rockpulse.views.diff.differences import CAPACITY, FACTOR, OUTCOME, SAFETY, Differences, OnlyIn
 from rockpulse.views.shared.table import Cell, Heading, Table, lines, number, text

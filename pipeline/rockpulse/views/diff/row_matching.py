@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rockpulse.storage.long_table import POINTS_AT
+from rockpulse.storage.export.long_table import POINTS_AT
 
 if TYPE_CHECKING:
     import xarray as xr

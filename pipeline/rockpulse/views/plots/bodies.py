@@ -10,7 +10,6 @@ import numpy as np
 
 from rocking.outline import Outline
 from rockpulse.config.restraint_settings import floors_from_text
-from rockpulse.errors import ResultsError
 from rockpulse.views.plots.selection import block_of, one_name
 from rockpulse.views.plots.style import BLACK, BLUE, GREY, ORANGE, PALE, RED, SMALL, figure_of
 from rockpulse.views.plots.words import plain, wrapped
@@ -47,11 +46,9 @@ def bodies(tree: xr.DataTree, block: str | None = None) -> Figure:
     Raises
     ------
     ResultsError
-        For a body that is not in the file, or results of before schema 1.5.
+        For a body that is not in the file.
     """
     summary = tree["summary"].to_dataset()
-    if "restraints" not in summary:
-        raise ResultsError("bodies: these results are of a schema before 1.5, which does not hold what is drawn")
     names = [one_name(summary, "block", block)] if block else [str(name) for name in summary["block"].values[:MOST]]
     drawn = []
     for name in names:

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rockpulse.assessment.answers import PROBABLE, complete, fullest_model
+from rockpulse.assessment.answers import fullest_model
 from rockpulse.errors import ResultsError
-from rockpulse.ladder import SEQUENCE_MODELS, UPPER_BOUND, SearchSettings, is_upper_bound
+from rockpulse.model_table import SEQUENCE_MODELS, UPPER_BOUND, SearchSettings, is_full, is_upper_bound
 from rockpulse.views.plots.demand_marks import demand_ticks, factors_to_demands, least, tick_notes
 from rockpulse.views.plots.factor_rows import ROW, ROWS, asked_of, factor_axis, legend_once, shown_rows
 from rockpulse.views.plots.probability_bars import HALF, bar, none_up_to, probability_bars, whiskers
@@ -107,7 +107,7 @@ def overturning_map(
         (one, body, case) for one in records for body in blocks for case in range(1, summary.sizes.get("case", 1) + 1)
     ]
     name = "safety_factor"
-    if model in PROBABLE and not bool(summary[name].sel(model=model).notnull().any()):
+    if is_full(model) and not bool(summary[name].sel(model=model).notnull().any()):
         name = "factor_10"
     factors, resolved = (_of_rows(summary, one, records, blocks, model) for one in (name, "factor_resolved"))
     if np.all(np.isnan(factors)):
@@ -193,15 +193,13 @@ def critical_scale(
     """
     summary = tree["summary"].to_dataset()
     block = one_name(summary, "block", block)
-    own = complete(summary).sel(block=block).isel(chosen_case(summary, case))
+    own = summary.sel(block=block).isel(chosen_case(summary, case))
     factors, without = own["safety_factor"], own["safety_factor"].isnull().all("record")
-    probable = [name for name in PROBABLE if name in own["model"].values and bool(without.sel(model=name))]
+    probable = [name for name in map(str, own["model"].values) if is_full(name) and bool(without.sel(model=name))]
     own["safety_factor"] = factors.where(~own["model"].isin(probable), own["factor_10"])
     known = [str(name) for name in summary["model"].values]
     asked = None if models is None else [one_name(summary, "model", name) for name in models]
     searched = [name for name in asked or known if bool(own["safety_factor"].sel(model=name).notnull().any())]
-    if asked is None and {"auto", "nonlinear"} <= set(searched):
-        searched.remove("auto")  # its factors are those of nonlinear
     if not searched:
         raise ResultsError(f"{block}: no factors in these results: {_SEARCH}")
     full = fullest_model(summary)

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rockpulse.assessment.demand import stored_demands
-from rockpulse.record.measures import PGA
 from rockpulse.views.plots.style import BLACK
 from rockpulse.views.plots.words import plain
 from rockpulse.views.shared.terminal import shortened
@@ -30,16 +29,13 @@ def factors_to_demands(
 
     NaN stands for a factor beyond the end of the search. Empty where the results have no demand.
     """
-    pga, found = summary[PGA].sel(record=list(records)).values, {}
-    for name, demand in stored_demands(summary).items():
-        factor = demand.value / pga
-        if "demand_factor" in summary:  # of files before schema 1.4 that over the PGA
-            bodies = [blocks] * len(records) if isinstance(blocks, str) else list(blocks)
-            stored = summary["demand_factor"].sel(demand=name)
-            stored = stored.isel(case=0) if "case" in stored.dims else stored
-            factor = np.array(
-                [float(stored.sel(record=one, block=body)) for one, body in zip(records, bodies, strict=True)]
-            )
+    bodies = [blocks] * len(records) if isinstance(blocks, str) else list(blocks)
+    places = list(zip(records, bodies, strict=True))
+    found = {}
+    for name in stored_demands(summary):
+        stored = summary["demand_factor"].sel(demand=name)
+        stored = stored.isel(case=0) if "case" in stored.dims else stored
+        factor = np.array([float(stored.sel(record=one, block=body)) for one, body in places])
         found[name] = np.where(factor <= end, factor, np.nan)
     return found
 

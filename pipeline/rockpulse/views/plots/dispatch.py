@@ -13,9 +13,10 @@ from rocking.response import Response
 from rockpulse.errors import ResultsError
 from rockpulse.record.half_wave import HalfWaves
 from rockpulse.record.record import Record
-from rockpulse.storage.fragility_variables import FRAGILITY
-from rockpulse.storage.save_load import ASSESSMENT, load, named
-from rockpulse.storage.site_variables import SITE_KIND
+from rockpulse.storage.hdf5.atomic import ASSESSMENT, named
+from rockpulse.storage.hdf5.results_file import load
+from rockpulse.storage.variables.fragility import FRAGILITY
+from rockpulse.storage.variables.site import SITE_KIND
 from rockpulse.views.plots.ground_motion import accelerogram
 from rockpulse.views.plots.impulse_sequences import limit_accelerogram
 from rockpulse.views.plots.kinds import KINDS, draw

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Any
 
 from rockpulse.errors import ResultsError
 from rockpulse.option import hint
-from rockpulse.storage.fragility_variables import FRAGILITY
-from rockpulse.storage.save_load import ASSESSMENT, named
-from rockpulse.storage.site_variables import SITE_KIND
+from rockpulse.storage.hdf5.atomic import ASSESSMENT, named
+from rockpulse.storage.variables.fragility import FRAGILITY
+from rockpulse.storage.variables.site import SITE_KIND
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -10,18 +10,15 @@ import numpy as np
 from rocking.block import Block
 from rocking.response import IMPACT_CUTOFF, Outcome
 from rockpulse.errors import ResultsError
-from rockpulse.ladder import SEQUENCE_MODELS
+from rockpulse.model_table import DRAWN, FOLLOWING, MODELS, SEQUENCE_MODELS
 from rockpulse.views.plots.motion_history import HalfCycle, rotation_history
-from rockpulse.views.plots.recomputed import RECOMPUTED, recomputed
+from rockpulse.views.plots.recomputed import recomputed
 from rockpulse.views.plots.selection import block_of, chosen_case, one_name, sequence_of, table_of_pair
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["DRAWN", "History", "histories", "stored_history"]
-
-#: Models that have a motion in time, in the order in which they are drawn.
-DRAWN = ("nonlinear", "linear", "impulsive", "sequence", "resonance")
+__all__ = ["History", "histories", "stored_history"]
 
 #: Peaks that differ by more than this [-] are said to.
 _SAME = 1e-3
@@ -78,11 +75,12 @@ def histories(
     record, block : str, optional
         Names; none where there is one only.
     models : sequence of str, optional
-        Some of :data:`DRAWN`; by default those that the results have of "nonlinear", "linear" and "impulsive".
+        Some of nonlinear, linear, impulsive, sequence and resonance; by default those of the results that follow the
+        record, the first three.
     case : int
         Number of the restitution, from 1.
     factor : float
-        On the record, positive [-]; another one than 1 is for "nonlinear", "linear" and "impulsive".
+        On the record, positive [-]; another one than 1 is for the models that follow the record.
 
     Returns
     -------
@@ -96,22 +94,22 @@ def histories(
 
     Notes
     -----
-    "nonlinear" and "linear": as stored ([models] histories = true), else, and at another factor, computed again from
-    the stored accelerogram. "impulsive": likewise from the stored half-waves. "sequence" and "resonance" have a time of
-    their own: their first main impulse is put at the beginning of the intense phase.
+    A model that follows the record: as stored ([models] histories = true), else, and at another factor, computed again
+    from the stored accelerogram; impulsive from the stored half-waves. Sequence and resonance have a time of their own:
+    their first main impulse is put at the beginning of the intense phase.
     """
     summary = tree["summary"].to_dataset()
     record, block = one_name(summary, "record", record), one_name(summary, "block", block)
     known = [str(name) for name in summary["model"].values]
     if models is None:
-        models = [name for name in DRAWN[:3] if name in known] or [name for name in DRAWN if name in known]
+        models = [name for name in FOLLOWING if name in known] or [name for name in DRAWN if name in known]
     models = [one_name(summary, "model", name) for name in models]
     for name in models:
         if name not in DRAWN:
             raise ResultsError(f'model "{name}": expected one with a motion in time: {", ".join(DRAWN)}')
-        if factor != 1.0 and name not in RECOMPUTED:
+        if factor != 1.0 and name not in FOLLOWING:
             raise ResultsError(
-                f'model "{name}": expected one that follows the record to a factor on it: {", ".join(RECOMPUTED)}'
+                f'model "{name}": expected one that follows the record to a factor on it: {", ".join(FOLLOWING)}'
             )
     if not (np.isfinite(factor) and factor > 0.0):
         raise ResultsError(f"factor: expected a positive factor on the record, got {factor:g}")
@@ -127,8 +125,6 @@ def _history(tree: xr.DataTree, record: str, block: str, model: str, case: int) 
     overturning = float(answer["overturning_time"]) if "overturning_time" in answer else np.nan
     count = int(answer["impacts"]) if "impacts" in answer else -1
     remark = [] if "applicable" not in answer or int(answer["applicable"]) else ["outside the range of the model"]
-    if "predictable" in answer and int(answer["predictable"]) == 0:
-        remark.append("not predictable: it changes with the ninth digit of C or the record")
     nothing = np.zeros(0)
     if outcome == Outcome.UNRESOLVED:
         return History(model, nothing, nothing, nothing, -1, np.nan, np.nan, "; ".join(["unresolved", *remark]))
@@ -197,9 +193,8 @@ def _of_sequence(
     cycles = [HalfCycle(float(u), float(t), int(n), float(dt)) for u, t, n, dt in zip(*columns, strict=True)]
     p = float(summary["p"].sel(block=block))
     sequence = sequence_of(tree, record)
-    share = (
-        float(sequence.secondary) / float(summary["critical_impulse"].sel(block=block)) if model == "sequence" else 0.0
-    )
+    critical = float(summary["critical_impulse"].sel(block=block))
+    share = 0.0 if MODELS[model].cycles == "main" else float(sequence.secondary) / critical
     ends = np.cumsum([cycle.duration for cycle in cycles if np.isfinite(cycle.duration)])
     # An overturning half-cycle is followed a while beyond alpha_c, where the history ends by itself.
     last = (float(ends[-1]) if ends.size else 0.0) + (0.0 if np.isfinite(cycles[-1].duration) else 6.0 / p)

@@ -12,9 +12,9 @@ from rockpulse.errors import RecordRefused, ResultsError
 from rockpulse.record.half_wave import HalfWaves, half_waves
 from rockpulse.record.intensity import IntensePhase, intense_phase
 from rockpulse.record.record import Record
-from rockpulse.storage.assessment_variables import WAVES
-from rockpulse.storage.summary_variables import RECORD
 from rockpulse.storage.variables import real
+from rockpulse.storage.variables.assessment import WAVES
+from rockpulse.storage.variables.summary import RECORD
 from rockpulse.views.plots.selection import ragged
 from rockpulse.views.shared.facts import Known, RecordFacts
 

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from rocking.svg_lines import thinned
-from rockpulse.ladder import SEQUENCE_MODELS
+from rockpulse.model_table import SEQUENCE_MODELS, is_full
 from rockpulse.views.plots.model_histories import History
 from rockpulse.views.plots.style import (
     BLACK,
@@ -29,9 +29,6 @@ __all__ = ["moving_stretch", "rotation_history"]
 
 #: Motions that stay below this [-] are not looked at when the stretch of time is chosen.
 _MOVES = 0.02
-
-#: The model that is drawn thickest and on top: its motion is the one to judge the others by.
-_LEADING = "nonlinear"
 
 #: Share of the stretch of time that is left free before and after it.
 _AROUND = 0.06
@@ -70,8 +67,8 @@ def rotation_history(histories: Sequence[History], axes: Panels | None = None, t
         words = f"{style.label}: {_answer(history)}"
         shown = (history.time >= first) & (history.time <= last)
         curve = thinned(history.time[shown], history.rotation[shown], INSTANTS)
-        leads = history.model == _LEADING
-        width, above = (1.7, 3.0) if leads else (1.0, 2.0)
+        # The one to judge the others by is the thickest and on top.
+        width, above = (1.7, 3.0) if is_full(history.model) else (1.0, 2.0)
         moving.plot(*curve, color=style.color, ls=style.line, lw=width, zorder=above, label=words)
         if np.isfinite(history.overturning):
             _mark_overturning(moving, history)

@@ -14,10 +14,8 @@ from rocking.impulse_sequence import ImpulseSequence
 from rocking.restraint import Restraints
 from rockpulse.config.configuration import stored_sections
 from rockpulse.errors import ResultsError
-from rockpulse.ladder import ModelSettings
-from rockpulse.storage.hdf5_reader import flag_words
-from rockpulse.storage.variables import NOT_KNOWN
-from rockpulse.views.shared.facts import own_radius
+from rockpulse.model_table import ModelSettings
+from rockpulse.storage.hdf5.netcdf4 import flag_words
 from rockpulse.views.shared.terminal import restitution
 
 if TYPE_CHECKING:
@@ -106,31 +104,24 @@ def block_of(summary: xr.Dataset, block: str, case: int = 1) -> Block:
         Number of its restitution, from 1.
     """
     own = summary.sel(block=block).isel(chosen_case(summary, case))
-    if "restraints" in own:
-        names = ("alpha_c", "p", "radius", "restitution", "alpha_2", "p_2", "radius_2", "restitution_2", "mass")
-        return Block.restored(
-            float(own["gravity"]),
-            Restraints.from_text(str(own["restraints"].values)),
-            half_width=0.5 * float(own["width"]),
-            half_height=0.5 * float(own["height"]),
-            side=int(own["one_sided"]),
-            **{name: float(own[name]) for name in names},
-        )
-    p, alpha, c, gravity, radius = (float(own[name]) for name in ("p", "alpha_c", "restitution", "gravity", "radius"))
-    # The remarks on it were logged when it was assessed.
-    return Block.from_parameters(p, alpha, c, gravity, radius=own_radius(radius, p, gravity), log=False)
+    names = ("alpha_c", "p", "radius", "restitution", "alpha_2", "p_2", "radius_2", "restitution_2", "mass")
+    return Block.restored(
+        float(own["gravity"]),
+        Restraints.from_text(str(own["restraints"].values)),
+        half_width=0.5 * float(own["width"]),
+        half_height=0.5 * float(own["height"]),
+        side=int(own["one_sided"]),
+        **{name: float(own[name]) for name in names},
+    )
 
 
 def plain_bodies(summary: xr.Dataset) -> list[str]:
     """The bodies that a spectrum of the records stands for: free, symmetric, on the ground, without a direction."""
     names = [str(name) for name in summary["block"].values]
-    if "restraints" not in summary:
-        return names
     like = (summary["one_sided"].values == 0) & (summary["alpha_2"].values == summary["alpha_c"].values)
+    like &= np.isnan(summary["body_azimuth"].values)
     for name in ("restraints", "floors"):
         like &= summary[name].values == ""
-    if "body_azimuth" in summary:
-        like &= np.isnan(summary["body_azimuth"].values)
     return [name for name, plain in zip(names, like.tolist(), strict=True) if plain]
 
 
@@ -183,7 +174,7 @@ def sequence_of(tree: xr.DataTree, record: str) -> ImpulseSequence:
     Raises
     ------
     ResultsError
-        Where the record gave no sequence, or the spacing of a file of schema 1.0 cannot be told.
+        Where the record gave no sequence.
     """
     own = tree["summary"].to_dataset().sel(record=record)
     main, secondary, interval, duration = (
@@ -191,15 +182,8 @@ def sequence_of(tree: xr.DataTree, record: str) -> ImpulseSequence:
     )
     if not np.isfinite(main):
         raise ResultsError(f"{record}: no impulse sequence: the intense phase of the record holds too few half-waves")
-    code = int(own["spacing"])
-    if code == NOT_KNOWN:
-        raise ResultsError(
-            f"{record}: the half-cycles of the file are those of no spacing of its sequence; assess the record again"
-        )
-    count = int(own["main_count"])
-    return ImpulseSequence(
-        main, secondary, interval, duration, None if count < 0 else count, spacing=flag_words(own["spacing"])[code]
-    )
+    count, spacing = int(own["main_count"]), flag_words(own["spacing"])[int(own["spacing"])]
+    return ImpulseSequence(main, secondary, interval, duration, None if count < 0 else count, spacing=spacing)
 
 
 def gain_of(tree: xr.DataTree) -> str:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 import numpy as np
 
-from rockpulse.ladder import MODELS
+from rockpulse.model_table import MODELS
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

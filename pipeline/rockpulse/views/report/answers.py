@@ -10,15 +10,12 @@ from rocking.response import Outcome
 from rockpulse.assessment.answers import Answers
 from rockpulse.assessment.verdict import BodyVerdict, Standing, standings, why_unknown
 from rockpulse.config.uncertainty_settings import UncertaintySettings
-from rockpulse.ladder import is_upper_bound
+from rockpulse.model_table import is_upper_bound
 from rockpulse.views.report.records import record_label
 from rockpulse.views.shared.columns import (
     AT_MOST,
-    ESTIMATE,
     NO_ANSWER,
     OUTSIDE,
-    SO_FAR,
-    UNPREDICTABLE,
     AnswerRows,
     Column,
     answer_columns,
@@ -202,7 +199,7 @@ def table_notes(cells: AnswerCells, found: Sequence[BodyVerdict], uncertainty: U
     notes += [say("note.upper_bound", model=say(f"models.{name}")) for name in bounds]
     margins = [margin for one in found for margin in (one.margin, *(demand.margin for demand in one.demands))]
     marks = cells.marks | marks_of(margin_cells(margin)[0] for margin in margins)
-    told = [mark.note for mark in (OUTSIDE, UNPREDICTABLE, ESTIMATE, SO_FAR, AT_MOST, NO_ANSWER) if mark in marks]
+    told = [mark.note for mark in (OUTSIDE, AT_MOST, NO_ANSWER) if mark in marks]
     notes += dict.fromkeys(told)
     if answers.motions.kind == "pair":
         notes.append(say("note.pair_mean" if answers.motions.any_azimuth else "note.pair_worst"))

@@ -15,11 +15,11 @@ from rockpulse.assessment.answers import Answers, Body, bodies_of
 from rockpulse.config.configuration import stored_sections
 from rockpulse.errors import ResultsError
 from rockpulse.failures import some
-from rockpulse.ladder import SEQUENCE_MODELS
+from rockpulse.model_table import MODELS, SEQUENCE_MODELS
 from rockpulse.record.measures import PGA
-from rockpulse.storage.fragility_variables import FRAGILITY
-from rockpulse.storage.hdf5_reader import flag_words
-from rockpulse.storage.site_variables import SITE_KIND
+from rockpulse.storage.hdf5.netcdf4 import flag_words
+from rockpulse.storage.variables.fragility import FRAGILITY
+from rockpulse.storage.variables.site import SITE_KIND
 from rockpulse.views.shared.files_used import files_used
 from rockpulse.views.shared.table import Cell, Heading, Table, number
 from rockpulse.views.shared.terminal import share
@@ -191,7 +191,8 @@ def _check_design(summary: xr.Dataset, site: xr.Dataset, name: str) -> None:
 def _check_factors(summary: xr.Dataset, site: xr.Dataset, name: str) -> None:
     """Whether the bodies have the factors that the design spectrum of a site gives them."""
     designed = dict(zip(map(str, site["block"].values), site["design_factor"].values.tolist(), strict=True))
-    factors = summary["safety_factor"].isel(record=0).sel(model="sequence")
+    model = next(name for name in map(str, summary["model"].values) if MODELS[name].paired)
+    factors = summary["safety_factor"].isel(record=0).sel(model=model)
     for body in bodies_of(summary):
         own = factors.isel(block=body.place)
         here = float(own.isel(case=body.case) if "case" in own.dims else own)
@@ -340,7 +341,7 @@ def _differences(of: Paired, assessed: int, model: str) -> list[str]:
     """Sentences on the things in which the curves and the verdict differ."""
     said = of.other_motions("fragility", assessed)
     equation = stored_sections(str(of.tree.attrs.get("configuration", ""))).get("fragility", {}).get("equation", model)
-    if equation != model and model not in ("auto", *SEQUENCE_MODELS):
+    if equation != model and model not in SEQUENCE_MODELS:
         said.append(say("fragility.equation", equation=say(f"models.{equation}"), model=say(f"models.{model}")))
     named = {"missing": of.missing, "foreign": of.foreign}
     return [*said, *(say(f"fragility.{key}", names=listed(names)) for key, names in named.items() if names)]

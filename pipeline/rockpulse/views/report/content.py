@@ -12,8 +12,8 @@ from rockpulse.config.configuration import config_from_text, stored_sections
 from rockpulse.config.report_settings import PNG, logo_bytes
 from rockpulse.config.uncertainty_settings import UncertaintySettings
 from rockpulse.errors import ResultsError
-from rockpulse.ladder import MODELS
-from rockpulse.storage.save_load import WRITTEN_BY
+from rockpulse.model_table import MODELS
+from rockpulse.storage.hdf5.results_file import WRITTEN_BY
 from rockpulse.views.report.answers import AnswerCells, answer_table, count_table, table_notes
 from rockpulse.views.report.beside import Paired, Part, describe_fragility, describe_site
 from rockpulse.views.report.pages import BodyPage, RecordPage, body_pages, record_pages

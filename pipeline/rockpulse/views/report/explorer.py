@@ -18,9 +18,10 @@ from rocking.outline import Outline
 from rockpulse.assessment.answers import Answers, Body
 from rockpulse.assessment.overturning import overturning_curve
 from rockpulse.errors import ResultsError
+from rockpulse.model_table import FOLLOWING
 from rockpulse.views.plots.model_histories import histories
 from rockpulse.views.plots.motion import stored_record
-from rockpulse.views.plots.recomputed import RECOMPUTED, recomputed
+from rockpulse.views.plots.recomputed import recomputed
 from rockpulse.views.plots.selection import block_of, plain_bodies
 from rockpulse.views.report.explorer_choice import (
     COLUMNS,
@@ -72,7 +73,7 @@ def explorer(tree: xr.DataTree, file: str = "results.h5") -> Explorer | None:
     None where nothing moves in time: a design sequence, no record, or a model that follows none.
     """
     answers, told = Answers(tree["summary"].to_dataset()), section("explorer")
-    if answers.model not in RECOMPUTED or not answers.bodies or not (answers["npts"] >= 0).any():
+    if answers.model not in FOLLOWING or not answers.bodies or not (answers["npts"] >= 0).any():
         return None
     if not ("records" in tree.children and any(name in tree["records"] for name in ("acceleration", "rotation"))):
         return Explorer("", say(f"models.{answers.model}"))

@@ -13,6 +13,7 @@ from markupsafe import Markup
 
 from rockpulse.assessment.answers import Answers, answers_of, fullest_model
 from rockpulse.errors import ResultsError
+from rockpulse.model_table import DRAWN
 from rockpulse.views.plots.selection import plain_bodies
 from rockpulse.views.plots.words import wrapped
 from rockpulse.views.report.drawings import strip
@@ -113,7 +114,7 @@ class Pictures:
         not stored, for many bodies, where no record stands out, and where the model has no motion in time.
         """
         own = [one for one in self._found if one.body.place == block and one.governing >= 0]
-        from rockpulse.views.plots.model_histories import DRAWN, histories
+        from rockpulse.views.plots.model_histories import histories
 
         model = fullest_model(self._summary)
         if self._stored is None or not own or self._summary.sizes["block"] > IN_FULL or model not in DRAWN:

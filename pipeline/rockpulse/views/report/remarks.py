@@ -12,7 +12,7 @@ from rockpulse.assessment.answers import Answers, Motions
 from rockpulse.assessment.demand import FARTHEST
 from rockpulse.assessment.screens import sliding, worse_screens
 from rockpulse.assessment.verdict import FEWEST_AT_DEMAND, MAY_OVERTURN, BodyVerdict, Grade
-from rockpulse.ladder import is_upper_bound
+from rockpulse.model_table import is_full, is_upper_bound
 from rockpulse.motions.events import CONFIDENCE, FEWEST_EVENTS, share_interval
 from rockpulse.remark import remarked
 from rockpulse.views.report.verdict import of_unknown_event
@@ -92,7 +92,7 @@ def _of_model(answers: Answers) -> list[Limit]:
         return [_limit("decides", "upper_bound", model=say(f"models.{answers.model}"))]
     if answers.motions.kind == "sequence":
         return [_limit("notes", "sequence_model", model=say(f"models.{answers.model}"))]
-    if answers.model not in ("nonlinear", "auto"):
+    if not is_full(answers.model):
         return [_limit("decides", "other_model", model=say(f"models.{answers.model}"))]
     return []
 

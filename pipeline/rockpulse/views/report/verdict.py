@@ -15,7 +15,7 @@ from rockpulse.assessment.demand import FARTHEST
 from rockpulse.assessment.verdict import FEWEST_AT_DEMAND, MAY_OVERTURN, OVERTURNS, BodyVerdict, Grade
 from rockpulse.config.configuration import config_from_text
 from rockpulse.errors import ResultsError
-from rockpulse.ladder import is_upper_bound
+from rockpulse.model_table import is_upper_bound
 from rockpulse.motions.events import CONFIDENCE, UNKNOWN
 from rockpulse.record.record import STANDARD_GRAVITY
 from rockpulse.views.plots.selection import block_of

@@ -21,9 +21,10 @@ from typing import TYPE_CHECKING
 from rockpulse.errors import ResultsError
 from rockpulse.file_set import FileSet
 from rockpulse.foreign_text import escaped
-from rockpulse.storage.fragility_variables import FRAGILITY
-from rockpulse.storage.save_load import ASSESSMENT, load, named
-from rockpulse.storage.site_variables import SITE_KIND
+from rockpulse.storage.hdf5.atomic import ASSESSMENT, named
+from rockpulse.storage.hdf5.results_file import load
+from rockpulse.storage.variables.fragility import FRAGILITY
+from rockpulse.storage.variables.site import SITE_KIND
 from rockpulse.version import __version__
 from rockpulse.views.report.beside import paired
 from rockpulse.views.report.content import Content, gather, logo, parties

@@ -2,7 +2,7 @@
 
 The first table of the terminal, the lists of ``inspect``, its whole and the tables of the report are selections of
 these columns. The headings and the small print below them stand in the table of words, section [column]; a `--where`
-knows a column by its heading (:data:`rockpulse.storage.selection.SHOWN`).
+knows a column by its heading (:data:`rockpulse.storage.export.selection.SHOWN`).
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from rockpulse.record.measures import PGA, STORED, STORED_OF_BODIES, Measure
 from rockpulse.record.record import STANDARD_GRAVITY
 from rockpulse.remark import remarked
 from rockpulse.views.shared.table import Cell, Heading, Mark, number
-from rockpulse.views.shared.terminal import ABSENT, between, lower_bound, ratio, restitution, rough, shortened
+from rockpulse.views.shared.terminal import ABSENT, between, lower_bound, ratio, restitution, shortened
 from rockpulse.views.shared.words import say
 
 if TYPE_CHECKING:
@@ -34,14 +34,10 @@ __all__ = ["COLUMNS", "Column", "Rows", "columns", "factor_cell", "filled", "hea
 ID_WIDTH, NAME_WIDTH = 36, 29
 
 #: Marks at a peak, at a factor or a capacity, and beside the name of a record whose peak may not be what it seems.
-OUTSIDE, UNPREDICTABLE, NO_ANSWER = Mark("outside", "*"), Mark("unpredictable", "?"), Mark("no_answer", "!")
-ESTIMATE, SO_FAR = Mark("of_auto", "~", before=True), Mark("of_auto", ">", before=True)
+OUTSIDE, NO_ANSWER = Mark("outside", "*"), Mark("no_answer", "!")
 NONE_UP_TO, AT_MOST = Mark("none_up_to", ">", before=True), Mark("at_most", "≤", before=True)
 DRIFT = Mark("drift", "~", before=True)
 PEAK, CLIPPED = Mark("peak"), Mark("clipped")
-
-#: How a peak is shown that `auto` took from one of these.
-_MARKED = {"impulsive": (rough, ESTIMATE), "settled": (lower_bound, SO_FAR)}
 
 #: Larger than any rotation: overturned sorts above it, unresolved at the end.
 _SORTED = {Outcome.AT_REST: 0.0, Outcome.OVERTURNS: math.inf, Outcome.UNRESOLVED: math.nan}
@@ -103,29 +99,20 @@ def record_cells(summary: xr.Dataset) -> list[Cell]:
     return [record_cell(*one) for one in zip(*(summary[name].values.tolist() for name in _RECORD), strict=True)]
 
 
-def answer_cell(outcome: int, peak: float, predictable: int, applicable: int, rung: str = "") -> Cell:
-    """The answer of a model: the largest rotation over alpha_c, or a word, with its marks.
-
-    For the model `auto`, `rung` is the model that answered: its rotation is marked where that gives the verdict alone.
+def answer_cell(outcome: int, peak: float, applicable: int) -> Cell:
+    """The answer of a model: the largest rotation over alpha_c, or a word, with its mark.
 
     Examples
     --------
-    >>> answer_cell(1, 0.4123, predictable=0, applicable=1).marked, answer_cell(2, 0.4, 0, 0).marked
-    ('0.41?', 'overturns?*')
-    >>> answer_cell(1, 0.1279, 1, 1, "settled").marked
-    '>0.12'
+    >>> answer_cell(1, 0.4123, applicable=1).marked, answer_cell(2, 0.4, 0).marked
+    ('0.41', 'overturns*')
     """
-    marks = ([UNPREDICTABLE] if predictable == 0 else []) + ([OUTSIDE] if applicable == 0 else [])
+    marks = (OUTSIDE,) if applicable == 0 else ()
     if outcome in _SORTED:
         kind = Outcome(outcome)
         grade = "bad" if kind == Outcome.OVERTURNS else ""
-        return Cell(say(f"answer.{kind.name.lower()}"), _SORTED[kind], tuple(marks), grade)
-    if outcome != Outcome.ROCKS:
-        return Cell(ABSENT, math.nan)
-    if rung not in _MARKED:
-        return Cell(ratio(peak), peak, tuple(marks))
-    show, sign = _MARKED[rung]
-    return Cell(show(peak).removeprefix(sign.sign), peak, (sign, *marks))
+        return Cell(say(f"answer.{kind.name.lower()}"), _SORTED[kind], marks, grade)
+    return Cell(ratio(peak), peak, marks) if outcome == Outcome.ROCKS else Cell(ABSENT, math.nan)
 
 
 def factor_cell(factor: float, limit: float = math.nan, bound: bool = False, intervals: int = 1) -> Cell:
@@ -257,7 +244,7 @@ COLUMNS = {
         Column("restitution", ("restitution",), _shown(restitution)),
         *map(_of_measure, STORED_OF_BODIES),
         Column("impulse_ratio", ("impulse_ratio",), _shown(ratio)),
-        Column("answer", ("outcome", "peak_rotation_ratio", "predictable", "applicable", "used"), answer_cell),
+        Column("answer", ("outcome", "peak_rotation_ratio", "applicable"), answer_cell),
         Column("overturning_probability", ("overturning_probability",), _shown(ratio)),
         Column(
             "probability_interval",
@@ -343,9 +330,7 @@ class AnswerRows:
             return [answers.bodies[lane].block for lane in self.lanes]
         if name == "record":
             return [answers.records[record] for record in self.records]
-        if name == "used" and answers.model != "auto":
-            return [""] * self.lanes.size
-        table = getattr(answers, name) if name in ("used", "source") else answers[name]
+        table = answers.source if name == "source" else answers[name]
         found: list[Any] = (table[self.records] if table.ndim == 1 else table[self.records, self.lanes]).tolist()
         return found
 

@@ -11,14 +11,10 @@ from rocking.response import Outcome, Reason
 from rockpulse.assessment.answers import Answers, Motions, searched_up_to
 from rockpulse.assessment.screens import sliding, worse_screens
 from rockpulse.assessment.verdict import BodyVerdict
-from rockpulse.ladder import MODELS, UPPER_BOUND, is_upper_bound
-from rockpulse.storage.hdf5_reader import flag_words
+from rockpulse.model_table import MODELS, UPPER_BOUND, is_upper_bound
 from rockpulse.views.shared.columns import (
-    ESTIMATE,
     NONE_UP_TO,
     OUTSIDE,
-    SO_FAR,
-    UNPREDICTABLE,
     doubt_notes,
     factor_cell,
     record_cells,
@@ -74,7 +70,7 @@ def factor_notes(answers: Answers, swept: bool = False) -> list[str]:
     if missed := missed_step(answers):
         notes[0] += (
             f" Bands narrower than the step of the search (up to {missed:.1%}) may lie below it: do not read it to two "
-            f"digits ([search] {'step' if answers.model == 'sequence' else 'points'})."
+            f"digits ([search] {MODELS[answers.model].grid})."
         )
     if bounds := np.count_nonzero(answers.bound):
         notes.append(
@@ -119,13 +115,7 @@ def verdict_notes(answers: Answers, of_factors: list[str], marks: Collection[Mar
             "~ (drift): the record's baseline drifts: its velocity does not end at zero, and PGV may be off by as much."
         )
     notes += [*doubt_notes(record_cells(answers.summary)), *cautions(answers.models)]
-    notes += [mark.note for mark in (OUTSIDE, UNPREDICTABLE) if mark in marks]
-    if "auto" in answers.models:
-        codes, counts = np.unique(answers.of_models["auto"]["model_used"], return_counts=True)
-        names = flag_words(answers.summary["model_used"])
-        used = ", ".join(f"{names[code].replace('_', ' ')} {count}" for code, count in zip(codes, counts, strict=True))
-        notes.append(f"auto: the cheapest model that answers, here {used}; the figures are those of that model.")
-        notes += [ESTIMATE.note] if {ESTIMATE, SO_FAR} & {*marks} else []
+    notes += [OUTSIDE.note] if OUTSIDE in marks else []
     models = answers.of_models.values()
     reasons = {int(code) for one in models for code in one["reason"][one["outcome"] == Outcome.UNRESOLVED]}
     if reasons:

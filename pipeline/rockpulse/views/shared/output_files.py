@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from rockpulse.errors import ResultsError
 from rockpulse.file_set import FileSet
-from rockpulse.storage.csv_table import safe_texts
+from rockpulse.storage.export.table_file import safe_texts
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -19,7 +19,6 @@ __all__ = [
     "paragraph",
     "ratio",
     "restitution",
-    "rough",
     "several",
     "share",
     "shortened",

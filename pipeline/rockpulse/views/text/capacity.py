@@ -77,7 +77,7 @@ def capacities(answers: Answers, of: str) -> list[str]:
 
 
 def _capacity(answers: Answers) -> str:
-    return f"{factor_name(answers.factor)} x strength, {'nonlinear' if answers.probable else answers.model} model"
+    return f"{factor_name(answers.factor)} x strength, {answers.model} model"
 
 
 def _lines(answers: Answers, rows: Sequence[tuple[str, float, list[Cell]]], width: int | None) -> list[str]:

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING
 from rocking.response import Outcome
 from rockpulse.assessment.answers import Answers
 from rockpulse.record.record import STANDARD_GRAVITY
-from rockpulse.storage.selection import Selection, unknown
+from rockpulse.storage.export.selection import Selection, unknown
 from rockpulse.views.shared.columns import doubt
 from rockpulse.views.shared.facts import Known
-from rockpulse.views.shared.table import Cell, Heading, Table, lines
+from rockpulse.views.shared.table import Cell
 from rockpulse.views.shared.terminal import ABSENT, figure, paragraph, restitution
 from rockpulse.views.text.capacity import capacities
 from rockpulse.views.text.lists import case_list, worst_first
@@ -108,29 +108,10 @@ def _page(title: str, rows: list[tuple[str, str]], answers: Answers, of: str) ->
             *head,
             verdict_table(answers.summary),
             "",
-            *_answers_of_auto(answers, of),
             *capacities(answers, of),
             probability_table(answers) + factor_table(answers),
         ]
     )
-
-
-def _answers_of_auto(answers: Answers, of: str) -> list[str]:
-    """Lines that name, for every body under a record or every record on a body, the model that answered."""
-    if "auto" not in answers.models:
-        return []
-    used = answers.of_models["auto"].used
-    rows = tuple(
-        (
-            Cell(record if of == "record" else body.block),
-            Cell(f"C {restitution(body.restitution)}"),
-            Cell(str(used[row, lane])),
-        )
-        for row, record in enumerate(answers.records)
-        for lane, body in enumerate(answers.bodies)
-    )
-    told = lines(Table("", "", (Heading(""),) * 3, rows))[1:]
-    return ["The model that answered for auto:", *("  " + line for line in told), ""]
 
 
 def _only(summary: xr.Dataset, dimension: str, label: str) -> Answers:

@@ -9,7 +9,7 @@ import numpy as np
 
 from rockpulse.motions.events import UNKNOWN
 from rockpulse.record.measures import REFERENCE
-from rockpulse.storage.fragility_variables import STATED, STRENGTH
+from rockpulse.storage.variables.fragility import STATED, STRENGTH
 from rockpulse.views.shared.files_used import files_used
 from rockpulse.views.shared.table import Cell, Heading, Mark, Table, number, text
 from rockpulse.views.shared.terminal import ABSENT, general, paragraph, ratio, several
@@ -167,8 +167,6 @@ def sufficiency_tables(efficiency: xr.Dataset) -> list[Table]:
 
 def _told_by(efficiency: xr.Dataset, p_value: xr.DataArray) -> list[str]:
     """A sentence for every quality that files of some records state: by how many, and whether they are enough."""
-    if "quality_records" not in efficiency:
-        return []
     total = int(efficiency["quality_records"].sel(quality=STRENGTH))
     said = []
     for name in (name for name in STATED if name in efficiency["quality"].values):

@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rocking.response import Outcome
-from rockpulse.assessment.answers import Answers, bodies_of, complete, fullest_model
+from rockpulse.assessment.answers import Answers, bodies_of, fullest_model
 from rockpulse.record.measures import PGA, STORED
-from rockpulse.storage.hdf5_reader import flag_words, pointwise, worded
-from rockpulse.storage.selection import Selection, rows
+from rockpulse.storage.export.selection import Selection, rows
+from rockpulse.storage.hdf5.netcdf4 import flag_words, pointwise
 from rockpulse.views.shared.columns import (
     DRIFT,
     ID_WIDTH,
@@ -20,7 +20,6 @@ from rockpulse.views.shared.columns import (
     NO_ANSWER,
     NONE_UP_TO,
     OUTSIDE,
-    UNPREDICTABLE,
     Column,
     columns,
     doubt_notes,
@@ -85,7 +84,6 @@ def case_list(summary: xr.Dataset, selection: Selection) -> str:
 
     Raises ResultsError for a name or variable that is not there.
     """
-    summary = complete(summary)
     if not selection.names.get("model"):
         selection = replace(selection, names={**selection.names, "model": (fullest_model(summary),)})
     dims = [dim for dim in ("record", "block", "case", "model") if dim in summary["outcome"].dims]
@@ -97,8 +95,7 @@ def case_list(summary: xr.Dataset, selection: Selection) -> str:
     if not count:
         return heading
     points = _Points(summary, places)
-    models, used = points["model"], worded(np.array(points["model_used"]), flag_words(summary["model_used"]))
-    points = _Points(summary, places, used=np.where(np.array(models) == "auto", used, "").tolist())
+    models = points["model"]
     single = len(set(models)) == 1
     factors = [factor for factor, of in OF_FACTOR.items() if not np.isnan(points[of[factor == "factor_10"]]).all()]
     names = [name for name in CASE if name != "model" or not single]
@@ -116,7 +113,6 @@ def case_list(summary: xr.Dataset, selection: Selection) -> str:
         *([NONE_UP_TO.note] if NONE_UP_TO in marks else []),
         *doubt_notes(row[0] for row in table),
         *(["*: outside the range of this model."] if OUTSIDE in marks else []),
-        *([UNPREDICTABLE.note] if UNPREDICTABLE in marks else []),
         *(["!: a lower bound, from this factor on the model cannot answer."] if NO_ANSWER in marks else []),
     ]
     return _listed(heading, headed(selected), table, notes)

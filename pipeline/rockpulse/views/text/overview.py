@@ -11,7 +11,7 @@ import numpy as np
 
 from rockpulse.assessment.answers import Answers, answers_of, lanes
 from rockpulse.record.measures import STORED
-from rockpulse.storage.selection import Selection
+from rockpulse.storage.export.selection import Selection
 from rockpulse.views.shared.columns import doubt_notes, record_cells
 from rockpulse.views.shared.files_used import files_used
 from rockpulse.views.shared.notes import cautions
@@ -143,13 +143,11 @@ def _verdicts(answers: Answers) -> str:
     rows = []
     for model, one in answers.of_models.items():
         rest, rocks, over, unresolved = one.counts
-        predictable = one["predictable"]
         weak = int(np.count_nonzero(one["safety_factor"] < 1.0)) if one.searched else None
-        unsure = int(np.count_nonzero(predictable == 0)) if (predictable >= 0).any() else None
         counts = [number(count, str) for count in (rest, rocks, over)]
-        more = [number(count, lambda value: fixed(value, 0)) for count in (unresolved, weak, unsure)]
+        more = [number(count, lambda value: fixed(value, 0)) for count in (unresolved, weak)]
         rows.append((Cell(model), *counts, Cell(f"{over / total:.1%}", over / total), *more))
-    headings = ["", "at rest", "rocks", "OVERTURNS", "", "unresolved", "SF < 1", "not predictable"]
+    headings = ["", "at rest", "rocks", "OVERTURNS", "", "unresolved", "SF < 1"]
     kept = [place for place in range(len(headings)) if not all(row[place].text == ABSENT for row in rows)]
     headings, rows = [headings[place] for place in kept], [tuple(row[place] for place in kept) for row in rows]
     of_factors = ["SF < 1: overturns under the record, or under a weaker copy of it (rocking is not monotonic)."]

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rockpulse.storage.risk_variables import INVENTORY, RISK, STANDING, RiskStatus
+from rockpulse.storage.variables.risk import INVENTORY, RISK, STANDING, RiskStatus
 from rockpulse.studies.risk.frequency import OUTSIDE
 from rockpulse.studies.risk.integral import LEAST_EVENTS
 from rockpulse.views.shared.table import Cell, Heading, Mark, Table, lines

@@ -15,7 +15,6 @@ from rockpulse.assessment.verdict import FEWEST_AT_DEMAND, MAY_OVERTURN, OVERTUR
 from rockpulse.failures import some
 from rockpulse.motions.events import FEWEST_EVENTS
 from rockpulse.record.measures import PGA, PGV
-from rockpulse.record.record import STANDARD_GRAVITY
 from rockpulse.views.shared.columns import (
     COLUMNS,
     NAME_WIDTH,
@@ -191,10 +190,7 @@ def body_verdicts(answers: Answers, most: int | None = None) -> str:
     shown = [found[place] for place in (sorted(order) if most is None else order)]
     names, summary = [cell.marked for cell in record_cells(answers.summary)], answers.summary
     (top, turn), factors = _largest_survived(answers), _middle_factors(answers)
-    gravity = summary["gravity"].values if "gravity" in summary else STANDARD_GRAVITY
-    uplift = np.tan(summary["alpha_c"].values) * gravity
-    if "uplift_acceleration" in summary:
-        uplift = summary["uplift_acceleration"].values
+    uplift = summary["uplift_acceleration"].values
     of = "P" if answers.probable else "share"
     shares = [f"{of} at {name}" for name in answers.demands] or [of]
     lanes = [found.index(one) for one in shown]
@@ -236,9 +232,7 @@ def _under(answers: Answers, found: Sequence[BodyVerdict]) -> str:
         without = f", {lost} left out, farther from it than a factor of {FARTHEST[1]:g}" if lost else ""
         short = f"; {several(left, 'earthquake')} left, {FEWEST_AT_DEMAND} are needed" if every[0].few else ""
         told.append(f"{name} ({demand.words}{without}{short})")
-    before = answers.probable and "demand_probability" not in answers.summary
-    again = "; a file of before, without the probability there: assess again" if before else ""
-    return f"{counted_motions(motions)} brought to the demand {' and '.join(told)}{again}"
+    return f"{counted_motions(motions)} brought to the demand {' and '.join(told)}"
 
 
 def _legend(answers: Answers) -> list[str]:

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.stats import binom, norm
 
-from rockpulse.storage.fragility_variables import Band
+from rockpulse.storage.variables.fragility import Band
 from rockpulse.studies.fragility.curves import fit_capacities, fit_stripes
 
 MEDIAN, BETA, CONFIDENCE = 2.0, 0.5, 0.9

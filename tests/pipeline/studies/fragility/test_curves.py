@@ -8,7 +8,7 @@ import pytest
 from scipy.stats import norm, t
 
 from rockpulse.errors import ConfigError
-from rockpulse.storage.fragility_variables import Band, Extrapolated, Status
+from rockpulse.storage.variables.fragility import Band, Extrapolated, Status
 from rockpulse.studies.fragility import curves
 from rockpulse.studies.fragility.curves import fit_capacities, fit_curve, fit_stripes, half_width
 from rockpulse.studies.fragility.likelihood import ABOVE, EXACT, NOT_ABOVE, Observations

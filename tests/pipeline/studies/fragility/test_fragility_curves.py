@@ -481,10 +481,6 @@ def test_the_curves_come_again_from_the_capacities_of_a_file(records, data):
     slope = found["efficiency"]["slope"].transpose("block", "limit_state", "measure", "quality").values
     np.testing.assert_array_equal(again.slope, slope)
     assert stored.sources == [record.source for record in records]
-    if data == "stripes":
-        before = found.copy()
-        before["capacities"] = xr.DataTree(found["capacities"].to_dataset().drop_vars("weight"))
-        assert stored_ensemble(before).weight.tolist() == [[1.0] * 3] * 6
 
 
 def test_weak_records_and_bad_ones_are_left_out_and_told(records):

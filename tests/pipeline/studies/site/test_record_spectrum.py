@@ -9,7 +9,7 @@ from rockpulse import CalibrationSettings
 from rockpulse.assessment.overturning import LANES
 from rockpulse.config.settings import SPECTRA
 from rockpulse.models import Block
-from rockpulse.storage.spectrum_variables import RESTITUTIONS
+from rockpulse.storage.variables.probability import RESTITUTIONS
 
 TIME = 0.01 * np.arange(400)
 MOTION = 4.0 * np.sin(2.0 * np.pi * 1.2 * TIME) * np.exp(-(((TIME - 2.0) / 0.8) ** 2))

@@ -7,7 +7,7 @@ from site_spectra import BASE, BLOCKS, base_at, site_of, usual_site
 import rockpulse as rp
 from rockpulse.errors import ResultsError
 from rockpulse.models import ImpulseSequence
-from rockpulse.storage.site_spectrum_variables import SITE_GROUPS
+from rockpulse.storage.variables.site import SITE_GROUPS
 from rockpulse.studies.site.statistics import weighted_quantile
 
 STRENGTHS = np.linspace(0.5, 1.4, 10)

@@ -5,7 +5,7 @@ from contextlib import nullcontext
 import numpy as np
 import pytest
 import xarray as xr
-from results_tree import RECORDS, results_tree
+from results_tree import RECORDS, demanding, results_tree
 
 from rockpulse.views.diff.differences import CAPACITY, FACTOR, compare_results
 from rockpulse.views.diff.overview import difference_overview
@@ -38,9 +38,10 @@ def demanded(factors, outcomes=None, kept=(0, 1, 2)):
         summary["outcome"].values[..., 2] = outcomes
     strength = summary["pga"].values[:, None, None, None] / np.array([1.0, 5.0])
     ratio = summary["safety_factor"].values[..., None] * strength
-    summary = summary.assign_coords(demand=("demand", ["SLD", "SLV"])).assign(
+    summary = demanding(
+        summary,
+        {"SLD": 1.0, "SLV": 5.0},
         safe_up_to=(("record", "block", "model"), np.full((3, 3, 3), 10.0)),
-        demand_acceleration=("demand", [1.0, 5.0]),
         capacity_ratio=(("record", "block", "model", "demand"), ratio),
     )
     made["summary"] = xr.DataTree(summary.isel(record=list(kept)))
@@ -122,7 +123,7 @@ def test_a_changed_probability_and_factor_of_ten_percent_are_told_of_every_body(
     found, text = compare(made(0.04, 1.2), made(0.3, 0.8))
     (line,) = found.bodies
     # Two records of one earthquake, the third of another, which has 0.01: half of the sum.
-    assert line.startswith("column: P 0.025 -> 0.15, smallest factor of 10 % 1.20 -> 0.80, smallest capacity/demand")
+    assert line.startswith("column: P 0.025 -> 0.15, smallest factor of 10 % 1.20 -> 0.80, P at SLD -, smallest cap")
     (crossed,) = found.sides[FACTOR].named
     assert crossed.place == (RECORDS[0], "column")
     assert "Factors of 10 % that crossed 1" in " ".join(text.split())

@@ -10,11 +10,10 @@ import xarray as xr
 from results_tree import BLOCKS, RECORDS, results_tree
 
 from rockpulse.errors import ResultsError
-from rockpulse.storage.assessment_variables import ASSESSMENT_GROUPS, HALF_CYCLE, WAVES
-from rockpulse.storage.hdf5_reader import open_results
-from rockpulse.storage.save_load import save
-from rockpulse.storage.site_variables import SITE_KIND
+from rockpulse.storage.hdf5.results_file import open_results, save
 from rockpulse.storage.variables import FAILURE
+from rockpulse.storage.variables.assessment import ASSESSMENT_GROUPS, HALF_CYCLE, WAVES
+from rockpulse.storage.variables.site import SITE_KIND
 from rockpulse.views.diff.differences import OUTCOME, SAFETY, compare_results
 from rockpulse.views.diff.overview import difference_overview
 from rockpulse.views.diff.row_matching import OnlyIn

@@ -6,6 +6,7 @@ import xarray as xr
 from matplotlib.colors import same_color
 from nominal import Config
 from report_cases import probable
+from results_tree import demanding
 
 import rockpulse as rp
 from rockpulse import ModelSettings
@@ -201,8 +202,7 @@ def asked_for(assessed, changed):
     """The results with a demand [m/s2]."""
 
     def with_demand(acceleration, **variables):
-        demand = xr.Variable("demand", [acceleration], {"units": "m s-2", "long_name": "demand"})
-        summary = assessed["summary"].to_dataset().assign_coords(demand=["damage"]).assign(demand_acceleration=demand)
+        summary = demanding(assessed["summary"].to_dataset(), {"damage": acceleration})
         return changed({"/summary": summary}, **variables)
 
     return with_demand
@@ -267,7 +267,7 @@ def test_rows_that_say_one_thing_are_one_row_with_their_number(assessed, asked_f
     """Under four of seven records nothing overturns, of two it is not known; the last one is drawn."""
     summary = asked_for(2.94)["summary"].to_dataset()
     summary = summary.isel(record=np.zeros(7, dtype=int)).assign_coords(record=[f"r{k}" for k in range(7)])
-    summary["pga"].values[:] = [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0]
+    summary["demand_factor"].values[:] = 2.94 / np.arange(1.0, 8.0)[:, None, None]
     factor = np.array([np.inf, np.nan, np.inf, np.inf, 0.8, np.nan, np.inf])
     summary["safety_factor"].values[:] = factor[:, None, None]
     table = assessed["overturning_intervals"].to_dataset()

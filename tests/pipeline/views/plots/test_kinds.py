@@ -10,8 +10,8 @@ from matplotlib.text import Text
 
 import rockpulse as rp
 from rockpulse.errors import ConfigError, ResultsError
-from rockpulse.storage.save_load import ASSESSMENT
-from rockpulse.storage.spectrum_variables import SPECTRUM, SPECTRUM_AXES
+from rockpulse.storage.hdf5.atomic import ASSESSMENT
+from rockpulse.storage.variables.probability import SPECTRUM, SPECTRUM_AXES
 from rockpulse.views.plots.drawing import DRAWERS
 from rockpulse.views.plots.kinds import KINDS, OPTIONS, draw, kind_list
 from rockpulse.views.plots.motion import stored_record

@@ -16,8 +16,8 @@ from rockpulse.errors import ResultsError
 from rockpulse.failures import Failure
 from rockpulse.models import Block
 from rockpulse.remark import Remark, as_stored
-from rockpulse.storage.design_file import design_of
 from rockpulse.storage.variables import failure_table
+from rockpulse.studies.site.tree import design_of
 from rockpulse.views.report.beside import Paired, describe_fragility, paired
 from rockpulse.views.report.content import gather
 from rockpulse.views.report.writing import report_page, typeset

@@ -218,7 +218,7 @@ def test_a_body_is_outlined_about_its_centre_of_mass(shown):
 
 def test_nothing_moves_under_a_design_sequence_or_by_a_model_without_time(results):
     assert explorer(with_summary(results, npts=-1)) is None
-    by_auto = results.copy(deep=True)
-    names = [str(name).replace("nonlinear", "auto") for name in results["summary"]["model"].values]
-    by_auto["summary"] = type(results)(by_auto["summary"].to_dataset().assign_coords(model=names))
-    assert explorer(by_auto) is None
+    by_rule = results.copy(deep=True)
+    names = [str(name).replace("nonlinear", "balanced") for name in results["summary"]["model"].values]
+    by_rule["summary"] = type(results)(by_rule["summary"].to_dataset().assign_coords(model=names))
+    assert explorer(by_rule) is None

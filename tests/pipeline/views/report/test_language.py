@@ -14,7 +14,7 @@ from results_tree import results_tree
 import rockpulse as rp
 from rocking.response import Reason
 from rockpulse.errors import ConfigError
-from rockpulse.ladder import MODELS
+from rockpulse.model_table import MODELS
 from rockpulse.remark import TEMPLATES, Remark
 from rockpulse.views.report.content import REFERENCE
 from rockpulse.views.report.writing import report_page

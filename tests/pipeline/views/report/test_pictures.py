@@ -24,10 +24,10 @@ def test_a_motion_is_that_of_the_model_of_the_verdict(results):
 
 
 def test_a_model_without_a_motion_has_no_picture(results):
-    by_auto = results.copy(deep=True)
-    names = [str(name).replace("nonlinear", "auto") for name in results["summary"]["model"].values]
-    by_auto["summary"] = type(results)(by_auto["summary"].to_dataset().assign_coords(model=names))
-    assert motion(by_auto) is None
+    by_rule = results.copy(deep=True)
+    names = [str(name).replace("nonlinear", "balanced") for name in results["summary"]["model"].values]
+    by_rule["summary"] = type(results)(by_rule["summary"].to_dataset().assign_coords(model=names))
+    assert motion(by_rule) is None
 
 
 def test_a_body_at_rest_is_said_to_be(results):

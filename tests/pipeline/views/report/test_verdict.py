@@ -12,7 +12,7 @@ from rocking.response import Outcome
 from rockpulse.assessment.verdict import Grade
 from rockpulse.errors import ResultsError
 from rockpulse.motions.events import UNKNOWN
-from rockpulse.storage.summary_variables import SUMMARY
+from rockpulse.storage.variables.summary import SUMMARY
 from rockpulse.views.report.verdict import (
     TO,
     acceleration,

@@ -13,16 +13,13 @@ from rocking.response import Outcome
 from rockpulse.readers.channel import build_record
 from rockpulse.readers.source import SourceFile
 from rockpulse.remark import with_codes
-from rockpulse.storage.selection import SHOWN
+from rockpulse.storage.export.selection import SHOWN
 from rockpulse.views.shared.columns import (
     AT_MOST,
     COLUMNS,
-    ESTIMATE,
     NO_ANSWER,
     NONE_UP_TO,
     OUTSIDE,
-    SO_FAR,
-    UNPREDICTABLE,
     AnswerRows,
     answer_cell,
     columns,
@@ -68,22 +65,13 @@ def test_a_condition_knows_a_column_by_its_heading():
     assert {name: of for name, of in known.items() if name != of} == {}
 
 
-@pytest.mark.parametrize(
-    ("rung", "shown", "mark"), [("impulsive", "~0.1", ESTIMATE), ("settled", ">0.12", SO_FAR), ("linear", "0.13", None)]
-)
-def test_a_peak_of_auto_that_is_no_answer_bears_a_mark(rung, shown, mark):
-    cell = answer_cell(Outcome.ROCKS, 0.1279, 1, 1, rung)
-    assert (cell.marked, cell.value) == (shown, 0.1279)
-    assert cell.marks == (() if mark is None else (mark,))
-
-
 def test_words_bear_the_marks_of_the_answer_and_are_sorted_beside_the_figures():
-    cell = answer_cell(Outcome.OVERTURNS, math.inf, predictable=0, applicable=0)
+    cell = answer_cell(Outcome.OVERTURNS, math.inf, applicable=0)
     assert (cell.text, cell.value, cell.grade) == ("overturns", math.inf, "bad")
-    assert cell.marks == (UNPREDICTABLE, OUTSIDE)
-    assert answer_cell(Outcome.AT_REST, 0.0, 1, 1).value == 0.0
-    assert math.isnan(answer_cell(Outcome.UNRESOLVED, math.nan, 1, 1).value)
-    assert answer_cell(-1, math.nan, 1, 0).marked == "-"
+    assert cell.marks == (OUTSIDE,)
+    assert answer_cell(Outcome.AT_REST, 0.0, 1).value == 0.0
+    assert math.isnan(answer_cell(Outcome.UNRESOLVED, math.nan, 1).value)
+    assert answer_cell(-1, math.nan, 0).marked == "-"
 
 
 def test_a_factor_that_was_not_found_names_how_far_was_searched():

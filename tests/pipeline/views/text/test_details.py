@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from results_tree import RECORDS, results_tree
+from results_tree import RECORDS, demanding, results_tree
 
 from rockpulse.errors import ResultsError
 from rockpulse.views.text.details import block_details, record_details
@@ -79,8 +79,7 @@ def test_capacities_over_the_demands_are_shown_for_the_record_and_for_the_block(
     cube = summary["safety_factor"].dims
     ratio = np.full((*summary["safety_factor"].shape, 1), np.inf)
     ratio[0, 0, 2], ratio[0, 1, 2] = 0.84, np.nan
-    summary = summary.assign(capacity_ratio=((*cube, "demand"), ratio), demand_acceleration=("demand", [2.94]))
-    summary = summary.assign_coords(demand=("demand", ["collapse"]))
+    summary = demanding(summary, {"collapse": 2.94}, capacity_ratio=((*cube, "demand"), ratio))
     of_record = record_details(summary, RECORDS[0]).partition(
         "Capacity (safety factor x strength, nonlinear model) over demand"
     )[2]
@@ -128,28 +127,6 @@ def test_the_radius_of_a_body_that_is_no_rectangle_says_whose_it_is(radius, show
     summary["radius"].values[2] = radius
     text = block_details(summary.assign(gravity=("block", [9.81] * 3)), "cabinet")
     assert {name: words.strip() for name, words in entries(text)}["half the diagonal R"] == shown
-
-
-@pytest.mark.parametrize("cases", [None, 2])
-def test_the_model_that_answered_for_auto_is_named_for_every_body_and_record(cases):
-    summary = results_tree(cases)["summary"].to_dataset()
-    assert "answered for auto" not in record_details(summary, RECORDS[0]) + block_details(summary, "column")
-    codes = np.zeros(summary["outcome"].shape, dtype=np.int8)
-    codes[0, 0, 2], codes[0, 1, 2], codes[1, 1, 2] = 2, 1, 2
-    flags = {"flag_values": np.arange(3, dtype=np.int8), "flag_meanings": "nonlinear impulsive settled"}
-    summary["model_used"] = (summary["outcome"].dims, codes, flags)
-    summary = summary.assign_coords(model=("model", ["impulsive", "nonlinear", "auto"]))
-
-    def answered(text):
-        part = text[text.index("The model that answered for auto:") :].split("\n\n")[0]
-        return [tuple(line.strip().rsplit(None, 3)) for line in part.splitlines()[1:]]
-
-    shown = [("boundary wall", "C", "0.900" if cases else "0.985", "settled"), ("column", "C", "0.930", "impulsive")]
-    shown += [("column", "C", "0.830", "impulsive")] if cases else []
-    assert answered(record_details(summary, RECORDS[0]))[: len(shown)] == shown
-    first = [line for line in answered(block_details(summary, "column")) if line[2] == "0.930"]
-    rungs = ["impulsive", "settled", "nonlinear"]
-    assert first == [(record, "C", "0.930", rung) for record, rung in zip(RECORDS, rungs, strict=True)]
 
 
 @pytest.mark.parametrize(

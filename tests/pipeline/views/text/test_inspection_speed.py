@@ -6,7 +6,7 @@ import pytest
 from many_results import many_results
 
 from rockpulse.cli import main
-from rockpulse.storage.save_load import save
+from rockpulse.storage.hdf5.results_file import save
 
 LOOKS = {
     "overview": ["inspect", "{a}"],

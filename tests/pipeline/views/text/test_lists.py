@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 import xarray as xr
-from results_tree import RECORDS, results_tree
+from results_tree import RECORDS, demanding, results_tree
 
 from rockpulse.assessment.answers import Answers
 from rockpulse.failures import Failure
-from rockpulse.storage.selection import Condition, Selection
+from rockpulse.storage.export.selection import Condition, Selection
 from rockpulse.storage.variables import failure_table
 from rockpulse.views.text import overview as overviews
 from rockpulse.views.text.details import block_details, record_details
@@ -205,8 +205,7 @@ def test_what_is_large_is_counted_in_verdicts_that_are_shown(tree, monkeypatch):
 
 def test_capacities_are_compared_with_demands_in_a_large_overview_as_well(tree):
     summary = tree["summary"].to_dataset()
-    summary = summary.assign_coords(demand=("demand", ["collapse"]))
-    summary["demand_acceleration"] = ("demand", [2.5])
+    summary = demanding(summary, {"collapse": 2.5})
     summary["capacity_ratio"] = summary["capacity_pga"].expand_dims(demand=1, axis=-1) / 2.5
     tree["summary"] = xr.DataTree(summary)
     text = overview(many(tree), whole=True)

@@ -1,0 +1,288 @@
+"""A group of a results file as a long table: one row per answer, every variable a column.
+
+A variable with fewer dimensions than the table is repeated: the PGA of a record stands beside each of its answers. An
+index into `record`, `block` or `model` becomes the name it stands for, a flag its word.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import xarray as xr
+
+from rockpulse.errors import ResultsError
+from rockpulse.option import hint
+from rockpulse.storage.export.selection import Condition, Selection, label_positions, rows
+from rockpulse.storage.hdf5.netcdf4 import flag_words, pointwise, worded
+from rockpulse.storage.hdf5.results_file import KINDS, ResultsFile, open_results
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+#: Dimensions that become columns, one for each label, where they are the only one beyond those of the table.
+SPREAD = ("demand", "parameter")
+
+#: What an index of a table points at.
+POINTS_AT = {"record_index": "record", "block_index": "block", "case_index": "case", "model_index": "model"}
+
+#: Coordinates of /summary that an index may point at.
+LABELLED = ("record", "block", "model")
+
+#: Rows that are made at once.
+CHUNK = 50_000
+
+
+@dataclass(frozen=True, eq=False)
+class TableColumn:
+    """A column of a long table: where its values come from and what they mean."""
+
+    name: str  # its heading
+    units: str
+    long_name: str
+    words: dict[int, str]  # of a flag, which is given in words; empty for others
+    variable: xr.Variable  # not yet read
+    labels: np.ndarray | None = None  # what the values are an index into; empty for -1
+    #: Where the part of each label ends along the dimension of a ragged array, whose owner is the value.
+    ends: np.ndarray | None = None
+
+    def values(self, places: dict[str, np.ndarray]) -> np.ndarray:
+        """Its values in some rows, by the position of each row along the dimensions of the table."""
+        if self.ends is not None and self.labels is not None:
+            return np.asarray(self.labels[np.searchsorted(self.ends, places[str(self.variable.dims[0])], side="right")])
+        found = pointwise(self.variable, places)
+        if self.labels is not None:
+            return np.where(found < 0, "", self.labels[found])
+        if self.words:
+            return worded(found, self.words)
+        return found.astype(object) if found.dtype.kind == "U" else found
+
+
+@dataclass(frozen=True, eq=False)
+class LongTable:
+    """A table that is made when its rows are asked for; the file has to be open until then."""
+
+    group: str
+    dims: tuple[str, ...]  # there is one row per element along them
+    columns: tuple[TableColumn, ...]
+    left_out: tuple[str, ...]  # variables of the group that have other dimensions
+    places: dict[str, np.ndarray]  # position of every row along each dimension
+    found: int  # rows without the limit of the selection
+
+    def __len__(self) -> int:
+        return int(next(iter(self.places.values())).size)
+
+    @property
+    def per(self) -> str:
+        """The things that have a row each, in words; empty where the group is a list of rows."""
+        return "" if self.dims == ("row",) else f", one per {' x '.join(self.dims)}"
+
+    def frames(self, size: int = CHUNK) -> Iterator[pd.DataFrame]:
+        """The rows as frames of at most so many; one empty frame where there are none."""
+        import pandas as pd
+
+        for start in range(0, max(len(self), 1), size):
+            part = {dim: place[start : start + size] for dim, place in self.places.items()}
+            yield pd.DataFrame({column.name: column.values(part) for column in self.columns})
+
+    def frame(self) -> pd.DataFrame:
+        """All rows as one frame."""
+        return next(self.frames(max(len(self), 1)))
+
+
+def long_table(
+    file: ResultsFile,
+    group: str | None = None,
+    dims: Sequence[str] | None = None,
+    selection: Selection | None = None,
+    columns: Sequence[str] | None = None,
+) -> LongTable:
+    """A group as a long table, by default that with the answers, of all rows and all columns.
+
+    `dims` are those of which every element has a row, by default those of the variables with the most; the columns are
+    the variables that have these dimensions, or some of them. A ResultsError for a name that the file does not have,
+    or where `dims` has to be given.
+    """
+    selection = selection or Selection()
+    group = (group or KINDS[file.kind]).strip("/")
+    dataset = file.dataset(group)
+    dims = _dimensions(dataset, group) if dims is None else tuple(dims)
+    if not dims or (columns is not None and not columns):
+        raise ResultsError(f"expected at least one {'column' if dims else 'dimension of which each element has a row'}")
+    for dim in dims:
+        if dim not in dataset.sizes:
+            raise ResultsError(
+                f"/{group} has no dimension {dim!r}{hint(dim, map(str, dataset.sizes))} (it has "
+                f"{', '.join(map(str, dataset.sizes))})"
+            )
+    named = {name: _texts(file.dataset("summary")[name]) for name in LABELLED} if "summary" in file.groups else {}
+    labels = [*_label_columns(dataset, dims), *_owners(dataset, dims)]
+    found = [*_pointers(dataset, dims, named), *_variables(dataset, dims)]
+    if columns is not None:
+        for name in columns:
+            if not any(_answers_to(column, name) for column in [*labels, *found]):
+                known = [column.name for column in found]
+                told = f"it has {', '.join(known)}"
+                raise ResultsError(f"this table of /{group} has no column {name!r}{hint(name, known, told)}")
+        found = [column for column in found if any(_answers_to(column, name) for name in columns)]
+    masks, selection = _masks(dataset, named, labels, selection)
+    places, count = rows(dataset, dims, selection, masks)
+    shown = {name for name in map(str, dataset.variables) if set(dataset[name].dims) <= set(dims)}
+    left = tuple(
+        str(name) for name in dataset.data_vars if name not in shown and not _spread_dim(dataset.variables[name], dims)
+    )
+    return LongTable(group, dims, (*labels, *found), left, places, count)
+
+
+def results_table(
+    path: str | Path,
+    group: str | None = None,
+    dims: Sequence[str] | None = None,
+    columns: Sequence[str] | None = None,
+    record: str | None = None,
+    block: str | None = None,
+    model: str | None = None,
+    where: Sequence[str] = (),
+    sort: str | None = None,
+    descending: bool = False,
+    limit: int | None = None,
+) -> pd.DataFrame:
+    """Answers of a results file as a long pandas table; only what is asked for is read.
+
+    Parameters
+    ----------
+    path : str or Path
+        Results file of any kind.
+    group : str, optional
+        Group of the file; that with the answers by default (`summary` of an assessment).
+    dims : sequence of str, optional
+        Dimensions of which every element has a row: ``["record"]`` lists the records; by default every answer has one.
+    columns : sequence of str, optional
+        Names of variables; all by default.
+    record, block, model : str, optional
+        Only what has such a name; * and ? stand for any letters.
+    where : sequence of str
+        Conditions, all of which have to hold: ``["outcome = overturns", "safety_factor < 0.5"]``.
+    sort : str, optional
+        Variable by which the rows are sorted, smallest first; what is not known comes last.
+    descending : bool
+        Largest first.
+    limit : int, optional
+        Most rows.
+
+    Returns
+    -------
+    pandas.DataFrame
+        Flags as words, SI units as in the file (docs/schema.md).
+
+    Raises
+    ------
+    ResultsError, OSError
+        For a file that cannot be read, or a name that it does not have.
+
+    Examples
+    --------
+    >>> import rockpulse as rp
+    >>> worst = rp.results_table("results.h5", model="nonlinear", sort="safety_factor", limit=20)  # doctest: +SKIP
+    """
+    names = {dim: (pattern,) for dim, pattern in (("record", record), ("block", block), ("model", model)) if pattern}
+    selection = Selection(names, tuple(map(Condition.parse, where)), sort, descending, limit)
+    with open_results(path) as file, file.reading():
+        return long_table(file, group, dims, selection, columns).frame()
+
+
+def _dimensions(dataset: xr.Dataset, group: str) -> tuple[str, ...]:
+    """The dimensions of the variables that have the most."""
+    every = [tuple(str(dim) for dim in one.dims if dim not in SPREAD) for one in dataset.data_vars.values()]
+    most = [dims for dims in dict.fromkeys(every) if dims and len(dims) == max(map(len, every))]
+    if len(most) != 1:
+        several = "; ".join(" ".join(dims) for dims in most) or "none"
+        raise ResultsError(
+            f"/{group} holds several tables: expected the dimensions of one of them (--rows), found none; they have "
+            f"{several}"
+        )
+    return most[0]
+
+
+def _answers_to(column: TableColumn, name: str) -> bool:
+    """By its heading, or without the label that it is spread by."""
+    return name in (column.name, column.name.partition("[")[0])
+
+
+def _texts(variable: xr.DataArray) -> np.ndarray:
+    return np.array([str(label) for label in variable.values], dtype=object)
+
+
+def _label_columns(dataset: xr.Dataset, dims: Sequence[str]) -> Iterator[TableColumn]:
+    """The label, or the number, along each dimension; none where a table is a mere list."""
+    for dim in dims:
+        if dim in dataset.coords:
+            yield _column(dim, dataset.variables[dim])
+        elif len(dims) > 1:
+            numbers = xr.Variable((dim,), np.arange(dataset.sizes[dim]))
+            yield TableColumn(dim, "1", f"number of the {dim}, from 0", {}, numbers)
+
+
+def _owners(dataset: xr.Dataset, dims: Sequence[str]) -> Iterator[TableColumn]:
+    """The owners of the rows of a ragged array."""
+    for variable in dataset.data_vars.values():
+        dim = str(variable.attrs.get("sample_dimension", ""))
+        if dim in dims:
+            owner = str(variable.dims[0])
+            labels = _texts(dataset[owner]) if owner in dataset.coords else np.arange(variable.size)
+            along = xr.Variable((dim,), np.broadcast_to(0, (dataset.sizes[dim],)))
+            yield TableColumn(owner, "1", f"{owner} it belongs to", {}, along, labels, np.cumsum(variable.values))
+
+
+def _pointers(dataset: xr.Dataset, dims: Sequence[str], named: Mapping[str, np.ndarray]) -> Iterator[TableColumn]:
+    for name, at in POINTS_AT.items():
+        if name in dataset and set(dataset[name].dims) <= set(dims):
+            variable = dataset.variables[name]
+            if at in named:
+                yield TableColumn(at, "1", f"{at} of /summary; empty without", {}, variable, named[at])
+            else:
+                yield TableColumn(at, "1", variable.attrs.get("long_name", ""), {}, variable)
+
+
+def _variables(dataset: xr.Dataset, dims: Sequence[str]) -> Iterator[TableColumn]:
+    for name, variable in dataset.data_vars.items():
+        bare = dataset.variables[name]
+        if name in POINTS_AT or not bare.dims:
+            continue
+        if set(bare.dims) <= set(dims):
+            yield _column(str(name), bare)
+        elif spread := _spread_dim(bare, dims):
+            for place, label in enumerate(dataset[spread].values):
+                yield _column(f"{name}[{label}]", bare.isel({spread: place}), variable.attrs)
+
+
+def _spread_dim(variable: xr.Variable, dims: Sequence[str]) -> str:
+    beyond = [str(dim) for dim in variable.dims if dim not in dims]
+    return beyond[0] if len(beyond) == 1 and beyond[0] in SPREAD and len(variable.dims) > 1 else ""
+
+
+def _column(name: str, variable: xr.Variable, attrs: Mapping[str, Any] | None = None) -> TableColumn:
+    attrs = variable.attrs if attrs is None else attrs
+    return TableColumn(
+        name, str(attrs.get("units", "1")), str(attrs.get("long_name", "")), flag_words(variable), variable
+    )
+
+
+def _masks(
+    dataset: xr.Dataset, named: Mapping[str, np.ndarray], labels: Sequence[TableColumn], selection: Selection
+) -> tuple[list[tuple[tuple[str, ...], np.ndarray]], Selection]:
+    """Filters by a name that the rows only point at, and the selection without them."""
+    masks, left = [], dict(selection.names)
+    for name, at in POINTS_AT.items():
+        if left.get(at) and at not in dataset.coords and name in dataset and at in named:
+            wanted = label_positions(named[at].tolist(), left.pop(at), at)
+            masks.append((tuple(map(str, dataset[name].dims)), np.isin(dataset[name].values, wanted)))
+    for column in labels:
+        if column.ends is not None and column.labels is not None and left.get(column.name):
+            wanted = label_positions([str(label) for label in column.labels], left.pop(column.name), column.name)
+            sizes = np.diff(column.ends, prepend=0)
+            masks.append(((str(column.variable.dims[0]),), np.repeat(np.isin(np.arange(sizes.size), wanted), sizes)))
+    return masks, Selection(left, selection.conditions, selection.sort, selection.descending, selection.limit)

@@ -1,0 +1,275 @@
+"""A choice of answers of a results file: by name, by condition, in which order, how many."""
+
+from __future__ import annotations
+
+import fnmatch
+import operator
+import re
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from rockpulse.errors import ResultsError
+from rockpulse.option import hint
+from rockpulse.record.measures import STORED, STORED_OF_BODIES
+from rockpulse.storage.hdf5.netcdf4 import flag_words, slab
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+
+#: Longest list of known names in a message.
+LISTED = 12
+
+#: Variables by the headings under which tables show them.
+SHOWN = {
+    "P": "overturning_probability",
+    "SF": "safety_factor",
+    "f_10": "factor_10",
+    "factor of 10 %": "factor_10",
+    "f_50": "factor_50",
+    "of 50 %": "factor_50",
+    "mean capacity": "capacity_mean",
+    "I": "main_impulse",
+    "C": "restitution",
+    "I/I_1c": "impulse_ratio",
+    "theta_max/alpha_c": "peak_rotation_ratio",
+    **{measure.column[0]: measure.name for measure in (*STORED, *STORED_OF_BODIES)},
+}
+
+_COMPARISONS: dict[str, Callable[[Any, Any], Any]] = {
+    "<=": operator.le,
+    ">=": operator.ge,
+    "<": operator.lt,
+    ">": operator.gt,
+}
+
+
+@dataclass(frozen=True)
+class Condition:
+    """A condition on a variable: ``safety_factor < 1`` or ``SF < 1``, ``outcome = overturns``, ``source = *.AT2``.
+
+    `comparison` is one of <=, >=, !=, <, > and =. `value` is a number; a word of a flag; a text, in which * and ? stand
+    for any letters; several with "|" between them.
+    """
+
+    name: str
+    comparison: str
+    value: str
+
+    @classmethod
+    def parse(cls, words: str) -> Condition:
+        """The condition of a text: name (or heading of a table), comparison, value; spaces may stand between them.
+
+        Examples
+        --------
+        >>> Condition.parse("safety_factor<1")
+        Condition(name='safety_factor', comparison='<', value='1')
+        >>> Condition.parse("factor of 10 % < 1").name
+        'factor_10'
+        """
+        found = re.fullmatch(r"\s*([A-Za-z][^<>=!]*?)\s*(<=|>=|!=|==|<|>|=)\s*(.*?)\s*", words)
+        if found is None:
+            raise ResultsError(
+                "expected a condition such as 'safety_factor < 1' or 'outcome = overturns' (with one of = != "
+                f"{' '.join(_COMPARISONS)}), found {words!r}"
+            )
+        name, comparison, value = found.groups()
+        return cls(SHOWN.get(name, name), "=" if comparison == "==" else comparison, value)
+
+    def holds(self, variable: xr.Variable, values: np.ndarray) -> np.ndarray:
+        """True where some values of a variable, whose type and flags say how they are read, meet the condition.
+
+        A ResultsError where the value is no number or no word of the flag, or texts are compared by size.
+        """
+        if self.comparison in ("=", "!="):
+            if variable.dtype.kind in "OU":
+                alike = self._named(values.astype(str))
+            else:
+                several = [part.strip() for part in self.value.split("|")]
+                alike = np.isin(values, [self._number(part, flag_words(variable)) for part in several])
+            return alike if self.comparison == "=" else ~alike
+        if variable.dtype.kind in "OU":
+            raise ResultsError(f"{self.name} is a text: expected = or !=, found {self.comparison}")
+        return np.asarray(_COMPARISONS[self.comparison](values, self._number(self.value, flag_words(variable))))
+
+    def _named(self, texts: np.ndarray) -> np.ndarray:
+        """True where a text is the value, or one of several with "|" between them, or meets one as a pattern."""
+        every, inverse = np.unique(texts, return_inverse=True)
+        known = every.tolist()
+        # A text may hold what is read as a sign, such as the brackets of "wall [north]" or the "|" of "A|B".
+        several = [self.value] if self.value in known else [part.strip() for part in self.value.split("|")]
+        met = np.zeros(every.size, dtype=bool)
+        for one in several:
+            matches = re.compile(fnmatch.translate(one)).match
+            met |= every == one if one in known else [matches(text) is not None for text in known]
+        return met[inverse].reshape(texts.shape)
+
+    def _number(self, value: str, words: Mapping[int, str]) -> float:
+        codes = {name: code for code, name in words.items()}
+        word = value.lower().replace(" ", "_").replace("-", "_")
+        if word in codes:
+            return codes[word]
+        try:
+            number = float(value)
+        except ValueError:
+            number = np.nan
+        if np.isnan(number):  # nothing is smaller than, or the same as NaN
+            expected = f"one of {', '.join(codes)}" if codes else "a number"
+            raise ResultsError(f"{self.name}: expected {expected}, found {value!r}{hint(word, codes)}")
+        return number
+
+
+@dataclass(frozen=True)
+class Selection:
+    """The rows of a table that are asked for; all in the order of the file by default.
+
+    `names` holds patterns (* and ? stand for any letters) of the labels along a dimension: ``{"record": ("CI.*",)}``.
+    All `conditions` have to hold. `sort` is the variable by which the rows are sorted, what is not known comes last.
+    `limit` is the largest number of rows.
+    """
+
+    names: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    conditions: tuple[Condition, ...] = ()
+    sort: str | None = None
+    descending: bool = False
+    limit: int | None = None
+
+    @property
+    def words(self) -> list[str]:
+        """Every part of it in words, for a heading or a README."""
+        told = [f"{dim} {' or '.join(patterns)}" for dim, patterns in self.names.items() if patterns]
+        told += [f"{item.name} {item.comparison} {item.value}" for item in self.conditions]
+        if self.sort is not None:
+            told.append(f"sorted by {self.sort}, {'largest' if self.descending else 'smallest'} first")
+        if self.limit is not None:
+            told.append(f"at most {self.limit} rows")
+        return told
+
+
+def label_positions(known: Sequence[str], patterns: Sequence[str], what: str) -> np.ndarray:
+    """Positions of the labels that a pattern names; all labels where there is no pattern.
+
+    A pattern is a label itself, or holds * and ? for any letters; `what` names the labels in the ResultsError for a
+    pattern that no label meets.
+    """
+    if not patterns:
+        return np.arange(len(known))
+    exact = {label: place for place, label in enumerate(known)}
+    found: set[int] = set()
+    for pattern in patterns:
+        matches = re.compile(fnmatch.translate(pattern)).match
+        # A label may hold what a pattern reads as a sign, such as the brackets of "wall [north]".
+        places = [exact[pattern]] if pattern in exact else [at for at, label in enumerate(known) if matches(label)]
+        if not places:
+            raise unknown(pattern, known, what)
+        found.update(places)
+    return np.array(sorted(found))
+
+
+def unknown(name: str, known: Sequence[str], what: str) -> ResultsError:
+    """The error that says what there is where a name is not; `what` says of what kind the known names are."""
+    within = [label for label in known if name.lower() in label.lower()]
+    told = "there are:"
+    if within:
+        start = within[0].lower().index(name.lower())
+        pattern = f"*{within[0][start : start + len(name)]}*"
+        told = f"{len(within)} of {len(known)} hold it, the pattern '{pattern}' takes:"
+    listed = within or known
+    shown = "\n".join(f"  {label}" for label in listed[:LISTED])
+    more = f"\n  and {len(listed) - LISTED} more" if len(listed) > LISTED else ""
+    return ResultsError(f'no {what} "{name}" in these results{hint(name, known, told)}\n{shown}{more}')
+
+
+def rows(
+    dataset: xr.Dataset,
+    dims: Sequence[str],
+    selection: Selection,
+    masks: Iterable[tuple[tuple[str, ...], np.ndarray]] = (),
+) -> tuple[dict[str, np.ndarray], int]:
+    """Positions (r,) along each dimension of the rows of a table, and their number without the limit.
+
+    The table has one row per element along `dims` of a group of the results. A condition on a variable with more
+    dimensions has to hold somewhere along them; such a variable sorts by its smallest value (largest where
+    `descending`) among those that meet all conditions. `masks` have to hold besides, each along some of `dims`. Only
+    the variables that are named are read.
+    """
+    used = [(item, _variable(dataset, item.name)) for item in selection.conditions]
+    key = None if selection.sort is None else _variable(dataset, selection.sort)
+    every = list(dims)
+    for variable in [*(variable for _, variable in used), *([] if key is None else [key])]:
+        every += [str(dim) for dim in variable.dims if dim not in every]
+    among: dict[Any, np.ndarray] = {}
+    for dim in [*every, *(dim for dim in selection.names if dim not in every and selection.names[dim])]:
+        patterns = selection.names.get(dim, ())
+        if patterns and dim not in dataset.coords:
+            raise ResultsError(f"this table has no {dim}, by which it could be filtered")
+        if patterns:
+            among[dim] = label_positions([str(label) for label in dataset[dim].values], patterns, dim)
+        else:
+            among[dim] = np.arange(dataset.sizes[dim])
+    shape = tuple(among[dim].size for dim in every)
+    mask = np.ones(shape, dtype=bool)
+    for item, variable in used:
+        values = slab(variable, among)
+        if values.dtype.kind == "f" and values.size and np.isnan(values).all():
+            beside = " (factor_10 tells it by its probability, [search] intervals searches it)"
+            why = beside if item.name == "safety_factor" else ""
+            raise ResultsError(f"{item.name} is known of none of these answers{why}: nothing can be said of it")
+        mask &= _spread(item.holds(variable, values), variable.dims, every)
+    for along, held in masks:
+        mask &= _spread(held[np.ix_(*(among[dim] for dim in along))], along, every)
+    beyond = tuple(range(len(dims), len(every)))
+    kept = np.flatnonzero(mask.any(axis=beyond) if beyond else mask)
+    if key is not None:
+        kept = kept[
+            _order(_sort_key(key, among, every, mask, beyond, selection.descending)[kept], selection.descending)
+        ]
+    found = kept.size
+    places = np.unravel_index(kept[: selection.limit], shape[: len(dims)])
+    return {dim: among[dim][place] for dim, place in zip(dims, places, strict=True)}, found
+
+
+def _sort_key(
+    variable: xr.Variable,
+    among: dict[Any, np.ndarray],
+    every: list[str],
+    mask: np.ndarray,
+    beyond: tuple[int, ...],
+    descending: bool,
+) -> np.ndarray:
+    values = slab(variable, among)
+    if variable.dtype.kind in "OU":
+        values = np.unique(values.astype(str), return_inverse=True)[1].reshape(values.shape)
+    spread = _spread(values, variable.dims, every)
+    if not beyond:
+        return np.broadcast_to(spread, mask.shape).ravel()
+    worst = -np.inf if descending else np.inf
+    known = np.where(mask & ~np.isnan(spread), spread, worst)
+    reduced = known.max(axis=beyond) if descending else known.min(axis=beyond)
+    unknown = ~(mask & ~np.isnan(spread)).any(axis=beyond)
+    return np.where(unknown, np.nan, reduced).ravel()
+
+
+def _order(key: np.ndarray, descending: bool) -> np.ndarray:
+    """Stable, what is not known last."""
+    key = key.astype(float)
+    return np.argsort(-key if descending else key, kind="stable")
+
+
+def _spread(values: np.ndarray, dims: tuple[Any, ...], every: list[str]) -> np.ndarray:
+    """Axes in the order of `every`, of length one where the values have none."""
+    present = [dim for dim in every if dim in dims]
+    moved = values.transpose([dims.index(dim) for dim in present])
+    shape = iter(moved.shape)
+    return moved.reshape([next(shape) if dim in dims else 1 for dim in every])
+
+
+def _variable(dataset: xr.Dataset, name: str) -> xr.Variable:
+    if name not in dataset.variables:
+        known = [str(other) for other in dataset.variables]
+        told = f"there are: {', '.join(known)}"
+        raise ResultsError(f"no variable {name!r} in these results{hint(name, known, told)}")
+    return dataset.variables[name]

@@ -1,0 +1,245 @@
+"""A long table as a file (CSV, a workbook, Parquet), with a README of its columns beside it."""
+
+from __future__ import annotations
+
+import gzip
+import secrets
+from collections.abc import Callable
+from contextlib import suppress
+from importlib.util import find_spec
+from pathlib import Path
+from typing import TYPE_CHECKING, TextIO
+
+from rockpulse.errors import ResultsError
+from rockpulse.foreign_text import escaped, not_a_formula
+from rockpulse.storage.export.long_table import LongTable
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+
+#: Rows of a sheet, the headings among them.
+SHEET_ROWS = 1_048_576
+
+#: The library that writes each kind of file, in the extra "tables".
+TYPED = {".xlsx": "openpyxl", ".parquet": "pyarrow"}
+
+
+def check_library(path: Path) -> None:
+    """Raise a ResultsError where the library for a table of this suffix is not installed."""
+    library = TYPED[path.suffix]
+    if find_spec(library) is None:
+        raise ResultsError(
+            f"{path}: a table of this kind is written by {library}, which is not installed: "
+            "pip install 'rockpulse[tables]', or choose a name that ends in .csv"
+        )
+
+
+def write_typed(table: LongTable, part: Path, kind: str, seen: Callable[[pd.DataFrame], None]) -> None:
+    """Write all rows to the file `part`, of the `kind` that a suffix names; `seen` is called with every frame.
+
+    A text stays a text: a workbook takes none for a formula, and shows control characters as escapes. A ResultsError
+    for more rows than a sheet has.
+    """
+    import pandas as pd
+
+    if kind == ".parquet":
+        frame = table.frame()
+        seen(frame)
+        frame.to_parquet(part, index=False, engine="pyarrow")
+        return
+    if len(table) >= SHEET_ROWS:
+        raise ResultsError(
+            f"{len(table)} rows, and a sheet holds {SHEET_ROWS - 1}: choose fewer (--where, --limit), or a name that "
+            "ends in .csv or .parquet"
+        )
+    with part.open("wb") as file, pd.ExcelWriter(file, engine="openpyxl") as writer:
+        written = 0
+        for frame in table.frames():
+            seen(frame)
+            shown = frame.map(lambda value: escaped(value) if isinstance(value, str) else value)
+            shown.to_excel(writer, sheet_name=table.group[:31], index=False, header=not written, startrow=written)
+            written += len(frame) + (not written)
+        for cells in writer.sheets[table.group[:31]].iter_rows():
+            for cell in cells:
+                if cell.data_type == "f":
+                    cell.data_type = "s"
+
+
+#: Suffixes of tables; the second is compressed.
+SUFFIXES = (".csv", ".csv.gz", *TYPED)
+
+#: What stands for the end of a line inside a text, and every way in which one ends.
+LINE = " | "
+LINE_ENDS = "\r\n|[\n\r\v\f\x1c-\x1e\x85\u2028\u2029]"
+
+
+def readme_of(path: Path) -> Path:
+    """The README that belongs to a table.
+
+    Examples
+    --------
+    >>> readme_of(Path("out/table.csv")).name
+    'table.README.md'
+    """
+    return path.with_name(
+        f"{next(path.name.removesuffix(one) for one in SUFFIXES if path.name.endswith(one))}.README.md"
+    )
+
+
+def check_table_target(path: str | Path, overwrite: bool = False) -> Path:
+    """The path of a table, where the table and its README can be written.
+
+    A ResultsError for a suffix that is none of ``.csv``, ``.csv.gz``, ``.xlsx`` and ``.parquet``, for one whose library
+    is not installed, for a folder that does not exist, and, without `overwrite`, for either file that does.
+    """
+    target = Path(path)
+    if not target.name.endswith(SUFFIXES):
+        raise ResultsError(f"{path}: expected a name that ends in {', '.join(SUFFIXES[:-1])} or {SUFFIXES[-1]}")
+    if target.suffix in TYPED:
+        check_library(target)
+    if not target.parent.is_dir():
+        raise ResultsError(f"{path}: there is no folder {target.parent}; create it first")
+    for file in (target, readme_of(target)):
+        if file.exists() and not file.is_file():
+            raise ResultsError(f"{file}: expected the name of a file, found something that is no regular file")
+        if file.exists() and not overwrite:
+            raise ResultsError(
+                f"{file}: the file exists; choose another name, or allow it to be replaced (--overwrite)"
+            )
+    return target
+
+
+def write_table(
+    table: LongTable,
+    path: str | Path,
+    about: str,
+    overwrite: bool = False,
+    on_rows: Callable[[int], object] | None = None,
+    decimal_comma: bool = False,
+    raw: bool = False,
+) -> tuple[Path, Path]:
+    """Write a table and its README, each whole or not at all, CSV in bounded memory; the paths of both.
+
+    The suffix chooses the kind (:func:`check_table_target`). `about` tells in the README where the table comes from.
+    `on_rows` is called with the number of rows that were written since its last call. With `decimal_comma` there are
+    semicolons between the columns, decimal commas and a byte order mark, as spreadsheets expect them where the decimal
+    sign is a comma. With `raw` texts stay as they are but for the ends of lines (:func:`safe_texts`).
+
+    Raises
+    ------
+    ResultsError
+        As :func:`check_table_target`, and where the table cannot be written.
+    OSError, RuntimeError
+        Where the results cannot be read, as HDF5 says it.
+    """
+    target = check_table_target(path, overwrite)
+    readme = readme_of(target)
+    empty = {column.name: 0 for column in table.columns}
+    parts = [file.with_name(f".{file.name}.{secrets.token_hex(4)}.part") for file in (target, readme)]
+    if decimal_comma and target.suffix in TYPED:
+        raise ResultsError(f"{path}: a table of this kind holds numbers, not how they are written: no decimal commas")
+
+    def seen(frame: pd.DataFrame) -> None:
+        for name in empty:
+            empty[name] += int((frame[name].isna() | (frame[name].astype(object) == "")).sum())
+        if on_rows is not None:
+            on_rows(len(frame))
+
+    try:
+        if target.suffix in TYPED:
+            write_typed(table, parts[0], target.suffix, seen)
+        else:
+            sep, decimal = (";", ",") if decimal_comma else (",", ".")
+            with _opened(parts[0], target.name.endswith(".gz"), "utf-8-sig" if decimal_comma else "utf-8") as file:
+                for number, frame in enumerate(table.frames()):
+                    (one_line(frame) if raw else safe_texts(frame)).to_csv(
+                        file, index=False, header=number == 0, sep=sep, decimal=decimal
+                    )
+                    seen(frame)
+        parts[1].write_text(_readme(table, target.name, about, empty, decimal_comma), encoding="utf-8")
+        for part, file_ in zip(parts, (target, readme), strict=True):
+            part.replace(file_)
+    except OSError as error:
+        if error.errno is None:  # of HDF5, from which the rows are read meanwhile
+            raise
+        raise ResultsError(f"{path}: cannot write the table: {error.strerror or error}") from error
+    finally:
+        for part in parts:
+            with suppress(FileNotFoundError):
+                part.unlink()
+    return target, readme
+
+
+def _opened(path: Path, compressed: bool, encoding: str) -> TextIO:
+    if compressed:
+        return gzip.open(path, "wt", encoding=encoding, newline="", compresslevel=4)
+    return Path(path).open("w", encoding=encoding, newline="")
+
+
+def one_line(frame: pd.DataFrame) -> pd.DataFrame:
+    """Texts of several lines in one, so that a line of the file is a row."""
+    return frame.assign(**{name: frame[name].str.replace(LINE_ENDS, LINE, regex=True) for name in _texts(frame)})
+
+
+def safe_texts(frame: pd.DataFrame) -> pd.DataFrame:
+    """Texts in one line, control characters as escapes, and what a spreadsheet would compute after an apostrophe."""
+    frame = one_line(frame)
+    return frame.assign(
+        **{
+            name: frame[name].map(lambda text: not_a_formula(escaped(text)), na_action="ignore")
+            for name in _texts(frame)
+        }
+    )
+
+
+def _texts(frame: pd.DataFrame) -> list[str]:
+    """The columns of texts."""
+    return [str(name) for name, kind in frame.dtypes.items() if kind.kind in "OU" or str(kind) == "str"]
+
+
+def _readme(table: LongTable, name: str, about: str, empty: dict[str, int], decimal_comma: bool) -> str:
+    written, options = "UTF-8, comma-separated, one line of headings", ""
+    if decimal_comma:
+        written = "UTF-8 with a byte order mark, semicolons between columns, decimal commas, one line of headings"
+        options = 'sep=";", decimal=",", '
+    in_pandas = (
+        f'In pandas: `pandas.read_csv(name, {options}keep_default_na=False, na_values=[""])`, so that a network "NA" '
+        "stays one."
+    )
+    digits, line_ends = "all their", f" `{LINE.strip()}` stands between the lines of a text."
+    if name.endswith(tuple(TYPED)):
+        line_ends = ""
+    if name.endswith(".parquet"):
+        written, in_pandas = "Parquet", "In pandas: `pandas.read_parquet(name)`."
+    elif name.endswith(".xlsx"):
+        written, digits = "A workbook of one sheet, one row of headings", "16"
+        in_pandas = 'In pandas: `pandas.read_excel(name, keep_default_na=False, na_values=[""])`.'
+    lines = [
+        f"# {name}",
+        "",
+        f"{about} Group `/{table.group}`, {len(table)} rows{table.per}.",
+        "",
+        f"{written}, SI units, numbers with {digits} digits. An empty cell: not "
+        "known or not computed, or no text; how many a column has is counted below. `inf`: without limit, such as the "
+        "safety factor of a block that no factor tried overturns, or the peak of one that overturned. -1 in whole "
+        f"numbers: none, or not known, as the meaning says.{line_ends}",
+        "",
+        in_pandas,
+        "",
+        f"| column | unit | empty cells of {len(table)} | meaning |",
+        "|---|---|---|---|",
+    ]
+    for column in table.columns:
+        meaning = column.long_name
+        if column.words:
+            meaning += f" ({', '.join(column.words.values())})"
+        unit = "" if column.units == "1" else column.units
+        lines.append(f"| `{column.name}` | {unit} | {empty[column.name]} | {meaning.replace('|', '/')} |")
+    if table.left_out:
+        names = ", ".join(f"`{name}`" for name in table.left_out)
+        lines += [
+            "",
+            f"Not in this table, because their dimensions are others: {names} (`--rows` takes other dimensions).",
+        ]
+    return "\n".join(lines) + "\n"

@@ -1,0 +1,186 @@
+"""A file that is written whole or not at all, and takes the place of nothing but results.
+
+It is written to a temporary name beside the target, flushed to the disk and then renamed, so a run that is killed
+leaves the old file or none (at worst a hidden ``.part`` file, which may be deleted).
+"""
+
+from __future__ import annotations
+
+import glob
+import os
+import re
+import secrets
+import shutil
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from rockpulse.errors import ResultsError
+
+#: Root attribute `kind` of the results of an assessment; files without it are assessments.
+ASSESSMENT = "assessment"
+
+#: What a file takes beyond its values, names and attributes mostly, at most [bytes].
+LAYOUT = 1024**2
+
+#: Suffixes of what other verbs make of results, and the verb.
+OTHERS = {
+    **dict.fromkeys((".csv", ".tsv", ".txt", ".xls", ".xlsx"), ("a table", "export", ".csv")),
+    **dict.fromkeys((".htm", ".html"), ("a report", "report", ".html")),
+    **{suffix: ("a picture", "plot", suffix) for suffix in (".svg", ".png", ".pdf")},
+}
+
+#: Suffixes of other files that a slip of the pen would name.
+TEXTS = (".toml", ".json", ".md", ".parquet")
+
+DAMAGED = "damaged file"
+SIGNATURE = b"\x89HDF\r\n\x1a\n"
+
+
+def check_target(path: str | os.PathLike[str], overwrite: bool = False, kind: str = ASSESSMENT) -> Path:
+    """The file that results can be written to, links resolved; asked before any work is done.
+
+    With `overwrite` an HDF5 file of rockpulse of the same `kind` (of any schema version), or a damaged one, may be
+    replaced; no other file ever is. A ResultsError for a file that exists, a folder that does not, a place or name that
+    cannot be written, or a name that says table, report or picture.
+    """
+    target = Path(os.path.realpath(path))
+    try:
+        if target.exists():
+            _check_replaceable(target, path, overwrite, kind)
+        _check_name(Path(path))
+        if not target.parent.is_dir():
+            raise ResultsError(f"{path}: there is no folder {target.parent}; create it first")
+        part = _part(target)
+        part.touch(exist_ok=False)  # its name is longer than that of the target
+        part.unlink()
+    except OSError as error:
+        raise ResultsError(f"{path}: cannot write into the folder {target.parent}: {error.strerror}") from error
+    return target
+
+
+@contextmanager
+def replacing(
+    path: str | os.PathLike[str], overwrite: bool = False, kind: str = ASSESSMENT, size: int = 0
+) -> Iterator[Path]:
+    """Within it, a file is written that takes the place of another at the end, whole or not at all.
+
+    The name to write to lies beside the target. `size` is about the room that the values take [bytes]: HDF5 on a disk
+    that fills up floods the terminal, so a disk with less room is refused beforehand. A ResultsError where the target
+    may not be replaced (:func:`check_target`) or cannot be written.
+    """
+    target = check_target(path, overwrite, kind)
+    free = shutil.disk_usage(target.parent).free
+    if free < size + LAYOUT:
+        raise ResultsError(
+            f"{path}: the results take {(size + LAYOUT) / 1e6:.0f} MB, {free / 1e6:.0f} MB are free in "
+            f"{target.parent}; make room there"
+        )
+    part = _part(target)
+    try:
+        yield part
+        flush(part, os.O_RDWR)
+        check_target(path, overwrite, kind)  # somebody else may have written it during the run
+        part.replace(target)
+    except OSError as error:
+        raise ResultsError(f"{path}: cannot write the results: {_reason(error)}") from error
+    finally:
+        part.unlink(missing_ok=True)
+    if os.name == "posix":  # elsewhere a folder cannot be opened
+        flush(target.parent, os.O_RDONLY)
+
+
+def remove_parts(path: str | os.PathLike[str]) -> None:
+    """Remove what killed writers of a file have left; to be called where no other writer can be at work."""
+    target = Path(os.path.realpath(path))
+    for left in target.parent.glob(f".{glob.escape(target.name)}.{'[0-9a-f]' * 8}.part"):
+        left.unlink()
+
+
+def journal_path(target: str | os.PathLike[str]) -> Path:
+    """The journal of the run that writes a file (`rockpulse.batch.journal`); links are followed."""
+    return Path(os.path.realpath(target) + ".journal")
+
+
+def named(kind: str) -> str:
+    """A kind of file with its article."""
+    return f"{'an' if kind[0] in 'aeiou' else 'a'} {kind}"
+
+
+def _part(target: Path) -> Path:
+    return target.with_name(f".{target.name}.{secrets.token_hex(4)}.part")
+
+
+def _check_name(path: Path) -> None:
+    """Results are HDF5 under any name: one that says otherwise would be opened as what it is not."""
+    plain = path.with_suffix("") if path.suffix.lower() == ".gz" else path
+    if plain.suffix.lower() in OTHERS:
+        what, verb, suffix = OTHERS[plain.suffix.lower()]
+        results = plain.with_suffix(".h5")
+        raise ResultsError(
+            f"{path}: expected the name of a results file (HDF5), such as {results}, found that of {what}, which is "
+            f"made of results afterwards: rockpulse {verb} {results} -o {plain.with_suffix(suffix)}"
+        )
+    if plain.suffix.lower() in TEXTS:
+        results = plain.with_suffix(".h5")
+        raise ResultsError(
+            f"{path}: expected the name of a results file (HDF5), such as {results}, found the suffix {plain.suffix}, "
+            "which says that the file holds something else"
+        )
+
+
+def _check_replaceable(target: Path, path: str | os.PathLike[str], overwrite: bool, kind: str) -> None:
+    """Only results may be replaced: under a mistyped name a record or a configuration would be lost for good."""
+    if not target.is_file():
+        raise ResultsError(f"{path}: expected the name of a results file, found something that is no regular file")
+    if not overwrite:
+        journal = journal_path(target)
+        going_on = f"; --overwrite together with --resume goes on with the run of {journal}" if journal.exists() else ""
+        raise ResultsError(
+            f"{path}: the file exists; choose another name, or allow it to be replaced (--overwrite{going_on})",
+            tells_resume=bool(going_on),
+        )
+    try:
+        found = _kind(target)
+    except OSError as error:
+        raise ResultsError(f"{path}: cannot read the file that is to be replaced: {error.strerror}") from error
+    if found is None:
+        raise ResultsError(
+            f"{path}: expected results of rockpulse, found another file, which is not replaced even with --overwrite; "
+            "choose another name, or remove it by hand"
+        )
+    if found not in (kind, DAMAGED):
+        raise ResultsError(
+            f"{path}: expected {named(kind)} of rockpulse, found {named(found)}, which is not replaced even with "
+            "--overwrite; choose another name, or remove it by hand"
+        )
+
+
+def _kind(target: Path) -> str | None:
+    """The kind of results in a file of rockpulse, whatever its schema version; None for another file."""
+    import h5py
+
+    with target.open("rb") as file:
+        if file.read(len(SIGNATURE)) != SIGNATURE:
+            return None
+    try:
+        with h5py.File(target, "r", locking=False) as hdf5:  # locked by its owner is not damaged
+            ours = {"schema_version", "rockpulse_version"} <= set(hdf5.attrs)
+            return str(hdf5.attrs.get("kind", ASSESSMENT)) if ours else None
+    except (OSError, RuntimeError, KeyError):
+        return DAMAGED
+
+
+def _reason(error: OSError) -> str:
+    """The words of the operating system for an error, whose number HDF5 hides in a long text."""
+    hidden = re.search(r"errno = (\d+)", str(error))
+    return os.strerror(int(hidden[1])) if hidden else error.strerror or str(error)
+
+
+def flush(path: Path, mode: int) -> None:
+    """Have the system write what it holds of a file or a folder to the disk."""
+    handle = os.open(path, mode)
+    try:
+        os.fsync(handle)
+    finally:
+        os.close(handle)

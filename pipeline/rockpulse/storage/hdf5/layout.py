@@ -1,0 +1,147 @@
+"""Whether a file, which may come from anybody, is one of results: what it may hold at all, and what of its variables.
+
+All that it shows is to be in it: no link out of it, no endless array. Its variables are to be those that docs/schema.md
+describes: type, dimensions, unit, words.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from itertools import islice
+
+import h5py
+import numpy as np
+
+from rockpulse.errors import ResultsError
+from rockpulse.storage.hdf5.atomic import ASSESSMENT
+from rockpulse.storage.hdf5.netcdf4 import NOT_A_COORDINATE, says_no_variable
+from rockpulse.storage.variables import Declared, StoredVariable
+from rockpulse.storage.variables.assessment import ASSESSMENT_GROUPS
+from rockpulse.storage.variables.fragility import FRAGILITY, FRAGILITY_GROUPS
+from rockpulse.storage.variables.site import SITE_GROUPS, SITE_KIND
+
+#: Declarations by the kind of file, and by group; after a comma stands the sort of results that a group is of.
+GROUPS: dict[str, dict[str, Declared]] = {
+    ASSESSMENT: ASSESSMENT_GROUPS,
+    FRAGILITY: FRAGILITY_GROUPS,
+    SITE_KIND: SITE_GROUPS,
+}
+
+#: Groups that every file of a kind has.
+ALWAYS = {ASSESSMENT: ASSESSMENT_GROUPS.keys() - {"/spectra", "/directions", "/records"}}
+
+
+def wrong_variables(variables: Mapping[str, h5py.Dataset], kind: str, units: bool = True) -> Iterator[str]:
+    """A sentence on each variable that a file of a kind holds in another type, shape or unit than it is declared with.
+
+    `variables` are the datasets of the open file by their paths. Without `units` any unit will do: trees
+    of the user's own may name one in another way.
+    """
+    for path, variable in variables.items():
+        if says_no_variable(variable.attrs.get("NAME")):
+            continue
+        group, _, name = path.rpartition("/")
+        differences = [
+            _difference(variable, one, units) for one in _declared(kind, group, name.removeprefix(NOT_A_COORDINATE))
+        ]
+        if differences and all(differences):
+            yield f"variable {path}: {differences[0]}"
+
+
+def missing_variables(variables: Mapping[str, h5py.Dataset], kind: str) -> Iterator[str]:
+    """A sentence on each variable that a file of a kind lacks, though every file of them has it.
+
+    Groups that differ with the sort of results or the configuration may be missing, and so may their variables.
+    """
+    found = {path.replace(f"/{NOT_A_COORDINATE}", "/") for path in variables}
+    present = {path.rpartition("/")[0] for path in found}
+    for title, declared in GROUPS[kind].items():
+        group, _, sort = title.partition(",")
+        if group not in present and group not in ALWAYS.get(kind, ()):
+            continue
+        for name, expected in declared.items():
+            due = not sort and expected.stored is None
+            if due and f"{group}/{name}" not in found:
+                yield f"variable {group}/{name}: it is missing"
+
+
+def _declared(kind: str, group: str, name: str) -> list[StoredVariable]:
+    """All declarations of a variable: a group may differ with the sort of results."""
+    tables = (declared for title, declared in GROUPS[kind].items() if title.partition(",")[0] == group)
+    return [declared[name] for declared in tables if name in declared]
+
+
+def _difference(found: h5py.Dataset, expected: StoredVariable, units: bool) -> str:
+    text = h5py.check_string_dtype(found.dtype) is not None
+    if text != (expected.kind is str) or (not text and found.dtype.kind != np.dtype(expected.kind).kind):
+        return f"expected values of type {np.dtype(expected.kind).name}, found {found.dtype}"
+    sizes = {len(expected.dims), len([name for name in expected.dims if name != "case"])}
+    if found.ndim not in sizes:
+        return f"expected the dimensions ({', '.join(expected.dims)}), found the shape {found.shape}"
+    for name, value in (("units", expected.units if units else None), ("long_name", None)):
+        held = found.attrs.get(name)
+        if not isinstance(held, str) or value not in (None, held):
+            return f"expected the attribute {name}{'' if value is None else f' {value!r}'}, found {held!r:.60}"
+    if expected.words:
+        values, words = found.attrs.get("flag_values"), found.attrs.get("flag_meanings")
+        if not isinstance(words, str) or np.size(values) != len(words.split()) or np.asarray(values).dtype.kind != "i":
+            return "expected flag_values and as many words in flag_meanings"
+    return ""
+
+
+#: Most groups and variables that are looked at; results have some hundreds.
+OBJECTS = 10_000
+#: Bytes that deflate packs into one at the most, and bytes of a variable that need not be in the file at all.
+PACKED, FREE = 1100, 1024**2
+#: Filters that results are written with; HDF5 looks for others among the plugins of the machine.
+FILTERS = (h5py.h5z.FILTER_DEFLATE, h5py.h5z.FILTER_SHUFFLE, h5py.h5z.FILTER_FLETCHER32)
+
+
+def contained(hdf5: h5py.File) -> dict[str, h5py.Dataset]:
+    """Every dataset of an open file by its path, looked at before anything of it is read.
+
+    Raises
+    ------
+    ResultsError
+        For a soft or external link, an object that stands in two places, values that are kept in other files (external
+        storage, virtual datasets), a filter that results do not have, an array that declares far more values than the
+        file has room for, and more than `OBJECTS` objects.
+    """
+    found: dict[str, h5py.Dataset] = {}
+    waiting, seen = [hdf5["/"]], {h5py.h5o.get_info(hdf5["/"].id).addr}
+    while waiting:
+        group = waiting.pop()
+        for name in islice(group, OBJECTS):
+            path = f"{group.name.rstrip('/')}/{name}"
+            where = f"{hdf5.filename}: {path}"
+            if not isinstance(group.get(name, getlink=True), h5py.HardLink):
+                raise ResultsError(f"{where}: a link to somewhere else, which results do not have; it is not followed")
+            item = group[name]
+            if isinstance(item, h5py.Dataset):
+                _check_dataset(where, item)
+                found[path] = item
+            elif isinstance(item, h5py.Group):
+                waiting.append(item)
+            else:
+                raise ResultsError(f"{where}: expected a group or a variable, found a type")
+            address = h5py.h5o.get_info(item.id).addr
+            if address in seen:
+                raise ResultsError(f"{where}: this object stands in the file under another name too")
+            seen.add(address)
+            if len(seen) > OBJECTS:
+                raise ResultsError(f"{hdf5.filename}: more than {OBJECTS} groups and variables, which no results have")
+    return found
+
+
+def _check_dataset(where: str, dataset: h5py.Dataset) -> None:
+    created = dataset.id.get_create_plist()
+    if created.get_layout() == h5py.h5d.VIRTUAL or created.get_external_count():
+        raise ResultsError(f"{where}: its values are kept in another file, which is not read")
+    filters = [created.get_filter(number) for number in range(created.get_nfilters())]
+    if foreign := [name.decode("ascii", "replace") for code, _, _, name in filters if code not in FILTERS]:
+        raise ResultsError(f"{where}: packed by {', '.join(foreign)}, which results are not")
+    if h5py.h5ds.is_scale(dataset.id) and says_no_variable(dataset.attrs.get("NAME")):
+        return  # a dimension alone has a length and no values, and is never read
+    declared, held = (dataset.size or 0) * dataset.dtype.itemsize, dataset.id.get_storage_size()
+    if declared > FREE + PACKED * held:
+        raise ResultsError(f"{where}: declares {declared:,} bytes of values, of which the file holds {held:,}")

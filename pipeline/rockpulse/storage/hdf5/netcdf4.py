@@ -1,0 +1,202 @@
+"""The conventions by which netCDF-4 stores variables, dimensions and attributes in HDF5, read by h5py alone.
+
+A dimension is a dimension scale: the variable of its name, or a dataset without values that stands for it. Every other
+variable is attached to the scales of its dimensions. A group becomes an xarray.Dataset whose numbers are read when they
+are asked for, and not decoded: texts are texts, NaN is NaN. xarray's own way through h5netcdf looks every object up
+anew at every property, which takes several times as long for a hundred variables (docs/decisions/005).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import h5py
+import numpy as np
+import xarray as xr
+from xarray.backends import BackendArray
+from xarray.core import indexing
+
+if TYPE_CHECKING:
+    from collections.abc import Hashable
+
+
+class _Stored(BackendArray):
+    """The numbers of a variable, read from the open file piece by piece."""
+
+    def __init__(self, stored: h5py.Dataset) -> None:
+        self.stored, self.shape, self.dtype = stored, stored.shape, stored.dtype
+
+    def __getitem__(self, key: indexing.ExplicitIndexer) -> Any:
+        return indexing.explicit_indexing_adapter(key, self.shape, indexing.IndexingSupport.OUTER_1VECTOR, self._read)
+
+    def _read(self, key: tuple[Any, ...]) -> np.ndarray:
+        return np.asarray(self.stored[key])
+
+
+def dataset_of(group: h5py.Group) -> xr.Dataset:
+    """A group of an open file, its texts read and its numbers not; it is of no use once the file is closed.
+
+    Raises
+    ------
+    ValueError
+        For a variable whose dimensions the file does not name.
+    """
+    variables: dict[Hashable, xr.Variable] = {
+        one.name: xr.Variable(one.dimensions(), _values(one.stored), attributes(one.stored))
+        for one in variables_of(group)
+    }
+    coordinates = [name for name, variable in variables.items() if variable.dims == (name,)]
+    return xr.Dataset(variables, attrs=attributes(group)).set_coords(coordinates)
+
+
+def read_tree(hdf5: h5py.File) -> xr.DataTree:
+    """All groups of an open file, read into memory. What h5py and :func:`dataset_of` raise passes."""
+    # Times are plain seconds and stay so, whatever units xarray may take for time deltas.
+    return xr.DataTree.from_dict(
+        {
+            group.name: xr.decode_cf(dataset_of(group).load(), decode_times=False, decode_timedelta=False)
+            for group in groups_of(hdf5)
+        }
+    )
+
+
+def _values(stored: h5py.Dataset) -> Any:
+    if h5py.check_string_dtype(stored.dtype):
+        return np.asarray(stored.asstr()[()]).astype(str)
+    return indexing.LazilyIndexedArray(_Stored(stored))
+
+
+#: Attributes that say how objects belong together, and nothing of the values.
+HIDDEN = {
+    "CLASS",
+    "DIMENSION_LIST",
+    "NAME",
+    "REFERENCE_LIST",
+    "_NCProperties",
+    "_Netcdf4Coordinates",
+    "_Netcdf4Dimid",
+    "_nc3_strict",
+}
+
+#: Beginning of the name of a scale that is a dimension and no variable; the size follows in ten columns.
+NO_VARIABLE = "This is a netCDF dimension but not a netCDF variable."
+
+#: What precedes the name of a variable that is that of a dimension which it does not go along.
+NOT_A_COORDINATE = "_nc4_non_coord_"
+
+
+@dataclass(frozen=True, eq=False)
+class Variable:
+    """A variable of an open file."""
+
+    name: str
+    stored: h5py.Dataset
+    scales: Mapping[h5py.Dataset, str]  # of its group, and their names, which HDF5 itself is slow to find
+
+    def dimensions(self) -> tuple[str, ...]:
+        """The names of its dimensions, those of the scales that it is attached to; a ValueError where one has none."""
+        stored = self.stored
+        if not stored.shape:
+            return ()
+        if stored.ndim == 1 and stored in self.scales:
+            return (self.name,)
+        scales = [stored.file[one[0]] for one in stored.attrs.get("DIMENSION_LIST", ()) if len(one)]
+        names = [self.scales.get(scale) or scale.name for scale in scales]
+        if len(names) != stored.ndim or None in names:
+            raise ValueError(f"variable {self.name!r} has {stored.ndim} dimensions, of which {len(names)} have a name")
+        return tuple(str(name).rpartition("/")[2] for name in names)
+
+
+def groups_of(group: h5py.Group) -> Iterator[h5py.Group]:
+    """A group and all within it, in the order in which they were written."""
+    yield group
+    for item in group.values():
+        if isinstance(item, h5py.Group):
+            yield from groups_of(item)
+
+
+def variables_of(group: h5py.Group) -> list[Variable]:
+    """The variables of a group, in the order in which they were written."""
+    datasets = {name: item for name, item in group.items() if isinstance(item, h5py.Dataset)}
+    scales = {item: name for name, item in datasets.items() if h5py.h5ds.is_scale(item.id)}
+    return [
+        Variable(name.removeprefix(NOT_A_COORDINATE), item, scales)
+        for name, item in datasets.items()
+        if not (item in scales and says_no_variable(item.attrs.get("NAME")))
+    ]
+
+
+def attributes(item: h5py.Group | h5py.Dataset) -> dict[str, Any]:
+    """The attributes of an object, less those that are not about the values; an array of one value is that value."""
+    held = item.attrs
+    return {name: _plain(held[name]) for name in held if name not in HIDDEN}
+
+
+def says_no_variable(name: Any) -> bool:
+    """Whether the attribute NAME of a dataset says that it stands for a dimension alone."""
+    return isinstance(name, bytes) and name.startswith(NO_VARIABLE.encode())
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, h5py.Empty):
+        return np.array([], value.dtype)
+    if isinstance(value, np.ndarray) and value.size == 1:
+        value = value.ravel()[0]
+    return value.decode("utf-8", "surrogateescape") if isinstance(value, bytes) else value
+
+
+def slab(variable: xr.Variable, positions: dict[Any, Any]) -> np.ndarray:
+    """Values at positions along each dimension, by reading the box around them.
+
+    HDF5 reads a box at the speed of the disk and scattered positions one by one. Positions are integers in any order,
+    or a slice; a dimension that is not named is read whole, and a name that the variable lacks is passed over.
+    """
+    box: list[slice] = []
+    inside: list[Any] = []
+    for dim, size in variable.sizes.items():
+        wanted = positions.get(dim, slice(None))
+        if isinstance(wanted, slice):
+            box.append(wanted)
+            inside.append(np.arange(len(range(*wanted.indices(size)))))
+        else:
+            start, stop = (int(wanted.min()), int(wanted.max()) + 1) if wanted.size else (0, 0)
+            box.append(slice(start, stop))
+            inside.append(wanted - start)
+    values = variable[tuple(box)].values
+    if all(isinstance(positions.get(dim, slice(None)), slice) for dim in variable.dims):
+        return values
+    return values[np.ix_(*inside)]
+
+
+def pointwise(variable: xr.Variable, places: dict[str, np.ndarray]) -> np.ndarray:
+    """One value for each of r places, by reading the box around them.
+
+    `places` holds (r,) positions along each dimension; names that the variable lacks are passed over.
+    """
+    starts = {dim: int(places[dim].min()) if places[dim].size else 0 for dim in map(str, variable.dims)}
+    stops = {dim: int(places[dim].max()) + 1 if places[dim].size else 0 for dim in starts}
+    values = variable[tuple(slice(starts[dim], stops[dim]) for dim in starts)].values
+    return np.asarray(values[tuple(places[dim] - starts[dim] for dim in starts)])
+
+
+def flag_words(variable: xr.Variable | xr.DataArray) -> dict[int, str]:
+    """Words for the values of a flag; empty for a variable that is no flag."""
+    if "flag_meanings" not in variable.attrs:
+        return {}
+    values = np.atleast_1d(variable.attrs["flag_values"]).tolist()
+    return dict(zip(values, str(variable.attrs["flag_meanings"]).split(), strict=True))
+
+
+def worded(values: np.ndarray, words: dict[int, str]) -> np.ndarray:
+    """Integer values of a flag as the words of :func:`flag_words`; a number that has none stays as it is.
+
+    Examples
+    --------
+    >>> worded(np.array([1, 0, 7]), {0: "no", 1: "yes"}).tolist()
+    ['yes', 'no', '7']
+    """
+    codes, inverse = np.unique(values, return_inverse=True)
+    names = np.array([words.get(code, str(code)) for code in codes.tolist()], dtype=object)
+    return names[inverse].reshape(values.shape) if codes.size else values.astype(object)

@@ -1,0 +1,256 @@
+"""The results file: a tree written whole or not at all, with its provenance, and read back the same, whole or in part.
+
+:func:`load` takes a whole file into memory; a table of the worst twenty of two million answers needs a few variables,
+which a file of :func:`open_results` reads when their values are asked for.
+"""
+
+from __future__ import annotations
+
+import os
+import platform
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from datetime import UTC, datetime
+from functools import cache
+from importlib.metadata import version
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from rockpulse.errors import ResultsError, RockpulseError
+from rockpulse.input_file import check_regular
+from rockpulse.option import hint
+from rockpulse.storage.hdf5.atomic import ASSESSMENT, replacing
+from rockpulse.storage.variables.fragility import FRAGILITY
+from rockpulse.storage.variables.site import SITE_KIND
+from rockpulse.version import __version__
+
+if TYPE_CHECKING:
+    import h5py
+    import xarray as xr
+
+
+#: Of the layout described in docs/schema.md; files of any other are refused.
+SCHEMA_VERSION = "2.0"
+
+#: Kinds of files that are read back, and the group that each of them has.
+KINDS = {ASSESSMENT: "summary", SITE_KIND: "site", FRAGILITY: "fragility"}
+
+#: The verb that makes each kind of file.
+VERBS = {ASSESSMENT: "assess", SITE_KIND: "calibrate", FRAGILITY: "fragility"}
+
+PACKAGES = ("numpy", "numba", "scipy", "xarray", "h5netcdf", "h5py", "obspy")
+
+
+def save(tree: xr.DataTree, path: str | os.PathLike[str], overwrite: bool = False) -> None:
+    """Write results to one HDF5 file, atomically.
+
+    Parameters
+    ----------
+    tree : xarray.DataTree
+        Results as :func:`rockpulse.assess` returns them (docs/schema.md); every variable has `units` and `long_name`.
+        The attribute `kind` says what they are, an assessment without.
+    path : str or Path
+        File to write.
+    overwrite : bool
+        Whether results that exist may be replaced (:func:`check_target`). Until the new file is complete the old one
+        stays as it is.
+
+    Raises
+    ------
+    ResultsError
+        Where the target exists or cannot be written, or a variable lacks its unit or long name.
+
+    See Also
+    --------
+    load : the way back.
+    """
+    from rockpulse.storage.hdf5.writer import write_tree
+
+    check_described(tree, path)
+    with replacing(path, overwrite, tree.attrs.get("kind", ASSESSMENT), tree.nbytes) as part:
+        write_tree(tree, part, provenance(tree.attrs))
+
+
+def check_described(tree: xr.DataTree, path: str | os.PathLike[str]) -> None:
+    """A ResultsError where a variable of the tree, which is to be written to the path, has no unit or no name."""
+    for node in tree.subtree:
+        for name, variable in node.to_dataset(inherit=False).variables.items():
+            for attribute in ("units", "long_name"):
+                if not isinstance(variable.attrs.get(attribute), str):
+                    where = f"{node.path.rstrip('/')}/{name}"
+                    raise ResultsError(f"{path}: the variable {where} has no {attribute!r}; set it before saving")
+
+
+def load(path: str | os.PathLike[str]) -> xr.DataTree:
+    """Read results into memory, as :func:`rockpulse.load` does, which adds the accessor of an assessment."""
+    from rockpulse.storage.hdf5.netcdf4 import read_tree
+
+    with opened(path) as (hdf5, _), readable(path):
+        tree = read_tree(hdf5)
+    return tree.map_over_datasets(_as_saved)
+
+
+def check_schema(path: str | os.PathLike[str]) -> str:
+    """The kind of a file of results, a key of `KINDS`; errors as of :func:`load` where it cannot be read."""
+    import h5py
+
+    from rockpulse.storage.hdf5.layout import contained
+
+    check_regular(path, ResultsError)
+    Path(path).open("rb").close()
+    try:
+        with h5py.File(path, "r") as file:
+            contained(file)
+            found = file.attrs.get("schema_version")
+            kind = str(file.attrs.get("kind", ASSESSMENT))
+            known = KINDS.get(kind, "?") in file and isinstance(found, str)
+    except (OSError, RuntimeError, KeyError) as error:
+        raise ResultsError(
+            f"{path}: expected a results file of rockpulse (HDF5), found something else or a truncated file ({error}); "
+            "records are assessed with 'rockpulse assess'"
+        ) from error
+    if not known:
+        raise ResultsError(
+            f"{path}: an HDF5 file, not written by rockpulse (or of a kind that this version does not know): attribute "
+            f"'schema_version' or group '{KINDS.get(kind, KINDS[ASSESSMENT])}' is missing"
+        )
+    if found != SCHEMA_VERSION:
+        raise ResultsError(
+            f"{path}: expected schema version {SCHEMA_VERSION}, found {found}; run 'rockpulse {VERBS[kind]}' "
+            "again with this version, or open the file with the version that its attribute 'rockpulse_version' names"
+        )
+    return kind
+
+
+@contextmanager
+def opened(path: str | os.PathLike[str]) -> Iterator[tuple[h5py.File, str]]:
+    """An open file of results, whose variables are as docs/schema.md describes them, and its kind; errors as `load`."""
+    import h5py
+
+    from rockpulse.storage.hdf5.layout import contained, wrong_variables
+
+    kind = check_schema(path)
+    with h5py.File(path, "r") as hdf5:
+        with readable(path):
+            wrong = next(wrong_variables(contained(hdf5), kind, units=False), "")
+        if wrong:
+            raise ResultsError(
+                f"{path}: {wrong}; 'rockpulse verify' says what else is not as it was written, run the assessment again"
+            )
+        yield hdf5, kind
+
+
+@contextmanager
+def readable(path: str | os.PathLike[str]) -> Iterator[None]:
+    """Within it, what is said of a damaged file becomes a ResultsError."""
+    try:
+        yield
+    except RockpulseError:
+        raise
+    except (OSError, RuntimeError, KeyError, ValueError, TypeError) as error:
+        raise ResultsError(f"{path}: the results file is damaged ({error}); run the assessment again") from error
+
+
+#: Between the time and the version in a line of the attribute `history`.
+WRITTEN_BY = " written by rockpulse "
+
+
+def provenance(attrs: Mapping[Any, Any]) -> dict[str, Any]:
+    """Attributes of the root of a file that tell its origin; those that are there already, as a title, stay."""
+    stamp = f"{datetime.now(UTC):%Y-%m-%dT%H:%M:%SZ}{WRITTEN_BY}{__version__}"
+    before = attrs.get("history")
+    return {
+        "Conventions": "CF-1.11",
+        "kind": ASSESSMENT,
+        "title": "Overturning safety of rigid blocks under recorded ground motion",
+        "rockpulse_version": __version__,
+        "python_version": platform.python_version(),
+        **_versions(),
+        **attrs,
+        "schema_version": SCHEMA_VERSION,
+        "history": f"{before}\n{stamp}" if before else stamp,
+    }
+
+
+@cache  # each costs a search of the installed files
+def _versions() -> dict[str, str]:
+    return {f"{package}_version": version(package) for package in PACKAGES}
+
+
+def _as_saved(dataset: xr.Dataset) -> xr.Dataset:
+    """Strings come back as objects; the encoding would tie a copy to the old file; checksums are of the file."""
+    from rockpulse.storage.hdf5.writer import CHECKSUM, CHECKSUM_OF_ATTRIBUTES
+
+    strings = {name: variable.astype(str) for name, variable in dataset.variables.items() if variable.dtype == object}
+    plain = dataset.assign(strings).drop_encoding()
+    for attrs in (plain.attrs, *(variable.attrs for variable in plain.variables.values())):
+        for checksum in (CHECKSUM, CHECKSUM_OF_ATTRIBUTES):
+            attrs.pop(checksum, None)
+    return plain
+
+
+@dataclass(frozen=True, eq=False)
+class ResultsFile:
+    """A results file that is open; values are read from it when they are asked for."""
+
+    path: Path
+    kind: str  # of results, as the root attribute says
+    attrs: dict[str, Any]  # of the root
+    groups: tuple[str, ...]  # without the leading slash
+    _hdf5: h5py.File = field(repr=False)
+    _opened: dict[str, xr.Dataset] = field(default_factory=dict, repr=False)
+
+    def dataset(self, group: str) -> xr.Dataset:
+        """A group, its values not yet read; a ResultsError where there is none of the name, or it is damaged."""
+        from rockpulse.storage.hdf5.netcdf4 import dataset_of
+
+        if group not in self.groups:
+            raise ResultsError(
+                f"{self.path}: there is no group {group!r}{hint(group, self.groups)} (there are "
+                f"{', '.join(self.groups)})"
+            )
+        if group not in self._opened:
+            try:
+                with self.reading():
+                    self._opened[group] = dataset_of(self._hdf5[group])
+            except (KeyError, ValueError) as error:  # a dimension is gone, or a variable came without any
+                raise ResultsError(
+                    f"{self.path}: /{group} is not as it was written ({error}); 'rockpulse verify' says what else, run "
+                    "the assessment again"
+                ) from error
+        return self._opened[group]
+
+    def tree(self, *groups: str) -> xr.DataTree:
+        """The named groups that the file has (all by default) as a tree whose values are not yet read."""
+        import xarray as xr
+
+        chosen = [name for name in groups or self.groups if name in self.groups]
+        return xr.DataTree.from_dict(
+            {"/": xr.Dataset(attrs=self.attrs), **{f"/{name}": self.dataset(name) for name in chosen}}
+        )
+
+    @contextmanager
+    def reading(self) -> Iterator[None]:
+        """Within it, what HDF5 says of a damaged file becomes a ResultsError."""
+        try:
+            yield
+        except (OSError, RuntimeError) as error:
+            if getattr(error, "errno", None) is not None:  # of the file system, not of HDF5
+                raise
+            raise ResultsError(
+                f"{self.path}: the results file is damaged ({error}); run the assessment again"
+            ) from error
+
+
+@contextmanager
+def open_results(path: str | Path) -> Iterator[ResultsFile]:
+    """Open a file of results for reading what is needed of it; raises as :func:`rockpulse.load`."""
+    import h5py
+
+    with opened(path) as (hdf5, kind):
+        groups = tuple(name for name, item in hdf5.items() if isinstance(item, h5py.Group))
+        attrs = {name: value.item() if isinstance(value, np.generic) else value for name, value in hdf5.attrs.items()}
+        yield ResultsFile(Path(path), kind, attrs, groups, hdf5)

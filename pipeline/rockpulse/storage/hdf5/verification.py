@@ -1,0 +1,241 @@
+"""Whether a results file is what was written, and the files that it rests on are what was read."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import nullcontext
+from dataclasses import dataclass, field
+from itertools import groupby
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+
+from rockpulse.config.configuration import stored_sections
+from rockpulse.errors import RecordRefused, ResultsError, RockpulseError
+from rockpulse.input_file import check_regular
+from rockpulse.readers.archive import Archive, is_archive
+from rockpulse.readers.source import open_source
+from rockpulse.record.record import BETWEEN
+from rockpulse.storage.hdf5.layout import missing_variables, wrong_variables
+from rockpulse.storage.hdf5.netcdf4 import attributes, groups_of, variables_of
+from rockpulse.storage.hdf5.results_file import check_schema, readable
+from rockpulse.storage.hdf5.writer import CHECKSUM, CHECKSUM_OF_ATTRIBUTES, VariableChecksum, attributes_checksum
+
+#: Values that are read at once [bytes].
+CHUNK = 32 * 1024**2
+
+
+@dataclass(frozen=True)
+class Verification:
+    """The outcome of a comparison of a results file and its inputs with their checksums."""
+
+    kind: str  # of results
+    schema: str  # version of it
+    variables: int  # number of those that were compared
+    inputs: int  # number of input files that were found and read
+    absent: tuple[str, ...]  # input files that are not where they were
+    differences: tuple[str, ...]  # a sentence each; empty where file and inputs are as they were
+
+
+@dataclass(frozen=True)
+class _Listed:
+    """The variables of an open file, attributes of groups and variables, and dimensions of variables, by path."""
+
+    variables: dict[str, h5py.Dataset] = field(default_factory=dict)
+    attrs: dict[str, dict[str, Any]] = field(default_factory=dict)
+    dimensions: dict[str, tuple[str, ...]] = field(default_factory=dict)
+
+
+def verify(
+    path: str | os.PathLike[str], inputs: bool = True, progress: Callable[[list[Any]], Any] = iter
+) -> Verification:
+    """Compare a results file with its checksums and its schema, and with `inputs` also the files that it was made of.
+
+    `progress` wraps the list of variables, then that of input files, on its way into the loop.
+
+    Raises
+    ------
+    ResultsError
+        For a file that HDF5 cannot open, that is no results file of rockpulse, or of another major schema version.
+    OSError
+        Where it cannot be opened.
+    """
+    kind = check_schema(path)
+    with readable(path), h5py.File(path, "r") as hdf5:
+        file = _listed(hdf5)
+        root = file.attrs["/"]
+        schema = str(root["schema_version"])
+        differences, count = _wrong_checksums(file, progress)
+        differences += [*missing_variables(file.variables, kind), *wrong_variables(file.variables, kind)]
+        stored = stored_checksums(hdf5) if inputs else []
+        folders = record_folders(str(root.get("configuration", "")))
+    sources = input_files(stored)
+    places = {in_place(name, folders): name for name in sources}
+    absent: list[str] = []
+    for place, found in input_checksums(progress(sorted(places))):
+        name = places[place]
+        if found is None:
+            absent.append(name)
+        elif isinstance(found, Exception):
+            differences.append(f"input {name}: it can no longer be read ({found})")
+        elif sources[name] != {found}:
+            differences.append(f"input {name}: it is not the file that was read (its SHA-256 differs)")
+    return Verification(kind, schema, count, len(sources) - len(absent), tuple(absent), tuple(differences))
+
+
+def _listed(hdf5: h5py.File) -> _Listed:
+    """What a file holds; the dimension of a variable that another program has added without any is "?"."""
+    file = _Listed()
+    for group in groups_of(hdf5):
+        file.attrs[group.name] = attributes(group)
+        for variable in variables_of(group):
+            path = f"{group.name.rstrip('/')}/{variable.name}"
+            file.variables[path] = variable.stored
+            file.attrs[path] = attributes(variable.stored)
+            try:
+                file.dimensions[path] = variable.dimensions()
+            except ValueError:
+                file.dimensions[path] = ("?",)
+    return file
+
+
+def _wrong_checksums(file: _Listed, progress: Callable[[list[Any]], Any]) -> tuple[list[str], int]:
+    of_all = file.attrs["/"].get(CHECKSUM_OF_ATTRIBUTES)
+    if of_all is None and not any(CHECKSUM in file.attrs[path] for path in file.variables):
+        return ["the file has no checksums: it was written by another program"], 0
+    found = []
+    for path in progress(list(file.variables)):
+        stored = file.attrs[path].get(CHECKSUM)
+        if stored is None:
+            found.append(f"variable {path}: it has no checksum; it was not written with the others")
+            continue
+        try:
+            same = _checksum(file.variables[path]) == stored
+        except (OSError, RuntimeError, ValueError) as error:
+            found.append(f"variable {path}: it cannot be read ({error})")
+            continue
+        if not same:
+            found.append(f"variable {path}: its values are not what was written")
+    if attributes_checksum(file.attrs, file.dimensions) != of_all:
+        found.append("attributes, or names and dimensions of variables, are not what was written")
+    return found, len(file.variables)
+
+
+def _checksum(variable: h5py.Dataset) -> str:
+    """The checksum of the values as they are now, read a piece at a time."""
+    dtype = np.dtype(object) if h5py.check_string_dtype(variable.dtype) else np.dtype(variable.dtype)
+    shape = variable.shape
+    checksum = VariableChecksum(dtype, shape)
+    if not shape:
+        checksum.add(np.asarray(variable[()], dtype))
+    elif 0 not in shape:
+        step = max(1, CHUNK // (dtype.itemsize * int(np.prod(shape[1:]))))
+        for begin in range(0, shape[0], step):
+            checksum.add(np.asarray(variable[begin : begin + step], dtype))
+    return checksum.hexdigest()
+
+
+def stored_checksums(hdf5: h5py.File) -> list[tuple[str, str]]:
+    """The files of every record of an open results file and their SHA-256, as they are stored."""
+    groups = [
+        item for item in hdf5.values() if isinstance(item, h5py.Group) and {"source", "source_sha256"} <= set(item)
+    ]
+    return [
+        pair
+        for group in groups
+        for pair in zip(group["source"].asstr()[:], group["source_sha256"].asstr()[:], strict=True)
+        if pair[1]
+    ]
+
+
+def input_files(stored: Iterable[tuple[str, str]]) -> dict[str, set[str]]:
+    """The files (``archive.zip!member``) that records were read from, by name, from pairs of :func:`stored_checksums`.
+
+    The values are their SHA-256 as stored; several where a file changed between two records. A ResultsError where a
+    record has not a SHA-256 for each of its files.
+    """
+    found: dict[str, set[str]] = {}
+    for source, checksum in stored:
+        for name, one in _apart(source, checksum):
+            found.setdefault(name, set()).add(one)
+    return found
+
+
+def record_folders(configuration: str) -> list[Path]:
+    """Folders from which the files of a run may have been named, by the configuration that is stored in its results.
+
+    The paths of its records are absolute. A text that is no configuration names no folder.
+    """
+    try:
+        named = stored_sections(configuration).get("records", {}).get("paths", ())
+    except ResultsError:
+        return []
+    paths = [Path(path) for path in named if isinstance(path, str)] if isinstance(named, list | tuple) else []
+    return list(dict.fromkeys(folder for path in paths for folder in (path, *path.parents)))
+
+
+def in_place(source: str, folders: Iterable[Path]) -> str:
+    """A file as it is named, or its path below one of the folders if it is there and not where it is named."""
+    named = (source, *(str(folder / source) for folder in folders))
+    return next((name for name in named if _there(_location(name)[0])), source)
+
+
+def _apart(source: str, checksum: str) -> list[tuple[str, str]]:
+    """The files of a record and the checksum of each; equal checksums stand once."""
+    checksums = checksum.split(BETWEEN)
+    names = [source] if len(checksums) == 1 and _there(_location(source)[0]) else source.split(BETWEEN)
+    if len(checksums) == 1:
+        checksums *= len(names)
+    if len(names) != len(checksums):
+        raise ResultsError(f"the record of {source}: expected a SHA-256 for each of its files, found {checksum!r}")
+    return list(zip(names, checksums, strict=True))
+
+
+def _there(path: str | Path) -> bool:
+    """Whether a file is there; a name too long for one, or a folder that may not be looked into, is no error here."""
+    return os.path.exists(path)  # noqa: PTH110 - Path.exists raises for these
+
+
+def _location(source: str) -> tuple[Path, str | None]:
+    """The file on the disk, and the member if that is an archive; names may hold a "!" themselves."""
+    if "!" in source and not _there(source):
+        archive, _, member = source.partition("!")
+        while not _there(archive) and "!" in member:
+            further, _, member = member.partition("!")
+            archive = f"{archive}!{further}"
+        return Path(archive), member
+    return Path(source), None
+
+
+def input_checksums(sources: Iterable[str]) -> Iterator[tuple[str, str | Exception | None]]:
+    """Every file and its SHA-256 as it is now, or the error that kept it from being read, or None where it is absent.
+
+    `sources` are sorted keys of :func:`input_files`, so that an archive is opened once.
+    """
+    for place, names in groupby(sources, key=lambda source: _location(source)[0]):
+        if not _there(place):
+            yield from ((name, None) for name in names)
+            continue
+        try:
+            check_regular(place, ResultsError)
+            opened = Archive(place) if is_archive(place) else nullcontext()
+        except (RockpulseError, OSError) as error:
+            yield from ((name, error) for name in names)
+            continue
+        with opened as archive:
+            for name in names:
+                yield name, _input_checksum(place, archive, name)
+
+
+def _input_checksum(place: Path, archive: Archive | None, name: str) -> str | Exception:
+    try:
+        if archive is None:
+            return open_source(place).sha256
+        if name not in archive.names:
+            raise RecordRefused("the archive no longer has this member")
+        return archive.member(archive.names.index(name)).sha256
+    except (RockpulseError, OSError) as error:
+        return error

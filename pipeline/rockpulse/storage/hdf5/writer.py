@@ -1,0 +1,308 @@
+"""Writing the HDF5 file of a tree, variable by variable or piece by piece, with the checksum of each.
+
+The file is one of netCDF-4, laid out with h5py alone (docs/decisions/005). Objects and attributes come in the order in
+which h5netcdf makes them; :mod:`rockpulse.storage.hdf5.netcdf4` says what the layout is.
+
+The checksum of a variable is the SHA-256 of its type and shape in one line (``float64 3x2``; ``text 3``; sizes in
+order, nothing for a single value), a line feed, and its values in C order: numbers little-endian, each text in UTF-8
+with a zero byte after it. That of the attributes is the one of sorted lines, ``PATH`` for each group, ``PATH
+DIMENSION...`` for each variable and ``PATH@ATTRIBUTE CHECKSUM`` for each attribute, that of its values as of a variable
+of one dimension.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from types import TracebackType
+from typing import TYPE_CHECKING, Any, Self
+
+import h5py
+import numpy as np
+
+from rockpulse.storage.hdf5.netcdf4 import HIDDEN, NO_VARIABLE, NOT_A_COORDINATE
+from rockpulse.version import __version__
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+
+class TreeWriter:
+    """A results file that is being written; to be used in a ``with`` block, at the end of which it is complete.
+
+    All sizes are known beforehand, so that every variable lies in the file in one piece: who reads one variable of many
+    records reads nothing else. An OSError wherever the file cannot be written, whatever HDF5 calls it.
+    """
+
+    def __init__(self, path: Path, attrs: Mapping[str, Any]) -> None:
+        self._path = path
+        self._hdf5 = h5py.File(path, "w", track_order=True)  # as netCDF has it
+        self._attrs: dict[str, dict[str, Any]] = {"/": {}}  # of groups and variables, by path
+        self._sizes: dict[str, dict[str, int]] = {}
+        self._dims: dict[str, tuple[str, ...]] = {}
+        self._scales: dict[tuple[str, str], h5py.Dataset] = {}  # of dimensions, by group and name
+        self._numbers: dict[tuple[str, str], int] = {}  # of the same
+        self._variables: dict[str, h5py.Dataset] = {}
+        self._shapes: dict[str, tuple[int, ...]] = {}
+        self._written: dict[str, int] = {}
+        self._checksums: dict[str, VariableChecksum] = {}
+        self._set("/", self._hdf5, attrs)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
+    ) -> None:
+        try:
+            if error is None:
+                self._complete()
+        finally:
+            self._close(error)
+
+    def add_group(self, path: str, sizes: Mapping[str, int], attrs: Mapping[str, Any]) -> None:
+        """Add a group, as "/summary" ("/" is there already), with the size of each of its dimensions."""
+        group = self._hdf5 if path == "/" else self._hdf5.create_group(path, track_order=True)
+        self._sizes[path] = dict(sizes)
+        for name, size in sizes.items():
+            self._numbers[path, name] = len(self._numbers)
+            self._make_scale(path, name, self._create(_joined(path, name), (size,), ">f4"), f"{NO_VARIABLE}{size:10}")
+        self._set(path, group, attrs)
+
+    def add_variable(self, path: str, dims: tuple[str, ...], dtype: np.dtype[Any], attrs: Mapping[str, Any]) -> None:
+        """Add a variable, as "/summary/pga", without its values; texts where `dtype` is a type of texts.
+
+        A TypeError for truth values, which netCDF has not.
+        """
+        group, _, name = path.rpartition("/")
+        group = group or "/"
+        if dtype.kind == "b":
+            raise TypeError(f"{path}: expected numbers or texts, was given truth values, which netCDF has not")
+        stored = h5py.string_dtype() if dtype.kind in "UO" else dtype
+        # Every value is written: what is absent is a NaN of its own, and HDF5 need not write fill values first.
+        fill = np.array([np.nan], dtype.newbyteorder("=")) if dtype.kind == "f" else None
+        shape = tuple(self._sizes[group][dim] for dim in dims)
+        if dims == (name,):
+            variable = self._take_place(group, name, stored, fill)
+        else:
+            place = _joined(group, NOT_A_COORDINATE + name) if name in self._sizes[group] else path
+            variable = self._create(place, shape, stored, fill)
+            for axis, dim in enumerate(dims):
+                h5py.h5ds.attach_scale(variable.id, self._scales[group, dim].id, axis)
+        if dims:
+            numbers = np.array([self._numbers[group, dim] for dim in dims], np.int32)
+            variable.attrs["_Netcdf4Coordinates"] = numbers
+            if shape[0] and dims != (name,):
+                variable.attrs["_Netcdf4Dimid"] = numbers[0]
+        self._variables[path], self._dims[path], self._shapes[path] = variable, dims, shape
+        self._written[path] = 0
+        self._checksums[path] = VariableChecksum(dtype, shape)
+        self._set(path, variable, {**({} if fill is None else {"_FillValue": fill}), **attrs})
+
+    def append(self, path: str, values: np.ndarray) -> None:
+        """Write the next values of a variable along its first dimension; all of a variable without dimensions.
+
+        A ValueError for values that do not fit into the variable.
+        """
+        values = np.asarray(values)
+        shape, begin = self._shapes[path], self._written[path]
+        if values.shape[1:] != shape[1:] or (shape and begin + len(values) > shape[0]):
+            raise ValueError(f"{path}: expected values for {shape} from {begin} on, was given {values.shape}")
+        if values.dtype.kind in "UO":
+            values = np.array([in_utf8(str(text)) for text in values.ravel().tolist()], object).reshape(values.shape)
+        self._checksums[path].add(values)
+        if not shape:
+            self._variables[path][...] = values[()]
+            return
+        self._written[path] = begin + len(values)
+        if values.size:
+            self._variables[path][begin : begin + len(values)] = values
+
+    def read(self, path: str, begin: int, end: int) -> np.ndarray:
+        """Values that were written, along the first dimension from `begin` to before `end`; texts as numpy strings."""
+        variable = self._variables[path]
+        if h5py.check_string_dtype(variable.dtype):
+            return np.asarray(variable.asstr()[begin:end]).astype(str)
+        return np.asarray(variable[begin:end])
+
+    def _complete(self) -> None:
+        """Set the checksums, and say who wrote the file."""
+        for path, checksum in self._checksums.items():
+            shape = self._shapes[path]
+            if shape and self._written[path] != shape[0]:
+                raise ValueError(f"{path}: expected {shape[0]} values, was given {self._written[path]}")
+            self._set(path, self._variables[path], {CHECKSUM: checksum.hexdigest()})
+        self._set("/", self._hdf5, {CHECKSUM_OF_ATTRIBUTES: attributes_checksum(self._attrs, self._dims)})
+        versions = f"version=2,rockpulse={__version__},hdf5={h5py.version.hdf5_version},h5py={h5py.__version__}"
+        self._hdf5.attrs["_NCProperties"] = np.bytes_(versions)
+
+    def _create(self, path: str, shape: tuple[int, ...], dtype: Any, fill: np.ndarray | None = None) -> h5py.Dataset:
+        """An HDF5 dataset; a dimension of size zero is one that netCDF may let grow."""
+        most = {"maxshape": tuple(size or None for size in shape)} if 0 in shape else {}
+        value = None if fill is None else fill[0]
+        return self._hdf5.create_dataset(path, shape, dtype, fillvalue=value, track_order=True, **most)
+
+    def _make_scale(self, group: str, dim: str, scale: h5py.Dataset, name: str) -> None:
+        """Make a dataset the scale of a dimension."""
+        scale.attrs["_Netcdf4Dimid"] = np.int32(self._numbers[group, dim])
+        scale.make_scale(name)
+        self._scales[group, dim] = scale
+
+    def _take_place(self, group: str, dim: str, dtype: Any, fill: np.ndarray | None) -> h5py.Dataset:
+        """A variable in the place of the dataset that stood for its dimension, with all that was attached to that."""
+        before = self._scales[group, dim]
+        attached = [
+            (self._variables[path].id, dims.index(dim))
+            for path, dims in self._dims.items()
+            if dim in dims and (path.rpartition("/")[0] or "/") == group
+        ]
+        for variable, axis in attached:
+            h5py.h5ds.detach_scale(variable, before.id, axis)
+        path, shape = _joined(group, dim), before.shape
+        del self._hdf5[path]
+        scale = self._create(path, shape, dtype, fill)
+        self._make_scale(group, dim, scale, dim)
+        for variable, axis in attached:
+            h5py.h5ds.attach_scale(variable, scale.id, axis)
+        return scale
+
+    def _set(self, path: str, item: h5py.Group | h5py.Dataset, attrs: Mapping[str, Any]) -> None:
+        """Write attributes of a group or variable; a number becomes a list of one, as netCDF knows no other.
+
+        A ValueError for a name that netCDF keeps to itself, a TypeError for truth values.
+        """
+        held, stored = self._attrs.setdefault(path, {}), item.attrs
+        for key, value in attrs.items():
+            name = str(key)
+            if name in HIDDEN:
+                raise ValueError(f"{path}: an attribute cannot have the name {name!r}, which netCDF keeps to itself")
+            if np.asarray(value).dtype.kind == "b":
+                raise TypeError(f"{path}: attribute {name!r}: expected numbers or texts, was given truth values")
+            if isinstance(value, str):
+                value = in_utf8(value)
+            elif np.isscalar(value) and not isinstance(value, bytes):
+                value = np.array([value])
+            held[name] = stored[name] = value
+
+    def _close(self, error: BaseException | None) -> None:
+        """Close the file, of which nothing is left where there is an error; the first fault of several is raised."""
+        faults: list[Exception] = []
+        if error is None:
+            try:
+                self._hdf5.flush()
+            except (OSError, RuntimeError) as fault:  # how h5py reports a full disk
+                faults.append(fault)
+        if error is not None or faults:
+            # Room for what HDF5 still holds: on a full disk, a file that it cannot close crashes Python at exit.
+            os.truncate(self._path, 0)
+        try:
+            self._hdf5.close()
+        except (OSError, RuntimeError) as fault:
+            faults.append(fault)
+        if error is None and faults:
+            raise OSError(str(faults[0])) from faults[0]
+
+
+def write_tree(tree: xr.DataTree, path: Path, attrs: Mapping[str, Any]) -> None:
+    """Write a whole tree of numbers, texts and flags, whose attributes are numbers, texts or lists of numbers.
+
+    `attrs` takes the place of the attributes of its root. An OSError where the file cannot be written.
+    """
+    with TreeWriter(path, attrs) as writer:
+        for node in tree.subtree:
+            dataset = node.to_dataset(inherit=False)
+            add_dataset(writer, node.path, dataset, {} if node.path == "/" else dataset.attrs)
+            for name, variable in dataset.variables.items():
+                writer.append(_joined(node.path, name), variable.values)
+
+
+def add_dataset(
+    writer: TreeWriter, path: str, dataset: xr.Dataset, attrs: Mapping[str, Any], sizes: Mapping[str, int] | None = None
+) -> None:
+    """Add a group with the variables of a dataset, without their values.
+
+    `sizes` are of dimensions whose size is not that in the dataset.
+    """
+    writer.add_group(path, {**{str(dim): size for dim, size in dataset.sizes.items()}, **(sizes or {})}, attrs)
+    # CF: what is a coordinate without being a dimension is named by the variables that it belongs to.
+    further = {name: set(dataset[name].dims) for name in dataset.coords if name not in dataset.dims}
+    for name, variable in dataset.variables.items():
+        beside = [
+            str(one) for one, dims in further.items() if name not in dataset.coords and dims <= set(variable.dims)
+        ]
+        extra = {"coordinates": " ".join(beside)} if beside else {}
+        writer.add_variable(
+            _joined(path, name), tuple(map(str, variable.dims)), variable.dtype, {**variable.attrs, **extra}
+        )
+
+
+def in_utf8(text: str) -> str:
+    """The text as HDF5 takes it: bytes outside UTF-8, as file names may hold, become the replacement character."""
+    return text.encode("utf-8", "surrogateescape").decode("utf-8", "replace").replace("\0", "\ufffd")
+
+
+def _joined(path: str, name: Any) -> str:
+    return f"{path.rstrip('/')}/{name}"
+
+
+#: Attribute of each variable.
+CHECKSUM = "sha256"
+#: Attribute of the root.
+CHECKSUM_OF_ATTRIBUTES = "attributes_sha256"
+
+
+class VariableChecksum:
+    r"""The checksum of a variable whose values, numbers or texts (dtype of kind U or O), come piece by piece.
+
+    Examples
+    --------
+    >>> whole = VariableChecksum(np.dtype(float), (3,))
+    >>> whole.add(np.array([1.0, 2.0]))
+    >>> whole.add(np.array([3.0]))
+    >>> whole.hexdigest() == hashlib.sha256(b"float64 3\n" + np.array([1.0, 2.0, 3.0]).tobytes()).hexdigest()
+    True
+    """
+
+    def __init__(self, dtype: np.dtype[Any], shape: tuple[int, ...]) -> None:
+        self._text = dtype.kind in "UO"
+        kind = "text" if self._text else dtype.name
+        self._hash = hashlib.sha256(f"{kind} {'x'.join(map(str, shape))}\n".encode())
+
+    def add(self, values: np.ndarray) -> None:
+        """Take the next values in."""
+        if self._text:
+            self._hash.update(b"".join(_bytes(text) + b"\0" for text in values.ravel().tolist()))
+        else:
+            self._hash.update(np.ascontiguousarray(values, dtype=values.dtype.newbyteorder("<")).data)
+
+    def hexdigest(self) -> str:
+        """The checksum of what was added."""
+        return self._hash.hexdigest()
+
+
+def attributes_checksum(attrs: Mapping[str, Mapping[str, Any]], dimensions: Mapping[str, Sequence[str]]) -> str:
+    """The checksum of all attributes, the checksums of the variables included.
+
+    `attrs` holds those of each group and variable by its path, `dimensions` the names of those of each variable.
+    """
+    lines = [f"{path} {' '.join(dimensions[path])}" if path in dimensions else path for path in attrs]
+    for path, own in attrs.items():
+        for name, value in own.items():
+            if (path, name) != ("/", CHECKSUM_OF_ATTRIBUTES):
+                lines.append(f"{path}@{name} {_of_value(value)}")
+    return hashlib.sha256("\n".join(sorted(lines)).encode()).hexdigest()
+
+
+def _of_value(value: Any) -> str:
+    values = np.atleast_1d(np.asarray(value))
+    if values.dtype.kind == "S":  # a text too
+        values = values.astype(object)
+    checksum = VariableChecksum(values.dtype, values.shape)
+    checksum.add(values)
+    return checksum.hexdigest()
+
+
+def _bytes(text: str | bytes) -> bytes:
+    return text.encode() if isinstance(text, str) else text

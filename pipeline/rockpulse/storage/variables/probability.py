@@ -1,0 +1,186 @@
+"""The variables of the probability of overturning in /summary, and of overturning spectra, also those in /spectra."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from rocking.block_limits import RATES
+from rockpulse.config.configuration import Config
+from rockpulse.storage.variables import Declared, StoredVariable, along, flag, real
+
+#: The mean over direction of the probability of overturning: that of a body whose direction is not known.
+MEAN = "overturning_probability_mean"
+
+#: What gave the probability, in the order of the flag.
+SOURCES = ("none", "spectrum", "own_lanes")
+
+#: Variables by the names that :class:`rocking.OverturningFactors` has for them.
+READ = {
+    "overturning_probability": "at_one",
+    "factor_10": "factor_10",
+    "factor_50": "factor_50",
+    "capacity_mean": "capacity_mean",
+}
+
+
+def _of_lanes(name: str) -> Callable[[Any], np.ndarray]:
+    return lambda one: one.per_lane(one.probability[name])
+
+
+def _comment(config: Config) -> str:
+    known = config.uncertainty
+    least, most = known.restitution
+    return (
+        f"nonlinear model; factor {100.0 * known.factor:g} % lognormal, C {least:g} to {most:g} of nominal or the "
+        f"range of its list, angle less {100.0 * known.geometry:g} % |N|; factors up to {config.search.factor_max:g}"
+    )
+
+
+def _with_ends(name: str, long_name: str, explanation: str) -> dict[str, StoredVariable]:
+    """A value and the ends of its interval of 90 %."""
+    told = {
+        name: long_name,
+        f"{name}_low": f"lower end of the interval of 90 % of {name}",
+        f"{name}_high": f"upper end of the interval of 90 % of {name}",
+    }
+    return {
+        key: real(
+            "1", words, _of_lanes(key), of_ground=True, explanation=explanation if key == name else "", comment=_comment
+        )
+        for key, words in told.items()
+    }
+
+
+PROBABILITY: Declared = {
+    **_with_ends(
+        "overturning_probability",
+        "probability that the body overturns under the record as it is; NaN where not computed",
+        "by the nonlinear model, under the uncertainty of `[uncertainty]`",
+    ),
+    **_with_ends(
+        "factor_10",
+        "factor on the record at which the probability of overturning is 10 %; NaN where not computed",
+        "inf: not reached up to `[search] factor_max`, which is then its `_low`",
+    ),
+    **_with_ends(
+        "factor_50", "factor on the record at which the probability of overturning is 50 %; NaN where not computed", ""
+    ),
+    **_with_ends(
+        "capacity_mean",
+        "exp of the mean logarithm of the factor on the record at which the body overturns; NaN where not computed",
+        "",
+    ),
+    "uplift_probability": real(
+        "1",
+        "probability that the body lifts off under the record as it is; NaN where not computed",
+        _of_lanes("uplift_probability"),
+        of_ground=True,
+        explanation="in closed form, from `uplift_ratio`: without the vertical acceleration",
+        comment=_comment,
+    ),
+    "probability_source": flag(
+        SOURCES,
+        "what the probability of overturning was read from",
+        _of_lanes("probability_source"),
+        explanation="spectrum: the overturning spectrum of the record, which is the same for all slender bodies; own "
+        "lanes: motions of the body itself, where the spectrum does not hold (slenderness below 3.5, p or C outside "
+        "it, vertical acceleration)",
+    ),
+}
+
+#: The same at the demands of the site, along them.
+AT_DEMAND: Declared = {
+    "demand_factor": real(
+        "1",
+        "factor on the record that brings it to the demand",
+        _of_lanes("demand_factor"),
+        of_ground=True,
+        explanation="the demand over the strength of the motion, of a pair of horizontal channels over the geometric "
+        "mean of theirs",
+    ),
+    "demand_probability": real(
+        "1",
+        "probability that the body overturns under the record brought to the demand; NaN where not computed",
+        _of_lanes("demand_probability"),
+        of_ground=True,
+        explanation="not computed where `demand_factor` lies outside 0.25 to 4 or above `[search] factor_max`",
+        comment=_comment,
+    ),
+}
+
+
+#: Nominal restitutions of a stored spectrum [-].
+RESTITUTIONS = np.linspace(0.75, 1.0, 6)
+
+#: Factors over the mean capacity at which the probability is stored [-], from 0.2 to 5.
+LEVELS = np.exp(np.linspace(-1.6, 1.6, 65))
+
+#: Limit states of rotation that have spectra of their own, as theta/alpha_c [-].
+ROTATIONS = np.array([0.1, 0.4, 0.6, 1.0])
+
+#: Along its axes. They are the same for every record of a file, so that the spectra of all records are one array.
+SPECTRUM_AXES: Declared = {
+    "p": real("s-1", "frequency parameter of the blocks", lambda bodies, config: RATES, dims=("p",)),
+    "restitution": real(
+        "1",
+        "nominal restitution C of the blocks",
+        lambda bodies, config: RESTITUTIONS,
+        dims=("restitution",),
+        explanation="that of a draw lies between the shares of it that `[uncertainty] restitution` tells",
+    ),
+    "level": real(
+        "1", "factor on the record over the mean capacity of the block", lambda bodies, config: LEVELS, dims=("level",)
+    ),
+    "rotation": real(
+        "1", "limit state of rotation, theta/alpha_c", lambda bodies, config: ROTATIONS, dims=("rotation",)
+    ),
+}
+
+SPECTRUM: Declared = {
+    **along(
+        ("p", "restitution"),
+        {
+            "spectrum": real(
+                "m s-1",
+                "overturning spectrum S = (g tan(alpha_c)/p)/capacity_mean",
+                explanation="the effective impulse that a slender block of this p and C takes from the record; its "
+                "mean capacity is (g tan(alpha_c)/p)/S",
+            ),
+            "spectrum_low": real("m s-1", "lower end of the interval of 90 % of the spectrum"),
+            "spectrum_high": real("m s-1", "upper end of the interval of 90 % of the spectrum"),
+        },
+    ),
+    "rotation_spectrum": real(
+        "m s-1",
+        "the same for reaching a rotation: (g tan(alpha_c)/p) over the mean factor at which it is reached",
+        dims=("rotation", "p", "restitution"),
+    ),
+    "probability": real(
+        "1",
+        "probability of overturning of a block under the record times level times its mean capacity",
+        dims=("p", "restitution", "level"),
+    ),
+}
+
+#: Lengths of these axes.
+AXIS_SIZES = {"p": RATES.size, "restitution": RESTITUTIONS.size, "level": LEVELS.size, "rotation": ROTATIONS.size}
+
+
+def _has(config: Config) -> bool:
+    return config.has_probability
+
+
+def _of_record(name: str, variable: StoredVariable) -> StoredVariable:
+    take: Callable[[Any], np.ndarray] = lambda one: one.spectra[name]  # noqa: E731
+    return replace(variable, dims=("record", *variable.dims), take=take, stored=_has, of_ground=True)
+
+
+#: The group /spectra of an assessment, without the names of records; NaN at the p that no body of a record is read at.
+SPECTRA: Declared = {
+    **{name: replace(axis, stored=_has) for name, axis in SPECTRUM_AXES.items()},
+    **{name: _of_record(name, variable) for name, variable in SPECTRUM.items()},
+}

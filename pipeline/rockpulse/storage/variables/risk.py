@@ -1,0 +1,126 @@
+"""The variables of the annual frequency of a limit state, and of the checks of codes."""
+
+from __future__ import annotations
+
+from enum import IntEnum
+
+from rockpulse.storage.variables import NOT_KNOWN, Declared, along, flag, real, text, whole
+
+
+class RiskStatus(IntEnum):
+    """Whether there is a frequency, and why not."""
+
+    GIVEN = 0
+    NO_CURVE = 1
+    NO_LIMIT = 2  # the lower tail of the fragility outweighs the hazard
+    NOT_COVERED = 3  # the spectra do not stand for the body
+
+
+OWN = "unit of the measure in SI"
+
+#: Over the bodies, and the levels that contribute to each.
+RISK: Declared = {
+    **along(
+        ("block",),
+        {
+            "frequency": real("year-1", "annual frequency of the limit state"),
+            "frequency_low": real("year-1", "lower limit of the frequency, by the records of the fragility"),
+            "frequency_high": real("year-1", "upper limit of the frequency"),
+            "probability": real("1", "probability of the limit state in the years that were asked for"),
+            "probability_low": real("1", "lower limit of that probability"),
+            "probability_high": real("1", "upper limit of that probability"),
+            "survival": real("1", "probability that the body stands for so many years"),
+            "below": real("1", "share of the frequency from levels below all that were looked at"),
+            "above": real("1", "share of the frequency from levels above all that were looked at"),
+            "events": whole("earthquakes of the fragility"),
+            "status": flag([one.name.lower() for one in RiskStatus], "whether there is a frequency, and why not"),
+            "statement": text("why there is no frequency or no band, and what is to be known of the band"),
+            "warning": text("what comes from levels that nothing was looked at; empty for a tenth and less"),
+        },
+    ),
+    **along(
+        ("block", "bin"),
+        {
+            "bin_low": real(OWN, "lower end of a range of levels"),
+            "bin_high": real(OWN, "upper end of a range of levels"),
+            "share": real("1", "share of the frequency from the range"),
+        },
+    ),
+}
+
+#: Over the bodies of an inventory.
+INVENTORY: Declared = along(
+    ("body",),
+    {
+        "frequency": real("year-1", "annual frequency of overturning"),
+        "frequency_low": real("year-1", "lower limit of the frequency, over earthquakes"),
+        "frequency_high": real("year-1", "upper limit of the frequency"),
+        "probability": real("1", "probability of overturning in the years that were asked for"),
+        "survival": real("1", "probability that the body stands for so many years"),
+        "median": real(OWN, "level at which the body overturns with probability 1/2"),
+        "dispersion": real("1", "standard deviation of ln(S/measure), S the overturning spectrum"),
+        "below": real("1", "share of the frequency from levels below those that the hazard was given for"),
+        "above": real("1", "share of the frequency from levels above those that the hazard was given for"),
+        "far": real("1", "share of the frequency from records at factors beyond those of [fragility] factors"),
+        "hazard_distance": real("m", "distance of the body's site from the place that its hazard was computed for"),
+        "status": flag([one.name.lower() for one in RiskStatus], "whether there is a frequency, and why not"),
+    },
+)
+
+#: Over free bodies, and levels of a measure.
+FREE_FRAGILITY: Declared = {
+    **along(
+        ("body", "level"),
+        {
+            "probability": real("1", "probability of overturning, the mean of those of the records"),
+            "lognormal": real("1", "probability of overturning with S lognormal over earthquakes and records"),
+        },
+    ),
+    **along(
+        ("body",),
+        {
+            "median": real(OWN, "level at which the mean of ln S is that of the body, ln(g tan(alpha)/p)"),
+            "dispersion": INVENTORY["dispersion"],
+        },
+    ),
+}
+
+#: Over the bodies of either, of one that is known to have stood.
+STANDING: Declared = {
+    "chance": real("1", "probability that the body has stood for its age, exp(-frequency age)"),
+    "chance_low": real("1", "the same at the upper limit of the frequency"),
+    "chance_high": real("1", "the same at the lower limit of the frequency"),
+    "largest": real("year-1", "largest annual frequency that its age leaves at the confidence"),
+    "factor": real("1", "factor on the rates of the hazard at which the frequency would be the largest one"),
+    "contradicted": flag(("not_known", "no", "yes"), "whether the frequency is above the largest one", first=NOT_KNOWN),
+}
+
+
+#: Over the bodies, and over the bodies and codes; a ratio of 1 or more passes.
+CHECK: Declared = {
+    **along(
+        ("block",),
+        {
+            "multiplier": real("1", "alpha_0, multiplier of the horizontal forces that opens the mechanism"),
+            "share": real("1", "e*, share of the mass that takes part"),
+            "probability": real("1", "probability of overturning that the verdict of the results rests on"),
+            "factor_50": real("1", "median over the records of the factor at which that probability is 50 %"),
+            "beside": text("why the probability is not known, in words"),
+        },
+    ),
+    **along(
+        ("block", "code"),
+        {
+            "activation": real("m s-2", "acceleration that opens the mechanism"),
+            "activation_demand": real("m s-2", "acceleration that the code asks it to bear"),
+            "activation_ratio": real("1", "acceleration that opens the mechanism over what is asked"),
+            "displacement": real("m", "spectral displacement that the code allows"),
+            "period": real("s", "period at which the displacement is asked for"),
+            "displacement_demand": real("m", "spectral displacement that the code asks for"),
+            "displacement_ratio": real("1", "displacement that is allowed over what is asked"),
+            "statement": text("why something is not known, in words"),
+            "activation_sense": text("sense that the acceleration is of, empty where both are alike"),
+            "displacement_sense": text("sense that the displacement is of, empty where both are alike"),
+        },
+    ),
+}

@@ -1,0 +1,329 @@
+"""The variables of /summary in an assessment, and how each is taken: of a record, or of bodies and configuration.
+
+The order is that of the file, and of the columns of an export.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from rocking.response import Outcome, Reason
+from rockpulse.config.bodies import Bodies
+from rockpulse.config.configuration import Config
+from rockpulse.config.settings import SPACINGS
+from rockpulse.record.measures import PGA, ROWS, STORED, STORED_OF_BODIES, Measure, RecordOnBodies
+from rockpulse.remark import find, with_codes
+from rockpulse.storage.variables import NOT_KNOWN, Declared, StoredVariable, along, flag, real, text, whole
+from rockpulse.storage.variables.bodies import BLOCK, CASE
+from rockpulse.storage.variables.probability import AT_DEMAND, PROBABILITY
+
+LANES = ("record", "block", "case")
+
+
+def _of_record(name: str) -> Callable[[Any], Any]:
+    return lambda one: getattr(one.record, name)
+
+
+#: What the file of a record states about its earthquake and its site, by the names of the fields of a record, taken
+#: from whatever has a `record`; stored for every record in every study.
+FACTS: Declared = along(
+    ("record",),
+    {
+        "event_id": text("identifier of the earthquake at the agency"),
+        "origin_time": text(
+            "UTC time of the earthquake, ISO 8601",
+            lambda one: "" if one.record.origin_time is None else one.record.origin_time.isoformat(),
+        ),
+        "magnitude": real("1", "magnitude of the earthquake"),
+        "magnitude_type": text("scale of the magnitude as the file has it: Mw, ML"),
+        "hypocentre_latitude": real("degrees_north", "latitude of the hypocentre"),
+        "hypocentre_longitude": real("degrees_east", "longitude of the hypocentre"),
+        "hypocentre_depth": real("m", "depth of the hypocentre"),
+        "epicentral_distance": real("m", "distance of the station from the epicentre, as the file states it"),
+        "station_latitude": real("degrees_north", "latitude of the station"),
+        "station_longitude": real("degrees_east", "longitude of the station"),
+        "vs30": real("m s-1", "time-averaged velocity of shear waves in the upper 30 m"),
+        "site_class": text("class of the ground as the file words it"),
+        "sensor_depth": real("m", "depth of the sensor below the ground, as the file states it"),
+    },
+    by=_of_record,
+)
+
+
+def facts_of(one: Any) -> dict[str, Any]:
+    """The values of :data:`FACTS` of whatever has a `record`."""
+    return {name: fact.take(one) for name, fact in FACTS.items() if fact.take is not None}
+
+
+def _of_sequence(take: Callable[[Any], Any], absent: float = np.nan) -> Callable[[Any], Any]:
+    return lambda one: absent if one.sequence is None else take(one.sequence)
+
+
+def _vertical_channel(one: Any) -> str:
+    acting = find(one.record.processing, "vertical_acceleration")
+    return "" if acting is None else str(acting.values["record"])
+
+
+#: How what is no field of a record is taken from what was assessed.
+_OF_RECORD: dict[str, Callable[[Any], Any] | None] = {
+    "event": None,  # known once all records are
+    "event_title": _of_record("event"),
+    "start_time": lambda one: "" if one.record.start_time is None else one.record.start_time.isoformat(),
+    "intense_start": lambda one: one.scene.phase.start,
+    "intense_end": lambda one: one.scene.phase.end,
+    "main_impulse": _of_sequence(lambda sequence: float(sequence.main)),
+    "secondary_impulse": _of_sequence(lambda sequence: float(sequence.secondary)),
+    "secondary_interval": _of_sequence(lambda sequence: float(sequence.interval)),
+    "sequence_duration": _of_sequence(lambda sequence: float(sequence.duration)),
+    "main_count": _of_sequence(lambda sequence: -1 if sequence.main_count is None else int(sequence.main_count), -1),
+    "spacing": _of_sequence(lambda sequence: SPACINGS.index(sequence.spacing), NOT_KNOWN),
+    "half_wave_count": lambda one: one.scene.waves.impulse.size,
+    "warnings": lambda one: with_codes(one.record.warnings)[0],
+    "warning_codes": lambda one: with_codes(one.record.warnings)[1],
+    "processing": lambda one: "\n".join(one.record.processing),
+    "vertical_channel": _vertical_channel,
+}
+
+
+def _per_model(pick: Callable[[Any, str], Any]) -> Callable[[Any], Any]:
+    return lambda one: one.per_model(lambda model: pick(one, model))
+
+
+def _of_response(name: str) -> Callable[[Any], Any]:
+    return _per_model(lambda one, model: getattr(one.responses[model], name))
+
+
+def _of_search(name: str) -> Callable[[Any], Any]:
+    return _per_model(lambda one, model: getattr(one.scales[model], name))
+
+
+def _where_searched(name: str) -> Callable[[Any], Any]:
+    """A whole number of the search, -1 where there was none."""
+    return _per_model(
+        lambda one, model: np.where(np.isnan(one.scales[model].safety_factor), -1, getattr(one.scales[model], name))
+    )
+
+
+#: How what is not of the response is taken.
+_OF_ANSWER: dict[str, Callable[[Any], Any]] = {
+    "safety_factor": _of_search("safety_factor"),
+    "factor_resolved": _where_searched("factor_resolved"),
+    "safe_up_to": _of_search("safe_up_to"),
+    "interval_count": _where_searched("count"),
+    "search_step": _of_search("step"),
+    "capacity_pga": _per_model(lambda one, model: one.scales[model].safety_factor * one.record.pga),
+    "applicable": _per_model(lambda one, model: one.applicable[model]),
+}
+
+
+def _of_strength(name: str) -> Callable[[Any], Any]:
+    return lambda one: one.per_lane(one.strength[name])
+
+
+def _of_motion(measure: Measure, one: Any) -> Any:
+    return measure.value(RecordOnBodies(one.record, lambda: one.scene.waves))
+
+
+def _measured(measures: Iterable[Measure], take: Callable[[Measure], Callable[..., Any]]) -> dict[str, StoredVariable]:
+    """The variable of each measure, and after it whether a drifting baseline puts it in doubt."""
+    found = {}
+    for one in measures:
+        long_name = f"{one.meaning or one.long_name}{one.stored}"
+        found[one.name] = real(one.unit, long_name, take(one), of_ground=True, explanation=one.explanation)
+        if one.drifts:
+            found[f"{one.name}_drift"] = flag(
+                ("reliable", "drift"),
+                "whether the ground velocity does not come back to zero, so that the "
+                f"{one.title} may be off by as much",
+                lambda one: find(one.record.warnings, "baseline_drift") is not None,
+            )
+    return found
+
+
+RECORD = along(
+    ("record",),
+    {
+        "source": text("file the record was read from"),
+        "source_sha256": text("SHA-256 of the source file"),
+        "format": text("file format"),
+        "event": text(
+            "earthquake that the record is counted to, by the user's table, the title or the time",
+            explanation="the table is `[records] events`; records that tell none of these are counted as one",
+        ),
+        "event_title": text("event as the file names it"),
+        "network": text("network code"),
+        "station": text("station code"),
+        "station_name": text("name of the station in words"),
+        "component": text("component as the file names it"),
+        "azimuth": real("degree", "azimuth of the component, clockwise from north"),
+        "start_time": text("UTC time of the first sample, ISO 8601"),
+        "npts": whole("number of samples", of_ground=True),
+        "dt": real("s", "sampling interval", of_ground=True),
+        **_measured(STORED, lambda measure: partial(_of_motion, measure)),
+        "intense_start": real("s", "start of the intense phase from the first sample", of_ground=True),
+        "intense_end": real("s", "end of the intense phase from the first sample", of_ground=True),
+        "main_impulse": real("m s-1", "main impulse I of the calibrated sequence"),
+        "secondary_impulse": real("m s-1", "secondary impulse I_s of the calibrated sequence"),
+        "secondary_interval": real("s", "interval dT of the secondary impulses"),
+        "sequence_duration": real("s", "duration within which main impulses act"),
+        "main_count": whole("number of main impulses; -1 where the duration alone limits them"),
+        "spacing": flag(
+            ("not_known", *SPACINGS),
+            "where the secondary impulses stand in the half-cycle; not known where there is no sequence",
+            first=NOT_KNOWN,
+        ),
+        "half_wave_count": whole("number of half-waves of the whole record", of_ground=True),
+        "warnings": text("remarks on the record", explanation="one a line"),
+        "warning_codes": text(
+            "codes of these remarks in their order; plain: a text without one",
+            explanation="with blanks between them, see below",
+        ),
+        "processing": text("conditioning steps in their order", explanation="one a line"),
+        "vertical_channel": text("id of the vertical channel whose acceleration acts too; empty without one"),
+    },
+    by=lambda name: _OF_RECORD.get(name, _of_record(name)),
+) | dict(FACTS)
+
+DEMAND = along(
+    LANES,
+    {
+        **_measured(STORED_OF_BODIES, lambda measure: _of_strength(measure.name)),
+        "impulse_ratio": real("1", "I/I_1c; NaN where the record gave no sequence"),
+        "floor_amplification": real(
+            "1",
+            "peak acceleration of the floor that the body stands on over that of the ground; 1 on the ground",
+            of_ground=True,
+        ),
+        "friction_required": real(
+            "1",
+            "largest coefficient of friction that the motion without sliding asks for",
+            of_ground=True,
+            explanation="of the nonlinear model, impacts aside; inf where the normal force vanishes; NaN where the "
+            "body has no `friction`, a wall behind it, ties, loads or thrusts",
+        ),
+        "friction_share": real(
+            "1",
+            "share of the samples at which it asks for more than `friction`",
+            of_ground=True,
+            explanation="NaN as above",
+        ),
+    },
+    by=_of_strength,
+)
+
+ANSWER = along(
+    (*LANES, "model"),
+    {
+        "peak_rotation_ratio": real(
+            "1",
+            "largest rotation over alpha_c; inf where the block overturns, 0 at rest",
+            explanation="theta_max/alpha_c; NaN: unresolved",
+        ),
+        "outcome": flag((outcome.name.lower() for outcome in Outcome), "how the motion ends"),
+        "reason": flag((reason.name.lower() for reason in Reason), "why a model cannot say"),
+        "overturning_time": real("s", "time at which overturning is certain, from the start of the model's input"),
+        "overturning_half_cycle": whole("1 + impacts before overturning; -1 where it does not overturn"),
+        "impacts": whole("impacts faster than 1e-3 p alpha_c; -1 where they never end or are not known"),
+        "safety_factor": real(
+            "1",
+            "smallest factor on the model's input that overturns; NaN where not computed",
+            explanation="inf: none up to the end of the search",
+            comment=lambda config: (
+                f"searched up to a factor of {config.search.factor_max:g} in steps of search_step, edges to 1e-6; inf "
+                "if none; a factor at which the model cannot answer counts as overturning (factor_resolved)"
+            ),
+        ),
+        "factor_resolved": flag(
+            ("not_computed", "no", "yes"),
+            "whether the model answers at safety_factor; no: a lower bound, from there on it cannot answer",
+            first=-1,
+            explanation="it cannot answer in free flight, for one, which counts as overturning: what follows from "
+            "`safety_factor` is a lower bound then too. Where `outcome` is unresolved the factor is at most 1, unless "
+            "the bound that the search begins at already rules overturning out",
+        ),
+        "safe_up_to": real("1", "factor on the model's input up to which the search found no overturning"),
+        "interval_count": whole(
+            "intervals of the factor in which the block overturns; -1 where not computed",
+            explanation="that is where `safety_factor` is NaN",
+        ),
+        "search_step": real(
+            "1",
+            "ratio of neighbouring factors of the search; 1: nothing to miss, NaN: no search",
+            explanation="nothing can be missed in closed form, and where nothing up to the end of the search lifts the "
+            "block, or is strong enough to overturn it",
+        ),
+        "capacity_pga": real("m s-2", "safety factor times PGA; NaN where not computed", of_ground=True),
+        "applicable": flag(("outside_range", "applicable"), "whether the block is within the range of the model"),
+    },
+    by=lambda name: _OF_ANSWER.get(name, _of_response(name)),
+)
+
+
+def _demanded(config: Config) -> bool:
+    return bool(config.demands)
+
+
+def _of_demands(pick: Callable[[Any], Any]) -> Callable[[Bodies, Config], Any]:
+    return lambda bodies, config: [pick(demand) for demand in config.demands]
+
+
+CAPACITY_RATIO = real(
+    "1",
+    "safety factor over demand_factor; NaN where not computed",
+    _per_model(lambda one, model: one.scales[model].safety_factor[:, np.newaxis] / one.probability["demand_factor"]),
+    dims=(*LANES, "model", "demand"),
+    stored=_demanded,
+)
+
+COORDINATES = {
+    "block": text("name of the body", lambda bodies, config: bodies.names, dims=("block",)),
+    "model": text(
+        "model, from the cheapest to the dearest",
+        lambda bodies, config: config.models.use,
+        dims=("model",),
+    ),
+}
+
+SITE_DEMAND = along(
+    ("demand",),
+    {
+        "demand_acceleration": real(
+            "m s-2",
+            "ground acceleration that the site asks for, a_g S; NaN for another measure",
+            _of_demands(lambda demand: demand.strength if demand.measure == PGA else np.nan),
+        ),
+        "demand_measure": text(
+            "measure of the strength that the site asks for", _of_demands(lambda demand: demand.measure)
+        ),
+        "demand_value": real(
+            "1", "strength that the site asks for, in demand_units", _of_demands(lambda demand: demand.strength)
+        ),
+        "demand_units": text("unit of demand_value", _of_demands(lambda demand: ROWS[demand.measure].unit)),
+        "demand_period": real(
+            "s",
+            "period of the oscillator whose pseudo-acceleration the site asks for; NaN for another measure",
+            _of_demands(lambda demand: np.nan if demand.period is None else demand.period),
+        ),
+        "limit_state": text("limit state of the demand", _of_demands(lambda demand: demand.limit_state)),
+        "demand": text("name of the demand", _of_demands(lambda demand: demand.name)),
+    },
+    stored=_demanded,
+)
+
+SUMMARY: Declared = {
+    "record": text("record id", _of_record("id"), dims=("record",)),
+    **RECORD,
+    **DEMAND,
+    **ANSWER,
+    **along(LANES, PROBABILITY),
+    "capacity_ratio": CAPACITY_RATIO,
+    **along((*LANES, "demand"), AT_DEMAND, stored=_demanded),
+    **BLOCK,
+    **CASE,
+    **COORDINATES,
+    **SITE_DEMAND,
+}
