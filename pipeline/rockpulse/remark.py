@@ -4,20 +4,18 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Callable, Iterable
-from functools import cache
-from string import Formatter
+from collections.abc import Iterable
 from typing import Any
 
 __all__ = [
     "PLAIN",
     "TEMPLATES",
+    "WARNINGS",
     "Remark",
     "as_stored",
     "code_of",
     "counted",
     "find",
-    "recognised",
     "remarked",
     "restored",
     "with_codes",
@@ -30,8 +28,8 @@ _WIDE = (
     "earthquakes"
 )
 
-#: The text of each code. Texts of before are recognised in this order and by these words: other words, another code.
-TEMPLATES = {
+#: The text of each code of a warning on a record, or of a step of its processing.
+WARNINGS = {
     # a channel as it was read
     "dead_channel": "all samples are zero: a dead channel",
     "clipped": "{count:d} samples in a row at the {end} value: the record may be clipped",
@@ -79,6 +77,13 @@ TEMPLATES = {
         "a sequence has no PGA, nor any other strength to bring to the demand of the site ([[demand]]): nothing is "
         "compared with it"
     ),
+    # a remark on another record, behind this one
+    "of_vertical": "vertical channel: {remark}",
+    "of_channel": "{channel}: {remark}",
+}
+
+#: The text of each code of a remark on results.
+STATEMENTS = {
     "plain": "{text}",
     # parts of a remark
     "record": "{count:d} record",
@@ -192,15 +197,12 @@ TEMPLATES = {
         "between them, the dispersion cannot be told"
     ),
     "not_stronger": "no curve: the motions that reached the limit state are no stronger than the others",
-    # a remark on another record, behind this one
-    "of_vertical": "vertical channel: {remark}",
-    "of_channel": "{channel}: {remark}",
 }
+
+TEMPLATES = WARNINGS | STATEMENTS
 
 #: In place of a code, of a text that is none of these.
 PLAIN = "plain"
-
-_NUMBER = r"[-+]?(?:\d+(?:\.\d+)?(?:e[-+]?\d+)?|inf|nan)"
 
 
 class Remark(str):
@@ -285,32 +287,3 @@ def restored(stored: str) -> list[Remark]:
 
 def _unpacked(found: dict[str, Any]) -> Any:
     return Remark(found["code"], **found["values"]) if set(found) == {"code", "values"} else found
-
-
-def recognised(text: str) -> str:
-    """The remark that a text is by its words, with the digits that it shows; a text that is none stays as it is."""
-    if isinstance(text, Remark):
-        return text
-    for code, (pattern, kinds) in _patterns().items():
-        if match := pattern.fullmatch(text):
-            remark = Remark(code, **{name: kinds[name](value) for name, value in match.groupdict().items()})
-            # A name and a colon begin many texts.
-            if remark == text and remark.code != f"of_channel/{PLAIN}":
-                return remark
-    return text
-
-
-@cache
-def _patterns() -> dict[str, tuple[re.Pattern[str], dict[str, Callable[[str], Any]]]]:
-    """The pattern of the text of each code, and how its values are read."""
-    found = {}
-    for code, template in TEMPLATES.items():
-        pattern = ""
-        kinds: dict[str, Callable[[str], Any]] = {}
-        for words, name, form, _ in Formatter().parse(template):
-            pattern += re.escape(words)
-            if name:
-                kinds[name] = recognised if name == "remark" else int if form == "d" else float if form else str
-                pattern += f"(?P<{name}>{_NUMBER if form else '.+?'})"
-        found[code] = re.compile(pattern), kinds
-    return found

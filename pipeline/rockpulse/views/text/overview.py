@@ -37,12 +37,6 @@ WHOLE = 200
 #: Worst cases and blocks that are shown, and worst pairs of channels of a sweep.
 WORST, PAIRS = 12, 3
 
-#: What a table of the worst pairs is made of, beside the node /directions.
-OF_PAIRS = (
-    *("restitution", "outcome", "safety_factor", "safe_up_to", "search_step", "factor_resolved"),
-    *("overturning_probability", "factor_10", "factor_10_low"),
-)
-
 
 def overview(tree: xr.DataTree, whole: bool = False) -> str:
     """One screen: the verdict on every body, the worst motions, how much was left out.
@@ -166,7 +160,7 @@ def _pairs(answers: Answers, directions: xr.Dataset) -> str:
         for table, axis, most in ((key, 1, PAIRS), (answers.by_block(np.fmin, key), 0, WORST))
     )
     part = directions.isel(pair=order, block=blocks).load()
-    few = answers.summary[[*OF_PAIRS, "npts", "warning_codes"]].isel(block=blocks).load()
+    few = answers.summary.isel(block=blocks)
     heading = f"The {order.size} worst of {directions.sizes['pair']} pairs of channels"
     if blocks.size < directions.sizes["block"]:
         heading += f", the {blocks.size} worst of {directions.sizes['block']} blocks"

@@ -5,7 +5,6 @@ import math
 from pathlib import Path
 
 import numpy as np
-import pytest
 from report_cases import answers, motions, probable, summary_of
 
 import rockpulse
