@@ -72,6 +72,7 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def _run(args: argparse.Namespace) -> int:
+    from rockpulse.commands.output_files import check_file, csv_bytes, write_files
     from rockpulse.config.configuration import config_from_text, load_config
     from rockpulse.errors import ConfigError
     from rockpulse.storage.hdf5.results_file import load
@@ -79,7 +80,6 @@ def _run(args: argparse.Namespace) -> int:
     from rockpulse.studies.risk.hazard_files import hazard_of, site_hazards_of
     from rockpulse.studies.risk.inventory import inventory_frequency, read_inventory
     from rockpulse.studies.risk.standing import standing_test
-    from rockpulse.views.shared.output_files import check_file, csv_bytes, write_files
     from rockpulse.views.text import risk as text
 
     if args.bodies is not None and (args.limit_state is not None or args.resamples is not None):

@@ -18,8 +18,6 @@ from rockpulse.views.shared.columns import margin_cells
 from rockpulse.views.shared.notes import factor_title
 from rockpulse.views.shared.terminal import ratio
 
-__all__ = ["Changes", "Flip", "body_changes", "leading_model"]
-
 #: Variables that the margin of a body is told by.
 MARGIN = (
     *("outcome", "safety_factor", "factor_resolved", "safe_up_to", "capacity_ratio"),

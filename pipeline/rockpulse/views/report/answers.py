@@ -34,8 +34,6 @@ from rockpulse.views.shared.table import Cell, Heading, Mark, Table
 from rockpulse.views.shared.terminal import ratio, share
 from rockpulse.views.shared.words import numerals, say
 
-__all__ = ["AnswerCells", "answer_table", "count_table", "record_table", "table_notes"]
-
 #: The grade of the cell with the answer for a body under a record.
 _GRADES = {
     Standing.STANDS: "fair",

@@ -37,15 +37,6 @@ from rockpulse.views.text.site import about_records, coverage, design, site_rema
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = [
-    "Paired",
-    "Part",
-    "describe_fragility",
-    "describe_site",
-    "listed",
-    "paired",
-]
-
 #: The same configuration gives the same numbers to the last digit; a body written down with other digits is another.
 TOLERANCE = 1e-6
 

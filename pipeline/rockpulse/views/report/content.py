@@ -47,8 +47,6 @@ if TYPE_CHECKING:
 
     from rockpulse.config.configuration import Config
 
-__all__ = ["REFERENCE", "Content", "gather", "logo", "parties"]
-
 REFERENCE = (
     "C. Casapulla, A. Maione (2017), Rocking resonance conditions of large and slender rigid blocks under the "
     "intense phase of an earthquake, COMPDYN 2017, doi:10.7712/120117.5612.17190"

@@ -19,8 +19,6 @@ from rockpulse.record.record import STANDARD_GRAVITY
 from rockpulse.views.shared.terminal import figure
 from rockpulse.views.shared.words import say
 
-__all__ = ["Support", "drawing", "strip"]
-
 #: Size of the drawing, and the room around the body for its sizes and for what holds it.
 SIDE, MARGIN = 150.0, 28.0
 

@@ -42,8 +42,6 @@ from rockpulse.views.shared.words import say, section
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["Explorer", "explorer"]
-
 #: Bodies with motions on the page, those of the smallest factors first.
 MOST_BODIES = 20
 

@@ -15,8 +15,6 @@ import numpy as np
 from rocking.crossing import factor_at
 from rockpulse.assessment.answers import Answers
 
-__all__ = ["SHARES", "Columns", "chosen", "known", "laid_through", "packed", "points_of", "probability_at", "steps_on"]
-
 #: Factors on each record.
 STEPS = 5
 

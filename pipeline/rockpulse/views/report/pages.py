@@ -19,8 +19,6 @@ from rockpulse.views.shared.table import Cell, Fact, Heading, Table
 from rockpulse.views.shared.terminal import ABSENT, figure, restitution
 from rockpulse.views.shared.words import say
 
-__all__ = ["BodyPage", "RecordPage", "body_pages", "record_pages"]
-
 #: Records that are listed under a body.
 GOVERNING = 10
 

@@ -9,8 +9,6 @@ from importlib.resources import files
 
 from rockpulse.views.shared.words import in_numerals, language
 
-__all__ = ["in_language"]
-
 #: The end of a part of a sentence, what may follow a part of one, and parts of the longest that is known as a whole.
 _PART, _STOPS, _LONGEST = re.compile(r"(?<=[.,;:])\s+"), ".,;:", 12
 

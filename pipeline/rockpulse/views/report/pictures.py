@@ -29,8 +29,6 @@ if TYPE_CHECKING:
     from rockpulse.views.report.beside import Paired
     from rockpulse.views.report.content import Content
 
-__all__ = ["Picture", "Pictures"]
-
 #: Records that are drawn with their half-waves and impulses: all, or of more those that govern a body.
 IN_FULL = 20
 

@@ -27,21 +27,6 @@ from rockpulse.views.text.left_out import apart, by_kind
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = [
-    "event_name",
-    "event_table",
-    "failure_table",
-    "hash_of",
-    "input_table",
-    "left_out_table",
-    "record_label",
-    "record_named",
-    "record_words",
-    "used_table",
-    "versions",
-    "warning_table",
-]
-
 #: Rows of the table of records, directions that are named in a row, and reasons of one kind.
 ROWS, DIRECTIONS, REASONS = 10, 3, 2
 

@@ -26,8 +26,6 @@ from rockpulse.views.text.site import coverage
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["Limit", "limits", "remarks"]
-
 #: From the gravest: what may turn a verdict over, what bounds it, what only explains it.
 GRADES = ("decides", "limits", "notes")
 

@@ -31,8 +31,6 @@ from rockpulse.views.shared.words import counted, in_numerals, say
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["MOST", "Card", "Drawing", "basis", "body_table", "cards", "counted_by", "drawings", "legend"]
-
 #: Between the ends of an interval, where no line breaks.
 TO = "\N{WORD JOINER}–\N{WORD JOINER}"
 

@@ -39,8 +39,6 @@ if TYPE_CHECKING:
 
     from rockpulse.config.configuration import Config
 
-__all__ = ["check_report_target", "report_page", "write_report"]
-
 #: What the head of every report holds; a file without it is never replaced.
 MARK = '<meta name="generator" content="rockpulse report'
 

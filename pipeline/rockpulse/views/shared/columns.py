@@ -28,8 +28,6 @@ from rockpulse.views.shared.words import say
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["COLUMNS", "Column", "Rows", "columns", "factor_cell", "filled", "headed", "margin_cells", "record_cells"]
-
 #: Longest id of a record and name of a block in a table.
 ID_WIDTH, NAME_WIDTH = 36, 29
 

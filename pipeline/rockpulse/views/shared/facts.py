@@ -19,8 +19,6 @@ from rockpulse.views.shared.words import counted, numerals, say
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["Known", "RecordFacts", "own_radius"]
-
 #: A year, or a date with a year of two digits; a magnitude: what a title tells already is not told again.
 _DATED = re.compile(r"\b(?:19|20)\d\d\b|\b\d{1,2}[/-]\d{1,2}[/-]\d\d\b", re.ASCII)
 _MEASURED = re.compile(r"\bM[A-Za-z]{0,2}\s?=?\s?\d", re.ASCII)

@@ -18,8 +18,6 @@ from rockpulse.views.shared.words import counted, say
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["FilesUsed", "count_files", "failure_rows", "files_used", "reasons_of"]
-
 #: Kinds of rows of channels that were read, and are in the results or stand for a motion that is.
 _READ = frozenset({"vertical", "structural", "duplicate", "depth"})
 #: Steps that leave out the one file of a row as it was named; the rows of later ones have the files of a record.

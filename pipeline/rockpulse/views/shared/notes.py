@@ -23,16 +23,6 @@ from rockpulse.views.shared.table import Mark
 from rockpulse.views.shared.terminal import ratio, several
 from rockpulse.views.shared.words import say
 
-__all__ = [
-    "beyond_critical",
-    "body_notes",
-    "cautions",
-    "counted_motions",
-    "factor_name",
-    "factor_notes",
-    "factor_title",
-]
-
 
 def factor_title(factor: str) -> str:
     """The heading of a factor, by its variable."""

@@ -11,8 +11,6 @@ from typing import NamedTuple
 from rockpulse.views.shared.terminal import figure, paragraph, shortened
 from rockpulse.views.shared.words import say
 
-__all__ = ["Cell", "Fact", "Heading", "Mark", "Table", "lines", "number", "text"]
-
 
 class Mark(NamedTuple):
     """A sign at a cell, and the key of the note below the table that says what it means; empty where it needs none.

@@ -8,22 +8,6 @@ from collections.abc import Callable
 
 from rockpulse.views.shared.words import numerals, say
 
-__all__ = [
-    "ABSENT",
-    "WIDTH",
-    "between",
-    "figure",
-    "fixed",
-    "general",
-    "lower_bound",
-    "paragraph",
-    "ratio",
-    "restitution",
-    "several",
-    "share",
-    "shortened",
-]
-
 #: Stands for what is absent or not computed.
 ABSENT = "-"
 

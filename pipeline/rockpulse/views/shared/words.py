@@ -20,22 +20,6 @@ from rockpulse.errors import ConfigError
 from rockpulse.option import hint
 from rockpulse.remark import Remark, restored
 
-__all__ = [
-    "LANGUAGES",
-    "counted",
-    "in_numerals",
-    "language",
-    "listed",
-    "named",
-    "numerals",
-    "remark_words",
-    "remarks_of",
-    "say",
-    "section",
-    "table",
-    "writing",
-]
-
 _FOLDER = files("rockpulse.views").joinpath("words")
 
 #: Codes of the languages that there is a file of.

@@ -20,8 +20,6 @@ from rockpulse.views.text.site import explained
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["fragility_overview", "median_table", "records_words", "shown_measure", "state_words", "sufficiency_tables"]
-
 #: At a median that no record was looked at.
 BEYOND = Mark("beyond", "!")
 

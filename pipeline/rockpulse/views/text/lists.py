@@ -36,8 +36,6 @@ from rockpulse.views.shared.words import say
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["block_list", "case_list", "record_list", "worst_first"]
-
 #: Columns of a list of cases; those of each factor, where it is known, and what they are.
 CASE = ("record", "block", "model", "restitution", PGA, "uplift_ratio", "impulse_ratio", "answer")
 OF_FACTOR = {

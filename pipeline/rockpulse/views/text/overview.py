@@ -17,16 +17,13 @@ from rockpulse.views.shared.files_used import files_used
 from rockpulse.views.shared.notes import cautions
 from rockpulse.views.shared.table import Cell, Heading, Table, number, text
 from rockpulse.views.shared.terminal import ABSENT, fixed, paragraph, several
-from rockpulse.views.text.capacity import smallest_capacities
-from rockpulse.views.text.directions import direction_table
 from rockpulse.views.text.left_out import left_out, left_out_in_short, unused
 from rockpulse.views.text.lists import case_list, worst_first
+from rockpulse.views.text.margins import direction_table, smallest_capacities
 from rockpulse.views.text.verdicts import body_verdicts, governing, overturned, verdict_table, worst_motions
 
 if TYPE_CHECKING:
     import xarray as xr
-
-__all__ = ["headline", "is_large", "overview"]
 
 #: Bodies and motions that one screen holds.
 BODIES, MOTIONS = 12, 10

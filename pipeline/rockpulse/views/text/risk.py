@@ -18,17 +18,6 @@ if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
 
-__all__ = [
-    "inventory_overview",
-    "inventory_table",
-    "inventory_warnings",
-    "levels_table",
-    "risk_overview",
-    "risk_table",
-    "risk_warnings",
-    "standing_overview",
-]
-
 #: Bodies of an inventory that are shown.
 SHOWN = 10
 

@@ -32,8 +32,6 @@ from rockpulse.views.text.left_out import not_used, unused
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["about_records", "coverage", "design", "explained", "site_overview", "site_remarks", "site_tables"]
-
 #: Rows of a table of blocks, and names of events, that are listed one by one.
 LISTED = 12
 

@@ -48,16 +48,6 @@ from rockpulse.views.shared.terminal import ABSENT, figure, paragraph, ratio, se
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = [
-    "body_verdicts",
-    "factor_table",
-    "governing",
-    "overturned",
-    "probability_table",
-    "verdict_table",
-    "worst_motions",
-]
-
 #: Columns of every table below a record, and of the probability.
 DEMAND = ("block", "restitution", "uplift_ratio", "impulse_ratio")
 PROBABILITY = ("probability_interval", "factor_10", "factor_50", "capacity_mean", "source")

@@ -24,8 +24,7 @@ from rockpulse.assessment.verdict import verdicts
 from rockpulse.models import Outcome
 from rockpulse.views.report.verdict import body_table
 from rockpulse.views.text import overview as overviews
-from rockpulse.views.text.capacity import smallest_capacities
-from rockpulse.views.text.directions import direction_table
+from rockpulse.views.text.margins import direction_table, smallest_capacities
 from rockpulse.views.text.overview import overview
 
 
