@@ -3,10 +3,9 @@ PYTHON ?= .venv/bin/python
 export NUMBA_CACHE_DIR ?= $(shell python3 tests/kernel_cache.py)
 
 # The kernels' own tests, less those of many samples or calls, which take plain Python minutes.
-KERNEL_TESTS := $(patsubst %,tests/models/test_%.py,recorded linear nonlinear finish polynomial ground hard_cases \
-	hard_crossings motion half_cycle main_sequence march periodic impulsive impulsive_lanes effective_impulse sequence \
-	sequence_lanes)
-LONG_IN_PYTHON := test_quarter_period or from_housners_threshold or more_half_cycles_than or same_without_compilation or slow_hops
+KERNEL_TESTS := $(patsubst %,tests/models/march/test_%.py,recorded equations steps polynomial slots hard_cases \
+	hard_crossings) tests/models/impulses
+LONG_IN_PYTHON := test_quarter_period or more_half_cycles_than or slow_hops
 
 .PHONY: help install run test test-slow test-sweeps test-python paper accuracy rule check-histories reference selftest-cases samples schema mutate mutants fuzz kernel-cache lint types doctest wheel docs docs-test docs-pictures clean
 

@@ -1,7 +1,7 @@
 """A batch of thousands of records, from files to one results file: ``python benchmarks/batch.py --records 5000``.
 
 Synthetic records (seeded; PEER AT2 files of 6,000 samples, 0.2 to 0.6 g, 20 events x stations) are assessed by
-:func:`rockpulse.batch.run.assess_files`, each run in a fresh process. Printed are the records a second, the memory of
+:func:`rockpulse.run.batch.assess_files`, each run in a fresh process. Printed are the records a second, the memory of
 the parent as the records are done, the time of reading, conditioning and writing against the solver's, two workers
 against one, and what ``inspect``, ``export`` and ``diff`` take on the file. Beside the default configuration stand an
 inventory of ``--inventory`` bodies, and every model with its safety factors, which was the default once.
@@ -31,14 +31,14 @@ sys.path.append(str(Path(__file__).parents[1] / "tests"))
 
 from record_writers import at2
 
-from rocking.threads import available_cores
+from rocking.lanes import available_cores
 from rockpulse import BlockSettings, ModelSettings, SearchSettings, SequenceSettings, UncertaintySettings
-from rockpulse.batch.options import BatchOptions
-from rockpulse.batch.run import BatchReport, assess_files
 from rockpulse.cli import main as rockpulse
 from rockpulse.config.configuration import Config
 from rockpulse.model_table import ALL_MODELS
 from rockpulse.record.synthetic import synthetic_motion
+from rockpulse.run.batch import assess_files
+from rockpulse.run.options import BatchOptions, BatchReport
 
 SAMPLES = 6000
 DT = 0.01  # s

@@ -15,7 +15,7 @@ import numpy as np
 
 from laboratory.accuracy.bodies import PLAIN, SLENDERNESS, kinds
 from rocking import recorded_response
-from rocking.block import Block
+from rocking.body.block import Block
 
 #: Peaks of the ground over the acceleration that lifts the plain block.
 LEVELS = (1.35, 1.8, 2.75, 4.3)

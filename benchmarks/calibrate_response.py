@@ -17,13 +17,13 @@ from pathlib import Path
 import numpy as np
 from scipy.optimize import differential_evolution
 
-from rocking.sequence import ImpulseSequence, sequence_response
-from rockpulse.calibration.response import ResponseCalibration, calibrate_response
-from rockpulse.calibration.response_likelihood import log_likelihood
-from rockpulse.calibration.response_search import search_space
+from rocking.impulses.impulse_sequence import ImpulseSequence
+from rocking.impulses.sequence import sequence_response
 from rockpulse.readers.folders import read_all
 from rockpulse.record.conditioning import condition
 from rockpulse.record.record import Record
+from rockpulse.sequences.response import ResponseCalibration, calibrate_response
+from rockpulse.sequences.response_search import log_likelihood, search_space
 
 SAMPLES = Path(__file__).parents[1] / "data" / "samples" / "records"
 

@@ -17,7 +17,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from rocking.capacity import POINTS, uplift_scale
+from rocking.search.capacity import POINTS, uplift_scale
 from rockpulse.models import (
     Block,
     ImpulseSequence,
@@ -51,7 +51,7 @@ def seconds(runs: int, call: Callable[[], object]) -> float:
 
 def overturns(blocks: Block, motion: np.ndarray, lanes: np.ndarray, factors: np.ndarray) -> np.ndarray:
     """Whether each lane overturns at its factor: (n,) ndarray of bool."""
-    part = blocks._with(lambda values: values[lanes])
+    part = blocks.take(lanes)
     return recorded_response(part, motion, DT, block_scale=factors, threads=1).outcome == Outcome.OVERTURNS
 
 

@@ -20,8 +20,7 @@ from typing import Any
 
 import numpy as np
 
-from rocking.effective_impulse import effective_impulse_response
-from rocking.sequence_safety import sequence_critical_scale
+from rocking.search.capacity import sequence_critical_scale
 from rockpulse.models import Block, ImpulseSequence, impulsive_response, recorded_response, sequence_response
 from rockpulse.record.half_wave import half_waves
 from rockpulse.record.record import Record
@@ -72,9 +71,6 @@ def impulses_of_records(runs: int, seed: int) -> None:
         )
     blocks, factors = bodies(64, seed), np.linspace(0.3, 1.4, 8)
     models: dict[str, Callable[[], Any]] = {
-        "effective impulses": lambda: effective_impulse_response(
-            blocks, record.acceleration, record.dt, scale=factors, threads=1
-        ),
         "linear equation": lambda: recorded_response(
             blocks, record.acceleration, record.dt, "linear", scale=factors, threads=1
         ),

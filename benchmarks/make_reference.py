@@ -22,7 +22,7 @@ import numpy as np
 from precise_rocking import BITS, LONGEST_STEP, ONE, TERM, Real, respond
 
 from laboratory.accuracy.reference import COLUMNS, SYNTHETIC, TABLE, motion_sha256, sample_motion
-from rocking.block import Block
+from rocking.body.block import Block
 from rockpulse.config.configuration import load_config
 from rockpulse.readers import read
 from rockpulse.record.conditioning import condition

@@ -25,10 +25,9 @@ from scipy.stats import norm, qmc
 import rockpulse as rp
 from laboratory.ensemble import StrongMotion, strong_motions
 from rocking import Block, OverturningSpectrum, Uncertainty, recorded_response, spectrum_lanes
-from rocking.corners import sorrentino
-from rocking.crossing import factor_at, mean_capacity, rising
-from rocking.half_wave_lanes import half_wave_lanes
-from rocking.spectrum_lanes import RATES
+from rocking.body.limits import RATES, sorrentino
+from rocking.spectrum.half_waves import half_wave_lanes
+from rocking.spectrum.probability import factor_at, mean_capacity, rising
 from rockpulse.storage.variables.probability import RESTITUTIONS, ROTATIONS
 
 UNCERTAINTY = Uncertainty()

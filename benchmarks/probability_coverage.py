@@ -32,14 +32,21 @@ from typing import NamedTuple
 import numpy as np
 import pandas as pd
 
-from rocking.block import STANDARD_GRAVITY, Block
-from rocking.capacity import uplift_scale
-from rocking.crossing import factor_at, mean_capacity, rising
-from rocking.lane_probability import lane_bells, lane_probability, tail_masses
-from rocking.overturning_probability import OverturningProbability, overturning_probability
-from rocking.recorded import recorded_response
+from rocking.body.block import Block
+from rocking.body.block_lanes import STANDARD_GRAVITY
+from rocking.march.recorded import recorded_response
 from rocking.response import Outcome
-from rocking.uncertainty import Uncertainty
+from rocking.search.capacity import uplift_scale
+from rocking.spectrum.body_probability import OverturningProbability, overturning_probability
+from rocking.spectrum.probability import (
+    Uncertainty,
+    factor_at,
+    lane_bells,
+    lane_probability,
+    mean_capacity,
+    rising,
+    tail_masses,
+)
 from rockpulse.readers.folders import read_all
 from rockpulse.record.conditioning import condition
 

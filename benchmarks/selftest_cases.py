@@ -16,7 +16,7 @@ from typing import Any
 from make_reference import PERTURBATION, text
 from precise_rocking import HALF_PI, ONE, Answer, Real, numbers, real, respond
 
-from rocking.floor import SAMPLES
+from rocking.body.supports import SAMPLES
 from rockpulse.record.record import STANDARD_GRAVITY
 from rockpulse.studies.selftest.selftest import COLUMNS, TABLE, Case
 

@@ -21,9 +21,9 @@ from rockpulse.models import Block, ImpulseSequence, sequence_response
 from rockpulse.record.components import select_horizontal
 from rockpulse.record.record import STANDARD_GRAVITY, Record
 from rockpulse.studies.site import design as site_design
-from rockpulse.studies.site.coverage import coverage_of, leave_one_event_out
 from rockpulse.studies.site.design import BEYOND, SiteSample, covered, design_sequence
-from rockpulse.studies.site.record import rotation_to_cover
+from rockpulse.studies.site.records import rotation_to_cover
+from rockpulse.studies.site.sequence_design import coverage_of, leave_one_event_out
 
 CONDITIONING = ConditioningSettings(baseline="mean", highpass_hz=0.1)
 QUANTILES = (0.5, 0.84)

@@ -21,7 +21,7 @@ from collections.abc import Callable
 import numpy as np
 from numba import njit
 
-from rocking.threads import available_cores
+from rocking.lanes import available_cores
 from rockpulse.models import Block, Outcome, recorded_response
 from rockpulse.record.synthetic import synthetic_lanes, synthetic_motion
 from rockpulse.studies.selftest.baseline import response as solve_ivp_response
@@ -167,11 +167,10 @@ clock = time.perf_counter if sys.argv[1] == "wall" else time.process_time
 calls = {
     "recorded": lambda: [models.recorded_response(block, motion, 0.01, e) for e in ("linear", "nonlinear")],
     "impulsive": lambda: models.impulsive_response(block, [0.0, 0.5], [0.3, -0.3]),
-    "effective": lambda: models.effective_impulse_response(block, motion, 0.01),
     "sequence": lambda: models.sequence_response(block, models.ImpulseSequence(0.3, 0.1, 0.2, 10.0)),
     "resonance": lambda: [models.resonance(block, 0.3, 10), models.resonance_safety(block, 0.3, 10)],
 }
-for name in ("recorded_response", "impulsive_response", "effective_impulse_response", "sequence_response", "resonance",
+for name in ("recorded_response", "impulsive_response", "sequence_response", "resonance",
              "resonance_safety"):
     getattr(models, name)  # imports numba and the kernels' modules: no part of compiling them
 for name, call in calls.items():

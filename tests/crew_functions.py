@@ -9,7 +9,7 @@ import sys
 import time
 from pathlib import Path
 
-from rockpulse.batch.worker import serve
+from rockpulse.run.processes import serve
 
 
 def square(number):
@@ -41,7 +41,7 @@ def modules(_):
 
 def kernel_threads(_):
     """On how many threads of a machine of six cores a kernel would run; 1 also where it runs in the calling thread."""
-    from rocking import threads
+    from rocking import lanes as threads
 
     cores, pool, asked = threads.available_cores, threads.ThreadPoolExecutor, []
     threads.available_cores = lambda: 6

@@ -320,9 +320,7 @@ TABLE: dict[str, list[Row]] = {
         ("azimuth", rb"(?<=<Azimuth>)90\.0", b"00.0", "channel code"),
         ("dip", rb"(?<=<Dip>)-90\.0", b"  0.0", "channel code"),
     ],
-    "clc_three_channels.csv": [
-        ("unit of a column", rb"(?<=E \[)cm", b"mm", "units of the other columns"),
-    ],
+    "clc_three_channels.csv": [("unit of a column", rb"(?<=E \[)cm", b"mm", "units of the other columns")],
     "clc_deepsoil.txt": [
         ("count, one short", rb"1200(?= 0\.01)", b"1199", "rows"),
         ("count, too many", rb"1200(?= 0\.01)", b"1300", "rows"),

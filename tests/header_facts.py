@@ -51,11 +51,11 @@ class HeaderFact:
     @property
     def format(self) -> str:
         """The format of the sample."""
-        return said(self.sample, contents()[self.sample])[0]
+        return unchanged(self.sample)[0]
 
     def told(self) -> str:
         """How a reader tells the change: "refusal", "warning", or "silent" where it does not."""
-        before = Counter(said(self.sample, contents()[self.sample])[1])
+        before = Counter(unchanged(self.sample)[1])
         try:
             after = Counter(said(self.sample, self.mutated())[1])
         except RockpulseError:
@@ -67,6 +67,12 @@ class HeaderFact:
 def contents() -> dict[str, bytes]:
     """The samples by name, as they are committed."""
     return format_samples()
+
+
+@cache
+def unchanged(sample: str) -> tuple[str, list[str]]:
+    """What `said` gives for a sample as it is committed."""
+    return said(sample, contents()[sample])
 
 
 def said(sample: str, content: bytes) -> tuple[str, list[str]]:

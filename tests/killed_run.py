@@ -14,8 +14,8 @@ import sys
 import threading
 from pathlib import Path
 
-from rockpulse.batch.journal import Journal
 from rockpulse.cli import main
+from rockpulse.run.journal import Journal
 from rockpulse.storage.hdf5.writer import TreeWriter
 
 #: What is passed, whether the signal comes before or after it, and which.

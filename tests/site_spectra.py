@@ -5,13 +5,12 @@ from functools import cache
 import numpy as np
 
 import rockpulse as rp
-from rocking.spectrum_lanes import RATES
+from rocking.body.limits import RATES
 from rockpulse import CalibrationSettings
 from rockpulse.models import Block
-from rockpulse.motions.tables import record_weights
 from rockpulse.storage.variables.probability import RESTITUTIONS
-from rockpulse.studies.site.record import facts_of_record
-from rockpulse.studies.site.spectrum_tree import build_spectrum_tree
+from rockpulse.studies.site.calibration import SiteCalibration
+from rockpulse.studies.site.records import facts_of_record
 
 #: Slendernesses 10 and 4.5, and one that no spectrum stands for.
 BLOCKS = {"wall": Block(0.15, 1.5), "pier": Block(0.4, 1.8), "chest": Block(0.8, 1.8, restitution=0.8)}
@@ -39,14 +38,11 @@ def done_with(strengths, events):
     }
 
 
-def site_of(strengths, events=None, blocks=BLOCKS, failures=(), remarks=(), **calibration):
+def site_of(strengths, events=None, blocks=BLOCKS, **calibration):
     """The tree of such records, of one earthquake each without `events`."""
-    events = range(len(strengths)) if events is None else events
     config = rp.Config(calibration=CalibrationSettings(**{"bootstrap": 200, **calibration}))
-    done = done_with(strengths, events)
-    weights = record_weights(done["record"].tolist(), done["event"].tolist(), config.calibration.weighting, None)
-    lanes = Block.stack([block.lanes(1) for block in blocks.values()]) if blocks else None
-    return build_spectrum_tree(done, weights, list(blocks or ()), lanes, config, failures, remarks)
+    done = done_with(strengths, range(len(strengths)) if events is None else events)
+    return SiteCalibration(config, blocks or {}).collect([done], [], [])
 
 
 @cache

@@ -23,14 +23,14 @@ def test_a_changed_kernel_has_another_folder(tmp_path):
     (kernels / "deeper").mkdir()
     (kernels / "deeper" / "kernel.py").write_text("x = 1")
     seen = {kernel_cache(kernels)}
-    for name in ("march.py", "deeper/kernel.py"):
+    for name in ("lanes.py", "deeper/kernel.py"):
         (kernels / name).write_text((kernels / name).read_text() + "\n# changed\n")
         seen.add(kernel_cache(kernels))
     assert len(seen) == 3
 
 
 def test_make_and_the_tests_use_the_folder_of_the_kernels_as_they_are(tmp_path):
-    for name in ("Makefile", "tests/kernel_cache.py", "models/rocking/march.py"):
+    for name in ("Makefile", "tests/kernel_cache.py", "models/rocking/lanes.py"):
         (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
         shutil.copy(TOP / name, tmp_path / name)
     command = ["make", "--no-print-directory", "kernel-cache", f"PYTHON={sys.executable}"]
@@ -41,5 +41,5 @@ def test_make_and_the_tests_use_the_folder_of_the_kernels_as_they_are(tmp_path):
 
     first = folder()
     assert Path(first.strip()).parent == tmp_path / ".numba_cache"
-    (tmp_path / "models/rocking/march.py").write_text("changed = True")
+    (tmp_path / "models/rocking/lanes.py").write_text("changed = True")
     assert folder() != first

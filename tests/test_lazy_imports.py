@@ -54,7 +54,8 @@ def test_help_and_small_verbs_load_nothing_heavy():
 
 
 def test_no_reader_loads_anything_heavy():
-    names = [f"rockpulse.readers.{path.stem}" for path in sorted(READERS.glob("*.py")) if path.stem != "__init__"]
+    paths = [path.relative_to(READERS.parent) for path in sorted(READERS.rglob("*.py")) if path.stem != "__init__"]
+    names = [f"rockpulse.{'.'.join(path.with_suffix('').parts)}" for path in paths]
     assert len(names) > 20
     assert loaded(none_of(f"import {name}" for name in ["rockpulse.readers", *names])) == []
 

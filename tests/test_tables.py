@@ -20,20 +20,18 @@ NO_MODEL = {
         ("rockpulse.model_row", "linear"),
         ("rockpulse.model_row", "nonlinear"),
     },
-    "a section of the configuration": {
-        ("rockpulse.config.settings", "sequence"),
-    },
+    "a section of the configuration": {},
     "the kind of the motions: records, pairs or the sequence of a site": {
         ("rockpulse.assessment.answers", "sequence"),
         ("rockpulse.views.plots.probability_map", "sequence"),
         ("rockpulse.views.text.verdicts", "sequence"),
     },
     "a file that holds a sequence": {
-        ("rockpulse.commands.file_fault", "sequence"),
+        ("rockpulse.commands.terminal", "sequence"),
     },
     "a working point of the rule, after which its model is called": {
-        ("rockpulse.calibration.rule", "balanced"),
-        ("rockpulse.calibration.rule", "conservative"),
+        ("rockpulse.sequences.rule", "balanced"),
+        ("rockpulse.sequences.rule", "conservative"),
     },
     "the straight line of a baseline correction": {
         ("rockpulse.config.settings", "linear"),

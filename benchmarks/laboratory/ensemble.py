@@ -15,10 +15,9 @@ from pathlib import Path
 
 import numpy as np
 
-from rocking.block import Block
+from rocking.body.block import Block
 from rockpulse.config.settings import RecordSettings
-from rockpulse.errors import ConfigError, RockpulseError
-from rockpulse.failures import Failure, some
+from rockpulse.errors import ConfigError, Failure, RockpulseError, some
 from rockpulse.motions.doubt import unconfirmed
 from rockpulse.motions.events import group_events
 from rockpulse.motions.tables import read_event_table

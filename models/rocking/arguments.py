@@ -1,12 +1,20 @@
-"""Arguments of the models as arrays: numbers that are finite, positive where they have to be, of one length."""
+"""Types of the quantities that models take and give: a number for one lane, an array for several.
 
-from __future__ import annotations
+.. note:: A lane is one block under one factor on the input. What models take is anything that numpy makes a number or
+   an array of; what they give is a Python number where the caller gave scalars, else an array of the lanes' shape.
+
+Arguments of the models as arrays: numbers that are finite, positive where they have to be, of one length.
+"""
+
+from typing import Any, TypeAlias
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
-from rocking.quantities import ArrayLike
-
-__all__ = ["numbers", "positive", "read_only", "record_samples", "together"]
+#: A number for one lane, an array of them for several.
+Floats: TypeAlias = float | NDArray[np.float64]
+Integers: TypeAlias = int | NDArray[np.integer[Any]]
+Booleans: TypeAlias = bool | NDArray[np.bool_]
 
 
 def numbers(name: str, value: ArrayLike, expected: str, lanes: bool = True) -> np.ndarray:

@@ -1,40 +1,56 @@
-"""The answer of every model: one :class:`Response` per call, one entry per lane (factor on the input, block)."""
+"""The answer of every model: one :class:`Response` per call, one entry per lane, and the codes of how a motion ends."""
 
-from __future__ import annotations
-
-from dataclasses import dataclass, fields, replace
-from typing import Any, NamedTuple
+import math
+from dataclasses import dataclass
+from enum import IntEnum
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 
-from rocking.outcome import Outcome, Reason
-from rocking.quantities import Booleans, Floats, Integers
-from rocking.response_picture import ResponsePicture
-
-__all__ = [
-    "IMPACT_CUTOFF",
-    "HalfCycles",
-    "LaneResults",
-    "Outcome",
-    "Reason",
-    "Response",
-    "drop_axes",
-    "empty_results",
-    "spread",
-    "squeezed",
-    "unresolved",
-    "with_history",
-]
+from rocking.arguments import Booleans, Floats, Integers
+from rocking.lanes import LaneValues, lane_field
+from rocking.pictures import BLUE, GREY, INK, RED, Picture, Shown, brief, thinned
 
 #: Impacts slower than this are not counted, as speed over p alpha_c [-] (about 5e-7 of alpha_c in rotation).
 IMPACT_CUTOFF = 1e-3
 
-#: The lane axes of (..., q, m) values for which the caller gave a scalar: the factor on the input, the block.
-LANE_AXES = {(False, False): (), (True, False): (-2,), (False, True): (-1,), (True, True): (-2, -1)}
+#: Lanes whose peaks are drawn, and the largest theta/alpha_c that is shown [-].
+DRAWN, TOP = 200, 1.2
+
+
+class Outcome(IntEnum):
+    """How a motion ends."""
+
+    AT_REST = 0  #: never uplifted
+    ROCKS = 1  #: uplifted, and comes back to rest or to a bounded motion
+    OVERTURNS = 2
+    UNRESOLVED = 3  #: the model cannot say; see the reason
+
+    @property
+    def word(self) -> str:
+        """The name as results hold it: "at_rest", "rocks", "overturns" or "unresolved"."""
+        return self.name.lower()
+
+
+class Reason(IntEnum):
+    """Why a lane is UNRESOLVED."""
+
+    NONE = 0
+    IMPACT_LIMIT = 1  #: more impacts in a row than the solver follows (restitution of one or next to it)
+    FREE_FLIGHT = 2  #: the vertical acceleration cancels gravity: the block leaves the ground
+    HALF_CYCLE_LIMIT = 3  #: more half-cycles than the model follows
+    NO_SEQUENCE = 4  #: the record gave no impulse sequence to answer with
+    SHORT_INTERVAL = 5  #: secondary impulses too close for the march; the limit is spacing="continuous"
+    NOT_MODELLED = 6  #: the model does not know what the body has: unlike corners, a wall, ties, loads or thrusts
+
+
+#: Words and colours of the outcomes, in their order.
+WORDS = np.array([outcome.word for outcome in Outcome])
+COLOURS = (GREY, BLUE, RED, INK)
 
 
 @dataclass(frozen=True, eq=False)
-class HalfCycles:
+class HalfCycles(LaneValues):
     """The half-cycles of a response, first axis; NaN (or -1) after the last one.
 
     Attributes
@@ -53,16 +69,16 @@ class HalfCycles:
         Speed u_r right before the next impact [-]; NaN where there is none.
     """
 
-    start_velocity: np.ndarray
-    peak: np.ndarray
-    duration: np.ndarray
-    impulse_count: np.ndarray
-    interval: np.ndarray
-    impact_speed: np.ndarray
+    start_velocity: np.ndarray = lane_field()
+    peak: np.ndarray = lane_field()
+    duration: np.ndarray = lane_field()
+    impulse_count: np.ndarray = lane_field(-1)
+    interval: np.ndarray = lane_field()
+    impact_speed: np.ndarray = lane_field()
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Response(ResponsePicture):
+class Response(LaneValues, Shown):
     """Peak, outcome and events of a rocking motion; arrays of the lanes' shape, or scalars for one lane.
 
     Attributes
@@ -94,18 +110,96 @@ class Response(ResponsePicture):
         Response to a record only: samples in which the block moved, neither at rest nor overturned.
     """
 
-    peak_rotation_ratio: Floats
-    outcome: Integers
-    reason: Integers
-    overturning_time: Floats
-    overturning_half_cycle: Integers
-    impacts: Integers
+    peak_rotation_ratio: Floats = lane_field()
+    outcome: Integers = lane_field(int(Outcome.UNRESOLVED))
+    reason: Integers = lane_field(int(Reason.NONE))
+    overturning_time: Floats = lane_field()
+    overturning_half_cycle: Integers = lane_field(-1)
+    impacts: Integers = lane_field(-1)
     time: np.ndarray | None = None
-    rotation: np.ndarray | None = None
-    velocity: np.ndarray | None = None
-    half_cycles: HalfCycles | None = None
-    ground_contact: Booleans | None = None
-    active_samples: Integers | None = None
+    rotation: np.ndarray | None = lane_field(axis=-2, default=None)
+    velocity: np.ndarray | None = lane_field(axis=-2, default=None)
+    half_cycles: HalfCycles | None = lane_field(default=None)
+    ground_contact: Booleans | None = lane_field(False, default=None)
+    active_samples: Integers | None = lane_field(0, default=None)
+
+    @classmethod
+    def unresolved(cls, lanes: tuple[int, ...], reason: Reason) -> Self:
+        """The answer of a model that has none for lanes of a shape."""
+        codes = np.full(lanes, int(Outcome.UNRESOLVED), dtype=np.int8), np.full(lanes, int(reason), dtype=np.int8)
+        return cls(np.full(lanes, np.nan), *codes, np.full(lanes, np.nan), np.full(lanes, -1), np.full(lanes, -1))
+
+    def among(self, known: np.ndarray, reason: Reason) -> Self:
+        """A response of some of (m,) blocks, those that are `known` (m,), as one of all; the others UNRESOLVED."""
+        return self.join([self], [np.flatnonzero(known)], known.size, reason=int(reason))
+
+    @property
+    def overturned(self) -> Booleans:
+        """Whether the block overturned; False where the outcome is UNRESOLVED."""
+        found = np.asarray(self.outcome) == Outcome.OVERTURNS
+        return bool(found) if found.ndim == 0 else found
+
+    @property
+    def outcome_name(self) -> str | np.ndarray:
+        """The outcome in a word: "at_rest", "rocks", "overturns" or "unresolved"; an array of texts for several lanes.
+
+        Examples
+        --------
+        >>> from rocking import Block, resonance
+        >>> resonance(Block(width=0.5, height=2.0), [0.1, 1.0], half_cycles=2).outcome_name.tolist()
+        ['rocks', 'overturns']
+        """
+        found = WORDS[np.asarray(self.outcome)]
+        return str(found) if found.ndim == 0 else found
+
+    def _facts(self) -> dict[str, str]:
+        if np.ndim(self.outcome) == 0:
+            by = "" if np.isnan(self.overturning_time) else f" by {float(self.overturning_time):.4g} s"
+            facts = {"": f"{self.outcome_name}{by}"}
+            peak = float(self.peak_rotation_ratio)
+            facts |= {"peak": f"{peak:.4g} alpha_c"} if math.isfinite(peak) and peak > 0.0 else {}
+            facts |= {} if int(self.impacts) < 0 else {"impacts": str(int(self.impacts))}
+        else:
+            codes = np.asarray(self.outcome)
+            facts = {"of": f"{' x '.join(map(str, codes.shape))} lanes"}
+            for outcome in Outcome:
+                count = int(np.count_nonzero(codes == outcome))
+                facts |= {outcome.word: str(count)} if count else {}
+            moving = np.asarray(self.peak_rotation_ratio)[codes == Outcome.ROCKS]
+            facts |= {"peak of those that rock": f"{brief(moving)} alpha_c"} if moving.size else {}
+        return facts | ({} if self.time is None else {"history": f"of {self.time.size} samples"})
+
+    def _picture(self) -> Picture:
+        if self.time is None or self.rotation is None:
+            return self._peaks()
+        return self._history(self.time, self.rotation.reshape(-1, self.time.size)[0])
+
+    def _history(self, time: np.ndarray, rotation: np.ndarray) -> Picture:
+        """The rotation in time; of several lanes that of the first."""
+        known = np.isfinite(rotation)
+        x, y = thinned(time[known], rotation[known])
+        reach = max(float(np.max(np.abs(y), initial=0.0)), 1e-12)
+        picture = Picture((float(time[0]), float(time[-1])), (-reach, reach))
+        picture.line([time[0], time[-1]], [0.0, 0.0], GREY, 0.5)
+        picture.line(x, y, RED if bool(np.ravel(self.overturned)[0]) else BLUE)
+        picture.words(f"{reach:.3g} rad", float(time[0]), reach, "start")
+        picture.words(f"{time[-1]:.4g} s", float(time[-1]), -reach, "end")
+        return picture
+
+    def _peaks(self) -> Picture:
+        """The peak of each lane as a bar, in the colour of its outcome; one that overturns reaches beyond alpha_c."""
+        peaks, codes = np.ravel(self.peak_rotation_ratio)[:DRAWN], np.ravel(self.outcome)[:DRAWN]
+        # A lane without a value has a stub, so that it is seen.
+        heights = np.nan_to_num(np.minimum(peaks, TOP), nan=0.05)
+        picture = Picture((-0.5, peaks.size - 0.5), (0.0, TOP), height=90.0)
+        picture.line([-0.5, peaks.size - 0.5], [0.0, 0.0], GREY, 0.5)
+        picture.line([-0.5, peaks.size - 0.5], [1.0, 1.0], GREY, 0.5, "4 3")
+        picture.words("alpha_c", peaks.size - 0.5, 1.05, "end", GREY)
+        for outcome, colour in zip(Outcome, COLOURS, strict=True):
+            own = np.flatnonzero(codes == outcome)
+            if own.size:
+                picture.stems(own, np.maximum(heights[own], 0.01), colour, max(1.0, min(40.0, 250.0 / peaks.size)))
+        return picture
 
 
 class LaneResults(NamedTuple):
@@ -125,75 +219,19 @@ def empty_results(lanes: int, codes: Any = np.int64) -> LaneResults:
     return LaneResults(*(np.empty(lanes, dtype=kind) for kind in types))
 
 
-def response_of(results: LaneResults, shape: tuple[int, int], drop: tuple[bool, bool], **others: Any) -> Response:
-    """The (q, m) response that a kernel has written, with `others` of its fields, without the lane axes to `drop`."""
-    lanes = {name: values.reshape(shape) for name, values in results._asdict().items()}
-    return drop_axes(Response(**lanes, **others), drop)
-
-
-def squeezed(values: np.ndarray, drop: tuple[bool, bool]) -> Any:
-    """(..., q, m) values without the lane axes to `drop`, for which the caller gave a scalar; a number of one lane."""
-    values = values.squeeze(axis=LANE_AXES[drop])
-    return values.item() if values.ndim == 0 else values
-
-
-def drop_axes(part: Any, drop: tuple[bool, bool]) -> Any:
-    """The same response (without a history) or table of half-cycles, without the lane axes to `drop`."""
-    values = {}
-    for item in fields(part):
-        value = getattr(part, item.name)
-        if isinstance(value, HalfCycles):
-            value = drop_axes(value, drop)
-        elif isinstance(value, np.ndarray):
-            value = squeezed(value, drop)
-        values[item.name] = value
-    return type(part)(**values)
-
-
-def with_history(
-    response: Response, shape: tuple[int, int], drop: tuple[bool, bool], time: np.ndarray, motion: np.ndarray
+def response_of(
+    results: LaneResults,
+    shape: tuple[int, int],
+    motion: np.ndarray | None = None,
+    time: np.ndarray | None = None,
+    half_cycles: HalfCycles | None = None,
+    **others: np.ndarray,
 ) -> Response:
-    """A response with its history: theta and theta' of the `motion` (q m, n, 2) at (n,) times."""
-    axes = tuple(axis for axis, dropped in enumerate(drop) if dropped)
-    rotation, velocity = (motion[..., k].reshape(*shape, time.size).squeeze(axes) for k in range(2))
-    return replace(response, time=time, rotation=rotation, velocity=velocity)
+    """The (q, m) response that a kernel has written, with `others` of its fields in any shape of as many values.
 
-
-def unresolved(lanes: tuple[int, ...], reason: Reason) -> Response:
-    """The answer of a model that has none for lanes of a shape."""
-    return Response(
-        peak_rotation_ratio=np.full(lanes, np.nan),
-        outcome=np.full(lanes, int(Outcome.UNRESOLVED), dtype=np.int8),
-        reason=np.full(lanes, int(reason), dtype=np.int8),
-        overturning_time=np.full(lanes, np.nan),
-        overturning_half_cycle=np.full(lanes, -1),
-        impacts=np.full(lanes, -1),
-    )
-
-
-def spread(response: Response, known: np.ndarray, reason: Reason) -> Response:
-    """A response of some of (m,) blocks, those that are `known` (m,), as one of all; the others UNRESOLVED."""
-    unknown = {"outcome": int(Outcome.UNRESOLVED), "reason": int(reason), "ground_contact": False, "active_samples": 0}
-
-    def among(values: np.ndarray, fill: Any, axis: int = -1) -> np.ndarray:
-        shape = list(values.shape)
-        shape[axis] = known.size
-        whole = np.full(shape, fill, dtype=values.dtype)
-        np.moveaxis(whole, axis, -1)[..., known] = np.moveaxis(values, axis, -1)
-        return whole
-
-    found: dict[str, Any] = {"time": response.time}
-    for item in fields(Response):
-        value = getattr(response, item.name)
-        if isinstance(value, HalfCycles):
-            parts = {part.name: getattr(value, part.name) for part in fields(HalfCycles)}
-            value = HalfCycles(
-                **{name: among(own, -1 if name == "impulse_count" else np.nan) for name, own in parts.items()}
-            )
-        elif value is not None and item.name in ("rotation", "velocity"):
-            value = among(value, np.nan, axis=-2)
-        elif value is not None and item.name != "time":
-            whole = np.asarray(value)
-            value = among(whole, unknown.get(item.name, np.nan if whole.dtype.kind == "f" else -1))
-        found.setdefault(item.name, value)
-    return Response(**found)
+    The `motion` (q m, n, 2) is theta and theta' at n samples.
+    """
+    lanes = {name: values.reshape(shape) for name, values in (results._asdict() | others).items()}
+    if motion is not None:
+        lanes |= {name: motion[..., k].reshape(*shape, -1) for k, name in enumerate(("rotation", "velocity"))}
+    return Response(**lanes, time=time, half_cycles=half_cycles)

@@ -14,13 +14,10 @@ import traceback
 from collections.abc import Sequence
 
 from rockpulse.commands import VERBS
-from rockpulse.commands.file_fault import WRITTEN, differing_results, file_fault
 from rockpulse.commands.parser import Parser
-from rockpulse.commands.telling import forsake, tell
+from rockpulse.commands.terminal import WRITTEN, differing_results, file_fault, forsake, tell
 from rockpulse.errors import ConfigError, RockpulseError, StoppedAtFailure
 from rockpulse.version import __version__
-
-__all__ = ["build_parser", "main"]
 
 FAILED = 1
 USAGE = 2

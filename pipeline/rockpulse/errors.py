@@ -1,4 +1,4 @@
-"""The errors that rockpulse raises on purpose.
+"""The errors that rockpulse raises on purpose, and the rows of files and channels that gave no assessed record.
 
 Every class can be made of its message alone, so that it survives pickling on its way back from a worker process.
 File-system faults stay :class:`OSError`.
@@ -6,16 +6,10 @@ File-system faults stay :class:`OSError`.
 
 from __future__ import annotations
 
-__all__ = [
-    "ConfigError",
-    "RecordFormatError",
-    "RecordRefused",
-    "ResultsError",
-    "RockpulseError",
-    "StoppedAtFailure",
-    "TooWeak",
-    "UnitError",
-]
+import re
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import Literal
 
 
 class RockpulseError(ValueError):
@@ -58,3 +52,103 @@ class ResultsError(RockpulseError):
 
 class StoppedAtFailure(RockpulseError):
     """A batch that was to stop at the first file or record that fails, and did."""
+
+
+#: Why a text, a table or a picture that lies beside records was passed over.
+NO_RECORD = "no record"
+
+FailureKind = Literal["failed", "skipped", "duplicate", "depth", "vertical", "structural"]
+
+#: What a reason may begin with behind the name of its file: the line in it.
+_LINE = re.compile(r":\d+(?=: )")
+#: The id of a record in front of a reason; an id has a point and no blank.
+_ID = re.compile(r"\S+\.\S*(?=: )")
+#: Examples of a reason that several files have.
+_EXAMPLES = 2
+
+
+@dataclass(frozen=True)
+class Failure:
+    """One row of the failures table.
+
+    `file` is ``archive.zip!member`` for a member of an archive. `stage` is the step that left it out: "find", "read",
+    "events", "select", "pair", "rotate", "assess", "calibrate" or "fragility". `kind` is "failed", which needs
+    attention: a record, or what may be one, gave no result; "skipped" for a text, table, picture, velocity or spectrum
+    that was met in a folder, glob or zip, or a record too weak for the purpose; "duplicate" where the same content was
+    read already, or another record of the same shaking is assessed in its place; "depth" where a record of the same
+    shaking that was recorded nearer to the surface is assessed in its place; "vertical" or "structural" where it was
+    read, but not assessed as horizontal ground motion.
+    """
+
+    file: str
+    stage: str
+    reason: str
+    kind: FailureKind
+
+    @property
+    def place(self) -> str:
+        """The file, with the line or the record in it where the reason begins with one."""
+        if self.reason.startswith(f"{self.file}:"):
+            line = _LINE.match(self.reason, len(self.file))
+            return self.reason[: line.end()] if line else self.file
+        record = _ID.match(self.reason)
+        return record[0] if record else self.file
+
+    @property
+    def bare(self) -> str:
+        """The reason without the file, the line or the record that it is about."""
+        return self.reason.removeprefix(f"{self.place}: ").replace(f": '{self.file}'", "")
+
+
+def alike(rows: Iterable[Failure]) -> list[list[Failure]]:
+    """The rows in groups of one reason, each group where its first row stands."""
+    groups: dict[str, list[Failure]] = {}
+    for row in rows:
+        groups.setdefault(row.bare, []).append(row)
+    return list(groups.values())
+
+
+def told(group: Sequence[Failure]) -> str:
+    """The reason of rows that are alike: of one with its place, of several with their number and two places.
+
+    Examples
+    --------
+    >>> told([Failure("a.AT2", "read", "a.AT2:4: expected 100 samples, found 3", "failed")])
+    'a.AT2:4: expected 100 samples, found 3'
+    >>> told([Failure(name, "read", f"{name}: no reader recognises the file", "failed") for name in "abc"])
+    '3 files (a, b and 1 more): no reader recognises the file'
+    """
+    first = group[0]
+    if len(group) == 1:  # most reasons begin with the file and a line in it
+        return first.reason if first.file in first.reason else f"{first.file}: {first.reason}"
+    whole = len({row.file for row in group}) == len(group) and all(row.place.startswith(row.file) for row in group)
+    counted = "files" if whole else "channels"
+    return f"{len(group)} {counted} ({some([row.place for row in group], _EXAMPLES)}): {first.bare}"
+
+
+def some(names: Sequence[str], most: int) -> str:
+    """The first of some names, and how many more there are.
+
+    Examples
+    --------
+    >>> some(["a", "b", "c"], 2), some([], 2)
+    ('a, b and 1 more', 'none')
+    """
+    more = f" and {len(names) - most} more" if len(names) > most else ""
+    return (", ".join(names[:most]) or "none") + more
+
+
+def unread(rows: Iterable[Failure]) -> bool:
+    """Whether a file could not be read, so that a name or a pattern that fits no record may be meant for it."""
+    return any(row.kind == "failed" and row.stage in ("find", "read") for row in rows)
+
+
+def last_part(file: str) -> str:
+    """The last part of the name of a file, or of a member of an archive.
+
+    Examples
+    --------
+    >>> last_part("data/b.zip!in/a.AT2")
+    'a.AT2'
+    """
+    return file.replace("\\", "/").rpartition("!")[2].rpartition("/")[2] or file

@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 import rocking
-from rocking.response import spread, unresolved
+from rocking.response import Response
 from rockpulse.record.half_wave import HalfWaves
 from rockpulse.record.intensity import IntensePhase
 from rockpulse.record.record import Record
 
 if TYPE_CHECKING:
-    from rockpulse.calibration.rule import Rule
+    from rockpulse.sequences.rule import Rule
 
 __all__ = ["Equation", "Model", "Scene", "loaded_rule"]
 
@@ -49,7 +49,7 @@ class Scene:
 
 def loaded_rule(point: str) -> Rule:
     """The rule at one of its working points."""
-    from rockpulse.calibration.rule import load_rule
+    from rockpulse.sequences.rule import load_rule
 
     return load_rule(point)
 
@@ -85,7 +85,7 @@ class Model:
     vertical: bool = False
     #: Whether it is stated for slender blocks only, a slenderness of at least 3 (the linear motion of Eqs. 1-2).
     slender: bool = True
-    #: What it knows of bodies beside free-standing symmetric ones: some of :data:`rocking.block_lanes.FEATURES`.
+    #: What it knows of bodies beside free-standing symmetric ones: some of :data:`rocking.body.block_lanes.FEATURES`.
     knows: tuple[str, ...] = ()
     #: Whether it is the working point of that name of the rule.
     fitted: bool = False
@@ -128,8 +128,8 @@ class Model:
         if np.all(known):
             return self.respond(block, scene)
         if not np.any(known):
-            return unresolved(block.shape, rocking.Reason.NOT_MODELLED)
-        return spread(self.respond(block.chosen(known), scene), known, rocking.Reason.NOT_MODELLED)
+            return Response.unresolved(block.shape, rocking.Reason.NOT_MODELLED)
+        return self.respond(block.take(known), scene).among(known, rocking.Reason.NOT_MODELLED)
 
     def intervals(self, block: rocking.Block, scene: Scene) -> rocking.ScaleIntervals:
         """The factors on the input at which (m,) blocks overturn; a factor at which the model stops is a lower bound.
@@ -139,4 +139,4 @@ class Model:
         known = self.answers(block, scene)
         if not np.any(known):
             return rocking.ScaleIntervals.unknown(block.shape)
-        return self.search(block if np.all(known) else block.chosen(known), scene).among(known)
+        return self.search(block if np.all(known) else block.take(known), scene).among(known)

@@ -13,7 +13,7 @@ from functools import partial
 from typing import Any
 
 import rocking
-from rocking.response import unresolved
+from rocking.response import Response
 from rockpulse.model_row import Equation, Model, Scene, loaded_rule
 from rockpulse.option import Section, boolean, choice, choices, count, number
 
@@ -24,7 +24,7 @@ UPPER_BOUND = "upper-bound type input"
 def _resonance(block: rocking.Block, scene: Scene) -> rocking.Response:
     one = scene.sequence
     if one is None:
-        return unresolved(block.shape, rocking.Reason.NO_SEQUENCE)
+        return Response.unresolved(block.shape, rocking.Reason.NO_SEQUENCE)
     return rocking.resonance(block, one.main, one.main_count, one.duration)
 
 
@@ -39,7 +39,7 @@ def _sequence(block: rocking.Block, scene: Scene) -> rocking.Response:
         return _rule(block, scene, point=scene.rule)
     one = scene.sequence
     if one is None:
-        return unresolved(block.shape, rocking.Reason.NO_SEQUENCE)
+        return Response.unresolved(block.shape, rocking.Reason.NO_SEQUENCE)
     return rocking.sequence_response(block, one, paired=one.shape != ())
 
 

@@ -1,20 +1,7 @@
-"""Numerics of rocking blocks, the public name of the package ``rocking``.
+"""Numerics of rocking blocks: the package :mod:`rocking` under its public name."""
 
-The names are those of :mod:`rocking`, which is loaded on first use.
-"""
-
-from typing import Any
+import sys
 
 import rocking
 
-__all__ = rocking.__all__
-
-
-def __getattr__(name: str) -> Any:
-    """The public name of :mod:`rocking`; AttributeError where it has none."""
-    return getattr(rocking, name)
-
-
-def __dir__() -> list[str]:
-    """The public names."""
-    return rocking.__dir__()
+sys.modules[__name__] = rocking

@@ -15,22 +15,6 @@ from typing import Any, ClassVar
 
 from rockpulse.errors import ConfigError
 
-__all__ = [
-    "KeyType",
-    "Section",
-    "boolean",
-    "choice",
-    "choices",
-    "count",
-    "entries",
-    "hint",
-    "is_number",
-    "key",
-    "number",
-    "text",
-    "texts",
-]
-
 
 @dataclass(frozen=True)
 class KeyType:

@@ -1,20 +1,7 @@
-"""Pictures of results: each takes Axes or makes its own, and returns them.
+"""Pictures of results: the package :mod:`rockpulse.views.plots` under its public name."""
 
-The names are those of :mod:`rockpulse.views.plots`, which is loaded on first use.
-"""
-
-from typing import Any
+import sys
 
 import rockpulse.views.plots
 
-__all__ = rockpulse.views.plots.__all__
-
-
-def __getattr__(name: str) -> Any:
-    """The public name of :mod:`rockpulse.views.plots`; AttributeError where it has none."""
-    return getattr(rockpulse.views.plots, name)
-
-
-def __dir__() -> list[str]:
-    """The public names."""
-    return rockpulse.views.plots.__dir__()
+sys.modules[__name__] = rockpulse.views.plots

@@ -5,8 +5,8 @@ import math
 import mpmath
 import numpy as np
 import pytest
-from recorded_cases import EQUATIONS, G, synthetic
-from rocking_reference import block_of, reference
+from body_reference import reference
+from recorded_cases import EQUATIONS, G, block_of, synthetic
 
 CONTEXT = mpmath.MPContext()
 CONTEXT.dps = 45

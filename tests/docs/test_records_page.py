@@ -8,10 +8,11 @@ import pytest
 
 import rockpulse as rp
 
-PAGE = (Path(__file__).parents[2] / "docs" / "tutorials" / "records.md").read_text(encoding="utf-8")
+TOP = Path(__file__).parents[2]
+PAGE = (TOP / "docs" / "tutorials" / "records.md").read_text(encoding="utf-8")
 #: Orientation (azimuth, or u: up, ?: unknown) of each column, in the order of the table.
 FOUND = [(0, 90), (0, 90, "u"), (45, 135), (30, 120), (0, 90, "u"), (0, 90), ("?",)]
-HEADINGS = re.findall(r"^\| `([^`]+)` \|", PAGE, re.MULTILINE)
+HEADINGS = re.findall(r"^\| `([^`]+)` \|", PAGE[PAGE.index("| headings |") :], re.MULTILINE)
 
 
 @pytest.mark.parametrize(("headings", "expected"), list(zip(HEADINGS, FOUND, strict=True)))
@@ -32,7 +33,18 @@ def test_every_heading_of_the_page_works(tmp_path, headings, expected):
 
 
 def test_the_page_names_every_unit():
-    from rockpulse.readers.units import UNITS
+    from rockpulse.readers.kit.text import UNITS
 
     (line,) = re.findall(r"^Units are (.*?)\. ", PAGE, re.MULTILINE)
     assert set(re.findall(r"`([^`]+)`", line)) == set(UNITS)
+
+
+def test_the_page_and_the_readme_list_every_format_that_is_read():
+    from rockpulse.readers import FORMATS
+
+    rows = [row for row in FORMATS if row.unit != "-"]
+    listed = re.findall(r"^\| `(\w+)` \| (.*?) \| (.*?) \|$", PAGE, re.MULTILINE)
+    assert listed == [(row.name, row.what, row.unit) for row in rows]
+    readme = (TOP / "README.md").read_text(encoding="utf-8")
+    section = readme[readme.index("## Which files") :].split("```")[0]
+    assert [row.name for row in rows if row.what.split()[0].rstrip(",") not in section] == []

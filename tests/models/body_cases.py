@@ -1,10 +1,10 @@
-"""Bodies that are no free-standing symmetric blocks, and motions for them, drawn by number."""
+"""Bodies of every kind, and motions for them, drawn by number."""
 
 import numpy as np
-from rocking_reference import shaking
+from recorded_cases import shaking
 
-from rocking.block import Block
-from rocking.restraint import Load, Thrust, Tie
+from rocking.body.block import Block
+from rocking.body.restraint import Load, Thrust, Tie
 
 GRAVITY = 9.80665
 
@@ -19,6 +19,7 @@ KINDS = {
     "friction": ("nonlinear",),
     "thrust": ("nonlinear",),
     "all": ("nonlinear",),
+    "plain": ("nonlinear", "linear"),
 }
 
 
@@ -34,7 +35,9 @@ def drawn(kind, number):
     force = mass * GRAVITY * width / height * rng.uniform(0.05, 0.6)
     gap, xi = rng.choice([0.0, 0.02 * width]), rng.choice([0.0, width])
     given = {"width": width, "height": height, "mass": mass, "log": False}
-    if kind == "corners":
+    if kind == "plain":
+        block = Block(width=width, height=height, restitution=rng.choice([0.0, 0.6, 0.9, 0.95]), log=False)
+    elif kind == "corners":
         gyration = np.hypot(width, height) / np.sqrt(12.0) * rng.uniform(0.8, 1.1)
         corners = width * rng.uniform(0.3, 0.7), 0.5 * width
         block = Block.from_corners(*corners, 0.5 * height * rng.uniform(0.7, 1.1), gyration, log=False)

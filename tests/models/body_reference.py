@@ -18,8 +18,8 @@ import numpy as np
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
+from rocking.body.restraint import SLIP
 from rocking.response import IMPACT_CUTOFF, Outcome
-from rocking.restraint import SLIP
 
 RTOL, ATOL = 5e-14, 1e-17
 #: Longest piece, times p, and as a phase of the stiffest tie.
@@ -160,7 +160,8 @@ def reference(block, acceleration, dt, *, equation="nonlinear", vertical=None, r
     side = int(np.sign(rotation) or np.sign(velocity))
     resting = side == 0
     phi, speed = abs(rotation), side * velocity
-    peak, impacts, moved, lost = 0.0, 0, not resting, 0.0
+    peak = 0.0 if resting else phi / body.corners[side][0]
+    impacts, moved, lost = 0, not resting, 0.0
     history = np.full(a.size, np.nan)
     history[0] = rotation
     tail, tops, turns, pieces = 0, 0, 0, 0
@@ -293,6 +294,7 @@ def reference(block, acceleration, dt, *, equation="nonlinear", vertical=None, r
                     if not body.elements:
                         impacts += decay(body, side, speed)
                     return Answer(peak, Outcome.ROCKS, math.nan, impacts, history, lost)
+                resting = speed == 0.0
                 if speed < CHATTER * p * alpha:
                     push = max(body.excess(one, *ground(t)) for one in (1, -1) for t in (tau, dt))
                     least = -push / body.inertia(side)

@@ -36,7 +36,7 @@ def comparisons(seed, count, equation="nonlinear", finer=FINER):
     threshold = np.tan(blocks.alpha_c) if equation == "nonlinear" else blocks.alpha_c
     start = blocks.gravity * threshold / np.max(np.abs(motion))
     factors = np.geomspace(start, FACTOR_MAX, finer * (POINTS - 1) + 1)
-    lanes = blocks._with(lambda values: np.tile(values, factors.shape[0]))
+    lanes = blocks.take(np.tile(np.arange(blocks.shape[0]), factors.shape[0]))
     answer = recorded_response(lanes, motion, DT, equation, block_scale=factors.reshape(-1), threads=1)
     over = (answer.outcome == Outcome.OVERTURNS).reshape(factors.shape)
     first = np.where(over.any(axis=0), factors[np.argmax(over, axis=0), np.arange(count)], np.inf)

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 
-from rocking.block import Block
+from rocking.body.block import Block
 from rocking.response import Outcome
 
 GAINS = {

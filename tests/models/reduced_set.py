@@ -11,12 +11,11 @@ import numpy as np
 from rocking import (
     Block,
     ImpulseSequence,
-    effective_impulse_response,
     impulsive_response,
     recorded_response,
     sequence_response,
 )
-from rocking.sequence import scaled_outcomes
+from rocking.impulses.sequence import scaled_outcomes
 from rockpulse.record.synthetic import synthetic_motion
 
 DT = 0.02
@@ -63,8 +62,6 @@ def impulse_models():
     sequence = ImpulseSequence(np.array([0.1, 0.3, 0.6]), np.array([0.04, 0.1, 0.3]), 0.1, 5.0)
     return {
         "impulsive": impulsive_response(BLOCKS, times, impulses, 3.0, "tangent", SCALES, 0.25),
-        "effective": effective_impulse_response(BLOCKS, MOTION, DT, scale=SCALES),
-        "effective, whole half-waves": effective_impulse_response(BLOCKS, MOTION, DT, scale=SCALES, longest=np.inf),
         "sequence": sequence_response(BLOCKS, sequence),
     }
 

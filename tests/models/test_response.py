@@ -1,17 +1,37 @@
-"""Responses of lanes that a model does not answer, alone and among others."""
+"""Responses of lanes, alone and among others: codes, words and pictures."""
+
+import xml.etree.ElementTree as ET
 
 import numpy as np
 import pytest
 
-from rocking import Block, ImpulseSequence, Outcome, Reason, recorded_response, resonance, sequence_response
-from rocking.response import spread, squeezed, unresolved
+from rocking import Block, ImpulseSequence, recorded_response, resonance, sequence_response
+from rocking.lanes import squeezed
+from rocking.pictures import BLUE, RED
+from rocking.response import Outcome, Reason, Response
+
+
+def test_outcomes_and_reasons_count_up_from_0_and_each_has_a_word():
+    assert [one.word for one in Outcome] == ["at_rest", "rocks", "overturns", "unresolved"]
+    assert [one.name.lower() for one in Reason] == [
+        "none",
+        "impact_limit",
+        "free_flight",
+        "half_cycle_limit",
+        "no_sequence",
+        "short_interval",
+        "not_modelled",
+    ]
+    for every in (Outcome, Reason):
+        assert [*every] == list(range(len(every)))
+
 
 BODIES = Block(0.5, [2.0, 3.0], restitution=0.9, gravity=9.81)
 KNOWN = np.array([True, False, True])
 
 
 def test_where_there_is_no_answer_nothing_is_said():
-    found = unresolved((2, 3), Reason.FREE_FLIGHT)
+    found = Response.unresolved((2, 3), Reason.FREE_FLIGHT)
     assert found.outcome.tolist() == [[Outcome.UNRESOLVED] * 3] * 2
     assert found.reason.tolist() == [[Reason.FREE_FLIGHT] * 3] * 2
     assert found.overturning_half_cycle.tolist() == found.impacts.tolist() == [[-1] * 3] * 2
@@ -21,7 +41,7 @@ def test_where_there_is_no_answer_nothing_is_said():
 @pytest.mark.parametrize("impulse", [0.1, [0.1, 0.2]])
 def test_answers_keep_their_places_among_blocks_that_have_none(impulse):
     some = resonance(BODIES, impulse, 3, table_rows=5)
-    whole = spread(some, KNOWN, Reason.FREE_FLIGHT)
+    whole = some.among(KNOWN, Reason.FREE_FLIGHT)
     assert np.all(whole.outcome[..., 1] == Outcome.UNRESOLVED)
     assert np.all(whole.reason[..., 1] == Reason.FREE_FLIGHT)
     assert np.all(whole.overturning_half_cycle[..., 1] == -1)
@@ -35,7 +55,7 @@ def test_answers_keep_their_places_among_blocks_that_have_none(impulse):
 def test_histories_keep_their_places_too():
     motion = 4.0 * np.sin(0.1 * np.arange(200))
     some = recorded_response(BODIES, motion, 0.01, history=True)
-    whole = spread(some, KNOWN, Reason.FREE_FLIGHT)
+    whole = some.among(KNOWN, Reason.FREE_FLIGHT)
     assert np.array_equal(whole.rotation[KNOWN], some.rotation, equal_nan=True)
     assert np.isnan(whole.rotation[1]).all()
     assert np.array_equal(whole.time, some.time)
@@ -44,7 +64,7 @@ def test_histories_keep_their_places_too():
 def test_counts_and_flags_of_blocks_without_an_answer_say_that_there_is_none():
     motion = 4.0 * np.sin(0.1 * np.arange(200))
     some = recorded_response(BODIES, motion, 0.01, scale=[0.5, 1.0], history=True)
-    whole = spread(some, KNOWN, Reason.FREE_FLIGHT)
+    whole = some.among(KNOWN, Reason.FREE_FLIGHT)
     assert whole.active_samples[:, 1].tolist() == [0, 0]
     assert whole.impacts[:, 1].tolist() == whole.overturning_half_cycle[:, 1].tolist() == [-1, -1]
     assert whole.velocity.shape == whole.rotation.shape == (2, 3, 200)
@@ -53,7 +73,7 @@ def test_counts_and_flags_of_blocks_without_an_answer_say_that_there_is_none():
         assert np.isnan(getattr(whole, name)[:, 1]).all()
     assert np.array_equal(whole.active_samples[:, KNOWN], some.active_samples)
     table = resonance(BODIES, [0.1, 0.2], 3, table_rows=5).half_cycles
-    told = spread(resonance(BODIES, [0.1, 0.2], 3, table_rows=5), KNOWN, Reason.FREE_FLIGHT).half_cycles
+    told = resonance(BODIES, [0.1, 0.2], 3, table_rows=5).among(KNOWN, Reason.FREE_FLIGHT).half_cycles
     assert np.all(told.impulse_count[..., 1] == -1)
     assert np.array_equal(told.impulse_count[..., KNOWN], table.impulse_count)
     assert np.isnan([told.peak[..., 1], told.duration[..., 1], told.interval[..., 1], told.impact_speed[..., 1]]).all()
@@ -63,7 +83,7 @@ def test_ground_contact_of_blocks_without_an_answer_is_none():
     sequence = ImpulseSequence(0.3, 0.27, 0.1, 5.0, spacing="start")
     some = sequence_response(BODIES, sequence)
     assert np.asarray(some.ground_contact).dtype == bool
-    whole = spread(some, KNOWN, Reason.NOT_MODELLED)
+    whole = some.among(KNOWN, Reason.NOT_MODELLED)
     assert whole.ground_contact.tolist() == [bool(some.ground_contact[0]), False, bool(some.ground_contact[1])]
 
 
@@ -88,3 +108,69 @@ def test_a_history_loses_the_axes_of_scalars_and_keeps_that_of_time():
             assert np.array_equal(getattr(one, name), getattr(every, name)[place], equal_nan=True)
         assert one.time == pytest.approx(0.01 * np.arange(200))
     assert not np.array_equal(every.rotation, every.velocity, equal_nan=True)
+
+
+SVG = "{http://www.w3.org/2000/svg}"
+DT = 0.01
+SHAKING = 3.2 * np.sin(2.0 * np.pi * np.arange(0.0, 6.0, DT))
+
+
+def made(outcome, peak):
+    count = np.shape(outcome)
+    nothing = np.full(count, -1)
+    return Response(peak, outcome, np.zeros(count, dtype=int), np.full(count, np.nan), nothing, nothing)
+
+
+EVERY = made(np.arange(4), np.array([0.0, 0.4, np.inf, np.nan]))
+
+
+def drawn(response):
+    return ET.fromstring(response._repr_html_()).find(f".//{SVG}svg")
+
+
+def test_overturned_is_a_bool_for_one_lane_and_an_array_for_several():
+    one = resonance(Block(width=0.5, height=2.0), 1.0, half_cycles=2)
+    assert one.overturned is True
+    assert one.outcome_name == "overturns"
+    assert EVERY.overturned.tolist() == [False, False, True, False]
+    assert EVERY.overturned.dtype == bool
+
+
+def test_names_of_outcomes_are_those_that_results_store():
+    from rockpulse.storage.variables.summary import SUMMARY
+
+    stored = SUMMARY["outcome"].variable(np.zeros((1, 1, 1)), ("record", "block", "model")).attrs["flag_meanings"]
+    assert EVERY.outcome_name.tolist() == str(stored).split() == [outcome.word for outcome in Outcome]
+
+
+def test_shapes_are_those_of_the_outcome():
+    response = recorded_response(Block(width=[0.25, 0.6], height=2.2), SHAKING, DT, scale=[0.1, 1.0, 4.0])
+    assert response.overturned.shape == response.outcome_name.shape == (3, 2)
+    assert np.array_equal(response.overturned, response.outcome_name == "overturns")
+
+
+def test_a_response_is_told_in_a_line():
+    rocks = recorded_response(Block(width=0.6, height=2.2), 0.9 * SHAKING, DT)
+    assert repr(rocks) == f"<Response rocks, peak {rocks.peak_rotation_ratio:.4g} alpha_c, impacts {rocks.impacts}>"
+    falls = recorded_response(Block(width=0.25, height=2.2), 4.0 * SHAKING, DT, history=True)
+    assert repr(falls).startswith(f"<Response overturns by {falls.overturning_time:.4g} s, impacts ")
+    assert repr(falls).endswith(f"history of {falls.time.size} samples>")
+    told = "<Response of 4 lanes, at_rest 1, rocks 1, overturns 1, unresolved 1, peak of those that rock 0.4 alpha_c>"
+    assert repr(EVERY) == told
+
+
+def test_peaks_are_bars_in_the_colour_of_their_outcome():
+    heights = {}
+    for path in drawn(EVERY).findall(f"{SVG}path"):
+        base, tip = path.attrib["d"].partition(" ")[2].split("V")
+        heights[path.attrib["stroke"]] = float(base) - float(tip)
+    assert heights[RED] / heights[BLUE] == pytest.approx(3.0, rel=0.02)  # an overturning one reaches 1.2, this one 0.4
+    assert len(heights) == 4
+
+
+def test_a_history_is_a_line_that_stays_short():
+    long = recorded_response(Block(width=0.6, height=2.2), np.tile(0.9 * SHAKING, 40), DT, history=True)
+    lines = drawn(long).findall(f"{SVG}polyline")
+    assert lines[-1].attrib["stroke"] == BLUE
+    assert 100 < len(lines[-1].attrib["points"].split()) <= 600
+    assert len(long._repr_html_()) < 12_000

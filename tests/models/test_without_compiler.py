@@ -56,6 +56,6 @@ def test_reduced_set_has_every_end_of_a_lane_and_both_sides_of_a_history(compile
         impacts, active = (np.array(compiled[f"{equation}: chatter: {name}"]) for name in ("impacts", "active_samples"))
         assert np.any((impacts > 5) & (active < reduced_set.PULSE.size - 1))
     assert set(compiled["nonlinear: free flight: reason"]) >= {Reason.FREE_FLIGHT}
-    for name in ("effective", "impulsive", "sequence"):
+    for name in ("impulsive", "sequence"):
         assert set(compiled[f"{name}: outcome"]) >= {Outcome.ROCKS, Outcome.OVERTURNS}
     assert set(compiled["search of the safety factor"]) == {Outcome.ROCKS, Outcome.OVERTURNS}

@@ -2,7 +2,7 @@
 
 import pytest
 
-from rockpulse.failures import Failure, alike, told
+from rockpulse.errors import Failure, alike, told
 
 
 def failed(file, reason, stage="read"):

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from rockpulse.errors import ConfigError, RecordRefused, ResultsError
-from rockpulse.input_file import DEEPEST, check_regular, parse_toml, read_text
+from rockpulse.files import DEEPEST, check_regular, parse_toml, read_text
 
 
 @pytest.fixture

@@ -3,7 +3,7 @@
 import pytest
 
 from rockpulse.errors import ConfigError
-from rockpulse.input_table import numbers, table_of
+from rockpulse.files import numbers, table_of
 
 
 @pytest.mark.parametrize(

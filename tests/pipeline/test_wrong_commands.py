@@ -71,17 +71,18 @@ def said(place, monkeypatch, capsys):
     return said
 
 
-def test_there_are_four_hundred_cases():
-    assert len(cases("wrong_commands.txt")) + len(cases("wrong_configurations.txt")) >= 400
+def test_a_wrong_command_is_answered_in_words(said):
+    found = [(command, message, said(shlex.split(command))) for command, message in cases("wrong_commands.txt")]
+    assert len(found) > 250
+    assert [case for case in found if not case[2].startswith(case[1])] == []
 
 
-@pytest.mark.parametrize(("command", "message"), cases("wrong_commands.txt"))
-def test_a_wrong_command_is_answered_in_words(said, command, message):
-    assert said(shlex.split(command)).startswith(message)
-
-
-@pytest.mark.parametrize(("text", "message"), [*cases("wrong_configurations.txt"), *LONG.items()])
-def test_a_wrong_configuration_is_answered_in_words(said, place, text, message):
-    body = ["--block", "w=0.5x3"] if text and "block" not in text else []
-    (place / "c.toml").write_text(text.replace("\\n", "\n"))
-    assert said(["assess", "a.AT2", *body, "--config", "c.toml", "-o", "new.h5", "--workers", "1"]).startswith(message)
+def test_a_wrong_configuration_is_answered_in_words(said, place):
+    found = []
+    for text, message in [*cases("wrong_configurations.txt"), *LONG.items()]:
+        body = ["--block", "w=0.5x3"] if text and "block" not in text else []
+        (place / "c.toml").write_text(text.replace("\\n", "\n"))
+        answer = said(["assess", "a.AT2", *body, "--config", "c.toml", "-o", "new.h5", "--workers", "1"])
+        found.append((text[:80], message, answer))
+    assert len(found) > 250
+    assert [case for case in found if not case[2].startswith(case[1])] == []

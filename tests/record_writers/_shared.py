@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from rockpulse.readers.facing import direction
+from rockpulse.readers.kit.direction import direction
 
 #: What a format sample says of itself in a free text of its header, cut where the field is shorter.
 NOTE = "FORMAT SAMPLE WRITTEN BY ROCKPULSE FROM CI.CLC"

@@ -166,10 +166,7 @@ def samples(channels: Sequence[Record]) -> dict[str, bytes]:
             "LOCATION": "CHINA_LAKE",
             "DATA_TYPE": "Acceleration",
         }
-        files.setdefault(
-            f"{moment:%Y%m%d%H%M%S}_CLC_RawAcc_E.asc",
-            dyna(values, channel.dt, **common | afad),
-        )
+        files.setdefault(f"{moment:%Y%m%d%H%M%S}_CLC_RawAcc_E.asc", dyna(values, channel.dt, **common | afad))
         corrected = CORRECTED | {"LOW_CUT_FREQUENCY_HZ": "", "HIGH_CUT_FREQUENCY_HZ": "", "LOCATION": "RIDGECREST"}
         files.setdefault(
             f"{moment:%Y%m%d%H%M%S}_CLC_ap_AAD_Acc_E.asc",

@@ -8,7 +8,7 @@ from datetime import UTC, datetime
 import numpy as np
 
 from record_writers._shared import NOTE, retold, rows
-from rockpulse.readers.facing import direction
+from rockpulse.readers.kit.direction import direction
 from rockpulse.record.record import Record
 
 START = datetime(2016, 11, 13, 11, 2, 20, tzinfo=UTC)

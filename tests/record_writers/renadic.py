@@ -73,11 +73,6 @@ def samples(channels: Sequence[Record]) -> dict[str, bytes]:
     assert moment is not None
     trigger = f"{moment.month}/{moment.day}/{moment.year} {moment.hour}:{moment:%M:%S}.000 GMT"
     content = renadic(
-        [north, up, east],
-        ("NS", "V", "EW"),
-        dt=channels[0].dt,
-        trigger=trigger,
-        event=NOTE,
-        name="CHINA LAKE",
+        [north, up, east], ("NS", "V", "EW"), dt=channels[0].dt, trigger=trigger, event=NOTE, name="CHINA LAKE"
     )
     return {"clc_renadic.v1": content}

@@ -12,10 +12,10 @@ import time
 import numpy as np
 import pandas as pd
 
-from rocking.block import Block
-from rocking.recorded import recorded_response
+from rocking.body.block import Block
+from rocking.body.restraint import Load, Tie
+from rocking.march.recorded import recorded_response
 from rocking.response import Response
-from rocking.restraint import Load, Tie
 from rockpulse.record.synthetic import synthetic_motion
 
 __all__ = ["PLAIN", "bodies_table", "kinds"]

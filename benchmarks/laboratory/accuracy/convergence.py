@@ -14,8 +14,8 @@ import numpy as np
 import pandas as pd
 
 from laboratory.accuracy.statistics import observed_order
-from rocking.block import Block
-from rocking.recorded import recorded_response
+from rocking.body.block import Block
+from rocking.march.recorded import recorded_response
 from rocking.response import Response
 from rockpulse.record.synthetic import synthetic_motion
 

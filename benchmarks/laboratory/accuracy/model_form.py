@@ -16,7 +16,7 @@ import pandas as pd
 from scipy.stats import mannwhitneyu
 
 from laboratory.ensemble import blocks
-from rocking.block import Block
+from rocking.body.block import Block
 from rocking.response import Outcome
 from rockpulse.assessment.scene import prepare
 from rockpulse.config.configuration import Config

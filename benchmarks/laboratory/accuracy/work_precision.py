@@ -18,8 +18,8 @@ import numpy as np
 import pandas as pd
 
 from laboratory.accuracy.statistics import answer_errors, error_statistics, reference_under_perturbation
-from rocking.block import Block
-from rocking.recorded import recorded_response
+from rocking.body.block import Block
+from rocking.march.recorded import recorded_response
 from rocking.response import Outcome
 from rockpulse.studies.selftest.baseline import response as by_solve_ivp
 

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from scipy.special import ellipkinc, ellipkm1
 
-from rocking.block import Block
+from rocking.body.block import Block
 from rocking.response import Outcome, Response
 
 __all__ = [

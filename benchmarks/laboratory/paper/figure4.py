@@ -17,10 +17,11 @@ import xarray as xr
 from laboratory.paper.blocks import DURATION, GRAVITY, RADII, RESTITUTIONS, half_cycle_counts, no_motion, paper_block
 from laboratory.paper.figure4_statements import FIGURE4_STATEMENTS, ROUNDING
 from laboratory.paper.finding import examine, statement_table
-from rocking.block import Block
+from rocking.body.block import Block
+from rocking.impulses.impulse_sequence import SPACINGS, ImpulseSequence
+from rocking.impulses.sequence import sequence_response
+from rocking.impulses.sequence_kernel import HALF_CYCLE_LIMIT
 from rocking.response import Response
-from rocking.sequence import SPACINGS, ImpulseSequence, sequence_response
-from rocking.sequence_kernel import HALF_CYCLE_LIMIT
 
 __all__ = ["figure4"]
 

@@ -25,12 +25,13 @@ from laboratory.paper.blocks import (
 )
 from laboratory.paper.figure5_statements import FIGURE5_STATEMENTS
 from laboratory.paper.finding import Finding, Statement, examine, interval_ranges, statement_table
-from rocking.block import Block
-from rocking.main_sequence import critical_impulse_at
-from rocking.motion import hop
+from rocking.body.block import Block
+from rocking.impulses.half_cycle import hop
+from rocking.impulses.impulse_sequence import SPACINGS, ImpulseSequence
+from rocking.impulses.main import critical_impulse_at
+from rocking.impulses.sequence import sequence_response
+from rocking.impulses.sequence_kernel import HALF_CYCLE_LIMIT
 from rocking.response import HalfCycles, Response
-from rocking.sequence import SPACINGS, ImpulseSequence, sequence_response
-from rocking.sequence_kernel import HALF_CYCLE_LIMIT
 from rockpulse.views.plots.motion_history import HalfCycle, rotation_history
 
 __all__ = ["figure5", "half_cycle_tables"]

@@ -9,8 +9,8 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from rocking.pictures import thinned
 from rocking.response import Outcome
-from rocking.svg_lines import thinned
 from rockpulse.views.plots.style import (
     BLACK,
     INSTANTS,

@@ -23,7 +23,7 @@ from laboratory.rule.cases import motion_cases
 from laboratory.rule.judgement import LIMIT, fit_rules, judge_rules, too_few
 from laboratory.rule.measures import MEASURES
 from laboratory.tables import plain, write_tables
-from rockpulse.calibration.rule import POINTS, Rule, load_rule
+from rockpulse.sequences.rule import POINTS, Rule, load_rule
 from rockpulse.version import __version__
 
 NAMES = MEASURES | {LIMIT: "the limit: P, nonlinear"}
@@ -61,7 +61,7 @@ def rule_text(rules: Mapping[str, Rule], tables: Mapping[str, pd.DataFrame], pro
     """Fitted rules of one range as TOML, by working point, with their provenance and how they did on their cases."""
     measured: dict[Any, Any] = tables["capacities"].set_index(["measure", "target", "kind"]).to_dict("index")
     lines = [
-        "# The rule of rockpulse.calibration.rule: demand = factor x march, an overturning at 1 and above.",
+        "# The rule of rockpulse.sequences.rule: demand = factor x march, an overturning at 1 and above.",
         "# Written by `make rule`; bias and log-dispersion of 1/demand against the nonlinear capacity, on earthquakes",
         "# left out.",
         "",

@@ -12,9 +12,9 @@ import pandas as pd
 from laboratory.ensemble import StrongMotion, blocks
 from laboratory.rule.measures import other_measures
 from laboratory.rule.truth import nonlinear_capacity
-from rocking.half_wave_demand import demand_of_half_waves
-from rocking.recorded import recorded_response
+from rocking.march.recorded import recorded_response
 from rocking.response import Outcome
+from rocking.spectrum.half_waves import demand_of_half_waves
 from rockpulse.record.half_wave import half_waves
 
 __all__ = ["SCALES", "motion_cases"]

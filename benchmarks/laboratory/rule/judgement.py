@@ -30,7 +30,7 @@ from laboratory.rule.statistics import (
     weighted_median,
 )
 from laboratory.rule.truth import FACTOR_MAX
-from rockpulse.calibration.rule import POINTS, Rule, traits
+from rockpulse.sequences.rule import POINTS, Rule, traits
 
 __all__ = ["LIMIT", "fit_rules", "judge_rules", "too_few"]
 

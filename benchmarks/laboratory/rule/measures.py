@@ -13,9 +13,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from rocking.block import Block
-from rocking.block_limits import radius_of_rectangle
-from rocking.capacity import critical_scale
+from rocking.body.block import Block
+from rocking.body.limits import radius_of_rectangle
+from rocking.search.capacity import critical_scale
 from rockpulse.record.half_wave import HalfWaves
 from rockpulse.record.intensity import largest_change, pgv, spectrum_intensity
 from rockpulse.record.record import Record

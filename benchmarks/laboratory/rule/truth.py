@@ -2,7 +2,7 @@
 
 .. note:: Every body has lanes of its own: a scrambled Sobol set over restitution, loss of the angle and ln f, each
    marched at its exact factor. The uncertainty of the factor is a normal kernel in ln f
-   (:mod:`rocking.lane_probability`); no similarity is assumed.
+   (:mod:`rocking.spectrum.probability`); no similarity is assumed.
 """
 
 from __future__ import annotations
@@ -14,12 +14,18 @@ import numpy as np
 from scipy.special import ndtri
 from scipy.stats import qmc
 
-from rocking.block import Block
-from rocking.crossing import factor_at, mean_capacity, rising
-from rocking.lane_probability import lane_bells, lane_probability, tail_masses
-from rocking.recorded import recorded_response
+from rocking.body.block import Block
+from rocking.march.recorded import recorded_response
 from rocking.response import Outcome
-from rocking.uncertainty import Uncertainty
+from rocking.spectrum.probability import (
+    Uncertainty,
+    factor_at,
+    lane_bells,
+    lane_probability,
+    mean_capacity,
+    rising,
+    tail_masses,
+)
 
 __all__ = ["FACTOR_MAX", "LANES", "nonlinear_capacity"]
 

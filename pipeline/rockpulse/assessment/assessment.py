@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rocking.block import Block
-from rocking.capacity import uplift_scale
-from rocking.scale_search import ScaleIntervals
-from rocking.sliding import sliding_demand
-from rockpulse.assessment.places import aloft, joined_intervals, joined_responses, places_of, turned
+from rocking.body.block import Block
+from rocking.march.recorded import sliding_demand
+from rocking.search.capacity import uplift_scale
+from rocking.search.factors import ScaleIntervals
+from rockpulse.assessment.places import aloft, joined_responses, places_of, turned
 from rockpulse.assessment.probability import record_probability
 from rockpulse.assessment.record_assessment import RecordAssessment
 from rockpulse.assessment.results import registered
@@ -22,14 +22,14 @@ from rockpulse.assessment.senses import senses
 from rockpulse.assessment.tree import EVENT, build_tree, dimension_of, nothing, record_part, template
 from rockpulse.config.bodies import Bodies, Place, gather_bodies
 from rockpulse.config.configuration import Config, given_config
-from rockpulse.failures import Failure
+from rockpulse.errors import Failure
 from rockpulse.model_row import Scene
 from rockpulse.model_table import MODELS
 from rockpulse.motions.directions import Motion, PlannedMotion, swept_directions
-from rockpulse.motions.runner import Analysis, Blocks, Part, Watch, Work, run
 from rockpulse.record.components import Pair
 from rockpulse.record.measures import STORED_OF_BODIES, RecordOnBodies
 from rockpulse.record.record import Record
+from rockpulse.run.analysis import Analysis, Blocks, Part, Watch, Work, run
 from rockpulse.storage.hdf5.atomic import ASSESSMENT
 
 if TYPE_CHECKING:
@@ -178,7 +178,10 @@ def assess_scene(
             name: joined_responses([part.responses[name] for part in parts], lanes, record.npts, steps)
             for name in parts[0].responses
         },
-        scales={name: joined_intervals([part.scales[name] for part in parts], lanes) for name in parts[0].scales},
+        scales={
+            name: ScaleIntervals.join([part.scales[name] for part in parts], lanes, bodies.lanes.shape[0])
+            for name in parts[0].scales
+        },
         applicable=at_lanes([part.applicable for part in parts]),
         probability=at_lanes([part.probability for part in parts]),
         strength=at_lanes([part.strength for part in parts]),
@@ -246,7 +249,7 @@ def _strength(scene: Scene, bodies: Bodies, stronger: float) -> dict[str, np.nda
         found[name] = np.full(lanes.shape, np.nan)
     if asked.size:
         demand = sliding_demand(
-            bodies.lanes.chosen(asked), record.acceleration, record.dt, friction[asked], scene.vertical
+            bodies.lanes.take(asked), record.acceleration, record.dt, friction[asked], scene.vertical
         )
         found["friction_required"][asked], found["friction_share"][asked] = demand.required, demand.share
     return found

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from rocking.block import Block
+from rocking.body.block import Block
 from rockpulse.config.configuration import Config
 from rockpulse.record.half_wave import half_waves
 from rockpulse.record.measures import ROWS, RecordOnBodies

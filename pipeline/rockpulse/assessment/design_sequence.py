@@ -8,15 +8,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rocking.sequence import ImpulseSequence
+from rocking.impulses.impulse_sequence import ImpulseSequence
 from rockpulse.assessment.assessment import assess_scene
 from rockpulse.assessment.results import registered
 from rockpulse.assessment.scene import solver_options
 from rockpulse.assessment.tree import EVENT, build_tree, record_part
-from rockpulse.calibration.design_spectrum import DesignSpectrum
 from rockpulse.config.bodies import gather_bodies, refuse_aloft
 from rockpulse.config.configuration import Config, given_config
-from rockpulse.config.given_bodies import Blocks
 from rockpulse.errors import ConfigError
 from rockpulse.model_row import Scene
 from rockpulse.model_table import MODELS, SEQUENCE_MODELS
@@ -24,6 +22,8 @@ from rockpulse.record.half_wave import HalfWaves
 from rockpulse.record.intensity import IntensePhase
 from rockpulse.record.record import Record
 from rockpulse.remark import Remark
+from rockpulse.run.analysis import Blocks
+from rockpulse.sequences.design_spectrum import DesignSpectrum
 
 if TYPE_CHECKING:
     import xarray as xr

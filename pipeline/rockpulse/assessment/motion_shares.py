@@ -7,7 +7,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from rockpulse.motions.events import UNKNOWN, share_interval
+from rockpulse.earthquakes import members, probability_interval
+from rockpulse.motions.events import UNKNOWN
 
 
 class Share(NamedTuple):
@@ -68,8 +69,7 @@ class Motions:
 
         Motions that are NaN are left out; without any other it is NaN.
         """
-        names = np.unique(np.array(self.events, dtype=str))
-        own = (np.array(self.events, dtype=str) == names[:, np.newaxis]).astype(float)
+        own = members(np.array(self.events, dtype=str)).astype(float)
         known = ~np.isnan(values)
         counts, sums = (np.tensordot(own, table, 1) for table in (known, np.where(known, values, 0.0)))
         with np.errstate(invalid="ignore"):
@@ -97,7 +97,7 @@ class Motions:
         kept = np.ones(known.shape, dtype=bool) if left_out is None else self.kept(left_out)
         unknown = (np.isnan(known) & kept).sum(axis=0)
         value, least, most = (self.mean(np.where(kept, one, np.nan)) for one in (known, least, most))
-        low, high = share_interval(value, self.event_counts(kept))
+        low, high = probability_interval(value, self.event_counts(kept))
         tables = (value, low, high, least, most, unknown)
         return [Share(*one) for one in zip(*(table.tolist() for table in tables), strict=True)]
 

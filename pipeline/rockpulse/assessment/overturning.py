@@ -2,7 +2,7 @@
 
 .. note:: S(p, C) [m/s] is the effective impulse that a slender free-standing block takes from a record: its mean
    capacity, as a factor on the record, is (g tan(alpha)/p)/S, and it overturns where S exceeds g tan(alpha)/p
-   (:mod:`rocking.overturning_spectrum`). The probability is stored over the factor divided by that capacity.
+   (:mod:`rocking.spectrum.overturning`). The probability is stored over the factor divided by that capacity.
 """
 
 from __future__ import annotations
@@ -12,15 +12,15 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from rocking.block import Block
-from rocking.crossing import factor_at
-from rocking.overturning_spectrum import LEAST_SLENDERNESS, OverturningSpectrum, covered_range
-from rocking.spectrum_lanes import RATES, SpectrumLanes, spectrum_lanes
-from rocking.uncertainty import Uncertainty
-from rockpulse.calibration.design_spectrum import at_blocks, within
-from rockpulse.calibration.rule import load_rule
+from rocking.body.block import Block
+from rocking.body.limits import RATES
+from rocking.spectrum.lanes import SpectrumLanes, spectrum_lanes
+from rocking.spectrum.overturning import LEAST_SLENDERNESS, OverturningSpectrum, covered_range
+from rocking.spectrum.probability import Uncertainty, factor_at
 from rockpulse.record.half_wave import HalfWaves, half_waves
 from rockpulse.record.record import Record
+from rockpulse.sequences.design_spectrum import at_blocks, within
+from rockpulse.sequences.rule import load_rule
 from rockpulse.storage.variables import StoredVariable
 from rockpulse.storage.variables.probability import (
     AXIS_SIZES,
@@ -219,7 +219,7 @@ def overturning_curve(spectrum: xr.Dataset, block: Block) -> tuple[np.ndarray, n
 
 def _at_blocks(spectrum: xr.Dataset, block: Block) -> tuple[np.ndarray, np.ndarray]:
     """The mean capacity (m,) of blocks and the probability (m, l) at the levels of the spectrum times it."""
-    block = block if block.shape else block.lanes(1)
+    block = block.lanes()
     axes = spectrum["p"].values, spectrum["restitution"].values
     inside = within(block, *axes)
     if not np.all(inside):

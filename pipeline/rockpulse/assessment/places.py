@@ -4,18 +4,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import fields, replace
-from typing import Any
+from dataclasses import replace
 
 import numpy as np
 
-from rocking.floor import floor_motion
-from rocking.response import HalfCycles, Response
-from rocking.scale_search import ScaleIntervals
+from rocking.body.supports import floor_motion
+from rocking.response import Response
 from rockpulse.assessment.scene import extract
+from rockpulse.config.block_settings import FloorSettings
 from rockpulse.config.bodies import Bodies, Place
 from rockpulse.config.configuration import Config
-from rockpulse.config.restraint_settings import FloorSettings
 from rockpulse.errors import RecordRefused
 from rockpulse.model_row import Scene
 from rockpulse.motions.directions import FACING_WITHIN
@@ -88,49 +86,9 @@ def joined_responses(
 
     `steps` are the samples of the motion of each part in one interval of the ground's; it may last longer.
     """
-    count = sum(places.size for places in lanes)
-    found: dict[str, Any] = {}
-    for item in fields(Response):
-        values = [getattr(part, item.name) for part in parts]
-        if item.name == "time" or any(value is None for value in values):
-            continue
-        first, *_ = values
-        if isinstance(first, HalfCycles):
-            found[item.name] = _joined_cycles(values, lanes, count)
-            continue
-        if item.name in ("rotation", "velocity"):
-            values = [value[:, ::step][:, :samples] for value, step in zip(values, steps, strict=True)]
-            first, *_ = values
-        whole = np.empty((count, *np.shape(first)[1:]), dtype=np.asarray(first).dtype)
-        for places, value in zip(lanes, values, strict=True):
-            whole[places] = value
-        found[item.name] = whole
-    return Response(**found)
-
-
-def _joined_cycles(parts: Sequence[HalfCycles], lanes: Sequence[np.ndarray], count: int) -> HalfCycles:
-    longest = max(len(part.start_velocity) for part in parts)
-    found = {}
-    for item in fields(HalfCycles):
-        first, *_ = values = [getattr(part, item.name) for part in parts]
-        whole = np.full((longest, count), -1 if item.name == "impulse_count" else np.nan, dtype=first.dtype)
-        for places, value in zip(lanes, values, strict=True):
-            whole[: len(value), places] = value
-        found[item.name] = whole
-    return HalfCycles(**found)
-
-
-def joined_intervals(parts: Sequence[ScaleIntervals], lanes: Sequence[np.ndarray]) -> ScaleIntervals:
-    """Intervals of some lanes each, at their places, as one."""
-    lane = np.concatenate([places[part.lane] for places, part in zip(lanes, parts, strict=True)])
-    order = np.argsort(lane, kind="stable")
-    rows = {
-        name: np.concatenate([getattr(part, name) for part in parts])[order]
-        for name in ("lower", "upper", "open", "resolved")
-    }
-    whole = {}
-    for name in ("safety_factor", "safe_up_to", "step"):
-        whole[name] = np.empty(sum(places.size for places in lanes))
-        for places, part in zip(lanes, parts, strict=True):
-            whole[name][places] = getattr(part, name)
-    return ScaleIntervals(lane=lane[order], **rows, **whole)
+    whole = []
+    for part, step in zip(parts, steps, strict=True):
+        motion = {"rotation": part.rotation, "velocity": part.velocity}
+        motion = {name: None if one is None else one[:, ::step][:, :samples] for name, one in motion.items()}
+        whole.append(part.changed(time=None, **motion))
+    return Response.join(whole, lanes, sum(places.size for places in lanes))

@@ -14,11 +14,12 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
-from rocking.capacity import uplift_scale
-from rocking.overturning_probability import overturning_probability
-from rocking.overturning_spectrum import OverturningFactors, OverturningSpectrum, covered
-from rocking.spectrum_lanes import LEAST_RESTITUTION, RATES, REBOUNDS, neighbours, spectrum_lanes
-from rocking.uncertainty import Uncertainty
+from rocking.body.limits import RATES
+from rocking.search.capacity import uplift_scale
+from rocking.spectrum.body_probability import overturning_probability
+from rocking.spectrum.lanes import LEAST_RESTITUTION, REBOUNDS, neighbours, spectrum_lanes
+from rocking.spectrum.overturning import OverturningFactors, OverturningSpectrum, covered
+from rocking.spectrum.probability import Uncertainty
 from rockpulse.assessment.demand import FARTHEST, demand_factors
 from rockpulse.assessment.senses import senses
 from rockpulse.config.bodies import Bodies
@@ -68,7 +69,7 @@ def record_probability(
     values = {name: np.full(count, np.nan) for name in PROBABILITY}
     values |= {name: np.full((count, len(config.demands)), np.nan) for name in AT_DEMAND}
     if config.demands:
-        blocks = bodies.lanes.chosen(slice(None, None, bodies.cases)).weaker
+        blocks = bodies.lanes.take(slice(None, None, bodies.cases)).weaker
         values["demand_factor"] = demand_factors(channels or [scene.record], blocks, config)
     values["probability_source"] = np.full(count, SOURCES.index("none"))
     spectrum = None
@@ -113,7 +114,7 @@ def _fill(values: dict[str, np.ndarray], scene: Scene, bodies: Bodies, config: C
         lanes = spectrum_lanes(record.acceleration, record.dt, rates, side=side)
         spectrum = OverturningSpectrum(lanes, uncertainty)
         stored = spectrum if side == 0 else stored
-        read = blocks.chosen(places), least[places], most[places]
+        read = blocks.take(places), least[places], most[places]
         put(places, spectrum.factors(*read, limit))
         if config.demands:
             at_demand[places] = spectrum.overturning(read[0], asked[places], *read[1:])
@@ -121,7 +122,7 @@ def _fill(values: dict[str, np.ndarray], scene: Scene, bodies: Bodies, config: C
     others = np.flatnonzero(~slender)
     if others.size:
         own = overturning_probability(
-            found.block.chosen(others),
+            found.block.take(others),
             record.acceleration,
             record.dt,
             uncertainty,

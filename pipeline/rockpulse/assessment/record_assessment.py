@@ -9,11 +9,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from rocking.block_limits import RATES
-from rocking.overturning_spectrum import OverturningSpectrum
+from rocking.body.limits import RATES
+from rocking.impulses.impulse_sequence import ImpulseSequence
 from rocking.response import Response
-from rocking.scale_search import ScaleIntervals
-from rocking.sequence import ImpulseSequence
+from rocking.search.factors import ScaleIntervals
+from rocking.spectrum.overturning import OverturningSpectrum
 from rockpulse.assessment.overturning import spectrum_values
 from rockpulse.config.bodies import Bodies
 from rockpulse.config.configuration import Config

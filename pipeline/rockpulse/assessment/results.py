@@ -17,7 +17,7 @@ from pathlib import Path
 import pandas as pd
 import xarray as xr
 
-from rocking.svg_lines import BLUE, GREY, INK, ORANGE, RED, Picture, Shown
+from rocking.pictures import BLUE, GREY, INK, ORANGE, RED, Picture, Shown
 from rockpulse.assessment.answers import Answers, answers_of
 from rockpulse.assessment.verdict import BodyVerdict, Grade, verdicts
 from rockpulse.errors import ResultsError

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
-from rockpulse.calibration.estimators import calibrate
 from rockpulse.config.configuration import Config
 from rockpulse.errors import RecordRefused
 from rockpulse.model_row import Scene
@@ -16,6 +15,7 @@ from rockpulse.record.half_wave import half_waves
 from rockpulse.record.intensity import intense_phase
 from rockpulse.record.record import Record
 from rockpulse.remark import Remark
+from rockpulse.sequences.estimators import calibrate
 
 
 def prepare(record: Record, config: Config, vertical: Record | None = None) -> Scene:
@@ -66,7 +66,7 @@ def matched(scene: Scene, config: Config) -> Scene:
     wanted = config.sequence.method == "response" and any(MODELS[name].paired for name in config.models.use)
     if not wanted or scene.sequence is None:
         return scene
-    from rockpulse.calibration.response import calibrate_response  # a second, and rarely asked for
+    from rockpulse.sequences.response import calibrate_response  # a second, and rarely asked for
 
     try:
         found = calibrate_response(

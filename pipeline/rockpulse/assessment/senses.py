@@ -8,14 +8,13 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, fields, replace
-from typing import Any
+from dataclasses import dataclass
 
 import numpy as np
 
-from rocking.block import Block
-from rocking.response import HalfCycles, Outcome, Response
-from rocking.scale_search import ScaleIntervals
+from rocking.body.block import Block
+from rocking.response import Outcome, Response
+from rocking.search.factors import ScaleIntervals
 from rockpulse.config.bodies import Bodies
 from rockpulse.record.record import Record
 
@@ -40,7 +39,7 @@ class Senses:
 
     def worse(self, response: Response) -> Response:
         """The worse of both answers of each lane: overturning, no answer, then the larger rotation."""
-        return response if self.both.size == 0 else _picked(response, self.worst(response))
+        return response if self.both.size == 0 else response.take(self.worst(response))
 
     def worst(self, response: Response) -> np.ndarray:
         """Places in ``block``, of each lane, of the worse of both answers."""
@@ -52,13 +51,7 @@ class Senses:
         if self.both.size == 0:
             return found
         places = self._chosen(-np.where(np.isnan(found.safety_factor), np.inf, found.safety_factor))
-        kept = np.isin(found.lane, places)
-        lane = np.empty(self.block.shape, dtype=int)
-        lane[places] = np.arange(places.size)
-        order = np.argsort(lane[found.lane[kept]], kind="stable")
-        rows = {name: getattr(found, name)[kept][order] for name in ("lower", "upper", "open", "resolved")}
-        whole = {name: getattr(found, name)[places] for name in ("safety_factor", "safe_up_to", "step")}
-        return replace(found, lane=lane[found.lane[kept]][order], **rows, **whole)
+        return found.take(places)
 
     def likelier(self, probability: np.ndarray, factor: np.ndarray) -> np.ndarray:
         """Places in ``block``, of each lane, of the higher probability; of two alike that of the smaller factor."""
@@ -86,7 +79,7 @@ def acting(azimuth: float, facing: float) -> tuple[int, ...]:
 
 def senses(bodies: Bodies, record: Record, step: int = 1) -> Senses:
     """The lanes of bodies in the senses of a record; every `step`-th lane only."""
-    lanes = bodies.lanes.chosen(slice(None, None, step))
+    lanes = bodies.lanes.take(slice(None, None, step))
     leaning = np.asarray(lanes.side) != 0
     if not np.any(leaning):
         return Senses(lanes, np.zeros(0, dtype=np.int64))
@@ -97,17 +90,4 @@ def senses(bodies: Bodies, record: Record, step: int = 1) -> Senses:
     mirror = lanes.mirrored()
     own = [mirror.lane(place) if turned else lanes.lane(place) for place, turned in enumerate(against)]
     first = Block.stack(own) if np.any(against) else lanes
-    return Senses(Block.stack([first, mirror.chosen(both)]) if both.size else first, both)
-
-
-def _picked(response: Response, places: np.ndarray) -> Response:
-    """Some lanes of a response of (m,) lanes."""
-    found: dict[str, Any] = {}
-    for one in fields(Response):
-        value = getattr(response, one.name)
-        if isinstance(value, HalfCycles):
-            value = HalfCycles(**{part.name: getattr(value, part.name)[:, places] for part in fields(HalfCycles)})
-        elif value is not None and one.name != "time":
-            value = np.asarray(value)[places]
-        found[one.name] = value
-    return Response(**found)
+    return Senses(Block.stack([first, mirror.take(both)]) if both.size else first, both)

@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from rocking.block import Block
-from rocking.quantities import ArrayLike
-from rocking.recorded import recorded_response
+from rocking.arguments import ArrayLike
+from rocking.body.block import Block
+from rocking.march.recorded import recorded_response
 from rockpulse.record.record import STANDARD_GRAVITY, Record
 from rockpulse.storage.variables.bodies import BLOCK, CASE
 from rockpulse.storage.variables.summary import ANSWER

@@ -17,8 +17,8 @@ import xarray as xr
 from rockpulse.assessment.direction_statistics import direction_statistics
 from rockpulse.config.bodies import Bodies
 from rockpulse.config.configuration import Config
-from rockpulse.config.report_settings import logo_bytes
-from rockpulse.failures import Failure
+from rockpulse.config.study_settings import logo_bytes
+from rockpulse.errors import Failure
 from rockpulse.motions.directions import sweep_azimuths
 from rockpulse.storage.variables import StoredVariable, failure_table
 from rockpulse.storage.variables.assessment import ASSESSMENT_GROUPS, GROWING

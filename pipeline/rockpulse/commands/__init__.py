@@ -22,24 +22,25 @@ from rockpulse.commands import (
     verify,
 )
 
-__all__ = ["VERBS"]
-
 #: In the order of the help.
-VERBS = (
-    assess.VERB,
-    inspect.VERB,
-    plot.VERB,
-    report.VERB,
-    export.VERB,
-    diff.VERB,
-    verify.VERB,
-    calibrate.VERB,
-    fragility.VERB,
-    risk.VERB,
-    check.VERB,
-    init_config.VERB,
-    formats.VERB,
-    convert.VERB,
-    selftest.VERB,
-    completion.VERB,
+VERBS = tuple(
+    verb.VERB
+    for verb in (
+        assess,
+        inspect,
+        plot,
+        report,
+        export,
+        diff,
+        verify,
+        calibrate,
+        fragility,
+        risk,
+        check,
+        init_config,
+        formats,
+        convert,
+        selftest,
+        completion,
+    )
 )

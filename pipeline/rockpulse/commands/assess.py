@@ -6,39 +6,14 @@ import argparse
 from functools import partial
 from typing import TYPE_CHECKING
 
-from rockpulse.commands.batch_input import (
-    add_batch_arguments,
-    batch_given,
-    batch_options,
-    nothing_written,
-    recorded,
-    told,
-)
-from rockpulse.commands.record_input import add_record_arguments, configured, resolved
-from rockpulse.commands.verb import Verb
+from rockpulse.commands.arguments import BATCH, batch_given, configured, from_records, resolved
+from rockpulse.commands.parser import Verb
+from rockpulse.commands.running import batch_options, nothing_written, recorded, told
 
 if TYPE_CHECKING:
     import xarray as xr
 
     from rockpulse.config.configuration import Config
-
-__all__ = ["VERB"]
-
-
-def _add_arguments(parser: argparse.ArgumentParser) -> None:
-    add_record_arguments(parser, "RESULTS")
-    parser.add_argument(
-        "--sequence",
-        metavar="SITE",
-        help="assess the design sequence of this site file (rockpulse calibrate), no PATHS",
-    )
-    parser.add_argument(
-        "--all-models",
-        action="store_true",
-        help="every model side by side, from the upper bound of resonance to the nonlinear equation, in place of "
-        "[models] use",
-    )
-    add_batch_arguments(parser)
 
 
 def _run(args: argparse.Namespace) -> int:
@@ -60,7 +35,7 @@ def _of_records(args: argparse.Namespace) -> int:
     config, paths = resolved(args)
     config = _with_models(args, config)
 
-    from rockpulse.batch.run import assess_files
+    from rockpulse.run.batch import assess_files
     from rockpulse.storage.hdf5.results_file import open_results
 
     with recorded(args):
@@ -75,7 +50,7 @@ def _of_sequence(args: argparse.Namespace) -> int:
     from rockpulse.errors import ConfigError
     from rockpulse.storage.hdf5.atomic import check_target
     from rockpulse.storage.hdf5.results_file import load, save
-    from rockpulse.studies.site.tree import load_design
+    from rockpulse.studies.site.calibration import load_design
 
     of_records = (("PATHS", args.paths), ("--units", args.units), ("--dt", args.dt), ("--confirm", args.confirm))
     given = [*(name for name, value in of_records if value), *batch_given(args)]
@@ -105,7 +80,15 @@ VERB = Verb(
     summary="assess blocks under records, or under the design sequence of a site",
     description="Read records, let every model answer for every block, write the results and show the verdicts. With "
     "--sequence the input is the design sequence of a site; the models that take a sequence answer.",
-    add_arguments=_add_arguments,
+    options=(
+        from_records("RESULTS"),
+        {
+            "--sequence SITE": "assess the design sequence of this site file (rockpulse calibrate), no PATHS",
+            "--all-models": "every model side by side, from the upper bound of resonance to the nonlinear equation, in "
+            "place of [models] use",
+        },
+        *BATCH,
+    ),
     run=_run,
     examples=(
         "rockpulse assess records/ --block wall=0.3x2.4 -o results.h5",

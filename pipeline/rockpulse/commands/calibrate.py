@@ -5,24 +5,17 @@ from __future__ import annotations
 import argparse
 import sys
 
-from rockpulse.commands.batch_input import add_batch_arguments, batch_options, nothing_written, recorded, told
-from rockpulse.commands.record_input import add_record_arguments, resolved
-from rockpulse.commands.telling import tell
-from rockpulse.commands.verb import Verb
-
-__all__ = ["VERB"]
-
-
-def _add_arguments(parser: argparse.ArgumentParser) -> None:
-    add_record_arguments(parser, "SITE")
-    add_batch_arguments(parser)
+from rockpulse.commands.arguments import BATCH, from_records, resolved
+from rockpulse.commands.parser import Verb
+from rockpulse.commands.running import batch_options, nothing_written, recorded, told
+from rockpulse.commands.terminal import tell
 
 
 def _run(args: argparse.Namespace) -> int:
     config, paths = resolved(args)
 
-    from rockpulse.batch.run import calibrate_files
     from rockpulse.errors import RecordRefused
+    from rockpulse.run.batch import calibrate_files
     from rockpulse.storage.hdf5.results_file import load
     from rockpulse.studies.site.calibration import NothingCalibrated
     from rockpulse.views.text.site import site_overview
@@ -46,7 +39,7 @@ VERB = Verb(
     description="Read the records of a site, work out the overturning spectrum of each and its quantiles over "
     "earthquakes, with intervals by resampling earthquakes, and read from them an effective impulse and a sequence for "
     "every block. [calibration] method asks for one sequence for all blocks instead, fitted to the rotations.",
-    add_arguments=_add_arguments,
+    options=(from_records("SITE"), *BATCH),
     run=_run,
     examples=(
         "rockpulse calibrate records/ -o design.h5",

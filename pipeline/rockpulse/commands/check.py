@@ -5,40 +5,19 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from rockpulse.commands.telling import QUIET, tell
-from rockpulse.commands.verb import Verb
-from rockpulse.config.check_settings import CODES
-
-__all__ = ["VERB"]
-
-
-def _add_arguments(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument(
-        "results",
-        nargs="?",
-        metavar="RESULTS",
-        help="results of rockpulse assess: the probability of overturning of the same bodies stands beside the codes",
-    )
-    parser.add_argument(
-        "--config",
-        metavar="CONFIG",
-        help="configuration with [[block]] and [check]; default: that of the results",
-    )
-    parser.add_argument(
-        "--code", nargs="*", choices=CODES, metavar="CODE", help=f"codes, of {', '.join(CODES)}; default: all of them"
-    )
-    parser.add_argument("-o", "--output", metavar="TABLE", help="write the table too (CSV)")
-    parser.add_argument("--overwrite", action="store_true", help="replace a file that exists")
-    parser.add_argument("--quiet", action="store_true", help=QUIET)
+from rockpulse.commands.arguments import QUIET
+from rockpulse.commands.parser import Verb
+from rockpulse.commands.terminal import tell
+from rockpulse.config.study_settings import CODES
+from rockpulse.errors import ConfigError, ResultsError
 
 
 def _run(args: argparse.Namespace) -> int:
     from rockpulse.commands.output_files import check_file, csv_bytes, write_files
     from rockpulse.config.configuration import config_from_text, load_config
-    from rockpulse.errors import ConfigError, ResultsError
     from rockpulse.storage.hdf5.atomic import ASSESSMENT, named
     from rockpulse.storage.hdf5.results_file import load
-    from rockpulse.studies.check.codes import code_check
+    from rockpulse.studies.check.bodies import code_check
     from rockpulse.views.text.check import check_overview, check_table
 
     if args.output is not None:
@@ -68,7 +47,23 @@ VERB = Verb(
     "and as a non-structural element of EN 1998-1, from its geometry and the spectrum of [check] alone; with results, "
     "beside the probability of overturning of the same body. A check is no model of rocking: it passes some bodies "
     "that overturn, and fails many that stand.",
-    add_arguments=_add_arguments,
+    options=(
+        {
+            "RESULTS": (
+                "results of rockpulse assess: the probability of overturning of the same bodies stands beside the "
+                "codes",
+                {"nargs": "?"},
+            ),
+            "--config CONFIG": "configuration with [[block]] and [check]; default: that of the results",
+            "--code CODE": (
+                f"codes, of {', '.join(CODES)}; default: all of them",
+                {"nargs": "*", "choices": CODES},
+            ),
+            "-o --output TABLE": "write the table too (CSV)",
+            "--overwrite": "replace a file that exists",
+            "--quiet": QUIET,
+        },
+    ),
     run=_run,
     examples=(
         "rockpulse check --config site.toml --code",

@@ -5,10 +5,8 @@ from __future__ import annotations
 import argparse
 from collections.abc import Iterator
 
-from rockpulse.commands.telling import tell
-from rockpulse.commands.verb import Verb
-
-__all__ = ["VERB"]
+from rockpulse.commands.parser import Verb
+from rockpulse.commands.terminal import tell
 
 #: How the script is put to use.
 HOW = {
@@ -22,10 +20,6 @@ HOW = {
 FILES = frozenset(
     "PATHS RESULTS FILE SITE REPORT TABLE BEFORE AFTER FRAGILITY CURVE CONFIG OUT".split()  # noqa: SIM905
 )
-
-
-def _add_arguments(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("shell", choices=tuple(HOW), help="the shell")
 
 
 def _run(args: argparse.Namespace) -> int:
@@ -62,7 +56,7 @@ VERB = Verb(
     summary="let a shell complete verbs, options and names",
     description="Print a script with which a shell completes verbs, options, kinds of pictures, units and file names. "
     "Where to put it stands in the examples; it holds from the next shell on.",
-    add_arguments=_add_arguments,
+    options=({"shell": ("the shell", {"choices": tuple(HOW), "metavar": None})},),
     run=_run,
     examples=tuple(HOW.values()),
 )

@@ -5,40 +5,12 @@ from __future__ import annotations
 import argparse
 import sys
 
-from rockpulse.commands.progress import progress_bars
-from rockpulse.commands.record_input import add_reading_arguments, reading_options
-from rockpulse.commands.telling import QUIET, tell
-from rockpulse.commands.verb import Verb
-
-__all__ = ["VERB"]
+from rockpulse.commands.arguments import QUIET, READING, reading_options
+from rockpulse.commands.parser import Verb
+from rockpulse.commands.terminal import progress_bars, tell
 
 #: Reasons of a kind that is no failure.
 LISTED = 3
-
-
-def _add_arguments(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("paths", nargs="+", metavar="PATHS", help="files, folders, zips or globs of records")
-    parser.add_argument(
-        "-o",
-        "--output",
-        required=True,
-        metavar="OUT",
-        help="a file (.AT2, .csv, .mseed), or a folder for one AT2 or CSV file per channel; several channels in one "
-        "AT2 or CSV name become OUT.CHANNEL.AT2",
-    )
-    parser.add_argument("--format", choices=("at2", "csv", "mseed"), help="format of OUT; default: its suffix tells")
-    add_reading_arguments(parser)
-    parser.add_argument(
-        "--response",
-        choices=("sensitivity", "remove"),
-        default="sensitivity",
-        help="how counts with a StationXML become m/s2: divided by the sensitivity, or the full response removed; "
-        "default: sensitivity",
-    )
-    parser.add_argument(
-        "--overwrite", action="store_true", help="replace files that exist; never one that a record came from"
-    )
-    parser.add_argument("--quiet", action="store_true", help=QUIET)
 
 
 def _run(args: argparse.Namespace) -> int:
@@ -86,7 +58,25 @@ VERB = Verb(
     description="Read records of any format and write them in one that other programs read. Samples are written as "
     "they were read, in m/s2 or g: nothing is corrected or filtered; traces of unequal steps were resampled when they "
     "were read. The warnings of each record, and what the new format cannot hold, are printed.",
-    add_arguments=_add_arguments,
+    options=(
+        {
+            "PATHS": ("files, folders, zips or globs of records", {"nargs": "+"}),
+            "-o --output OUT !": "a file (.AT2, .csv, .mseed), or a folder for one AT2 or CSV file per channel; "
+            "several channels in one AT2 or CSV name become OUT.CHANNEL.AT2",
+            "--format FORMAT": (
+                "format of OUT; default: its suffix tells",
+                {"choices": ("at2", "csv", "mseed"), "metavar": None},
+            ),
+            **READING,
+            "--response HOW": (
+                "how counts with a StationXML become m/s2: divided by the sensitivity, or the full response removed; "
+                "default: sensitivity",
+                {"choices": ("sensitivity", "remove"), "default": "sensitivity", "metavar": None},
+            ),
+            "--overwrite": "replace files that exist; never one that a record came from",
+            "--quiet": QUIET,
+        },
+    ),
     run=_run,
     examples=(
         "rockpulse convert CICLC.v1 -o clc.AT2",

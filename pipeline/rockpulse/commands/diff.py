@@ -5,46 +5,9 @@ from __future__ import annotations
 import argparse
 import math
 
-from rockpulse.commands.selection_input import count
-from rockpulse.commands.telling import tell
-from rockpulse.commands.verb import Verb
-
-__all__ = ["VERB"]
-
-
-def _add_arguments(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("first", metavar="BEFORE", help="results file")
-    parser.add_argument("second", metavar="AFTER", help="results file of the same kind")
-    parser.add_argument(
-        "--rtol",
-        type=_tolerance,
-        default=1e-9,
-        metavar="R",
-        help="numbers may differ by R times the larger; default: %(default)g",
-    )
-    parser.add_argument(
-        "--atol",
-        type=_tolerance,
-        default=0.0,
-        metavar="A",
-        help="and by A, in the unit of each variable; default: %(default)g",
-    )
-    parser.add_argument(
-        "--ignore",
-        action="append",
-        default=[],
-        metavar="VARIABLE",
-        help="do not compare this variable, named as it is or as in the output (/summary/pga); repeatable",
-    )
-    parser.add_argument(
-        "--limit",
-        type=count,
-        metavar="N",
-        help="most flipped verdicts, factors and capacities that crossed 1, that are named; default: 3, with --full 20",
-    )
-    parser.add_argument(
-        "--full", action="store_true", help="every variable, name and line that differs; default: one screen of them"
-    )
+from rockpulse.commands.arguments import count
+from rockpulse.commands.parser import Verb
+from rockpulse.commands.terminal import tell
 
 
 def _run(args: argparse.Namespace) -> int:
@@ -79,7 +42,28 @@ VERB = Verb(
     "matched by name. "
     "Exit code 0 where the results are the same, 1 where they differ; versions and configuration are told and do not "
     "count.",
-    add_arguments=_add_arguments,
+    options=(
+        {
+            "first": ("results file", {"metavar": "BEFORE"}),
+            "second": ("results file of the same kind", {"metavar": "AFTER"}),
+            "--rtol R": (
+                "numbers may differ by R times the larger; default: %(default)g",
+                {"type": _tolerance, "default": 1e-9},
+            ),
+            "--atol A": (
+                "and by A, in the unit of each variable; default: %(default)g",
+                {"type": _tolerance, "default": 0.0},
+            ),
+            "--ignore VARIABLE ...": "do not compare this variable, named as it is or as in the output (/summary/pga); "
+            "repeatable",
+            "--limit N": (
+                "most flipped verdicts, factors and capacities that crossed 1, that are named; default: 3, with --full "
+                "20",
+                {"type": count},
+            ),
+            "--full": "every variable, name and line that differs; default: one screen of them",
+        },
+    ),
     run=_run,
     examples=("rockpulse diff before.h5 after.h5", "rockpulse diff before.h5 after.h5 --rtol 1e-6 --ignore warnings"),
 )

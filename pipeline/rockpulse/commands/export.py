@@ -5,60 +5,13 @@ from __future__ import annotations
 import argparse
 from typing import TYPE_CHECKING
 
-from rockpulse.commands.progress import progress_bars
-from rockpulse.commands.selection_input import add_selection, read_selection
-from rockpulse.commands.telling import tell
-from rockpulse.commands.verb import Verb
+from rockpulse.commands.arguments import SELECTION, read_selection
+from rockpulse.commands.parser import Verb
+from rockpulse.commands.terminal import progress_bars, tell
 
 if TYPE_CHECKING:
     from rockpulse.storage.export.long_table import LongTable
     from rockpulse.storage.hdf5.results_file import ResultsFile
-
-__all__ = ["VERB"]
-
-
-def _add_arguments(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("results", metavar="RESULTS", help="results file of any kind")
-    parser.add_argument(
-        "-o",
-        "--output",
-        required=True,
-        metavar="TABLE",
-        help="name.csv, name.csv.gz, name.xlsx or name.parquet (the last two: pip install 'rockpulse[tables]'); "
-        "name.README.md beside it says what the columns mean",
-    )
-    parser.add_argument(
-        "--group",
-        metavar="NAME",
-        help="group of the file: half_cycles, overturning_intervals, directions, failures, records ...; default: "
-        "the one with the answers (summary)",
-    )
-    parser.add_argument(
-        "--rows",
-        metavar="DIM[,DIM]",
-        help="one row per what: record, or record,block ...; default: one per answer (record,block,model)",
-    )
-    parser.add_argument("--columns", metavar="NAME[,NAME]", help="only these variables beside the names; default: all")
-    parser.add_argument(
-        "--record", action="append", metavar="ID", help="only this record; * and ? stand for any letters; repeatable"
-    )
-    parser.add_argument(
-        "--block", action="append", metavar="NAME", help="only this block; * and ? stand for any letters; repeatable"
-    )
-    add_selection(parser)
-    parser.add_argument(
-        "--decimal-comma",
-        action="store_true",
-        help="for a spreadsheet whose decimal sign is the comma (Italian, French, German ...): semicolons between the "
-        "columns, decimal commas; default: commas, decimal points",
-    )
-    parser.add_argument(
-        "--raw",
-        action="store_true",
-        help="texts as they are stored; default: control characters as escapes, and an apostrophe before what a "
-        "spreadsheet would compute",
-    )
-    parser.add_argument("--overwrite", action="store_true", help="replace a table and a README that exist")
 
 
 def _run(args: argparse.Namespace) -> int:
@@ -105,7 +58,26 @@ VERB = Verb(
     summary="write answers of a results file as a table",
     description="Write a group of a results file as a long table (CSV, a workbook, Parquet), one row per answer and "
     "one column per variable, and a README that gives every column its unit and meaning. Flags are written as words.",
-    add_arguments=_add_arguments,
+    options=(
+        {
+            "RESULTS": "results file of any kind",
+            "-o --output TABLE !": "name.csv, name.csv.gz, name.xlsx or name.parquet (the last two: pip install "
+            "'rockpulse[tables]'); name.README.md beside it says what the columns mean",
+            "--group NAME": "group of the file: half_cycles, overturning_intervals, directions, failures, records ...; "
+            "default: the one with the answers (summary)",
+            "--rows DIM[,DIM]": "one row per what: record, or record,block ...; default: one per answer "
+            "(record,block,model)",
+            "--columns NAME[,NAME]": "only these variables beside the names; default: all",
+            "--record ID ...": "only this record; * and ? stand for any letters; repeatable",
+            "--block NAME ...": "only this block; * and ? stand for any letters; repeatable",
+            **SELECTION,
+            "--decimal-comma": "for a spreadsheet whose decimal sign is the comma (Italian, French, German ...): "
+            "semicolons between the columns, decimal commas; default: commas, decimal points",
+            "--raw": "texts as they are stored; default: control characters as escapes, and an apostrophe before what "
+            "a spreadsheet would compute",
+            "--overwrite": "replace a table and a README that exist",
+        },
+    ),
     run=_run,
     examples=(
         "rockpulse export results.h5 -o table.csv",

@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import argparse
 
-from rockpulse.commands.telling import tell
-from rockpulse.commands.verb import Verb
-
-__all__ = ["VERB"]
+from rockpulse.commands.parser import Verb
+from rockpulse.commands.terminal import tell
 
 #: Columns of the terminal that the list stays within.
 WIDTH = 100
@@ -63,6 +61,6 @@ VERB = Verb(
     summary="list the file formats",
     description="List the formats that are read, how they are recognised, their unit, whether they are corrected "
     "volumes, and the units that can be named for those that state none.",
-    add_arguments=lambda parser: None,
+    options=(),
     run=_run,
 )

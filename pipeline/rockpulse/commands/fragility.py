@@ -5,25 +5,18 @@ from __future__ import annotations
 import argparse
 from typing import TYPE_CHECKING
 
-from rockpulse.commands.batch_input import add_batch_arguments, batch_options, nothing_written, recorded, told
-from rockpulse.commands.record_input import add_record_arguments, resolved
-from rockpulse.commands.verb import Verb
+from rockpulse.commands.arguments import BATCH, from_records, resolved
+from rockpulse.commands.parser import Verb
+from rockpulse.commands.running import batch_options, nothing_written, recorded, told
 
 if TYPE_CHECKING:
     import xarray as xr
-
-__all__ = ["VERB"]
-
-
-def _add_arguments(parser: argparse.ArgumentParser) -> None:
-    add_record_arguments(parser, "RESULTS")
-    add_batch_arguments(parser)
 
 
 def _run(args: argparse.Namespace) -> int:
     config, paths = resolved(args)
 
-    from rockpulse.batch.run import fragility_files
+    from rockpulse.run.batch import fragility_files
     from rockpulse.storage.hdf5.results_file import load
     from rockpulse.views.text.fragility import fragility_overview
     from rockpulse.views.text.left_out import not_used
@@ -45,7 +38,7 @@ VERB = Verb(
     description="Scale every record until each limit state is reached (or to given levels), fit fragility curves with "
     "confidence bands over earthquakes in every intensity measure, and say which measure serves best. Limit states, "
     "measures and the way of scaling: section [fragility] of the configuration; without one its defaults.",
-    add_arguments=_add_arguments,
+    options=(from_records("RESULTS"), *BATCH),
     run=_run,
     examples=(
         "rockpulse fragility records/ --block wall=0.3x2.4 -o fragility.h5",

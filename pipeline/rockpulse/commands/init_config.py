@@ -9,14 +9,11 @@ import textwrap
 from importlib.resources import files
 from pathlib import Path
 
-from rockpulse.commands.telling import tell
-from rockpulse.commands.verb import Verb
-from rockpulse.config.hazard_settings import HAZARD_UNITS
+from rockpulse.commands.parser import Verb
+from rockpulse.commands.terminal import tell
+from rockpulse.config.study_settings import HAZARD_UNITS
 from rockpulse.errors import ConfigError
 from rockpulse.record.measures import DEMAND, FRAGILITY, HAZARD, MEASURES, PERIODIC, ROWS, SCALING, Measure
-
-__all__ = ["VERB", "template"]
-
 
 #: Columns between which the comments of the template stand.
 BEGIN, END = 28, 122
@@ -53,10 +50,6 @@ def _filled(line: str, told: dict[str, str]) -> str:
     return filled[:BEGIN] + f"\n{'':{BEGIN}}".join(f"# {part}" for part in comment)
 
 
-def _add_arguments(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("-o", "--output", metavar="FILE", help="write here instead; a file that exists is left alone")
-
-
 def _run(args: argparse.Namespace) -> int:
     text = template()
     if args.output is None:
@@ -78,7 +71,7 @@ VERB = Verb(
     name="init-config",
     summary="write a configuration with every key explained",
     description="Print a configuration with every key, its default and its meaning, or write it to a new file.",
-    add_arguments=_add_arguments,
+    options=({"-o --output FILE": "write here instead; a file that exists is left alone"},),
     run=_run,
     examples=("rockpulse init-config -o site.toml",),
 )

@@ -6,16 +6,15 @@ import argparse
 from importlib import import_module
 from typing import TYPE_CHECKING
 
-from rockpulse.commands.selection_input import add_selection, count, read_selection
-from rockpulse.commands.telling import tell
-from rockpulse.commands.verb import Verb
+from rockpulse.commands.arguments import SELECTION, count, read_selection
+from rockpulse.commands.parser import Verb
+from rockpulse.commands.terminal import tell
+from rockpulse.errors import ResultsError
 
 if TYPE_CHECKING:
     import xarray as xr
 
     from rockpulse.storage.hdf5.results_file import ResultsFile
-
-__all__ = ["VERB"]
 
 #: Files of other verbs by their characteristic group: words for the file, and the module of its text.
 SHOWN_WHOLE = {
@@ -33,27 +32,6 @@ BESIDE_WORST = ("sort", "limit", "records", "blocks")
 CASES = 20
 
 NOTHING = "nothing failed and nothing was skipped"
-
-
-def _add_arguments(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("results", metavar="RESULTS", help="file of rockpulse assess, calibrate or fragility")
-    parser.add_argument(
-        "--record",
-        action="append",
-        metavar="ID",
-        help="one record in detail; a pattern such as '*CCC*' (* and ? stand for any letters) lists cases; repeatable",
-    )
-    parser.add_argument(
-        "--block", action="append", metavar="NAME", help="one block in detail, or a pattern likewise; repeatable"
-    )
-    parser.add_argument(
-        "--all", action="store_true", help="all of it: every model's verdict for every record and block"
-    )
-    parser.add_argument("--failures", action="store_true", help="what failed or was skipped, and why")
-    parser.add_argument("--records", action="store_true", help="list the records")
-    parser.add_argument("--blocks", action="store_true", help="list the blocks")
-    parser.add_argument("--worst", type=count, metavar="N", help="the N cases of smallest safety factor")
-    add_selection(parser)
 
 
 def _run(args: argparse.Namespace) -> int:
@@ -90,8 +68,6 @@ def _parts(file: ResultsFile, args: argparse.Namespace) -> list[str]:
 
 
 def _check_worst(args: argparse.Namespace) -> None:
-    from rockpulse.errors import ResultsError
-
     beside = [f"--{name}" for name in BESIDE_WORST if args.worst and getattr(args, name)]
     if beside:
         raise ResultsError(
@@ -129,7 +105,6 @@ def _cases(summary: xr.Dataset, args: argparse.Namespace) -> str:
 
 
 def _inspect_whole(file: ResultsFile, group: str, args: argparse.Namespace) -> int:
-    from rockpulse.errors import ResultsError
     from rockpulse.storage.hdf5.results_file import load
     from rockpulse.views.text.left_out import failure_list
 
@@ -153,7 +128,20 @@ VERB = Verb(
     summary="show a results file",
     description="Show the verdict on every body and the worst records of a results file, or all of it; one record or "
     "block in detail; the cases that meet a condition; or what was not assessed.",
-    add_arguments=_add_arguments,
+    options=(
+        {
+            "RESULTS": "file of rockpulse assess, calibrate or fragility",
+            "--record ID ...": "one record in detail; a pattern such as '*CCC*' (* and ? stand for any letters) lists "
+            "cases; repeatable",
+            "--block NAME ...": "one block in detail, or a pattern likewise; repeatable",
+            "--all": "all of it: every model's verdict for every record and block",
+            "--failures": "what failed or was skipped, and why",
+            "--records": "list the records",
+            "--blocks": "list the blocks",
+            "--worst N": ("the N cases of smallest safety factor", {"type": count}),
+            **SELECTION,
+        },
+    ),
     run=_run,
     examples=(
         "rockpulse inspect results.h5",

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from rockpulse.errors import ResultsError
-from rockpulse.file_set import FileSet
+from rockpulse.files import FileSet
 from rockpulse.storage.export.table_file import safe_texts
 
 if TYPE_CHECKING:

@@ -1,18 +1,69 @@
-"""The parser of the command line: options by their full names, and advice for unknown words."""
+"""A verb of the command line as data, and the parser: options by their full names, and advice for unknown words."""
 
 from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from shutil import get_terminal_size
 from textwrap import fill
-from typing import Any, NoReturn
+from typing import Any, NoReturn, TypeAlias
 
 from rockpulse.foreign_text import escaped
 from rockpulse.option import hint
 
-__all__ = ["Parser"]
+#: Arguments of a verb: by flags and the word for the value, "-o --output FILE", the help, perhaps with keywords of
+#: ``add_argument``. Without a flag it is positional, without a value a switch; "NAME ..." may be repeated and gives a
+#: list; "FILE !" is required.
+Options: TypeAlias = Mapping[str, str | tuple[str, Mapping[str, Any]]]
+
+
+class Either(dict[str, "str | tuple[str, Mapping[str, Any]]"]):
+    """Options of which no more than one is given."""
+
+
+@dataclass(frozen=True)
+class Verb:
+    """One verb of the command line."""
+
+    name: str  # the word that calls it
+    summary: str  # its line in the list of verbs
+    description: str  # the head of its own help
+    options: tuple[Options, ...]  # its arguments, in the order of the help
+    # returns the exit code; raises RockpulseError or OSError for faults that the user can mend
+    run: Callable[[argparse.Namespace], int]
+    examples: tuple[str, ...] = ()  # command lines that show its use
+
+    def add_to(self, subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+        """Add a parser for the verb to the subparsers of the program."""
+        epilog = "\n  ".join(["examples:", *self.examples]) if self.examples else None
+        parser = subparsers.add_parser(self.name, help=self.summary, description=self.description, epilog=epilog)
+        for table in self.options:
+            target = parser.add_mutually_exclusive_group() if isinstance(table, Either) else parser
+            for words, told in table.items():
+                text, more = (told, {}) if isinstance(told, str) else told
+                flags, given = _arguments(words)
+                target.add_argument(*flags, help=text, **{**given, **more})
+        parser.set_defaults(run=self.run)
+
+
+def _arguments(words: str) -> tuple[list[str], dict[str, Any]]:
+    """The flags, or the name, and the keywords that the words of an option stand for."""
+    parts = words.split()
+    flags = [part for part in parts if part.startswith("-")]
+    metavar = next((part for part in parts if not part.startswith("-") and part not in ("...", "!")), None)
+    if not flags:
+        assert metavar is not None
+        return [metavar.lower()], {"metavar": metavar}
+    if metavar is None:
+        return flags, {"action": "store_true"}
+    given: dict[str, Any] = {"metavar": metavar}
+    if "..." in parts:
+        given |= {"action": "append", "default": []}
+    if "!" in parts:
+        given["required"] = True
+    return flags, given
 
 
 class Parser(argparse.ArgumentParser):

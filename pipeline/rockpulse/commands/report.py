@@ -4,22 +4,8 @@ from __future__ import annotations
 
 import argparse
 
-from rockpulse.commands.telling import tell
-from rockpulse.commands.verb import Verb
-
-__all__ = ["VERB"]
-
-
-def _add_arguments(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("results", metavar="RESULTS", help="results file of rockpulse assess")
-    parser.add_argument("--site", metavar="SITE", help="site file of rockpulse calibrate, shown beside the verdict")
-    parser.add_argument("--fragility", metavar="FILE", help="fragility file of rockpulse fragility, shown likewise")
-    parser.add_argument("-o", "--output", required=True, metavar="REPORT", help="file to write: .html, or .pdf")
-    parser.add_argument("--language", default="en", metavar="LANGUAGE", help="of the report: en (default) or it")
-    parser.add_argument(
-        "--config", metavar="FILE", help="author, client, project and logo of its [report], not those stored"
-    )
-    parser.add_argument("--overwrite", action="store_true", help="replace a report that exists; never another file")
+from rockpulse.commands.parser import Verb
+from rockpulse.commands.terminal import tell
 
 
 def _run(args: argparse.Namespace) -> int:
@@ -39,6 +25,16 @@ VERB = Verb(
     description="Write the results as one file that needs no network: on two pages the verdict on every body and what "
     "it rests on, then an annex with every body and record, the method and what it does not cover, and where the "
     "numbers come from. A PDF is printed by the Chrome, Chromium or Edge of this machine.",
-    add_arguments=_add_arguments,
+    options=(
+        {
+            "RESULTS": "results file of rockpulse assess",
+            "--site SITE": "site file of rockpulse calibrate, shown beside the verdict",
+            "--fragility FILE": "fragility file of rockpulse fragility, shown likewise",
+            "-o --output REPORT !": "file to write: .html, or .pdf",
+            "--language LANGUAGE": ("of the report: en (default) or it", {"default": "en"}),
+            "--config FILE": "author, client, project and logo of its [report], not those stored",
+            "--overwrite": "replace a report that exists; never another file",
+        },
+    ),
     run=_run,
 )

@@ -7,79 +7,20 @@ import sys
 from dataclasses import replace
 from pathlib import Path
 
-from rockpulse.commands.telling import QUIET, tell
-from rockpulse.commands.verb import Verb
-
-__all__ = ["VERB"]
-
-
-def _add_arguments(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument(
-        "fragility",
-        metavar="FRAGILITY",
-        help="file of rockpulse fragility; with --bodies results of rockpulse assess with [uncertainty] spectrum = "
-        '"all"',
-    )
-    parser.add_argument(
-        "--bodies",
-        metavar="TABLE",
-        help='free bodies, any number, that the spectra of results stand for: a table (CSV) with the columns "name", '
-        '"width [m]", "height [m]", perhaps "restitution", perhaps "longitude" and "latitude", for the hazard of each '
-        'body\'s own site, and "soil_factor"',
-    )
-    parser.add_argument(
-        "--hazard",
-        metavar="CURVE",
-        help='hazard curve (CSV): "pga [g],rate" or "pga [g],probability in 50 years", OpenQuake\'s hazard curves, or '
-        'return periods "TR [years],ag [g]", or the grid of NTC 2008; in place of section [hazard]',
-    )
-    parser.add_argument(
-        "--site",
-        nargs=2,
-        type=float,
-        metavar=("LONGITUDE", "LATITUDE"),
-        help="site in a file of several places [degrees]; the nearest one up to 50 km away is taken, and told",
-    )
-    parser.add_argument(
-        "--soil-factor",
-        type=float,
-        metavar="S",
-        help="by which the levels of a hazard on rock are multiplied; default: that of [hazard], 1",
-    )
-    parser.add_argument(
-        "--config", metavar="CONFIG", help="configuration with a section [hazard]; default: that of the fragility"
-    )
-    parser.add_argument("--limit-state", metavar="STATE", help="of a fragility; default: overturning")
-    parser.add_argument("--years", type=float, metavar="T", help="time for the probability; default: that of [hazard]")
-    parser.add_argument(
-        "--age",
-        type=float,
-        metavar="YEARS",
-        help="time for which the bodies have stood: does that contradict the hazard?",
-    )
-    parser.add_argument(
-        "--resamples", type=int, metavar="N", help="draws for the bands of a fragility, 0 for none; default: 500"
-    )
-    parser.add_argument(
-        "-o",
-        "--output",
-        metavar="TABLE",
-        help="write the table too (CSV), and of a fragility beside it TABLE_levels.csv, what each range of levels "
-        "contributes",
-    )
-    parser.add_argument("--overwrite", action="store_true", help="replace a file that exists")
-    parser.add_argument("--quiet", action="store_true", help=QUIET)
+from rockpulse.commands.arguments import QUIET
+from rockpulse.commands.parser import Verb
+from rockpulse.commands.terminal import tell
+from rockpulse.errors import ConfigError
+from rockpulse.studies.risk.frequency import standing_test
 
 
 def _run(args: argparse.Namespace) -> int:
     from rockpulse.commands.output_files import check_file, csv_bytes, write_files
     from rockpulse.config.configuration import config_from_text, load_config
-    from rockpulse.errors import ConfigError
     from rockpulse.storage.hdf5.results_file import load
     from rockpulse.studies.risk.frequency import annual_frequency
     from rockpulse.studies.risk.hazard_files import hazard_of, site_hazards_of
     from rockpulse.studies.risk.inventory import inventory_frequency, read_inventory
-    from rockpulse.studies.risk.standing import standing_test
     from rockpulse.views.text import risk as text
 
     if args.bodies is not None and (args.limit_state is not None or args.resamples is not None):
@@ -147,7 +88,38 @@ VERB = Verb(
     description="Sum the fragility of each body over the hazard of its site: annual frequency of a limit state with a "
     "band over earthquakes, probability in so many years, and the levels of the ground that contribute. The hazard is "
     "taken as known; where much comes from levels that nothing was looked at, that is said.",
-    add_arguments=_add_arguments,
+    options=(
+        {
+            "FRAGILITY": "file of rockpulse fragility; with --bodies results of rockpulse assess with [uncertainty] "
+            'spectrum = "all"',
+            "--bodies TABLE": "free bodies, any number, that the spectra of results stand for: a table (CSV) with the "
+            'columns "name", "width [m]", "height [m]", perhaps "restitution", perhaps "longitude" and "latitude", for '
+            'the hazard of each body\'s own site, and "soil_factor"',
+            "--hazard CURVE": 'hazard curve (CSV): "pga [g],rate" or "pga [g],probability in 50 years", OpenQuake\'s '
+            'hazard curves, or return periods "TR [years],ag [g]", or the grid of NTC 2008; in place of section '
+            "[hazard]",
+            "--site LONGITUDE": (
+                "site in a file of several places [degrees]; the nearest one up to 50 km away is taken, and told",
+                {"nargs": 2, "type": float, "metavar": ("LONGITUDE", "LATITUDE")},
+            ),
+            "--soil-factor S": (
+                "by which the levels of a hazard on rock are multiplied; default: that of [hazard], 1",
+                {"type": float},
+            ),
+            "--config CONFIG": "configuration with a section [hazard]; default: that of the fragility",
+            "--limit-state STATE": "of a fragility; default: overturning",
+            "--years T": ("time for the probability; default: that of [hazard]", {"type": float}),
+            "--age YEARS": (
+                "time for which the bodies have stood: does that contradict the hazard?",
+                {"type": float},
+            ),
+            "--resamples N": ("draws for the bands of a fragility, 0 for none; default: 500", {"type": int}),
+            "-o --output TABLE": "write the table too (CSV), and of a fragility beside it TABLE_levels.csv, what each "
+            "range of levels contributes",
+            "--overwrite": "replace a file that exists",
+            "--quiet": QUIET,
+        },
+    ),
     run=_run,
     examples=(
         "rockpulse risk fragility.h5 --hazard curve.csv",

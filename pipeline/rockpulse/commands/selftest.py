@@ -5,19 +5,13 @@ from __future__ import annotations
 import argparse
 import math
 
-from rockpulse.commands.progress import compiling_told
-from rockpulse.commands.telling import QUIET, tell
-from rockpulse.commands.verb import Verb
-
-__all__ = ["VERB"]
+from rockpulse.commands.arguments import QUIET
+from rockpulse.commands.parser import Verb
+from rockpulse.commands.terminal import compiling_told, tell
 
 #: Columns of the table and their widths.
 HEADS = {"case": -32, "kind": -13, "verdict": -10, "peak": 8, "error": 8, "bound": 6, "ns": 6}
 HEADS |= {"solve_ivp: error": 17, "ns ": 9}
-
-
-def _add_arguments(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("--quiet", action="store_true", help=QUIET)
 
 
 def _run(args: argparse.Namespace) -> int:
@@ -27,13 +21,13 @@ def _run(args: argparse.Namespace) -> int:
         found = [tried(case) for case in stored_cases()]
     failed = [one for one in found if not one.passed]
     if not args.quiet:
-        tell(_line(tuple(HEADS)))
+        tell(_line(list(HEADS)))
         for one in found:
             stored = one.stored
-            cells = (stored.case.case, stored.case.kind, one.outcome, f"{float(stored.peak):.5f}")
-            cells += (_error(one.error), f"{stored.bound:.0e}", _cost(one.cost))
+            cells = [stored.case.case, stored.case.kind, one.outcome, f"{float(stored.peak):.5f}"]
+            cells += [_error(one.error), f"{stored.bound:.0e}", _cost(one.cost)]
             if not math.isnan(one.error_of_solve_ivp):
-                cells += (_error(one.error_of_solve_ivp), _cost(one.cost_of_solve_ivp))
+                cells += [_error(one.error_of_solve_ivp), _cost(one.cost_of_solve_ivp)]
             tell(_line(cells) + ("" if one.passed else f"  FAILED: expected {stored.outcome}"))
         tell(f"\n{_machine()}")
         tell(
@@ -46,7 +40,7 @@ def _run(args: argparse.Namespace) -> int:
     return 1 if failed else 0
 
 
-def _line(cells: tuple[str, ...]) -> str:
+def _line(cells: list[str]) -> str:
     widths = zip(cells, HEADS.values(), strict=False)  # some cases are not for solve_ivp
     return " ".join(cell.ljust(-width) if width < 0 else cell.rjust(width) for cell, width in widths)
 
@@ -65,7 +59,7 @@ def _machine() -> str:
     from importlib.metadata import version
     from pathlib import Path
 
-    from rocking.threads import available_cores
+    from rocking.lanes import available_cores
     from rockpulse.version import __version__
 
     info = Path("/proc/cpuinfo")
@@ -84,7 +78,7 @@ VERB = Verb(
     summary="solve stored cases and compare them with their answers",
     description="Solve some thirty stored cases on this machine: error against answers of 24 digits, verdicts, and the "
     "cost of a sample beside that of scipy's solve_ivp. Exit code 0: every error is within its bound, 1: one is not.",
-    add_arguments=_add_arguments,
+    options=({"--quiet": QUIET},),
     run=_run,
     examples=("rockpulse selftest",),
 )

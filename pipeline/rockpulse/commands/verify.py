@@ -4,25 +4,11 @@ from __future__ import annotations
 
 import argparse
 
-from rockpulse.commands.progress import progress_bars
-from rockpulse.commands.telling import tell
-from rockpulse.commands.verb import Verb
-
-__all__ = ["VERB"]
+from rockpulse.commands.parser import Verb
+from rockpulse.commands.terminal import progress_bars, tell
 
 #: Input files that are named where they are not found.
 LISTED = 5
-
-
-def _add_arguments(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("results", metavar="RESULTS", help="file that rockpulse wrote, of any verb")
-    parser.add_argument(
-        "--inputs",
-        action=argparse.BooleanOptionalAction,
-        default=True,
-        help="read the record files again as well, as far as they are where they were; default: yes",
-    )
-    parser.add_argument("--quiet", action="store_true", help="print nothing but what differs")
 
 
 def _run(args: argparse.Namespace) -> int:
@@ -51,7 +37,16 @@ VERB = Verb(
     description="Compare every variable and all attributes of a results file with the checksums stored when it was "
     "written, the file with its schema, and the record files with the SHA-256 of what was read. Exit code 0: all as it "
     "was, 1: something differs, 2: no results file, or one that cannot be opened.",
-    add_arguments=_add_arguments,
+    options=(
+        {
+            "RESULTS": "file that rockpulse wrote, of any verb",
+            "--inputs": (
+                "read the record files again as well, as far as they are where they were; default: yes",
+                {"action": argparse.BooleanOptionalAction, "default": True},
+            ),
+            "--quiet": "print nothing but what differs",
+        },
+    ),
     run=_run,
     examples=("rockpulse verify results.h5",),
 )

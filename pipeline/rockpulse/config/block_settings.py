@@ -1,30 +1,23 @@
-"""The bodies of a configuration: names and full sizes as the user gives them, and the model's block made of them."""
+"""The bodies of a configuration as the user gives them, what holds them and what they stand on; the model's blocks."""
 
 from __future__ import annotations
 
 import dataclasses
+import json
 import logging
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from rocking.block_limits import LARGEST_SIZE, doubt_of_size, radius_of_rectangle
-from rockpulse.config.restraint_settings import (
-    FloorSettings,
-    LoadSettings,
-    PedestalSettings,
-    ThrustSettings,
-    TieSettings,
-)
+from rocking.body.limits import LARGEST_SIZE, doubt_of_size, radius_of_rectangle
 from rockpulse.errors import ConfigError
-from rockpulse.option import KeyType, Section, boolean, entries, is_number, key, number
+from rockpulse.option import KeyType, Section, boolean, choice, entries, is_number, key, number
 from rockpulse.record.record import STANDARD_GRAVITY
 
 if TYPE_CHECKING:
     from rocking import Block
     from rockpulse.config.settings import RecordSettings
-
 
 logger = logging.getLogger("rockpulse")
 
@@ -65,6 +58,92 @@ _RESTITUTION = KeyType(
 
 
 _CORNERS = ("b_1", "b_2", "centre", "gyration")
+
+
+@dataclass(frozen=True)
+class _OfModel(Section):
+    """What the model has under the same name and with the same keys."""
+
+    def made(self) -> Any:
+        """The same for the model."""
+        import rocking
+
+        cls = getattr(rocking, type(self).__name__.removesuffix("Settings"))
+        return cls(**{name: value for name, value in {**self}.items() if value is not None})
+
+
+@dataclass(frozen=True)
+class TieSettings(_OfModel):
+    """A tie or restrainer, as :class:`rocking.Tie` has it; without a yield force or ultimate elongation it has none."""
+
+    heading = "[[block.tie]]"
+    height: float = number(dataclasses.MISSING, low=0.0, above=True, unit="m")
+    stiffness: float = number(dataclasses.MISSING, low=0.0, above=True, unit="N/m")
+    gap: float = number(0.0, low=0.0, unit="m")
+    yield_force: float | None = number(None, low=0.0, above=True, unit="N")
+    ultimate: float | None = number(None, low=0.0, above=True, unit="m")
+    side: str = choice("positive", ("positive", "negative", "both"))
+    distance: float = number(0.0, low=0.0, unit="m")
+
+
+@dataclass(frozen=True)
+class FloorSettings(Section):
+    """A mode of the building that a body stands on, as :func:`rocking.floor_motion` has it; `mass` is of the floor.
+
+    `level` is its height over that of the building [-], which a check of codes asks for.
+    """
+
+    heading = "[[block.floor]]"
+    period: float = number(dataclasses.MISSING, low=0.01, high=20.0, unit="s")
+    damping: float = number(0.05, low=0.0, high=0.99, above=True)
+    participation: float = number(1.0)
+    mass: float | None = number(None, low=0.0, above=True, unit="kg")
+    level: float | None = number(None, low=0.0, high=1.0)
+
+
+@dataclass(frozen=True)
+class LoadSettings(_OfModel):
+    """A roof or floor that rests on a body, as :class:`rocking.Load` has it."""
+
+    heading = "[[block.load]]"
+    weight: float = number(dataclasses.MISSING, low=0.0, above=True, unit="N")
+    height: float = number(dataclasses.MISSING, low=0.0, above=True, unit="m")
+    friction: float | None = number(None, low=0.0, above=True)
+    distance: float | None = number(None, low=0.0, unit="m")
+
+
+@dataclass(frozen=True)
+class ThrustSettings(_OfModel):
+    """A constant horizontal force, as :class:`rocking.Thrust` has it."""
+
+    heading = "[[block.thrust]]"
+    force: float = number(dataclasses.MISSING, unit="N")
+    height: float = number(dataclasses.MISSING, low=0.0, above=True, unit="m")
+    distance: float = number(0.0, low=0.0, unit="m")
+
+
+@dataclass(frozen=True)
+class PedestalSettings(Section):
+    """A rectangular part that a body stands on, in the middle of its top, and that may rock with it as one body.
+
+    `friction` is that at its own base, by which sliding of the whole is checked.
+    """
+
+    heading = "[[block.pedestal]]"
+    width: float = number(dataclasses.MISSING, low=0.0, above=True, unit="m")
+    height: float = number(dataclasses.MISSING, low=0.0, above=True, unit="m")
+    mass: float = number(dataclasses.MISSING, low=0.0, above=True, unit="kg")
+    friction: float | None = number(None, low=0.0, above=True)
+
+
+def floors_as_text(floors: Sequence[FloorSettings]) -> str:
+    """Modes of a building as a text of JSON; empty for the ground."""
+    return json.dumps([vars(one) for one in floors]) if floors else ""
+
+
+def floors_from_text(told: str) -> list[FloorSettings]:
+    """Modes from :func:`floors_as_text`."""
+    return [FloorSettings(**one) for one in json.loads(told)] if told else []
 
 
 @dataclass(frozen=True)
@@ -210,16 +289,13 @@ class BlockSettings(Section):
             Where the model refuses it (Housner's restitution for a body squatter than 0.707, a radius that no body of
             this p has).
         """
-        from rocking.block import Block
+        from rocking import Block
 
-        restitution, rebound = (
-            list(value) if isinstance(value, tuple) else value for value in (self.restitution, self.rebound)
-        )
-        common: dict[str, Any] = {"restitution": restitution, "gravity": self.gravity, "log": False}
-        common |= {"one_sided": self.one_sided, "rebound": rebound}
-        held: dict[str, Any] = {"mass": self.mass} | {
-            name: [one.made() for one in self[name]] for name in ("ties", "loads", "thrusts")
-        }
+        common: dict[str, Any] = {name: self[name] for name in ("restitution", "gravity", "one_sided", "rebound")}
+        common = {name: list(value) if isinstance(value, tuple) else value for name, value in common.items()}
+        common["log"] = False
+        held: dict[str, Any] = {name: [one.made() for one in self[name]] for name in ("ties", "loads", "thrusts")}
+        held["mass"] = self.mass
         try:
             if self.width is not None and self.height is not None:
                 held |= {name: self[name] for name in ("offset", "lean", "density", "length")}
@@ -243,7 +319,7 @@ class BlockSettings(Section):
         ConfigError
             Without a mass, or where it stands over the edge of a pedestal.
         """
-        from rocking.pedestal import with_pedestal
+        from rocking.body.supports import with_pedestal
 
         found: dict[str, Block] = {}
         if not self.pedestals:

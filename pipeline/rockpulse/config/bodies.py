@@ -1,23 +1,21 @@
-"""The bodies of an assessment as the lanes of one :class:`rocking.Block`."""
+"""The bodies of an assessment, as a configuration or Python gives them, as the lanes of one :class:`rocking.Block`."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, NamedTuple
+from numbers import Real
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 import numpy as np
 
-from rocking.block import Block
-from rockpulse.config.block_settings import BlockSettings, require_pairs
-from rockpulse.config.given_bodies import Blocks, given_bodies
-from rockpulse.config.restraint_settings import FloorSettings
+from rocking.body.block import Block
+from rockpulse.config.block_settings import BlockSettings, FloorSettings, require_pairs
 from rockpulse.errors import ConfigError
 
 if TYPE_CHECKING:
     from rockpulse.config.settings import RecordSettings
-
 
 #: Mass of a body over that of its floor above which it would change the floor's motion noticeably [-].
 LIGHT = 0.05
@@ -76,7 +74,7 @@ class Bodies:
         }
         for name in ("names", "floors", "pedestal_of", "warnings"):
             some[name] = tuple(getattr(self, name)[place] for place in places)
-        return Bodies(lanes=self.lanes.chosen(lanes), cases=self.cases, **some)
+        return Bodies(lanes=self.lanes.take(lanes), cases=self.cases, **some)
 
     def per_case(self, values: np.ndarray) -> np.ndarray:
         """(..., b x cases) -> (..., b, cases)."""
@@ -186,3 +184,53 @@ def _heavy(body: BlockSettings, block: Block) -> list[str]:
         f"mass {mass:.4g} kg is {mass / min(masses):.2g} of its floor's: the floor's motion is worked out without the "
         f"body, which holds up to {LIGHT:g}"
     ]
+
+
+#: Bodies: by their names full (width, height) in m, Blocks or BlockSettings; or BlockSettings in a row.
+Blocks: TypeAlias = Mapping[str, tuple[float, float] | Block | BlockSettings] | Sequence[BlockSettings]
+
+EXPECTED = (
+    'blocks: expected a mapping of names to (width, height) in m, such as {"wall": (0.25, 2.2)}, to Block or to '
+    "BlockSettings, or a sequence of BlockSettings"
+)
+
+
+def given_bodies(blocks: Blocks) -> Iterator[tuple[str, Block | BlockSettings]]:
+    """Every body with its name, sizes as settings; a ConfigError for what is no body, in words that say what is.
+
+    Examples
+    --------
+    >>> [(name, body.width, body.height) for name, body in given_bodies({"wall": (0.25, 2.2)})]
+    [('wall', 0.25, 2.2)]
+    """
+    if isinstance(blocks, Mapping):
+        for name, body in blocks.items():
+            yield name, _named(name, body)
+    elif isinstance(blocks, Sequence) and not isinstance(blocks, str):
+        for body in blocks:
+            if not isinstance(body, BlockSettings):
+                raise ConfigError(f"{EXPECTED}; found a sequence with {_found(body)}")
+            yield body.name, body
+    else:
+        raise ConfigError(f"{EXPECTED}; found {_found(blocks)}")
+
+
+def _named(name: Any, body: Any) -> Block | BlockSettings:
+    if not isinstance(name, str):
+        raise ConfigError(f"blocks: expected texts as the names of bodies, found {_found(name)}")
+    if isinstance(body, Block):
+        return body
+    if isinstance(body, BlockSettings):
+        return replace(body, name=name)
+    size = body if isinstance(body, (tuple, list)) else ()
+    if len(size) != 2 or not all(isinstance(value, Real) and not isinstance(value, bool) for value in size):
+        raise ConfigError(
+            f'blocks "{name}": expected (width, height) in m, a Block or BlockSettings, found {_found(body)}'
+        )
+    return BlockSettings(name=name, width=float(size[0]), height=float(size[1]))
+
+
+def _found(value: Any) -> str:
+    """What was found, with its type and as much of it as fits a line."""
+    text = repr(value)
+    return f"{type(value).__name__} {text if len(text) <= 60 else text[:57] + '...'}"

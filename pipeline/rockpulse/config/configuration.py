@@ -12,15 +12,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from glob import escape, has_magic
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 from rockpulse.config.block_settings import BlockSettings, require_pairs
-from rockpulse.config.check_settings import CheckSettings
-from rockpulse.config.fragility_settings import FragilitySettings
-from rockpulse.config.hazard_settings import HazardSettings
-from rockpulse.config.report_settings import ReportSettings, logo_bytes
 from rockpulse.config.settings import (
-    SECTIONS,
     CalibrationSettings,
     ConditioningSettings,
     DemandSettings,
@@ -31,13 +26,18 @@ from rockpulse.config.settings import (
     SequenceSettings,
     SiteSettings,
 )
-from rockpulse.config.uncertainty_settings import UncertaintySettings
+from rockpulse.config.study_settings import (
+    CheckSettings,
+    FragilitySettings,
+    HazardSettings,
+    ReportSettings,
+    UncertaintySettings,
+    logo_bytes,
+)
 from rockpulse.errors import ConfigError, ResultsError
-from rockpulse.input_file import TOML_LIMIT, parse_toml, read_text
+from rockpulse.files import TOML_LIMIT, parse_toml, read_text
 from rockpulse.model_table import ModelSettings, SearchSettings, is_full
 from rockpulse.option import Section, hint
-
-__all__ = ["Config", "config_from_text", "given_config", "load_config", "located", "stored_sections"]
 
 #: Sections of which there may be several.
 SEVERAL = ("block", "demand")
@@ -138,6 +138,14 @@ class Config:
         parts = [_as_toml(f"[{name}]", getattr(self, name)) for name in SECTIONS]
         parts += [_as_toml(entry.heading, entry) for entry in (*self.blocks, *self.demands)]
         return "\n".join(parts)
+
+
+#: Sections by their name in the file, in the order of the template.
+SECTIONS: dict[str, type[Section]] = {
+    item.name: cast(type[Section], item.default_factory)
+    for item in dataclasses.fields(Config)
+    if isinstance(item.default_factory, type)
+}
 
 
 def _require_different(heading: str, names: list[str]) -> None:

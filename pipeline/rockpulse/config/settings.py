@@ -6,38 +6,15 @@ import math
 from dataclasses import MISSING, dataclass
 from typing import Any
 
-from rockpulse.config.check_settings import CheckSettings
-from rockpulse.config.fragility_settings import FragilitySettings
-from rockpulse.config.hazard_settings import HazardSettings
-from rockpulse.config.report_settings import ReportSettings
-from rockpulse.config.uncertainty_settings import UncertaintySettings
 from rockpulse.errors import ConfigError
-from rockpulse.model_table import ModelSettings, SearchSettings
 from rockpulse.option import KeyType, Section, boolean, choice, count, entries, key, number, text, texts
 from rockpulse.readers.format import FileSettings
 from rockpulse.record.measures import DEMAND, PERIODIC, PGA, ROWS, SCALING, quoted, units_in_words
 
-#: The words a key knows. The modules that act on them import numba or scipy, so they are stated here once more; a test
-#: compares these with theirs.
-COMPONENTS = ("horizontal", "azimuth", "strongest", "sweep")
-RESPONSES = ("sensitivity", "remove")
-STORES = ("all", "half_waves", "none")
-BASELINES = ("auto", "none", "mean", "pre-event", "linear", "quadratic")
-PHASES = ("D5-95", "D5-75", "bracketed", "window")
-SEQUENCES = ("rule", "statistics", "response")
-MAINS = ("largest", "mean-largest", "quantile")
-SECONDARIES = ("rms", "median", "mean")
-INTERVALS = ("median", "mean")
-MAIN_COUNTS = ("half-largest", "none")
+#: Spacings of the secondary impulses.
 SPACINGS = ("end", "middle", "start", "open", "continuous")
-METHODS = ("spectrum", "response", "statistics")
-SPECTRA = ("rule", "nonlinear")
 #: Words of `weights`, which also takes the name of a table.
 WEIGHTS = ("equal", "event")
-SCALES = ("none", *SCALING)
-FAMILIES = ("default", "blocks")
-DESIGNS = ("response", "parameters")
-WORKERS = ("all",)
 
 #: Most processes of one machine.
 MOST_WORKERS = 10_000
@@ -65,18 +42,18 @@ class RecordSettings(Section):
 
     heading = "[records]"
     paths: tuple[str, ...] = texts()
-    components: str = choice("horizontal", COMPONENTS)
+    components: str = choice("horizontal", ("horizontal", "azimuth", "strongest", "sweep"))
     azimuth: float | None = number(None, low=0.0, high=360.0, unit="degrees")
     azimuth_step: float = number(10.0, low=1.0, high=90.0, unit="degrees")
     structural: bool = boolean(False)
     units: str | None = text(None)
     dt: float | None = number(None, low=0.0, above=True, unit="s")
-    response: str = choice("sensitivity", RESPONSES)
+    response: str = choice("sensitivity", ("sensitivity", "remove"))
     include_vertical: bool = boolean(False)
     events: str | None = text(None)
     keep: tuple[str, ...] = texts()
     confirm: tuple[str, ...] = texts()
-    store: str = choice("all", STORES)
+    store: str = choice("all", ("all", "half_waves", "none"))
     files: tuple[FileSettings, ...] = entries(FileSettings)
 
     def __post_init__(self) -> None:
@@ -104,7 +81,7 @@ class ConditioningSettings(Section):
     """Baseline, filter and sampling; keyword arguments of :func:`rockpulse.condition`."""
 
     heading = "[conditioning]"
-    baseline: str = choice("auto", BASELINES)
+    baseline: str = choice("auto", ("auto", "none", "mean", "pre-event", "linear", "quadratic"))
     highpass_hz: float | None = number(None, low=0.0, above=True, unit="Hz")
     lowpass_hz: float | None = number(None, low=0.0, above=True, unit="Hz")
     order: int = count(2, low=1, high=10)
@@ -136,7 +113,7 @@ class IntensePhaseSettings(Section):
     """The part of the record that is calibrated on; keyword arguments of :func:`rockpulse.intense_phase`."""
 
     heading = "[intense_phase]"
-    method: str = choice("D5-95", PHASES)
+    method: str = choice("D5-95", ("D5-95", "D5-75", "bracketed", "window"))
     start_s: float | None = number(None, low=0.0, unit="s")
     end_s: float | None = number(None, low=0.0, unit="s")
     level: float | None = number(None, low=0.0, above=True, unit="m/s2")
@@ -168,11 +145,11 @@ class SequenceSettings(Section):
     """
 
     heading = "[sequence]"
-    method: str = choice("rule", SEQUENCES)
-    main: str = choice("largest", MAINS)
-    secondary: str = choice("rms", SECONDARIES)
-    interval: str = choice("median", INTERVALS)
-    main_count: str | int = choice("half-largest", MAIN_COUNTS, most=1_000_000)
+    method: str = choice("rule", ("rule", "statistics", "response"))
+    main: str = choice("largest", ("largest", "mean-largest", "quantile"))
+    secondary: str = choice("rms", ("rms", "median", "mean"))
+    interval: str = choice("median", ("median", "mean"))
+    main_count: str | int = choice("half-largest", ("half-largest", "none"), most=1_000_000)
     spacing: str = choice("end", SPACINGS)
     duration_s: float | None = number(None, low=0.0, above=True, unit="s")
     m: int = count(3, low=1)
@@ -233,13 +210,13 @@ class CalibrationSettings(Section):
     """
 
     heading = "[calibration]"
-    method: str = choice("spectrum", METHODS)
-    spectrum: str = choice("rule", SPECTRA)
-    family: str = choice("default", FAMILIES)
+    method: str = choice("spectrum", ("spectrum", "response", "statistics"))
+    spectrum: str = choice("rule", ("rule", "nonlinear"))
+    family: str = choice("default", ("default", "blocks"))
     weights: str | None = text(None)
-    scale_to: str = choice("none", SCALES)
+    scale_to: str = choice("none", ("none", *SCALING))
     target: float | None = number(None, low=0.0, above=True, unit=units_in_words(SCALING))
-    design: str = choice("response", DESIGNS)
+    design: str = choice("response", ("response", "parameters"))
     quantile: float = number(0.84, low=0.01, high=0.99)
     confidence: float = number(0.9, low=0.5, high=0.99)
     bootstrap: int = count(1000, low=100)
@@ -271,25 +248,5 @@ class RunSettings(Section):
     """The way in which the work is carried out."""
 
     heading = "[run]"
-    workers: str | int = choice("all", WORKERS, most=MOST_WORKERS)
+    workers: str | int = choice("all", ("all",), most=MOST_WORKERS)
     seed: int = count(0, low=0)
-
-
-#: Sections by their name in the file, in the order of the template.
-SECTIONS: dict[str, type[Section]] = {
-    "site": SiteSettings,
-    "records": RecordSettings,
-    "conditioning": ConditioningSettings,
-    "half_waves": HalfWaveSettings,
-    "intense_phase": IntensePhaseSettings,
-    "sequence": SequenceSettings,
-    "models": ModelSettings,
-    "search": SearchSettings,
-    "uncertainty": UncertaintySettings,
-    "calibration": CalibrationSettings,
-    "fragility": FragilitySettings,
-    "hazard": HazardSettings,
-    "check": CheckSettings,
-    "report": ReportSettings,
-    "run": RunSettings,
-}

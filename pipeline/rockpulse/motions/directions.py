@@ -12,8 +12,7 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 
 from rockpulse.config.configuration import Config
-from rockpulse.errors import RecordRefused, RockpulseError
-from rockpulse.failures import Failure
+from rockpulse.errors import Failure, RecordRefused, RockpulseError
 from rockpulse.record.components import Neighbours, Pair, find_pairs, matching_vertical, select_horizontal
 from rockpulse.record.conditioning import condition
 from rockpulse.record.pair_conditioning import condition_pair

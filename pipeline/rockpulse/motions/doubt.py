@@ -6,9 +6,9 @@ import logging
 from collections.abc import Iterable, Sequence
 
 from rockpulse.config.configuration import Config
-from rockpulse.failures import Failure
+from rockpulse.errors import Failure
 from rockpulse.motions.directions import Motion, PlannedMotion
-from rockpulse.readers.channel import CREDIBLE_PEAK_G, odd_peak
+from rockpulse.readers.kit.channel import CREDIBLE_PEAK_G, odd_peak
 from rockpulse.record.record import STANDARD_GRAVITY, Record, id_matches
 
 logger = logging.getLogger("rockpulse")

@@ -11,56 +11,23 @@ from __future__ import annotations
 
 from collections import Counter, defaultdict
 from collections.abc import Iterable, Mapping, Sequence
-from typing import Any
-
-import numpy as np
 
 from rockpulse.config.configuration import Config, located
-from rockpulse.errors import ConfigError
-from rockpulse.failures import Failure, some, unread
+from rockpulse.errors import ConfigError, Failure, some, unread
 from rockpulse.motions.event_pairs import JOINED_WITHIN_S, moment_of, name_of, pairs_of_one_event, words_of
 from rockpulse.motions.tables import read_event_table
 from rockpulse.record.record import Record
 
 __all__ = [
-    "CONFIDENCE",
-    "FEWEST_EVENTS",
     "JOINED_WITHIN_S",
     "UNKNOWN",
     "event_table",
     "events_by_id",
     "group_events",
-    "share_interval",
 ]
 
 #: Label of all records together of which neither the files nor the user's table tell the earthquake.
 UNKNOWN = "unknown: neither name nor time stated, counted as one"
-
-#: Confidence of an interval of a probability over earthquakes [-], and the fewest earthquakes that say something of
-#: others.
-CONFIDENCE = 0.9
-FEWEST_EVENTS = 3
-
-
-def share_interval(share: Any, events: Any) -> tuple[np.ndarray, np.ndarray]:
-    """Ends of the interval of a mean probability over earthquakes (Clopper & Pearson 1934, two-sided).
-
-    With the confidence :data:`CONFIDENCE`, as if the earthquakes were drawn at random from those that are to be
-    expected. A mean of 0 or 1 gives the rule of three: its other end lies less than 3/n away.
-
-    Examples
-    --------
-    >>> [round(float(end), 3) for end in share_interval(0.0, 10)], round(1.0 - 0.05 ** (1 / 10), 3)
-    ([0.0, 0.259], 0.259)
-    """
-    from scipy.special import betaincinv
-
-    hit, tail = np.asarray(share, dtype=float) * events, 0.5 * (1.0 - CONFIDENCE)
-    with np.errstate(invalid="ignore"):
-        low = np.where(hit > 0.0, betaincinv(np.where(hit > 0.0, hit, 1.0), events - hit + 1.0, tail), hit)
-        rest = events - hit
-        high = np.where(rest > 0.0, betaincinv(hit + 1.0, np.where(rest > 0.0, rest, 1.0), 1.0 - tail), hit / events)
-    return low, high
 
 
 def group_events(records: Sequence[Record], named: Mapping[str, str] | None = None) -> list[str]:

@@ -13,7 +13,7 @@ import numpy as np
 
 from rockpulse.config.configuration import Config, located
 from rockpulse.errors import ConfigError
-from rockpulse.input_file import read_text
+from rockpulse.files import read_text
 
 
 def read_event_table(path: Path) -> dict[str, str]:

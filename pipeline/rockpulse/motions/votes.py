@@ -24,8 +24,7 @@ from operator import attrgetter
 from pathlib import PurePath
 
 from rockpulse.config.settings import RecordSettings
-from rockpulse.errors import ConfigError
-from rockpulse.failures import Failure, some, unread
+from rockpulse.errors import ConfigError, Failure, some, unread
 from rockpulse.record.components import concurrent, find_pairs, instrument, place_on_structure, sensor_level, uncovered
 from rockpulse.record.record import Record, id_matches
 from rockpulse.remark import find

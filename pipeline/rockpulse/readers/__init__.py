@@ -12,9 +12,9 @@ from typing import BinaryIO
 
 from rockpulse.readers.format import FileSettings, Format, ReadOptions
 from rockpulse.readers.formats import FORMATS
+from rockpulse.readers.kit.text import UNITS
 from rockpulse.readers.no_record import advice, may_be_record
 from rockpulse.readers.source import NoRecord, SourceFile, Unrecognised, open_source, open_stream
-from rockpulse.readers.units import UNITS
 from rockpulse.record.record import Record
 
 __all__ = ["FORMATS", "UNITS", "FileSettings", "Format", "ReadOptions", "read", "read_source"]

@@ -6,15 +6,12 @@ import lzma
 import re
 import zipfile
 import zlib
-from collections.abc import Iterator
 from functools import lru_cache, partial
 from itertools import pairwise
 from pathlib import Path, PurePosixPath
 
-from rockpulse.errors import RecordFormatError, RecordRefused, RockpulseError
+from rockpulse.errors import RecordFormatError, RecordRefused
 from rockpulse.readers.source import FILE_LIMIT, HEAD, RATIO_LIMIT, SourceFile, archive_kind
-
-__all__ = ["MEMBER_LIMIT", "TOTAL_LIMIT", "Archive", "is_archive", "members"]
 
 #: An archive with more members is refused.
 MEMBER_LIMIT = 100_000
@@ -71,12 +68,7 @@ class Archive:
         self._archive.close()
 
     def member(self, number: int) -> SourceFile:
-        """Unpack in memory the file at place `number` of `names`.
-
-        Raises RecordFormatError for a damaged or empty file, and RecordRefused for a name that leads out of the
-        archive, an archive in the archive, encryption, a file larger than `FILE_LIMIT` or compressed more than
-        `RATIO_LIMIT` times.
-        """
+        """Unpack in memory the file at place `number` of `names`."""
         entry, name = self._entries[number], self.names[number]
         content = _content(self._archive, entry, name)
         folder = PurePosixPath(entry.filename).parent
@@ -87,21 +79,6 @@ class Archive:
             partial(self._station_files, folder),
             beside=partial(self._beside, folder),
         )
-
-
-def members(path: Path) -> Iterator[tuple[str, SourceFile | RockpulseError]]:
-    """Yield name and content of each file of an archive, in order of their names ``archive.zip!member``.
-
-    In place of the file stands the error that :meth:`Archive.member` raised for it; opening raises as :class:`Archive`.
-    """
-    with Archive(path) as archive:
-        for number, name in enumerate(archive.names):
-            try:
-                file = archive.member(number)
-            except RockpulseError as fault:
-                yield name, fault
-            else:
-                yield name, file
 
 
 def _check_entries(path: str, entries: list[zipfile.ZipInfo]) -> None:

@@ -14,14 +14,12 @@ from pathlib import Path
 import numpy as np
 
 from rockpulse.errors import ConfigError, RecordFormatError, RecordRefused, RockpulseError
-from rockpulse.file_set import FileSet
+from rockpulse.files import FileSet
 from rockpulse.readers import ReadOptions, read_source
 from rockpulse.readers.formats.miniseed import is_miniseed
 from rockpulse.readers.source import HEAD, SourceFile, check_link, folder_station_files, open_source
 from rockpulse.readers.writers import at2_bytes, azimuth_of, csv_bytes, miniseed_bytes, orientation_of
 from rockpulse.record.record import Record
-
-__all__ = ["WRITERS", "Writer", "Written", "check_output", "write"]
 
 logger = logging.getLogger("rockpulse")
 
@@ -91,10 +89,7 @@ class Written:
 
 
 def write(
-    records: Record | Sequence[Record],
-    out: str | os.PathLike[str],
-    format: str | None = None,
-    overwrite: bool = False,
+    records: Record | Sequence[Record], out: str | os.PathLike[str], format: str | None = None, overwrite: bool = False
 ) -> list[Written]:
     """Write records as AT2, CSV or miniSEED.
 

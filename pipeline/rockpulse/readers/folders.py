@@ -8,25 +8,20 @@ so are velocities, displacements and spectra; a file that may be a record and th
 from __future__ import annotations
 
 import glob
-import hashlib
 import os
-from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import lru_cache, partial
 from pathlib import Path
 from typing import NamedTuple
 
-import numpy as np
-
-from rockpulse.errors import ConfigError, RecordFormatError, RecordRefused, RockpulseError
-from rockpulse.failures import NO_RECORD, Failure
-from rockpulse.input_file import check_regular
+from rockpulse.errors import NO_RECORD, ConfigError, Failure, RecordFormatError, RecordRefused, RockpulseError
+from rockpulse.files import check_regular
 from rockpulse.readers import ReadOptions, read_source
 from rockpulse.readers.archive import Archive, is_archive
 from rockpulse.readers.format import FileSettings
-from rockpulse.readers.formats.renadic import whole_records
 from rockpulse.readers.no_record import is_quiet
+from rockpulse.readers.parts import sample_digest, settled
 from rockpulse.readers.source import (
     NoRecord,
     NotAcceleration,
@@ -35,22 +30,7 @@ from rockpulse.readers.source import (
     folder_station_files,
     open_source,
 )
-from rockpulse.record.record import Record, distinct_ids
-from rockpulse.remark import find
-
-__all__ = [
-    "Found",
-    "Opened",
-    "check_patterns",
-    "find_files",
-    "in_order",
-    "open_files",
-    "read_all",
-    "read_failure",
-    "read_opened",
-    "sample_digest",
-    "settled",
-]
+from rockpulse.record.record import Record
 
 PathLike = str | os.PathLike[str]
 
@@ -103,7 +83,7 @@ def read_all(
     records : list of Record
         Sorted by path and channel, with distinct ids: the second of two records with one id and different content
         has ``~2`` appended. A record that its agency cut into files is one; see
-        `rockpulse.readers.formats.renadic.whole_records`.
+        `rockpulse.readers.parts.whole_records`.
     failures : list of Failure
         Sorted by file. A file that is a record, or may be one, and cannot be read "failed", and so did an empty one. A
         velocity, a displacement, a spectrum, and a text, table or picture that shows no sign of a record, "failed" if
@@ -136,35 +116,9 @@ def read_all(
     return [record for record, _ in whole], sorted(failures + duplicates, key=in_order)
 
 
-def settled(
-    records: Sequence[Record], digest: Callable[[Record], str]
-) -> tuple[list[tuple[Record, tuple[Record, ...]]], list[Failure]]:
-    """The records of all files: each content once, cut records joined, sorted by path and channel, ids distinct.
-
-    `digest` gives equal texts for records of equal samples: :func:`sample_digest` where the samples are at hand; only
-    the number of samples is used here. Returned are each record with the given records that it is made of (several
-    where parts were joined), and a row for each record whose content another one has.
-    """
-    kept, duplicates = _without_duplicates(sorted(records, key=_place), digest)
-    whole = sorted(whole_records(kept), key=lambda item: _place(item[0]))
-    named = distinct_ids([record for record, _ in whole])
-    return [(record, pieces) for record, (_, pieces) in zip(named, whole, strict=True)], duplicates
-
-
-def sample_digest(record: Record) -> str:
-    """SHA-256 of the samples and the interval of a record as read."""
-    digest = hashlib.sha256(record.acceleration.tobytes())
-    digest.update(f"{record.dt:.9g}".encode())
-    return digest.hexdigest()
-
-
 def in_order(row: Failure) -> tuple[str, str]:
     """Key that sorts the rows of files that gave no record: by file and reason."""
     return row.file, row.reason
-
-
-def _place(record: Record) -> tuple[str, str]:
-    return record.source, record.channel
 
 
 def find_files(
@@ -177,33 +131,10 @@ def find_files(
     and earthquakes. Each path behind which there is nothing, and each folder that cannot be listed, gives a row.
     """
     found: dict[str, Found] = {}
-    failures = []
+    failures: list[Failure] = []
     for given in [paths] if isinstance(paths, str | os.PathLike) else paths:
-        text = os.fspath(given)
-        path = Path(text)
-        if not text:
-            failures.append(
-                Failure(text, "find", "an empty path was given; is a variable of the shell unset?", "failed")
-            )
-            continue
-        if path.is_dir():
-            items, faults = _walk(path)
-            failures += faults
-            if not items and not faults:
-                failures.append(Failure(text, "find", f"{text}: no file to read in the folder; check it", "failed"))
-        elif os.path.lexists(path):
-            items = [Found(path, True)]
-        elif glob.has_magic(text):
-            items = []
-            for hit in map(Path, glob.glob(text, recursive=True)):  # noqa: PTH207 - takes absolute patterns
-                inside, faults = _walk(hit) if hit.is_dir() else ([] if _quiet_file(hit) else [Found(hit, False)], [])
-                items += inside
-                failures += faults
-            if not items:
-                failures.append(Failure(text, "find", f"{text}: the pattern matches no file; check it", "failed"))
-        else:
-            failures.append(Failure(text, "find", f"{text}: no such file or folder; check the path", "failed"))
-            continue
+        items, faults = _behind(os.fspath(given))
+        failures += faults
         for item in items:
             key = os.path.abspath(item.path)  # noqa: PTH100 - links stay what they are
             if key not in found or item.named:
@@ -211,6 +142,31 @@ def find_files(
     own = {identity for path in passed_over if (identity := _identity(path)) is not None}
     kept = [item for item in found.values() if not own or _identity(item.path) not in own]
     return sorted(kept, key=lambda item: str(item.path)), failures
+
+
+def _behind(text: str) -> tuple[list[Found], list[Failure]]:
+    """The files behind one path, and a row where there is none."""
+    path, lacking = Path(text), ""
+    items: list[Found] = []
+    faults: list[Failure] = []
+    if not text:
+        return [], [Failure(text, "find", "an empty path was given; is a variable of the shell unset?", "failed")]
+    if path.is_dir():
+        items, faults = _walk(path)
+        lacking = "no file to read in the folder; check it" if not faults else ""
+    elif os.path.lexists(path):
+        items = [Found(path, True)]
+    elif glob.has_magic(text):
+        for hit in map(Path, glob.glob(text, recursive=True)):  # noqa: PTH207 - takes absolute patterns
+            inside, missed = _walk(hit) if hit.is_dir() else ([] if _quiet_file(hit) else [Found(hit, False)], [])
+            items += inside
+            faults += missed
+        lacking = "the pattern matches no file; check it"
+    else:
+        lacking = "no such file or folder; check the path"
+    if lacking and not items:
+        faults.append(Failure(text, "find", f"{text}: {lacking}", "failed"))
+    return items, faults
 
 
 def check_patterns(found: Sequence[Found], files: Sequence[FileSettings]) -> None:
@@ -310,51 +266,3 @@ def _member(archive: Archive, number: int) -> SourceFile | RockpulseError:
         return archive.member(number)
     except RockpulseError as fault:
         return fault
-
-
-def _without_duplicates(
-    records: Sequence[Record], digest: Callable[[Record], str]
-) -> tuple[list[Record], list[Failure]]:
-    """Each content once, and rows for the others; kept is the record that knows its direction, else time and event."""
-    alike: dict[str, list[Record]] = defaultdict(list)
-    for record in records:
-        alike[digest(record)].append(record)
-    first_of: dict[int, Record] = {}
-    for group in alike.values():
-        kept: list[Record] = []
-        for record in sorted(group, key=_unknown):
-            first = next((one for one in kept if _same_motion(one, record)), None)
-            if first is None:
-                kept.append(record)
-            else:
-                first_of[id(record)] = first
-    failures = [
-        Failure(
-            record.source,
-            "read",
-            f"channel {record.channel}: same samples and interval as {first.id} of {first.source}",
-            "duplicate",
-        )
-        for record in records
-        if (first := first_of.get(id(record))) is not None
-    ]
-    return [record for record in records if id(record) not in first_of], failures
-
-
-def _unknown(record: Record) -> tuple[bool, ...]:
-    return record.orientation == "unknown", record.start_time is None, not record.event
-
-
-def _same_motion(one: Record, other: Record) -> bool:
-    """Whether two records with the same samples are one motion, under any name of the file and channel.
-
-    Channels of one file, and those that a file says to be dead, may be alike and are told apart by their component.
-    """
-    if one.component == other.component:
-        return True
-    if one.source == other.source or any(find(record.warnings, "dead_channel") for record in (one, other)):
-        return False
-    if "unknown" in (one.orientation, other.orientation):
-        return True
-    same = np.array_equal(one.azimuth, other.azimuth, equal_nan=True)
-    return one.orientation == other.orientation and same

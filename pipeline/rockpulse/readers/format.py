@@ -1,14 +1,11 @@
-"""One row of the table of formats, as every reader offers it, and the options of reading.
-
-.. note:: A pattern is held against the absolute path of a file: a name, or the end of a path, chooses the same files
-   from whichever folder the program is started, and so does a configuration that is stored with its results.
-"""
+"""One row of the table of formats, as every reader offers it, and the options of reading."""
 
 from __future__ import annotations
 
 import math
 import os
-from collections.abc import Callable, Iterable, Sequence
+import re
+from collections.abc import Callable, Sequence
 from dataclasses import MISSING, dataclass, replace
 from fnmatch import fnmatchcase
 from numbers import Real
@@ -16,24 +13,15 @@ from pathlib import Path
 
 from rockpulse.errors import ConfigError, RecordFormatError, UnitError
 from rockpulse.option import KeyType, Section, key, number, text
+from rockpulse.readers.kit.spacing import same_step
+from rockpulse.readers.kit.text import UNITS, canonical_unit, for_other_files
+from rockpulse.readers.parts import PartRule
 from rockpulse.readers.source import SourceFile
-from rockpulse.readers.units import UNITS, canonical_unit, for_other_files
 from rockpulse.record.record import Record, distinct_ids
-
-__all__ = ["RESPONSES", "FileSettings", "Format", "ReadOptions", "same_step"]
 
 RESPONSES = ("sensitivity", "remove")
 
-#: Two statements of one sampling interval differ by no more than this ratio.
-_SAME_STEP = 1.001
-
 _PATTERN = KeyType("a pattern that is not empty", lambda value: isinstance(value, str) and bool(value.strip()), str)
-
-
-def same_step(steps: Iterable[float]) -> bool:
-    """Whether some sampling intervals [s] are one, as printed with few digits."""
-    known = list(steps)
-    return max(known) <= _SAME_STEP * min(known)
 
 
 @dataclass(frozen=True)
@@ -85,7 +73,11 @@ class FileSettings(Section):
                 raise ConfigError(str(error)) from None
 
     def chooses(self, name: str) -> bool:
-        """Whether the pattern chooses a file, or the member of an archive, by its name as in `Record.source`."""
+        """Whether the pattern chooses a file, or the member of an archive, by its name as in `Record.source`.
+
+        The pattern is held against the absolute path: it chooses the same files from whichever folder the program is
+        started, and so does a configuration that is stored with its results.
+        """
         path = Path(os.path.abspath(name)).as_posix().replace("\\", "/")  # noqa: PTH100 - links stay what they are
         archive, _, member = path.partition("!")
         parts = [path, archive, f"/{member}"] if member else [path]
@@ -144,12 +136,13 @@ class ReadOptions:
         """Refuse the records of one file that state another unit or interval than the row that chooses the file."""
         units, dt = self._last("units"), self._last("dt")
         for record in records:
-            given = None if units is None else canonical_unit(str(units.units), "option units")
-            if units is not None and UNITS.get(record.source_unit) != UNITS[str(given)]:
-                raise UnitError(
-                    f"{record.source}: the file states the unit {record.source_unit}, {units.where} says {given}; "
-                    f"{self.advice('units')}"
-                )
+            if units is not None:
+                given = canonical_unit(str(units.units), "option units")
+                if UNITS.get(record.source_unit) != UNITS[given]:
+                    raise UnitError(
+                        f"{record.source}: the file states the unit {record.source_unit}, {units.where} says {given}; "
+                        f"{self.advice('units')}"
+                    )
             if dt is not None and dt.dt is not None and not same_step((record.dt, dt.dt)):
                 raise RecordFormatError(
                     f"{record.source}: the file states an interval of {record.dt:g} s, {dt.where} says {dt.dt:g} s; "
@@ -160,6 +153,11 @@ class ReadOptions:
         """The last row that gives a property, of those that choose a file; of all without its name."""
         found = (row for row in reversed(self.files) if row[key] is not None)
         return next((row for row in found if name is None or row.chooses(name)), None)
+
+
+def begins_with(pattern: re.Pattern[str], count: int = 200) -> Callable[[bytes, str], bool]:
+    """A detector for `Format`: whether the first `count` bytes of a file, as Latin-1, match a pattern."""
+    return lambda head, name: bool(pattern.match(head[:count].decode("latin-1")))
 
 
 @dataclass(frozen=True)
@@ -176,6 +174,7 @@ class Format:
     # channels in the order of the file; raises RockpulseError and nothing else
     parse: Callable[[SourceFile, ReadOptions], list[Record]]
     obspy_reads: bool = False  # whether obspy reads these files itself: then they are no plugin of it
+    parts: PartRule | None = None  # where the agency cuts long records into files: how these are called
 
     def read(self, file: SourceFile, options: ReadOptions) -> list[Record]:
         """The channels of a file that this format recognises, in the order of the file, each with an id of its own.
@@ -183,10 +182,11 @@ class Format:
         A file that holds everything twice is read once, with a warning on each channel.
         """
         half = file.first_half()
+        records = self.parse(half or file, options)
+        if self.parts:
+            records = self.parts.read(half or file, records)
+        records = distinct_ids(records)
         if half is None:
-            return distinct_ids(self.parse(file, options))
+            return records
         note = "the second half of the file is a copy of the first: it was read once"
-        return [
-            replace(record, source_sha256=file.sha256, warnings=(*record.warnings, note))
-            for record in distinct_ids(self.parse(half, options))
-        ]
+        return [replace(record, source_sha256=file.sha256).with_warning(note) for record in records]

@@ -15,8 +15,6 @@ from pathlib import PurePath
 from rockpulse.errors import RockpulseError
 from rockpulse.readers.source import SourceFile
 
-__all__ = ["advice", "is_quiet", "may_be_record"]
-
 #: Suffixes of files that lie beside records and are passed over without a row unless they are named explicitly.
 _QUIET = frozenset({".md", ".toml", ".h5", ".journal", ".journal-journal", ".part", ".html", ".pdf", ".png"})
 #: First element of XML files of a station or an earthquake; other XML files may hold samples.
@@ -132,13 +130,7 @@ def _of_numbers(line: str) -> bool:
 
 
 def _words(line: str) -> tuple[str, ...]:
-    """The words of a row, but for those that belong to its numbers.
-
-    Examples
-    --------
-    >>> _words("t=0.01 s a=-1.2E-05 g"), _words("0.01,NaN"), _words("120111.txt Northridge 6.7")
-    (('t', 's', 'a', 'g'), (), ('txt', 'Northridge'))
-    """
+    """The words of a row, but for those that belong to its numbers."""
     return tuple(_LETTERS.findall(_OF_NUMBERS.sub(" ", line)))
 
 

@@ -15,22 +15,7 @@ from pathlib import Path, PurePosixPath
 from typing import BinaryIO
 
 from rockpulse.errors import RecordFormatError, RecordRefused
-from rockpulse.input_file import check_regular
-
-__all__ = [
-    "FILE_LIMIT",
-    "HEAD",
-    "RATIO_LIMIT",
-    "NoRecord",
-    "NotAcceleration",
-    "SourceFile",
-    "Unrecognised",
-    "archive_kind",
-    "check_link",
-    "folder_station_files",
-    "open_source",
-    "open_stream",
-]
+from rockpulse.files import check_regular
 
 #: Bytes from the start of a file that decide its format.
 HEAD = 65536
@@ -216,14 +201,6 @@ def open_source(path: Path, station_files: StationFiles | None = None) -> Source
     """Open a file on disk, plain or compressed with gzip, which its first bytes show.
 
     `station_files` is as in `SourceFile`; by default the folder of `path` is searched.
-
-    Raises
-    ------
-    RecordFormatError
-        If the file is empty, or is no sound gzip file though it begins like one.
-    RecordRefused
-        If it is a pipe, a device or an archive, larger than `FILE_LIMIT` (compressed or not; when the content is asked
-        for), or compressed more than `RATIO_LIMIT` times.
     """
     name = str(path)
     check_link(path)
@@ -284,9 +261,5 @@ def open_stream(stream: BinaryIO) -> SourceFile:
         return SourceFile(name, content[:HEAD], lambda: content)
     folder = Path(name).parent
     return SourceFile(
-        name,
-        content[:HEAD],
-        lambda: content,
-        lambda: folder_station_files(folder),
-        beside=_folder_file(folder),
+        name, content[:HEAD], lambda: content, lambda: folder_station_files(folder), beside=_folder_file(folder)
     )

@@ -12,12 +12,10 @@ from typing import Any
 import numpy as np
 
 from rockpulse.errors import RecordRefused
-from rockpulse.readers.facing import BRACKET, direction
-from rockpulse.readers.station_xml import PROCESSED, told_otherwise
+from rockpulse.readers.kit.direction import BRACKET, direction
+from rockpulse.readers.kit.obspy_bridge import PROCESSED, told_otherwise
 from rockpulse.record.record import STANDARD_GRAVITY, Orientation, Record
 from rockpulse.version import __version__
-
-__all__ = ["at2_bytes", "azimuth_of", "csv_bytes", "miniseed_bytes", "orientation_of", "seed_codes"]
 
 #: Words by which a reader of AT2 tells the lines of a header; text of a record that holds one is left out.
 _TELLING = re.compile(

@@ -11,7 +11,7 @@ from pathlib import PurePath
 
 import numpy as np
 
-from rockpulse.failures import Failure, some
+from rockpulse.errors import Failure, some
 from rockpulse.record.record import Record
 from rockpulse.remark import Remark
 

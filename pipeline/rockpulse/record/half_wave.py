@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rocking.svg_lines import BLUE, GREY, RED, Picture, Shown, brief
+from rocking.pictures import BLUE, GREY, RED, Picture, Shown, brief
 from rockpulse.errors import ConfigError
 from rockpulse.record.record import Record
 

@@ -2,7 +2,7 @@
 
 .. note:: Demands, hazards, fragility, the scaling of records, the stored variables and the configuration's template are
    made from these rows: a measure is added here and nowhere else. E is the exponentially weighted impulse of
-   :mod:`rocking.demand`; its lobes are the largest abs(E) between two changes of sign, up to 16 of them.
+   :mod:`rocking.march.demand`; its lobes are the largest abs(E) between two changes of sign, up to 16 of them.
 """
 
 from __future__ import annotations
@@ -25,8 +25,8 @@ from rockpulse.record.intensity import (
 from rockpulse.record.record import STANDARD_GRAVITY, Record
 
 if TYPE_CHECKING:
-    from rocking.block import Block
-    from rocking.demand import Demand
+    from rocking.body.block import Block
+    from rocking.march.demand import Demand
     from rockpulse.record.half_wave import HalfWaves
 
 #: Units in which levels of a measure are given, by its unit in SI: factors to SI, the unit that is shown first.
@@ -61,7 +61,7 @@ class RecordOnBodies:
     @property
     def demand(self) -> Demand:
         """The lobes of E, over what overturns each body."""
-        from rocking.demand import ground_demand  # compiled
+        from rocking.march.demand import ground_demand  # compiled
 
         return ground_demand(self.block, self.record.acceleration, self.record.dt)
 

@@ -15,7 +15,7 @@ from unicodedata import normalize
 
 import numpy as np
 
-from rocking.svg_lines import BLUE, GREY, RED, Picture, Shown, thinned
+from rocking.pictures import BLUE, GREY, RED, Picture, Shown, thinned
 from rockpulse.errors import RecordFormatError
 
 #: The file unit "g", always this value [m/s2].

@@ -34,9 +34,9 @@ from laboratory.accuracy.statistics import (
     reference_under_perturbation,
 )
 from laboratory.ensemble import blocks
-from rocking.block import Block
-from rocking.polynomial import ORDER
-from rocking.recorded import recorded_response
+from rocking.body.block import Block
+from rocking.march.polynomial import ORDER
+from rocking.march.recorded import recorded_response
 from rocking.response import Outcome
 from rockpulse.assessment.scene import prepare
 from rockpulse.config.configuration import Config

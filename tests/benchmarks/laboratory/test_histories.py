@@ -10,7 +10,7 @@ import pytest
 import rockpulse as rp
 from laboratory.ensemble import StrongMotion, blocks, strong_motions
 from laboratory.histories import ALLOWED, ENDS, PANELS, check_rates, draw, motion_cases, overview
-from rockpulse.config.check_settings import CheckSettings
+from rockpulse.config.study_settings import CheckSettings
 from rockpulse.record.intensity import spectral_acceleration
 
 pytestmark = pytest.mark.sweep

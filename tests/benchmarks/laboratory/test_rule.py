@@ -27,17 +27,16 @@ from laboratory.rule.statistics import (
 )
 from laboratory.rule.truth import FACTOR_MAX, nonlinear_capacity
 from rocking import Block, Uncertainty, critical_scale
-from rocking.overturning_probability import overturning_probability
+from rocking.spectrum.body_probability import overturning_probability
 from rockpulse.assessment.scene import extract
-from rockpulse.calibration.rule import POINTS, Rule, load_rule
-from rockpulse.errors import ConfigError
-from rockpulse.failures import Failure
+from rockpulse.errors import ConfigError, Failure
 from rockpulse.model_table import MODELS
 from rockpulse.models import Outcome
 from rockpulse.record.half_wave import half_waves
 from rockpulse.record.intensity import pgv
 from rockpulse.record.synthetic import synthetic_motion
 from rockpulse.remark import Remark
+from rockpulse.sequences.rule import POINTS, Rule, load_rule
 
 pytestmark = pytest.mark.sweep
 

@@ -8,7 +8,7 @@ import pytest
 from bursts import DT, TOWER, WALL, motion, record
 from nominal import Config
 
-from rocking.sequence import SPACINGS
+from rocking.impulses.impulse_sequence import SPACINGS
 from rockpulse import (
     BlockSettings,
     ConditioningSettings,
@@ -22,12 +22,11 @@ from rockpulse import (
 from rockpulse.assessment.assessment import assess
 from rockpulse.assessment.scene import matched, prepare
 from rockpulse.assessment.tree import dimension_of, joined_parts
-from rockpulse.calibration.estimators import INTERVAL, MAIN, MAIN_COUNT, SECONDARY
-from rockpulse.errors import ConfigError
-from rockpulse.failures import Failure
+from rockpulse.errors import ConfigError, Failure
 from rockpulse.models import Block, Outcome, Reason, recorded_response
 from rockpulse.record.intensity import pgv
 from rockpulse.record.record import Record
+from rockpulse.sequences.estimators import INTERVAL, MAIN, MAIN_COUNT, SECONDARY
 from rockpulse.storage.hdf5.results_file import load, save
 from rockpulse.views.plots.selection import block_of
 

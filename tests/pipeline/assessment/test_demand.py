@@ -104,7 +104,7 @@ def test_a_velocity_ratio_asks_each_body_for_its_own_factor():
 def test_the_verdict_at_a_demand_is_that_of_the_records_scaled_by_hand(measure):
     bodies = dict([*BODIES.items()][:1])  # a velocity ratio asks another factor of another body
     row, period = ROWS[measure], 0.8 if measure in PERIODIC else None
-    on = RecordOnBodies.slender(RECORDS[0], lambda: rp.half_waves(RECORDS[0]), LANES.chosen(slice(1)))
+    on = RecordOnBodies.slender(RECORDS[0], lambda: rp.half_waves(RECORDS[0]), LANES.take(slice(1)))
     value = 1.1 * float(np.squeeze(row.at(period).value(on)))
     asked = DemandSettings(name="ULS", measure=measure, value=value, period=period)
     config = rp.Config(models=rp.ModelSettings(use=["nonlinear"]), demands=(asked,))

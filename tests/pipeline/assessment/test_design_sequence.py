@@ -13,7 +13,7 @@ from rockpulse.config.configuration import Config
 from rockpulse.errors import ConfigError
 from rockpulse.model_table import ALL_MODELS
 from rockpulse.models import Block, ImpulseSequence, resonance, resonance_safety, sequence_response
-from rockpulse.studies.site.tree import design_of
+from rockpulse.studies.site.calibration import design_of
 
 SEQUENCE = ImpulseSequence(main=0.35, secondary=0.12, interval=0.15, duration=12.0, main_count=4)
 BLOCKS = {"wall": Block(0.15, 1.5), "pier": Block(0.4, 1.8), "column": Block(0.5, 4.0)}

@@ -7,11 +7,11 @@ import pytest
 
 import rockpulse as rp
 from rocking.response import HalfCycles, Response
-from rocking.scale_search import ScaleIntervals
+from rocking.search.factors import ScaleIntervals
 from rockpulse import models
 from rockpulse.assessment import assessment
 from rockpulse.assessment.assessment import assess_scene
-from rockpulse.assessment.places import aloft, floor_record, joined_intervals, joined_responses, places_of
+from rockpulse.assessment.places import aloft, floor_record, joined_responses, places_of
 from rockpulse.assessment.scene import extract
 from rockpulse.config.bodies import Place, gather_bodies
 from rockpulse.record.components import Pair
@@ -131,7 +131,8 @@ def test_intervals_are_joined_in_the_order_of_the_lanes():
             own, own + 0.1, np.array(lane, int), number, number + 0.5, number > 22.0, own + 0.2, number < 12.0
         )
 
-    whole = joined_intervals([part([0, 1, 1], 10.0, 2), part([0, 0, 1], 20.0, 2)], [np.array([3, 0]), np.array([1, 2])])
+    parts = [part([0, 1, 1], 10.0, 2), part([0, 0, 1], 20.0, 2)]
+    whole = ScaleIntervals.join(parts, [np.array([3, 0]), np.array([1, 2])], 4)
     assert whole.lane.tolist() == [0, 0, 1, 1, 2, 3]
     assert whole.lower.tolist() == [11.0, 12.0, 20.0, 21.0, 22.0, 10.0]
     assert whole.upper.tolist() == [11.5, 12.5, 20.5, 21.5, 22.5, 10.5]

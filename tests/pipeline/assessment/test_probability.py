@@ -10,7 +10,7 @@ from nominal import Config as nominal
 from numpy.testing import assert_allclose, assert_array_equal
 
 import rockpulse as rp
-from rocking.block_limits import RATES
+from rocking.body.limits import RATES
 from rockpulse.assessment.assessment import assess, assess_scene
 from rockpulse.assessment.overturning import spectrum_values
 from rockpulse.assessment.probability import record_probability

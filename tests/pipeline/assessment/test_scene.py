@@ -8,8 +8,8 @@ import pytest
 
 import rockpulse as rp
 from rockpulse.assessment.scene import extract, matched, prepare
-from rockpulse.calibration import response
 from rockpulse.errors import RecordRefused
+from rockpulse.sequences import response
 
 T = np.arange(0.0, 6.0, 0.01)
 RECORD = rp.Record(3.0 * np.sin(9.0 * T) * np.exp(-(((T - 3.0) / 1.5) ** 2)), dt=0.01, id="burst", processed=True)

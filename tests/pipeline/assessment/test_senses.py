@@ -8,7 +8,7 @@ import pytest
 
 import rockpulse as rp
 from rocking import Block
-from rocking.scale_search import ScaleIntervals
+from rocking.search.factors import ScaleIntervals
 from rockpulse import models
 from rockpulse.assessment.senses import Senses, acting, senses
 from rockpulse.config.bodies import gather_bodies

@@ -3,17 +3,13 @@
 import io
 import re
 from contextlib import redirect_stderr, redirect_stdout
-from pathlib import Path
 
-import h5py
 import numpy as np
 import pytest
 from assess_command import DT, STRONG, TIME, assess, configuration, values, write_at2
 
 import rockpulse as rp
 from rockpulse.cli import main
-
-SCHEMA = Path(__file__).parents[3] / "docs" / "schema.md"
 
 
 @pytest.fixture(scope="module")
@@ -74,35 +70,6 @@ def test_every_model_answers_for_every_record_and_block(tree):
     assert (summary["outcome"].sel(record=weak, model=["linear", "nonlinear"]) == 0).all()
 
 
-def test_bare_h5py_finds_unit_and_long_name_on_every_variable(done):
-    seen = []
-
-    def visit(name, item):
-        if isinstance(item, h5py.Dataset) and not item.attrs.get("NAME", b"").startswith(b"This is a netCDF dimension"):
-            seen.append(name)
-            assert isinstance(item.attrs["units"], str), name
-            assert isinstance(item.attrs["long_name"], str), name
-
-    with h5py.File(done) as file:
-        file.visititems(visit)
-        assert file.attrs["schema_version"] == "2.0"
-    assert {
-        "summary/pga",
-        "summary/safety_factor",
-        "half_cycles/peak",
-        "failures/reason",
-        "records/acceleration",
-    } <= set(seen)
-    assert len(seen) > 60
-
-
-def test_the_schema_names_every_variable(tree):
-    schema = SCHEMA.read_text(encoding="utf-8")
-    for node in tree.subtree:
-        for name in node.to_dataset(inherit=False).variables:
-            assert f"`{name}`" in schema, f"{node.path}/{name}"
-
-
 def test_the_results_hold_the_configuration_that_was_resolved(tree, tmp_path):
     path = tmp_path / "resolved.toml"
     path.write_text(tree.attrs["configuration"], encoding="utf-8")
@@ -112,42 +79,6 @@ def test_the_results_hold_the_configuration_that_was_resolved(tree, tmp_path):
         ("pier", 1.0, 3.0),
     ]
     assert [name.rpartition("/")[2] for name in config.records.paths] == ["strong.AT2", "weak.AT2"]
-
-
-@pytest.mark.sweep
-@pytest.mark.parametrize(
-    ("given", "by_command_line"),
-    [
-        (".", True),
-        ("*[gk].AT2", False),
-        pytest.param(".", False, marks=pytest.mark.slow),
-        pytest.param("../site [1]/strong.AT2", True, marks=pytest.mark.slow),
-        pytest.param("*[gk].AT2", True, marks=pytest.mark.slow),
-        pytest.param("../site [1]/strong.AT2", False, marks=pytest.mark.slow),
-    ],
-)
-def test_the_stored_configuration_repeats_the_run_from_any_folder(
-    folder, tmp_path, monkeypatch, given, by_command_line
-):
-    """The folder's own name has the signs of a pattern in it."""
-    site, elsewhere = tmp_path / "site [1]", tmp_path / "elsewhere"
-    site.mkdir()
-    elsewhere.mkdir()
-    for name in ("strong.AT2", "weak.AT2"):
-        (site / name).write_bytes((folder / name).read_bytes())
-    text = "[models]\nuse = ['resonance']\n[[block]]\nname = 'pier'\nwidth = 1.0\nheight = 3.0\n"
-    (site / "site.toml").write_text(text if by_command_line else f"{text}[records]\npaths = ['{given}']\n")
-    monkeypatch.chdir(site)
-    named = [given] if by_command_line else []
-    assert main(["assess", *named, "--config", "site.toml", "-o", "first.h5", "--quiet"]) == 0
-    first, second = site / "first.h5", elsewhere / "second.h5"
-    monkeypatch.chdir(elsewhere)
-    Path("stored.toml").write_text(configuration(first), encoding="utf-8")
-    assert main(["assess", "--config", "stored.toml", "-o", "second.h5", "--quiet"]) == 0
-    assert configuration(second) == configuration(first)
-    assert len(values(second, "record")) == (1 if "strong" in given else 2)
-    for name in ("record", "source_sha256", "safety_factor"):
-        np.testing.assert_array_equal(values(second, name), values(first, name))
 
 
 def test_what_inspect_shows_is_what_assess_showed(told, capsys):
@@ -194,33 +125,6 @@ def test_not_one_record_is_exit_code_one_and_writes_nothing(folder, tmp_path, ca
     assert "not one record could be assessed, nothing was written" in captured.err
     assert name in captured.err
     assert list(tmp_path.iterdir()) == []
-
-
-WRONG_FILES = {
-    "empty.AT2": b"",
-    "binary.AT2": bytes(range(256)) * 8,
-    "nan.AT2": b"A\nB\nACCELERATION TIME SERIES IN UNITS OF G\nNPTS= 5, DT= .01 SEC\n 0.1 NaN 0.2 0.1 0.0\n",
-    "one.AT2": b"A\nB\nACCELERATION TIME SERIES IN UNITS OF G\nNPTS= 1, DT= .01 SEC\n 0.1\n",
-    "step.AT2": b"A\nB\nACCELERATION TIME SERIES IN UNITS OF G\nNPTS= 5, DT= .00 SEC\n 0.1 0.1 0.2 0.1 0.0\n",
-    "velocity.AT2": b"A\nB\nVELOCITY TIME SERIES IN UNITS OF CM/S\nNPTS= 5, DT= .01 SEC\n 0.1 0.1 0.2 0.1 0.0\n",
-    "columns.txt": b"0.00 0.1\n0.01 0.2\n0.02 0.1\n0.03 -0.2\n",
-}
-
-
-def test_no_wrong_record_stops_the_others_or_shows_a_traceback(folder, tmp_path, capsys):
-    for name, content in WRONG_FILES.items():
-        (tmp_path / name).write_bytes(content)
-    target = tmp_path / "results.h5"
-    wrong = [tmp_path / name for name in WRONG_FILES]
-    assert assess(*wrong[:3], folder / "weak.AT2", *wrong[3:], "-o", target) == 1
-    out, err = capsys.readouterr()
-    assert err == ""
-    assert f"failed: {len(WRONG_FILES)}" in out
-    assert len(values(target, "record")) == 1
-    told = dict(zip(values(target, "failures/file"), values(target, "failures/kind"), strict=True))
-    assert told == dict.fromkeys(map(str, wrong), "failed")
-    for name in WRONG_FILES:
-        assert name in out
 
 
 def test_columns_are_read_once_the_unit_is_named(tmp_path, capsys):
@@ -279,13 +183,6 @@ def test_overwrite_replaces_it(folder, done, tmp_path):
     assert len(values(target, "record")) == 1
 
 
-def test_a_run_without_a_record_leaves_the_old_results(folder, done, tmp_path):
-    target = tmp_path / "results.h5"
-    target.write_bytes(done.read_bytes())
-    assert assess(folder / "cut.AT2", "-o", target, "--overwrite") == 1
-    assert target.read_bytes() == done.read_bytes()
-
-
 def test_the_configuration_names_records_and_blocks(folder, tmp_path, capsys):
     config = tmp_path / "site.toml"
     config.write_text(
@@ -301,15 +198,6 @@ def test_the_configuration_names_records_and_blocks(folder, tmp_path, capsys):
     out = capsys.readouterr().out
     assert len(re.findall(r"^  column, C = 0\.[89]00 ", out, re.M)) == 2
     assert "resonance" not in out
-
-
-def test_an_unknown_key_is_exit_code_two_naming_file_and_key(folder, tmp_path, capsys):
-    config = tmp_path / "site.toml"
-    config.write_text("[conditioning]\nhigpass_hz = 0.1\n")
-    assert assess(folder / "weak.AT2", "--config", config, "-o", tmp_path / "results.h5") == 2
-    err = capsys.readouterr().err
-    assert err.startswith(f"rockpulse: {config}: [conditioning] higpass_hz: unknown key; did you mean")
-    assert err.count("\n") == 1
 
 
 def test_an_unknown_unit_in_the_configuration_names_the_file(folder, tmp_path, capsys):

@@ -1,15 +1,11 @@
 """``rockpulse assess`` on the sample records with rotated pairs, from files to files."""
 
-from pathlib import Path
-
-import numpy as np
 import pytest
 from nominal import toml
 
 import rockpulse as rp
 from rockpulse.cli import main
 
-SCHEMA = Path(__file__).parents[3] / "docs" / "schema.md"
 BODIES = '[models]\nuse = ["resonance", "nonlinear"]\n[[block]]\nname = "pinnacle"\nwidth = 0.45\nheight = 1.8\n'
 
 
@@ -41,14 +37,6 @@ def test_a_sweep_is_written_and_read_back(tree):
     assert tree["summary"]["record"].values[2] == "CI.CLC..H020@20190706T031608"
 
 
-def test_the_schema_names_every_variable_of_a_sweep(tree):
-    schema = SCHEMA.read_text(encoding="utf-8")
-    for name, variable in tree["directions"].to_dataset(inherit=False).variables.items():
-        assert f"`{name}`" in schema, name
-        assert variable.attrs["units"]
-        assert variable.attrs["long_name"]
-
-
 def test_inspect_shows_the_directions(swept, capsys):
     assert main(["inspect", str(swept), "--all"]) == 0
     out = capsys.readouterr().out
@@ -57,32 +45,8 @@ def test_inspect_shows_the_directions(swept, capsys):
     assert "rotated to 20 degrees" in " ".join(capsys.readouterr().out.split())
 
 
-@pytest.mark.sweep
-def test_the_strongest_direction_is_one_record_with_its_exact_azimuth(samples, tmp_path, capsys):
-    code, target = run(tmp_path, samples / "CICLC.v1", 'components = "strongest"')
-    assert code == 0
-    tree = rp.load(target)
-    summary = tree["summary"]
-    assert summary["record"].values.tolist() == ["CI.CLC..H160@20190706T031608"]
-    assert summary["azimuth"].item() == pytest.approx(159.66, abs=0.011)
-    assert "left out" in summary["warnings"].item()
-    assert "directions" not in tree.children
-    capsys.readouterr()
-
-
 def test_a_single_channel_is_a_failure_that_says_what_to_do(samples, tmp_path, capsys):
     code, _ = run(tmp_path, samples, 'components = "azimuth"\nazimuth = 30')
     assert code == 1
     out = " ".join(capsys.readouterr().out.split())
     assert 'no second horizontal channel with a known azimuth was recorded together with it; components = "hor' in out
-
-
-def test_the_same_samples_as_recorded_and_in_the_direction_of_a_channel(samples, tmp_path):
-    """The pre-event windows of the two channels differ by no more than a shift of the mean."""
-    code, target = run(tmp_path, samples / "CICLC.v1", 'components = "azimuth"\nazimuth = 90')
-    assert code == 0
-    (recorded,) = (one for one in rp.read(samples / "CICLC.v1") if one.azimuth == 90.0)
-    kept = rp.load(target)["records"]["acceleration"].values
-    apart = kept - rp.condition(recorded).acceleration[: kept.size]
-    assert np.ptp(apart) < 1e-12
-    assert np.abs(apart).max() < 1e-3

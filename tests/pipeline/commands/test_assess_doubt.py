@@ -15,21 +15,6 @@ def folder(tmp_path_factory):
 
 
 @pytest.mark.sweep
-def test_each_remark_on_a_body_is_logged_once_with_its_name(folder, tmp_path):
-    config, log = tmp_path / "site.toml", tmp_path / "run.log"
-    config.write_text(
-        "[models]\nuse = ['sequence']\n[[block]]\nname = 'statue'\np = 2.0\nalpha = 0.2\nrestitution = 0.99\n"
-    )
-    options = ["--config", config, "--block", "chest=1.0x2.2", "-o", tmp_path / "results.h5", "--log-file", log]
-    assert assess(folder / "strong.AT2", *options, "--workers", "2") == 0
-    told = [line for line in log.read_text().splitlines() if "Housner" in line or "slenderness" in line]
-    assert [line.partition(" WARNING ")[2].partition(" is ")[0] for line in told] == [
-        "block statue: restitution 0.99",
-        "block chest: slenderness 2.2",
-    ]
-
-
-@pytest.mark.sweep
 def test_sizes_in_millimetres_are_exit_code_two_before_any_work_unless_confirmed(folder, tmp_path, capsys):
     target = tmp_path / "results.h5"
     arguments = [folder / "strong.AT2", "--block", "statue=600x1700", "-o", target]
@@ -98,17 +83,3 @@ def test_unit_and_interval_of_some_files_yield_to_the_command_line(tmp_path, cap
     assert 'match = "*.g3"\nunits = "g"\n' in configuration(target)
     assert assess("--config", config, "-o", target, "--overwrite", "--dt", "0.005", "--units", "m/s2") == 0
     assert "[[records.file]]" not in configuration(target)
-
-
-def test_a_pattern_that_chooses_no_file_is_exit_code_two_before_any_work(folder, tmp_path, capsys):
-    config, target = tmp_path / "site.toml", tmp_path / "results.h5"
-    config.write_text('[[records.file]]\nmatch = "*.g3"\nunits = "g"\n')
-    assert assess(folder, "--config", config, "-o", target) == 2
-    err = capsys.readouterr().err
-    assert err.startswith('rockpulse: [[records.file]] match = "*.g3": expected the end of the path of a file to read')
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["site.toml"]
-
-
-def test_a_design_sequence_has_nothing_to_confirm(tmp_path, capsys):
-    assert assess("--sequence", tmp_path / "site.h5", "-o", tmp_path / "results.h5", "--confirm", "*") == 2
-    assert "drop --confirm, or --sequence" in capsys.readouterr().err

@@ -2,9 +2,7 @@
 
 import numpy as np
 import pytest
-from nominal import FILE
 from record_writers import knet, pulse
-from record_writers.cosmos import cosmos
 from record_writers.geonet import geonet
 
 import rockpulse as rp
@@ -24,7 +22,6 @@ width = 0.3
 height = 3.0
 [records]
 """
-WALL = ["--config", str(FILE), "--block", "wall=0.3x3"]
 WAVES = [pulse(COUNT, peak) for peak in (0.3, 0.2, 0.1)]
 RAW, CORRECTED, BOTTOM, SURFACE = "hses.V1A", "hses.V2A", "AKT0139608110312.{}1", "AKT0139608110312.{}2"
 
@@ -86,40 +83,3 @@ def test_what_is_kept_is_assessed_too(folder):
     code, tree = assess(folder, 'keep = [".HSES.*", "*.EW1@*"]')
     assert code == 0
     assert used(tree) == sorted([RAW, CORRECTED, BOTTOM.format("EW"), SURFACE.format("EW"), SURFACE.format("NS")])
-
-
-def test_a_pair_and_its_vertical_channel_come_from_one_volume(folder):
-    code, tree = assess(folder, 'components = "azimuth"', "azimuth = 30.0", "include_vertical = true")
-    assert code == 0
-    summary = tree["summary"]
-    rows = [sorted(one.rpartition("/")[2] for one in str(row).split("; ")) for row in summary["source"].values]
-    assert sorted(rows) == [[SURFACE.format("EW"), SURFACE.format("NS")], [CORRECTED]]
-    verticals = {str(name).split("@")[0] for name in summary["vertical_channel"].values}
-    assert verticals == {"BO.AKT013..UD2", ".HSES.20.Up"}
-
-
-def test_a_processed_volume_that_is_refused_lets_the_raw_one_in(folder, tmp_path):
-    (tmp_path / RAW).write_bytes((folder / RAW).read_bytes())
-    (tmp_path / CORRECTED).write_bytes((folder / CORRECTED).read_bytes()[:-400])
-    output = tmp_path.parent / "refused.h5"
-    assert main(["assess", str(tmp_path), *WALL, "-o", str(output), "--quiet"]) == 1
-    tree = rp.load(output)
-    assert used(tree) == [RAW]
-    assert left(tree) == [("failed", CORRECTED), ("vertical", RAW)]
-
-
-def test_two_volumes_of_one_record_in_another_format(tmp_path):
-    for name, dt in (("slow.V1C", 0.02), ("fast.V1C", 0.01)):
-        (tmp_path / name).write_bytes(cosmos(pulse(COUNT, 0.3 + dt), dt=dt))
-    output = tmp_path.parent / "rates.h5"
-    assert main(["assess", str(tmp_path), *WALL, "-o", str(output), "--quiet"]) == 0
-    assert used(rp.load(output)) == ["fast.V1C"]
-
-
-def test_a_pattern_of_no_record_is_an_error_before_the_work(folder, capsys):
-    config = folder.parent / "wrong.toml"
-    config.write_text(CONFIG + 'keep = ["NZ.HSES.*"]')
-    arguments = ["assess", str(folder), "--config", str(config), "-o", str(folder.parent / "none.h5"), "--quiet"]
-    assert main(arguments) == 2
-    assert "[records] keep: no record has an id that fits NZ.HSES.*" in capsys.readouterr().err
-    assert not (folder.parent / "none.h5").exists()

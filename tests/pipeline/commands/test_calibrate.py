@@ -1,13 +1,10 @@
 """``rockpulse calibrate`` and ``rockpulse assess --sequence`` from files to files."""
 
 import re
-import shutil
 from contextlib import redirect_stderr, redirect_stdout
 from io import StringIO
-from pathlib import Path
 from types import SimpleNamespace
 
-import h5py
 import numpy as np
 import pytest
 from file_contents import assert_contents, contents
@@ -17,7 +14,6 @@ import rockpulse as rp
 from rockpulse.cli import main
 from rockpulse.errors import ResultsError
 
-SCHEMA = Path(__file__).parents[3] / "docs" / "schema.md"
 TOML = """
 [site]
 name = "An old town"
@@ -91,27 +87,6 @@ def test_the_file_comes_back_as_it_was_calibrated(samples, config, loaded):
     assert loaded["site"].to_dataset().identical(tree["site"].to_dataset())
 
 
-def test_the_schema_names_every_variable_and_attribute_of_the_site(loaded):
-    part = SCHEMA.read_text(encoding="utf-8").partition("## The site file")[2].partition("\n## ")[0]
-    site = loaded["site"].to_dataset()
-    for name in [*site.variables, *site.attrs]:
-        assert f"`{name}`" in part, name
-
-
-def test_bare_h5py_finds_unit_and_long_name_on_every_variable(done):
-    seen = []
-
-    def visit(name, item):
-        if isinstance(item, h5py.Dataset) and not item.attrs.get("NAME", b"").startswith(b"This is a netCDF dimension"):
-            seen.append(name)
-            assert isinstance(item.attrs["units"], str), name
-            assert isinstance(item.attrs["long_name"], str), name
-
-    with h5py.File(done) as file:
-        file.visititems(visit)
-    assert {"site/median", "site/coverage", "site/covered", "failures/reason"} <= set(seen)
-
-
 def test_inspect_shows_what_calibrate_printed(done, capsys):
     assert main(["inspect", str(done)]) == 0
     assert capsys.readouterr().out.startswith("! FEW EVENTS: 2")
@@ -119,17 +94,6 @@ def test_inspect_shows_what_calibrate_printed(done, capsys):
     assert "vertical" in capsys.readouterr().out
     assert main(["inspect", str(done), "--block", "pier"]) == 2
     assert "this is a site file" in capsys.readouterr().err
-
-
-def test_the_design_sequence_of_the_file(done, loaded):
-    design = rp.load_design(done)
-    stored = loaded["site"]["design"]
-    assert design.main == stored.sel(parameter="main")
-    assert design.secondary == pytest.approx(float(stored.sel(parameter="ratio")) * design.main, rel=1e-15)
-    assert design.interval == stored.sel(parameter="interval")
-    assert design.main_count == stored.sel(parameter="main_count")
-    assert design.duration == stored.sel(parameter="duration")
-    assert design.spacing == "end"
 
 
 def test_assess_takes_the_design_in_place_of_records(assessed, done, config):
@@ -164,7 +128,7 @@ def test_files_of_another_kind_are_refused(assessed, samples, config, tmp_path, 
     for kind, words in (("fragility", "a fragility"), ("assessment", "an assessment")):
         with monkeypatch.context() as patch:
             patch.setattr(
-                "rockpulse.studies.site.tree.load", lambda path, kind=kind: SimpleNamespace(attrs={"kind": kind})
+                "rockpulse.studies.site.calibration.load", lambda path, kind=kind: SimpleNamespace(attrs={"kind": kind})
             )
             with pytest.raises(ResultsError, match=f"found {words}$"):
                 rp.load_design(results)
@@ -199,51 +163,6 @@ def test_tables_count_from_the_folder_of_the_configuration(samples, loaded, tmp_
     assert_contents(tmp_path / "again.h5", contents(target))
 
 
-def test_a_file_that_is_no_record_is_exit_code_one_with_the_rest_calibrated(samples, config, tmp_path, capsys):
-    folder = tmp_path / "records"
-    shutil.copytree(samples, folder)
-    damaged = folder / "CICLC.v1"
-    damaged.write_bytes(damaged.read_bytes()[:6000])
-    target = tmp_path / "site.h5"
-    assert main(["calibrate", str(folder), "--config", str(config), "-o", str(target), "--quiet"]) == 1
-    assert "CICLC.v1" in capsys.readouterr().err
-    assert rp.load(target)["site"].sizes["record"] > 3
-
-
-def test_a_record_that_lifts_nothing_is_skipped_with_its_reason_and_exit_code_zero(samples, config, tmp_path, capsys):
-    time = np.arange(0.0, 10.0, 0.01)
-    np.savetxt(tmp_path / "still.txt", 0.01 * np.where(abs(time - 5.0) < 0.5, np.cos(np.pi * (time - 5.0)), 0.0))
-    paths = [str(samples / "CICLC.v1"), str(tmp_path / "still.txt")]
-    target = tmp_path / "site.h5"
-    arguments = ["--config", str(config), "--units", "m/s2", "--dt", "0.01", "-o", str(target)]
-    assert main(["calibrate", *paths, *arguments, "--strict"]) == 0
-    assert "skipped (calibrate) " in capsys.readouterr().out
-    rows = rp.load(target)["failures"].to_dataset()
-    (row,) = np.flatnonzero(rows["stage"].values == "calibrate")
-    assert (str(rows["kind"].values[row]), "no impulse sequence" in str(rows["reason"].values[row])) == (
-        "skipped",
-        True,
-    )
-    records, failures = rp.read_all(paths, "m/s2", dt=0.01)
-    direct = rp.calibrate_site(records, rp.load_config(config), failures=failures)["failures"].to_dataset()
-    assert direct.identical(rows)
-
-
-@pytest.mark.sweep
-def test_a_list_of_restitutions_for_one_body_of_two_leaves_the_other_single(samples, tmp_path, capsys):
-    config, target, design = (tmp_path / name for name in ("site.toml", "site.h5", "design.h5"))
-    config.write_text(TOML + "restitution = [0.85, 0.9]\n")
-    assert main(["calibrate", str(samples), "--config", str(config), "-o", str(target)]) == 0
-    assert rp.load(target)["site"]["block"].values.tolist() == ["wall", "pier C 0.85", "pier C 0.9"]
-    assert main(["inspect", str(target)]) == 0
-    capsys.readouterr()
-    assert main(["assess", "--sequence", str(target), "--config", str(config), "-o", str(design)]) == 0
-    out = capsys.readouterr().out
-    # Under the sequence, and with the verdict.
-    assert len(re.findall(r"^  wall +(?:0\.981|stays|rocks|may|overturns|not known) ", out, re.M)) == 2
-    assert len(re.findall(r"^  pier(?: +|, C = )0\.(?:850|900) ", out, re.M)) == 4
-
-
 def test_nothing_calibrated_is_exit_code_one_and_no_file(samples, config, tmp_path, capsys):
     slab = tmp_path / "slab.toml"
     slab.write_text(
@@ -252,20 +171,6 @@ def test_nothing_calibrated_is_exit_code_one_and_no_file(samples, config, tmp_pa
     target = tmp_path / "site.h5"
     assert main(["calibrate", str(samples), "--config", str(slab), "-o", str(target)]) == 1
     assert "no record sets any block rocking" in capsys.readouterr().err
-    assert not target.exists()
-
-
-@pytest.mark.parametrize("quiet", [True, False])
-def test_where_nothing_can_be_used_the_count_is_told(config, tmp_path, capsys, quiet):
-    for name in "ab":
-        (tmp_path / f"{name}.AT2").write_text("damaged")
-    target = tmp_path / "site.h5"
-    given = [str(tmp_path), "--config", str(config), "-o", str(target), *(["--quiet"] if quiet else [])]
-    assert main(["calibrate", *given]) == 1
-    said = capsys.readouterr().err
-    line = "rockpulse: not one record could be calibrated, nothing was written: 0 of 2 files used, 2 not: "
-    assert said.splitlines()[-1].startswith(line)
-    assert (said.count("\n") == 1) == quiet
     assert not target.exists()
 
 
@@ -278,11 +183,6 @@ def test_where_every_record_is_too_weak_a_quiet_run_says_so(config, tmp_path, ca
     assert said.startswith("rockpulse: not one record could be calibrated, nothing was written: ")
     assert "no impulse sequence" in said
     assert said.count("\n") == 1
-
-
-def test_without_records_it_is_wrong_usage(config, tmp_path, capsys):
-    assert main(["calibrate", "--config", str(config), "-o", str(tmp_path / "site.h5")]) == 2
-    assert "no records: name files" in capsys.readouterr().err
 
 
 def test_by_default_the_spectrum_is_made_and_too_few_earthquakes_make_no_design(samples, tmp_path, capsys):

@@ -5,10 +5,8 @@ import pytest
 import xarray as xr
 from record_writers import at2
 
-from rockpulse.assessment.answers import answers_of
-from rockpulse.assessment.verdict import verdicts
 from rockpulse.cli import main
-from rockpulse.storage.hdf5.results_file import load, save
+from rockpulse.storage.hdf5.results_file import save
 from rockpulse.storage.variables.site import SITE_KIND
 
 CONFIG = """
@@ -88,24 +86,6 @@ def test_other_bodies_of_the_same_name_bring_no_probability(site, tmp_path, caps
     assert "statue: the results have no body of this name." in shown
     found = pd.read_csv(table).groupby("block")["probability"].count()
     assert found.to_dict() == {"parapet": 0, "statue": 0, "wall": 3}
-
-
-def test_the_probability_is_that_under_the_demand_of_the_site(site, tmp_path, capsys):
-    for number in range(6):
-        title = f"Event {number}, 1/2/200{number}, Station, 090"
-        samples = [0.0, 0.1, 0.3, -0.3, 0.2, -0.1, 0.0] * 20
-        (tmp_path / f"r{number}.AT2").write_bytes(at2([one * (1.0 + 0.1 * number) for one in samples], title=title))
-    asked = tmp_path / "asked.toml"
-    asked.write_text(CONFIG + '[[demand]]\nname = "SLV"\nmeasure = "pga"\nvalue = 8.0\n')
-    results = tmp_path / "results.h5"
-    records = [str(path) for path in sorted(tmp_path.glob("*.AT2"))]
-    assert main(["assess", *records, "--config", str(asked), "-o", str(results), "--quiet"]) == 0
-    assert main(["check", str(results), "--code", "en_1998", "--quiet", "-o", str(tmp_path / "c.csv")]) == 0
-    found = pd.read_csv(tmp_path / "c.csv").set_index("block")["probability"]
-    tree = load(results)
-    at_demand = [one.demands[0].share.value for one in verdicts(answers_of(tree))]
-    assert found.tolist() == pytest.approx(at_demand)
-    assert at_demand != pytest.approx([one.share.value for one in verdicts(answers_of(tree))])
 
 
 def test_a_file_of_another_kind_is_refused(tmp_path, capsys):

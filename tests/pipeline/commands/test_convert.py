@@ -10,7 +10,7 @@ from record_writers import at2, csmip_equal, pulse
 
 from rockpulse.cli import main
 from rockpulse.readers import read
-from rockpulse.readers.units import for_other_files
+from rockpulse.readers.kit.text import for_other_files
 
 
 @pytest.fixture
@@ -41,12 +41,6 @@ def test_a_folder_of_records_and_what_failed(folder, capsys):
     assert "on a structure, which" in captured.out
 
 
-def test_quiet_prints_what_failed_only(folder, capsys):
-    (folder / "notes.txt").write_text("nothing here\n")
-    assert main(["convert", str(folder), "-o", str(folder / "out"), "--format", "at2", "--quiet"]) == 0
-    assert capsys.readouterr() == ("", "")
-
-
 def test_a_unit_is_asked_for_and_taken(tmp_path, capsys):
     (tmp_path / "a.txt").write_text("".join(f"{value:.6f}\n" for value in pulse(50)))
     arguments = ["convert", str(tmp_path / "a.txt"), "-o", str(tmp_path / "out.AT2")]
@@ -58,20 +52,6 @@ def test_a_unit_is_asked_for_and_taken(tmp_path, capsys):
     assert main([*arguments, "--units", "g", "--dt", "0.02"]) == 0
     assert read(tmp_path / "out.AT2")[0].dt == 0.02
     assert main([*arguments, "--units", "stone", "--dt", "0.02"]) == 2
-
-
-@pytest.mark.parametrize("step", ["-1", "0", "nan", "inf"])
-def test_an_interval_that_is_none_is_refused_though_the_file_has_its_own(folder, capsys, step):
-    assert main(["convert", str(folder / "a.AT2"), "-o", str(folder / "x.csv"), "--dt", step]) == 2
-    assert "--dt: expected a number in s > 0, found" in capsys.readouterr().err
-    assert not (folder / "x.csv").exists()
-
-
-def test_a_folder_that_is_missing_is_named(folder, capsys):
-    assert main(["convert", str(folder / "a.AT2"), "-o", str(folder / "x" / "z.csv")]) == 2
-    error = capsys.readouterr().err
-    assert f"there is no folder {folder / 'x'}; create it first" in error
-    assert ".part" not in error
 
 
 def test_the_file_a_record_came_from_is_safe_whatever_its_path(folder, capsys):
@@ -102,13 +82,6 @@ def test_the_response_is_removed_where_asked_for(records_folder, tmp_path, capsy
     (record,) = read(out, units="m/s2")
     assert abs(record.acceleration.mean()) < 1e-6
     assert record.npts == 39000
-
-
-def test_the_warnings_of_the_records_are_told(samples, tmp_path, capsys):
-    given = samples.parent / "formats" / "CI.CLC..HNE.sac"
-    assert main(["convert", str(given), "--units", "g", "-o", str(tmp_path / "s.csv")]) == 0
-    told = " ".join(capsys.readouterr().out.split())
-    assert "warning: peak 338 g in the unit g; the values would be 0.344 g if it were cm/s2" in told
 
 
 def test_of_what_is_no_record_the_names_are_told(samples, tmp_path, capsys):

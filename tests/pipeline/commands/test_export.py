@@ -62,14 +62,6 @@ def test_wrong_options_are_exit_code_two_and_write_nothing(results, tmp_path, ca
     assert list(tmp_path.iterdir()) == []
 
 
-@pytest.mark.parametrize("limit", ["0", "-1", "many"])
-def test_a_limit_is_a_whole_number_from_one(results, tmp_path, capsys, limit):
-    with pytest.raises(SystemExit) as end:
-        main(["export", results, "-o", str(tmp_path / "t.csv"), "--limit", limit])
-    assert end.value.code == 2
-    assert "expected a whole number from 1" in capsys.readouterr().err
-
-
 def test_the_readme_has_the_demands_and_the_decimal_comma_is_an_option(tmp_path):
     tree = results_tree()
     summary = tree["summary"].to_dataset()

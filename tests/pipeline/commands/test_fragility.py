@@ -50,18 +50,6 @@ def test_the_file_holds_curves_of_one_event_without_a_band(made):
     assert "[fragility]" in tree.attrs["configuration"]
 
 
-@pytest.mark.sweep
-def test_a_list_of_restitutions_for_one_body_of_two_leaves_the_other_single(samples, tmp_path, capsys):
-    config, target = tmp_path / "site.toml", tmp_path / "fragility.h5"
-    config.write_text(CONFIG + "restitution = [0.85, 0.9]\n[[block]]\nname = 'wall'\nwidth = 0.3\nheight = 2.4\n")
-    arguments = [str(samples / "CICLC.v1"), "--config", str(config), "-o", str(target), "--workers", "1"]
-    assert main(["fragility", *arguments]) == 0
-    assert "wall  " in capsys.readouterr().out
-    assert rp.load(target)["fragility"]["block"].values.tolist() == ["pinnacle C 0.85", "pinnacle C 0.9", "wall"]
-    assert main(["inspect", str(target)]) == 0
-    assert len(re.findall(r"^  wall +overturning ", capsys.readouterr().out, re.M)) == 1
-
-
 def test_inspect_shows_it(made, capsys):
     assert main(["inspect", str(made[0])]) == 0
     shown = capsys.readouterr().out
@@ -74,16 +62,6 @@ def test_inspect_shows_it(made, capsys):
     assert "vertical" in capsys.readouterr().out
     assert main(["inspect", str(made[0]), "--record", "x"]) == 2
     assert "this is a fragility file" in capsys.readouterr().err
-
-
-def test_a_file_that_exists_is_replaced_only_when_told_and_only_if_it_is_one(made, capsys, tmp_path):
-    arguments = made[1]
-    assert main(["fragility", *arguments]) == 2
-    assert "the file exists" in capsys.readouterr().err
-    other = tmp_path / "notes.h5"
-    other.write_text("mine")
-    assert main(["fragility", *arguments[:-1], str(other), "--overwrite"]) == 2
-    assert other.read_text() == "mine"
 
 
 @pytest.mark.sweep
@@ -104,10 +82,3 @@ def test_without_a_configuration_the_blocks_of_the_command_line_are_enough_and_t
     again = tmp_path / "again.h5"
     assert main(["fragility", "--config", str(tmp_path / "again.toml"), "-o", str(again), "--quiet"]) == 0
     assert_contents(again, contents(tmp_path / "f.h5"))
-
-
-def test_without_a_block_it_is_wrong_usage(samples, tmp_path, capsys):
-    assert main(["fragility", str(samples), "-o", str(tmp_path / "f.h5")]) == 2
-    assert "no block" in capsys.readouterr().err
-    assert main(["fragility", "--block", "a=1x4", "-o", str(tmp_path / "f.h5")]) == 2
-    assert "no records: name files" in capsys.readouterr().err

@@ -101,15 +101,6 @@ def test_what_cannot_be_drawn_is_refused(results, tmp_path, monkeypatch, capsys,
     assert list(tmp_path.iterdir()) == []
 
 
-def test_another_file_is_refused(tmp_path, capsys):
-    other = tmp_path / "results.h5"
-    other.write_text("no HDF5")
-    assert main(["plot", str(other), "accelerogram", "-o", str(tmp_path / "x.svg")]) == 2
-    assert "expected a results file of rockpulse" in capsys.readouterr().err
-    assert main(["plot", str(tmp_path / "none.h5"), "accelerogram", "-o", str(tmp_path / "x.svg")]) == 2
-    assert "no such file" in capsys.readouterr().err.lower()
-
-
 def test_the_kinds_are_listed_with_the_file_each_needs(capsys):
     with pytest.raises(SystemExit) as end:
         main(["plot", "--list"])

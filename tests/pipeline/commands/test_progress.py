@@ -6,7 +6,7 @@ import sys
 
 import pytest
 
-from rockpulse.commands.progress import COMPILING, compiling_told, progress_bars
+from rockpulse.commands.terminal import COMPILING, compiling_told, progress_bars
 
 
 class Terminal(io.StringIO):

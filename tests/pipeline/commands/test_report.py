@@ -19,11 +19,3 @@ def test_it_writes_the_page_and_says_where(tmp_path, capsys):
 def test_another_kind_of_file_is_refused(tmp_path, capsys):
     assert main(["report", str(tmp_path / "results.h5"), "-o", str(tmp_path / "report.txt")]) == 2
     assert "report.txt: expected a name that ends in .html or .pdf" in capsys.readouterr().err
-
-
-def test_what_is_no_results_file_is_said(tmp_path, capsys):
-    (tmp_path / "notes.txt").write_text("no results")
-    assert main(["report", str(tmp_path / "notes.txt"), "-o", str(tmp_path / "report.html")]) == 2
-    assert "expected a results file of rockpulse" in capsys.readouterr().err
-    assert main(["report", str(tmp_path / "none.h5"), "-o", str(tmp_path / "report.html")]) == 2
-    assert not (tmp_path / "report.html").exists()

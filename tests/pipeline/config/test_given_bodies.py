@@ -13,8 +13,7 @@ from rockpulse import (
     calibrate_site,
     fragility_curves,
 )
-from rockpulse.config.bodies import gather_bodies
-from rockpulse.config.given_bodies import given_bodies
+from rockpulse.config.bodies import gather_bodies, given_bodies
 from rockpulse.errors import ConfigError
 from rockpulse.models import Block, ImpulseSequence
 

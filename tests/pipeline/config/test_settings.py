@@ -7,8 +7,12 @@ import pytest
 
 import rockpulse as rp
 from rockpulse import ConditioningSettings, ModelSettings, SequenceSettings
-from rockpulse.config.configuration import Config
+from rockpulse.config.configuration import SECTIONS, Config
 from rockpulse.errors import ConfigError
+
+
+def words_of(section, name):
+    return section.__dataclass_fields__[name].metadata["values"].words
 
 
 def test_a_section_unpacks_as_keyword_arguments():
@@ -22,28 +26,28 @@ def test_python_values_are_checked_like_those_of_a_file():
 
 
 def test_the_words_are_those_of_the_modules_that_act_on_them():
-    from rocking.sequence import SPACINGS
-    from rockpulse.calibration import estimators
-    from rockpulse.config import settings
+    from rocking.impulses.impulse_sequence import SPACINGS
     from rockpulse.motions.directions import DIRECTIONS
     from rockpulse.readers.format import RESPONSES
     from rockpulse.record.conditioning import BASELINES
     from rockpulse.record.intensity import INTENSE_PHASES
+    from rockpulse.sequences import estimators
     from rockpulse.studies.site.design import DESIGN
 
-    assert ("horizontal", *DIRECTIONS) == settings.COMPONENTS
-    assert tuple(RESPONSES) == settings.RESPONSES
-    assert tuple(BASELINES) == settings.BASELINES
-    assert tuple(INTENSE_PHASES) == settings.PHASES
-    assert tuple(SPACINGS) == settings.SPACINGS
-    assert tuple(DESIGN) == settings.DESIGNS
-    for stated, table in (
-        (settings.MAINS, estimators.MAIN),
-        (settings.SECONDARIES, estimators.SECONDARY),
-        (settings.INTERVALS, estimators.INTERVAL),
-        (settings.MAIN_COUNTS, estimators.MAIN_COUNT),
-    ):
-        assert set(stated) == set(table)
+    served = {
+        ("records", "components"): ("horizontal", *DIRECTIONS),
+        ("records", "response"): RESPONSES,
+        ("conditioning", "baseline"): BASELINES,
+        ("intense_phase", "method"): INTENSE_PHASES,
+        ("calibration", "design"): DESIGN,
+        ("sequence", "spacing"): SPACINGS,
+        ("sequence", "main"): estimators.MAIN,
+        ("sequence", "secondary"): estimators.SECONDARY,
+        ("sequence", "interval"): estimators.INTERVAL,
+        ("sequence", "main_count"): estimators.MAIN_COUNT,
+    }
+    for (section, name), table in served.items():
+        assert set(words_of(SECTIONS[section], name)) == set(table), name
 
 
 def test_models_are_kept_in_the_order_of_their_table():

@@ -8,8 +8,7 @@ from itertools import combinations
 import pytest
 
 from rockpulse.config.configuration import Config, load_config
-from rockpulse.errors import ConfigError
-from rockpulse.failures import Failure
+from rockpulse.errors import ConfigError, Failure
 from rockpulse.motions.event_pairs import _agree, _of_one_name, _that_may_agree
 from rockpulse.motions.events import (
     JOINED_WITHIN_S,

@@ -12,10 +12,9 @@ import xarray as xr
 
 from rockpulse.config.configuration import Config
 from rockpulse.config.settings import ConditioningSettings, RecordSettings
-from rockpulse.errors import ConfigError, TooWeak
-from rockpulse.failures import Failure
-from rockpulse.motions.runner import Analysis, joined, run
+from rockpulse.errors import ConfigError, Failure, TooWeak
 from rockpulse.record.record import Record
+from rockpulse.run.analysis import Analysis, joined, run
 
 UNREAD = Failure("gone.txt", "find", "gone.txt: nothing there", "failed")
 

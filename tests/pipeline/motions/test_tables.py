@@ -3,7 +3,7 @@
 import pytest
 
 from rockpulse.config.configuration import Config
-from rockpulse.config.fragility_settings import FragilitySettings
+from rockpulse.config.study_settings import FragilitySettings
 from rockpulse.errors import ConfigError
 from rockpulse.motions.tables import Selection, read_selection_table, selection_of
 

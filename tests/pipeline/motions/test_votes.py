@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 
 from rockpulse.config.settings import RecordSettings
-from rockpulse.errors import ConfigError
-from rockpulse.failures import Failure
+from rockpulse.errors import ConfigError, Failure
 from rockpulse.motions.votes import one_vote_each, unmatched_patterns
 from rockpulse.record.record import Record
 from rockpulse.remark import Remark

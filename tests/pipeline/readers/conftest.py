@@ -4,10 +4,10 @@ import pytest
 
 
 @pytest.fixture
-def write(tmp_path):
-    """The path of a file with some content, bytes or a text of latin-1, called record.txt by default."""
+def write(tmp_path, request):
+    """The path of a file with some content, bytes or a text of latin-1, called as the `NAME` of the module says."""
 
-    def written(content: bytes | str, name: str = "record.txt"):
+    def written(content: bytes | str, name: str = getattr(request.module, "NAME", "record.txt")):
         path = tmp_path / name
         path.write_bytes(content.encode("latin-1") if isinstance(content, str) else content)
         return path

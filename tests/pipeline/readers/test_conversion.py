@@ -31,16 +31,6 @@ def test_one_record_goes_where_it_was_told(tmp_path):
     assert names(tmp_path) == ["out.AT2"]
 
 
-def test_several_records_have_their_channels_in_the_names(tmp_path):
-    rp.write([EAST, UP], tmp_path / "out.csv")
-    assert names(tmp_path) == ["out.90.csv", "out.Up.csv"]
-
-
-def test_records_of_several_stations_have_their_ids_in_the_names(tmp_path):
-    rp.write([EAST, replace(EAST, id=".X..90")], tmp_path / "out.csv")
-    assert names(tmp_path) == ["out.CI.CLC..90.csv", "out.X..90.csv"]
-
-
 @pytest.mark.parametrize(
     ("channels", "labels"),
     [
@@ -351,13 +341,6 @@ def test_the_samples_are_written_as_they_are(tmp_path):
     table = np.loadtxt(tmp_path / "out.csv", delimiter=",", skiprows=1)
     assert np.array_equal(table[:, 1], EAST.acceleration)
     assert table[:, 0] == pytest.approx(EAST.time, abs=1e-12)
-
-
-@pytest.mark.parametrize("end", ["csv", "mseed"])
-def test_formats_that_cannot_tell_of_a_structure_say_so(tmp_path, caplog, end):
-    (written,) = rp.write(replace(EAST, orientation="structural"), tmp_path / f"out.{end}")
-    assert len(written.records) == 1
-    assert [f"on a structure, which .{end} files cannot say" in message for message in caplog.messages] == [True]
 
 
 def test_csv_may_lose_a_direction_and_a_state_but_not_tell_another(tmp_path):

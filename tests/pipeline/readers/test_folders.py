@@ -17,7 +17,6 @@ from record_writers.renadic import renadic
 from source_files import ONE, TWO, VELOCITY, ids, kinds, make_zip
 
 from rockpulse.errors import ConfigError, RecordFormatError, UnitError
-from rockpulse.failures import Failure
 from rockpulse.readers import FileSettings, folders
 from rockpulse.readers.folders import (
     Found,
@@ -30,7 +29,6 @@ from rockpulse.readers.folders import (
     settled,
 )
 from rockpulse.readers.source import NoRecord, NotAcceleration
-from rockpulse.record.components import select_horizontal
 from rockpulse.record.record import Record
 from rockpulse.remark import Remark
 
@@ -213,12 +211,6 @@ def test_globs(folder, pattern, expected):
     assert ids(records) == expected
 
 
-def test_a_glob_skips_what_is_no_record(folder):
-    records, failures = read_all([str(folder / "[bn]*")])
-    assert ids(records) == ["b.090"]
-    assert kinds(failures) == [("notes.txt", "skipped")]
-
-
 def test_a_folder_that_a_glob_matches_is_searched_like_a_folder(folder):
     by_glob, by_name = read_all([str(folder / "*")]), read_all([folder])
     assert ids(by_glob[0]) == ids(by_name[0])
@@ -254,15 +246,6 @@ def test_a_file_with_glob_characters_in_its_name_is_a_file(tmp_path):
     (tmp_path / "a[1].AT2").write_bytes(ONE)
     records, failures = read_all([str(tmp_path / "a[1].AT2")])
     assert (ids(records), failures) == (["a_1_.090"], [])
-
-
-def test_the_same_content_twice_is_a_duplicate(folder):
-    (folder / "sub" / "z.AT2").write_bytes(ONE)
-    records, failures = read_all(folder)
-    assert ids(records) == ["b.090", "a.090"]
-    (duplicate,) = (failure for failure in failures if failure.kind == "duplicate")
-    assert duplicate.file.endswith("z.AT2")
-    assert "same samples and interval as b.090" in duplicate.reason
 
 
 def test_the_same_samples_in_another_component_or_interval_are_no_duplicate(folder):
@@ -346,19 +329,6 @@ def test_unreadable_and_empty_files_are_rows(folder):
     assert "Errno" not in failure.reason
 
 
-def test_a_pipe_is_not_waited_for(folder):
-    os.mkfifo(folder / "pipe.AT2")
-    _, failures = read_all(folder)
-    assert ("pipe.AT2", "failed") in kinds(failures)
-
-
-def test_one_damaged_file_does_not_stop_the_others(folder):
-    (folder / "a.AT2").write_bytes(ONE[: len(ONE) // 2])
-    records, failures = read_all(folder)
-    assert ids(records) == ["b.090", "a.090"]
-    assert ("a.AT2", "failed") in kinds(failures)
-
-
 def test_every_file_is_reported_to_the_callback_once(folder):
     seen: list[str] = []
     read_all([folder], on_file=seen.append)
@@ -378,42 +348,10 @@ def test_an_unknown_unit_is_the_caller_s_mistake(folder):
         read_all(folder, units="stone")
 
 
-def test_select_horizontal_moves_vertical_and_structural_channels_to_rows(tmp_path):
-    content = csmip_equal(pulse(peak=0.1), number=1, component="UP")
-    content += csmip_equal(pulse(peak=0.2), number=2, component=" 90 DEG", place="ROOF")
-    content += csmip_equal(pulse(peak=0.3), number=3, component="STRANGE")
-    content += csmip_equal(pulse(peak=0.4), number=4, component="360 DEG")
-    (tmp_path / "a.RAW").write_bytes(content)
-    records, _ = read_all(tmp_path)
-    horizontal, failures = select_horizontal(records)
-    assert [(record.channel, record.warnings) for record in horizontal] == [
-        ("360", ()),
-        ("STRANGE", ("the orientation is unknown; assessed as horizontal",)),
-    ]
-    assert [(failure.kind, failure.stage) for failure in failures] == [("structural", "select"), ("vertical", "select")]
-    assert "vertical channel: read, not assessed as horizontal" in failures[1].reason
-
-
-def test_the_samples_have_seven_horizontal_channels(samples):
-    horizontal, failures = select_horizontal(read_all(samples)[0])
-    assert len(horizontal) == 7
-    assert [failure.kind for failure in failures] == ["vertical"] * 3
-    assert all(isinstance(failure, Failure) for failure in failures)
-
-
 def test_the_building_archive_of_meloland_is_listed_member_by_member(records_folder):
     records, failures = read_all(records_folder / "csmip_v2" / "imperialvalley79_ce01336p.zip")
     assert len(records) == 26
     assert [failure.kind for failure in failures] == ["skipped"] * 26  # spectra
-
-
-def test_an_empty_path_is_not_the_current_folder(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "a.AT2").write_bytes(b"")
-    records, failures = read_all([""])
-    assert records == []
-    assert [(failure.kind, failure.stage) for failure in failures] == [("failed", "find")]
-    assert "empty path" in failures[0].reason
 
 
 PLAIN = Record([0.0, 1.0, 0.0], 0.01, "a.1", source="m", channel="1", component="x")

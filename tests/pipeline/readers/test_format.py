@@ -1,12 +1,29 @@
-"""Which files a pattern of the options of reading chooses."""
+"""Which files a pattern of the options of reading chooses.
 
+Unit and interval of some files, by patterns of their paths.
+
+The format samples that come with the project: what the generator writes, and what the readers find in them.
+"""
+
+from __future__ import annotations
+
+import gzip
+import io
 import math
 
+import numpy as np
 import pytest
+from make_format_samples import FORMATS, SAMPLES, format_samples, read_options, source_channels, table
+from record_writers import pulse
+from source_files import ONE, make_zip
 
 from rockpulse.errors import ConfigError, RockpulseError
+from rockpulse.readers import FORMATS as READERS
+from rockpulse.readers import read
+from rockpulse.readers.folders import read_all
 from rockpulse.readers.format import FileSettings, ReadOptions, same_step
-from rockpulse.record.record import Record
+from rockpulse.readers.source import HEAD
+from rockpulse.record.record import STANDARD_GRAVITY, Record
 
 
 @pytest.mark.parametrize(
@@ -107,3 +124,168 @@ def test_a_way_to_remove_the_response_is_one_of_two():
     assert [ReadOptions(response=way).response for way in ("sensitivity", "remove")] == ["sensitivity", "remove"]
     with pytest.raises(ConfigError, match="option response: expected one of sensitivity, remove, found 'none'"):
         ReadOptions(response="none")
+
+
+ROWS = b"\n".join(b"%.6f" % value for value in pulse(peak=0.3))
+
+
+@pytest.fixture
+def bare(tmp_path):
+    """Columns without unit and interval, plain, compressed and in an archive, and a file that states both."""
+    (tmp_path / "old").mkdir()
+    (tmp_path / "old" / "b.g3").write_bytes(ROWS + b"\n0.1")
+    (tmp_path / "a.g3.gz").write_bytes(gzip.compress(ROWS))
+    make_zip(tmp_path / "c.zip", in__c_dot_g3=ROWS + b"\n0.2")
+    (tmp_path / "d.AT2").write_bytes(ONE)
+    return tmp_path
+
+
+def read_in(folder, *files, **options):
+    """Peak in the unit of the file, unit and interval of what was read, and the failures."""
+    records, failures = read_all(folder, files=files, **options)
+    return {one.id: (one.source_unit, one.dt) for one in records}, failures
+
+
+def test_unit_and_interval_are_those_of_the_last_pattern_that_gives_them(bare):
+    everything = FileSettings(match="*.g3", units="g", dt=0.02)
+    found, failures = read_in(bare, everything)
+    assert found == {"a.1": ("g", 0.02), "b.1": ("g", 0.02), "c.1": ("g", 0.02), "d.090": ("g", 0.01)}
+    assert failures == []
+    rows = (everything, FileSettings(match="old/*", units="cm/s2"), FileSettings(match="c.zip", dt=0.005))
+    found, failures = read_in(bare, *rows, units="mm/s2", dt=1.0)
+    assert found == {"a.1": ("g", 0.02), "b.1": ("cm/s2", 0.02), "c.1": ("g", 0.005), "d.090": ("g", 0.01)}
+    assert failures == []
+    found, failures = read_in(bare, FileSettings(match="in/*", units="gal", dt=0.04), units="g", dt=0.03)
+    assert found["c.1"] == ("gal", 0.04)
+    assert found["a.1"] == found["b.1"] == ("g", 0.03)
+
+
+@pytest.mark.parametrize("pattern", ["*.G3", "old", "b", "g3", "other/*"])
+def test_a_pattern_that_chooses_no_file_is_an_error(bare, pattern):
+    with pytest.raises(ConfigError, match=r'match = ".*": expected the end of the path .* none among 5 files, such as'):
+        read_all(bare, files=[FileSettings(match="*.g3", units="g"), FileSettings(match=pattern, dt=0.01)])
+
+
+def test_without_a_file_the_rows_say_what_is_wrong_and_no_pattern(tmp_path):
+    records, failures = read_all(tmp_path / "gone", files=[FileSettings(match="*", units="g")])
+    assert records == []
+    assert "no such file or folder" in failures[0].reason
+
+
+def test_patterns_are_looked_for_beside_a_damaged_archive(bare):
+    (bare / "e.zip").write_bytes(b"PK\x03\x04 damaged")
+    found, failures = read_in(bare, FileSettings(match="in/c.g3", units="g", dt=0.02), units="g", dt=0.02)
+    assert len(found) == 4
+    assert [row.file for row in failures] == [str(bare / "e.zip")]
+
+
+@pytest.mark.parametrize(
+    ("given", "words"),
+    [
+        ({"units": "cm/s2"}, 'states the unit g, [[records.file]] match = "*.AT2" says cm/s2; correct the wrong one'),
+        ({"dt": 0.02}, 'states an interval of 0.01 s, [[records.file]] match = "*.AT2" says 0.02 s; correct the wrong'),
+    ],
+)
+def test_a_file_that_states_something_else_than_its_pattern_fails(bare, given, words):
+    found, failures = read_in(bare, FileSettings(match="*.AT2", **given), units="g", dt=0.01)
+    assert "d.090" not in found
+    assert [row.kind for row in failures] == ["failed"]
+    assert words in failures[0].reason
+    assert "--" not in failures[0].reason
+
+
+def test_a_heading_that_states_something_else_names_the_pattern_and_no_option(tmp_path):
+    table = "time (s),acc (cm/s2)\n" + "".join(f"{0.01 * k:.2f},{v:.6f}\n" for k, v in enumerate(pulse(peak=0.3)))
+    (tmp_path / "a.csv").write_text(table)
+    for given, words in (
+        ({"units": "g"}, 'is headed cm/s2, [[records.file]] match = "*.csv" says g; correct the wrong one, or the pat'),
+        ({"dt": 0.02}, '0.02 s ([[records.file]] match = "*.csv"); correct the wrong one, or the pattern'),
+    ):
+        found, failures = read_in(tmp_path, FileSettings(match="*.csv", **given))
+        assert found == {}
+        assert words in failures[0].reason
+    assert read_in(tmp_path, FileSettings(match="*.csv", units="gal", dt=0.01))[1] == []
+
+
+#: obspy may write these in other bytes one day; their content is compared instead.
+BY_OBSPY = (".mseed", ".sac")
+#: How the warning of a sample begins that cannot be without one.
+KNOWN = {"clc_rows.g3": "rows of 5 numbers were read as one series of 1200"}
+PATHS = sorted(path for path in FORMATS.iterdir() if path.suffix != ".xml")
+
+
+@pytest.fixture(scope="module")
+def written():
+    return format_samples()
+
+
+@pytest.fixture(scope="module")
+def channels():
+    return source_channels()
+
+
+def samples_of(content, name):
+    """All numbers of a file that is said to lie among the samples, where the gains are."""
+    stream = io.BytesIO(content)
+    stream.name = str(FORMATS / name)
+    return np.concatenate([record.acceleration for record in read(stream, **read_options().get(name, {}))])
+
+
+def test_the_committed_files_are_what_the_generator_writes(written):
+    assert sorted(path.name for path in FORMATS.iterdir()) == list(written), "make samples"
+    for name, content in written.items():
+        committed = (FORMATS / name).read_bytes()
+        if name.endswith(BY_OBSPY):
+            assert np.array_equal(samples_of(committed, name), samples_of(content, name)), f"{name}: make samples"
+        else:
+            assert committed == content, f"{name}: make samples"
+    assert table() in (SAMPLES / "README.md").read_text(encoding="utf-8"), "make samples"
+
+
+def test_the_files_are_small_and_say_what_they_are(written):
+    assert sum(map(len, written.values())) < 1_500_000
+    for name, content in written.items():
+        assert len(content) <= 120_000, name
+        # miniSEED has no room for words; its StationXML has. Rows of numbers alone have none either.
+        assert name.endswith((".mseed", ".g3")) or b"ROCKPULSE" in content.upper(), name
+
+
+def test_every_reader_has_a_sample():
+    claimed = {read(path, **read_options().get(path.name, {}))[0].format for path in PATHS}
+    assert {row.name for row in READERS if row.unit != "-"} == claimed
+
+
+@pytest.mark.parametrize("path", PATHS, ids=lambda path: path.name)
+def test_a_sample_gives_back_the_channel_to_the_written_digits(path, channels):
+    for record in read(path, **read_options().get(path.name, {})):
+        # Printed to 1e-3 g/10 at the coarsest.
+        fits = [
+            channel
+            for channel in channels
+            if np.max(np.abs(record.acceleration - channel.acceleration)) <= 0.51e-4 * STANDARD_GRAVITY
+        ]
+        assert len(fits) == 1, f"{record.channel}: no channel of {len(channels)} has these numbers"
+        (channel,) = fits
+        assert (record.npts, record.dt) == (channel.npts, pytest.approx(channel.dt, rel=1e-9))
+        if record.start_time is not None:
+            assert abs((record.start_time - channel.start_time).total_seconds()) <= 0.01
+        if record.orientation != "unknown":
+            assert record.orientation == channel.orientation
+        if np.isfinite(record.azimuth):
+            assert record.azimuth == channel.azimuth
+        assert [note for note in record.warnings if not note.startswith(KNOWN.get(path.name, "none"))] == []
+
+
+@pytest.mark.parametrize("path", PATHS, ids=lambda path: path.name)
+def test_only_one_detector_claims_a_sample(path):
+    claims = [row.name for row in READERS if row.detect(path.read_bytes()[:HEAD], path.name)]
+    assert claims == [read(path, **read_options().get(path.name, {}))[0].format]
+
+
+def test_no_detector_claims_a_text_of_the_project():
+    top = SAMPLES.parents[1]
+    texts = [path for path in (*top.iterdir(), *top.glob("docs/**/*"), *SAMPLES.iterdir()) if path.is_file()]
+    assert len(texts) > 10
+    for path in [*texts, *FORMATS.glob("*.xml")]:
+        head = path.read_bytes()[:HEAD]
+        assert [row.name for row in READERS if head and row.detect(head, path.name)] == [], path

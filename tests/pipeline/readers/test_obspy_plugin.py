@@ -1,24 +1,312 @@
-"""``obspy.read`` on the formats of rockpulse, and the entry points that make it possible."""
+"""Records to `obspy.Trace` and back: nothing is lost, and nothing is guessed.
+
+``obspy.read`` on the formats of rockpulse, and the entry points that make it possible.
+"""
 
 from __future__ import annotations
 
 import gzip
 import io
+import pickle
 import subprocess
 import sys
+from dataclasses import fields, replace
+from datetime import UTC, datetime
 from importlib.metadata import distribution
 from pathlib import Path
 
 import numpy as np
 import obspy
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from make_format_samples import read_options
+from obspy.core.inventory.response import InstrumentSensitivity, Response
 from record_writers import at2, csmip_equal, pulse
 
 import rockpulse as rp
-from rockpulse.errors import RecordFormatError, UnitError
+from rockpulse.errors import ConfigError, RecordFormatError, RecordRefused, UnitError
 from rockpulse.readers import FORMATS
 from rockpulse.readers.obspy_plugin import PLUGINS, _head
+from rockpulse.readers.source import NotAcceleration
+from rockpulse.record.record import STANDARD_GRAVITY, Record
+from rockpulse.remark import Remark, code_of
+
+TEXT = st.text(max_size=12)
+UNKNOWN = st.just(float("nan"))
+MOMENTS = st.none() | st.datetimes(datetime(1933, 1, 1), datetime(2100, 1, 1), timezones=st.just(UTC))
+RECORDS = st.builds(
+    Record,
+    acceleration=st.lists(st.floats(-1e6, 1e6), min_size=2, max_size=20),
+    dt=st.floats(1e-4, 1.0),
+    id=TEXT,
+    network=TEXT,
+    station=TEXT,
+    location=TEXT,
+    channel=TEXT,
+    component=TEXT,
+    orientation=st.sampled_from(["horizontal", "vertical", "structural", "unknown"]),
+    azimuth=st.floats(0.0, 360.0) | UNKNOWN,
+    start_time=MOMENTS,
+    station_name=TEXT,
+    source=TEXT,
+    source_sha256=TEXT,
+    format=TEXT,
+    source_unit=TEXT,
+    unit_factor=st.floats(1e-9, 1e3),
+    processed=st.sampled_from([True, False, None]),
+    header_peak=st.floats(0.0, 100.0) | UNKNOWN,
+    event=TEXT,
+    warnings=st.lists(TEXT, max_size=2).map(tuple),
+    processing=st.lists(TEXT, max_size=2).map(tuple),
+    event_id=TEXT,
+    origin_time=MOMENTS,
+    magnitude=st.floats(-1.0, 10.0) | UNKNOWN,
+    magnitude_type=TEXT,
+    hypocentre_latitude=st.floats(-90.0, 90.0) | UNKNOWN,
+    hypocentre_longitude=st.floats(-180.0, 180.0) | UNKNOWN,
+    hypocentre_depth=st.floats(0.0, 8e5) | UNKNOWN,
+    epicentral_distance=st.floats(0.0, 2e7) | UNKNOWN,
+    station_latitude=st.floats(-90.0, 90.0) | UNKNOWN,
+    station_longitude=st.floats(-180.0, 180.0) | UNKNOWN,
+    vs30=st.floats(30.0, 5e3) | UNKNOWN,
+    site_class=TEXT,
+)
+
+
+def same(one: Record, other: Record) -> bool:
+    """Every field, bit by bit; NaN is NaN."""
+    pairs = [(getattr(one, field.name), getattr(other, field.name)) for field in fields(Record)[1:]]
+    return np.array_equal(one.acceleration, other.acceleration) and all(
+        type(left) is type(right) and (left == right or (left != left and right != right)) for left, right in pairs
+    )
+
+
+@settings(derandomize=True, max_examples=60, deadline=None)
+@given(RECORDS)
+def test_the_way_there_and_back_keeps_every_field(record):
+    trace = rp.to_trace(record)
+    assert same(rp.from_trace(trace), record)
+    assert same(rp.from_trace(pickle.loads(pickle.dumps(trace))), record)
+    assert same(rp.from_trace(trace, units="m/s/s"), record)
+
+
+def test_remarks_come_back_with_their_codes_and_those_of_older_traces_by_their_words():
+    remark = Remark("of_vertical", remark=Remark("clipped", count=7, end="smallest"))
+    trace = rp.to_trace(Record([0.1, -0.2], 0.01, "a.90", warnings=("another", remark)))
+    older = trace.copy()
+    older.stats.rockpulse.warnings = tuple(map(str, older.stats.rockpulse.warnings))
+    for one in (trace.copy(), pickle.loads(pickle.dumps(trace)), older):
+        back = rp.from_trace(one).warnings
+        assert back == ("another", remark)
+        assert [code_of(text) for text in back] == ["plain", "of_vertical/clipped"]
+        assert back[1].values["remark"].values == {"count": 7, "end": "smallest"}
+
+
+def plain(samples=(0.0, 1.0, -2.0, 0.5), **stats):
+    header = {"network": "XX", "station": "ABC", "channel": "HNE", "sampling_rate": 100.0}
+    return obspy.Trace(np.array(samples), {**header, "starttime": obspy.UTCDateTime(2020, 1, 2, 3, 4, 5), **stats})
+
+
+@pytest.fixture
+def record():
+    return Record([0.1, -0.2, 0.3, 0.0], 0.01, "a.90", channel="90", azimuth=90.0, processing=("mean removed",))
+
+
+def test_the_trace_has_what_obspy_has_a_place_for():
+    record = Record([1.0, 2.0], 0.005, "a", "CI", "CLC", "00", "HNE", start_time=datetime(2019, 7, 6, 3, 16, 8, 5, UTC))
+    trace = rp.to_trace(record)
+    assert trace.id == "CI.CLC.00.HNE"
+    assert (trace.stats.calib, trace.stats.delta, trace.stats.npts) == (1.0, 0.005, 2)
+    assert trace.stats.starttime == obspy.UTCDateTime("2019-07-06T03:16:08.000005")
+    trace.data[0] = 7.0  # a copy: the record stays what it is
+    assert record.acceleration[0] == 1.0
+
+
+def test_a_missing_start_time_is_marked_and_stays_missing(record):
+    trace = rp.to_trace(record)
+    assert trace.stats.starttime == obspy.UTCDateTime(0)
+    assert trace.stats.rockpulse.start_time_known is False
+    trace.trim(trace.stats.starttime + 0.01)
+    assert rp.from_trace(trace).start_time is None
+
+
+def test_what_obspy_did_to_the_samples_is_taken_over(record):
+    trace = rp.to_trace(record)
+    trace.detrend("demean")
+    back = rp.from_trace(trace)
+    assert back.acceleration.mean() == pytest.approx(0.0, abs=1e-15)
+    assert back.processing[0] == "mean removed"
+    assert "detrend" in back.processing[1]
+    trace.decimate(2, no_filter=True)
+    assert rp.from_trace(trace).dt == 0.02
+
+
+def test_an_interval_that_obspy_keeps_as_a_rate_is_that_of_the_record_and_a_changed_one_is_not(record):
+    trace = rp.to_trace(replace(record, dt=0.0049))
+    trace.stats.sampling_rate = 1.0 / 0.0049
+    assert rp.from_trace(trace).dt == 0.0049
+    for off in (1e-9, -1e-9, 5e-12):
+        trace.stats.delta = 0.0049 * (1.0 + off)
+        assert rp.from_trace(trace).dt == trace.stats.delta
+
+
+def test_an_integrated_trace_is_no_acceleration_unless_the_unit_is_given(record):
+    trace = rp.to_trace(record)
+    trace.integrate()
+    with pytest.raises(UnitError, match=r"no longer what they were: ObsPy .*integrate"):
+        rp.from_trace(trace)
+    trace.differentiate()
+    back = rp.from_trace(trace, units="m/s2")
+    assert [step.partition("(")[0].split()[-1] for step in back.processing[1:]] == ["integrate", "differentiate"]
+    assert back.azimuth == 90.0
+
+
+def test_a_trigger_function_is_no_acceleration(record):
+    trace = rp.to_trace(record)
+    trace.trigger("classicstalta", sta=0.01, lta=0.02)
+    with pytest.raises(UnitError, match=r"no longer what they were: ObsPy .*trigger"):
+        rp.from_trace(trace)
+
+
+NORTH = Record([0.1, -0.2, 0.3], 0.01, "CI.CLC..HNN", "CI", "CLC", "", "HNN", "360 Deg", "horizontal", 0.0)
+EAST = replace(NORTH, id="CI.CLC..HNE", channel="HNE", component="90 Deg", azimuth=90.0)
+
+
+def test_a_rotated_trace_has_no_direction_until_one_is_given():
+    stream = obspy.Stream([rp.to_trace(NORTH), rp.to_trace(EAST)]).rotate("NE->RT", back_azimuth=30.0)
+    radial, transverse = map(rp.from_trace, stream)
+    assert [trace.stats.channel for trace in stream] == ["HNR", "HNT"]
+    for back, before in ((radial, NORTH), (transverse, EAST)):
+        assert (back.orientation, np.isnan(back.azimuth), back.component) == ("unknown", True, "")
+        assert back.id != before.id
+        assert f"the codes were {before.id} when the trace was made" in back.warnings[-1]
+        assert "the direction is no longer known" in back.warnings[-1]
+    given = rp.from_trace(stream[0], azimuth=-150.0)
+    assert (given.orientation, given.azimuth, given.component) == ("horizontal", 210.0, "")
+    assert not any("direction" in warning for warning in given.warnings)
+    # The radial axis points away from the source: by hand, in the direction of 210 degrees.
+    turned = np.deg2rad(210.0)
+    by_hand = NORTH.acceleration * np.cos(turned) + EAST.acceleration * np.sin(turned)
+    assert given.acceleration == pytest.approx(by_hand, abs=1e-12)
+
+
+def test_a_trace_that_was_renamed_vertical_is_not_the_horizontal_it_was():
+    trace = rp.to_trace(EAST)
+    trace.stats.channel = "HNZ"
+    back = rp.from_trace(trace)
+    assert (back.orientation, np.isnan(back.azimuth)) == ("unknown", True)
+
+
+def test_a_new_station_code_makes_a_new_id_and_keeps_the_direction():
+    trace = rp.to_trace(replace(EAST, start_time=datetime(2020, 1, 2, 3, 4, 5, tzinfo=UTC)))
+    trace.stats.station = "ABC"
+    back = rp.from_trace(trace)
+    assert (back.id, back.azimuth, back.component) == ("CI.ABC..HNE@20200102T030405", 90.0, "90 Deg")
+    assert "the codes were CI.CLC..HNE" in back.warnings[-1]
+
+
+def test_a_trace_that_lost_its_codes_has_an_id_of_its_name(record):
+    trace = rp.to_trace(replace(record, station_name="Town Hall"))
+    trace.stats.channel = ""
+    assert rp.from_trace(trace).id == "Town_Hall.1"
+    trace = rp.to_trace(replace(record, station_name="Town Hall", source="a.zip!b/c.AT2"))
+    trace.stats.channel = ""
+    assert rp.from_trace(trace).id == "c.1"
+    del trace.stats.rockpulse["codes"]
+    back = rp.from_trace(trace, azimuth=370.0)
+    assert back.warnings[-1] == "the codes were unknown when the trace was made; the id was made anew"
+    assert (back.azimuth, back.orientation, back.component) == (10.0, "horizontal", "")
+
+
+def test_a_trace_that_does_not_say_whether_its_start_time_is_known_has_it():
+    start = datetime(2020, 1, 2, 3, 4, 5, tzinfo=UTC)
+    trace = rp.to_trace(replace(EAST, start_time=start))
+    del trace.stats.rockpulse["start_time_known"]
+    assert rp.from_trace(trace).start_time == start
+
+
+def test_a_channel_on_a_structure_stays_on_it():
+    trace = rp.to_trace(replace(EAST, orientation="structural"))
+    trace.stats.channel = "HNT"
+    assert rp.from_trace(trace).orientation == "structural"
+    given = rp.from_trace(trace, azimuth=300.0)
+    assert (given.orientation, given.azimuth) == ("structural", 300.0)
+
+
+def test_an_azimuth_of_the_caller_is_that_of_the_record():
+    for azimuth in (90.0, 450.0):
+        assert rp.from_trace(rp.to_trace(EAST), azimuth=azimuth).component == "90 Deg"
+    assert rp.from_trace(rp.to_trace(EAST), azimuth=93.0).azimuth == 93.0
+    record = rp.from_trace(plain(), units="g", azimuth=450.0)
+    assert (record.orientation, record.azimuth) == ("horizontal", 90.0)
+    with pytest.raises(ConfigError, match="expected an azimuth in degrees, found nan"):
+        rp.from_trace(plain(), units="g", azimuth=float("nan"))
+
+
+def test_a_unit_that_contradicts_the_trace_is_refused(record):
+    with pytest.raises(UnitError, match=r"stats.rockpulse says m/s2"):
+        rp.from_trace(rp.to_trace(record), units="g")
+    with pytest.raises(UnitError, match=r"stats.rockpulse says m/s2"):
+        rp.from_trace(rp.to_trace(record), units="counts", factor=2.0)
+
+
+def test_stats_that_were_tampered_with_are_named(record):
+    trace = rp.to_trace(record)
+    trace.stats.rockpulse = {"azimuth": 3.0}
+    with pytest.raises(RecordFormatError, match=r"expected dt, id in stats.rockpulse, found azimuth"):
+        rp.from_trace(trace)
+
+
+def test_a_trace_of_others_needs_a_unit():
+    with pytest.raises(UnitError, match="does not state the unit"):
+        rp.from_trace(plain())
+    with pytest.raises(UnitError, match="unknown unit"):
+        rp.from_trace(plain(), units="stone")
+    record = rp.from_trace(plain(), units="g")
+    assert record.pga == 2.0 * STANDARD_GRAVITY
+    assert (record.id, record.azimuth, record.dt) == ("XX.ABC..HNE@20200102T030405", 90.0, 0.01)
+    assert (record.source, record.source_sha256, record.format, record.processed) == ("", "", "obspy", None)
+    undated = rp.from_trace(plain(starttime=obspy.UTCDateTime(0)), units="g")
+    assert (undated.start_time, undated.warnings) == (None, ())
+    assert rp.from_trace(obspy.Trace(np.array([0.0, 1.0])), units="g").id.endswith(".1")
+
+
+def sensitivity(value=200.0, unit="M/S**2"):
+    return Response(instrument_sensitivity=InstrumentSensitivity(value, 1.0, input_units=unit, output_units="COUNTS"))
+
+
+def test_counts_need_a_gain():
+    with pytest.raises(RecordRefused, match="counts without a gain"):
+        rp.from_trace(plain(), units="counts")
+    assert rp.from_trace(plain(), units="counts", factor=0.5).pga == 1.0
+    assert rp.from_trace(plain(response=sensitivity()), units="counts").pga == 0.01
+    with pytest.raises(NotAcceleration, match="records M/S"):
+        rp.from_trace(plain(response=sensitivity(unit="M/S")), units="counts")
+    with pytest.raises(RecordRefused, match="no stages"):
+        rp.from_trace(plain(response=sensitivity()), units="counts", response="remove")
+    with pytest.raises(UnitError, match=r"other than 0, found 0\.0"):
+        rp.from_trace(plain(), units="counts", factor=0.0)
+    with pytest.raises(UnitError, match="a factor belongs to units='counts'"):
+        rp.from_trace(plain(), units="g", factor=2.0)
+
+
+def test_calib_is_never_applied():
+    with pytest.raises(RecordRefused, match=r"stats.calib is 2"):
+        rp.from_trace(plain(calib=2.0), units="g")
+    assert rp.from_trace(plain(calib=2.0), units="counts", factor=1.0).pga == 2.0
+
+
+def test_gaps_and_bad_samples_are_refused():
+    masked = plain()
+    masked.data = np.ma.masked_greater(masked.data, 0.9)
+    with pytest.raises(RecordRefused, match="1 samples are masked"):
+        rp.from_trace(masked, units="g")
+    with pytest.raises(RecordFormatError, match="NaN or infinite"):
+        rp.from_trace(plain([0.0, np.nan, 1.0]), units="g")
+    with pytest.raises(RecordFormatError, match="at least 2 samples, found 0"):
+        rp.from_trace(plain([]), units="counts", factor=1.0)
+
 
 GROUP = "obspy.plugin.waveform"
 INSTALLED = {name: distribution("rockpulse").entry_points.select(group=f"{GROUP}.{name}") for name in PLUGINS}

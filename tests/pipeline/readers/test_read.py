@@ -1,4 +1,7 @@
-"""What all readers share: recognition, encodings, import weight, the errors (damage: test_fuzz.py)."""
+"""What all readers share: recognition, encodings, import weight, the errors (damage: test_fuzz.py).
+
+Facts that a header states twice: where they differ, every reader tells (`make mutate` prints the table).
+"""
 
 from __future__ import annotations
 
@@ -9,15 +12,15 @@ import pickle
 import subprocess
 import sys
 
+import header_facts
 import numpy as np
 import pytest
+from header_facts import HeaderFact, facts
 from record_writers import at2, pulse
 
-from rockpulse.errors import ConfigError, RecordFormatError, RecordRefused, RockpulseError, UnitError
+from rockpulse.errors import ConfigError, RecordRefused, RockpulseError
 from rockpulse.readers import FORMATS, read
-from rockpulse.readers.folders import read_all
 from rockpulse.readers.source import NotAcceleration, Unrecognised
-from rockpulse.record.record import STANDARD_GRAVITY
 
 
 def write(folder, content: bytes, name: str):
@@ -75,27 +78,6 @@ def test_a_file_that_is_no_record_names_the_formats_tried(tmp_path, content, nam
         read(write(tmp_path, content, name))
 
 
-def test_an_empty_file(tmp_path):
-    with pytest.raises(RecordFormatError, match=r"empty.AT2: the file is empty"):
-        read(write(tmp_path, b"", "empty.AT2"))
-
-
-def test_a_missing_file_stays_an_operating_system_error(tmp_path):
-    with pytest.raises(FileNotFoundError):
-        read(tmp_path / "missing.AT2")
-
-
-def test_a_link_that_points_nowhere_is_called_one(tmp_path):
-    (tmp_path / "link.AT2").symlink_to("gone.AT2")
-    with pytest.raises(FileNotFoundError, match=r"link.AT2: the symbolic link points nowhere, gone.AT2 does not exist"):
-        read(tmp_path / "link.AT2")
-
-
-def test_an_unknown_unit_is_an_error_for_any_format(samples):
-    with pytest.raises(UnitError, match="option units: unknown unit"):
-        read(samples / "CICLC.v1", units="stone")
-
-
 def test_gzip_is_read_through(tmp_path):
     content = at2(pulse())
     (plain,) = read(write(tmp_path, content, "a.AT2"))
@@ -105,27 +87,10 @@ def test_gzip_is_read_through(tmp_path):
     assert packed.source_sha256 == plain.source_sha256 == hashlib.sha256(content).hexdigest()
 
 
-def test_a_corrupt_gzip_file_is_named(tmp_path):
-    with pytest.raises(RecordFormatError, match="damaged gzip file"):
-        read(write(tmp_path, gzip.compress(at2(pulse()))[:-30], "a.AT2.gz"))
-
-
 def test_bytes_of_any_encoding_in_a_header_do_not_stop_the_reading(tmp_path):
     title = "İzmit, 17/8/1999, Düzce, 090".encode("iso8859-9")
     content = at2(pulse()).replace(b"Somewhere, 1/2/2003, Station One, 090", title)
     assert read(write(tmp_path, content, "a.AT2"))[0].azimuth == 90.0
-
-
-def test_a_format_known_at_sight_is_named_and_skipped_in_a_folder(tmp_path):
-    path = write(tmp_path, b"Response and Fourier amplitude spectra (78 periods)\n" + b"1 2 3\n" * 20, "file.dat")
-    with pytest.raises(NotAcceleration, match=r"file.dat:1: .*spectra"):
-        read(path, units="gal", dt=0.01)
-    _, (failure,) = read_all(tmp_path)
-    assert failure.kind == "skipped"
-
-
-def test_the_table_says_what_a_format_is_and_not_what_becomes_of_it():
-    assert not [row.name for row in FORMATS if "refused" in row.what]
 
 
 def test_every_real_file_is_read_or_refused_with_its_name(records_folder):
@@ -143,11 +108,6 @@ def test_the_largest_sample_is_parsed_in_a_fraction_of_a_second(samples):
     assert sum(record.npts for record in records) == 106812
     # 0.02 s when measured; a float() per sample takes several times this bound's share.
     assert time.process_time() - began < 0.5
-
-
-def test_g_is_standard_gravity(tmp_path):
-    (record,) = read(write(tmp_path, at2([0.0, 1.0, 0.5]), "a.AT2"))
-    assert record.pga == STANDARD_GRAVITY == 9.80665
 
 
 @pytest.mark.parametrize("error", [Unrecognised, NotAcceleration])
@@ -175,3 +135,26 @@ def test_station_metadata_may_be_given_with_a_file_in_memory(samples):
 def test_an_interval_that_is_none_is_refused_before_the_file_is_opened(dt):
     with pytest.raises(ConfigError, match=r"option dt: expected a sampling interval in s above 0"):
         read("there is no such file", dt=dt)
+
+
+FACTS = list(facts())
+
+
+def test_every_format_that_is_read_has_facts():
+    assert {fact.format for fact in FACTS} == {row.name for row in FORMATS if row.unit != "-"}
+
+
+def test_a_fact_that_differs_from_its_partner_is_told():
+    wrong = [
+        f"{fact.what} of {fact.sample}: {told}" for fact in FACTS if (told := fact.told()) == "silent" and fact.partner
+    ]
+    assert wrong == [], "changed without its partner, and nobody tells"
+    named = [f"{fact.what} of {fact.sample}" for fact in FACTS if not fact.partner and fact.told() != "silent"]
+    assert named == [], "told: name its partner"
+
+
+def test_a_reader_that_says_nothing_is_seen(monkeypatch, capsys):
+    silent = HeaderFact("CLC090.AT2", "interval", rb"(?<=DT= )0\.0100", b"0.0200", "a partner that nobody asks")
+    monkeypatch.setattr(header_facts, "facts", lambda: iter([silent, FACTS[0]]))
+    assert header_facts.main() == 1
+    assert "2 facts with a partner: 1 told by a warning, 0 by a refusal, 1 silent; 0 facts" in capsys.readouterr().out

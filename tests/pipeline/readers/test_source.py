@@ -14,7 +14,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from make_format_samples import FORMATS as SAMPLES
-from make_format_samples import read_options
+from make_format_samples import format_samples, read_options
 from record_writers import at2, pulse
 
 from rockpulse.errors import RecordFormatError, RecordRefused
@@ -23,7 +23,7 @@ from rockpulse.readers.folders import read_all
 
 ONE = at2(pulse())
 OPTIONS = read_options()
-TEXTS = [path for path in sorted(SAMPLES.iterdir()) if b"\0" not in path.read_bytes() and path.suffix != ".xml"]
+TEXTS = {name: text for name, text in format_samples(150).items() if b"\0" not in text and not name.endswith(".xml")}
 
 
 def same(first, second) -> bool:
@@ -41,42 +41,29 @@ def plain(record):
     return replace(record, station_name="", event="", component="")
 
 
-@pytest.mark.parametrize("path", TEXTS, ids=lambda path: path.name)
-@pytest.mark.parametrize(
-    "change",
-    [
-        lambda content: content.replace(b"\r\n", b"\n"),
-        lambda content: content.replace(b"\r\n", b"\n").replace(b"\n", b"\r\n"),
-        lambda content: content.replace(b"\r\n", b"\n").replace(b"\n", b"\r"),
-        lambda content: content + b"\x1a",
-        lambda content: b"\xef\xbb\xbf" + content,
-        lambda content: content.decode("latin-1").encode("utf-16"),
-        lambda content: content.replace(b"FORMAT SAMPLE", b"FORMAT SAMPL\xcb"),
-        lambda content: content.replace(b"FORMAT SAMPLE", "FORMAT SAMPLË".encode()),
-        gzip.compress,
-    ],
-    ids=["LF", "CRLF", "CR", "ctrl-Z", "BOM", "UTF-16", "Latin-1", "UTF-8", "gzip"],
-)
-def test_line_ends_marks_encodings_and_compression_change_nothing(path, change):
-    content, options = path.read_bytes(), OPTIONS.get(path.name, {})
-    changed = change(content)
+@pytest.mark.parametrize("name", TEXTS)
+def test_line_ends_marks_encodings_and_compression_change_nothing(name):
+    content, options = TEXTS[name], OPTIONS.get(name, {})
 
-    def named(data: bytes) -> io.BytesIO:
+    def read_named(data: bytes):
         stream = io.BytesIO(data)
-        stream.name = path.name  # K-NET takes the direction from it
-        return stream
+        stream.name = name  # K-NET takes the direction from it
+        return read(stream, **options)
 
-    found = read(named(changed), **options)
-    expected = read(named(content), **options)
-    if b"FORMAT SAMPLE" not in changed:
-        found, expected = ([plain(record) for record in records] for records in (found, expected))
-    assert same(found, expected)
-
-
-def test_a_name_is_read_in_utf_8_and_in_latin_1():
-    for coding in ("utf-8", "latin-1"):
-        content = at2(pulse()).replace(b"Station One", "Düzce".encode(coding))
-        assert read(io.BytesIO(content))[0].station_name == "Düzce"
+    expected, plain_lines = read_named(content), content.replace(b"\r\n", b"\n")
+    for changed in (
+        plain_lines,
+        plain_lines.replace(b"\n", b"\r\n"),
+        plain_lines.replace(b"\n", b"\r"),
+        content + b"\x1a",
+        b"\xef\xbb\xbf" + content,
+        content.decode("latin-1").encode("utf-16"),
+        gzip.compress(content),
+    ):
+        assert same(read_named(changed), expected)
+    for letter in (b"\xcb", "Ë".encode()):
+        found = read_named(content.replace(b"FORMAT SAMPLE", b"FORMAT SAMPL" + letter))
+        assert same(list(map(plain, found)), list(map(plain, expected)))
 
 
 def test_the_digest_is_of_the_bytes_in_the_file(tmp_path):
@@ -98,11 +85,6 @@ def test_gzip_is_known_by_its_bytes(tmp_path):
         assert same(read(tmp_path / name), expected)
         with (tmp_path / name).open("rb") as stream:
             assert same(read(stream), expected)
-
-
-def test_damaged_gzip_in_a_stream():
-    with pytest.raises(RecordFormatError, match="stream: damaged gzip file"):
-        read(io.BytesIO(gzip.compress(ONE)[:-30]))
 
 
 @pytest.mark.parametrize("kind", ["path", "stream"])

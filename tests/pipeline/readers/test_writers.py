@@ -86,7 +86,7 @@ def come_back(folder, record, name, **options):
     return back
 
 
-@settings(derandomize=True, max_examples=40, deadline=None)
+@settings(derandomize=True, max_examples=12, deadline=None)
 @given(record=RECORDS)
 def test_at2_is_exact_to_its_digits(tmp_path_factory, record):
     back = come_back(tmp_path_factory.getbasetemp(), record, "a.AT2")
@@ -95,7 +95,7 @@ def test_at2_is_exact_to_its_digits(tmp_path_factory, record):
     assert (back.dt, back.azimuth, back.processed) == (record.dt, record.azimuth % 360.0, record.processed)
 
 
-@settings(derandomize=True, max_examples=40, deadline=None)
+@settings(derandomize=True, max_examples=12, deadline=None)
 @given(record=RECORDS)
 def test_csv_is_exact_in_every_bit(tmp_path_factory, record):
     back = come_back(tmp_path_factory.getbasetemp(), record, "a.csv", units="m/s2")
@@ -104,7 +104,7 @@ def test_csv_is_exact_in_every_bit(tmp_path_factory, record):
     assert (back.azimuth, back.orientation) == (record.azimuth % 360.0, "horizontal")
 
 
-@settings(derandomize=True, max_examples=40, deadline=None)
+@settings(derandomize=True, max_examples=12, deadline=None)
 @given(record=RECORDS)
 def test_miniseed_is_exact_in_every_bit(tmp_path_factory, record):
     back = come_back(tmp_path_factory.getbasetemp(), record, "a.mseed")
@@ -127,14 +127,6 @@ def test_at2_gives_back_event_date_station_and_direction(tmp_path, record):
     )
     unnamed = come_back(tmp_path, replace(record, event="", station_name=""), "d.AT2")
     assert (unnamed.event, unnamed.station_name) == ("", "CI.CLC")
-
-
-def test_the_station_metadata_has_the_angles_of_seed(record):
-    vertical = replace(record, orientation="vertical", azimuth=float("nan"), component="Up", channel="Up")
-    unknown = replace(record, orientation="unknown", azimuth=float("nan"), component="3", channel="3")
-    found = [_station_channel(one, "", "HNZ") for one in (vertical, record, unknown)]
-    assert [one.azimuth for one in found] == [0.0, record.azimuth, None]
-    assert [one.dip for one in found] == [-90.0, 0.0, None]
 
 
 @pytest.mark.parametrize("name", ["a.AT2", "a.csv", "a.mseed"])
@@ -230,11 +222,6 @@ def test_codes_that_seed_has_no_room_for(record):
         seed_codes([east] * 102)
 
 
-def test_the_depth_of_a_sensor_goes_into_the_station_metadata(tmp_path, record):
-    assert come_back(tmp_path, replace(record, sensor_depth=80.0), "a.mseed").sensor_depth == 80.0
-    assert come_back(tmp_path, record, "b.mseed").sensor_depth == 0.0
-
-
 def test_the_place_of_the_station_goes_into_the_station_metadata(tmp_path, record):
     placed = replace(record, station_latitude=35.81574, station_longitude=-117.59751)
     back = come_back(tmp_path, placed, "a.mseed")
@@ -249,13 +236,6 @@ def test_the_date_in_an_at2_file_is_that_of_the_earthquake(record):
     assert at2_bytes(late).splitlines()[1].startswith(b"Alaska, 3/28/1964,")
     told = replace(late, origin_time=datetime(1964, 3, 27, 23, 59, tzinfo=UTC))
     assert at2_bytes(told).splitlines()[1].startswith(b"Alaska, 3/27/1964,")
-
-
-def test_the_names_in_a_miniseed_file(record):
-    _, metadata, names = miniseed_bytes([record, replace(record, channel="HNZ", orientation="vertical")])
-    assert names == ["CI.CLC..HNE", "CI.CLC..HNZ"]
-    assert b"<Source>rockpulse" in metadata
-    assert b"raw accelerogram" in metadata
 
 
 @pytest.mark.parametrize(
@@ -284,14 +264,6 @@ def test_a_channel_within_five_degrees_of_north_or_east_has_the_letter_of_it(azi
 def test_the_band_of_a_channel_is_that_of_its_rate(rate, band):
     record = Record(np.zeros(3), dt=1.0 / rate, id="x", orientation="vertical")
     assert _channel_codes(record) == [f"{band}NZ"]
-
-
-def test_codes_as_long_as_seed_has_room_for_and_longer_ones(record):
-    assert seed_codes([replace(record, network="abc", station="a-bcdef", location="001")]) == [("", "ABCDE", "", "HNE")]
-    assert seed_codes([replace(record, network="a-b", station="abcde", location="01")]) == [
-        ("AB", "ABCDE", "01", "HNE")
-    ]
-    assert seed_codes([replace(record, station="", id="@")]) == [("CI", "NONE", "", "HNE")]
 
 
 def test_the_location_counts_up_to_99_beside_the_one_of_the_record(record):

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import rockpulse as rp
-from rocking.block import Block
-from rocking.demand import ground_demand
+from rocking.body.block import Block
+from rocking.march.demand import ground_demand
 from rockpulse.assessment.scene import prepare
 from rockpulse.config.configuration import Config
 from rockpulse.record.intensity import fajfar_index, largest_change, pgv, spectral_acceleration, spectrum_intensity

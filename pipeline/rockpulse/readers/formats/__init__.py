@@ -14,15 +14,9 @@ from pkgutil import iter_modules
 from rockpulse.readers.format import Format
 from rockpulse.readers.formats import columns
 
-__all__ = ["FORMATS"]
-
+_ROWS = [row for module in iter_modules(__path__) for row in import_module(f"{__name__}.{module.name}").FORMATS]
 #: Formats of which each recognises its own files only, by their content.
-_SPECIFIC: tuple[Format, ...] = tuple(
-    row
-    for module in iter_modules(__path__)
-    if module.name != "columns"
-    for row in import_module(f"{__name__}.{module.name}").FORMATS
-)
+_SPECIFIC = sorted((row for row in _ROWS if row.name != "columns"), key=lambda row: row.name)
 
 
 def _is_nothing_but_columns(head: bytes, name: str) -> bool:
@@ -30,7 +24,4 @@ def _is_nothing_but_columns(head: bytes, name: str) -> bool:
 
 
 #: Tried from the first to the last; the first that recognises a file reads it. The least specific one comes last.
-FORMATS: tuple[Format, ...] = (
-    *_SPECIFIC,
-    *(replace(row, detect=_is_nothing_but_columns) for row in columns.FORMATS),
-)
+FORMATS: tuple[Format, ...] = (*_SPECIFIC, *(replace(row, detect=_is_nothing_but_columns) for row in columns.FORMATS))

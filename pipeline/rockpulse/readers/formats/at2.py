@@ -1,27 +1,28 @@
 """PEER AT2 files: a few header lines, then the acceleration in g, equally spaced.
 
 Velocity (VT2) and displacement (DT2) files look the same; the word on the units line tells them apart.
+
+The database puts a list of what a search found beside the files, ``_SearchResults.csv``: below lines about the search a
+row of headings, "Record Sequence Number" among them, begins the table of the records, one row each, with the names of
+its files. Spectra follow. Rjb and Rrup are distances to the rupture, not to the epicentre, and are not used.
 """
 
 from __future__ import annotations
 
+import csv
 import re
 from collections.abc import Sequence
+from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
 
-from rockpulse.errors import RecordFormatError, UnitError
-from rockpulse.readers.channel import build_record
-from rockpulse.readers.facing import direction
-from rockpulse.readers.fields import check_count, fixed_width, free_numbers, text_lines
+from rockpulse.errors import RecordFormatError, RockpulseError, UnitError
+from rockpulse.readers import kit
 from rockpulse.readers.format import Format, ReadOptions
-from rockpulse.readers.peer_table import listed
+from rockpulse.readers.kit.table import end_of_numbers
 from rockpulse.readers.source import NotAcceleration, SourceFile
-from rockpulse.readers.table_layout import end_of_numbers
-from rockpulse.readers.units import canonical_unit
 from rockpulse.record.record import Record
-
-__all__ = ["FORMATS", "is_at2", "read_at2"]
 
 _HEADER_LIMIT = 10
 #: No line of the header is longer; a damaged one may be.
@@ -59,6 +60,7 @@ _WRITTEN = re.compile(r"(\w+) RECORD( ON A STRUCTURE)?, WRITTEN BY ROCKPULSE")
 _PEER = re.compile(r"\bPEER\b|\bNGA\b|\bSTRONG[\s-]MOTION DATA(?:BASE)?\b", re.IGNORECASE)
 _VALUE = re.compile(r"\s*[+-]?\.?\d")
 _WIDTHS = (15, 10, 16, 12, 8)
+_LIST, _LIST_BEGINS = "_SearchResults.csv", "record sequence number"
 
 
 def _header_end(lines: Sequence[str]) -> int | None:
@@ -73,31 +75,26 @@ def _header_end(lines: Sequence[str]) -> int | None:
     return None
 
 
+def _names_both(lines: Sequence[str]) -> int | None:
+    """Index of the line that names NPTS and DT, or holds both numbers without their names; None where none does."""
+    end = _header_end(lines)
+    if end is None or "\x00" in "".join(lines[: end + 1]):
+        return None
+    last = lines[end][:_LONGEST_LINE]
+    return end if all(word.search(last) for word in _NAMES_BOTH) or _BARE.fullmatch(last) else None
+
+
 def is_at2(head: bytes, name: str) -> bool:
     """Whether one of the first lines of a text names NPTS and DT."""
-    lines = text_lines(head[:2000])
-    end = _header_end(lines)
-    return end is not None and _names_both(lines[: end + 1])
-
-
-def _names_both(header: Sequence[str]) -> bool:
-    """Whether the last line of the header names NPTS and DT, or holds both numbers without their names."""
-    last = header[-1][:_LONGEST_LINE]
-    named = all(word.search(last) for word in _NAMES_BOTH) or bool(_BARE.fullmatch(last))
-    return "\x00" not in "".join(header) and named
+    return _names_both(kit.text_lines(head[:2000])) is not None
 
 
 def read_at2(file: SourceFile, options: ReadOptions) -> list[Record]:
-    """Read the one channel of the file; the unit of `options` is used only if the header states none.
-
-    Raises NotAcceleration for velocity and displacement, UnitError for an unknown unit or none at all.
-    """
-    lines = text_lines(file.content)
-    end = _header_end(lines)
-    if end is None or not _names_both(lines[: end + 1]):
-        raise RecordFormatError(
-            f"{file.name}: expected NPTS and DT in one of the first {_HEADER_LIMIT} lines, found none; is it AT2?"
-        )
+    """Read the one channel of the file; the unit of `options` is used only if the header states none."""
+    lines = kit.text_lines(file.content)
+    end = _names_both(lines)
+    if end is None:
+        raise kit.unexpected(file.name, f"NPTS and DT in one of the first {_HEADER_LIMIT} lines", "none", "is it AT2?")
     header = [line[:_LONGEST_LINE] for line in lines[: end + 1]]
     title = [part.strip() for part in header[1].split(",")] if end > 1 else [""]
     # Names of events have commas too: "Chi-Chi, Taiwan, 9/20/1999, CHY101, E".
@@ -108,32 +105,36 @@ def read_at2(file: SourceFile, options: ReadOptions) -> list[Record]:
     matches = (pattern.search(header[end]) for pattern in _COUNT_AND_STEP)
     match = next((match for match in matches if match), None) or _BARE.fullmatch(header[end])
     if match is None:
-        raise RecordFormatError(
-            f"{file.name}:{end + 1}: expected 'NPTS= n, DT= s SEC' or 'n s NPTS, DT', found {header[end].strip()!r}; "
-            "write the line in one of these ways"
-        )
+        expected, advice = "'NPTS= n, DT= s SEC' or 'n s NPTS, DT'", "write the line in one of these ways"
+        raise kit.unexpected(f"{file.name}:{end + 1}", expected, repr(header[end].strip()), advice)
     count, step = int(match["count"].replace(",", "")), float(re.sub("[dD]", "e", match["step"]))
     if not (np.isfinite(step) and step > 0.0) or _MILLISECONDS.search(header[end]):
         raise RecordFormatError(f"{file.name}:{end + 1}: expected a positive DT in s, found {header[end].strip()!r}")
-    first = _first_value(lines, end + 1)
+    # A few words, such as the Fortran format, may stand before the first row of numbers.
+    rows = range(end + 1, min(len(lines), end + 1 + _HEADER_LIMIT))
+    first = next((index for index in rows if _VALUE.match(lines[index])), end + 1)
     stop, behind = _numbers_stop(file.name, lines, first, count)
     samples, warnings = _samples(file.name, lines[:stop], first, count)
     component = re.sub(r"\s*\(.*?\)\s*$", "", title[-1]) if len(title) > 1 else ""
     written = _WRITTEN.match(header[0])
+    # PEER records are corrected, rockpulse writes it into the title, others do not tell.
+    processed = True if _PEER.search(header[0]) else None
+    if written:
+        processed = {"CORRECTED": True, "UNCORRECTED": False}.get(written[1])
     found, notes = listed(file)
     return [
-        build_record(
+        kit.build_record(
             file,
             1,
             samples,
             step,
             unit,
             format="at2",
-            processed=_processed(header[0]),
+            processed=processed,
             structural=bool(written and written[2]),
             component=component,
             # PEER drops leading zeros: 9 is an azimuth here, elsewhere the number of a channel.
-            facing=direction(component.zfill(3)) if component.isdecimal() else None,
+            facing=kit.direction(component.zfill(3)) if component.isdecimal() else None,
             station_name=station or found.station_name,
             event=", ".join(title[:event]) or found.event,
             facts=found.facts,
@@ -161,20 +162,6 @@ def _numbers_stop(name: str, lines: Sequence[str], first: int, count: int) -> tu
     return stop, [f"{found} were left out"] if rows else []
 
 
-def _first_value(lines: Sequence[str], after: int) -> int:
-    """Index of the first row of numbers; a few words, such as the Fortran format, may stand before it."""
-    rows = range(after, min(len(lines), after + _HEADER_LIMIT))
-    return next((index for index in rows if _VALUE.match(lines[index])), after)
-
-
-def _processed(first_line: str) -> bool | None:
-    """Whether the record is corrected: PEER records are, rockpulse writes it into the title, others do not tell."""
-    written = _WRITTEN.match(first_line)
-    if written:
-        return {"CORRECTED": True, "UNCORRECTED": False}.get(written[1])
-    return True if _PEER.search(first_line) else None
-
-
 def _unit(name: str, header: Sequence[str], station: str, given: str | None) -> str:
     for index, line in enumerate(header):
         series = _SERIES.search(line)
@@ -188,16 +175,16 @@ def _unit(name: str, header: Sequence[str], station: str, given: str | None) -> 
                 "of the same record"
             )
         if unit:
-            return canonical_unit(unit[1], f"{name}:{index + 1}")
+            return kit.canonical_unit(unit[1], f"{name}:{index + 1}")
         behind = _WITHOUT_WORD.match(line, series.end()) if series else None
         if behind:
-            return canonical_unit(next(filter(None, behind.groups())), f"{name}:{index + 1}")
+            return kit.canonical_unit(next(filter(None, behind.groups())), f"{name}:{index + 1}")
     if given is None:
         raise UnitError(
             f"{name}: expected a header line 'ACCELERATION TIME SERIES IN UNITS OF G', found none; give the unit with "
             "the option units, such as units='g'"
         )
-    return canonical_unit(given, "option units")
+    return kit.canonical_unit(given, "option units")
 
 
 def _samples(name: str, lines: Sequence[str], first: int, count: int) -> tuple[np.ndarray, list[str]]:
@@ -207,7 +194,7 @@ def _samples(name: str, lines: Sequence[str], first: int, count: int) -> tuple[n
     """
     block = lines[first:]
     try:
-        values = free_numbers(block, first + 1, name)
+        values = kit.free_numbers(block, first + 1, name)
         fault = None
     except RecordFormatError as error:
         values, fault = np.empty(0), error
@@ -217,20 +204,16 @@ def _samples(name: str, lines: Sequence[str], first: int, count: int) -> tuple[n
             return touching, []
     if fault is not None:
         raise fault
-    check_count(f"{name}:{len(lines)}", count, values.size)
+    kit.check_count(f"{name}:{len(lines)}", count, values.size)
     surplus, row = values.size - count, len(block[0].split())
     rows = sum(1 for line in block if line.strip())
     if row > 1 and rows == count:
-        raise RecordFormatError(
-            f"{name}:{first + 1}: expected {count} numbers (NPTS), found {rows} rows of {row}: columns, such as time "
-            "and acceleration, and not one series; remove the lines above the numbers and read the file as columns, or "
-            "keep the column of acceleration"
-        )
+        found = f"{rows} rows of {row}: columns, such as time and acceleration, and not one series"
+        advice = "remove the lines above the numbers and read the file as columns, or keep the column of acceleration"
+        raise kit.unexpected(f"{name}:{first + 1}", f"{count} numbers (NPTS)", found, advice)
     if surplus > row:
-        raise RecordFormatError(
-            f"{name}:{first + 1}: expected {count} numbers (NPTS), found {values.size}, more than a row too many; "
-            "find out which is right and repair the header"
-        )
+        found, advice = f"{values.size}, more than a row too many", "find out which is right and repair the header"
+        raise kit.unexpected(f"{name}:{first + 1}", f"{count} numbers (NPTS)", found, advice)
     notes = [f"{surplus} values beyond the NPTS= {count} of the header were left out"] if surplus else []
     return values[:count], notes
 
@@ -242,10 +225,58 @@ def _by_width(name: str, block: Sequence[str], first: int, count: int) -> np.nda
         if length < width or length % width or -(-count // (length // width)) != len(block):
             continue
         try:
-            return fixed_width(block, first, width, length // width, count, name)
+            return kit.fixed_width(block, first, width, length // width, count, name)
         except RecordFormatError:
             continue  # another width may fit; if none does, the caller reports the first fault
     return None
+
+
+class Listed(NamedTuple):
+    """What PEER's list says of a record; fields as of `Record`."""
+
+    event: str = ""
+    station_name: str = ""
+    facts: kit.Facts = kit.NOTHING
+
+
+def listed(file: SourceFile) -> tuple[Listed, list[str]]:
+    """The row of a file in the list beside it, by its name, and a warning where there is a list that cannot be read."""
+    try:
+        content = file.beside(_LIST)
+        rows = {} if content is None else _rows(content)
+    except (RockpulseError, OSError) as fault:
+        return Listed(), [f"{_LIST} beside the file cannot be read, magnitude and Vs30 stay unknown: {fault}"]
+    return rows.get(file.path.name.lower(), Listed()), []
+
+
+@lru_cache(maxsize=4)
+def _rows(content: bytes) -> dict[str, Listed]:
+    """The rows of the list by the names of their files, in lower letters; one list serves all files of a folder."""
+    found: dict[str, Listed] = {}
+    heads: list[str] = []
+    try:
+        for row in csv.reader(kit.text_lines(content), skipinitialspace=True):
+            cells = [cell.strip() for cell in row]
+            if not heads:
+                heads = [cell.lower() for cell in cells] if _LIST_BEGINS in map(str.lower, cells) else []
+                continue
+            if len(cells) < len(heads) or not any(cells):
+                break
+            entries = dict(zip(heads, cells, strict=False))
+            names = [value for head, value in entries.items() if "filename" in head.replace(" ", "")]
+            found |= {name.replace("\\", "/").rpartition("/")[2].lower(): _listed(entries) for name in names}
+    except csv.Error as fault:
+        raise RecordFormatError(f"{_LIST}: cannot be read as CSV: {fault}; download it again") from fault
+    return found
+
+
+def _listed(entries: dict[str, str]) -> Listed:
+    vs30 = next((value for head, value in entries.items() if head.startswith("vs30")), "")
+    return Listed(
+        event=" ".join(filter(None, (entries.get("earthquake name"), entries.get("year")))),
+        station_name=entries.get("station name", ""),
+        facts=kit.stated(magnitude=(entries.get("magnitude", ""), ""), vs30=vs30),
+    )
 
 
 FORMATS = (

@@ -12,23 +12,34 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from rockpulse.errors import RecordFormatError, UnitError
-from rockpulse.readers.channel import build_record
-from rockpulse.readers.column_headings import Heading, column_headings
-from rockpulse.readers.facing import BRACKET, heading_direction
-from rockpulse.readers.fields import check_count, text_lines
 from rockpulse.readers.format import Format, ReadOptions
-from rockpulse.readers.header_words import stated_counts, stated_kinds, stated_steps, stated_units
-from rockpulse.readers.held import held_units
-from rockpulse.readers.number_lines import Numbered, number_lines
+from rockpulse.readers.kit.channel import build_record
+from rockpulse.readers.kit.checks import held_units
+from rockpulse.readers.kit.direction import BRACKET, heading_direction
+from rockpulse.readers.kit.headings import (
+    Heading,
+    column_headings,
+    stated_counts,
+    stated_kinds,
+    stated_steps,
+    stated_units,
+)
+from rockpulse.readers.kit.spacing import agreed_step, climbs, counts_rows, names_time, time_column_step
+from rockpulse.readers.kit.table import (
+    Layout,
+    Numbered,
+    check_decimals,
+    end_of_numbers,
+    find_layout,
+    number_lines,
+    read_table,
+    row_width,
+    runs_on,
+    split_row,
+)
+from rockpulse.readers.kit.text import UNITS, canonical_unit, check_count, text_lines, unexpected
 from rockpulse.readers.source import NotAcceleration, SourceFile
-from rockpulse.readers.table_layout import Layout, end_of_numbers, find_layout, row_width, split_row
-from rockpulse.readers.table_numbers import check_decimals, read_table
-from rockpulse.readers.time_column import agreed_step, climbs, counts_rows, names_time, time_column_step
-from rockpulse.readers.units import UNITS, canonical_unit
-from rockpulse.readers.wrapped_series import runs_on
 from rockpulse.record.record import Record
-
-__all__ = ["FORMATS", "is_columns", "read_columns"]
 
 #: Rows of the table that decide whether it is one.
 _LOOK_AT = 500
@@ -54,6 +65,11 @@ class _Columns:
     table: np.ndarray
     headings: tuple[Heading, ...]
     warnings: tuple[str, ...] = ()
+
+    @property
+    def width(self) -> int:
+        """The number of columns."""
+        return self.table.shape[1]
 
     def picked(self, order: Sequence[int], *warnings: str) -> _Columns:
         """The columns at these places, in this order, with further warnings."""
@@ -84,16 +100,9 @@ def read_columns(file: SourceFile, options: ReadOptions) -> list[Record]:
 
     `options.units` is needed unless every column states its unit in its heading, in brackets or below it; the prose of
     a header, which may speak of something else, only has to agree. `options.dt` is needed where neither a time column,
-    a line ``N dt`` nor words such as ``dt = 0.005`` or ``sampling rate 200 Hz`` give the interval.
-
-    Raises
-    ------
-    UnitError
-        No unit given, an unknown one, or one that contradicts the header.
-    NotAcceleration
-        A header that names velocity, displacement or a spectrum only.
-    RecordFormatError
-        With file and line, what was found and what was expected; columns that cannot be told apart.
+    a line ``N dt`` nor words such as ``dt = 0.005`` or ``sampling rate 200 Hz`` give the interval. Raises UnitError,
+    NotAcceleration for a header that names velocity, displacement or a spectrum only, and RecordFormatError, also for
+    columns that cannot be told apart.
     """
     lines = text_lines(file.content)
     layout = find_layout(lines)
@@ -102,39 +111,57 @@ def read_columns(file: SourceFile, options: ReadOptions) -> list[Record]:
             f"{file.name}: expected rows of numbers, all with the same number of columns, found none"
         )
     headings, end = column_headings(lines[: layout.start], layout)
-    prose = lines[:end]
     stop = end_of_numbers(lines, layout.start)
-    lines, behind = lines[:stop], lines[stop:]
-    numbered = number_lines(file.name, lines, layout, names_time(headings))
+    numbered = number_lines(file.name, lines[:stop], layout, names_time(headings))
     where = f"{file.name}:{numbered.start + 1}"
     steps = {f"line {said.line}: {said.wording!r}": said.value for said in stated_steps(lines[: layout.start])}
     declared = next((step for step in (options.dt, numbered.step, *steps.values()) if step is not None), None)
     lacking = [_UNIT_TOO] * (options.units is None) + [_INTERVAL_TOO] * (declared is None)
-    columns = _columns(file.name, lines, layout, headings, numbered, prose, lacking, behind)
-    if columns.table.shape[1] > 1 and counts_rows(columns.table, columns.headings):
-        rest = range(1, columns.table.shape[1])
-        columns = columns.picked(rest, "the first column counts the rows; it was left out")
+    prose = lines[:end]
+    columns = _columns(file.name, lines[:stop], layout, headings, numbered, prose, lacking, lines[stop:])
+    if columns.width > 1 and counts_rows(columns.table, columns.headings):
+        columns = columns.picked(range(1, columns.width), "the first column counts the rows; it was left out")
     if _titled(columns):
         columns, prose = replace(columns, headings=()), lines[: layout.start]
-    columns = _time_first(columns)
-    _check_abscissa(where, columns)
+    kinds = [heading.kind for heading in columns.headings]
+    if "time" in kinds:
+        at = kinds.index("time")
+        columns = columns.picked([at, *(index for index in range(len(kinds)) if index != at)])
+    first = columns.headings[0] if columns.headings else Heading("")
+    _check_abscissa(where, columns, first)
     step = time_column_step(file.name, columns.table, columns.headings, numbered.start, declared)
     if step is not None:
-        first = columns.headings[0] if columns.headings else Heading("")
         if first.kind in ("acceleration", "velocity", "displacement"):
-            raise RecordFormatError(
-                f"{where}: expected {first.kind} in the column {first.name!r}, found that it runs like time; "
-                f"{_NAME_THEM}"
-            )
-        columns = columns.picked(range(1, columns.table.shape[1]))
-    wide = step is None and not columns.headings and columns.table.shape[1] > _NO_STATION
+            expected = f"{first.kind} in the column {first.name!r}"
+            raise unexpected(where, expected, "that it runs like time", _NAME_THEM)
+        columns = columns.picked(range(1, columns.width))
+    wide = step is None and not columns.headings and columns.width > _NO_STATION
     if not lacking and wide and runs_on(columns.table):
         columns = _in_reading_order(columns, np.empty(0), guessed=True)
     _check_apart(where, columns, step is not None, lacking)
     columns = _accelerations(file.name, columns, prose)
-    units = _units(file.name, columns.headings or [Heading("")] * columns.table.shape[1], prose, options)
+    headings = columns.headings or (Heading(""),) * columns.width
+    units = _units(file.name, headings, prose, options)
     sources = {"time column": step, "first line": numbered.step, **steps}
-    return _channels(file, columns, agreed_step(file.name, sources, options), units)
+    sources |= {options.said_by("dt").removeprefix("the "): options.dt}
+    dt = agreed_step(file.name, sources, "correct the wrong one" if options.dt is None else options.advice("dt"))
+    notes = (*columns.warnings, *held_units(zip((heading.name for heading in headings), units, strict=True)))
+    return [
+        build_record(
+            file,
+            number,
+            samples,
+            dt,
+            unit,
+            format="columns",
+            processed=None,
+            component=heading.name,
+            facing=heading_direction(heading.name),
+            channel=BRACKET.sub("", heading.name).strip() or str(number),
+            warnings=notes,
+        )
+        for number, (samples, heading, unit) in enumerate(zip(columns.table.T, headings, units, strict=True), 1)
+    ]
 
 
 def _columns(
@@ -158,12 +185,12 @@ def _columns(
     last = split_row(rows[filled[-1]], layout.delimiter)
     values = (len(filled) - 1) * layout.width + len(last)
     said = {round(count.value) for count in stated_counts(prose)}
-    complete = not {values, len(filled)}.isdisjoint({numbered.count, *said})
-    warnings = list(_behind(name, len(lines) + 1, behind, layout, complete))
-    is_series = layout.width > 1 and values in {numbered.count, *said} and len(filled) not in {numbered.count, *said}
+    counts = {numbered.count, *said}
+    warnings = _behind(name, len(lines) + 1, behind, layout, complete=not counts.isdisjoint({values, len(filled)}))
+    is_series = layout.width > 1 and values in counts and len(filled) not in counts
     is_short = layout.width > len(last) and not headings and layout.width > 2
     if is_series or is_short:
-        body = _Columns(read_table(name, rows[: filled[-1]], layout, first), (), tuple(warnings))
+        body = _Columns(read_table(name, rows[: filled[-1]], layout, first), (), warnings)
         end = read_table(name, rows[filled[-1] : filled[-1] + 1], replace(layout, width=len(last)), first + filled[-1])
         if is_series:
             return _in_reading_order(body, end)
@@ -172,21 +199,20 @@ def _columns(
         check_count(f"{name}:{len(lines)}", numbered.count, available, unit)
     if is_short:
         if not lacking and runs_on(body.table):
-            if said:
-                body = replace(body, warnings=(*body.warnings, _other_count(said, values, "numbers")))
-            return _in_reading_order(body, end, guessed=True)
+            other = (_other_count(said, values, "numbers"),) if said else ()
+            return _in_reading_order(replace(body, warnings=(*body.warnings, *other)), end, guessed=True)
         found = f"a last row of {len(last)} below rows of {layout.width}"
         raise _wrapped(f"{name}:{first + filled[-1]}", layout.width, found, lacking)
     table = read_table(name, rows, layout, first)
     if numbered.step is not None:
         check_count(f"{name}:{len(lines)}", numbered.count, len(table), "rows")
         if len(table) > numbered.count:
-            surplus = len(table) - numbered.count
-            warnings.append(f"{surplus} rows beyond the {numbered.count} of the first line were left out")
+            left = len(table) - numbered.count
+            warnings += (f"{left} rows beyond the {numbered.count} of the first line were left out",)
         table = table[: numbered.count]
     elif said and min(said) > len(table):
-        warnings.append(_other_count(said, len(table), "rows"))
-    return _Columns(table, headings, tuple(warnings))
+        warnings += (_other_count(said, len(table), "rows"),)
+    return _Columns(table, headings, warnings)
 
 
 def _behind(name: str, line: int, behind: Sequence[str], layout: Layout, complete: bool) -> tuple[str, ...]:
@@ -252,20 +278,10 @@ def _titled(columns: _Columns) -> bool:
     return climbs(columns.table[:, 0]) and not climbs(columns.table[:, at])
 
 
-def _time_first(columns: _Columns) -> _Columns:
-    """The columns with the one that is headed as time in front."""
-    kinds = [heading.kind for heading in columns.headings]
-    if "time" not in kinds:
-        return columns
-    at = kinds.index("time")
-    return columns.picked([at, *(index for index in range(len(kinds)) if index != at)])
-
-
-def _check_abscissa(where: str, columns: _Columns) -> None:
+def _check_abscissa(where: str, columns: _Columns, first: Heading) -> None:
     """Refuse a table over periods or frequencies, whatever its other columns are called."""
-    first = columns.headings[0] if columns.headings else Heading("")
     steps = np.diff(columns.table[:, 0])
-    if first.kind == "spectrum" and columns.table.shape[1] > 1 and (np.all(steps > 0.0) or np.all(steps < 0.0)):
+    if first.kind == "spectrum" and columns.width > 1 and (np.all(steps > 0.0) or np.all(steps < 0.0)):
         raise NotAcceleration(
             f"{where}: expected accelerations over time, found columns over {first.name!r}, a spectrum; "
             "read the acceleration file of the same record"
@@ -274,28 +290,22 @@ def _check_abscissa(where: str, columns: _Columns) -> None:
 
 def _check_apart(where: str, columns: _Columns, timed: bool, lacking: Sequence[str]) -> None:
     """Refuse columns if nothing tells which quantity each of them holds."""
-    width = columns.table.shape[1]
-    late = [index for index in range(width) if climbs(columns.table[:, index])]
-    if late:
-        raise RecordFormatError(
-            f"{where}: expected accelerations, found that column {late[0] + 1 + timed} runs like time; write the "
-            "times as the first column"
-        )
+    width = columns.width
+    late = next((index for index in range(width) if climbs(columns.table[:, index])), None)
+    if late is not None:
+        found, advice = f"that column {late + 1 + timed} runs like time", "write the times as the first column"
+        raise unexpected(where, "accelerations", found, advice)
     if columns.headings or width == 1:
         return
     if timed and width > _COMPONENTS:
-        raise RecordFormatError(
-            f"{where}: expected headings, or at most {_COMPONENTS} columns beside the times, found {width} columns of "
-            f"numbers and no headings; {_NAME_THEM}"
-        )
+        expected = f"headings, or at most {_COMPONENTS} columns beside the times"
+        raise unexpected(where, expected, f"{width} columns of numbers and no headings", _NAME_THEM)
     if not timed:
         raise _wrapped(where, width, f"{width} columns of numbers", lacking)
     for before in range(width - 1):
         if _integrates(columns.table[:, before], columns.table[:, before + 1]):
-            raise RecordFormatError(
-                f"{where}: expected accelerations in all columns, found that column {before + 3} is the integral of "
-                f"column {before + 2}, like velocity after acceleration; {_NAME_THEM}"
-            )
+            found = f"that column {before + 3} is the integral of column {before + 2}, like velocity after acceleration"
+            raise unexpected(where, "accelerations in all columns", found, _NAME_THEM)
 
 
 def _integrates(rate: np.ndarray, series: np.ndarray) -> bool:
@@ -307,7 +317,7 @@ def _integrates(rate: np.ndarray, series: np.ndarray) -> bool:
 
 def _accelerations(name: str, columns: _Columns, prose: Sequence[str]) -> _Columns:
     """The columns that are accelerations, by their headings or else by the prose above the table."""
-    headings = columns.headings or (Heading(""),) * columns.table.shape[1]
+    headings = columns.headings or (Heading(""),) * columns.width
     named = any(heading.kind == "acceleration" for heading in headings)
     kept = [
         index
@@ -323,16 +333,14 @@ def _accelerations(name: str, columns: _Columns, prose: Sequence[str]) -> _Colum
     said = stated_kinds(prose)
     others = [kind for kind in said if kind != "acceleration"]
     if others and not all(headings[index].kind for index in kept):
-        line, listed = said[others[0]], " and ".join(others)
+        where, listed = f"{name}:{said[others[0]]}", " and ".join(others)
         if "acceleration" not in said and "spectrum" not in said:
             raise NotAcceleration(
-                f"{name}:{line}: expected accelerations, the header speaks of {listed} only; "
+                f"{where}: expected accelerations, the header speaks of {listed} only; "
                 "read the acceleration file of the same record"
             )
-        raise RecordFormatError(
-            f"{name}:{line}: expected to know which columns are accelerations, found a header that speaks of "
-            f"{listed}; {_NAME_THEM}"
-        )
+        expected, found = "to know which columns are accelerations", f"a header that speaks of {listed}"
+        raise unexpected(where, expected, found, _NAME_THEM)
     return columns.picked(kept, f"columns left out, no acceleration: {left}") if left else columns
 
 
@@ -357,27 +365,6 @@ def _units(name: str, headings: Sequence[Heading], prose: Sequence[str], options
             raise UnitError(f"{name}:{said[0][1].line}: the header says {said[0][1].wording!r}, {says}")
         units.append(asked or stated or "")
     return units
-
-
-def _channels(file: SourceFile, columns: _Columns, step: float, units: Sequence[str]) -> list[Record]:
-    headings = columns.headings or [Heading("")] * columns.table.shape[1]
-    notes = (*columns.warnings, *held_units(zip((heading.name for heading in headings), units, strict=True)))
-    return [
-        build_record(
-            file,
-            number,
-            samples,
-            step,
-            unit,
-            format="columns",
-            processed=None,
-            component=heading.name,
-            facing=heading_direction(heading.name),
-            channel=BRACKET.sub("", heading.name).strip() or str(number),
-            warnings=notes,
-        )
-        for number, (samples, heading, unit) in enumerate(zip(columns.table.T, headings, units, strict=True), 1)
-    ]
 
 
 FORMATS = (

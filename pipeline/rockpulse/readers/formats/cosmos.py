@@ -26,19 +26,11 @@ from functools import partial
 import numpy as np
 
 from rockpulse.errors import RecordFormatError, RecordRefused, UnitError
-from rockpulse.readers.channel import PEAK_TOLERANCE, build_record, usable_channels
-from rockpulse.readers.channel_count import Counted, completeness
-from rockpulse.readers.cosmos_header import TITLE, Header, fortran_layout, read_header
-from rockpulse.readers.cosmos_held import held_series
-from rockpulse.readers.fields import check_count, fixed_width, printed_number, text_lines
-from rockpulse.readers.format import Format, ReadOptions
-from rockpulse.readers.held import left_in_row
-from rockpulse.readers.repeats import distinct_sections, last_of_equal, repeated_marker
+from rockpulse.readers import kit
+from rockpulse.readers.format import Format, ReadOptions, begins_with
+from rockpulse.readers.kit.cosmos_header import TITLE, Header, fortran_layout, held_series, read_header
 from rockpulse.readers.source import NotAcceleration, SourceFile
-from rockpulse.readers.units import UNITS, canonical_unit
 from rockpulse.record.record import STANDARD_GRAVITY, Record
-
-__all__ = ["FORMATS", "is_cosmos", "read_cosmos"]
 
 _SERIES = re.compile(
     r"\s*(\d{1,9})\s+(\D{0,40}?)\s*pts\b.{0,60}?units\s*=\s*([^\s(,]{0,20}?)\s*(?=[\s(,]|Format)(?:\(\s*(\d{1,3})\s*\))?",
@@ -46,13 +38,9 @@ _SERIES = re.compile(
 )
 _END = re.compile(r"\s*(?:end-of-data|/&)", re.IGNORECASE)
 #: Units that only this format has [m/s2].
-_UNITS = UNITS | {"in/s2": 0.0254, "mg": 1e-3 * STANDARD_GRAVITY, "ug": 1e-6 * STANDARD_GRAVITY, "counts": 1.0}
+_UNITS = kit.UNITS | {"in/s2": 0.0254, "mg": 1e-3 * STANDARD_GRAVITY, "ug": 1e-6 * STANDARD_GRAVITY, "counts": 1.0}
 _CODES: dict[int | None, str] = {2: "g", 4: "cm/s2", 7: "in/s2", 10: "gal", 11: "mg", 12: "ug", 50: "counts"}
-_FACTORS = {
-    22: "microvolts per count",
-    42: "sensor sensitivity, V/g",
-    47: "sensor gain",
-}
+_FACTORS = {22: "microvolts per count", 42: "sensor sensitivity, V/g", 47: "sensor gain"}
 #: Integer 2 of quantities other than an acceleration along a line.
 _OTHER_QUANTITIES = {2: "velocity", 3: "displacement", 10: "angular acceleration", 11: "angular velocity"}
 #: The closing line may have lines of blanks behind it.
@@ -76,45 +64,27 @@ class _Series:
     warnings: tuple[str, ...] = ()
 
 
-def is_cosmos(head: bytes, name: str) -> bool:
-    """Whether the first line states the format and its number of text lines."""
-    return bool(TITLE.match(head[:200].decode("latin-1")))
-
-
 def read_cosmos(file: SourceFile, options: ReadOptions) -> list[Record]:
-    """Read the acceleration of every channel; velocity and displacement beside it are passed over.
-
-    Raises NotAcceleration if no channel holds acceleration, RecordRefused for counts without a gain and for missing
-    samples. The options are not used, because the format states everything.
-    """
-    lines = text_lines(file.content)
+    """Read the acceleration of every channel; velocity and displacement beside it are passed over."""
+    lines = kit.text_lines(file.content)
     starts = [index for index, line in enumerate(lines) if " text lines)" in line and TITLE.match(line[:200])]
     if not starts or starts[0] != 0:
         raise RecordFormatError(
             f"{file.name}:1: expected '(Format v01.20 with 13 text lines)', found {lines[0][:60]!r}"
         )
-    last = [last_of_equal(lines, start) for start in starts]
-    notes = [note for first, at in zip(starts, last, strict=True) for note in repeated_marker(first, at)]
+    last = [kit.last_of_equal(lines, start) for start in starts]
+    notes = [note for first, at in zip(starts, last, strict=True) for note in kit.repeated_marker(first, at)]
     starts = sorted(set(last))
-    spans, copies = distinct_sections(lines, list(zip(starts, [*starts[1:], len(lines)], strict=True)))
+    spans, copies = kit.distinct_sections(lines, list(zip(starts, [*starts[1:], len(lines)], strict=True)))
     headers = [read_header(file.name, lines, start, end) for start, end in spans]
-    return usable_channels(
-        (
-            partial(_channel, file, lines, header, end, number)
-            for number, (header, (_, end)) in enumerate(zip(headers, spans, strict=True), start=1)
-        ),
-        (*_missing(file.name, lines, headers), *notes, *copies),
-    )
-
-
-def _missing(name: str, lines: Sequence[str], headers: Sequence[Header]) -> tuple[str, ...]:
-    """Warnings for channels that the headers count and the file does not hold."""
-    closed = any(_END.match(line) for line in lines[-_CLOSING:])
     counts = (
-        Counted(header.start + 1, header.text[6], *header.number_and_count(), kind=header.kind.lower())
+        kit.Counted(header.start + 1, header.text[6], *header.number_and_count(), kind=header.kind.lower())
         for header in headers
     )
-    return completeness(name, counts, closed=closed)
+    missing = kit.completeness(file.name, counts, closed=any(_END.match(line) for line in lines[-_CLOSING:]))
+    numbered = enumerate(zip(headers, spans, strict=True), start=1)
+    channels = (partial(_channel, file, lines, header, end, number) for number, (header, (_, end)) in numbered)
+    return kit.usable_channels(channels, (*missing, *notes, *copies))
 
 
 def _channel(file: SourceFile, lines: Sequence[str], header: Header, end: int, number: int) -> Record:
@@ -134,13 +104,14 @@ def _channel(file: SourceFile, lines: Sequence[str], header: Header, end: int, n
     where, first = f"{file.name}:{series.at + 1}", series.at + 1
     unit = _unit(series, where)
     per_row, width = fortran_layout(lines[series.at], where)
-    check_count(where, series.count, series.count if first < end else 0)
-    samples = fixed_width(lines[first:end], first + 1, width, per_row, series.count, file.name)
+    kit.check_count(where, series.count, series.count if first < end else 0)
+    samples = kit.fixed_width(lines[first:end], first + 1, width, per_row, series.count, file.name)
     step, notes = _interval(header, series.count, file.name)
     notes += series.warnings
     rows = -(-series.count // per_row)
-    notes += left_in_row(lines[first + rows - 1], first + rows, width * (series.count - (rows - 1) * per_row))
-    notes += _surplus(lines, first + rows, end)
+    behind = range(first + rows, end)
+    stop = next((at for at in behind if _END.match(lines[at]) or _SERIES.match(lines[at][:200])), end)
+    notes += kit.surplus(lines, first + rows, stop, used=width * (series.count - (rows - 1) * per_row))
     if unit == "counts":
         factor = _per_count(header, where)
     else:
@@ -150,9 +121,9 @@ def _channel(file: SourceFile, lines: Sequence[str], header: Header, end: int, n
     channel, component, place = header.channel()
     start_time, time_notes = header.start_time()
     structural = header.structural()
-    peak, rounding, peak_notes = _peak(header, factor)
+    peak, peak_notes = _peak(header, factor)
     notes += [*peak_notes, *held_series(header, lines[series.at], step, samples)]
-    return build_record(
+    return kit.build_record(
         file,
         number,
         samples,
@@ -174,7 +145,6 @@ def _channel(file: SourceFile, lines: Sequence[str], header: Header, end: int, n
         start_time=start_time,
         facts=header.facts(),
         header_peak=peak,
-        peak_rounding=rounding,
         warnings=[*notes, *header.site_notes(), *time_notes],
     )
 
@@ -187,19 +157,18 @@ def _acceleration(name: str, lines: Sequence[str], header: Header, end: int) -> 
         match = _SERIES.match(lines[at][:200]) if "pts" in lines[at].lower() else None
         if match and not (found and found[-1].at >= at):
             code = int(match[4]) if match[4] else None
-            last = last_of_equal(lines, at)
-            found.append(_Series(last, int(match[1]), match[2].lower(), match[3], code, repeated_marker(at, last)))
+            last = kit.last_of_equal(lines, at)
+            found.append(_Series(last, int(match[1]), match[2].lower(), match[3], code, kit.repeated_marker(at, last)))
             begins = at if len(found) == 1 else begins
     if not found or begins != header.end:
         line = repr(lines[header.end].strip()[:60]) if header.end < end else "the end of the channel"
-        raise RecordFormatError(
-            f"{name}:{header.end + 1}: expected a line such as '13400 acceleration pts, approx  67 secs, units=g. (02)"
-            f"Format=(8f9.6)', found {line}; the file is damaged or cut off: download it again"
-        )
+        expected = "a line such as '13400 acceleration pts, approx  67 secs, units=g. (02)Format=(8f9.6)'"
+        advice = "the file is damaged or cut off: download it again"
+        raise kit.unexpected(f"{name}:{header.end + 1}", expected, str(line), advice)
     ends = [*(series.at for series in found[1:]), end]
     linear = [at for at, series in enumerate(found) if "accel" in series.kind and "ang" not in series.kind]
     if linear:
-        blocks, copies = distinct_sections(lines, [(found[at].at, ends[at]) for at in linear], "series")
+        blocks, copies = kit.distinct_sections(lines, [(found[at].at, ends[at]) for at in linear], "series")
         if len(blocks) > 1:
             raise RecordFormatError(
                 f"{name}:{blocks[1][0] + 1}: expected one series of acceleration in the channel, found another than "
@@ -215,7 +184,7 @@ def _acceleration(name: str, lines: Sequence[str], header: Header, end: int) -> 
 def _unit(series: _Series, where: str) -> str:
     """The unit of the series, on which the words and the code of its heading must agree."""
     word = series.unit.lower().rstrip(".").replace("sec", "s")
-    named = "" if not word else word if word in _UNITS else canonical_unit(series.unit, where)
+    named = "" if not word else word if word in _UNITS else kit.canonical_unit(series.unit, where)
     if series.code is None and named:
         return named
     coded = _CODES.get(series.code)
@@ -228,8 +197,8 @@ def _unit(series: _Series, where: str) -> str:
     return named or coded
 
 
-def _peak(header: Header, factor: float) -> tuple[float, float, list[str]]:
-    """Peak that the header states, half a unit of its last digit [m/s2], and warnings.
+def _peak(header: Header, factor: float) -> tuple[tuple[float, float], list[str]]:
+    """Peak that the header states with half a unit of its last digit [m/s2], and warnings.
 
     Real 64 has the unit of the samples; the text has its own, and counts where the two contradict each other.
     """
@@ -237,14 +206,14 @@ def _peak(header: Header, factor: float) -> tuple[float, float, list[str]]:
     word = re.sub(r"sec\b|sec(?=\d)", "s", unit.lower()).replace("/s/s", "/s2")
     own = _UNITS.get(word)
     if own is None or word == "counts" or not number:
-        return coded, 0.0, []
-    value, rounding = printed_number(number)
-    gap = abs(abs(value * own) - abs(coded))
-    if gap <= max(1.01 * rounding * own, PEAK_TOLERANCE * abs(coded)):
-        return coded, 0.0, []
-    said, told = (abs(one) / STANDARD_GRAVITY for one in (value * own, coded))
+        return (coded, 0.0), []
+    value, rounding = (one * own for one in kit.printed_number(number))
+    gap = abs(abs(value) - abs(coded))
+    if gap <= max(1.01 * rounding, kit.PEAK_TOLERANCE * abs(coded)):
+        return (coded, 0.0), []
+    said, told = (abs(one) / STANDARD_GRAVITY for one in (value, coded))
     notes = [] if np.isnan(coded) else [f"the header states peaks of {said:.4g} g (text) and {told:.4g} g (real 64)"]
-    return value * own, rounding * own, notes
+    return (value, rounding), notes
 
 
 def _per_count(header: Header, where: str) -> float:
@@ -280,9 +249,8 @@ def _interval(header: Header, count: int, name: str) -> tuple[float, list[str]]:
     raw, series, length = header.real(34), 1e-3 * header.real(62), header.real(63)
     stated = [step for step in (series, raw) if step > 0.0]
     if not stated:
-        raise RecordFormatError(
-            f"{name}:{header.start + 1}: expected a sampling interval above 0 (real 34 [s] or 62 [ms]), found none; "
-            "the header is damaged: download the file again"
+        raise kit.unexpected(
+            f"{name}:{header.start + 1}", "a sampling interval above 0 (real 34 [s] or 62 [ms])", "none"
         )
     # Some agencies count the steps between the samples, some the samples.
     fitting = [step for step in stated if abs(count * step - length) <= 0.005 * length + 1.5 * step]
@@ -303,16 +271,6 @@ def _interval(header: Header, count: int, name: str) -> tuple[float, list[str]]:
     ]
 
 
-def _surplus(lines: Sequence[str], at: int, end: int) -> list[str]:
-    """A warning for rows between the declared samples and the end of the series."""
-    rows = 0
-    for line in lines[at:end]:
-        if _END.match(line) or _SERIES.match(line[:200]):
-            break
-        rows += bool(line.strip())
-    return [f"line {at + 1}: {rows} rows beyond the declared count were left out"] if rows else []
-
-
 FORMATS = (
     Format(
         name="cosmos",
@@ -321,7 +279,7 @@ FORMATS = (
         unit="by the series: cm/s2, g, gal, counts with gain",
         processed="by title",
         example="CE23837.V1C",
-        detect=is_cosmos,
+        detect=begins_with(TITLE),
         parse=read_cosmos,
     ),
 )

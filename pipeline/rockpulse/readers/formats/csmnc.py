@@ -25,27 +25,16 @@ holds one component. The header::
 
 from __future__ import annotations
 
-import math
 import re
 from collections.abc import Sequence
 from datetime import datetime
 
 import numpy as np
 
-from rockpulse.errors import RecordFormatError
-from rockpulse.readers.channel import build_record
-from rockpulse.readers.clock import instant
-from rockpulse.readers.facing import Direction, direction, on_structure
-from rockpulse.readers.facts import Facts, coordinates, stated
-from rockpulse.readers.fields import check_count, free_rows, printed_number, text_lines
+from rockpulse.readers import kit
 from rockpulse.readers.format import Format, ReadOptions
-from rockpulse.readers.held import contradictory, held_length, held_peak_time
-from rockpulse.readers.pairs import surplus
 from rockpulse.readers.source import NotAcceleration, SourceFile
-from rockpulse.readers.units import UNITS, canonical_unit
 from rockpulse.record.record import Record
-
-__all__ = ["FORMATS", "is_csmnc", "read_csmnc"]
 
 _STEP = re.compile(r"EQUALLY SPACED INTERVALS? OF\s*:\s*(\d{0,3}\.?\d{1,9})\s*SEC", re.ASCII | re.IGNORECASE)
 _COUNT = re.compile(r"NO\. OF POINTS\s*:\s*(\d{1,9})\b", re.ASCII | re.IGNORECASE)
@@ -65,6 +54,8 @@ _SITE = re.compile(r"\s*SITE CONDITION\s*:(.*)", re.IGNORECASE)
 _ORIGIN = re.compile(
     r"\s*\d+\s+(\d{4})-(\d{1,2})-(\d{1,2})\s+(\d{1,2}):(\d{1,2}):(\d{1,2}(?:\.\d{0,6})?)\s*([A-Z]*)", re.ASCII
 )
+#: Lines of the header that may hold the time of the earthquake.
+_ORIGIN_LINES = 6
 _NAMED = re.compile(r"(?:^|[._\-\d])(EW|NS|UD)(?=[._\-]|$)", re.IGNORECASE)
 _ROW = re.compile(r"\s*[+-]?(?:\d|\.\d)", re.ASCII)
 #: The header has 16 lines, copies may have a blank one more.
@@ -81,7 +72,7 @@ def is_csmnc(head: bytes, name: str) -> bool:
 
 def read_csmnc(file: SourceFile, options: ReadOptions) -> list[Record]:
     """Read the one channel of the file; raises NotAcceleration for velocity and displacement."""
-    lines = [line.rstrip().rstrip("$") for line in text_lines(file.content)]
+    lines = [line.rstrip().rstrip("$") for line in kit.text_lines(file.content)]
     head = lines[:_LONGEST_HEADER]
     kind_at, kind = _find(file.name, head, _KIND, "UNCORRECTED ACCELERATION  UNIT: CM/SEC/SEC")
     if kind[2].upper() != "ACCELERATION":
@@ -89,18 +80,19 @@ def read_csmnc(file: SourceFile, options: ReadOptions) -> list[Record]:
             f"{file.name}:{kind_at + 1}: expected acceleration, found {kind[2].lower()}; "
             "read the acceleration file of the same record"
         )
-    unit = canonical_unit(kind[3], f"{file.name}:{kind_at + 1}")
+    unit = kit.canonical_unit(kind[3], f"{file.name}:{kind_at + 1}")
     step_at, step = _find(file.name, head, _STEP, "EQUALLY SPACED INTERVALS OF:  0.005  SEC")
-    count_at, stated = _find(file.name, head, _COUNT, "NO. OF POINTS:  12000")
-    dt = float(step[1])
-    count, above = int(stated[1]), max(kind_at, step_at, count_at) + 1
+    count_at, declared = _find(file.name, head, _COUNT, "NO. OF POINTS:  12000")
+    dt, count, above = float(step[1]), int(declared[1]), max(kind_at, step_at, count_at) + 1
     first = next((i for i in range(above, min(len(lines), above + 10)) if _ROW.match(lines[i])), len(lines))
     samples, end = _samples(file.name, lines, first, count)
-    peak = _first(head, _PEAK)
-    header_peak, rounding = printed_number(peak) if peak else (float("nan"), 0.0)
-    component, facing, notes = _direction(file, head)
+    component, facing, notes = _direction(file, _first(head, _COMPONENT))
+    size = next((match for line in head if (match := _SIZE.match(line[:200]))), None)
+    named_at, origin = _origin(head)
+    event = [head[named_at].strip(), f"{origin:%Y-%m-%d %H:%M:%S} UTC" if origin else ""] if named_at else []
+    magnitude = _first(head, _MAGNITUDE)
     return [
-        build_record(
+        kit.build_record(
             file,
             1,
             samples,
@@ -110,17 +102,24 @@ def read_csmnc(file: SourceFile, options: ReadOptions) -> list[Record]:
             processed=not kind[1],
             component=component,
             facing=facing,
-            structural=on_structure(_first(head, _POINT), stated=True),
+            structural=kit.on_structure(_first(head, _POINT), stated=True),
             station=_first(head, _STATION),
-            event=_event(head),
-            facts=_facts(head),
-            header_peak=header_peak * UNITS[unit],
-            peak_rounding=rounding * UNITS[unit],
+            event=" ".join(part for part in [*event, f"M {magnitude}" if magnitude else ""] if part),
+            facts=kit.stated(
+                origin_time=origin,
+                magnitude=(size[1], size[2] or "") if size else ("", ""),
+                hypocentre=kit.coordinates(_first(head, _EPICENTRE)),
+                depth_km=_first(head, _DEPTH),
+                station=kit.coordinates(_first(head, _STATION_LINE)),
+                site_class=_first(head, _SITE),
+            ),
+            header_peak=kit.printed_number(_first(head, _PEAK)),
+            peak_factor=kit.UNITS[unit],
             warnings=[
                 *notes,
-                *held_length(_first(head, _DURATION), count, dt, _CUT_OFF),
-                *held_peak_time(_first(head, _PEAK_TIME), dt * np.arange(count), samples),
-                *surplus(lines, end, len(lines)),
+                *kit.held_length(_first(head, _DURATION), count, dt, _CUT_OFF),
+                *kit.held_peak_time(_first(head, _PEAK_TIME), dt * np.arange(count), samples),
+                *kit.surplus(lines, end, len(lines)),
             ],
         )
     ]
@@ -129,13 +128,9 @@ def read_csmnc(file: SourceFile, options: ReadOptions) -> list[Record]:
 def _find(name: str, head: Sequence[str], pattern: re.Pattern[str], wanted: str) -> tuple[int, re.Match[str]]:
     """Index of the first line with the pattern, and the match."""
     for index, line in enumerate(head):
-        match = pattern.search(line[:200])
-        if match:
+        if match := pattern.search(line[:200]):
             return index, match
-    raise RecordFormatError(
-        f"{name}:{len(head)}: expected a line such as {wanted!r} in the header, found none; "
-        "the header is damaged: download the file again"
-    )
+    raise kit.unexpected(f"{name}:{len(head)}", f"a line such as {wanted!r} in the header", "none")
 
 
 def _first(head: Sequence[str], pattern: re.Pattern[str]) -> str:
@@ -146,59 +141,38 @@ def _first(head: Sequence[str], pattern: re.Pattern[str]) -> str:
 def _samples(name: str, lines: Sequence[str], first: int, count: int) -> tuple[np.ndarray, int]:
     """Samples in rows of equal length but for the last, which holds the rest, and the index of the line behind them."""
     per_row = len(lines[first].split()) if first < len(lines) else 1
-    check_count(f"{name}:{len(lines)}", count, per_row * (len(lines) - first))
+    kit.check_count(f"{name}:{len(lines)}", count, per_row * (len(lines) - first))
     full, rest = divmod(count, per_row)
     end = first + full
-    samples = free_rows(lines[first:end], first + 1, per_row, name).ravel()
+    samples = kit.free_rows(lines[first:end], first + 1, per_row, name).ravel()
     if not rest:
         return samples, end
-    last = free_rows(lines[end : end + 1], end + 1, rest, name)
+    last = kit.free_rows(lines[end : end + 1], end + 1, rest, name)
     return np.concatenate([samples, last.ravel()]), end + 1
 
 
-def _direction(file: SourceFile, head: Sequence[str]) -> tuple[str, Direction, list[str]]:
+def _direction(file: SourceFile, word: str) -> tuple[str, kit.Direction, list[str]]:
     """Component, direction and warnings from the header, or from the name of the file where the header has none."""
-    word, named = _first(head, _COMPONENT), _NAMED.search(file.path.name)
+    named = _NAMED.search(file.path.name)
     if not word:
         word = named[1].upper() if named else ""
-        return word, direction(word), ["the component is that of the file name"] if word else []
-    facing = direction(word)
-    if named and contradictory(direction(named[1]), facing):
-        note = f"the header says {word}, the file name {named[1].upper()}: the direction is unknown"
-        return word, Direction(note=note), []
+        return word, kit.direction(word), ["the component is that of the file name"] if word else []
+    facing = kit.direction(word)
+    if named and kit.contradictory(kit.direction(named[1]), facing):
+        facing = kit.Direction(
+            note=f"the header says {word}, the file name {named[1].upper()}: the direction is unknown"
+        )
     return word, facing, []
 
 
-def _event(head: Sequence[str]) -> str:
-    """Name, time in UTC and magnitude of the earthquake."""
-    parts = []
-    for index, line in enumerate(head[:6]):
-        match = _ORIGIN.match(line[:200])
-        if match:
-            moment = _origin(match)
-            parts = [head[index + 1].strip(), f"{moment:%Y-%m-%d %H:%M:%S} UTC" if moment else ""]
-            break
-    magnitude = _first(head, _MAGNITUDE)
-    return " ".join(part for part in [*parts, f"M {magnitude}" if magnitude else ""] if part)
-
-
-def _facts(head: Sequence[str]) -> Facts:
-    origin = next((match for line in head[:6] if (match := _ORIGIN.match(line[:200]))), None)
-    magnitude = next((match for line in head if (match := _SIZE.match(line[:200]))), None)
-    return stated(
-        origin_time=_origin(origin) if origin else None,
-        magnitude=(magnitude[1], magnitude[2] or "") if magnitude else (math.nan, ""),
-        hypocentre=coordinates(_first(head, _EPICENTRE)),
-        depth_km=_first(head, _DEPTH),
-        station=coordinates(_first(head, _STATION_LINE)),
-        site_class=_first(head, _SITE),
-    )
-
-
-def _origin(match: re.Match[str]) -> datetime | None:
-    zone = 0.0 if match[7] in ("UTC", "GMT", "UT") else _BEIJING_HOURS
-    day, clock = ([float(match[part]) for part in parts] for parts in ((1, 2, 3), (4, 5, 6)))
-    return instant(day, clock, zone)
+def _origin(head: Sequence[str]) -> tuple[int, datetime | None]:
+    """Index of the line with the name of the earthquake, which is below that of its time, and its time in UTC."""
+    for index, line in enumerate(head[:_ORIGIN_LINES]):
+        if match := _ORIGIN.match(line[:200]):
+            numbers = [float(text) for text in match.groups()[:6]]
+            ahead = 0.0 if match[7] in ("UTC", "GMT", "UT") else _BEIJING_HOURS
+            return index + 1, kit.instant(numbers[:3], numbers[3:], ahead)
+    return 0, None
 
 
 FORMATS = (

@@ -9,25 +9,14 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
 from datetime import datetime
 
 import numpy as np
 
-from rockpulse.errors import RecordFormatError
-from rockpulse.readers.channel import build_record
-from rockpulse.readers.clock import instant, near_event
-from rockpulse.readers.facing import Direction, direction
-from rockpulse.readers.facts import Facts, preferred, stated
-from rockpulse.readers.fields import check_count, free_numbers, printed_number, text_lines
+from rockpulse.readers import kit
 from rockpulse.readers.format import Format, ReadOptions
-from rockpulse.readers.held import held_direction, held_length, held_peak_time
-from rockpulse.readers.pairs import surplus
 from rockpulse.readers.source import NotAcceleration, SourceFile
-from rockpulse.readers.units import UNITS, canonical_unit
 from rockpulse.record.record import Record
-
-__all__ = ["FORMATS", "is_dyna", "read_dyna"]
 
 _FIRST = "EVENT_NAME"
 _TITLE = re.compile(rf"\ufeff?{_FIRST}:")
@@ -40,13 +29,10 @@ _DECISIVE = frozenset({"SAMPLING_INTERVAL_S", "NDATA", "UNITS", "DATA_TYPE"})
 _HELD = ("DURATION_S", "PGA_CM/S^2", "TIME_PGA_S", "LOW_CUT_FREQUENCY_HZ", "HIGH_CUT_FREQUENCY_HZ")
 #: The keys of AFAD before the title that are known, and the title of its corrected files.
 _AAD = "AAD_"
-_AAD_KEYS = tuple(
+_AAD_KEYS = {
     f"{_AAD}{key}"
-    for key in (
-        *("BASELINE_CORRECTION", "FILTER_TYPE", "FILTER_ORDER"),
-        *("LOW_CUT_FREQUENCY_HZ", "HIGH_CUT_FREQUENCY_HZ"),
-    )
-)
+    for key in ["BASELINE_CORRECTION", "FILTER_TYPE", "FILTER_ORDER", "LOW_CUT_FREQUENCY_HZ", "HIGH_CUT_FREQUENCY_HZ"]
+}
 _AAD_TITLE = re.compile(r"AAD_(\w+)_TADAS_FILE")
 _KEY = re.compile(r"([A-Z][A-Z0-9_/^]*):(.*)")
 _COUNT = re.compile(r"\d{1,9}", re.ASCII)
@@ -59,27 +45,12 @@ _PRECISION = re.compile(r"(?:milli|micro)?seconds?", re.IGNORECASE)
 _NAMED = re.compile(r"^\w{1,2}\.\w{1,6}\.\w{0,2}\.(\w{3})\.|_(?:Raw)?Acc_([ENUZ])$", re.ASCII)
 
 
-@dataclass(frozen=True)
-class _Header:
-    """Values by key, the line of each key, and where the values begin."""
-
-    name: str
-    values: dict[str, str]
-    lines: dict[str, int]
-    end: int
-    warnings: tuple[str, ...] = ()
-
-    def text(self, key: str) -> str:
-        """The value of a key; empty where it is blank or missing."""
-        return self.values.get(key, "")
+class _Header(kit.Entries):
+    """The statements by key; `end` is the number of lines above the values."""
 
     def number(self, key: str) -> float:
         """The value of a key that may be blank; NaN where it is no number."""
         return float(self.text(key)) if _DECIMAL.fullmatch(self.text(key)) else float("nan")
-
-    def where(self, key: str) -> str:
-        """``file:line`` of a key, or of the end of the header where it is missing."""
-        return f"{self.name}:{self.lines.get(key, self.end)}"
 
 
 def is_dyna(head: bytes, name: str) -> bool:
@@ -89,7 +60,7 @@ def is_dyna(head: bytes, name: str) -> bool:
     """
     if b"EVENT_NAME:" not in head:
         return False
-    lines = text_lines(head)
+    lines = kit.text_lines(head)
     at = _title(lines)
     if at is None:
         return False
@@ -119,51 +90,41 @@ def _keys(lines: Sequence[str], start: int) -> tuple[list[tuple[str, str, int]],
 
 def read_dyna(file: SourceFile, options: ReadOptions) -> list[Record]:
     """Read the one channel of the file; raises NotAcceleration for velocity, displacement and spectra."""
-    lines = text_lines(file.content)
-    header = _header(file.name, lines)
+    lines = kit.text_lines(file.content)
+    header, header_notes = _header(file.name, lines)
     kind = header.text("DATA_TYPE")
     if not kind:
-        raise RecordFormatError(
-            f"{header.where('DATA_TYPE')}: expected 'DATA_TYPE: ACCELERATION' in the {header.end} lines of the header, "
-            "found none; the header is damaged: download the file again"
-        )
+        expected = f"'DATA_TYPE: ACCELERATION' in the {header.end} lines of the header"
+        raise kit.unexpected(header.where("DATA_TYPE"), expected, "none")
     if kind.upper() != "ACCELERATION":
         raise NotAcceleration(
             f"{header.where('DATA_TYPE')}: expected 'DATA_TYPE: ACCELERATION', found {kind!r}; "
             "read the acceleration file of the same record"
         )
-    unit = canonical_unit(header.text("UNITS"), header.where("UNITS"))
+    unit = kit.canonical_unit(header.text("UNITS"), header.where("UNITS"))
     step, count = header.number("SAMPLING_INTERVAL_S"), header.text("NDATA")
     if not step > 0.0:
-        raise RecordFormatError(
-            f"{header.where('SAMPLING_INTERVAL_S')}: expected a sampling interval in s above 0, "
-            f"found {header.text('SAMPLING_INTERVAL_S')!r}; the header is damaged: download the file again"
-        )
+        found = repr(header.text("SAMPLING_INTERVAL_S"))
+        raise kit.unexpected(header.where("SAMPLING_INTERVAL_S"), "a sampling interval in s above 0", found)
     if not _COUNT.fullmatch(count):
-        raise RecordFormatError(
-            f"{header.where('NDATA')}: expected the number of samples, found {count!r}; "
-            "the header is damaged: download the file again"
-        )
+        raise kit.unexpected(header.where("NDATA"), "the number of samples", repr(count))
     first, declared = header.end, int(count)
-    check_count(f"{file.name}:{len(lines)}", declared, len(lines) - first)
-    samples = free_numbers(lines[first : first + declared], first + 1, file.name)
+    kit.check_count(f"{file.name}:{len(lines)}", declared, len(lines) - first)
+    samples = kit.free_numbers(lines[first : first + declared], first + 1, file.name)
     if samples.size != declared:
         row = next(row for row in range(first, first + declared) if len(lines[row].split()) != 1)
-        raise RecordFormatError(
-            f"{file.name}:{row + 1}: expected one number on the line, found {lines[row][:40]!r}; "
-            "the line is damaged: download the file again"
-        )
+        found, advice = repr(lines[row][:40]), "the line is damaged: download the file again"
+        raise kit.unexpected(f"{file.name}:{row + 1}", "one number on the line", found, advice)
     processed, processing, notes = _processed(header)
     start_time, time_notes = _start_time(header)
-    printed = header.text("PGA_CM/S^2")
-    peak, rounding = printed_number(printed) if _DECIMAL.fullmatch(printed) else (float("nan"), 0.0)
+    peak = header.text("PGA_CM/S^2")
     location = header.text("LOCATION").strip("-")
     is_code = bool(re.fullmatch(r"\w{0,2}", location))
     # AFAD writes a place where ESM has a code: once that of the station, in the files with AAD lines the earthquake's.
     place = "" if is_code else location
-    of_event = any(key.startswith("AAD_") for key in header.values)
+    of_event = any(key.startswith(_AAD) for key in header)
     return [
-        build_record(
+        kit.build_record(
             file,
             1,
             samples,
@@ -172,7 +133,7 @@ def read_dyna(file: SourceFile, options: ReadOptions) -> list[Record]:
             format="dyna",
             processed=processed,
             component=header.text("STREAM"),
-            facing=_facing(header, file.path.stem),
+            facing=_facing(header.text("STREAM"), file.path.stem),
             network=header.text("NETWORK"),
             station=header.text("STATION_CODE"),
             location=location if is_code else "",
@@ -181,44 +142,39 @@ def read_dyna(file: SourceFile, options: ReadOptions) -> list[Record]:
             start_time=start_time,
             sensor_depth=header.number("SENSOR_DEPTH_M"),
             facts=_facts(header),
-            header_peak=peak * UNITS["cm/s2"],
-            peak_rounding=rounding * UNITS["cm/s2"],
+            header_peak=kit.printed_number(peak if _DECIMAL.fullmatch(peak) else ""),
+            peak_factor=kit.UNITS["cm/s2"],
             warnings=[
-                *header.warnings,
+                *header_notes,
                 *notes,
                 *time_notes,
                 *_remarks(header, step, samples),
-                *surplus(lines, first + declared, len(lines), file.name, _TITLE),
+                *kit.surplus(lines, first + declared, len(lines), file.name, _TITLE),
             ],
             processing=processing,
         )
     ]
 
 
-def _header(name: str, lines: Sequence[str]) -> _Header:
-    """The header; RecordFormatError for a missing title and a decisive key with two values."""
+def _header(name: str, lines: Sequence[str]) -> tuple[_Header, list[str]]:
+    """The header and warnings; RecordFormatError for a missing title and a decisive key with two values."""
     start = _title(lines)
     if start is None:
-        raise RecordFormatError(
-            f"{name}:1: expected a line '{_FIRST}:' among the first {_LINES_BEFORE}, found {lines[0][:40]!r}; "
-            "is it a DYNA file?"
-        )
+        expected = f"a line '{_FIRST}:' among the first {_LINES_BEFORE}"
+        raise kit.unexpected(f"{name}:1", expected, repr(lines[0][:40]), "is it a DYNA file?")
     keys, end = _keys(lines, start)
     before, unknown = _before(lines[:start])
-    values: dict[str, str] = {}
-    places: dict[str, int] = {}
+    header = _Header(name, end)
     notes = [f"line {line}, before {_FIRST}, is not known and was not used: {text[:80]!r}" for line, text in unknown]
     for key, value, line in [*before, *keys]:
-        if values.setdefault(key, value) != value:
-            both = f"{values[key][:40]!r} (line {places[key]}) and {value[:40]!r}"
+        known = header.setdefault(key, kit.Entry(value, line=line))
+        if known.text != value:
+            both = f"{known.text[:40]!r} (line {known.line}) and {value[:40]!r}"
             if key in _DECISIVE:
-                raise RecordFormatError(
-                    f"{name}:{line}: expected one value of {key}, found {both}; find out which is right and remove "
-                    "the other line"
-                )
+                advice = "find out which is right and remove the other line"
+                raise kit.unexpected(f"{name}:{line}", f"one value of {key}", both, advice)
             notes.append(f"line {line}: the header states {key} as {both}; the first counts")
-        places.setdefault(key, line)
-    return _Header(name, values, places, end, tuple(notes))
+    return header, notes
 
 
 def _before(lines: Sequence[str]) -> tuple[list[tuple[str, str, int]], list[tuple[int, str]]]:
@@ -246,8 +202,11 @@ def _processed(header: _Header) -> tuple[bool | None, list[str], list[str]]:
     for prefix, source in (("", ""), (_AAD, " (AAD lines)")):
         low, high = (header.number(f"{prefix}{end}_CUT_FREQUENCY_HZ") for end in ("LOW", "HIGH"))
         if low > 0.0 or high > 0.0:
-            band = _band(low, high)
-            done[band] = f"file: {_filter(header, prefix)}, {band}{source}"
+            band = f"{low:g}-{high:g} Hz" if low > 0.0 else f"below {high:g} Hz"
+            band = band if high > 0.0 else f"above {low:g} Hz"
+            kind, order = header.text(f"{prefix}FILTER_TYPE"), header.text(f"{prefix}FILTER_ORDER")
+            words = (kind.capitalize() or "filtered") + (f" order {order}" if order else "")
+            done[band] = f"file: {words}, {band}{source}"
     removed = header.text(f"{_AAD}BASELINE_CORRECTION")
     baseline = [f"file: {removed.lower()} (AAD lines)"] if removed else []
     if len(done) > 1:
@@ -261,23 +220,11 @@ def _processed(header: _Header) -> tuple[bool | None, list[str], list[str]]:
     return None, baseline, [note]
 
 
-def _filter(header: _Header, prefix: str) -> str:
-    """The kind of the filter and its order."""
-    kind, order = header.text(f"{prefix}FILTER_TYPE"), header.text(f"{prefix}FILTER_ORDER")
-    return (kind.capitalize() or "filtered") + (f" order {order}" if order else "")
-
-
-def _band(low: float, high: float) -> str:
-    if not high > 0.0:
-        return f"above {low:g} Hz"
-    return f"{low:g}-{high:g} Hz" if low > 0.0 else f"below {high:g} Hz"
-
-
 def _remarks(header: _Header, step: float, samples: np.ndarray) -> list[str]:
     """Warnings where the header contradicts the samples."""
     count = samples.size
     notes = [
-        f"line {header.lines[key]}: {key} is no number that can be: {header.text(key)[:40]!r}"
+        f"line {header[key].line}: {key} is no number that can be: {header.text(key)[:40]!r}"
         for key in _HELD
         if header.text(key) and not _DECIMAL.fullmatch(header.text(key))
     ]
@@ -285,21 +232,21 @@ def _remarks(header: _Header, step: float, samples: np.ndarray) -> list[str]:
         notes.append("late triggered (header): the beginning of the motion is missing")
     if "NOT REMOVED" in header.text("BASELINE_CORRECTION").upper() and header.text("PROCESSING").lower() != "none":
         notes.append("the baseline was not removed (header)")
-    notes += held_length(header.text("DURATION_S"), count, step)
-    return notes + held_peak_time(header.text("TIME_PGA_S"), step * np.arange(count), samples)
+    notes += kit.held_length(header.text("DURATION_S"), count, step)
+    return notes + kit.held_peak_time(header.text("TIME_PGA_S"), step * np.arange(count), samples)
 
 
-def _facing(header: _Header, stem: str) -> Direction:
+def _facing(stream: str, stem: str) -> kit.Direction:
     """The direction of the stream; unknown, with a note, where the name of the file, as agencies give it, has another.
 
     Names are NET.STA.LOC.STREAM.D. and so on (ESM), or end in the letter of the component (AFAD).
     """
-    stream, named = header.text("STREAM"), _NAMED.search(stem)
+    named = _NAMED.search(stem)
     if not named:
-        return direction(stream)
+        return kit.direction(stream)
     word = named[1] or named[2]
     note = f"the header says {stream}, the file name {word}: the direction is unknown"
-    return held_direction(direction(stream), direction(word), note)
+    return kit.held_direction(kit.direction(stream), kit.direction(word), note)
 
 
 def _start_time(header: _Header) -> tuple[datetime | None, list[str]]:
@@ -310,7 +257,7 @@ def _start_time(header: _Header) -> tuple[datetime | None, list[str]]:
     start = _moment(written)
     if start is None:
         return None, [f"the start time {written!r} cannot be read"]
-    start, notes = near_event(start, _origin(header))
+    start, notes = kit.near_event(start, _origin(header))
     precision = header.text("DATE_TIME_FIRST_SAMPLE_PRECISION")
     if precision and start is not None and not _PRECISION.fullmatch(precision):
         notes.append(f"the start time is known to the {precision} only (header)")
@@ -321,11 +268,11 @@ def _origin(header: _Header) -> datetime | None:
     return _moment(f"{header.text('EVENT_DATE_YYYYMMDD')} {header.text('EVENT_TIME_HHMMSS')}")
 
 
-def _facts(header: _Header) -> Facts:
-    return stated(
+def _facts(header: _Header) -> kit.Facts:
+    return kit.stated(
         event_id=header.text("EVENT_ID"),
         origin_time=_origin(header),
-        magnitude=preferred([(header.text("MAGNITUDE_W"), "Mw"), (header.text("MAGNITUDE_L"), "ML")]),
+        magnitude=kit.preferred([(header.text("MAGNITUDE_W"), "Mw"), (header.text("MAGNITUDE_L"), "ML")]),
         hypocentre=(header.text("EVENT_LATITUDE_DEGREE"), header.text("EVENT_LONGITUDE_DEGREE")),
         depth_km=header.text("EVENT_DEPTH_KM"),
         distance_km=header.text("EPICENTRAL_DISTANCE_KM"),
@@ -339,15 +286,10 @@ def _moment(text: str) -> datetime | None:
     """UTC time from 20190728_160919.870, 2010/11/14 23:09:19.300 or 14/11/2010 23:09:19.300; None from others."""
     date, _, time = re.sub(r"[\s_T]+", " ", text.strip()).partition(" ")
     clock, forward, backward = _TIME.fullmatch(time), _YEAR_FIRST.fullmatch(date), _YEAR_LAST.fullmatch(date)
-    if forward:
-        day = [int(forward[1]), int(forward[3]), int(forward[4])]
-    elif backward:
-        day = [int(backward[4]), int(backward[3]), int(backward[1])]
-    else:
+    day = forward.group(1, 3, 4) if forward else backward.group(4, 3, 1) if backward else None
+    if not clock or day is None:
         return None
-    if not clock:
-        return None
-    return instant(day, (int(clock[1]), int(clock[3]), float(clock[4])))
+    return kit.instant([int(part) for part in day], (int(clock[1]), int(clock[3]), float(clock[4])))
 
 
 FORMATS = (

@@ -10,18 +10,11 @@ import re
 
 import numpy as np
 
-from rockpulse.errors import RecordFormatError
-from rockpulse.readers.channel import build_record
-from rockpulse.readers.clipping import clipping_warning
-from rockpulse.readers.facts import stated
-from rockpulse.readers.fields import check_count, free_numbers, printed_number, text_lines
+from rockpulse.readers import kit
 from rockpulse.readers.format import Format, ReadOptions
-from rockpulse.readers.obspy_bridge import obspy_stream, utc_time
+from rockpulse.readers.kit.obspy_bridge import codes_of, obspy_stream, utc_time
 from rockpulse.readers.source import SourceFile
-from rockpulse.readers.units import UNITS
 from rockpulse.record.record import Record
-
-__all__ = ["FORMATS", "is_knet", "read_knet"]
 
 _SCALE = re.compile(r"Scale Factor\s+(\d+\.?\d*)\s*\(gal\)\s*/\s*(\d+\.?\d*)", re.IGNORECASE)
 _PEAK = re.compile(r"Max\. Acc\. \(gal\)\s+(-?\d+\.?\d*)", re.IGNORECASE)
@@ -38,49 +31,38 @@ def is_knet(head: bytes, name: str) -> bool:
 
 def read_knet(file: SourceFile, options: ReadOptions) -> list[Record]:
     """Read the one channel of the file; its mean over the whole record is the offset."""
-    lines = text_lines(file.content)
-    check_count(f"{file.name}:{len(lines)}", _HEADER_LINES, len(lines), "header lines")
+    lines = kit.text_lines(file.content)
+    kit.check_count(f"{file.name}:{len(lines)}", _HEADER_LINES, len(lines), "header lines")
     header = [line[:_LONGEST_LINE] for line in lines[:_HEADER_LINES]]
     scale = _SCALE.match(header[13])
     if not scale or float(scale[1]) == 0.0 or float(scale[2]) == 0.0:
-        raise RecordFormatError(
-            f"{file.name}:14: expected 'Scale Factor' as 2000(gal)/8388608, found {header[13].strip()!r}; "
-            "the header is damaged: download the file again"
-        )
+        raise kit.unexpected(f"{file.name}:14", "'Scale Factor' as 2000(gal)/8388608", repr(header[13].strip()))
     # Names the line of a damaged number, which obspy does not.
-    free_numbers(lines[_HEADER_LINES:], _HEADER_LINES + 1, file.name)
+    kit.free_numbers(lines[_HEADER_LINES:], _HEADER_LINES + 1, file.name)
     # obspy takes ASCII and LF only.
-    (trace,), notes = obspy_stream(
-        file, "KNET", "\n".join([*header, *lines[_HEADER_LINES:], ""]).encode("ascii", errors="replace")
-    )
+    content = "\n".join([*header, *lines[_HEADER_LINES:], ""]).encode("ascii", errors="replace")
+    (trace,), notes = obspy_stream(file, "KNET", content)
     stats = trace.stats
     expected = float(stats.knet.duration) * float(stats.sampling_rate)
     if not 0.0 < expected < len(file.content):
-        raise RecordFormatError(
-            f"{file.name}:11: expected a sampling frequency and a duration that fit the file, found "
-            f"{stats.sampling_rate} Hz and {stats.knet.duration} s; the header is damaged: download the file again"
-        )
+        wanted = "a sampling frequency and a duration that fit the file"
+        raise kit.unexpected(f"{file.name}:11", wanted, f"{stats.sampling_rate} Hz and {stats.knet.duration} s")
     declared = round(expected)
-    check_count(f"{file.name}:{len(lines)}", declared, int(stats.npts))
-    beyond = []
+    kit.check_count(f"{file.name}:{len(lines)}", declared, int(stats.npts))
+    component, warnings = _component(file, stats.channel)
     if declared < stats.npts <= expected + stats.sampling_rate:
-        beyond.append(
+        notes.append(
             f"duration and sampling frequency of the header make {declared} samples, the file has {stats.npts}; all "
             "are kept: does a line stand in it twice?"
         )
     elif stats.npts > expected:
-        raise RecordFormatError(
-            f"{file.name}:{len(lines)}: expected {declared} samples (duration and sampling frequency), found "
-            f"{stats.npts}; the file holds more than one record: download it again"
-        )
+        wanted, advice = f"{declared} samples (duration and sampling frequency)", "the file holds more than one record"
+        raise kit.unexpected(f"{file.name}:{len(lines)}", wanted, str(stats.npts), f"{advice}: download it again")
     counts = np.asarray(trace.data, dtype=float)
     offset = float(np.mean(counts))
-    factor = UNITS["gal"] * float(scale[1]) / float(scale[2])
-    peak = _PEAK.match(header[14])
-    header_peak, rounding = printed_number(peak[1]) if peak else (float("nan"), 0.0)
-    component, warnings = _component(file, stats.channel)
+    factor = kit.UNITS["gal"] * float(scale[1]) / float(scale[2])
     return [
-        build_record(
+        kit.build_record(
             file,
             1,
             counts - offset,
@@ -90,22 +72,19 @@ def read_knet(file: SourceFile, options: ReadOptions) -> list[Record]:
             format="knet",
             processed=False,
             component=component.rstrip("12"),
-            channel=component,
-            network=stats.network,
-            station=stats.station,
-            location=stats.location,
+            **{**codes_of(stats), "channel": component},
             start_time=utc_time(file, stats.starttime),
-            facts=stated(
+            facts=kit.stated(
                 origin_time=utc_time(file, stats.knet.evot),
                 magnitude=(float(stats.knet.mag), ""),
                 hypocentre=(float(stats.knet.evla), float(stats.knet.evlo)),
                 depth_km=float(stats.knet.evdp),
                 station=(float(stats.knet.stla), float(stats.knet.stlo)),
             ),
-            header_peak=header_peak * UNITS["gal"],
-            peak_rounding=rounding * UNITS["gal"],
+            header_peak=kit.printed_number(kit.matched(_PEAK, header[14])),
+            peak_factor=kit.UNITS["gal"],
             event=f"{utc_time(file, stats.knet.evot):%Y-%m-%d %H:%M:%S} UTC M{stats.knet.mag:g}",
-            warnings=[*notes, *beyond, *warnings, *clipping_warning(counts)],
+            warnings=[*notes, *warnings, *kit.clipping_warning(counts)],
             processing=[f"recorder offset removed: mean of the record, {offset * factor:.6g} m/s2"],
         )
     ]
@@ -114,13 +93,9 @@ def read_knet(file: SourceFile, options: ReadOptions) -> list[Record]:
 def _component(file: SourceFile, channel: str) -> tuple[str, list[str]]:
     """Channel code and warnings; the extension of the file is safer than the header's direction."""
     named = _DIRECTIONS.search(file.path.name)
-    if named is None:
-        component, warnings = channel, []
-    else:
-        component = named[1].upper() + named[2]
-        warnings = [f"the header says {channel}, the file name {component}: the name counts"]
-        if component == channel:
-            warnings = []
+    component = named[1].upper() + named[2] if named else channel
+    told = f"the header says {channel}, the file name {component}: the name counts"
+    warnings = [] if component == channel else [told]
     if component.endswith("1"):
         warnings.append("KiK-net borehole sensor: motion at depth, not at the ground surface")
     return component, warnings

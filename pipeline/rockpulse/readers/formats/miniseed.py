@@ -7,19 +7,20 @@ from typing import Any
 
 import numpy as np
 
-from rockpulse.errors import RecordFormatError, RecordRefused
-from rockpulse.readers.channel import build_record, usable_channels
-from rockpulse.readers.clipping import clipping_warning
-from rockpulse.readers.facts import stated
+from rockpulse.errors import RecordRefused
+from rockpulse.readers import kit
 from rockpulse.readers.format import Format, ReadOptions
-from rockpulse.readers.instrument import without_response
-from rockpulse.readers.obspy_bridge import obspy_stream, seed_direction, utc_time
-from rockpulse.readers.sensitivity import sensitivity_factor, sensitivity_notes
+from rockpulse.readers.kit.obspy_bridge import (
+    PROCESSED,
+    codes_of,
+    obspy_stream,
+    seed_direction,
+    station_channel,
+    utc_time,
+)
+from rockpulse.readers.kit.response import from_counts
 from rockpulse.readers.source import SourceFile
-from rockpulse.readers.station_xml import PROCESSED, station_channel
 from rockpulse.record.record import Record
-
-__all__ = ["FORMATS", "is_miniseed", "read_miniseed"]
 
 #: Two statements of the sampling rate may differ by this share.
 _RATE_TOLERANCE = 1e-3
@@ -36,35 +37,22 @@ def read_miniseed(file: SourceFile, options: ReadOptions) -> list[Record]:
     """Read every acceleration channel; the gain comes from a StationXML file in the same folder.
 
     A StationXML with the stem of the miniSEED file comes before the others.
-
-    Raises
-    ------
-    NotAcceleration
-        If all channels record velocity or displacement, and `options.response` is not "remove".
-    RecordRefused
-        Gaps, overlaps, counts without a gain or with several.
-    RecordFormatError
-        Damaged bytes.
     """
     stream, notes = obspy_stream(file, "MSEED")
     # Lengths are powers of two, so the shortest divides them all.
     length = min(int(trace.stats.mseed.record_length) for trace in stream)
     if len(file.content) % length:
-        raise RecordFormatError(
-            f"{file.name}: expected whole data records of {length} bytes, found {len(file.content) % length} bytes "
-            "after the last; the file may be truncated: download it again"
-        )
+        found = f"{len(file.content) % length} bytes after the last"
+        advice = "the file may be truncated: download it again"
+        raise kit.unexpected(file.name, f"whole data records of {length} bytes", found, advice)
     groups: dict[str, list[Any]] = {}
     for trace in stream:
         groups.setdefault(trace.id, []).append(trace)
-    channels = (
-        partial(_miniseed_channel, file, traces, number, options)
-        for number, traces in enumerate(groups.values(), start=1)
-    )
-    return usable_channels(channels, notes)
+    named = enumerate(groups.values(), start=1)
+    return kit.usable_channels((partial(_channel, file, traces, number, options) for number, traces in named), notes)
 
 
-def _miniseed_channel(file: SourceFile, traces: list[Any], number: int, options: ReadOptions) -> Record:
+def _channel(file: SourceFile, traces: list[Any], number: int, options: ReadOptions) -> Record:
     trace = traces[0]
     stats = trace.stats
     where = f"{file.name}: {trace.id}"
@@ -74,39 +62,25 @@ def _miniseed_channel(file: SourceFile, traces: list[Any], number: int, options:
             "or download the record again"
         )
     channel, site, notes = station_channel(file, trace, full=options.response == "remove")
-    counts = np.asarray(trace.data)
-    samples = counts.astype(float)
-    warnings: list[str] = []
-    processing: list[str] = []
-    if options.response == "remove":
-        removed = without_response(where, samples, float(stats.delta), channel.response)
-        samples, factor, processing = removed.samples, removed.factor, [removed.note]
-        warnings = [*clipping_warning(counts), *removed.warnings]
-    else:
-        factor = sensitivity_factor(where, channel.response)
-        warnings = sensitivity_notes(channel.response)
-    warnings += _held_rate(float(stats.sampling_rate), channel)
-    return build_record(
+    found = from_counts(where, np.asarray(trace.data), float(stats.delta), channel.response, options.response)
+    return kit.build_record(
         file,
         number,
-        samples,
+        found.samples,
         float(stats.delta),
         "counts",
-        factor=factor,
+        factor=found.factor,
         format="miniseed",
         processed=PROCESSED.get(channel.description, False),
         component=stats.channel,
         facing=seed_direction(stats.channel, channel.azimuth, channel.dip),
-        channel=stats.channel,
-        network=stats.network,
-        station=stats.station,
-        location=stats.location,
+        **codes_of(stats),
         station_name=site,
         start_time=utc_time(file, stats.starttime),
         sensor_depth=float("nan") if channel.depth is None else float(channel.depth),
-        facts=stated(station=(float(channel.latitude), float(channel.longitude))),
-        warnings=[*notes, *warnings],
-        processing=processing,
+        facts=kit.stated(station=(float(channel.latitude), float(channel.longitude))),
+        warnings=[*notes, *found.warnings, *_held_rate(float(stats.sampling_rate), channel)],
+        processing=found.processing,
     )
 
 

@@ -10,20 +10,12 @@ from __future__ import annotations
 import re
 from datetime import datetime
 
-from rockpulse.errors import RecordFormatError
-from rockpulse.readers.channel import build_record
-from rockpulse.readers.clock import instant, near_event
-from rockpulse.readers.facts import Facts, coordinates, stated
-from rockpulse.readers.fields import check_count, free_rows, printed_number, text_lines
-from rockpulse.readers.format import Format, ReadOptions
-from rockpulse.readers.pairs import surplus
+from rockpulse.readers import kit
+from rockpulse.readers.format import Format, ReadOptions, begins_with
 from rockpulse.readers.source import SourceFile
-from rockpulse.readers.units import UNITS, canonical_unit
 from rockpulse.record.record import Record
 
-__all__ = ["FORMATS", "is_nsmn", "read_nsmn"]
-
-_TITLE = re.compile(rb"\s*STRONG GROUND MOTION RECORDS OF T", re.IGNORECASE)
+_TITLE = re.compile(r"\s*STRONG GROUND MOTION RECORDS OF T", re.ASCII | re.IGNORECASE)
 _COLUMNS = re.compile(r"\s*([NSEWUD]-[NSEWUD])\s+([NSEWUD]-[NSEWUD])\s+([NSEWUD]-[NSEWUD])\s*$", re.IGNORECASE)
 _KEY = re.compile(r"\s*([A-Z][A-Z ]{0,40}?)\s*(?:\(([^)]{0,20})\))?\s*:(.*)", re.IGNORECASE)
 _PEAK = re.compile(r"\(([NSEWUD]-[NSEWUD])\)\s*(-?\d{1,6}(?:\.\d{0,9})?)", re.ASCII | re.IGNORECASE)
@@ -35,76 +27,66 @@ _YEAR_FIRST = re.compile(r"(\d{4})[/.](\d{1,2})[/.](\d{1,2})" + _CLOCK, re.ASCII
 _LONGEST_HEADER, _LONGEST_LINE = 60, 200
 
 
-def is_nsmn(head: bytes, name: str) -> bool:
-    """Whether the first line is ``STRONG GROUND MOTION RECORDS OF TURKIYE``."""
-    return bool(_TITLE.match(head[:200]))
-
-
 def read_nsmn(file: SourceFile, options: ReadOptions) -> list[Record]:
     """Read the three channels; the options are not used, because the format states everything."""
-    lines = text_lines(file.content)
+    lines = kit.text_lines(file.content)
     head = [line[:_LONGEST_LINE] for line in lines[:_LONGEST_HEADER]]
     found = next(((at, columns) for at, line in enumerate(head) if (columns := _COLUMNS.match(line))), None)
     if found is None:
-        raise RecordFormatError(
-            f"{file.name}:{min(len(lines), _LONGEST_HEADER)}: expected a line 'N-S  E-W  U-D' above the values, found "
-            "none; the file is damaged or cut off: download it again"
+        where, expected = f"{file.name}:{min(len(lines), _LONGEST_HEADER)}", "a line 'N-S  E-W  U-D' above the values"
+        raise kit.unexpected(where, expected, "none", "the file is damaged or cut off: download it again")
+    first, components = found[0] + 1, [text.upper() for text in found[1].groups()]
+    header = kit.Entries(file.name, first)
+    for number, line in enumerate(head[: found[0]], start=1):
+        if entry := _KEY.match(line):
+            header[entry[1].upper()] = kit.Entry(entry[3].strip(), entry[2] or "", number)
+    count, step = int(_number(header, "NUMBER OF DATA")), _number(header, "SAMPLING INTERVAL")
+    end = first + count
+    kit.check_count(f"{file.name}:{len(lines)}", count, len(lines) - first, "rows")
+    table = kit.free_rows(lines[first:end], first + 1, 3, file.name)
+    unit = kit.canonical_unit(header["RAW PGA VALUES"].aside, header.where("RAW PGA VALUES"))
+    peaks = {name.upper(): kit.printed_number(value) for name, value in _PEAK.findall(header.text("RAW PGA VALUES"))}
+    (start_time, notes), date = _start_time(header), header.text("EARTHQUAKE DATE")
+    if peaks and sorted(peaks) != sorted(components):
+        notes.append(f"the header states the peaks of {', '.join(peaks)}, the columns are {', '.join(components)}")
+    magnitude = header.text("EARTHQUAKE MAGNITUDE")
+    size, _, scale = magnitude.partition(" ")
+    facts = kit.stated(
+        origin_time=_moment(date)[0],
+        magnitude=(size, scale),
+        hypocentre=kit.coordinates(header.text("EPICENTER COORDINATES")),
+        depth_km=header.text("EARTHQUAKE DEPTH"),
+        station=kit.coordinates(header.text("STATION COORDINATES")),
+    )
+    return [
+        kit.build_record(
+            file,
+            number,
+            samples,
+            step,
+            unit,
+            format="nsmn",
+            processed=False,
+            component=component,
+            channel=component.replace("-", ""),
+            station=header.text("STATION ID"),
+            station_name=_turkish(header.text("PLACE")),
+            event=f"{date} M {magnitude}" if magnitude else date,
+            start_time=start_time,
+            facts=facts,
+            header_peak=peaks.get(component, kit.printed_number("")),
+            peak_factor=kit.UNITS[unit],
+            warnings=[*notes, *kit.surplus(lines, end, len(lines))],
         )
-    at, columns = found
-    first = at + 1
-    entries: dict[str, tuple[str, str, int]] = {}
-    for number, line in enumerate(head[:at], start=1):
-        entry = _KEY.match(line)
-        if entry:
-            entries[entry[1].upper()] = (entry[3].strip(), entry[2] or "", number)
-    count, step = (_number(file.name, entries, key, first) for key in ("NUMBER OF DATA", "SAMPLING INTERVAL"))
-    check_count(f"{file.name}:{len(lines)}", int(count), len(lines) - first, "rows")
-    end = first + int(count)
-    table = free_rows(lines[first:end], first + 1, 3, file.name)
-    peaks, unit_text, at = entries.get("RAW PGA VALUES", ("", "", first))
-    unit = canonical_unit(unit_text, f"{file.name}:{at}")
-    stated = {name.upper(): printed_number(value) for name, value in _PEAK.findall(peaks)}
-    heads = [columns[number].upper() for number in (1, 2, 3)]
-    unnamed = []
-    if stated and sorted(stated) != sorted(heads):
-        unnamed = [f"the header states the peaks of {', '.join(stated)}, the columns are {', '.join(heads)}"]
-    (start_time, notes), facts = _start_time(entries), _facts(entries)
-    records = []
-    for number, samples in enumerate(table.T, start=1):
-        component = columns[number].upper()
-        peak, rounding = stated.get(component, (float("nan"), 0.0))
-        records.append(
-            build_record(
-                file,
-                number,
-                samples,
-                step,
-                unit,
-                format="nsmn",
-                processed=False,
-                component=component,
-                channel=component.replace("-", ""),
-                station=entries.get("STATION ID", ("",))[0],
-                station_name=_turkish(entries.get("PLACE", ("",))[0]),
-                event=_event(entries),
-                start_time=start_time,
-                facts=facts,
-                header_peak=peak * UNITS[unit],
-                peak_rounding=rounding * UNITS[unit],
-                warnings=[*notes, *unnamed, *surplus(lines, end, len(lines))],
-            )
-        )
-    return records
+        for number, (samples, component) in enumerate(zip(table.T, components, strict=True), start=1)
+    ]
 
 
-def _number(name: str, entries: dict[str, tuple[str, str, int]], key: str, first: int) -> float:
-    value, _, at = entries.get(key, ("", "", first))
-    if not _DECIMAL.fullmatch(value) or not float(value) > 0.0:
-        raise RecordFormatError(
-            f"{name}:{at}: expected '{key} : ' and a number above 0, found {value!r}; "
-            "the header is damaged: download the file again"
-        )
-    return float(value)
+def _number(header: kit.Entries, key: str) -> float:
+    text = header.text(key)
+    if not _DECIMAL.fullmatch(text) or not float(text) > 0.0:
+        raise kit.unexpected(header.where(key), f"'{key} : ' and a number above 0", repr(text))
+    return float(text)
 
 
 def _turkish(text: str) -> str:
@@ -113,25 +95,6 @@ def _turkish(text: str) -> str:
         return text.encode("latin-1").decode("iso8859-9")
     except UnicodeEncodeError:
         return text
-
-
-def _event(entries: dict[str, tuple[str, str, int]]) -> str:
-    date, magnitude = (entries.get(key, ("",))[0] for key in ("EARTHQUAKE DATE", "EARTHQUAKE MAGNITUDE"))
-    return f"{date} M {magnitude}" if magnitude else date
-
-
-def _facts(entries: dict[str, tuple[str, str, int]]) -> Facts:
-    def entry(key: str) -> str:
-        return entries.get(key, ("",))[0]
-
-    magnitude, _, scale = entry("EARTHQUAKE MAGNITUDE").partition(" ")
-    return stated(
-        origin_time=_moment(entry("EARTHQUAKE DATE"))[0],
-        magnitude=(magnitude, scale),
-        hypocentre=coordinates(entry("EPICENTER COORDINATES")),
-        depth_km=entry("EARTHQUAKE DEPTH"),
-        station=coordinates(entry("STATION COORDINATES")),
-    )
 
 
 def _moment(text: str) -> tuple[datetime | None, str]:
@@ -143,19 +106,19 @@ def _moment(text: str) -> tuple[datetime | None, str]:
         return None, match[7]
     day = [int(part) for part in match.groups()[:3]]
     clock = (int(match[4]), int(match[5]), float(match[6]))
-    return instant(day if len(match[1]) == 4 else day[::-1], clock), ""
+    return kit.instant(day if len(match[1]) == 4 else day[::-1], clock), ""
 
 
-def _start_time(entries: dict[str, tuple[str, str, int]]) -> tuple[datetime | None, list[str]]:
+def _start_time(header: kit.Entries) -> tuple[datetime | None, list[str]]:
     """UTC time of the first sample, and warnings about it."""
-    text = entries.get("RECORD TIME", ("",))[0]
+    text = header.text("RECORD TIME")
     if not text:
         return None, []
     start, zone = _moment(text)
     if start is None:
         reason = f"is in the unknown zone {zone!r}" if zone else "cannot be read"
         return None, [f"the start time {text!r} {reason}; it was left out"]
-    return near_event(start, _moment(entries.get("EARTHQUAKE DATE", ("",))[0])[0])
+    return kit.near_event(start, _moment(header.text("EARTHQUAKE DATE"))[0])
 
 
 FORMATS = (
@@ -166,7 +129,7 @@ FORMATS = (
         unit="gal, from the header",
         processed="no",
         example="20170720223109_0921.txt",
-        detect=is_nsmn,
+        detect=begins_with(_TITLE),
         parse=read_nsmn,
     ),
 )

@@ -9,17 +9,12 @@ from typing import Any
 
 import numpy as np
 
-from rockpulse.errors import RecordFormatError, UnitError
-from rockpulse.readers.channel import build_record
-from rockpulse.readers.clock import later
-from rockpulse.readers.facts import Facts, stated
+from rockpulse.errors import UnitError
+from rockpulse.readers import kit
 from rockpulse.readers.format import Format, ReadOptions
-from rockpulse.readers.obspy_bridge import obspy_stream, seed_direction, utc_time
+from rockpulse.readers.kit.obspy_bridge import codes_of, obspy_stream, seed_direction, utc_time
 from rockpulse.readers.source import NotAcceleration, SourceFile
-from rockpulse.readers.units import UNITS, canonical_unit
 from rockpulse.record.record import Record
-
-__all__ = ["FORMATS", "is_sac", "read_sac"]
 
 #: Length of the header and offsets of the words NPTS and NVHDR [bytes].
 _HEADER, _NPTS, _NVHDR = 632, 4 * 79, 4 * 76
@@ -47,50 +42,46 @@ def is_sac(head: bytes, name: str) -> bool:
 
 
 def read_sac(file: SourceFile, options: ReadOptions) -> list[Record]:
-    """Read the one channel of a SAC file; `options.units` is needed, because the header does not tell the unit.
-
-    Raises NotAcceleration if the header declares velocity or displacement, UnitError without a unit, RecordFormatError
-    for unequal spacing, fewer samples than declared, or damaged bytes.
-    """
+    """Read the one channel of a SAC file; `options.units` is needed, because the header does not tell the unit."""
     order = _byte_order(file.head)
     if order is None:
-        raise RecordFormatError(f"{file.name}: expected a SAC header of version 6 or 7, found none; is it a SAC file?")
+        raise kit.unexpected(file.name, "a SAC header of version 6 or 7", "none", "is it a SAC file?")
     declared = struct.unpack_from(f"{order}i", file.content, _NPTS)[0]
     available = (len(file.content) - _HEADER) // 4
     if not 1 <= declared <= available:
-        raise RecordFormatError(
-            f"{file.name}: expected {declared} samples (header NPTS), found room for {available}; "
-            "the file may be truncated: download it again"
-        )
+        advice = "the file may be truncated: download it again"
+        raise kit.unexpected(file.name, f"{declared} samples (header NPTS)", f"room for {available}", advice)
     _check_coordinates(file, order)
     (trace,), notes = obspy_stream(file, "SAC")
     stats = trace.stats
     header = stats.sac
     if header.get("iftype", 1) != 1 or not header.get("leven", 1):
-        raise RecordFormatError(
-            f"{file.name}: expected an equally spaced time series (IFTYPE 1, LEVEN true), found IFTYPE "
-            f"{header.get('iftype')}, LEVEN {header.get('leven')}; export the record again"
-        )
+        expected = "an equally spaced time series (IFTYPE 1, LEVEN true)"
+        found = f"IFTYPE {header.get('iftype')}, LEVEN {header.get('leven')}"
+        raise kit.unexpected(file.name, expected, found, "export the record again")
     series = _SERIES.get(header.get("idep"))
     if series:
         raise NotAcceleration(f"{file.name}: expected an acceleration, the header (IDEP) says {series}")
     if options.units is None:
         raise UnitError(
             f"{file.name}: a SAC header does not state the unit of acceleration; give it with the option units, one of "
-            f"{', '.join(UNITS)}: read(path, units='cm/s2'), or units under [records] of the configuration"
+            f"{', '.join(kit.UNITS)}: read(path, units='cm/s2'), or units under [records] of the configuration"
         )
-    unit = canonical_unit(options.units, "option units")
+    unit = kit.canonical_unit(options.units, "option units")
     inclination, azimuth = header.get("cmpinc"), header.get("cmpaz")
     dip = None if inclination is None else float(inclination) - 90.0
     with np.errstate(invalid="ignore"):  # a signalling NaN; Record names it
         values = np.asarray(trace.data, dtype=float)
     start = utc_time(file, stats.starttime) if "nzyear" in header else None
-    notes += _held_end(_words(file, order), declared)
+    words = _words(file, order)
+    extremes = (words["depmin"], words["depmax"])
+    extremes = extremes if math.isfinite(sum(extremes)) else (math.nan, math.nan)
+    notes += _held_end(words, declared)
     scale = float(header.get("scale", 1.0))
     if scale != 1.0:
         notes.append(f"the header word SCALE = {scale:g} is not applied")
     return [
-        build_record(
+        kit.build_record(
             file,
             1,
             values,
@@ -101,21 +92,20 @@ def read_sac(file: SourceFile, options: ReadOptions) -> list[Record]:
             processed=None,
             component=stats.channel,
             facing=seed_direction(stats.channel, None if azimuth is None else float(azimuth), dip),
-            channel=stats.channel,
-            network=stats.network,
-            station=stats.station,
-            location=stats.location,
+            **codes_of(stats),
             event=str(header.get("kevnm", "")).strip(),
             sensor_depth=float(header.get("stdp", math.nan)),
             start_time=start,
             facts=_facts(header, start),
-            header_peak=_stated_peak(_words(file, order)) * UNITS[unit],
+            # The larger of DEPMIN and DEPMAX without sign, where both are set and one is not 0.
+            header_peak=(max(map(abs, extremes)) or math.nan, 0.0),
+            peak_factor=kit.UNITS[unit],
             warnings=notes,
         )
     ]
 
 
-def _facts(header: Any, start: datetime | None) -> Facts:
+def _facts(header: Any, start: datetime | None) -> kit.Facts:
     """The earthquake and the station; the origin time O and the first sample B count from one reference [s].
 
     Where both are the same nobody has set O: no record begins with its earthquake.
@@ -125,8 +115,8 @@ def _facts(header: Any, start: datetime | None) -> Facts:
         return float(f"{float(header.get(name, math.nan)):.7g}")  # the header holds float32
 
     to_origin = word("o") - word("b")
-    return stated(
-        origin_time=later(start, to_origin) if math.isfinite(to_origin) and to_origin != 0.0 else None,
+    return kit.stated(
+        origin_time=kit.later(start, to_origin) if math.isfinite(to_origin) and to_origin != 0.0 else None,
         magnitude=(word("mag"), ""),
         hypocentre=(word("evla"), word("evlo")),
         depth_km=word("evdp"),
@@ -139,12 +129,6 @@ def _words(file: SourceFile, order: str) -> dict[str, float]:
     """Floats of the header as the file has them, which obspy works out anew; NaN where undefined."""
     values = {name: struct.unpack_from(f"{order}f", file.content, at)[0] for name, at in _STATED.items()}
     return {name: math.nan if value == _UNDEFINED else value for name, value in values.items()}
-
-
-def _stated_peak(words: dict[str, float]) -> float:
-    """The larger of DEPMIN and DEPMAX without sign; NaN where one is not set, or both are 0."""
-    peak = max(abs(words["depmin"]), abs(words["depmax"])) if math.isfinite(words["depmin"] + words["depmax"]) else 0.0
-    return peak or math.nan
 
 
 def _held_end(words: dict[str, float], declared: int) -> list[str]:
@@ -164,10 +148,8 @@ def _check_coordinates(file: SourceFile, order: str) -> None:
     for name, word in _COORDINATES.items():
         value = struct.unpack_from(f"{order}f", file.content, 4 * word)[0]
         if value != _UNDEFINED and not abs(value) <= 360.0:
-            raise RecordFormatError(
-                f"{file.name}: expected degrees in the header word {name}, found {value:g}; the file may be damaged: "
-                "download it again"
-            )
+            advice = "the file may be damaged: download it again"
+            raise kit.unexpected(file.name, f"degrees in the header word {name}", f"{value:g}", advice)
 
 
 FORMATS = (

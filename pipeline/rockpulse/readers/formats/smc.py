@@ -14,20 +14,10 @@ from datetime import datetime
 import numpy as np
 
 from rockpulse.errors import RecordFormatError
-from rockpulse.readers.channel import PEAK_TOLERANCE, build_record
-from rockpulse.readers.clock import instant, later, near_event
-from rockpulse.readers.facing import Direction, direction, on_structure
-from rockpulse.readers.facts import Facts, preferred, stated
-from rockpulse.readers.fields import check_count, fixed_width, printed_number, text_lines
+from rockpulse.readers import kit
 from rockpulse.readers.format import Format, ReadOptions
-from rockpulse.readers.held import held_direction, held_peak_time
-from rockpulse.readers.pairs import Block, surplus
 from rockpulse.readers.source import NotAcceleration, SourceFile
-from rockpulse.readers.spacing import make_even
-from rockpulse.readers.units import UNITS
 from rockpulse.record.record import STANDARD_GRAVITY, Record
-
-__all__ = ["FORMATS", "is_smc", "read_smc"]
 
 #: Series of types 1 to 6, in this order.
 _KINDS = (
@@ -39,7 +29,8 @@ _KINDS = (
     "FOURIER",
 )
 _TITLE = re.compile(rf"\s?([1-6])\s+({'|'.join(_KINDS)})", re.IGNORECASE)
-_TEXT_LINES, _INTEGER_LINES, _REAL_LINES = 11, 6, 10
+#: Lines of text, and indices of the first line of the reals and of the first line behind them.
+_TEXT_LINES, _REALS, _FIRST_COMMENT = 11, 17, 27
 #: No line of text is longer; a damaged one may be.
 _LONGEST_LINE = 200
 _STATION = re.compile(r"station\s*=\s*(.*?)\s*component\s*=\s*(.*)", re.IGNORECASE)
@@ -56,7 +47,7 @@ _FREE_FIELD_AT = {2: 27, 3: 28}
 
 def is_smc(head: bytes, name: str) -> bool:
     """Whether the first line is a digit and the kind of series it stands for, and the integers follow."""
-    lines = text_lines(head[:4000])
+    lines = kit.text_lines(head[:4000])
     return bool(lines and _TITLE.match(lines[0])) and (
         len(lines) <= _TEXT_LINES or bool(re.fullmatch(r"[\s\d-]+", lines[_TEXT_LINES]))
     )
@@ -64,51 +55,40 @@ def is_smc(head: bytes, name: str) -> bool:
 
 def read_smc(file: SourceFile, options: ReadOptions) -> list[Record]:
     """Read the one channel of the file; raises NotAcceleration for velocity, displacement and spectra."""
-    lines = text_lines(file.content)
+    lines = kit.text_lines(file.content)
     title = _TITLE.match(lines[0])
     if title is None:
-        raise RecordFormatError(
-            f"{file.name}:1: expected the kind of series, '2 CORRECTED ACCELEROGRAM' and the like, found "
-            f"{lines[0][:40]!r}; is it an SMC file?"
-        )
+        expected = "the kind of series, '2 CORRECTED ACCELEROGRAM' and the like"
+        raise kit.unexpected(f"{file.name}:1", expected, repr(lines[0][:40]), "is it an SMC file?")
     kind = title[1]
     if kind not in "12":
         raise NotAcceleration(
             f"{file.name}:1: expected an accelerogram (type 1 or 2), found type {kind}, {title[2].lower()}; "
             "read the acceleration file of the same record"
         )
-    first_value = _TEXT_LINES + _INTEGER_LINES + _REAL_LINES
-    check_count(f"{file.name}:{len(lines)}", first_value, len(lines), "header lines")
-    integers = fixed_width(lines[_TEXT_LINES:], _TEXT_LINES + 1, 10, 8, 48, file.name)
-    real_line = _TEXT_LINES + _INTEGER_LINES
-    reals = fixed_width(lines[real_line:], real_line + 1, 15, 5, 50, file.name)
+    kit.check_count(f"{file.name}:{len(lines)}", _FIRST_COMMENT, len(lines), "header lines")
+    integers = kit.fixed_width(lines[_TEXT_LINES:], _TEXT_LINES + 1, 10, 8, 48, file.name)
+    reals = kit.fixed_width(lines[_REALS:], _REALS + 1, 15, 5, 50, file.name)
     integers = np.where(integers == integers[0], np.nan, integers)
     reals = np.where(reals >= 0.99 * reals[0], np.nan, reals)
     comments = 0 if np.isnan(integers[15]) else int(integers[15])
     if comments < 0:
-        raise RecordFormatError(
-            f"{file.name}:{_TEXT_LINES + 2}: expected a number of comment lines (integer 16), found {comments}; "
-            "the header is damaged: download the file again"
-        )
-    first = first_value + comments
-    for index in range(first_value, min(first, len(lines))):
-        if not lines[index].startswith("|"):
-            raise RecordFormatError(
-                f"{file.name}:{index + 1}: expected comment {index - first_value + 1} of {comments}, a line that "
-                f"begins with '|', found {lines[index][:40]!r}; the header is damaged: download the file again"
-            )
+        raise kit.unexpected(f"{file.name}:{_TEXT_LINES + 2}", "a number of comment lines (integer 16)", str(comments))
+    first = _FIRST_COMMENT + comments
+    for number, line in enumerate(lines[_FIRST_COMMENT:first], 1):
+        if not line.startswith("|"):
+            expected = f"comment {number} of {comments}, a line that begins with '|'"
+            raise kit.unexpected(f"{file.name}:{_FIRST_COMMENT + number}", expected, repr(line[:40]))
     block = _block(file.name, lines, first, integers, reals, raw=kind == "1")
     text = [line[:_LONGEST_LINE] for line in lines[:_TEXT_LINES]]
-    station = _STATION.search(text[5])
+    station, peak = _STATION.search(text[5]), _PEAK.search(text[6])
     name, component = (station[1], station[2].strip()) if station else ("", "")
-    stated = _PEAK.search(text[6])
-    header_peak, rounding = printed_number(stated[1]) if stated else (float("nan"), 0.0)
     event = _EVENT.match(text[3])
     start_time, notes = _start_time(integers, event)
     if integers[17] > 0.0:
         notes.append("the agency flags a problem of this record (integer 18 of the header)")
     return [
-        build_record(
+        kit.build_record(
             file,
             1,
             block.samples,
@@ -123,72 +103,69 @@ def read_smc(file: SourceFile, options: ReadOptions) -> list[Record]:
             station_name=name,
             event=" ".join(event[5].split()) if event else "",
             start_time=start_time,
-            facts=_facts(reals, event, lines[first_value:first]),
-            header_peak=header_peak * UNITS[_UNIT],
-            peak_rounding=rounding * UNITS[_UNIT],
+            facts=_facts(reals, event, lines[_FIRST_COMMENT:first]),
+            header_peak=kit.printed_number(peak[1] if peak else ""),
+            peak_factor=kit.UNITS[_UNIT],
             original_peak=block.peak,
             warnings=[*block.warnings, *_held_extremes(reals, block), *notes],
         )
     ]
 
 
-def _block(name: str, lines: Sequence[str], first: int, integers: np.ndarray, reals: np.ndarray, raw: bool) -> Block:
+def _block(
+    name: str, lines: Sequence[str], first: int, integers: np.ndarray, reals: np.ndarray, raw: bool
+) -> kit.Block:
     """The samples; a raw digitised trace of unequal steps is resampled."""
     count = 0 if np.isnan(integers[16]) else int(integers[16])
     rate = reals[1]
-    where = f"{name}:{_TEXT_LINES + _INTEGER_LINES + 1}"
     pairs = raw and np.isnan(rate)
     if not pairs and not 0.0 < rate <= _RATE_LIMIT:
-        raise RecordFormatError(
-            f"{where}: expected a sampling rate (second real of the header) above 0 and at most {_RATE_LIMIT:g} per s, "
-            f"found {'none' if np.isnan(rate) else rate}; the header is damaged: download the file again"
-        )
-    values = fixed_width(lines[first:], first + 1, 10, 8, count, name)
+        expected = f"a sampling rate (second real of the header) above 0 and at most {_RATE_LIMIT:g} per s"
+        raise kit.unexpected(f"{name}:{_REALS + 1}", expected, "none" if np.isnan(rate) else str(rate))
+    values = kit.fixed_width(lines[first:], first + 1, 10, 8, count, name)
     rows = -(-count // 8)
-    warnings = surplus(lines, first + rows, len(lines), name, _TITLE, used=10 * (count - 8 * (rows - 1)))
+    warnings = kit.surplus(lines, first + rows, len(lines), name, _TITLE, used=10 * (count - 8 * (rows - 1)))
     if not pairs:
-        return Block(values, 1.0 / rate, _UNIT, np.arange(count) / rate, values, warnings)
+        return kit.Block(values, 1.0 / rate, _UNIT, np.arange(count) / rate, values, warnings)
     if count % 2:
         raise RecordFormatError(
             f"{name}:{_TEXT_LINES + 3}: expected an even number of values for (time, acceleration) pairs, found {count}"
         )
     times, samples = values[::2], values[1::2]
-    even, step, notes = make_even(times, samples, name, first + 1, 4, UNITS[_UNIT] / STANDARD_GRAVITY)
-    return Block(even, step, _UNIT, times, samples, (*warnings, *notes))
+    even, step, notes = kit.make_even(times, samples, name, first + 1, 4, kit.UNITS[_UNIT] / STANDARD_GRAVITY)
+    return kit.Block(even, step, _UNIT, times, samples, (*warnings, *notes))
 
 
-def _held_extremes(reals: np.ndarray, block: Block) -> list[str]:
+def _held_extremes(reals: np.ndarray, block: kit.Block) -> list[str]:
     """Warnings where reals 29 to 32, the largest and the least value with their times, contradict the samples."""
     notes: list[str] = []
     if reals[29] == reals[31] == 0.0:  # nobody has filled them in
         return notes
-    for number, values, what in ((29, block.values, "largest"), (31, -block.values, "least")):
-        time, stated, found = reals[number - 1], reals[number], float(np.max(values))
-        stated = stated if what == "largest" else -stated
-        if abs(stated - found) > PEAK_TOLERANCE * block.peak:  # NaN, a value that is not stated, is not
-            sign = 1.0 if what == "largest" else -1.0
+    for number, sign, what in ((29, 1.0, "largest"), (31, -1.0, "least")):
+        stated, found = reals[number], sign * float(np.max(sign * block.values))
+        if abs(stated - found) > kit.PEAK_TOLERANCE * block.peak:  # NaN, a value that is not stated, is not
             notes.append(
-                f"real {number + 1} of the header states {sign * stated:g} cm/s2 as the {what} value, the samples have "
-                f"{sign * found:g}"
+                f"real {number + 1} of the header states {stated:g} cm/s2 as the {what} value, the samples have "
+                f"{found:g}"
             )
-        notes += held_peak_time(f"{time:.6g}", block.times, np.maximum(values, 0.0))
+        notes += kit.held_peak_time(f"{reals[number - 1]:.6g}", block.times, np.maximum(sign * block.values, 0.0))
     return notes
 
 
-def _facing(component: str, integers: np.ndarray) -> Direction:
+def _facing(component: str, integers: np.ndarray) -> kit.Direction:
     """The direction of the wording and of integers 13 and 14, the angle from the upward vertical and the azimuth.
 
     The azimuth of a vertical channel says nothing; where wording and integers contradict, the direction is unknown.
     """
     upright, azimuth = integers[12], integers[13]
-    told = Direction()
+    told = kit.Direction()
     if upright in (0.0, 180.0):
-        told = Direction("vertical", sign=1.0 if upright == 0.0 else -1.0)
+        told = kit.Direction("vertical", sign=1.0 if upright == 0.0 else -1.0)
     elif 0.0 <= azimuth <= 360.0:
-        told = Direction("horizontal", float(azimuth) % 360.0)
+        told = kit.Direction("horizontal", float(azimuth) % 360.0)
     integers_say = " and ".join("none" if np.isnan(value) else f"{value:g}" for value in (upright, azimuth))
     note = f"the text says {component!r}, integers 13 and 14 of the header {integers_say}: the direction is unknown"
-    return held_direction(direction(component), told, note)
+    return kit.held_direction(kit.direction(component), told, note)
 
 
 def _structural(name: str, integers: np.ndarray) -> bool:
@@ -196,7 +173,7 @@ def _structural(name: str, integers: np.ndarray) -> bool:
     kind = integers[18]
     if kind in _STRUCTURES:
         return int(kind) not in _FREE_FIELD_AT or integers[_FREE_FIELD_AT[int(kind)] - 1] != 0.0
-    return not np.isnan(integers[24]) or on_structure(name)
+    return not np.isnan(integers[24]) or kit.on_structure(name)
 
 
 def _start_time(integers: np.ndarray, event: re.Match[str] | None) -> tuple[datetime | None, list[str]]:
@@ -208,30 +185,30 @@ def _start_time(integers: np.ndarray, event: re.Match[str] | None) -> tuple[date
     if np.any(np.isnan(moment)):
         return None, []
     year, day, hour, minute, second, millisecond = (int(value) for value in moment)
-    start = later(instant((year, 1, 1), (hour, minute, second)), 86_400.0 * (day - 1) + 1e-3 * millisecond)
+    start = kit.later(kit.instant((year, 1, 1), (hour, minute, second)), 86_400.0 * (day - 1) + 1e-3 * millisecond)
     if start is None or start.year != year or not 0 <= millisecond < 1000:
         words = " ".join(f"{value:.0f}" for value in moment)
         return None, [f"{words} (integers 2 to 7: year, day, hour, minute, second, millisecond) is no start time"]
     if event is None:
         return start, []
-    return near_event(start, _origin(event))
+    return kit.near_event(start, _origin(event))
 
 
 def _origin(event: re.Match[str]) -> datetime | None:
     """The minute of the earthquake, UTC."""
     year, month, day, time = (int(event[group]) for group in range(1, 5))
-    return instant((year, month, day), (time // 100, time % 100, 0))
+    return kit.instant((year, month, day), (time // 100, time % 100, 0))
 
 
-def _facts(reals: np.ndarray, event: re.Match[str] | None, comments: Sequence[str]) -> Facts:
+def _facts(reals: np.ndarray, event: re.Match[str] | None, comments: Sequence[str]) -> kit.Facts:
     """The earthquake by reals 3 to 9 and 17, line 4 and the comments, the station by reals 11 and 12."""
     values = [float(f"{value:.7g}") for value in reals]  # printed from float32: 5.8000002
     latitude, longitude, depth, *sizes = values[2:9]
     ids = (found[1] for comment in comments if (found := _EVENT_ID.match(comment)))
-    return stated(
+    return kit.stated(
         event_id=next(ids, ""),
         origin_time=_origin(event) if event else None,
-        magnitude=preferred(zip(sizes, ("Mw", "Ms", "ML", ""), strict=True)),
+        magnitude=kit.preferred(zip(sizes, ("Mw", "Ms", "ML", ""), strict=True)),
         hypocentre=(latitude, longitude),
         depth_km=depth,
         distance_km=values[16],

@@ -12,21 +12,12 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from rockpulse.readers.clock import instant
-from rockpulse.readers.csmip_layout import HEADER_LINES, TEXT_LINES, Header, channels
-from rockpulse.readers.csmip_numbers import direction_code, held_count, real
-from rockpulse.readers.facing import on_structure
-from rockpulse.readers.facts import Facts, coordinates, stated
-from rockpulse.readers.fields import check_count, printed_number
-from rockpulse.readers.format import Format, ReadOptions
-from rockpulse.readers.formats.csmip_v2 import read_corrected
-from rockpulse.readers.held import held_length
-from rockpulse.readers.pairs import Block, declared_points, pair_block, pair_unit
+from rockpulse.readers import kit
+from rockpulse.readers.format import Format, ReadOptions, begins_with
+from rockpulse.readers.formats.csmip import read_corrected
+from rockpulse.readers.kit.csmip import HEADER_LINES, TEXT_LINES, Header, channels, direction_code, held_count, real
 from rockpulse.readers.source import SourceFile
-from rockpulse.readers.units import UNITS
 from rockpulse.record.record import Record
-
-__all__ = ["FORMATS", "is_usc_v1", "is_usc_v2", "read_usc_v1", "read_usc_v2"]
 
 _TITLE = re.compile(r"\s?file\s+\d+\s+of uncorrected accelerogram data\b", re.IGNORECASE)
 _CORRECTED = re.compile(r"(?:\s?corrected accelerogram\b[^\r\n]*[\r\n]+)+" + _TITLE.pattern, re.IGNORECASE)
@@ -52,27 +43,17 @@ _MEAN_SQUARE = re.compile(
 _MEAN_SQUARE_FACTOR = 1.2
 
 
-def is_usc_v1(head: bytes, name: str) -> bool:
-    """Whether the first line is the title of an uncorrected volume."""
-    return bool(_TITLE.match(head[:200].decode("latin-1")))
-
-
-def is_usc_v2(head: bytes, name: str) -> bool:
-    """Whether the first two lines are the titles of a corrected and of its uncorrected volume."""
-    return bool(_CORRECTED.match(head[:1000].decode("latin-1")))
-
-
 def read_usc_v1(file: SourceFile, options: ReadOptions) -> list[Record]:
     """Read every channel; the options are not used, because the format states everything."""
     lines, spans, copies = channels(file, _TITLE, "FILE N OF UNCORRECTED ACCELEROGRAM DATA")
     records = []
     for number, (start, end) in enumerate(spans, 1):
-        check_count(f"{file.name}:{end}", HEADER_LINES, end - start, f"header lines of channel {number}")
-        count = declared_points(lines[start + 10], f"{file.name}:{start + 11}")
-        unit = pair_unit(lines[start + 11], f"{file.name}:{start + 12}")
-        block = pair_block(file.name, lines, start + HEADER_LINES, end, count, unit)
-        header = _header(lines[start : start + HEADER_LINES])
-        header = header.noting(*copies, *_held(lines[start : start + HEADER_LINES], count, block))
+        kit.check_count(f"{file.name}:{end}", HEADER_LINES, end - start, f"header lines of channel {number}")
+        count = kit.declared_points(lines[start + 10], f"{file.name}:{start + 11}")
+        unit = kit.pair_unit(lines[start + 11], f"{file.name}:{start + 12}")
+        block = kit.pair_block(file.name, lines, start + HEADER_LINES, end, count, unit)
+        head = lines[start : start + HEADER_LINES]
+        header = _header(head).noting(*copies, *_held(head, count, block))
         records.append(header.record(file, number, block, format="usc_v1", processed=False))
     return records
 
@@ -82,26 +63,23 @@ def read_usc_v2(file: SourceFile, options: ReadOptions) -> list[Record]:
     return read_corrected(file, "usc_v2", _header)
 
 
-def _held(lines: Sequence[str], points: int, block: Block) -> list[str]:
+def _held(lines: Sequence[str], points: int, block: kit.Block) -> list[str]:
     """Warnings where count, duration, or the root of the mean square with its unit, contradicts the pairs.
 
     The format states no peak: the root of the mean square is what the unit can be held against.
     """
-    duration, square = _DURATION.match(lines[10][:_WORDS]), _MEAN_SQUARE.match(lines[12][:_WORDS])
-    behind = lines[TEXT_LINES:]
-    lengths = [duration[1] if duration else "", real(behind, 3)]
+    behind, square = lines[TEXT_LINES:], _MEAN_SQUARE.match(lines[12][:_WORDS])
     notes = held_count(behind, points)
-    notes += [note for text in lengths for note in held_length(text, round(block.duration / block.dt), block.dt)]
+    for text in (kit.matched(_DURATION, lines[10][:_WORDS]), real(behind, 3)):
+        notes += kit.held_length(text, round(block.duration / block.dt), block.dt)
     if not square:
         return notes
-    number, rounding = printed_number(square[1])
-    per_unit = UNITS[square[2].lower()]
-    stated, half = number * per_unit, rounding * per_unit
+    stated, half = (value * kit.UNITS[square[2].lower()] for value in kit.printed_number(square[1]))
     peak = float(np.max(np.abs(block.samples))) or 1.0  # the square of a damaged sample may be no number
-    found = peak * float(np.sqrt(np.mean((block.samples / peak) ** 2))) * UNITS[block.unit]
+    found = peak * float(np.sqrt(np.mean((block.samples / peak) ** 2))) * kit.UNITS[block.unit]
     if stated <= _MEAN_SQUARE_FACTOR * found + half and found <= _MEAN_SQUARE_FACTOR * (stated + half):
         return notes
-    said, has = stated / UNITS["g"], found / UNITS["g"]
+    said, has = stated / kit.UNITS["g"], found / kit.UNITS["g"]
     return [
         *notes,
         f"the header states {said:.3g} g as the root of the mean square, the samples have {has:.3g} g; check the unit",
@@ -110,20 +88,19 @@ def _held(lines: Sequence[str], points: int, block: Block) -> list[str]:
 
 def _header(lines: Sequence[str]) -> Header:
     """The header from the 13 lines of text and those behind them."""
-    text = [line[:_WORDS].strip() for line in lines[:TEXT_LINES]]
-    component, station = _COMPONENT.match(text[6]), _STATION.match(text[4])
-    return Header(
-        component[1] if component else text[6],
-        structural=on_structure(text[5]),
-        station=station[1] if station else "",
-        station_name=text[5],
-        event=" ".join((text[7] or text[1]).split()),
-        facts=_facts(text, lines[TEXT_LINES:], [_real(lines, number) for number in _OF_EVENT]),
-        code=direction_code(lines[TEXT_LINES:]),
-    )
+    text, behind = [line[:_WORDS].strip() for line in lines[:TEXT_LINES]], lines[TEXT_LINES:]
+    about = {
+        "structural": kit.on_structure(text[5]),
+        "station": kit.matched(_STATION, text[4]),
+        "station_name": text[5],
+        "event": " ".join((text[7] or text[1]).split()),
+        "facts": _facts(text, behind, [_real(lines, number) for number in _OF_EVENT]),
+    }
+    component = _COMPONENT.match(text[6])
+    return Header(component[1] if component else text[6], about=about, code=direction_code(behind))
 
 
-def _facts(text: Sequence[str], behind: Sequence[str], reals: Sequence[str]) -> Facts:
+def _facts(text: Sequence[str], behind: Sequence[str], reals: Sequence[str]) -> kit.Facts:
     """Earthquake and station, from the text and, in volume 2, from the line of the magnitude, else from the reals."""
     minute = _MINUTE.match(text[2])
     magnitude = next((found[1] for line in behind if (found := _MAGNITUDE.match(line[:_WORDS]))), reals[1])
@@ -131,23 +108,21 @@ def _facts(text: Sequence[str], behind: Sequence[str], reals: Sequence[str]) -> 
     origin = None
     if minute and minute[1].upper() in _MONTHS:
         day = (int(minute[3]), _MONTHS.index(minute[1].upper()) + 1, int(minute[2]))
-        origin = instant(day, (int(minute[4]), int(minute[5]), 0.0))
-    return stated(
+        origin = kit.instant(day, (int(minute[4]), int(minute[5]), 0.0))
+    return kit.stated(
         origin_time=origin,
         magnitude=(magnitude, ""),
-        hypocentre=coordinates(text[8]),
+        hypocentre=kit.coordinates(text[8]),
         depth_km=reals[2],
         distance_km=distance,
-        station=coordinates(text[4]),
+        station=kit.coordinates(text[4]),
     )
 
 
 def _real(lines: Sequence[str], number: int) -> str:
     """A real of volume 1, from 1, as it is written; empty in the text of volume 2, which comes without them."""
-    if len(lines) < HEADER_LINES:
-        return ""
     row, column = divmod(number - 1, 8)
-    return lines[_REALS + row][10 * column : 10 * (column + 1)]
+    return lines[_REALS + row][10 * column : 10 * (column + 1)] if len(lines) >= HEADER_LINES else ""
 
 
 FORMATS = (
@@ -158,7 +133,7 @@ FORMATS = (
         unit="g/10, from the header",
         processed="no",
         example="017m30lw.e0a",
-        detect=is_usc_v1,
+        detect=begins_with(_TITLE),
         parse=read_usc_v1,
     ),
     Format(
@@ -168,7 +143,7 @@ FORMATS = (
         unit="cm/s2, from the peak in the header",
         processed="yes",
         example="274o42pv.s0a",
-        detect=is_usc_v2,
+        detect=begins_with(_CORRECTED, 1000),
         parse=read_usc_v2,
     ),
 )

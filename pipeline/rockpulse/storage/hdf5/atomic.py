@@ -98,7 +98,7 @@ def remove_parts(path: str | os.PathLike[str]) -> None:
 
 
 def journal_path(target: str | os.PathLike[str]) -> Path:
-    """The journal of the run that writes a file (`rockpulse.batch.journal`); links are followed."""
+    """The journal of the run that writes a file (`rockpulse.run.journal`); links are followed."""
     return Path(os.path.realpath(target) + ".journal")
 
 

@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rockpulse.errors import ResultsError, RockpulseError
-from rockpulse.input_file import check_regular
+from rockpulse.files import check_regular
 from rockpulse.option import hint
 from rockpulse.storage.hdf5.atomic import ASSESSMENT, replacing
 from rockpulse.storage.variables.fragility import FRAGILITY

@@ -15,7 +15,7 @@ import numpy as np
 
 from rockpulse.config.configuration import stored_sections
 from rockpulse.errors import RecordRefused, ResultsError, RockpulseError
-from rockpulse.input_file import check_regular
+from rockpulse.files import check_regular
 from rockpulse.readers.archive import Archive, is_archive
 from rockpulse.readers.source import open_source
 from rockpulse.record.record import BETWEEN

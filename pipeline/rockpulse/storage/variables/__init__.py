@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from rockpulse.config.configuration import Config
-    from rockpulse.failures import Failure
+    from rockpulse.errors import Failure
 
 
 #: Value of a flag that is not known.

@@ -7,16 +7,16 @@ from typing import Any
 
 import numpy as np
 
-from rocking.block import Block
+from rocking.body.block import Block
+from rockpulse.config.block_settings import floors_as_text
 from rockpulse.config.bodies import Bodies
 from rockpulse.config.configuration import Config
-from rockpulse.config.restraint_settings import floors_as_text
 from rockpulse.storage.variables import NO_YES, along, flag, real, text
 
 
 def _lifting(lanes: Block) -> np.ndarray:
     """Smallest horizontal acceleration that lifts each of (m,) bodies [m/s2], g tan(alpha_c) where nothing holds it."""
-    from rocking.capacity import uplift_scale  # loads the solvers, which looking at results does not need
+    from rocking.search.capacity import uplift_scale  # loads the solvers, which looking at results does not need
 
     return uplift_scale(lanes, np.array([-1.0, 1.0]))
 

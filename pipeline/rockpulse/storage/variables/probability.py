@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from rocking.block_limits import RATES
+from rocking.body.limits import RATES
 from rockpulse.config.configuration import Config
 from rockpulse.storage.variables import Declared, StoredVariable, along, flag, real
 

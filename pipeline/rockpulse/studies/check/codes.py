@@ -1,4 +1,4 @@
-"""The checks of codes: of each body from its geometry and an elastic spectrum, on the ground and on floors.
+"""The checks of codes: formulas from the geometry of a body and an elastic spectrum, on the ground and on floors.
 
 .. note:: With the multiplier alpha_0, e* and d_0 of :mod:`rockpulse.studies.check.mechanism`, q, FC and the modes T_k,
    xi_k, gamma_k psi_k of the building. Circolare 617/2009, C8A.4: a_0* = alpha_0 g/(e* FC) (C8A.4.4); linear, a_0* >=
@@ -14,28 +14,25 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from rockpulse.config.check_settings import CODES, CheckSettings
-from rockpulse.config.configuration import Config
-from rockpulse.config.restraint_settings import FloorSettings
-from rockpulse.errors import ConfigError
-from rockpulse.storage.variables.risk import CHECK
-from rockpulse.studies.check.histories import of_histories
-from rockpulse.studies.check.mechanism import SENSES, Mechanism, mechanisms
+from rocking.body.block import Block
+from rockpulse.config.block_settings import FloorSettings
+from rockpulse.config.study_settings import CODES, CheckSettings
+from rockpulse.studies.check.mechanism import SENSES, Mechanism, senses_of
 from rockpulse.studies.check.spectra import (
     DemandSpectrum,
     ElasticSpectrum,
     TableEnds,
     damping_factor,
     displacement_of,
-    spectrum_of,
 )
 
 if TYPE_CHECKING:
-    import xarray as xr
+    pass
 
 
 #: Circolare 617/2009: d_u* over d_0*, and d_s* over d_u* [-].
@@ -58,7 +55,7 @@ class Checked(NamedTuple):
     displacement_demand: float = math.nan  #: what is asked of it [m]
     displacement_ratio: float = math.nan  #: allowed over asked [-]; at least 1 passes
     statement: str = ""  #: why something is missing
-    activation_sense: str = ""  #: "positive" or "negative", the sense that the acceleration is of; empty where alike
+    activation_sense: str = ""  #: the sense, of SENSES, that the acceleration is of; empty where both are alike
     displacement_sense: str = ""  #: likewise of the displacement
 
     @property
@@ -171,100 +168,10 @@ def _displacement(spectrum: DemandSpectrum, floors: Sequence[FloorSettings], per
     return max(found, least) if period > PLATEAU[1] * own else found
 
 
+#: The checks by the names of the codes.
 CHECKS: dict[str, Callable[[Mechanism, DemandSpectrum, Sequence[FloorSettings], CheckSettings], Checked]] = dict(
     zip(CODES, (circolare_2009, circolare_2019, en_1998), strict=True)
 )
-
-
-def code_check(config: Config, codes: Sequence[str] = CODES, results: xr.DataTree | None = None) -> xr.Dataset:
-    """What codes say of the bodies of a configuration, from their geometry and the demand of [check].
-
-    Parameters
-    ----------
-    config : Config
-        With [[block]] and [check].
-    codes : sequence of str
-        Of "circolare_2009", "circolare_2019", "en_1998".
-    results : xarray.DataTree, optional
-        Of :func:`rockpulse.assess` on the same bodies: what the time histories say stands beside the codes.
-
-    Returns
-    -------
-    xarray.Dataset
-        Over (block): `multiplier` alpha_0 [-] and `share` e* [-]; over (block, code): `activation` and its `_demand`
-        [m/s2] with their `activation_ratio`, `displacement` and its `_demand` [m], the `period` [s] and
-        `displacement_ratio`, and `statement`, why something is NaN. A ratio of 1 or more passes. Of the two senses of a
-        body each ratio is the worse one, `activation_sense` and `displacement_sense` tell of which. With results over
-        (block) `probability`, that of the verdict, under the records brought to the demands of the site where there
-        are some, and `factor_50`, its median over the motions; of several restitutions the worst; and `beside`, why
-        they are NaN.
-
-    Raises
-    ------
-    ConfigError
-        Without bodies or a demand, or for an unknown code.
-
-    Examples
-    --------
-    >>> import rockpulse as rp
-    >>> wall = rp.BlockSettings(name="wall", width=0.4, height=4.0)
-    >>> config = rp.Config(blocks=(wall,), check=rp.CheckSettings(spectrum="en_1998_1", ag=0.15, confidence_factor=1.0))
-    >>> found = code_check(config, ["circolare_2009"])
-    >>> [round(found[name].item(), 3) for name in ("multiplier", "activation_ratio", "period", "displacement_ratio")]
-    [0.1, 1.333, 1.238, 1.734]
-    """
-    import xarray as xr
-
-    if unknown := [code for code in codes if code not in CHECKS]:
-        raise ConfigError(f"code: expected some of {', '.join(CODES)}, found {unknown[0]!r}")
-    if not config.blocks:
-        raise ConfigError("no body to check: give [[block]] entries in the configuration")
-    spectrum = spectrum_of(config.check, config.folder)
-    names: list[str] = []
-    own: list[tuple[float, float]] = []
-    rows: list[list[Checked]] = []
-    for body in config.blocks:
-        try:
-            found = mechanisms(body)
-        except ConfigError:
-            raise
-        except ValueError as error:
-            names.append(body.name)
-            own.append((math.nan, math.nan))
-            rows.append([Checked(statement=str(error))] * len(codes))
-            continue
-        for name, senses in found.items():
-            first = min(senses, key=lambda one: one.multiplier)
-            names.append(name)
-            own.append((first.multiplier, first.share))
-            rows.append([_checked(code, senses, spectrum, body.floors, config.check) for code in codes])
-    values = {
-        "multiplier": np.array([one[0] for one in own]),
-        "share": np.array([one[1] for one in own]),
-        **({} if results is None else of_histories(results, config, names)),
-        **{
-            name: np.array([[getattr(one, name) for one in row] for row in rows])
-            for name in (*Checked._fields, "activation_ratio")
-        },
-    }
-    return xr.Dataset(
-        {name: CHECK[name].variable(values[name]) for name in CHECK if name in values},
-        {"block": names, "code": list(codes)},
-        {"spectrum": spectrum.words, "limit_state": config.check.limit_state, **_factors(config.check)},
-    )
-
-
-def _checked(
-    code: str,
-    senses: Sequence[Mechanism],
-    spectrum: DemandSpectrum,
-    floors: Sequence[FloorSettings],
-    settings: CheckSettings,
-) -> Checked:
-    try:
-        return worst([CHECKS[code](one, spectrum, floors, settings) for one in senses])
-    except TableEnds as error:
-        return Checked(statement=str(error))
 
 
 def worst(senses: Sequence[Checked]) -> Checked:
@@ -291,5 +198,83 @@ def worst(senses: Sequence[Checked]) -> Checked:
     )
 
 
-def _factors(settings: CheckSettings) -> dict[str, float]:
-    return {name: settings[name] for name in ("q", "confidence_factor", "q_a", "gamma_a")}
+class KinematicCheck(NamedTuple):
+    """The kinematic check of (m,) blocks.
+
+    Attributes
+    ----------
+    activation : (m,) ndarray
+        a_0*, spectral acceleration that opens the mechanism [m/s2].
+    linear : (m,) ndarray
+        a_0* over a_g S/q [-]; at least 1 passes.
+    ultimate : (m,) ndarray
+        d_u*, the displacement of the centre of mass that is allowed [m].
+    secant_period : (m,) ndarray
+        T_s [s].
+    nonlinear : (m,) ndarray
+        d_u* over S_De(T_s) [-]; at least 1 passes.
+    """
+
+    activation: np.ndarray
+    linear: np.ndarray
+    ultimate: np.ndarray
+    secant_period: np.ndarray
+    nonlinear: np.ndarray
+
+
+def kinematic_check(
+    block: Block,
+    spectrum: Callable[[np.ndarray], np.ndarray],
+    ground: float,
+    behaviour: float = 2.0,
+    confidence_factor: float = 1.0,
+) -> KinematicCheck:
+    """Check blocks on the ground by the linear and the nonlinear kinematic analysis of Circolare 617/2009.
+
+    Parameters
+    ----------
+    block : Block
+        (m,) blocks; of their two senses the worse counts, for each number. Ties need a yield force.
+    spectrum : callable
+        Elastic spectrum S_e of 5 % damping [m/s2] at (k,) periods [s].
+    ground : float
+        a_g S, the peak of the ground's acceleration on its soil [m/s2].
+    behaviour, confidence_factor : float
+        q, 2 in the circular; FC, by how well the building is known: 1 or more.
+
+    Raises
+    ------
+    ValueError
+        For a tie without a yield force, or numbers out of range.
+
+    Examples
+    --------
+    A free rectangle of 0.4 x 4 m: a_0* = g b/h, d_0* = b/2 at mid-height.
+
+    >>> found = kinematic_check(Block(width=[0.4], height=[4.0]), lambda periods: 2.5 / periods, ground=2.0)
+    >>> [round(float(values[0]), 4) for values in found]
+    [0.9807, 0.9807, 0.08, 1.2384, 1.0201]
+    """
+    if not (math.isfinite(ground) and ground > 0.0 and behaviour >= 1.0 and confidence_factor >= 1.0):
+        raise ValueError(
+            "ground, behaviour, confidence_factor: expected a_g S above 0, q and FC of at least 1, got "
+            f"{ground!r}, {behaviour!r}, {confidence_factor!r}"
+        )
+    settings = CheckSettings(q=behaviour, confidence_factor=confidence_factor)
+    demand = _GivenSpectrum(spectrum, ground)
+    lanes = block if block.shape else block.lanes(1)
+    of_lanes = [senses_of(lanes.lane(place)) for place in range(lanes.shape[0])]
+    found = [worst([circolare_2009(sense, demand, (), settings) for sense in senses]) for senses in of_lanes]
+    names = ("activation", "activation_ratio", "displacement", "period", "displacement_ratio")
+    return KinematicCheck(*(np.array([getattr(one, name) for one in found]) for name in names))
+
+
+@dataclass(frozen=True)
+class _GivenSpectrum:
+    """A spectrum of 5 % damping that was given as a function of (k,) periods."""
+
+    elastic: Callable[[np.ndarray], np.ndarray]
+    ground: float
+
+    def __call__(self, period: float, damping: float = 0.05) -> float:
+        return float(np.asarray(self.elastic(np.array([period])), dtype=float)[0])

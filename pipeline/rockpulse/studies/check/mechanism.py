@@ -17,8 +17,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rocking.block import STANDARD_GRAVITY, Block
-from rocking.restraint import Load, Restraints
+from rocking.body.block import Block
+from rocking.body.block_lanes import STANDARD_GRAVITY
+from rocking.body.restraint import Load, Restraints
 from rockpulse.config.block_settings import BlockSettings
 
 #: What the senses of :func:`senses_of` are called.
@@ -47,15 +48,6 @@ class Force(NamedTuple):
 class Mechanism:
     """Overturning about one corner.
 
-    Attributes
-    ----------
-    weights : tuple of Weight
-        The body first.
-    forces : tuple of Force
-        Ties, friction and thrusts.
-    gravity : float
-        [m/s2].
-
     Examples
     --------
     A rectangle of 0.4 x 4 m: alpha_0 = b/h, the whole weight takes part, and no couple is left at b/2.
@@ -65,9 +57,9 @@ class Mechanism:
     (0.1, 1.0, 0.2)
     """
 
-    weights: tuple[Weight, ...]
-    forces: tuple[Force, ...] = ()
-    gravity: float = STANDARD_GRAVITY
+    weights: tuple[Weight, ...]  # the body first
+    forces: tuple[Force, ...] = ()  # ties, friction and thrusts
+    gravity: float = STANDARD_GRAVITY  # [m/s2]
 
     @property
     def _driving(self) -> float:
@@ -104,16 +96,11 @@ class Mechanism:
         """d_0, the spectral displacement at which no couple is left of the actions that last till collapse [m]."""
         weights = sum(one.weight * one.height for one in self.weights)
         knots = sorted({0.0, *(one.begins / one.height for one in self.forces if one.begins > 0.0)})
-        found = math.inf
         for begin, end in zip(knots, [*knots[1:], math.inf], strict=True):
             zero = begin + self.at(begin, lasting=True) * self._driving / weights
-            if zero <= begin:
-                found = begin
-                break
             if zero < end:
-                found = zero
-                break
-        return found * self._lever
+                return max(begin, zero) * self._lever
+        return math.inf
 
     def capacity(self, displacement: float) -> float:
         """e* a/g at a spectral displacement [m]: alpha of the rotation that goes with it [-]; nothing below 0."""
@@ -142,26 +129,11 @@ def _bearing(load: Load, base: float) -> float:
 
 
 def senses_of(block: Block, alone: Block | None = None, carried: Sequence[Load] = ()) -> tuple[Mechanism, ...]:
-    """The mechanisms of one block towards theta > 0 and theta < 0.
+    """The mechanisms of one block towards theta > 0 and theta < 0; one where both are alike or a wall leaves only one.
 
-    Parameters
-    ----------
-    block : Block
-        Of one lane, or alike in all of them but for the restitution.
-    alone : Block, optional
-        The same body without the loads that it carries along, where these are to be weights of their own.
-    carried : sequence of Load
-        Those loads.
-
-    Returns
-    -------
-    tuple of Mechanism
-        One where both senses are alike, or a wall leaves only one.
-
-    Raises
-    ------
-    ValueError
-        For a tie without a yield force.
+    The block has one lane, or lanes that differ in their restitution only. Where it carries loads that are to be
+    weights of their own, `alone` is the body without them and `carried` are they. Raises ValueError for a tie without a
+    yield force.
     """
     whole, body = (one.lane(0) if one.shape else one for one in (block, block if alone is None else alone))
     found = [_mechanism(whole, body, carried)]
@@ -187,12 +159,7 @@ def _mechanism(block: Block, body: Block, carried: Sequence[Load]) -> Mechanism:
 def mechanisms(body: BlockSettings) -> dict[str, tuple[Mechanism, ...]]:
     """The mechanisms (:func:`senses_of`) of a body of the configuration, and of it with its pedestals, by their names.
 
-    Raises
-    ------
-    ValueError
-        For a tie without a yield force.
-    ConfigError
-        Where the model refuses the body.
+    Raises ValueError for a tie without a yield force, ConfigError where the model refuses the body.
     """
     carried = tuple(one.made() for one in body.loads if one.friction is None)
     rest = tuple(one for one in body.loads if one.friction is not None)

@@ -15,10 +15,9 @@ from typing import Protocol
 
 import numpy as np
 
-from rockpulse.config.check_settings import CheckSettings
+from rockpulse.config.study_settings import CheckSettings
 from rockpulse.errors import ConfigError
-from rockpulse.input_file import read_text
-from rockpulse.input_table import numbers, table_of
+from rockpulse.files import numbers, read_text, table_of
 from rockpulse.record.record import STANDARD_GRAVITY
 
 #: S, T_B, T_C, T_D [s] of the ground types of EN 1998-1: Tables 3.2 and 3.3.
@@ -102,17 +101,6 @@ class DemandSpectrum(ElasticSpectrum, Protocol):
 class CodeSpectrum:
     """The spectrum of EN 1998-1 or NTC 2018.
 
-    Attributes
-    ----------
-    ground : float
-        a_g S [m/s2].
-    plateau : float
-        F_0 [-].
-    corners : (float, float, float)
-        T_B, T_C, T_D [s].
-    words : str
-        What it is.
-
     Examples
     --------
     >>> spectrum = CodeSpectrum(2.0, 2.5, (0.15, 0.5, 2.0))
@@ -120,10 +108,10 @@ class CodeSpectrum:
     [2.0, 5.0, 2.5, 0.3125]
     """
 
-    ground: float
-    plateau: float
-    corners: tuple[float, float, float]
-    words: str = "spectrum"
+    ground: float  # a_g S [m/s2]
+    plateau: float  # F_0 [-]
+    corners: tuple[float, float, float]  # T_B, T_C, T_D [s]
+    words: str = "spectrum"  # what it is
 
     def __call__(self, period: float, damping: float = 0.05) -> float:
         """S_e [m/s2] at a period [s]; beyond T_D the displacement stays as it is."""
@@ -142,35 +130,27 @@ class CodeSpectrum:
 class TabledSpectrum:
     """A spectrum of 5 % damping between tabled periods; other dampings by eta, but for the ground at period 0.
 
-    Attributes
-    ----------
-    period, acceleration : (n,) ndarray
-        T [s] from 0, ascending, and S_e [m/s2], positive.
-    words : str
-        Where it comes from, for messages.
-
-    Raises
-    ------
-    ConfigError
-        For fewer than two points, a first period that is not 0, or numbers that are not positive or not in order.
+    Raises ConfigError for fewer than two points, a first period that is not 0, or numbers that are not positive or not
+    in order.
     """
 
-    period: np.ndarray
-    acceleration: np.ndarray
-    words: str = "spectrum"
+    period: np.ndarray  # (n,) T [s] from 0, ascending
+    acceleration: np.ndarray  # (n,) S_e [m/s2], positive
+    words: str = "spectrum"  # where it comes from, for messages
 
     def __post_init__(self) -> None:
         period, values = np.asarray(self.period, dtype=float), np.asarray(self.acceleration, dtype=float)
+        wrong = ""
         if period.ndim != 1 or period.shape != values.shape or period.size < 2:
-            raise ConfigError(f"{self.words}: expected as many accelerations as periods, two or more")
-        if period[0] != 0.0:
-            raise ConfigError(
-                f"{self.words}: expected a first period of 0 s, that of the ground's peak, found {period[0]:g} s"
-            )
-        if not (np.all(np.isfinite(period)) and np.all(np.diff(period) > 0.0)):
-            raise ConfigError(f"{self.words}: expected periods that ascend")
-        if not np.all(np.isfinite(values) & (values > 0.0)):
-            raise ConfigError(f"{self.words}: expected positive accelerations")
+            wrong = "as many accelerations as periods, two or more"
+        elif period[0] != 0.0:
+            wrong = f"a first period of 0 s, that of the ground's peak, found {period[0]:g} s"
+        elif not (np.all(np.isfinite(period)) and np.all(np.diff(period) > 0.0)):
+            wrong = "periods that ascend"
+        elif not np.all(np.isfinite(values) & (values > 0.0)):
+            wrong = "positive accelerations"
+        if wrong:
+            raise ConfigError(f"{self.words}: expected {wrong}")
         object.__setattr__(self, "period", period)
         object.__setattr__(self, "acceleration", values)
 
@@ -195,12 +175,7 @@ class TabledSpectrum:
 
 
 def spectrum_of(settings: CheckSettings, folder: Path = Path()) -> DemandSpectrum:
-    """The spectrum that a configuration asks for, its file counted from a folder.
-
-    Raises
-    ------
-    ConfigError
-        Where there is none, or its table cannot be read.
+    """The spectrum that a configuration asks for, its file counted from a folder; ConfigError without one.
 
     Examples
     --------

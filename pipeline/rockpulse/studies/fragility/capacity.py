@@ -1,32 +1,114 @@
-"""The capacities of the bodies as one motion shows them."""
+"""The limit states of bodies, the factors on a record that reach them, and the capacities that one motion shows."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 
-from rocking.block import Block
+from rocking.body.block import Block
+from rocking.march.recorded import recorded_response
+from rocking.response import Outcome
+from rocking.search.capacity import critical_scale, uplift_scale
 from rockpulse.assessment.places import aloft, places_of, turned
 from rockpulse.assessment.scene import extract
 from rockpulse.config.bodies import Bodies
 from rockpulse.config.configuration import Config
+from rockpulse.config.study_settings import OVERTURNING, UPLIFT
 from rockpulse.errors import TooWeak
-from rockpulse.model_row import Scene
+from rockpulse.model_row import Equation, Scene
+from rockpulse.model_table import MODELS
 from rockpulse.motions.directions import Motion
-from rockpulse.motions.runner import Part, Watch
 from rockpulse.motions.tables import Selection
 from rockpulse.record.components import Pair
 from rockpulse.record.intensity import pgv
 from rockpulse.record.measures import MEASURES, RecordOnBodies
+from rockpulse.run.analysis import Part, Watch
 from rockpulse.storage.variables.fragility import QUALITIES
 from rockpulse.storage.variables.summary import FACTS, facts_of
-from rockpulse.studies.fragility.limit_states import NOT_KNOWN, reached_at, scale_capacities
+
+#: Stands for a motion that the model cannot resolve.
+NOT_KNOWN = -1
 
 #: Half-waves with more than this share of the largest impulse are strong.
 STRONG_SHARE = 0.5
+
+
+def scale_capacities(
+    scene: Scene, block: Block, states: Sequence[str | float], equation: str, factor_max: float, points: int
+) -> tuple[np.ndarray, np.ndarray]:
+    """Incremental dynamic analysis of one record: the first factor at which each limit state is reached.
+
+    The `states` are "uplift", values of theta_max/alpha_c, and "overturning"; `equation` is the model by that equation;
+    each of the (m,) lanes of the block is scanned at `points` factors up to `factor_max`. Uplift is known in closed
+    form. A factor that the model cannot resolve (free flight) counts as reached.
+
+    The factors (s, m) [-] are inf where none is found. Rotation need not grow with the factor: above the first one the
+    limit state may be left again. The step (m,) is the ratio of neighbouring factors of the scan [-]: where a limit
+    state is reached in a narrower interval only, the factor is one that lies higher. It is one where nothing can be
+    missed: uplift alone, or uplift beyond the search.
+    """
+    record = scene.record
+    solved, vertical = _acting(scene, equation)
+    capacities, step = np.empty((len(states), *block.shape)), np.ones(block.shape)
+    for row, state in enumerate(states):
+        if state == UPLIFT:
+            factor = uplift_scale(block, record.acceleration, solved, vertical)
+        else:
+            found = critical_scale(
+                block,
+                record.acceleration,
+                record.dt,
+                equation=solved,
+                vertical=vertical,
+                level=None if state == OVERTURNING else float(state),
+                factor_max=factor_max,
+                points=points,
+            )
+            factor, step = found.safety_factor, found.step
+        capacities[row] = np.where(factor <= factor_max, factor, np.inf)
+    return capacities, step
+
+
+def reached_at(
+    scene: Scene, block: Block, states: Sequence[str | float], equation: str, factors: np.ndarray
+) -> np.ndarray:
+    """Whether a record reaches the states of :func:`scale_capacities` at given factors (r, m), r for each lane.
+
+    The answer (s, r, m) is 1 for reached, 0 for not, :data:`NOT_KNOWN` where the model cannot say.
+    """
+    record = scene.record
+    solved, vertical = _acting(scene, equation)
+    lifted = uplift_scale(block, record.acceleration, solved, vertical)
+    reached = np.empty((len(states), *factors.shape), dtype=np.int8)
+    for column, own in enumerate(factors):
+        response = recorded_response(
+            block,
+            record.acceleration,
+            record.dt,
+            equation=solved,
+            vertical=vertical,
+            block_scale=own,
+        )
+        overturned = np.equal(response.outcome, Outcome.OVERTURNS)
+        known = np.not_equal(response.outcome, Outcome.UNRESOLVED)
+        for row, state in enumerate(states):
+            if state == UPLIFT:
+                reached[row, column] = own > lifted
+            else:
+                over = overturned if state == OVERTURNING else np.asarray(response.peak_rotation_ratio) >= float(state)
+                reached[row, column] = np.where(known, over, NOT_KNOWN)
+    return reached
+
+
+def _acting(scene: Scene, model: str) -> tuple[Equation, np.ndarray | None]:
+    """The equation of motion of a model, and the vertical acceleration that acts by it."""
+    equation = MODELS[model].equation
+    assert equation is not None
+    return equation, MODELS[model].vertical_of(scene)
 
 
 class Lanes(NamedTuple):
@@ -49,13 +131,9 @@ def motion_capacity(
     at, "reached" (1, s, r, m), whether the limit state was, and "weight" (1, r). Beyond ``[fragility] factors`` a
     scaled record stands for no recorded one: an incremental analysis ends there, and a stripe has no answer.
 
-    With a `selection` the factors and weights of stripes are those of the rows of the record; one without a row is left
-    out.
-
-    With a body before a wall the motion and its reverse are two rows, of one earthquake.
-
-    Raises ValueError where the motion has no intense phase or the model refuses its numbers, TooWeak below the smallest
-    PGA.
+    With a `selection` the factors and weights of stripes are those of the rows of the record. With a body before a wall
+    the motion and its reverse are two rows, of one earthquake. Raises ValueError where the motion has no intense phase
+    or the model refuses its numbers, TooWeak below the smallest PGA or without a row of the selection.
     """
     with watch("condition"):
         scene = extract(motion.record, config, motion.vertical)
@@ -78,22 +156,14 @@ def motion_capacity(
                 there = aloft(ground, place, config)
             own = np.flatnonzero(np.isin(lanes.owner, numbers))
             with watch("solve"):
-                values = _capacity(ground, there, lanes.block.chosen(own), config, selection)
+                values = _capacity(ground, there, lanes.block.take(own), config, selection)
             for name, array in values.items():
                 whole = np.empty((*array.shape[:-1], lanes.owner.size), dtype=array.dtype)
                 found.setdefault(name, whole)[..., own] = array
+        named = {"record": f"{record.id} reversed" if reverse else record.id, "source": record.source}
         qualities = record_qualities(scene)
-        name = f"{record.id} reversed" if reverse else record.id
-        rows.append(
-            {
-                **found,
-                **_weights(record.id, config, selection),
-                "record": name,
-                "source": record.source,
-                "qualities": [qualities[quality] for quality in QUALITIES],
-                **facts_of(scene),
-            }
-        )
+        told = {"qualities": [qualities[name] for name in QUALITIES], **facts_of(scene)}
+        rows.append({**found, **_weights(record.id, config, selection), **named, **told})
     return {name: np.array([row[name] for row in rows]) for name in rows[0]}
 
 
@@ -115,12 +185,8 @@ def record_qualities(scene: Scene) -> dict[str, float]:
 
 def _reversed(scene: Scene) -> Scene:
     """The scene of the reverse of a motion."""
-    record, waves = scene.record, scene.waves
-    return replace(
-        scene,
-        record=replace(record, acceleration=-record.acceleration),
-        waves=replace(waves, impulse=-waves.impulse, peak=-waves.peak),
-    )
+    waves = replace(scene.waves, impulse=-scene.waves.impulse, peak=-scene.waves.peak)
+    return replace(scene, record=replace(scene.record, acceleration=-scene.record.acceleration), waves=waves)
 
 
 def _stripes(config: Config, selection: Selection | None) -> int:
@@ -148,8 +214,8 @@ def _capacity(
     measures = record_measures(ground, block, settings.measures)
     if settings.data == "ida":
         end = min(search.factor_max, settings.factors[1])
-        capacities = scale_capacities(there, block, settings.limit_states, settings.equation, end, search.points)
-        return {"measures": measures, "factors": capacities.factors, "step": capacities.step}
+        first, step = scale_capacities(there, block, settings.limit_states, settings.equation, end, search.points)
+        return {"measures": measures, "factors": first, "step": step}
     factors = np.ones((1, *block.shape))
     if selection is not None:
         chosen = [amount for amount, _ in selection.rows[ground.record.id]]

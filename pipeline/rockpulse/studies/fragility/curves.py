@@ -9,14 +9,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 import numpy as np
-from scipy.special import stdtrit
 
-from rocking.quantities import ArrayLike
+from rocking.arguments import ArrayLike
+from rockpulse.earthquakes import FEWEST_EVENTS, jackknife_half_width
 from rockpulse.errors import ConfigError
-from rockpulse.motions.events import FEWEST_EVENTS
 from rockpulse.remark import as_stored
 from rockpulse.storage.variables.fragility import Band, Extrapolated, Status
 from rockpulse.studies.fragility.likelihood import ABOVE, EXACT, FAMILIES, NOT_ABOVE, Family, Observations, maximise
@@ -75,17 +73,9 @@ class Curve:
     _spread: float
 
     def probability(self, levels: ArrayLike) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """The curve and its pointwise band.
+        """The curve and its pointwise band at levels (k,) of the measure, positive.
 
-        Parameters
-        ----------
-        levels : (k,) array_like
-            Values of the measure, positive.
-
-        Returns
-        -------
-        probability, low, high : (k,) ndarray
-            [-]; NaN where there is no curve, or no band.
+        Probability, low and high, (k,) each [-]; NaN where there is no curve, or no band.
         """
         levels = np.asarray(levels, dtype=float)
         if self.status == Status.STEP:
@@ -93,11 +83,8 @@ class Curve:
             return np.where(levels >= self.median, 1.0, 0.0), nothing, nothing
         u = (np.log(levels) - self._centre) / self._spread
         eta = self._theta[:, :1] + self._theta[:, 1:2] * u
-        half = self._half_width(eta)
+        half = jackknife_half_width(eta, self.confidence) if self.band == Band.GIVEN else np.nan
         return self._family.cdf(eta[0]), self._family.cdf(eta[0] - half), self._family.cdf(eta[0] + half)
-
-    def _half_width(self, estimates: np.ndarray) -> Any:
-        return half_width(estimates, self.confidence) if self.band == Band.GIVEN else np.nan
 
     @cached_property
     def log_beta(self) -> np.ndarray:
@@ -225,7 +212,7 @@ def fit_curve(rows: Observations, model: str = "lognormal", confidence: float = 
     a, b = theta.T
     with np.errstate(invalid="ignore"):
         estimates = np.stack([centre - a / b * spread, np.log(family.deviation * spread / b)], axis=1)
-    half = half_width(estimates, confidence) if band == Band.GIVEN else np.full(2, np.nan)
+    half = jackknife_half_width(estimates, confidence) if band == Band.GIVEN else np.full(2, np.nan)
     with np.errstate(over="ignore"):  # a limit beyond the largest number is inf
         median, low, high = (np.exp(values) for values in (estimates[0], estimates[0] - half, estimates[0] + half))
     if status == Status.STEP:
@@ -262,17 +249,6 @@ def standardised(values: np.ndarray) -> tuple[np.ndarray, float, float]:
     """Values (n,), not all equal, brought to mean zero and standard deviation one; then that mean and deviation."""
     centre, spread = float(np.mean(values)), float(np.std(values))
     return (values - centre) / spread, centre, spread
-
-
-def half_width(estimates: np.ndarray, confidence: float) -> np.ndarray:
-    """Half the width (...) of confidence intervals of estimates (1 + K, ...): of all data, then without each event."""
-    return np.asarray(stdtrit(estimates.shape[0] - 2, 0.5 + 0.5 * confidence) * jackknife_error(estimates))
-
-
-def jackknife_error(estimates: np.ndarray) -> np.ndarray:
-    """Standard errors (...) of estimates (1 + K, ...): of all data, then without each of K events."""
-    events = estimates.shape[0] - 1
-    return np.asarray(np.sqrt((events - 1) / events * np.sum((estimates[1:] - estimates[0]) ** 2, axis=0)))
 
 
 def _band(status: Status, events: int, theta: np.ndarray) -> Band:

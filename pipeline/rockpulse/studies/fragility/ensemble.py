@@ -16,17 +16,16 @@ import numpy as np
 from scipy.special import stdtr
 
 from rockpulse.config.configuration import Config, config_from_text
-from rockpulse.config.fragility_settings import OVERTURNING
-from rockpulse.motions.events import FEWEST_EVENTS
-from rockpulse.motions.runner import Part, joined
+from rockpulse.config.study_settings import OVERTURNING
+from rockpulse.earthquakes import FEWEST_EVENTS, jackknife_error, jackknife_half_width
 from rockpulse.motions.tables import Selection
 from rockpulse.record.measures import MEASURES
+from rockpulse.run.analysis import Part, joined
 from rockpulse.storage.variables.fragility import QUALITIES, STATED, TESTED, Status
 from rockpulse.storage.variables.summary import FACTS
-from rockpulse.studies.fragility.capacity import nothing
-from rockpulse.studies.fragility.curves import Curve, fit_curve, half_width, jackknife_error, standardised
+from rockpulse.studies.fragility.capacity import NOT_KNOWN, nothing
+from rockpulse.studies.fragility.curves import Curve, fit_curve, standardised
 from rockpulse.studies.fragility.likelihood import ABOVE, EXACT, FAMILIES, NOT_ABOVE, Observations, maximise
-from rockpulse.studies.fragility.limit_states import NOT_KNOWN
 from rockpulse.studies.fragility.statements import missing
 
 if TYPE_CHECKING:
@@ -48,7 +47,7 @@ def dispersion_ratio(curve: Curve, reference: Curve) -> tuple[float, float, floa
     events, so that the scatter they have in common cancels.
     """
     difference = curve.log_beta - reference.log_beta
-    half = np.nan if curve.events < FEWEST_EVENTS else half_width(difference, curve.confidence)
+    half = np.nan if curve.events < FEWEST_EVENTS else jackknife_half_width(difference, curve.confidence)
     ratio, low, high = np.exp(difference[0] + np.array([0.0, -half, half]))
     return float(ratio), float(low), float(high)
 

@@ -7,7 +7,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from rockpulse.motions.events import FEWEST_EVENTS
+from rockpulse.earthquakes import FEWEST_EVENTS
 from rockpulse.remark import Remark, counted
 from rockpulse.storage.variables.fragility import Band, Extrapolated, Status
 from rockpulse.studies.fragility.likelihood import ABOVE, EXACT, NOT_ABOVE, Observations, has_maximum

@@ -3,6 +3,10 @@
 .. note:: lambda = integral of P(x) (-dH/dx) dx. What comes from levels that no record was looked at, or that the hazard
    was not given for, is counted and told, and nothing is cut off but what cannot be: in PGA no level below the uplift
    of a body on the ground counts.
+
+   A body that overturns lambda times a year has stood for T years with the probability exp(-lambda T). At a confidence
+   q that leaves frequencies up to -ln(1 - q)/T; a larger one contradicts the hazard, whose rates would have to be lower
+   by the ratio of the two, for lambda is proportional to them: a precarious rock is a test of the hazard.
 """
 
 from __future__ import annotations
@@ -14,11 +18,11 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from rockpulse.config.configuration import Config
-from rockpulse.config.fragility_settings import OVERTURNING, UPLIFT
+from rockpulse.config.study_settings import OVERTURNING, UPLIFT
 from rockpulse.errors import ConfigError, ResultsError
 from rockpulse.record.measures import PGA
 from rockpulse.storage.variables.fragility import FRAGILITY, Status
-from rockpulse.storage.variables.risk import RISK, RiskStatus
+from rockpulse.storage.variables.risk import RISK, STANDING, RiskStatus
 from rockpulse.studies.fragility.ensemble import stored_ensemble
 from rockpulse.studies.fragility.likelihood import ABOVE, FAMILIES, NOT_ABOVE, Family, Observations
 from rockpulse.studies.fragility.statements import STATEMENTS, missing
@@ -27,7 +31,6 @@ from rockpulse.studies.risk.integral import FEWEST_EVENTS, LEAST_EVENTS, Integra
 
 if TYPE_CHECKING:
     import xarray as xr
-
 
 #: The horizontal component that a hazard has to be of, by [records] components.
 COMPONENTS = {
@@ -47,10 +50,19 @@ DATA = {
     "cloud": "records as they are, not scaled (cloud)",
 }
 
+#: Share of a frequency that comes from levels that nothing was looked at, from which on that is told.
+OUTSIDE = 0.1
+
+#: Levels whose contributions are told, and the share of the frequency that they hold.
+BINS, HELD = 16, 0.998
+
+#: A and B of a fragility that is 1 at every level above its floor.
+CERTAIN = (40.0, 1e-9)
+
 
 def several_events(count: int) -> str:
     """The number of earthquakes in words."""
-    return "1 earthquake" if count == 1 else f"{count} earthquakes"
+    return f"{count} earthquake{'' if count == 1 else 's'}"
 
 
 def hazard_assumed(remarks: Iterable[str], config: Config) -> str:
@@ -61,21 +73,10 @@ def hazard_assumed(remarks: Iterable[str], config: Config) -> str:
 
 def fragility_assumed(config: Config, model: str, records: int, events: int) -> str:
     """The fragility of a file: its data, its distribution, and how records count."""
-    settings = config.fragility
-    of = "records chosen elsewhere" if settings.selection is not None else DATA[settings.data]
-    alike = "by their weights" if settings.selection is not None else "alike"
+    settings, chosen = config.fragility, config.fragility.selection is not None
+    of, alike = ("records chosen elsewhere", "by their weights") if chosen else (DATA[settings.data], "alike")
     shown = f"{records} record{'' if records == 1 else 's'} of {several_events(events)}"
     return f"of {of}; {model}, {settings.equation} equation, {shown}, in which records count {alike}"
-
-
-#: Share of a frequency that comes from levels that nothing was looked at, from which on that is told.
-OUTSIDE = 0.1
-
-#: Levels whose contributions are told, and the share of the frequency that they hold.
-BINS, HELD = 16, 0.998
-
-#: A and B of a fragility that is 1 at every level above its floor.
-CERTAIN = (40.0, 1e-9)
 
 
 class _Asked(NamedTuple):
@@ -183,10 +184,8 @@ def annual_frequency(
         _of_body(ensemble.observations(*place, [lane]), floor, asked)
         for lane, floor in enumerate(_floors(table, hazard))
     ]
-    values = {name: np.array([one[name] for one in found]) for name in found[0]}
-    risk = xr.Dataset(
-        {name: variable.variable(values[name]) for name, variable in RISK.items()}, {"block": table["block"]}
-    )
+    columns = {name: one.variable(np.array([row[name] for row in found])) for name, one in RISK.items()}
+    risk = xr.Dataset(columns, {"block": table["block"]})
     risk.attrs.update(
         hazard=hazard.words,
         hazard_assumed=hazard_assumed(hazard.remarks, ensemble.config),
@@ -207,16 +206,20 @@ def _of_body(rows: Observations, floor: float, asked: _Asked) -> dict[str, Any]:
     found: dict[str, Any] = dict.fromkeys(RISK, np.nan) | {"bin_low": nothing, "bin_high": nothing, "share": nothing}
     found |= {"events": len(rows.events), "status": RiskStatus.NO_CURVE, "statement": "", "warning": ""}
     if asked.uplift and _lifted_from(rows, floor):
-        whole = integrate(asked.family, CERTAIN, asked.hazard, _log(asked.hazard.covered), floor)
+        with np.errstate(divide="ignore"):
+            low, high = np.log(asked.hazard.covered).tolist()
+        whole = integrate(asked.family, CERTAIN, asked.hazard, (low, high), floor)
         told = "every ground motion above the acceleration that lifts it does: exact, no band"
-        return found | _told(whole, *_log(asked.hazard.covered), asked, rows) | {"statement": told}
+        return found | _told(whole, low, high, asked) | {"statement": told}
     status = missing(rows)
     if status != Status.FITTED:
         return found | {"statement": f"{STATEMENTS[status](rows)} ({asked.hazard.measure} in SI units)"}
     lines = fitted_lines(rows, asked.family)
     if not lines[0, 1] > 0.0:
         return found | {"statement": STATEMENTS[Status.NOT_INCREASING](rows)}
-    low, high = _looked_at(rows, asked.hazard)
+    # Levels between which records were looked at and the hazard was given.
+    least = max(float(rows.level[0]), asked.hazard.covered[0])
+    low, high = math.log(least), math.log(max(least, min(float(rows.level[-1]), asked.hazard.covered[1])))
     whole = integrate(asked.family, (lines[0, 0], lines[0, 1]), asked.hazard, (low, high), floor)
     if not math.isfinite(whole.frequency):
         return found | {
@@ -224,11 +227,11 @@ def _of_body(rows: Observations, floor: float, asked: _Asked) -> dict[str, Any]:
             "statement": "no frequency: the fragility falls towards small levels less than the hazard rises; it would "
             "rest on levels that nothing was looked at",
         }
-    found |= _told(whole, low, high, asked, rows)
+    found |= _told(whole, low, high, asked)
     return found | (_band(rows, lines, whole, floor, asked) if asked.resamples else {})
 
 
-def _told(whole: Integral, low: float, high: float, asked: _Asked, rows: Observations) -> dict[str, Any]:
+def _told(whole: Integral, low: float, high: float, asked: _Asked) -> dict[str, Any]:
     """A frequency with the levels that contribute, and the warning of those beyond the logarithms of two levels."""
     below, above = whole.between(-math.inf, low), whole.between(high, math.inf)
     return {
@@ -246,10 +249,8 @@ def _told(whole: Integral, low: float, high: float, asked: _Asked, rows: Observa
 def _warning(below: float, above: float, low: float, high: float, hazard: Hazard) -> str:
     """What is to be told of the shares from levels below and above those that were looked at; empty for small ones."""
     told = []
-    for share, limit, side, end in (
-        (below, low, "below", hazard.covered[0]),
-        (above, high, "above", hazard.covered[1]),
-    ):
+    ends = zip((below, above), (low, high), ("below", "above"), hazard.covered, strict=True)
+    for share, limit, side, end in ends:
         if share > OUTSIDE:
             curve = math.isclose(math.exp(limit), end)
             of = "where the hazard curve ends" if curve else "beyond which no record was looked at"
@@ -270,18 +271,15 @@ def _band(rows: Observations, lines: np.ndarray, whole: Integral, floor: float, 
     lost = f"{limits.lost:.0%} of the draws of the earthquakes make no curve, or none without one of them"
     if math.isnan(limits.low):
         return {"statement": f"no band: {lost if limits.lost else 'without one of the earthquakes there is no curve'}"}
-    told = (
-        []
-        if events >= LEAST_EVENTS
-        else [f"the band is too narrow: {several_events(events)}, {LEAST_EVENTS} are needed"]
-    )
-    told += [f"{lost}: they are left out of the band"] if limits.lost else []
-    ends = {"low": limits.low, "high": limits.high}
-    return {
-        **{f"frequency_{end}": value for end, value in ends.items()},
-        **{f"probability_{end}": -math.expm1(-value * asked.years) for end, value in ends.items()},
-        "statement": "; ".join(told),
-    }
+    told = []
+    if events < LEAST_EVENTS:
+        told.append(f"the band is too narrow: {several_events(events)}, {LEAST_EVENTS} are needed")
+    if limits.lost:
+        told.append(f"{lost}: they are left out of the band")
+    found: dict[str, Any] = {"statement": "; ".join(told)}
+    for end, value in (("low", limits.low), ("high", limits.high)):
+        found |= {f"frequency_{end}": value, f"probability_{end}": -math.expm1(-value * asked.years)}
+    return found
 
 
 def _lifted_from(rows: Observations, floor: float) -> bool:
@@ -298,21 +296,8 @@ def _floors(table: xr.Dataset, hazard: Hazard) -> list[float]:
     """
     if hazard.measure != PGA:
         return [-math.inf] * table.sizes["block"]
-    lifting = table["uplift_acceleration"].values
-    return np.where(np.isnan(lifting), -math.inf, np.log(np.where(np.isnan(lifting), 1.0, lifting))).tolist()
-
-
-def _log(ends: tuple[float, float]) -> tuple[float, float]:
-    with np.errstate(divide="ignore"):
-        low, high = np.log(ends).tolist()
-    return low, high
-
-
-def _looked_at(rows: Observations, hazard: Hazard) -> tuple[float, float]:
-    """Logarithms of the levels between which records were looked at and the hazard was given."""
-    least, most = hazard.covered
-    low = max(float(rows.level[0]), least)
-    return math.log(low), math.log(max(low, min(float(rows.level[-1]), most)))
+    lifting = np.log(table["uplift_acceleration"].values)
+    return np.where(np.isnan(lifting), -math.inf, lifting).tolist()
 
 
 def _contributions(whole: Integral) -> dict[str, np.ndarray]:
@@ -322,3 +307,57 @@ def _contributions(whole: Integral) -> dict[str, np.ndarray]:
     edges = np.linspace(low, high, BINS + 1)
     share = np.diff(np.interp(edges, whole.log_level, summed))
     return {"bin_low": np.exp(edges[:-1]), "bin_high": np.exp(edges[1:]), "share": share}
+
+
+def standing_test(risk: xr.Dataset, age: float, confidence: float = 0.95) -> xr.Dataset:
+    """What it says of the hazard that bodies have stood for so many years.
+
+    Parameters
+    ----------
+    risk : xarray.Dataset
+        Of :func:`rockpulse.annual_frequency` for overturning, or of :func:`rockpulse.inventory_frequency`.
+    age : float
+        Time for which the bodies have stood as they are [years].
+    confidence : float
+        At which a frequency is excluded [-].
+
+    Returns
+    -------
+    xarray.Dataset
+        Over the bodies: `chance` = exp(-frequency age) with `chance_low` and `chance_high` at the limits of the
+        frequency, `largest`, the frequency at which the chance is 1 - confidence [1/year], `factor` on the rates of
+        the hazard that leads to it, and `contradicted`.
+
+    Raises
+    ------
+    ConfigError
+        For an age that is not positive, or a confidence that is none.
+
+    References
+    ----------
+    Brune, J. N. (1996), Bull. Seismol. Soc. Am. 86(1A), 43-54.
+
+    Examples
+    --------
+    >>> import xarray as xr
+    >>> risk = xr.Dataset({name: ("body", [1e-3]) for name in ("frequency", "frequency_low", "frequency_high")})
+    >>> found = standing_test(risk, age=5000.0)  # exp(-5) = 0.0067; -ln(0.05)/5000 = 5.99e-4
+    >>> [round(float(found[name].item()), 6) for name in ("chance", "largest", "factor", "contradicted")]
+    [0.006738, 0.000599, 0.599146, 1.0]
+    """
+    import xarray as xr
+
+    if not (math.isfinite(age) and age > 0.0) or not 0.0 < confidence < 1.0:
+        raise ConfigError(f"age, confidence: expected a positive time and a share, got {age!r}, {confidence!r}")
+    frequency, low, high = (risk[f"frequency{end}"].values for end in ("", "_low", "_high"))
+    largest = np.full(frequency.shape, -math.log1p(-confidence) / age)
+    values = {
+        **{f"chance{end}": np.exp(-one * age) for end, one in (("", frequency), ("_low", high), ("_high", low))},
+        "largest": largest,
+        "factor": largest / frequency,
+        "contradicted": np.where(np.isnan(frequency), -1, frequency > largest),
+    }
+    dims = tuple(map(str, risk["frequency"].dims))
+    found = xr.Dataset({name: one.variable(values[name], dims) for name, one in STANDING.items()}, risk.coords)
+    found.attrs.update(age=age, confidence=confidence)
+    return found

@@ -77,10 +77,8 @@ class PowerLawHazard(_Hazard):
 
     Attributes
     ----------
-    k0 : float
-        Rate at the level 1 in the unit [1/year].
-    k : float
-        Slope in the logarithms [-].
+    k0, k : float
+        Rate at the level 1 in the unit [1/year], and slope in the logarithms [-].
     measure : str
         Intensity measure, of those that serve hazards in :data:`rockpulse.record.measures.MEASURES`, such as "pga".
     unit : str
@@ -152,20 +150,14 @@ class HazardCurve(_Hazard):
 
     Attributes
     ----------
-    measure : str
-        As for :class:`PowerLawHazard`.
-    level : (n,) ndarray
-        Levels in SI units, ascending.
-    rates : (n,) ndarray
-        Annual rates of exceedance [1/year], positive and not rising.
+    level, rates : (n,) ndarray
+        Levels in SI units, ascending, and annual rates of exceedance [1/year], positive and not rising.
     source : str
         Where it comes from, for messages.
     unit : str
         In which levels are told; that in SI without.
-    soil_factor : float
-        Levels at the ground of the site over those of the curve [-].
-    remarks : tuple of str
-        What is to be known of the curve, in words.
+    measure, soil_factor, remarks
+        As for :class:`PowerLawHazard`.
 
     Raises
     ------
@@ -265,10 +257,8 @@ class SiteHazards:
     ----------
     hazards : tuple of PowerLawHazard or HazardCurve
         The different ones, all of one measure and unit.
-    of_body : (m,) ndarray
-        The number of the hazard of each body.
-    distance : (m,) ndarray
-        From the site of each body to the place that its hazard was computed for [m]; NaN where that is not known.
+    of_body, distance : (m,) ndarray
+        The number of the hazard of each body, and how far from its site its hazard was computed [m]; NaN: not known.
 
     Raises
     ------
@@ -294,11 +284,6 @@ class SiteHazards:
             )
         object.__setattr__(self, "of_body", numbers)
         object.__setattr__(self, "distance", distance)
-
-    @classmethod
-    def of_all(cls, hazard: Hazard, count: int) -> SiteHazards:
-        """One hazard for so many bodies."""
-        return cls((hazard,), np.zeros(count, int), np.full(count, np.nan))
 
     @classmethod
     def distinct(
@@ -352,19 +337,17 @@ class SiteHazards:
 
     def log_rate(self, log_level: np.ndarray) -> np.ndarray:
         """ln of the annual rate of each body at logarithms (m, ...) of levels in SI units."""
-        return self._of_each(log_level, lambda one, at: one.log_rate(at))
+        return self._of_each(log_level, "log_rate")
 
     def integral_above(self, log_level: np.ndarray) -> np.ndarray:
         """The integral of each rate over ln x from logarithms (m, ...) of levels in SI units upwards [1/year]."""
-        return self._of_each(log_level, lambda one, at: one.integral_above(at))
+        return self._of_each(log_level, "integral_above")
 
-    def _of_each(self, log_level: np.ndarray, read: Callable[[Hazard, np.ndarray], np.ndarray]) -> np.ndarray:
-        if len(numbers := np.unique(self.of_body).tolist()) == 1:
-            return read(self.hazards[numbers[0]], log_level)
+    def _of_each(self, log_level: np.ndarray, method: str) -> np.ndarray:
         found = np.empty(log_level.shape)
-        for number in numbers:
+        for number in np.unique(self.of_body).tolist():
             own = self.of_body == number
-            found[own] = read(self.hazards[number], log_level[own])
+            found[own] = getattr(self.hazards[number], method)(log_level[own])
         return found
 
     def log_ends(self) -> tuple[np.ndarray, np.ndarray]:

@@ -12,10 +12,9 @@ import numpy as np
 import pandas as pd
 from numpy.typing import ArrayLike
 
-from rockpulse.config.hazard_settings import HazardSettings
+from rockpulse.config.study_settings import HazardSettings
 from rockpulse.errors import ConfigError
-from rockpulse.input_file import read_text
-from rockpulse.input_table import numbers, separator, table_of
+from rockpulse.files import numbers, read_text, separator, table_of
 from rockpulse.record.measures import MEASURES, PGA, ROWS
 from rockpulse.studies.risk.hazard import (
     Hazard,
@@ -43,6 +42,7 @@ OF_PERIOD = re.compile(r"(?:tr?=?(\d+)_?ag|ag_?(?:tr?=?)?(\d+))(?:\[(.+)\])?")
 class _Sheet(NamedTuple):
     """Levels in their unit and annual rates [1/year], (k,) for every place or (n, k), and what is to be known."""
 
+    path: str
     measure: str
     unit: str
     level: np.ndarray
@@ -51,10 +51,10 @@ class _Sheet(NamedTuple):
     remarks: tuple[str, ...] = ()
     rock: bool = False  #: whether the levels are said to be those on rock
 
-    def curve(self, path: str, row: int, soil_factor: float, remarks: tuple[str, ...] = ()) -> HazardCurve:
+    def curve(self, row: int, soil_factor: float, remarks: tuple[str, ...] = ()) -> HazardCurve:
         """The curve of a row in SI units, without the points at which a probability was 1 or 0."""
-        in_si = unit_factor(self.measure, self.unit, path)
-        where = path if self.places is None else f"{path}, place {named(*self.places[row])}"
+        in_si = unit_factor(self.measure, self.unit, self.path)
+        where = self.path if self.places is None else f"{self.path}, place {named(*self.places[row])}"
         level, rate = (values[row] if values.ndim > 1 else values for values in (self.level, self.rates))
         order = np.argsort(level, kind="stable")
         kept = order[np.isfinite(rate[order]) & (rate[order] > 0.0)]
@@ -68,22 +68,24 @@ class _Sheet(NamedTuple):
             remarks += ("a_g is that on rock: soil_factor brings it to other ground",)
         return HazardCurve(self.measure, in_si * level[kept], rate[kept], where, self.unit, soil_factor, remarks)
 
-    def at(self, path: str, site: tuple[float, float] | None) -> tuple[int, tuple[str, ...]]:
+    def at(self, site: tuple[float, float] | None) -> tuple[int, tuple[str, ...]]:
         """The row of a site, and how far away its place is in words; ConfigError where one cannot be chosen."""
-        if self.places is None and site is not None:
+        if self.places is None:
+            if site is None:
+                return 0, ()
             raise ConfigError(
-                f"{path}: one curve without a place, but a site was named; expected OpenQuake's hazard curves or the "
-                "grid of NTC 2008, or no longitude and latitude"
+                f"{self.path}: one curve without a place, but a site was named; expected OpenQuake's hazard curves or "
+                "the grid of NTC 2008, or no longitude and latitude"
             )
-        if self.places is not None and site is not None:
-            rows, distance = nearest_places(path, self.places, _checked_sites([site]))
+        if site is not None:
+            rows, distance = nearest_places(self.path, self.places, _checked_sites([site]))
             return int(rows[0]), (f"{1e-3 * distance[0]:.1f} km from the site",)
-        if self.places is not None and len(self.places) > 1:
+        if len(self.places) > 1:
             raise ConfigError(
-                f"{path}: curves of {len(self.places)} sites; name one by its longitude and latitude ([hazard] "
+                f"{self.path}: curves of {len(self.places)} sites; name one by its longitude and latitude ([hazard] "
                 "longitude, latitude, or --site)"
             )
-        return 0, () if self.places is None else ("the only place of the file",)
+        return 0, ("the only place of the file",)
 
 
 def load_hazard(path: str | Path, site: tuple[float, float] | None = None, soil_factor: float = 1.0) -> HazardCurve:
@@ -105,7 +107,7 @@ def load_hazard(path: str | Path, site: tuple[float, float] | None = None, soil_
     Returns
     -------
     HazardCurve
-        In SI units. Points without a finite positive rate, at which a probability was 1 or 0, are left out.
+        In SI units, without points at which a probability was 1 or 0.
 
     Raises
     ------
@@ -113,8 +115,8 @@ def load_hazard(path: str | Path, site: tuple[float, float] | None = None, soil_
         For a file that is none of these, of several sites where none was named, or of none near the one that was.
     """
     sheet = _read(path)
-    row, remarks = sheet.at(str(path), site)
-    return sheet.curve(str(path), row, soil_factor, remarks)
+    row, remarks = sheet.at(site)
+    return sheet.curve(row, soil_factor, remarks)
 
 
 def load_site_hazards(path: str | Path, sites: ArrayLike, soil_factor: ArrayLike = 1.0) -> SiteHazards:
@@ -139,18 +141,15 @@ def load_site_hazards(path: str | Path, sites: ArrayLike, soil_factor: ArrayLike
     ConfigError
         As :func:`load_hazard`; for a file without places, or sites and soil factors that do not fit.
     """
-    name, sheet, asked = str(path), _read(path), _checked_sites(sites)
+    sheet, asked = _read(path), _checked_sites(sites)
     if sheet.places is None:
         raise ConfigError(
             f"{path}: one curve without a place, but the bodies have sites; expected OpenQuake's hazard curves or the "
             "grid of NTC 2008, or a table of bodies without longitude and latitude"
         )
-    rows, distance = nearest_places(name, sheet.places, asked)
-    return SiteHazards.distinct(
-        np.stack([rows, of_each(soil_factor, len(asked), "soil factor")], axis=1),
-        lambda row, factor: sheet.curve(name, int(row), factor),
-        distance,
-    )
+    rows, distance = nearest_places(sheet.path, sheet.places, asked)
+    keys = np.stack([rows, of_each(soil_factor, len(asked), "soil factor")], axis=1)
+    return SiteHazards.distinct(keys, lambda row, factor: sheet.curve(int(row), factor), distance)
 
 
 def _checked_sites(sites: ArrayLike) -> np.ndarray:
@@ -211,10 +210,9 @@ def _of_factor(settings: HazardSettings, folder: Path) -> Callable[[float], Haza
         raise ConfigError(
             "[hazard]: expected a file or the power law k0, k in the configuration, or --hazard, found neither"
         )
-    path = folder / settings.file
-    sheet = _read(path)
-    row, remarks = sheet.at(str(path), site)
-    return lambda factor: sheet.curve(str(path), row, factor, remarks)
+    sheet = _read(folder / settings.file)
+    row, remarks = sheet.at(site)
+    return lambda factor: sheet.curve(row, factor, remarks)
 
 
 def _read(path: str | Path) -> _Sheet:
@@ -258,7 +256,7 @@ def _levels(path: str, table: pd.DataFrame, heads: list[str]) -> _Sheet:
         raise ConfigError(f"{path}: {EXPECTED}; found the columns {', '.join(heads) or 'none'}")
     second = numbers(path, table, heads[1])
     rate = _rates(path, second, float(years[1])) if years else second
-    return _Sheet(_measure_of(path, first[1]), first[2].strip(), numbers(path, table, heads[0]), rate)
+    return _Sheet(path, _measure_of(path, first[1]), first[2].strip(), numbers(path, table, heads[0]), rate)
 
 
 def _return_periods(path: str, table: pd.DataFrame, heads: list[str]) -> _Sheet:
@@ -269,7 +267,7 @@ def _return_periods(path: str, table: pd.DataFrame, heads: list[str]) -> _Sheet:
     period, level = numbers(path, table, heads[0]), numbers(path, table, heads[named["ag"]])
     if np.any(period <= 0.0):
         raise ConfigError(f"{path}: expected positive return periods [years], found {period.min():g}")
-    return _Sheet(PGA, unit[1].strip(), level, 1.0 / period, rock=True)
+    return _Sheet(path, PGA, unit[1].strip(), level, 1.0 / period, rock=True)
 
 
 def _with_one_heading(lines: list[str]) -> str:
@@ -301,7 +299,7 @@ def _grid(path: str, table: pd.DataFrame, heads: list[str], places: np.ndarray) 
         raise ConfigError(f"{path}: expected positive return periods [years], found {period.min():g}")
     level = np.stack([numbers(path, table, heads[place]) for place, _ in columns], axis=1)
     unit = units.pop()
-    return _Sheet(PGA, unit, level, 1.0 / period, places, (f"a_g read in {unit}",), rock=True)
+    return _Sheet(path, PGA, unit, level, 1.0 / period, places, (f"a_g read in {unit}",), rock=True)
 
 
 def _openquake(path: str, lines: list[str]) -> _Sheet:
@@ -325,7 +323,7 @@ def _openquake(path: str, lines: list[str]) -> _Sheet:
     except ValueError as error:
         raise ConfigError(f"{path}, line 2: expected a level behind poe-: {error}") from None
     probability = np.stack([numbers(path, table, heads[place]) for place in columns], axis=1)
-    return _Sheet(measure, unit, level, _rates(path, probability, years), places)
+    return _Sheet(path, measure, unit, level, _rates(path, probability, years), places)
 
 
 #: Distance of a site beyond which its hazard stands for no other [km].

@@ -20,7 +20,8 @@ from typing import NamedTuple
 import numpy as np
 from scipy.special import logsumexp
 
-from rockpulse.studies.fragility.curves import jackknife_error, standardised
+from rockpulse.earthquakes import Limits, bootstrap_t_limits, draw_earthquakes, jackknife_error
+from rockpulse.studies.fragility.curves import standardised
 from rockpulse.studies.fragility.likelihood import Family, Observations, maximise
 from rockpulse.studies.risk.hazard import Hazard
 
@@ -32,6 +33,13 @@ TAIL, NORMAL_REACH, LOGISTIC_REACH = 30.0, 9.0, 40.0
 
 #: Logarithm of a level that no ground reaches: a fragility that counts below its inverse has no frequency.
 FARTHEST = 300.0
+
+#: Fewest earthquakes from which a band covers what it says, and from which there is one.
+LEAST_EVENTS, FEWEST_EVENTS = 14, 4
+
+#: Capacities over which the frequencies of the draws are summed, as arguments of the family's distribution.
+STEP = 0.1
+CAPACITY = np.arange(-60.0, 40.0, STEP)
 
 
 class Integral(NamedTuple):
@@ -127,25 +135,6 @@ def _decay(rate: float, length: float) -> float:
     return 1.0 / rate if length == math.inf else -math.expm1(-rate * length) / rate
 
 
-#: Fewest earthquakes from which a band covers what it says, and from which there is one.
-LEAST_EVENTS, FEWEST_EVENTS = 14, 4
-
-#: Largest share of the draws that may have no frequency, or none without one of their earthquakes.
-LOST = 0.1
-
-#: Capacities over which the frequencies of the draws are summed, as arguments of the family's distribution.
-STEP = 0.1
-CAPACITY = np.arange(-60.0, 40.0, STEP)
-
-
-class Limits(NamedTuple):
-    """The limits of a frequency, NaN where too many draws are lost, and the share of the draws that are."""
-
-    low: float
-    high: float
-    lost: float
-
-
 def fitted_lines(rows: Observations, family: Family) -> np.ndarray:
     """A and B (1 + events, 2) in ln of the level of the fits to all rows, and without each earthquake."""
     events = len(rows.events)
@@ -191,7 +180,7 @@ def band_of(
     """
     events = len(rows.events)
     error = jackknife_error(_frequencies(family, lines, hazard, floor)[:, np.newaxis])[0]
-    counts = np.random.default_rng(seed).multinomial(events, np.full(events, 1.0 / events), size=resamples)
+    counts = draw_earthquakes(events, resamples, seed)
     fewer = np.maximum(counts[:, np.newaxis] - np.eye(events, dtype=int), 0)
     weights = np.concatenate([counts[:, np.newaxis], fewer], axis=1).reshape(-1, events)
     drawn = _frequencies(family, _lines(rows, family, weights), hazard, floor).reshape(resamples, -1)
@@ -199,14 +188,4 @@ def band_of(
     moved = np.where(counts > 0, drawn[:, 1:] - drawn[:, :1], 0.0)
     with np.errstate(invalid="ignore", divide="ignore"):
         spread = np.sqrt((events - 1) / events * np.sum(counts * moved**2, axis=1))
-        return quantiles((drawn[:, 0] - estimate) / spread, estimate, error, confidence)
-
-
-def quantiles(share: np.ndarray, estimate: float, error: float, confidence: float) -> Limits:
-    """The limits exp(estimate - share error) by what (q,) draws say of (theirs - estimate)/error; NaN is a lost one."""
-    known = share[np.isfinite(share)]
-    lost = 1.0 - known.size / share.size
-    if lost > LOST or not (np.isfinite(error) and error > 0.0):
-        return Limits(math.nan, math.nan, lost)
-    high, low = np.quantile(known, [0.5 - 0.5 * confidence, 0.5 + 0.5 * confidence])
-    return Limits(math.exp(estimate - low * error), math.exp(estimate - high * error), lost)
+        return bootstrap_t_limits((drawn[:, 0] - estimate) / spread, estimate, error, confidence)

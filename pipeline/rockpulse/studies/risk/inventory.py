@@ -14,16 +14,15 @@ from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-from scipy.special import stdtrit
 
-from rocking.block import Block
+from rocking.body.block import Block
 from rockpulse.config.configuration import config_from_text
+from rockpulse.earthquakes import lognormal_mean_half_width, mean_weights
 from rockpulse.errors import ConfigError
-from rockpulse.input_file import read_text
-from rockpulse.input_table import numbers, table_of
+from rockpulse.files import numbers, read_text, table_of
 from rockpulse.record.measures import PGA
 from rockpulse.storage.variables.risk import INVENTORY, RiskStatus
-from rockpulse.studies.risk.body_curves import BodyCurves, chosen, curves_in_parts, event_weights, spectra_of
+from rockpulse.studies.risk.free_bodies import BodyCurves, chosen, curves_in_parts, spectra_of
 from rockpulse.studies.risk.frequency import hazard_assumed, several_events
 from rockpulse.studies.risk.hazard import Hazard, SiteHazards
 from rockpulse.studies.risk.integral import FEWEST_EVENTS
@@ -53,12 +52,8 @@ def read_inventory(path: str | Path) -> Inventory:
     """Free rectangular bodies from a CSV table with the columns name, width [m] and height [m].
 
     It may have restitution, longitude and latitude [degrees] (or lon, lat) and soil_factor; others are passed over.
-
-    Raises
-    ------
-    ConfigError
-        For a file that is no such table, a name that is empty or twice, numbers that are not positive, half of a site
-        or one that is none.
+    Raises ConfigError for a file that is no such table, a name that is empty or twice, numbers that are not positive,
+    half of a site or one that is none.
     """
     where = Path(path)
     if not where.exists() or where.is_dir():
@@ -160,36 +155,35 @@ def inventory_frequency(
     spectra, summary = spectra_of(results, hazard.measure)
     if not (math.isfinite(years) and years > 0.0) or not 0.0 < confidence < 1.0:
         raise ConfigError(f"years, confidence: expected a positive time and a share, got {years!r}, {confidence!r}")
-    lanes = block if block.shape else block.lanes(1)
+    lanes = block.lanes()
     count = lanes.shape[0]
-    every = hazard if isinstance(hazard, SiteHazards) else SiteHazards.of_all(hazard, count)
-    if every.of_body.size != count:
-        raise ConfigError(f"hazard: expected one for each of {count} bodies, got {every.of_body.size}")
+    if not isinstance(hazard, SiteHazards):
+        hazard = SiteHazards((hazard,), np.zeros(count, int), np.full(count, np.nan))
+    if hazard.of_body.size != count:
+        raise ConfigError(f"hazard: expected one for each of {count} bodies, got {hazard.of_body.size}")
     config = config_from_text(str(results.attrs["configuration"]))
-    events = event_weights([str(event) for event in summary["event"].values])
+    events = mean_weights(summary["event"].values.astype(str))
     found = {name: np.full(count, np.nan) for name in INVENTORY}
-    found["status"] = np.full(count, RiskStatus.NOT_COVERED)
-    found["hazard_distance"] = every.distance
+    found |= {"status": np.full(count, RiskStatus.NOT_COVERED), "hazard_distance": hazard.distance}
     for places, curves in curves_in_parts(spectra, summary, lanes, hazard.measure):
-        values = _of_bodies(curves, events, every.chosen(places), config.fragility.factors, confidence)
+        values = _of_bodies(curves, events, hazard.chosen(places), config.fragility.factors, confidence)
         for name, part in values.items():
             found[name][places] = part
     found["probability"] = -np.expm1(-found["frequency"] * years)
     found["survival"] = np.exp(-found["frequency"] * years)
     risk = xr.Dataset({name: variable.variable(found[name]) for name, variable in INVENTORY.items()})
-    low, high = config.fragility.factors
     risk.attrs.update(
-        hazard=every.words,
-        hazard_assumed=hazard_assumed(every.remarks, config),
+        hazard=hazard.words,
+        hazard_assumed=hazard_assumed(hazard.remarks, config),
         fragility=f"the mean of each record's own P of overturning, without a fit: {events.shape[1]} records of "
         f"{several_events(events.shape[0])}, in which earthquakes count alike",
         measure=hazard.measure,
         unit=hazard.unit,
         unit_in_si=hazard.unit_in_si,
-        covered_low=every.covered[0],
-        covered_high=every.covered[1],
-        factor_low=low,
-        factor_high=high,
+        covered_low=hazard.covered[0],
+        covered_high=hazard.covered[1],
+        factor_low=config.fragility.factors[0],
+        factor_high=config.fragility.factors[1],
         events=events.shape[0],
         years=years,
         confidence=confidence,
@@ -235,18 +229,6 @@ def _of_bodies(
         "status": np.full(frequency.size, RiskStatus.GIVEN),
     }
     if events.shape[0] >= FEWEST_EVENTS:
-        half = half_widths(of_events, confidence)
+        half = lognormal_mean_half_width(of_events, confidence)
         found["frequency_low"], found["frequency_high"] = frequency * np.exp(-half), frequency * np.exp(half)
     return found
-
-
-def half_widths(of_events: np.ndarray, confidence: float) -> np.ndarray:
-    """Half the width (m,) of the interval of ln of the mean over k lognormal frequencies (m, k).
-
-    With s^2 the variance of their logarithms, that of ln of the mean is s^2/k + s^4/(2 (k - 1)) (Cox, in Land 1972,
-    Technometrics 14(1), 145-158); times Student's t with k - 1 degrees of freedom.
-    """
-    count = of_events.shape[1]
-    variance = np.var(np.log(of_events), axis=1, ddof=1)
-    error = np.sqrt(variance / count + variance**2 / (2.0 * (count - 1)))
-    return np.asarray(stdtrit(count - 1, 0.5 + 0.5 * confidence) * error)

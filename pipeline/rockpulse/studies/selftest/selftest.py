@@ -15,11 +15,11 @@ from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
-from rocking.block import Block
-from rocking.floor import floor_motion
-from rocking.recorded import recorded_response
+from rocking.body.block import Block
+from rocking.body.restraint import Tie
+from rocking.body.supports import floor_motion
+from rocking.march.recorded import recorded_response
 from rocking.response import Outcome
-from rocking.restraint import Tie
 from rockpulse.studies.selftest.baseline import response as by_solve_ivp
 
 __all__ = ["COLUMNS", "TABLE", "Case", "Stored", "Tried", "stored_cases", "tried"]
@@ -138,10 +138,10 @@ def tried(stored: Stored) -> Tried:
         ground, dt, up = floor.acceleration, floor.dt, np.zeros(floor.acceleration.size)
     options: dict[str, Any] = {"equation": case.equation, "vertical": up if case.vertical else None, "threads": 1}
     found = recorded_response(block, ground, dt, scale=case.scale, **options)
-    outcome, peak = Outcome(found.outcome).name, float(found.peak_rotation_ratio)
+    outcome, peak = Outcome(int(found.outcome)).name, float(found.peak_rotation_ratio)
     start = time.perf_counter()
     many = recorded_response(block, ground, dt, scale=case.scale * FACTORS, **options)
-    cost = _cost(start, int(np.sum(many.active_samples)))
+    cost = _cost(start, int(np.sum(np.asarray(many.active_samples))))
     error = _error(stored, outcome, peak)
     if case.kind != "plain" or ground.size > FEW_SAMPLES:
         return Tried(stored, outcome, error, cost, np.nan, np.nan)

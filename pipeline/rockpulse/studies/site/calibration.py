@@ -2,31 +2,33 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable, Sequence
 from functools import cached_property, partial
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import numpy as np
+import xarray as xr
 
-from rocking.block import Block
-from rockpulse.calibration.response_targets import block_family
+from rocking.body.block import Block
+from rocking.impulses.impulse_sequence import ImpulseSequence
 from rockpulse.config.bodies import gather_bodies, refuse_aloft
 from rockpulse.config.configuration import Config, given_config, located
 from rockpulse.config.settings import WEIGHTS
-from rockpulse.errors import ConfigError, RecordRefused
-from rockpulse.failures import Failure, alike, told
+from rockpulse.errors import ConfigError, Failure, RecordRefused, ResultsError, alike, told
 from rockpulse.motions.directions import PlannedMotion, planned_ids
-from rockpulse.motions.runner import Analysis, Blocks, Part, Prepared, Work, joined, run
 from rockpulse.motions.tables import read_weight_table, record_weights
 from rockpulse.record.record import Record
+from rockpulse.run.analysis import Analysis, Blocks, Part, Prepared, Work, joined, run
+from rockpulse.sequences.design_spectrum import DesignSpectrum
+from rockpulse.sequences.response_targets import block_family
+from rockpulse.storage.hdf5.atomic import ASSESSMENT, named
+from rockpulse.storage.hdf5.results_file import load
+from rockpulse.storage.variables import failure_table
 from rockpulse.storage.variables.site import SITE_KIND
-from rockpulse.studies.site.record import no_site_record, site_record
-from rockpulse.studies.site.spectrum import no_spectrum_record, site_spectrum_record
-from rockpulse.studies.site.spectrum_tree import build_spectrum_tree
-from rockpulse.studies.site.tree import build_site_tree
-
-if TYPE_CHECKING:
-    import xarray as xr
+from rockpulse.studies.site.records import no_site_record, site_record
+from rockpulse.studies.site.sequence_design import sequence_design
+from rockpulse.studies.site.spectrum_design import no_spectrum_record, site_spectrum_record, spectrum_design
 
 
 def calibrate_site(
@@ -53,11 +55,9 @@ def calibrate_site(
     blocks : mapping of str to (width, height), Block or BlockSettings, or sequence of BlockSettings, optional
         The bodies that the design is read for, or whose rotations it is to cover, in place of those of the
         configuration. Where neither names one, the spectrum is stored alone, and one sequence covers a family of 100
-        (:func:`rockpulse.calibration.response_targets.block_family`).
-    failures : iterable of Failure
-        Files and channels that reading has left out, to be stored with the results.
-    progress : callable, optional
-        Wraps the list of channels or pairs on its way into the loop, as ``tqdm.tqdm`` does.
+        (:func:`rockpulse.sequences.response_targets.block_family`).
+    failures, progress
+        As for :func:`rockpulse.assess`.
 
     Returns
     -------
@@ -131,10 +131,16 @@ class SiteCalibration(Analysis):
         return no_site_record(self.lanes)
 
     def _bodies(self, blocks: Blocks) -> tuple[list[str], Block | None]:
-        """Names and lanes of the bodies; a spectrum needs none."""
-        if self.by_spectrum and not blocks:
+        """Names and lanes of the bodies, of several restitutions several; a family of 100 where a sequence has none."""
+        if not blocks and self.by_spectrum:
             return [], None
-        names, lanes = site_family(blocks)
+        if not blocks:
+            lanes = block_family()
+            named = np.column_stack([lanes.p, lanes.alpha_c, lanes.restitution])
+            return [f"p {p:.3g} alpha {alpha:.3g} C {c:.3g}" for p, alpha, c in named], lanes
+        bodies = gather_bodies(blocks)
+        refuse_aloft(bodies, "a site is calibrated on the motion of its ground")
+        names, lanes, _ = bodies.apart()
         others = [name for name, free in zip(names, np.asarray(lanes.free), strict=True) if not free]
         if others and not self.by_spectrum:
             raise ConfigError(
@@ -164,19 +170,71 @@ class SiteCalibration(Analysis):
         rows = sorted(failures, key=lambda row: row.stage == "events")
         remarks = [row.reason for row in rows if row.stage == "events"]
         if self.lanes is None or self.by_spectrum:
-            return build_spectrum_tree(done, weights, self.block_names, self.lanes, self.config, rows, remarks)
-        return build_site_tree(done, weights, self.block_names, self.lanes, self.config, rows, remarks)
+            nodes = spectrum_design(done, weights, self.block_names, self.lanes, self.config, remarks)
+            title = "Overturning spectrum of a site"
+        else:
+            nodes = sequence_design(done, weights, self.block_names, self.lanes, self.config, remarks)
+            title = "Design sequence of impulses of a site"
+        settings = self.config.calibration
+        nodes["/site"].attrs |= {
+            "method": settings.method,
+            "scaled_to": settings.scale_to if settings.target is None else f"{settings.scale_to} {settings.target:g}",
+            "weights": settings.weighting,
+        }
+        return self.described(xr.DataTree.from_dict({**nodes, "/failures": failure_table(rows)}), title)
 
 
-def site_family(blocks: Blocks) -> tuple[list[str], Block]:
-    """Names and (m,) lanes of the bodies whose rotations are to be covered, a family of 100 where there are none.
+def load_design(path: str | Path) -> DesignSpectrum | ImpulseSequence:
+    """The design that ``rockpulse calibrate`` has stored.
 
-    A body with several restitutions is several.
+    Parameters
+    ----------
+    path : str or Path
+        A site file.
+
+    Returns
+    -------
+    DesignSpectrum or ImpulseSequence
+        The design spectrum, which has a sequence for every body; one sequence for all of them where the file was made
+        by the method "response" or "statistics".
+
+    Raises
+    ------
+    ResultsError
+        For a file that is no results file of rockpulse, of another kind, or of too few earthquakes for a design.
+    OSError
+        Where the file cannot be opened.
     """
-    if not blocks:
-        lanes = block_family()
-        named = np.column_stack([lanes.p, lanes.alpha_c, lanes.restitution])
-        return [f"p {p:.3g} alpha {alpha:.3g} C {c:.3g}" for p, alpha, c in named], lanes
-    bodies = gather_bodies(blocks)
-    refuse_aloft(bodies, "a site is calibrated on the motion of its ground")
-    return bodies.apart()[:2]
+    tree = load(path)
+    kind = tree.attrs.get("kind", ASSESSMENT)
+    if kind != SITE_KIND:
+        raise ResultsError(f"{path}: expected a site file of 'rockpulse calibrate', found {named(kind)}")
+    return design_of(tree, str(path))
+
+
+def design_of(tree: xr.DataTree, name: str = "site") -> DesignSpectrum | ImpulseSequence:
+    """The design of a site in memory (:func:`rockpulse.calibrate_site`), as :func:`load_design` reads it from a file.
+
+    `name` stands for the site in the message where there is no design.
+    """
+    site = tree["site"].to_dataset()
+    if site.attrs["method"] == "spectrum":
+        spectra = tree["spectra"].to_dataset()
+        if np.isnan(spectra["spectrum_design"].values).any():
+            raise ResultsError(f"{name}: no design: {str(site['remarks'].item()).splitlines()[0]}")
+        return DesignSpectrum(
+            spectra["p"].values,
+            spectra["restitution"].values,
+            spectra["spectrum_design"].values,
+            spectra["ratio"].values,
+            spectra["main_count"].values.astype(int),
+        )
+    value = dict(zip(site["parameter"].values.tolist(), site["design"].values.tolist(), strict=True))
+    return ImpulseSequence(
+        main=value["main"],
+        secondary=min(value["ratio"] * value["main"], value["main"]),
+        interval=value["interval"],
+        duration=math.inf if math.isnan(value["duration"]) else value["duration"],
+        main_count=None if math.isnan(value["main_count"]) else int(value["main_count"]),
+        spacing=str(site.attrs["spacing"]),
+    )

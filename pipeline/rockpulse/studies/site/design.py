@@ -20,10 +20,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.stats import norm
 
-from rocking.block import Block
-from rocking.sequence import ImpulseSequence, sequence_response
+from rocking.body.block import Block
+from rocking.impulses.impulse_sequence import ImpulseSequence
+from rocking.impulses.sequence import sequence_response
+from rockpulse.earthquakes import ROUNDING, bootstrap_interval, log_moments, weighted_quantile
 from rockpulse.errors import RecordRefused
-from rockpulse.studies.site.statistics import ROUNDING, bootstrap_interval, correlation, log_moments, weighted_quantile
 
 #: Parameters of a sequence, in the order of the tables.
 PARAMETERS = ("main", "ratio", "interval", "main_count", "duration")
@@ -52,15 +53,20 @@ class SiteSample:
     peaks: np.ndarray  # (n, m)
     weights: np.ndarray  # (n,) not negative, not all zero
     events: np.ndarray  # (n,) number of each record's event
-    blocks: Block  # (m,) blocks
+    blocks: Block  # (m,)
     spacing: str  # of the secondary impulses of all sequences
 
     @property
     def logarithms(self) -> np.ndarray:
-        """(n, 5) Logarithms of the values; NaN where there is none, a secondary impulse of zero included."""
+        """(n, 5) logarithms of the values; NaN where there is none, a secondary impulse of zero included."""
         with np.errstate(divide="ignore"):
             logarithms = np.log(self.values)
         return np.where(np.isfinite(logarithms), logarithms, np.nan)
+
+    @property
+    def counted(self) -> np.ndarray:
+        """(n, m) whether a pair of record and block counts."""
+        return ~np.isnan(self.peaks) & (self.weights[:, np.newaxis] > 0.0)
 
     def part(self, kept: np.ndarray) -> SiteSample:
         """The sample of some records, those of `kept` (n,) bool."""
@@ -84,7 +90,7 @@ def design_sequence(sample: SiteSample, quantile: float, design: str) -> Impulse
 
 def _by_response(sample: SiteSample, quantile: float) -> ImpulseSequence:
     shape = _sequence(_medians(sample), sample)
-    if not np.any(_counted(sample)):
+    if not np.any(sample.counted):
         raise RecordRefused(
             "no record sets any block rocking, so there is no rotation to cover: take other blocks or scale the records"
         )
@@ -104,7 +110,7 @@ def _by_response(sample: SiteSample, quantile: float) -> ImpulseSequence:
                 f"I_s/I = {shape.secondary / shape.main:.3g} and spacing {sample.spacing!r}: take another spacing"
             )
         low, high = float(mains[short[-1]]), float(mains[short[-1] + 1])
-    return _resized(shape, high)
+    return replace(shape, main=high, secondary=min(shape.secondary / shape.main * high, high))
 
 
 def _by_parameters(sample: SiteSample, quantile: float) -> ImpulseSequence:
@@ -155,10 +161,6 @@ def _sequence(values: np.ndarray, sample: SiteSample) -> ImpulseSequence:
     )
 
 
-def _resized(shape: ImpulseSequence, main: float) -> ImpulseSequence:
-    return replace(shape, main=main, secondary=min(shape.secondary / shape.main * main, main))
-
-
 def _range(sample: SiteSample) -> tuple[float, float]:
     """Main impulses from the weakest that is tried to one that overturns every block in its first half-cycle.
 
@@ -166,10 +168,6 @@ def _range(sample: SiteSample) -> tuple[float, float]:
     """
     critical = np.atleast_1d(sample.blocks.critical_impulse)
     return WEAKEST * float(critical.min()), 4.0 * float(critical.max())
-
-
-def _counted(sample: SiteSample) -> np.ndarray:
-    return ~np.isnan(sample.peaks) & (sample.weights[:, np.newaxis] > 0.0)
 
 
 def covered(sample: SiteSample, sequence: ImpulseSequence) -> np.ndarray:
@@ -195,7 +193,7 @@ def _event_sums(sample: SiteSample, reached: np.ndarray, stands: np.ndarray) -> 
     A pair is covered by the sequences whose peak on the block is at least the recorded one; the blocks that count with
     each sequence are those that stand, (q, m).
     """
-    counted = _counted(sample)
+    counted = sample.counted
     hits, total = np.zeros((2, int(sample.events.max()) + 1, reached.shape[0]))
     for record, event in enumerate(sample.events):
         of = counted[record]
@@ -221,7 +219,7 @@ def overturning_limit(sample: SiteSample, sequence: ImpulseSequence, quantile: f
     bracket = math.log(high / low) / (GRID - 1) / (REFINED - 1) ** ROUNDS
     reached = _reached(sample, sequence, sequence.main * np.array([1.0 - 2.0 * bracket, 1.0]))
     stands = ~np.isinf(reached)
-    fallen = stands[0] & ~stands[1] & _counted(sample).any(axis=0)
+    fallen = stands[0] & ~stands[1] & sample.counted.any(axis=0)
     hits, total = (sums.sum() for sums in _event_sums(sample, reached[:1], stands[:1]))
     kept_hits, kept = (sums.sum() for sums in _event_sums(sample, reached[:1], stands.all(axis=0, keepdims=True)))
     limits = _falls_short(hits, total, quantile) and not _falls_short(kept_hits, kept, quantile)
@@ -261,7 +259,7 @@ def main_impulse_interval(
     enough = ~_falls_short(draws @ kept_hits, draws @ kept, quantile)
     limited = (step > 0) & (step <= last) & enough[rows, np.clip(step - 1, 0, last - 1)]
     most = np.bincount(step[limited], minlength=1).max() / rows.size
-    if most > 0.5 or not np.any(covered(sample, sequence)[_counted(sample)] != BEYOND):
+    if most > 0.5 or not np.any(covered(sample, sequence)[sample.counted] != BEYOND):
         return math.nan, math.inf
     bounded = (step <= last) & (counted[rows, np.minimum(step, last)] > 0.0)
     resampled = np.where(bounded, np.log(mains)[np.minimum(step, last)], math.inf)
@@ -269,3 +267,31 @@ def main_impulse_interval(
     lower, upper = bootstrap_interval(middle, resampled, sizes, confidence)
     grid = math.log(mains[1] / mains[0])
     return math.exp(np.minimum(lower, middle - grid)), math.exp(np.maximum(upper, middle + grid))
+
+
+def correlation(logarithms: np.ndarray, weights: np.ndarray) -> np.ndarray:
+    """Weighted correlation (p, p) of logarithms (n, p), over the records that have both parameters.
+
+    The logarithms are NaN where a record does not have the parameter, the correlation where one of the two does not
+    vary.
+
+    Examples
+    --------
+    >>> correlation(np.log([[1.0, 2.0], [2.0, 4.0], [4.0, 8.0]]), np.ones(3)).round(6).tolist()
+    [[1.0, 1.0], [1.0, 1.0]]
+    """
+    count = logarithms.shape[1]
+    matrix = np.full((count, count), np.nan)
+    for row in range(count):
+        for column in range(row + 1):
+            both = np.isfinite(logarithms[:, row]) & np.isfinite(logarithms[:, column]) & (weights > 0.0)
+            if not np.any(both):
+                continue
+            pair = logarithms[both][:, [row, column]]
+            if np.any(np.ptp(pair, axis=0) <= 1e-12 * (1.0 + np.abs(pair[0]))):
+                continue
+            pair = pair - np.average(pair, axis=0, weights=weights[both])
+            covariance = pair.T @ (weights[both, np.newaxis] * pair)
+            value = covariance[0, 1] / np.sqrt(covariance[0, 0] * covariance[1, 1])
+            matrix[row, column] = matrix[column, row] = np.clip(value, -1.0, 1.0)
+    return matrix

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from rockpulse.remark import Remark
-from rockpulse.studies.site.record import USUAL_FACTORS
+from rockpulse.studies.site.records import USUAL_FACTORS
 
 #: With fewer than these the intervals are those of a guess, and are called so.
 FEWEST_RECORDS, FEWEST_EVENTS = 10, 5

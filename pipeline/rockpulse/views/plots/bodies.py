@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rocking.outline import Outline
-from rockpulse.config.restraint_settings import floors_from_text
+from rocking.body.outline import Outline
+from rockpulse.config.block_settings import floors_from_text
 from rockpulse.views.plots.selection import block_of, one_name
 from rockpulse.views.plots.style import BLACK, BLUE, GREY, ORANGE, PALE, RED, SMALL, figure_of
 from rockpulse.views.plots.words import plain, wrapped
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from matplotlib.patches import Polygon
 
-    from rocking.block import Block
+    from rocking.body.block import Block
 
 __all__ = ["bodies", "outlines"]
 

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import xarray as xr
 
-from rocking.block import Block
-from rocking.impulse_sequence import ImpulseSequence
+from rocking.body.block import Block
+from rocking.impulses.impulse_sequence import ImpulseSequence
 from rocking.response import Response
 from rockpulse.errors import ResultsError
 from rockpulse.record.half_wave import HalfWaves

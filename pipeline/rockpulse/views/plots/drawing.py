@@ -10,7 +10,7 @@ import numpy as np
 from rockpulse.assessment.overturning import overturning_spectrum
 from rockpulse.assessment.spectrum import ALPHAS, P
 from rockpulse.assessment.spectrum import rocking_spectrum as compute_spectrum
-from rockpulse.config.uncertainty_settings import UncertaintySettings
+from rockpulse.config.study_settings import UncertaintySettings
 from rockpulse.errors import ConfigError, ResultsError
 from rockpulse.views.plots.bodies import bodies
 from rockpulse.views.plots.critical_factors import critical_scale, overturning_map

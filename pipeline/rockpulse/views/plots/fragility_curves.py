@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rockpulse.config.fragility_settings import OVERTURNING, UPLIFT
-from rockpulse.config.hazard_settings import HazardSettings
+from rockpulse.config.study_settings import OVERTURNING, UPLIFT, HazardSettings
 from rockpulse.record.measures import PGA
 from rockpulse.views.plots.selection import one_name, setting
 from rockpulse.views.plots.style import (

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rocking.svg_lines import thinned
+from rocking.pictures import thinned
 from rockpulse.views.plots.style import (
     BLACK,
     BLUE,

@@ -8,10 +8,10 @@ from typing import Any
 
 import numpy as np
 
-from rocking.block import Block
-from rocking.impulse_sequence import ImpulseSequence
+from rocking.body.block import Block
+from rocking.impulses.impulse_sequence import ImpulseSequence
+from rocking.impulses.sequence import impulse_train, sequence_response
 from rocking.response import Outcome
-from rocking.sequence import impulse_train, sequence_response
 from rockpulse.views.plots.style import (
     BLACK,
     BLUE,

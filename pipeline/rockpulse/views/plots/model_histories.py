@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from rocking.block import Block
+from rocking.body.block import Block
 from rocking.response import IMPACT_CUTOFF, Outcome
 from rockpulse.errors import ResultsError
 from rockpulse.model_table import DRAWN, FOLLOWING, MODELS, SEQUENCE_MODELS

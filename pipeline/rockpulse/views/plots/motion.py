@@ -6,12 +6,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rocking.impulse_sequence import ImpulseSequence
-from rockpulse.calibration.estimators import calibrate
+from rocking.impulses.impulse_sequence import ImpulseSequence
 from rockpulse.errors import RecordRefused, ResultsError
 from rockpulse.record.half_wave import HalfWaves, half_waves
 from rockpulse.record.intensity import IntensePhase, intense_phase
 from rockpulse.record.record import Record
+from rockpulse.sequences.estimators import calibrate
 from rockpulse.storage.variables import real
 from rockpulse.storage.variables.assessment import WAVES
 from rockpulse.storage.variables.summary import RECORD

@@ -2,7 +2,7 @@
 
 .. note:: Rotations are in units of alpha_c and velocities u = theta'/(p alpha_c). Each half-cycle starts from its own
    row of the table, so that nothing is carried over from one to the next. The first main impulse is positive: the block
-   starts to rock about its left-hand corner, theta < 0, as in :func:`~rocking.sequence.impulse_train`.
+   starts to rock about its left-hand corner, theta < 0, as in :func:`~rocking.impulses.sequence.impulse_train`.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rocking.motion import CRITICAL_TOLERANCE, state
+from rocking.impulses.half_cycle import CRITICAL_TOLERANCE, state
 
 __all__ = ["HalfCycle", "rotation_history", "secondary_impulses"]
 
@@ -60,7 +60,7 @@ def rotation_history(
     """Signed rotation theta/alpha_c [-] at increasing instants from the first main impulse [s], within the half-cycles.
 
     An overturning half-cycle comes last; `p` is in 1/s and `secondary` is a = u_1 I_s/I [-]. In the half-cycle that
-    overturns the main impulse alone is followed, as in :func:`~rocking.sequence.impulse_train`, up to alpha_c; NaN from
+    overturns the main impulse alone is followed, as in :func:`~rocking.impulse_train`, up to alpha_c; NaN from
     there on. A block that was given just the critical velocity creeps up to alpha_c for ever.
     """
     pieces: list[_Piece] = []

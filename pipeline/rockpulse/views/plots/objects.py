@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rocking.block import Block
-from rocking.impulse_sequence import ImpulseSequence
+from rocking.body.block import Block
+from rocking.impulses.impulse_sequence import ImpulseSequence
+from rocking.pictures import thinned
 from rocking.response import Outcome, Response
-from rocking.svg_lines import thinned
 from rockpulse.record.half_wave import STRONG, HalfWaves
 from rockpulse.views.plots.bodies import outlines
 from rockpulse.views.plots.rotation import moving_stretch

@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rockpulse.motions.events import FEWEST_EVENTS
-from rockpulse.studies.site.statistics import weighted_quantile
+from rockpulse.earthquakes import FEWEST_EVENTS, weighted_quantile
 from rockpulse.views.plots.demand_marks import factors_to_demands
 from rockpulse.views.plots.selection import plain_bodies
 from rockpulse.views.plots.spectrum_map import body_marks, size_scale

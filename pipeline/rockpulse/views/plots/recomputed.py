@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from rocking.block import Block
+from rocking.body.block import Block
 from rocking.response import Response
 from rockpulse.assessment.places import floor_record
 from rockpulse.assessment.senses import acting
-from rockpulse.config.restraint_settings import floors_from_text
+from rockpulse.config.block_settings import floors_from_text
 from rockpulse.errors import ResultsError
 from rockpulse.model_row import Scene
 from rockpulse.model_table import MODELS

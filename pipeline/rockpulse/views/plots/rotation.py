@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from rocking.svg_lines import thinned
+from rocking.pictures import thinned
 from rockpulse.model_table import SEQUENCE_MODELS, is_full
 from rockpulse.views.plots.model_histories import History
 from rockpulse.views.plots.style import (

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rocking.block import Block
-from rocking.impulse_sequence import ImpulseSequence
-from rocking.restraint import Restraints
+from rocking.body.block import Block
+from rocking.body.restraint import Restraints
+from rocking.impulses.impulse_sequence import ImpulseSequence
 from rockpulse.config.configuration import stored_sections
 from rockpulse.errors import ResultsError
 from rockpulse.model_table import ModelSettings

@@ -9,7 +9,7 @@ import numpy as np
 from rocking.response import Outcome
 from rockpulse.assessment.answers import Answers
 from rockpulse.assessment.verdict import BodyVerdict, Standing, standings, why_unknown
-from rockpulse.config.uncertainty_settings import UncertaintySettings
+from rockpulse.config.study_settings import UncertaintySettings
 from rockpulse.model_table import is_upper_bound
 from rockpulse.views.report.records import record_label
 from rockpulse.views.shared.columns import (

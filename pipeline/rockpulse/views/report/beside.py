@@ -13,8 +13,7 @@ import numpy as np
 
 from rockpulse.assessment.answers import Answers, Body, bodies_of
 from rockpulse.config.configuration import stored_sections
-from rockpulse.errors import ResultsError
-from rockpulse.failures import some
+from rockpulse.errors import ResultsError, some
 from rockpulse.model_table import MODELS, SEQUENCE_MODELS
 from rockpulse.record.measures import PGA
 from rockpulse.storage.hdf5.netcdf4 import flag_words

@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING
 from rockpulse.assessment.answers import Motions, answers_of
 from rockpulse.assessment.verdict import BodyVerdict, verdicts
 from rockpulse.config.configuration import config_from_text, stored_sections
-from rockpulse.config.report_settings import PNG, logo_bytes
-from rockpulse.config.uncertainty_settings import UncertaintySettings
+from rockpulse.config.study_settings import PNG, UncertaintySettings, logo_bytes
 from rockpulse.errors import ResultsError
 from rockpulse.model_table import MODELS
 from rockpulse.storage.hdf5.results_file import WRITTEN_BY

@@ -13,8 +13,8 @@ from typing import Any
 
 import numpy as np
 
-from rocking.outline import Outline, TieLine
-from rocking.svg_lines import thinned
+from rocking.body.outline import Outline, TieLine
+from rocking.pictures import thinned
 from rockpulse.record.record import STANDARD_GRAVITY
 from rockpulse.views.shared.terminal import figure
 from rockpulse.views.shared.words import say

@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from rocking.block import Block
-from rocking.outline import Outline
+from rocking.body.block import Block
+from rocking.body.outline import Outline
 from rockpulse.assessment.answers import Answers, Body
 from rockpulse.assessment.overturning import overturning_curve
 from rockpulse.errors import ResultsError

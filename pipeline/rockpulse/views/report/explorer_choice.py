@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rocking.crossing import factor_at
+from rocking.spectrum.probability import factor_at
 from rockpulse.assessment.answers import Answers
 
 #: Factors on each record.

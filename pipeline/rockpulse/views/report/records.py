@@ -13,7 +13,7 @@ import numpy as np
 
 from rockpulse.assessment.answers import Answers
 from rockpulse.assessment.design_sequence import NAME
-from rockpulse.failures import alike
+from rockpulse.errors import alike
 from rockpulse.motions.events import UNKNOWN
 from rockpulse.record.measures import PGA
 from rockpulse.record.record import STANDARD_GRAVITY

@@ -12,8 +12,8 @@ from rockpulse.assessment.answers import Answers, Motions
 from rockpulse.assessment.demand import FARTHEST
 from rockpulse.assessment.screens import sliding, worse_screens
 from rockpulse.assessment.verdict import FEWEST_AT_DEMAND, MAY_OVERTURN, BodyVerdict, Grade
+from rockpulse.earthquakes import CONFIDENCE, FEWEST_EVENTS
 from rockpulse.model_table import is_full, is_upper_bound
-from rockpulse.motions.events import CONFIDENCE, FEWEST_EVENTS, share_interval
 from rockpulse.remark import remarked
 from rockpulse.views.report.verdict import of_unknown_event
 from rockpulse.views.shared.columns import doubt_notes, record_cells
@@ -71,7 +71,7 @@ def limits(said: Sequence[Limit], found: Sequence[BodyVerdict], motions: Motions
     else:
         counts = [one.deciding.earthquakes if one.deciding else motions.event_count for one in found]
         fewest = min(counts, default=motions.event_count)
-        most = ratio(float(share_interval(0.0, fewest)[1]))
+        most = ratio(float(probability_interval(0.0, fewest)[1]))
         lines.append(say("limits.earthquakes", events=counted(fewest, "earthquake"), most=most))
     return [*lines, say("limits.not_covered")]
 
@@ -124,7 +124,7 @@ def _confidence(motions: Motions, site: xr.Dataset | None) -> Limit:
         "limits",
         "confidence",
         events=events,
-        most=ratio(float(share_interval(0.0, motions.event_count)[1])),
+        most=ratio(float(probability_interval(0.0, motions.event_count)[1])),
         confidence=share(CONFIDENCE),
         few=few if motions.event_count < FEWEST_EVENTS else "",
         unknown=of_unknown_event(motions),

@@ -9,14 +9,15 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from markupsafe import Markup, escape
 
-from rocking.outline import Outline
+from rocking.body.outline import Outline
 from rockpulse.assessment.answers import Answers, Motions, Share
 from rockpulse.assessment.demand import FARTHEST
 from rockpulse.assessment.verdict import FEWEST_AT_DEMAND, MAY_OVERTURN, OVERTURNS, BodyVerdict, Grade
 from rockpulse.config.configuration import config_from_text
+from rockpulse.earthquakes import CONFIDENCE
 from rockpulse.errors import ResultsError
 from rockpulse.model_table import is_upper_bound
-from rockpulse.motions.events import CONFIDENCE, UNKNOWN
+from rockpulse.motions.events import UNKNOWN
 from rockpulse.record.record import STANDARD_GRAVITY
 from rockpulse.views.plots.selection import block_of
 from rockpulse.views.report.drawings import Support, drawing

@@ -19,7 +19,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from rockpulse.errors import ResultsError
-from rockpulse.file_set import FileSet
+from rockpulse.files import FileSet
 from rockpulse.foreign_text import escaped
 from rockpulse.storage.hdf5.atomic import ASSESSMENT, named
 from rockpulse.storage.hdf5.results_file import load

@@ -17,7 +17,7 @@ import numpy as np
 from rocking.response import Outcome
 from rockpulse.assessment.answers import Answers, Margin
 from rockpulse.assessment.verdict import OVERTURNS, BodyVerdict, Grade
-from rockpulse.readers.channel import CREDIBLE_PEAK_G
+from rockpulse.readers.kit.channel import CREDIBLE_PEAK_G
 from rockpulse.record.measures import PGA, STORED, STORED_OF_BODIES, Measure
 from rockpulse.record.record import STANDARD_GRAVITY
 from rockpulse.remark import remarked

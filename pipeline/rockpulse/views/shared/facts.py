@@ -8,7 +8,7 @@ import re
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
-from rocking.block_limits import radius_of_rectangle
+from rocking.body.limits import radius_of_rectangle
 from rockpulse.motions.event_pairs import names_earthquake
 from rockpulse.motions.events import UNKNOWN
 from rockpulse.record.record import STANDARD_GRAVITY

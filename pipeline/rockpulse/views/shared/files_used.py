@@ -11,7 +11,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from rockpulse.failures import Failure, alike, last_part
+from rockpulse.errors import Failure, alike, last_part
 from rockpulse.record.record import BETWEEN
 from rockpulse.views.shared.words import counted, say
 

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from textwrap import shorten
 from typing import TYPE_CHECKING
 
-from rockpulse.failures import NO_RECORD, Failure, alike, last_part, some, told
+from rockpulse.errors import NO_RECORD, Failure, alike, last_part, some, told
 from rockpulse.remark import PLAIN
 from rockpulse.views.shared.files_used import failure_rows
 from rockpulse.views.shared.terminal import WIDTH, paragraph

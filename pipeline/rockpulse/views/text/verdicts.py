@@ -12,8 +12,8 @@ from rocking.response import Outcome
 from rockpulse.assessment.answers import Answers, searched_up_to
 from rockpulse.assessment.demand import FARTHEST
 from rockpulse.assessment.verdict import FEWEST_AT_DEMAND, MAY_OVERTURN, OVERTURNS, BodyVerdict, verdicts
-from rockpulse.failures import some
-from rockpulse.motions.events import FEWEST_EVENTS
+from rockpulse.earthquakes import FEWEST_EVENTS
+from rockpulse.errors import some
 from rockpulse.record.measures import PGA, PGV
 from rockpulse.views.shared.columns import (
     COLUMNS,

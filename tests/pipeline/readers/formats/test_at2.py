@@ -1,29 +1,28 @@
-"""PEER AT2: spellings of the header, number layouts, refused series."""
+"""PEER AT2: spellings of the header, number layouts, refused series.
+
+PEER's list of a search beside AT2 files: magnitude, Vs30 and names for the files of its rows.
+"""
 
 from __future__ import annotations
 
+import io
+import math
 import time
 
 import numpy as np
 import pytest
 from record_writers import at2, pulse
+from source_files import make_zip
 
 from rockpulse.errors import RecordFormatError, UnitError
 from rockpulse.readers import read
+from rockpulse.readers.folders import read_all
 from rockpulse.readers.format import ReadOptions
 from rockpulse.readers.formats.at2 import is_at2, read_at2
 from rockpulse.readers.source import NotAcceleration, SourceFile
 from rockpulse.record.record import STANDARD_GRAVITY
 
-
-@pytest.fixture
-def write(tmp_path):
-    def written(content: bytes):
-        path = tmp_path / "RSN1.AT2"
-        path.write_bytes(content)
-        return path
-
-    return written
+NAME = "RSN1.AT2"
 
 
 @pytest.mark.parametrize(
@@ -60,12 +59,6 @@ def test_spellings_of_count_and_step(write, line, end):
     (record,) = read(write(at2(values, count_line=line, end=end)))
     assert (record.npts, record.dt) == (203, 0.01)
     assert record.acceleration == pytest.approx(values * STANDARD_GRAVITY, rel=1e-6, abs=1e-9)
-
-
-@pytest.mark.parametrize("series", ["ACCELERATION TIME HISTORY IN UNITS OF G. FILTER POINTS: HP=0.1 Hz", "UNITS: (g)"])
-def test_spellings_of_the_unit(write, series):
-    (record,) = read(write(at2(pulse(), series=series)))
-    assert record.source_unit == "g"
 
 
 @pytest.mark.parametrize(
@@ -149,15 +142,6 @@ def test_a_surplus_is_measured_by_the_first_row(write):
 
 
 @pytest.mark.parametrize(
-    ("component", "orientation"),
-    [("UP", "vertical"), ("DWN", "vertical"), ("090 (CUE)", "horizontal"), ("X", "unknown")],
-)
-def test_orientation(write, component, orientation):
-    (record,) = read(write(at2(pulse(), title=f"Event, 1/1/2000, Station, {component}")))
-    assert record.orientation == orientation
-
-
-@pytest.mark.parametrize(
     "series", ["VELOCITY TIME SERIES IN UNITS OF CM/S", "DISPLACEMENT TIME HISTORY IN UNITS OF CM"]
 )
 def test_velocity_and_displacement_are_refused_by_the_word_on_the_units_line(write, series):
@@ -176,12 +160,6 @@ def test_a_header_without_unit_asks_for_one(write):
     with pytest.raises(UnitError, match="option units"):
         read(path)
     assert read(path, units="g")[0].pga == pytest.approx(0.3 * STANDARD_GRAVITY, rel=1e-6)
-
-
-def test_values_beyond_the_declared_count_are_reported(write):
-    (record,) = read(write(at2(pulse(205), count_line="NPTS= 200, DT= .0100 SEC")))
-    assert record.npts == 200
-    assert "5 values beyond" in record.warnings[0]
 
 
 @pytest.mark.parametrize(
@@ -207,25 +185,10 @@ def test_values_beyond_the_declared_count_are_reported(write):
         (at2([0.1]), RecordFormatError, "at least 2 samples, found 1"),
         (at2(pulse())[:150], RecordFormatError, "expected 400 samples|expected 'NPTS"),
     ],
-    ids=["truncated", "huge", "dt0", "dt-", "ms", "exponent", "variable", "unit", "nan", "one", "no-data"],
 )
 def test_damage_is_named(write, content, error, message):
     with pytest.raises(error, match=message):
         read(write(content))
-
-
-REAL = {
-    "NIS090.AT2": (4096, 0.01, 0.5027, 90.0),
-    "RSN763_LOMAP_GIL067.AT2": (7999, 0.005, 0.3585, 67.0),
-    "RSN763_LOMAP_GIL337.AT2": (7999, 0.005, 0.3266, 337.0),
-}
-
-
-@pytest.mark.parametrize("name", REAL)
-def test_real_files(records_folder, name):
-    (record,) = read(records_folder / "at2" / name)
-    assert (record.npts, record.dt, record.azimuth) == (*REAL[name][:2], REAL[name][3])
-    assert record.pga / STANDARD_GRAVITY == pytest.approx(REAL[name][2], rel=0.02)
 
 
 @pytest.mark.parametrize(
@@ -265,15 +228,6 @@ def test_a_unit_without_the_word_units_is_believed(write, series, unit):
     assert record.source_unit == unit
 
 
-@pytest.mark.parametrize(
-    "series",
-    ["VEL. TIME SERIES (ACCELERATION INTEGRATED) IN UNITS OF G", "DISP TIME HISTORY", "VELOCITY FROM ACCELERATION (G)"],
-)
-def test_short_words_for_velocity_and_displacement_count(write, series):
-    with pytest.raises(NotAcceleration, match=r"RSN1.AT2:3: expected an acceleration series"):
-        read(write(at2(pulse(), series=series)), units="g")
-
-
 def test_an_unknown_unit_without_the_word_units_is_no_unit_of_the_options(write):
     with pytest.raises(UnitError, match=r"RSN1.AT2:3: unknown unit"):
         read(write(at2(pulse(), series="ACCELERATION (FT/SEC/SEC)")), units="g")
@@ -299,7 +253,6 @@ COLUMNS = "".join(f"{0.01 * index:.2f} {value:.6f}\n" for index, value in enumer
         (at2(pulse(), count_line=f"DT= .01, NPTS={'1' * 5000}"), "expected 1{180,} samples"),
         (at2(pulse(), count_line=f"NPTS=4, DT=1E{'1' * 100}"), "expected a positive DT"),
     ],
-    ids=["columns", "surplus", "surplus-of-one-column", "blank", "fraction", "digits", "exponent"],
 )
 def test_other_readings_of_the_numbers_are_refused(write, content, message):
     with pytest.raises(RecordFormatError, match=message):
@@ -309,7 +262,6 @@ def test_other_readings_of_the_numbers_are_refused(write, content, message):
 @pytest.mark.parametrize(
     "line",
     ["NPTS DT " + "NPTS=1 " * 200_000, "NPTS " + "DT=" + "1" * 1_000_000 + "E", "NPTS, DT = " + "1 " * 500_000],
-    ids=["words", "digits", "numbers"],
 )
 def test_a_header_line_without_end_costs_no_time(write, line):
     path = write(b"a\nb, 1/1/2000, c, " + b"(" * 500_000 + f"\nACCELERATION IN UNITS OF G\n{line}\n0.1 0.2\n".encode())
@@ -326,12 +278,6 @@ def test_digits_at_the_end_of_the_title_are_an_azimuth(write, word, azimuth):
         azimuth is not None,
         pytest.approx(np.nan if azimuth is None else azimuth, nan_ok=True),
     )
-
-
-def test_the_name_of_an_event_may_have_a_comma(write):
-    (record,) = read(write(at2(pulse(), title="Chi-Chi, Taiwan, 9/20/1999, CHY101, E")))
-    assert (record.event, record.station_name) == ("Chi-Chi, Taiwan, 9/20/1999", "CHY101")
-    assert record.azimuth == 90.0
 
 
 PEKNOLD = (
@@ -376,24 +322,89 @@ def test_words_behind_the_numbers_end_them(tmp_path):
         (b"words\n" * 9 + b"NPTS= 400, DT= .0100 SEC\n", True),
         (b"words\n" * 10 + b"NPTS= 400, DT= .0100 SEC\n", False),
     ],
-    ids=[
-        "both",
-        "zero-byte",
-        "count-alone",
-        "bare",
-        "bare-without-series",
-        "no-unit",
-        "no-series",
-        "two",
-        "ten",
-        "late",
-    ],
 )
 def test_count_and_interval_in_a_header_of_text_make_the_format(header, expected):
     assert is_at2(header, "a.txt") is expected
 
 
-def test_a_header_that_no_sample_follows_is_a_truncation(write):
-    content = at2(pulse())
-    with pytest.raises(RecordFormatError, match=r"expected 400 .*found 0"):
-        read(write(content[: content.index(b"NPTS") + content[content.index(b"NPTS") :].index(b"\n") + 1]))
+HEADS = (
+    "Result ID, Spectral Ordinate, Record Sequence Number, MSE, Scale Factor, Tp-Pulse (s), Arias Intensity (m/sec), "
+    "Earthquake Name, Year, Station Name, Magnitude, Mechanism, Rjb (km), Rrup (km), Vs30 (m/sec), "
+    "Lowest Useable Frequency (Hz), Horizontal-1 Acc. Filename, Horizontal-2 Acc. Filename, Vertical Acc. Filename"
+)
+ROWS = (
+    '1, SRSS, 763, 0.1, 1, -, 1.0, "Loma Prieta", 1989, "Gilroy - Gavilan Coll.", 6.93, Reverse Oblique, 9.19, 9.96, '
+    "729.65, 0.25, RSN763_LOMAP_GIL067.AT2, RSN763_LOMAP_GIL337.AT2, RSN763_LOMAP_GIL-UP.AT2",
+    '2, SRSS, 1, 0.1, 1, -, 1.0, "Helena, Montana-01", 1935, "Carroll College", 6, strike slip, 2.07, 2.86, -999, '
+    "0.2, RSN1_HELENA.A_A-HMC180.AT2, RSN1_HELENA.A_A-HMC270.AT2, ---",
+)
+
+
+def table(*rows, heads=HEADS):
+    before = "PEER Ground Motion Database\n\n -- Summary of Metadata of Selected Records --\n"
+    after = (
+        "\n\n -- Scaled Spectra used in Search & Scaling --\nPeriod (sec), RSN-763 Horizontal-1 pSa (g)\n0.01,0.36\n"
+    )
+    return (before + "\n".join([heads, *rows]) + after).encode()
+
+
+def test_rows_serve_the_files_they_name(tmp_path):
+    (tmp_path / "_SearchResults.csv").write_bytes(table(*ROWS))
+    title = "Loma Prieta, 10/18/1989, Gilroy - Gavilan Coll., 67"
+    (tmp_path / "RSN763_LOMAP_GIL067.AT2").write_bytes(at2(pulse(), title=title))
+    (tmp_path / "rsn1_helena.a_a-hmc180.at2").write_bytes(at2(pulse(peak=0.2), title=""))
+    (tmp_path / "RSN2.AT2").write_bytes(at2(pulse(peak=0.1)))
+    (record,) = read(tmp_path / "RSN763_LOMAP_GIL067.AT2")
+    assert (record.magnitude, record.vs30, record.event) == (6.93, 729.65, "Loma Prieta, 10/18/1989")
+    # Rjb and Rrup are no epicentral distances, and the list does not say which scale the magnitude has.
+    assert math.isnan(record.epicentral_distance)
+    assert record.magnitude_type == ""
+    (record,) = read(tmp_path / "rsn1_helena.a_a-hmc180.at2")
+    assert (record.event, record.station_name) == ("Helena, Montana-01 1935", "Carroll College")
+    assert record.magnitude == 6.0
+    assert math.isnan(record.vs30)
+    (record,) = read(tmp_path / "RSN2.AT2")
+    assert math.isnan(record.magnitude)
+    assert record.warnings == ()
+
+
+def test_the_list_is_found_in_archives_and_beside_open_files(tmp_path):
+    files = {"in__RSN763_LOMAP_GIL067_dot_AT2": at2(pulse()), "in___SearchResults_dot_csv": table(*ROWS)}
+    archive = make_zip(tmp_path / "PEER.zip", **files, out__RSN763_LOMAP_GIL337_dot_AT2=at2(pulse(peak=0.2)))
+    records, failures = read_all(archive)
+    assert [record.magnitude for record in records] == pytest.approx([6.93, math.nan], nan_ok=True)
+    assert [(row.file.rpartition("/")[2], row.kind) for row in failures] == [("_SearchResults.csv", "skipped")]
+    (tmp_path / "_SearchResults.csv").write_bytes(table(*ROWS))
+    path = tmp_path / "RSN763_LOMAP_GIL337.AT2"
+    path.write_bytes(at2(pulse()))
+    with path.open("rb") as stream:
+        assert read(stream)[0].vs30 == 729.65
+    assert math.isnan(read(io.BytesIO(at2(pulse())))[0].vs30)
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        b"",
+        b"no list at all",
+        table(*ROWS, heads="Result ID, Year"),
+        table(ROWS[0].rpartition(",")[0]),
+        table(ROWS[1]) + ROWS[0].encode(),
+    ],
+)
+def test_a_list_without_the_file_tells_nothing(tmp_path, content):
+    (tmp_path / "_SearchResults.csv").write_bytes(content)
+    path = tmp_path / "RSN763_LOMAP_GIL067.AT2"
+    path.write_bytes(at2(pulse()))
+    (record,) = read(path)
+    assert math.isnan(record.magnitude)
+    assert record.warnings == ()
+
+
+def test_a_list_that_cannot_be_read_is_a_warning(tmp_path):
+    (tmp_path / "_SearchResults.csv").write_bytes(b'"' + 200_000 * b"x" + b'"\n')
+    path = tmp_path / "RSN763_LOMAP_GIL067.AT2"
+    path.write_bytes(at2(pulse()))
+    (record,) = read(path)
+    (warning,) = record.warnings
+    assert warning.startswith("_SearchResults.csv beside the file cannot be read, magnitude and Vs30 stay unknown: ")

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from make_format_samples import source_channels
 from record_writers._shared import pulse
-from record_writers.bhrc import bhrc, exponent, samples
+from record_writers.bhrc import bhrc, samples
 
 from rockpulse.errors import RecordFormatError, UnitError
 from rockpulse.readers import read
@@ -42,20 +42,6 @@ def test_the_format_sample_gives_back_the_channels():
         assert record.acceleration == pytest.approx(channel.acceleration, rel=6e-6, abs=1e-9)
         assert record.azimuth == pytest.approx(channel.azimuth, nan_ok=True)
         assert record.orientation == channel.orientation
-
-
-@pytest.mark.parametrize(
-    ("value", "text"), [(0.0854257, "  .854257E-01"), (-12.5, " -.125000E+02"), (0.0, "  .000000E+00")]
-)
-def test_the_writer_prints_as_fortran_does(value, text):
-    assert exponent(value) == text
-
-
-@pytest.mark.parametrize("end", ["\n", "\r\n"])
-def test_accelerations_are_tenths_of_g(end):
-    for record, values in zip(got(bhrc(THREE, end=end)), THREE, strict=True):
-        assert record.acceleration == pytest.approx(values * TENTH, rel=1e-5, abs=1e-9)
-        assert (record.dt, record.source_unit, record.format) == (0.005, "g/10", "bhrc")
 
 
 def test_numbers_of_thirteen_characters_touch():
@@ -118,19 +104,6 @@ def test_rows_beyond_the_declared_count_are_reported():
         ),
         (bhrc(THREE) + b"more\n", RecordFormatError, r"expected '\* VOL1DS FILE:' \(channel 4\), found 'more'"),
     ],
-    ids=[
-        "truncated",
-        "cut-header",
-        "huge",
-        "rate",
-        "negative",
-        "unit",
-        "component",
-        "letter",
-        "no-rate",
-        "duration",
-        "trailing",
-    ],
 )
 def test_damage_is_named(content, error, message):
     with pytest.raises(error, match=message):
@@ -141,10 +114,6 @@ def test_damage_is_named(content, error, message):
 def test_a_duration_may_be_off_by_two_steps(duration, count):
     records = got(bhrc(THREE).replace(b"DURATION =   2.015", b"DURATION =   " + duration))
     assert [(record.npts, record.warnings) for record in records] == [(count, ())] * 3
-
-
-def test_less_than_one_sample_in_a_second():
-    assert got(bhrc(THREE, dt=2.0))[0].dt == 2.0
 
 
 @pytest.mark.parametrize(("azimuth", "told"), [(85, False), (86, True), (79, False), (78, True), (262, False)])

@@ -22,11 +22,6 @@ def test_the_unit_is_never_guessed(write):
         read(write(table(TIMES, VALUES)))
 
 
-def test_an_unknown_unit_is_refused(write):
-    with pytest.raises(UnitError, match="option units: unknown unit of acceleration 'furlong'"):
-        read(write(table(TIMES, VALUES)), units="furlong")
-
-
 @pytest.mark.parametrize(
     ("units", "factor"),
     [("m/s2", 1.0), ("cm/s2", 0.01), ("gal", 0.01), ("mm/s^2", 0.001), ("g", STANDARD_GRAVITY), ("G/10", 0.980665)],
@@ -108,42 +103,6 @@ def test_several_channels_with_headings(write):
     assert records[2].acceleration == pytest.approx(3 * VALUES, rel=1e-12)
 
 
-def test_several_channels_without_time_take_the_interval_given(write):
-    records = read(write(table(VALUES, -VALUES, header="NS EW\n")), units="m/s2", dt=0.01)
-    assert [record.id for record in records] == ["record.NS", "record.EW"]
-    assert records[1].acceleration == pytest.approx(-VALUES)
-
-
-def test_exponents_of_fortran(write):
-    (record,) = read(write(table(TIMES, VALUES, number="{:.8E}").replace("E", "D")), units="m/s2")
-    assert record.acceleration == pytest.approx(VALUES, rel=1e-8)
-
-
-def test_a_heading_with_another_unit_contradicts_the_option(write):
-    path = write(table(TIMES, VALUES, delimiter=",", header="time (s),acc [g]\n"))
-    with pytest.raises(UnitError, match=r"headed g, the option units says cm/s2; .* convert FILE --units cm/s2 -o"):
-        read(path, units="cm/s2")
-    assert read(path, units="g")[0].npts == 200
-
-
-def test_a_velocity_file_is_refused(write):
-    with pytest.raises(NotAcceleration, match="expected an acceleration column, found velocity only"):
-        read(write(table(TIMES, VALUES, delimiter=",", header="time,velocity\n")), units="m/s2")
-
-
-def test_velocity_beside_acceleration_is_left_out(write):
-    text = table(TIMES, VALUES, VALUES, delimiter=",", header="time,acceleration,velocity\n")
-    (record,) = read(write(text), units="m/s2")
-    assert record.channel == "acceleration"
-    assert record.warnings == ("columns left out, no acceleration: velocity",)
-
-
-def test_a_title_that_speaks_of_acceleration_does_not_make_velocities_one(write):
-    text = table(TIMES, VALUES, delimiter=",", header="from accelerograms\ntime,velocity\n")
-    with pytest.raises(NotAcceleration, match="expected an acceleration column, found velocity only"):
-        read(write(text), units="m/s2")
-
-
 @pytest.mark.parametrize(
     ("row", "message"),
     [
@@ -190,18 +149,6 @@ def test_a_column_that_is_the_integral_of_the_one_before_it_is_no_acceleration(w
 def test_two_steps_are_too_few_for_an_integral(rows, told):
     rate = np.array([1.0, 3.0, -2.0, 5.0])[:rows]
     assert _integrates(rate, np.append(0.0, np.cumsum(rate[1:] + rate[:-1]))) is told
-
-
-@pytest.mark.parametrize(
-    ("count", "columns", "message"),
-    [
-        (500, (TIMES + 0.01, VALUES), r"expected 500 rows \(header\), found 200"),
-        (700, (VALUES, -VALUES, VALUES), r"expected 700 values \(header\), found 600"),
-    ],
-)
-def test_a_count_beyond_all_numbers_is_a_truncation(write, count, columns, message):
-    with pytest.raises(RecordFormatError, match=message):
-        read(write(table(*columns, header=f"{count} 0.01\n")), units="m/s2")
 
 
 def test_the_last_row_of_two_columns_is_no_end_of_a_series(write):
@@ -261,28 +208,10 @@ def test_words_behind_the_numbers(write, header, behind, told):
     assert "".join(record.warnings).startswith(told)
 
 
-def test_one_column_that_counts_is_no_acceleration(write):
-    for header in ("", "acc (g)\n"):
-        with pytest.raises(RecordFormatError, match="runs like time"):
-            read(write(table(np.arange(50.0), header=header)), units="g", dt=0.01)
-
-
 def test_half_of_the_rows_make_a_table():
     rows = b"1.0 2.0\n" * 10
     assert is_columns(rows + b"1.0 2.0 3.0\n" * 10, "x.txt")
     assert not is_columns(rows + b"1.0 2.0 3.0\n" * 11, "x.txt")
-
-
-def test_columns_over_frequencies_are_no_accelerations_whatever_stands_beside_them(write):
-    with pytest.raises(NotAcceleration, match=r"found columns over 'frequency \(Hz\)', a spectrum"):
-        read(write(table(0.1 + TIMES, VALUES, header="frequency (Hz)  acc (g)\n")), units="g")
-
-
-def test_the_count_and_the_interval_may_stand_at_the_head_of_the_column(write):
-    (record,) = read(write(table(VALUES, header="200\n0.02\n")), units="g")
-    assert (record.npts, record.dt) == (200, 0.02)
-    (record,) = read(write(table(VALUES, header="200\n")), units="g", dt=0.01)
-    assert (record.npts, record.dt) == (200, 0.01)
 
 
 def test_a_dead_first_channel_is_no_time(write):
@@ -295,30 +224,6 @@ def test_a_dead_first_channel_is_no_time(write):
 def test_an_interval_that_is_not_positive_is_refused(write, header):
     with pytest.raises(RecordFormatError, match=r"positive sampling interval|intervals disagree"):
         read(write(table(VALUES, header=header)), units="g", dt=None if "0" in header[:8] else 0.01)
-
-
-def test_one_sample_is_no_record(write):
-    with pytest.raises(RecordFormatError, match="at least 2 samples, found 1"):
-        read(write("0.125\n"), units="g", dt=0.01)
-
-
-@pytest.mark.parametrize(("peak", "reading"), [(300.0, "0.306 g if it were cm/s2"), (1e-9, "no ordinary")])
-def test_an_incredible_peak_is_reported_with_other_readings(write, peak, reading):
-    text = table(TIMES, pulse(200, peak=peak), number="{:.12f}")
-    (record,) = read(write(text), units="g")
-    assert reading in " ".join(record.warnings)
-
-
-def test_deepsoil_file(records_folder):
-    (record,) = read(records_folder / "columns" / "ChiChi.txt", units="g")
-    assert (record.npts, record.dt) == (11800, 0.005)
-    assert record.pga / STANDARD_GRAVITY == pytest.approx(0.1829, rel=0.02)
-
-
-def test_a_heading_with_a_raised_two(write):
-    path = write("")
-    path.write_text(table(TIMES, VALUES, delimiter=",", header="t [s],a [m/s²]\n"), encoding="utf-8")
-    assert read(path, units="m/s2")[0].npts == 200
 
 
 TITLES = [
@@ -361,10 +266,3 @@ def test_a_title_above_time_and_acceleration_is_no_heading(write, title):
     (record,) = read(write(f"{title}\n{rows}"), units="g")
     assert (record.npts, record.dt) == (len(VALUES), 0.01)
     assert record.acceleration == pytest.approx(VALUES * STANDARD_GRAVITY, abs=1e-5)
-
-
-@pytest.mark.parametrize("heading", ["Time (seg)\tAcel (cm/seg2)", "Zaman(sn)\tIvme(cm/sn2)", "t [s]\ta [cm/seg^2]"])
-def test_seconds_of_other_languages_in_units(write, heading):
-    rows = "".join(f"{0.01 * index:.2f}\t{value:.6f}\n" for index, value in enumerate(VALUES))
-    (record,) = read(write(f"{heading}\n{rows}"), units="cm/s2")
-    assert (record.source_unit, record.dt) == ("cm/s2", 0.01)

@@ -10,21 +10,14 @@ from make_format_samples import source_channels
 from record_writers import pulse
 from record_writers.csmnc import csmnc, samples
 
-from rockpulse.errors import RecordFormatError, UnitError
+from rockpulse.errors import RecordFormatError
 from rockpulse.readers import read
 from rockpulse.readers.source import NotAcceleration
 
 VALUES = np.round(pulse(403, -950.0), 3)
 
 
-@pytest.fixture
-def write(tmp_path):
-    def written(content: bytes, name: str = "test.dat"):
-        path = tmp_path / name
-        path.write_bytes(content)
-        return path
-
-    return written
+NAME = "test.dat"
 
 
 @pytest.mark.parametrize("mark", ["", "$", " $"])
@@ -101,11 +94,6 @@ def test_a_duration_in_whole_seconds_may_be_cut_off(write, count, told):
     assert bool(read(write(content))[0].warnings) is told
 
 
-@pytest.mark.parametrize(("peak", "told"), [(96.5, False), (99.0, True)])
-def test_a_small_peak_is_held_to_its_own_rounding(write, peak, told):
-    assert bool(read(write(csmnc(0.1 * VALUES, peak=-peak)))[0].warnings) is told
-
-
 @pytest.mark.parametrize(("more", "known"), [(5, True), (6, False)])
 def test_the_numbers_begin_within_ten_lines(write, more, known):
     lines = csmnc(VALUES).split(b"\r\n")
@@ -156,16 +144,10 @@ def test_rows_beyond_the_count_are_left_out_with_a_warning(write):
         (csmnc(VALUES).replace(b"E2 \r\n", b"F2 \r\n", 1), r"test.dat:\d+: expected a finite number, found '.*F2'"),
         (csmnc([1.0]), "at least 2 samples"),
     ],
-    ids=["more", "none", "last", "dt", "cut", "header", "kind", "count", "rows", "row", "letter", "one"],
 )
 def test_damage_is_named(write, content, message):
     with pytest.raises(RecordFormatError, match=message):
         read(write(content))
-
-
-def test_a_unit_that_is_not_known(write):
-    with pytest.raises(UnitError, match=r"test.dat:11: unknown unit of acceleration 'COUNTS'"):
-        read(write(csmnc(VALUES, unit="COUNTS")))
 
 
 def test_the_samples_hold_the_channels(tmp_path):

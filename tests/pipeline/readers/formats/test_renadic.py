@@ -17,7 +17,7 @@ from record_writers.renadic import renadic, samples
 from rockpulse.errors import RecordFormatError, RecordRefused
 from rockpulse.readers import read
 from rockpulse.readers.folders import read_all
-from rockpulse.readers.formats.renadic import Part
+from rockpulse.readers.parts import Part
 from rockpulse.record.record import STANDARD_GRAVITY, Record
 
 TENTH = STANDARD_GRAVITY / 10.0
@@ -104,12 +104,6 @@ def test_channels_l_v_t(end):
     assert (records[0].station_name, records[0].event) == ("CURICO", "MAULE 2010")
 
 
-def test_times_and_accelerations_that_touch():
-    values = -np.abs(THREE[0]) - 10.0
-    (record,) = got(renadic([values], ["L"], first=100.0))
-    assert record.acceleration == pytest.approx(values * TENTH, rel=1e-12)
-
-
 def test_a_file_without_any_sensor_is_refused():
     with pytest.raises(RecordRefused, match="stream: all samples of all channels are zero"):
         got(renadic([np.zeros(50)] * 3))
@@ -124,7 +118,6 @@ def test_a_file_without_any_sensor_is_refused():
         (renadic(THREE).replace(b"  0.030", b"  0.00x"), "stream:28: expected a finite number"),
         (renadic(THREE).replace(b"  0.030", b"  0.010"), "stream:28: expected increasing times"),
     ],
-    ids=["truncated", "huge", "no-count", "letter", "times"],
 )
 def test_damage_is_named(content, message):
     with pytest.raises(RecordFormatError, match=message):
@@ -179,13 +172,6 @@ def test_printed_times_of_parts_may_be_off_by_a_quarter_of_a_step(tmp_path, begi
     assert len(read_all(tmp_path)[0]) == count
 
 
-def test_parts_of_one_channel_are_joined(tmp_path):
-    one, two = (renadic([THREE[0][at]], ["NS"], first=0.01 * at.start) for at in (slice(0, 150), slice(150, 400)))
-    put(tmp_path, a_parte1=one, a_parte2=two)
-    ((record,), _) = read_all(tmp_path)
-    assert record.acceleration == pytest.approx(THREE[0] * TENTH, rel=1e-12)
-
-
 def test_a_part_without_a_clock_is_joined_by_its_times(tmp_path):
     for first, second in ((NEVER_SET, "2/27/2010 3:55:14.000 GMT"), ("2/27/2010 3:55:14.000 GMT", NEVER_SET)):
         put(tmp_path, a_parte1=part(0, 200, trigger=first), a_parte2=part(200, 400, trigger=second))
@@ -218,7 +204,6 @@ def test_parts_are_joined_from_files_a_glob_an_archive_and_different_folders(tmp
         ),
         ({"xparte1": part(0, 200), "Xparte1": part(0, 190), "xparte2": part(200, 400)}, "parts 1, 1, 2 were given"),
     ],
-    ids=["gap", "anew", "third", "first-missing", "channels", "two-first"],
 )
 def test_parts_that_do_not_fit_stay_apart_with_the_reason(tmp_path, parts, reason):
     records, failures = read_all(put(tmp_path, **parts))
@@ -253,12 +238,3 @@ def test_copies_of_the_parts_are_duplicates(tmp_path):
     records, failures = read_all(tmp_path)
     assert [record.npts for record in records] == [400] * 3
     assert [failure.kind for failure in failures] == ["duplicate"] * 6
-
-
-def test_channels_that_the_header_counts_and_the_file_lacks():
-    content = renadic(THREE)
-    cut = content[: content.rindex(b"UNCORRECTED")]
-    for record in got(cut):
-        assert "the header counts 3 channels of this recorder, the file holds 2" in record.warnings[0]
-    with pytest.raises(RecordFormatError, match="expected another channel"):
-        got(content + renadic([0.9 * values for values in THREE]))

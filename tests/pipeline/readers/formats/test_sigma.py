@@ -192,11 +192,6 @@ def test_lines_of_the_header_that_are_none_of_its_keys_are_passed_over():
         got(b"\n".join([*lines[:9], b"Orientation : NS", *lines[9:]]))
 
 
-def test_another_record_in_the_file_is_refused():
-    with pytest.raises(RecordFormatError, match="the beginning of another record"):
-        got(CONTENT + sigma(0.5 * VALUES, orientation="NS"))
-
-
 def test_recognition_by_some_of_the_keys():
     (row,) = FORMATS
     assert row.detect(CONTENT, "x") is True

@@ -3,8 +3,8 @@
 import pytest
 
 import rockpulse as rp
-from rocking.block import Block
-from rocking.restraint import Thrust, Tie
+from rocking.body.block import Block
+from rocking.body.restraint import Thrust, Tie
 from rockpulse.studies.check.mechanism import Force, Mechanism, Weight, mechanisms, senses_of
 
 #: A body of 100 kN, 0.6 x 4 m, with a roof of 20 kN that it carries at its top.

@@ -5,7 +5,7 @@ import math
 
 import pytest
 
-from rockpulse.config.check_settings import CheckSettings
+from rockpulse.config.study_settings import CheckSettings
 from rockpulse.errors import ConfigError
 from rockpulse.studies.check.spectra import TabledSpectrum, damping_factor, spectrum_of
 

@@ -1,4 +1,7 @@
-"""The capacities of bodies under one motion: qualities of the record, and its reverse."""
+"""The capacities of bodies under one motion: qualities of the record, and its reverse.
+
+Fragility of records that were chosen elsewhere, with weights.
+"""
 
 from types import SimpleNamespace
 
@@ -8,9 +11,13 @@ import pytest
 import rockpulse as rp
 from rockpulse.assessment.scene import prepare
 from rockpulse.config.configuration import Config
+from rockpulse.errors import ConfigError
 from rockpulse.record.half_wave import half_waves
 from rockpulse.record.intensity import pgv
 from rockpulse.studies.fragility.capacity import _reversed, record_qualities
+from rockpulse.studies.fragility.curves import fit_curve
+from rockpulse.studies.fragility.ensemble import stored_ensemble
+from rockpulse.studies.fragility.likelihood import ABOVE, NOT_ABOVE, Observations
 
 
 def scene():
@@ -45,3 +52,95 @@ def test_the_reverse_of_a_motion_has_the_half_waves_of_its_record():
     again = half_waves(back.record)
     np.testing.assert_allclose(back.waves.impulse, again.impulse)
     np.testing.assert_allclose(back.waves.peak, again.peak)
+
+
+WALL = {"wall": rp.models.Block(half_width=0.2, half_height=1.5)}
+
+
+def shake(number):
+    times = np.arange(0.0, 6.0, 0.02)
+    rng = np.random.default_rng(number)
+    waves = sum(rng.normal() * np.sin(2.0 * np.pi * f * times + rng.uniform(0.0, 6.0)) for f in (0.6, 1.1, 2.3))
+    waves *= 3.0 / np.max(np.abs(waves)) * np.exp(-(((times - 3.0) / 1.5) ** 2))
+    return rp.Record(waves, dt=0.02, id=f"r{number}", event=f"e{number}", processed=True)
+
+
+RECORDS = [shake(number) for number in range(10)]
+
+
+def curves(tmp_path, text, **more):
+    (tmp_path / "chosen.csv").write_text(text)
+    settings = rp.FragilitySettings(
+        measures=("pga", "velocity_ratio"), limit_states=("overturning",), selection="chosen.csv", **more
+    )
+    return rp.fragility_curves(RECORDS, rp.Config(fragility=settings, folder=tmp_path), WALL)
+
+
+def test_a_row_of_weight_two_counts_as_two():
+    rng = np.random.default_rng(1)
+    level = np.exp(rng.normal(0.0, 0.5, 40))
+    kind = np.where(np.exp(rng.normal(0.0, 0.4, 40)) < level, NOT_ABOVE, ABOVE)
+    clusters = [f"e{k % 10}" for k in range(40)]
+    weight = rng.integers(1, 4, 40)
+    weighted = fit_curve(Observations.of(level, kind, clusters, None, None, weight))
+    again = np.repeat(np.arange(40), weight)
+    repeated = fit_curve(Observations.of(level[again], kind[again], [clusters[k] for k in again]))
+    for name in ("median", "beta", "median_low", "median_high", "beta_low"):
+        assert getattr(weighted, name) == pytest.approx(getattr(repeated, name), rel=1e-9), name
+    # Only the shares matter.
+    scaled = fit_curve(Observations.of(level, kind, clusters, None, None, 100.0 * weight))
+    assert scaled.median == pytest.approx(weighted.median, rel=1e-12)
+    plain = fit_curve(Observations.of(level, kind, clusters))
+    assert abs(plain.median / weighted.median - 1.0) > 1e-3
+
+
+def test_factors_of_the_table_are_looked_at_and_nothing_else(tmp_path):
+    rows = [(f"r{number}", factor) for number in range(8) for factor in (0.6, 1.2, 2.4, 8.0)][:-1]
+    tree = curves(tmp_path, "record,factor\n" + "".join(f"{name},{factor}\n" for name, factor in rows))
+    table = tree["capacities"].to_dataset()
+    assert table["record"].values.tolist() == [f"r{number}" for number in range(8)]
+    assert table["factor"].sel(record="r0", block="wall").values.tolist() == [0.6, 1.2, 2.4, 8.0]
+    last = table.sel(record="r7", block="wall", limit_state="overturning")
+    assert np.isnan(last["factor"].values[3])
+    assert last["reached"].values[3] == -1
+    assert (last["weight"].values == [1.0, 1.0, 1.0, 0.0]).all()
+    found = tree["fragility"].to_dataset().sel(block="wall", limit_state="overturning", measure="pga")
+    assert found["observations"].item() == len(rows)
+    failures = tree["failures"].to_dataset()
+    assert "2 of 10 motions are not in the table: r8, r9" in failures["reason"].values[0]
+    assert failures["kind"].values[0] == "skipped"
+
+
+def test_the_same_rows_as_stripes_give_the_same_curve(tmp_path):
+    levels = (0.25, 0.4, 0.6, 0.9)
+    rows = "".join(f"r{number},{level}\n" for number in range(10) for level in levels)
+    chosen = curves(tmp_path, "record,level\n" + rows)
+    settings = rp.FragilitySettings(
+        measures=("pga", "velocity_ratio"), limit_states=("overturning",), stripe_levels=levels, factors=(1e-6, 1e6)
+    )
+    plain = rp.fragility_curves(RECORDS, rp.Config(fragility=settings), WALL)
+    for name in ("median", "beta", "median_low", "median_high"):
+        np.testing.assert_array_equal(chosen["fragility"][name].values, plain["fragility"][name].values)
+
+
+def test_weights_move_the_curve_and_the_annual_frequency(tmp_path):
+    levels = (0.25, 0.4, 0.6, 0.9)
+    rows = [(f"r{number}", level) for number in range(10) for level in levels]
+    strong = {f"r{number}": 5.0 if number < 5 else 1.0 for number in range(10)}
+    text = "record,level,weight\n" + "".join(f"{name},{level},{strong[name]}\n" for name, level in rows)
+    weighted = curves(tmp_path, text, overturning_model="lognormal")
+    text = "record,level\n" + "".join(f"{name},{level}\n" for name, level in rows)
+    plain = curves(tmp_path, text, overturning_model="lognormal")
+    place = {"block": "wall", "limit_state": "overturning", "measure": "pga"}
+    medians = [tree["fragility"]["median"].sel(place).item() for tree in (weighted, plain)]
+    assert abs(medians[0] / medians[1] - 1.0) > 1e-3
+    hazard = rp.PowerLawHazard(k0=1e-3, k=2.0)
+    found, beta = rp.annual_frequency(weighted, hazard, resamples=0), weighted["fragility"]["beta"].sel(place).item()
+    # The closed form of the weighted curve, for nothing below uplift matters here.
+    assert found["frequency"].item() == pytest.approx(1e-3 * medians[0] ** -2.0 * np.exp(2.0 * beta**2), rel=0.2)
+    assert stored_ensemble(weighted).weight.max() == 5.0
+
+
+def test_records_that_are_not_there_are_an_error(tmp_path):
+    with pytest.raises(ConfigError, match=r"\[fragility\] selection: no record has an id that fits nobody"):
+        curves(tmp_path, "record,factor\nr0,1\nnobody,1\n")

@@ -10,9 +10,8 @@ from scipy.stats import norm, t
 from rockpulse.errors import ConfigError
 from rockpulse.storage.variables.fragility import Band, Extrapolated, Status
 from rockpulse.studies.fragility import curves
-from rockpulse.studies.fragility.curves import fit_capacities, fit_curve, fit_stripes, half_width
+from rockpulse.studies.fragility.curves import fit_capacities, fit_stripes
 from rockpulse.studies.fragility.likelihood import ABOVE, EXACT, NOT_ABOVE, Observations
-from rockpulse.studies.fragility.statements import missing
 
 EVENTS = np.repeat([f"event {k}" for k in range(6)], 3)
 CAPACITIES = np.exp(np.random.default_rng(5).normal(0.3, 0.5, EVENTS.size))
@@ -63,19 +62,6 @@ def test_the_bands_are_the_jackknife_over_events_of_the_logarithms(confidence):
     assert curve.log_beta == pytest.approx([one[1] for one in every], abs=1e-8)
     assert curve.confidence == confidence
     assert (curve.records, curve.events, curve.observations, curve.reached) == (18, 6, 18, 18)
-
-
-def test_without_a_word_the_confidence_is_nine_tenths_and_the_distribution_lognormal():
-    one = Observations.of(CAPACITIES, np.full(CAPACITIES.size, EXACT), EVENTS)
-    stripes = (np.tile([1.0, 2.0, 3.0], 6), np.tile([0, 1, 0, 0, 1, 1], 3), EVENTS)
-    named = {"model": "lognormal", "confidence": 0.9}
-    for plain, said in (
-        (fit_curve(one), fit_curve(one, **named)),
-        (fit_capacities(CAPACITIES, EVENTS), fit_capacities(CAPACITIES, EVENTS, **named)),
-        (fit_stripes(*stripes), fit_stripes(*stripes, **named)),
-    ):
-        assert plain.band == Band.GIVEN
-        assert numbers(plain) == numbers(said)
 
 
 def test_symmetric_stripes_have_the_median_in_the_middle_and_the_slope_of_their_quantiles():
@@ -138,12 +124,6 @@ def test_correlated_records_of_few_events_widen_the_band():
     known, unknown = fit_capacities(shared * own, np.repeat(list("abcde"), 8)), fit_capacities(shared * own)
     assert known.median == unknown.median
     assert math.log(known.median_high / known.median) > 3.0 * math.log(unknown.median_high / unknown.median)
-
-
-def test_half_width_of_a_sum_over_events_is_exact():
-    values = np.array([1.0, 2.0, 4.0, 7.0])
-    estimates = np.array([values.mean(), *(np.delete(values, k).mean() for k in range(4))])[:, None]
-    assert half_width(estimates, 0.9)[0] == pytest.approx(2.3533634 * values.std(ddof=1) / 2.0)
 
 
 @pytest.mark.parametrize(
@@ -266,47 +246,11 @@ def test_a_curve_that_rests_on_one_event_has_no_band():
     assert np.isnan(curve.probability([1.0, 3.0])[1:]).all()
 
 
-@pytest.mark.parametrize("place", ["a", "z"])
-def test_a_curve_that_falls_without_one_event_rests_on_it(place):
-    """Of forty motions a level and event fewer reach the state at the higher level, but for one event."""
-    level, event = np.tile([1.0, 2.0], 4), np.repeat(["m", "n", "o", place], 2)
-    share = [21, 19, 21, 19, 21, 19, 4, 36]
-    exceeded = np.concatenate([np.arange(40) < reached for reached in share])
-    curve = fit_stripes(np.repeat(level, 40), exceeded, np.repeat(event, 40))
-    assert curve.median > 0.0
-    assert (curve.band, curve.statement) == (
-        Band.RESTS_ON_ONE_EVENT,
-        f"no band: without the event {place} there would be no curve",
-    )
-
-
 def test_a_likelihood_of_which_no_maximum_is_found_makes_no_curve(monkeypatch):
     monkeypatch.setattr(curves, "maximise", lambda family, design, kind, weights: np.full((len(weights), 2), np.nan))
     curve = fit_capacities(CAPACITIES, EVENTS)
     assert (curve.status, curve.band) == (Status.NO_MAXIMUM, Band.NO_CURVE)
     assert curve.statement == "no curve: the likelihood has no maximum that could be found"
-
-
-@pytest.mark.parametrize(
-    ("known", "others", "status"),
-    [
-        ([2.0, 2.0 * (1.0 + 9e-10)], [], Status.STEP),  # a billionth apart, but for rounding
-        ([2.0, 2.0 * (1.0 + 1.1e-9)], [], Status.FITTED),
-        ([2.0, 2.0], [(1.9, ABOVE), (2.0, ABOVE), (2.0, NOT_ABOVE), (2.1, NOT_ABOVE)], Status.STEP),
-        ([2.0, 2.0], [(2.1, ABOVE)], Status.FITTED),
-        ([2.0, 2.0 * (1.0 + 9e-10)], [(2.0 * (1.0 + 5e-10), ABOVE)], Status.STEP),
-        ([2.0, 2.0], [(1.9, NOT_ABOVE)], Status.FITTED),
-        ([2.0, 2.0], [(1.9, ABOVE), (1.9, NOT_ABOVE)], Status.FITTED),
-        ([2.0], [(1.0, ABOVE)], Status.ONE_REACHED),
-        ([2.0], [(1.0, NOT_ABOVE)], Status.FITTED),
-        ([], [(1.0, NOT_ABOVE), (2.0, NOT_ABOVE)], Status.EVERYTHING_REACHED),
-        ([], [(1.0, NOT_ABOVE), (2.0, ABOVE), (3.0, NOT_ABOVE)], Status.FITTED),
-        ([], [(1.0, ABOVE), (2.0, NOT_ABOVE), (3.0, NOT_ABOVE)], Status.SEPARATED),
-    ],
-)
-def test_what_a_curve_lacks_is_seen_before_any_fit(known, others, status):
-    levels = [*known, *(level for level, _ in others)]
-    assert missing(Observations.of(levels, [*[EXACT] * len(known), *(kind for _, kind in others)])) == status
 
 
 def test_a_median_at_the_last_level_is_no_extrapolation():

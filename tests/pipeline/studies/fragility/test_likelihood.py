@@ -5,7 +5,7 @@ import pytest
 from scipy.optimize import minimize
 from scipy.stats import CensoredData, logistic, norm
 
-from rockpulse.config.fragility_settings import MODELS
+from rockpulse.config.study_settings import MODELS
 from rockpulse.studies.fragility.likelihood import ABOVE, EXACT, FAMILIES, NOT_ABOVE, has_maximum, maximise, scores
 
 DISTRIBUTION = {"lognormal": norm, "logistic": logistic}
@@ -42,26 +42,6 @@ def test_derivatives_are_those_of_the_log_likelihood(model):
         kind == EXACT, family.logpdf(z) + np.log(1.2), np.where(kind == ABOVE, family.logsf(z), family.logcdf(z))
     )
     np.testing.assert_allclose(value[0], expected, rtol=1e-12)
-
-
-@pytest.mark.parametrize("model", FAMILIES)
-def test_scores_are_those_of_each_data_set_and_of_every_column(model):
-    x, kind = mixed_rows(4)
-    design = np.stack([np.ones(x.size), x, np.cos(x)], axis=1)
-    theta = np.array([[0.3, 1.2, 0.0], [-0.2, 0.5, 0.7], [0.0, 2.0, -0.4]])
-    value, slope, bend = scores(FAMILIES[model], design, kind, theta)
-    family = DISTRIBUTION[model]
-    for row, (a, b, c) in enumerate(theta):
-        z = a + b * x + c * np.cos(x)
-        parts = [family.logpdf(z) + np.log(b), family.logsf(z)]
-        np.testing.assert_allclose(
-            value[row], np.select([kind == EXACT, kind == ABOVE], parts, family.logcdf(z)), rtol=1e-10
-        )
-        alone = scores(FAMILIES[model], design, kind, theta[row : row + 1])
-        np.testing.assert_allclose(alone[1][0], slope[row])
-        np.testing.assert_allclose(alone[2][0], bend[row])
-    # Of an exact row with a curve that falls nothing is known; it is as unlikely as a number can say.
-    assert np.all(scores(FAMILIES[model], design, kind, np.array([[0.3, -1.0, 0.0]]))[0][0, kind == EXACT] < -600.0)
 
 
 @pytest.mark.parametrize("seed", [1, 6, 21, 41, 42])

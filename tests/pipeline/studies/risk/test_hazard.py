@@ -7,7 +7,7 @@ import pytest
 
 import rockpulse as rp
 from rockpulse.config.configuration import Config, config_from_text
-from rockpulse.config.hazard_settings import HazardSettings
+from rockpulse.config.study_settings import HazardSettings
 from rockpulse.studies.risk.hazard_files import hazard_of
 
 G = 9.80665

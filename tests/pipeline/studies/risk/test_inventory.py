@@ -11,11 +11,10 @@ from scipy.special import ndtr
 
 import rockpulse as rp
 from rockpulse import models
-from rockpulse.calibration.design_spectrum import at_blocks
-from rockpulse.config.hazard_settings import HazardSettings
-from rockpulse.studies.risk.body_curves import curves_in_parts
+from rockpulse.config.study_settings import HazardSettings
+from rockpulse.sequences.design_spectrum import at_blocks
+from rockpulse.studies.risk.free_bodies import curves_in_parts
 from rockpulse.studies.risk.hazard_files import site_hazards_of
-from rockpulse.studies.risk.inventory import half_widths
 
 T = np.arange(0.0, 5.0, 0.02)
 LAW = rp.PowerLawHazard(k0=2e-3, k=2.0, measure="pgv")
@@ -105,7 +104,7 @@ def test_each_body_has_the_hazard_of_its_site_and_ground(results, tmp_path):
     found = rp.inventory_frequency(results, bodies, hazards)
     for place, (site, factor) in enumerate(zip(sites, factors, strict=True)):
         own = rp.load_hazard(path, tuple(site), factor)
-        one = rp.inventory_frequency(results, bodies.chosen(np.array([place])), own)
+        one = rp.inventory_frequency(results, bodies.take(np.array([place])), own)
         for name in set(one) - {"hazard_distance"}:
             assert found[name].values[place] == pytest.approx(one[name].item(), rel=1e-12, nan_ok=True), name
     assert len(set(found["frequency"].values[[0, 1, 3]])) == 3
@@ -259,17 +258,6 @@ def test_the_shares_beyond_the_curve_and_beyond_the_factors_are_told(results):
     assert found["far"].item() == pytest.approx(1.0 - inside, abs=2e-3)
 
 
-@pytest.mark.parametrize("earthquakes", [8, 14, 30])
-@pytest.mark.parametrize("scatter", [0.5, 1.0, 1.5])
-def test_the_interval_of_an_inventory_covers_what_it_says(earthquakes, scatter):
-    """4000 sets of lognormal frequencies, drawn with another seed than those on which the interval was chosen."""
-    random = np.random.default_rng([2026, earthquakes])
-    drawn = np.exp(scatter * random.standard_normal((4000, earthquakes)))
-    middle, half = np.log(drawn.mean(axis=1)), half_widths(drawn, 0.9)
-    inside = np.mean(np.abs(middle - 0.5 * scatter**2) <= half)
-    assert 0.85 <= inside <= 0.93
-
-
 def test_the_fragility_of_a_free_body_is_that_of_the_spectra(results):
     """At the level x a record of PGV m acts with x/m: S x/m against g tan(alpha)/p, earthquakes of two records alike.
 
@@ -280,7 +268,7 @@ def test_the_fragility_of_a_free_body_is_that_of_the_spectra(results):
     found = rp.free_body_fragility(results, body, levels, "pgv")
     assert np.isnan(found["probability"].values[1]).all()
     summary, spectra = results["summary"].to_dataset(), results["spectra"].to_dataset()
-    body = body.lanes(2).chosen(np.array([0]))
+    body = body.lanes(2).take(np.array([0]))
     ratio, chance = [], []
     for name in spectra["record"].values:
         one = spectra.sel(record=name)

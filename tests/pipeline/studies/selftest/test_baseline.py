@@ -4,8 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from recorded_cases import EQUATIONS, G, synthetic
-from rocking_reference import block_of
+from recorded_cases import EQUATIONS, G, block_of, synthetic
 
 from rockpulse.models import Outcome, recorded_response
 from rockpulse.record.synthetic import synthetic_lanes, synthetic_motion

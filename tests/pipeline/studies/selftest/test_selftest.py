@@ -6,8 +6,8 @@ from decimal import Decimal
 import numpy as np
 import pytest
 
-from rocking.floor import floor_motion
-from rocking.recorded import recorded_response
+from rocking.body.supports import floor_motion
+from rocking.march.recorded import recorded_response
 from rockpulse.cli import main
 from rockpulse.studies.selftest import selftest
 from rockpulse.studies.selftest.selftest import COLUMNS, TABLE, lobes, stored_cases, tried

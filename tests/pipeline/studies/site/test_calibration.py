@@ -12,12 +12,11 @@ import rockpulse as rp
 from rockpulse import CalibrationSettings, RecordSettings, RunSettings
 from rockpulse.config.configuration import Config
 from rockpulse.errors import ConfigError, RecordRefused
-from rockpulse.failures import Failure
 from rockpulse.models import Block
-from rockpulse.motions.runner import worked
 from rockpulse.motions.tables import record_weights
 from rockpulse.record.measures import SCALING
-from rockpulse.studies.site import record as site_record
+from rockpulse.run.analysis import worked
+from rockpulse.studies.site import records as site_record
 from rockpulse.studies.site.calibration import SiteCalibration
 
 TIME = 0.01 * np.arange(1200)
@@ -76,12 +75,6 @@ def test_the_medians_are_those_of_the_logarithms(done):
     assert (done["median_lower"] < done["median"]).all()
     assert (done["median"] < done["median_upper"]).all()
     assert (done["dispersion_lower"] < done["dispersion"]).all()
-
-
-def test_every_variable_has_unit_and_long_name(done):
-    for name, variable in done.variables.items():
-        assert variable.attrs["units"], name
-        assert variable.attrs["long_name"], name
 
 
 def test_nothing_depends_on_the_order_of_the_records(done):
@@ -245,21 +238,6 @@ def test_huge_weights_are_weights():
     np.testing.assert_allclose(record_weights(ids, ids, "table", table), [1.2, 1.2, 0.6], rtol=1e-15)
 
 
-def test_a_table_that_is_not_there_stays_a_file_system_fault(tmp_path):
-    with pytest.raises(FileNotFoundError):
-        site(settings=dataclasses.replace(config(weights="none.csv"), folder=tmp_path))
-
-
-def test_an_event_of_no_record_is_an_error_unless_a_record_failed(tmp_path):
-    (tmp_path / "events.csv").write_text("record,event\nrecord00,Kobe\nlost.1,Kobe\n")
-    settings = dataclasses.replace(config(), records=RecordSettings(events="events.csv"), folder=tmp_path)
-    with pytest.raises(ConfigError, match=r"no record has the id lost\.1"):
-        site(settings=settings)
-    lost = [Failure("lost.AT2", "read", "lost.AT2: damaged", "failed")]
-    tree = rp.calibrate_site(RECORDS, settings, BLOCKS, failures=lost)
-    assert str(tree["site"]["remarks"].item()).startswith("[records] events names records that were not read: lost.1")
-
-
 def test_a_record_that_fails_is_a_row_and_never_the_end():
     dead = rp.Record(np.zeros(1000), dt=0.01, id="dead", event="Nowhere", processed=True)
     tree = rp.calibrate_site([*RECORDS, dead], config(), BLOCKS)
@@ -294,11 +272,6 @@ def calibrated(record, blocks, **calibration):
     analysis = SiteCalibration(config(**calibration), blocks)
     (planned,) = analysis.prepare([record]).planned
     return list(worked(planned, analysis.work, analysis.name, analysis.config))
-
-
-def test_records_of_one_id_are_refused():
-    with pytest.raises(ConfigError, match="more than one record with id record00"):
-        site([RECORDS[0], RECORDS[0]])
 
 
 def test_bodies_that_nothing_lifts_have_no_design():

@@ -5,18 +5,19 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from rockpulse.earthquakes import draw_earthquakes
 from rockpulse.errors import RecordRefused
 from rockpulse.models import Block, ImpulseSequence, sequence_response
-from rockpulse.studies.site.coverage import coverage_of, judged, leave_one_event_out, unjudged_events
 from rockpulse.studies.site.design import (
     BEYOND,
     SiteSample,
+    correlation,
     covered,
     design_sequence,
     main_impulse_interval,
     overturning_limit,
 )
-from rockpulse.studies.site.statistics import event_draws
+from rockpulse.studies.site.sequence_design import coverage_of, judged, leave_one_event_out, unjudged_events
 
 BLOCKS = Block(half_width=[0.25, 0.4, 0.6], half_height=[1.2, 1.6, 1.8], restitution=0.9)
 
@@ -165,7 +166,9 @@ def test_the_interval_of_the_design_holds_it_and_narrows_with_events():
     for repeats in (1, 6):
         sample = sample_of(np.tile(MAINS, repeats))
         design = design_sequence(sample, 0.7, "response")
-        lower, upper = main_impulse_interval(sample, design, 0.7, "response", event_draws(10 * repeats, 400, 0), 0.9)
+        lower, upper = main_impulse_interval(
+            sample, design, 0.7, "response", draw_earthquakes(10 * repeats, 400, 0), 0.9
+        )
         assert lower < design.main < upper
         widths.append(np.log(upper / lower))
     assert widths[1] < 0.6 * widths[0]
@@ -180,7 +183,7 @@ def test_a_block_that_leaves_the_count_sets_the_design_and_is_named():
     fallen, below = overturning_limit(sample, design, 0.84)
     assert fallen.tolist() == [True, False, False]
     assert below == pytest.approx(25.0 / 30.0)
-    ends = main_impulse_interval(sample, design, 0.84, "response", event_draws(10, 400, 0), 0.9)
+    ends = main_impulse_interval(sample, design, 0.84, "response", draw_earthquakes(10, 400, 0), 0.9)
     assert np.isnan(ends[0])
     assert np.isinf(ends[1])
     reached = [sequence_response(sample.blocks, design.scaled(factor)).peak_rotation_ratio[0] for factor in (0.9999, 1)]
@@ -197,7 +200,7 @@ def test_a_design_reached_by_rotations_is_set_by_no_block():
 def test_a_design_that_overturns_everything_has_no_certainty():
     sample = sample_of(MAINS, peaks=np.full((10, 3), np.inf))
     design = design_sequence(sample, 0.84, "response")
-    ends = main_impulse_interval(sample, design, 0.84, "response", event_draws(10, 400, 0), 0.9)
+    ends = main_impulse_interval(sample, design, 0.84, "response", draw_earthquakes(10, 400, 0), 0.9)
     assert np.isnan(ends[0])
     assert np.isinf(ends[1])
 
@@ -205,7 +208,7 @@ def test_a_design_that_overturns_everything_has_no_certainty():
 def test_resamples_that_agree_leave_a_step_of_their_grid():
     sample = sample_of(np.full(10, 0.07))
     design = design_sequence(sample, 0.84, "response")
-    lower, upper = main_impulse_interval(sample, design, 0.84, "response", event_draws(10, 400, 0), 0.9)
+    lower, upper = main_impulse_interval(sample, design, 0.84, "response", draw_earthquakes(10, 400, 0), 0.9)
     assert 0.97 < lower / design.main < 0.985
     assert 1.015 < upper / design.main < 1.03
 
@@ -244,3 +247,16 @@ def test_left_out_coverage_is_the_nominal_quantile_for_exchangeable_events():
         found = leave_one_event_out(sample, 0.84, "response")
         shares.append(coverage_of(found.covered, sample, 0.9)[0])
     assert np.mean(shares) == pytest.approx(0.84, abs=0.03)
+
+
+def test_correlation_of_weighted_records_in_closed_form():
+    x, y, w = np.array([0.0, 1.0, 2.0, 5.0]), np.array([1.0, 0.0, 4.0, 2.0]), np.array([1.0, 2.0, 3.0, 1.0])
+    mean = (np.average(x, weights=w), np.average(y, weights=w))
+    covariance = np.average((x - mean[0]) * (y - mean[1]), weights=w)
+    expected = covariance / np.sqrt(
+        np.average((x - mean[0]) ** 2, weights=w) * np.average((y - mean[1]) ** 2, weights=w)
+    )
+    found = correlation(np.column_stack([x, y, np.full(4, 3.0)]), w)
+    assert found[0, 1] == found[1, 0] == pytest.approx(expected, rel=1e-12)
+    assert found[0, 0] == pytest.approx(1.0)
+    assert np.isnan(found[2]).all()  # it does not vary

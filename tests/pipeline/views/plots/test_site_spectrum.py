@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from site_spectra import BLOCKS, base_at, site_of, usual_site
 
-from rocking.spectrum_lanes import RATES
+from rocking.body.limits import RATES
 from rockpulse.views.plots.site import calibration
 from rockpulse.views.plots.site_spectrum import site_spectrum
 

@@ -11,7 +11,7 @@ from real_browser import chromium
 
 import rockpulse as rp
 from rockpulse import CalibrationSettings, SearchSettings
-from rockpulse.failures import Failure
+from rockpulse.errors import Failure
 from rockpulse.models import Block
 from rockpulse.views.report.writing import report_page
 

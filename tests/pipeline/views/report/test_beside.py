@@ -12,12 +12,11 @@ from site_spectra import site_of as spectrum_site
 
 import rockpulse as rp
 from rockpulse import CalibrationSettings, ConditioningSettings, SearchSettings
-from rockpulse.errors import ResultsError
-from rockpulse.failures import Failure
+from rockpulse.errors import Failure, ResultsError
 from rockpulse.models import Block
 from rockpulse.remark import Remark, as_stored
 from rockpulse.storage.variables import failure_table
-from rockpulse.studies.site.tree import design_of
+from rockpulse.studies.site.calibration import design_of
 from rockpulse.views.report.beside import Paired, describe_fragility, paired
 from rockpulse.views.report.content import gather
 from rockpulse.views.report.writing import report_page, typeset

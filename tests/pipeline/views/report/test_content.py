@@ -8,7 +8,7 @@ import pytest
 import rockpulse as rp
 from rockpulse import ReportSettings
 from rockpulse.cli import main
-from rockpulse.config.report_settings import LOGO_LIMIT, PNG
+from rockpulse.config.study_settings import LOGO_LIMIT, PNG
 from rockpulse.errors import ConfigError, ResultsError
 from rockpulse.views.report.writing import report_page
 

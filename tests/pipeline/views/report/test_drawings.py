@@ -5,7 +5,7 @@ import re
 import numpy as np
 import pytest
 
-from rocking.outline import Outline, TieLine
+from rocking.body.outline import Outline, TieLine
 from rockpulse.views.report.drawings import HEIGHT, LEFT, SIDE, WIDTH, Support, drawing, strip
 from rockpulse.views.shared.terminal import figure
 

@@ -9,7 +9,7 @@ from report_cases import answers, motions, probable, summary_of
 
 import rockpulse
 from rocking.response import Outcome
-from rockpulse.readers.channel import build_record
+from rockpulse.readers.kit.channel import build_record
 from rockpulse.readers.source import SourceFile
 from rockpulse.remark import with_codes
 from rockpulse.storage.export.selection import SHOWN

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from rockpulse.failures import Failure
+from rockpulse.errors import Failure
 from rockpulse.storage.variables import failure_table
 from rockpulse.views.shared.files_used import count_files, files_used
 

@@ -7,7 +7,7 @@ import pytest
 import xarray as xr
 from results_tree import results_tree
 
-from rockpulse.failures import NO_RECORD, Failure
+from rockpulse.errors import NO_RECORD, Failure
 from rockpulse.remark import Remark, with_codes
 from rockpulse.storage.variables import failure_table
 from rockpulse.views.text.left_out import failure_list, left_out, not_used

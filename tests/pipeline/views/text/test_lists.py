@@ -6,7 +6,7 @@ import xarray as xr
 from results_tree import RECORDS, demanding, results_tree
 
 from rockpulse.assessment.answers import Answers
-from rockpulse.failures import Failure
+from rockpulse.errors import Failure
 from rockpulse.storage.export.selection import Condition, Selection
 from rockpulse.storage.variables import failure_table
 from rockpulse.views.text import overview as overviews

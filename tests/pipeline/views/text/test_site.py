@@ -8,7 +8,7 @@ from site_spectra import site_of, usual_site
 
 import rockpulse as rp
 from rockpulse import CalibrationSettings
-from rockpulse.failures import Failure
+from rockpulse.errors import Failure
 from rockpulse.models import Block
 from rockpulse.views.text.site import design, site_overview
 

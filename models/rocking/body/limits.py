@@ -1,0 +1,271 @@
+"""The two corners on which a rigid body rocks, and its impact on a wall behind it.
+
+.. note:: A body whose centre of mass lies b_1 and b_2 from its right-hand and left-hand corner and h above them turns
+   about corner i with R_i^2 = b_i^2 + h^2, tan(alpha_i) = b_i/h and p_i^2 = g R_i/(rho^2 + R_i^2), rho its radius of
+   gyration. An impact on corner 2 keeps the angular momentum about it: (rho^2 + R_2^2) theta'_after = (rho^2 + R_1 R_2
+   cos(alpha_1 + alpha_2)) theta'_before, and R_1 R_2 cos(alpha_1 + alpha_2) = h^2 - b_1 b_2.
+
+What a rigid body can be: its restitution by angular momentum, its radius, and sizes that are doubted.
+
+.. note:: An impact on the other corner keeps the angular momentum about that corner. A symmetric body has
+   (I_0 - 2 M R^2 sin^2 alpha) theta' before the impact and I_0 theta' after it, so C is at most
+   1 - 2 (M R^2/I_0) sin^2 alpha = 1 - 2 (p^2 R/g) sin^2 alpha. M R^2/I_0 is 3/4 for a rectangle, which gives
+   Housner's 1 - 1.5 sin^2 alpha, and below 1 for any body, for I_0 = I_G + M R^2.
+"""
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from rocking.arguments import ArrayLike, numbers, positive, together
+from rocking.body.restraint import Load, Restraints, carried
+
+#: Slenderness above which the convention of the rebound from a wall holds: 1 - 1.5 cos^2 alpha is negative there.
+LEAST_SLENDERNESS = np.sqrt(2.0)
+
+
+class Corner(NamedTuple):
+    """One corner of (m,) bodies."""
+
+    radius: np.ndarray  #: R, from the corner to the centre of mass [m]
+    alpha: np.ndarray  #: angle of R with the vertical [rad]
+    p: np.ndarray  #: frequency parameter about it [1/s]
+    most: np.ndarray  #: C at most, of the impact that ends the rotation about it [-]
+
+
+def corner(near: np.ndarray, far: np.ndarray, height: np.ndarray, gyration: np.ndarray, gravity: float) -> Corner:
+    """The corner `near` [m] away from the centre of mass, horizontally, of bodies with the other one `far` [m] away.
+
+    The centre of mass is at `height` [m], the radius of gyration about it `gyration` [m].
+    """
+    square = near**2 + height**2
+    most = (gyration**2 + height**2 - near * far) / (gyration**2 + height**2 + far**2)
+    p = np.sqrt(gravity * np.sqrt(square) / (gyration**2 + square))
+    return Corner(np.sqrt(square), np.arctan2(near, height), p, most)
+
+
+def sorrentino(alpha: Any) -> Any:
+    """Rebound e of a rectangle from a wall behind it: abs((1 - 1.5 sin^2 alpha)^2 (1 - 1.5 cos^2 alpha)).
+
+    A convention for the sequence base, wall, base, and not a sequence of impacts: one impact on the wall alone would
+    give 0.5 at any slenderness.
+
+    References
+    ----------
+    Sorrentino, L., Kunnath, S., Monti, G., Scalora, G. (2008), Eng. Struct. 30(8), 2140-2153.
+
+    Examples
+    --------
+    >>> [round(float(sorrentino(np.arctan(1.0 / slenderness))), 3) for slenderness in (4, 8, 12)]
+    [0.342, 0.455, 0.48]
+    """
+    base, wall = 1.0 - 1.5 * np.sin(alpha) ** 2, 1.0 - 1.5 * np.cos(alpha) ** 2
+    return np.abs(base**2 * wall)
+
+
+def rebound_of(given: ArrayLike, alpha: np.ndarray, rectangle: bool) -> np.ndarray:
+    """Rebounds e [-] from a wall; "sorrentino", for a rectangle with the angles `alpha`, or numbers in [0, 1]."""
+    expected = "the share e in [0, 1] of the speed that a return to the wall leaves, or 'sorrentino'"
+    if isinstance(given, str):
+        if given != "sorrentino":
+            raise ValueError(f"rebound: expected {expected}, got {given!r}")
+        if not rectangle:
+            raise ValueError("rebound: 'sorrentino' is stated for rectangles; give a number e in [0, 1]")
+        if np.any(np.tan(alpha) * LEAST_SLENDERNESS >= 1.0):
+            raise ValueError(
+                "rebound: 'sorrentino' is stated for a slenderness above 1.414, got "
+                f"{float(np.min(1.0 / np.tan(alpha))):.3g}; give a number e in [0, 1]"
+            )
+        return np.asarray(sorrentino(alpha))
+    share = numbers("rebound", given, expected)
+    if not np.all((share >= 0.0) & (share <= 1.0)):
+        raise ValueError(f"rebound: expected {expected}, got {given!r}")
+    return share
+
+
+def both_corners(
+    near: np.ndarray,
+    far: np.ndarray,
+    height: np.ndarray,
+    gyration: np.ndarray,
+    mass: ArrayLike | None,
+    loads: Sequence[Load],
+    gravity: float,
+) -> tuple[Corner, Corner, Any]:
+    """Both corners and the mass of a body with the loads that it carries along, as point masses."""
+    along = carried(loads)[0]
+    if np.any(near <= 0.0) or np.any(far <= 0.0):
+        raise ValueError("offset, lean: expected a centre of mass above the base, between its two corners")
+    if along:
+        if mass is None:
+            raise ValueError("mass: expected it in kg for a body that carries a load along, got none")
+        own = positive("mass", mass, "kg")
+        weights = [one.weight / gravity for one in along]
+        places = [near - (0.5 * (near + far) if one.distance is None else one.distance) for one in along]
+        mass = own + sum(weights)
+        shift = sum(m * x for m, x in zip(weights, places, strict=True)) / mass
+        centre = (own * height + sum(m * one.height for m, one in zip(weights, along, strict=True))) / mass
+        inertia = own * (gyration**2 + shift**2 + (height - centre) ** 2)
+        for m, x, one in zip(weights, places, along, strict=True):
+            inertia = inertia + m * ((x - shift) ** 2 + (one.height - centre) ** 2)
+        near, far, height, gyration = near - shift, far + shift, centre, np.sqrt(inertia / mass)
+    near, far, height, gyration = together(near=near, far=far, height=height, gyration=gyration)
+    return corner(near, far, height, gyration, gravity), corner(far, near, height, gyration, gravity), mass
+
+
+#: Full sizes [m] outside which a body is doubted: a number in another unit is likelier than such a body.
+LARGEST_SIZE, LEAST_HEIGHT, LEAST_WIDTH = 30.0, 0.05, 0.001
+
+#: Frequency parameters of bodies that an overturning spectrum is for [1/s], 24 from 0.5 to 8 at a ratio of 1.128:
+#: rectangles with R from 29 m down to 0.11 m.
+RATES = np.geomspace(0.5, 8.0, 24)
+
+
+def radius_of_rectangle(p: float | np.ndarray, gravity: float) -> Any:
+    """R [m] of the rectangle with the frequency parameter p [1/s]: 3 g/(4 p^2)."""
+    return 3.0 * gravity / (4.0 * p**2)
+
+
+def most_restitution(p: np.ndarray, alpha: np.ndarray, radius: np.ndarray | None, gravity: float) -> np.ndarray:
+    """The largest C that angular momentum allows each body; without a radius that of the rectangle with its alpha.
+
+    A ValueError for a radius that no body of this p has.
+    """
+    if radius is None:
+        return 1.0 - 1.5 * np.sin(alpha) ** 2
+    share = p**2 * radius / gravity
+    if np.any(share >= 1.0):
+        worst = np.unravel_index(np.argmax(share), share.shape)
+        raise ValueError(
+            f"radius: no body with p = {p[worst]:.6g} 1/s has R = {radius[worst]:.6g} m: its moment of inertia about "
+            f"the corner, M g R/p^2, would be below M R^2; expected less than g/p^2 = {gravity / p[worst] ** 2:.4g} m, "
+            "from the corner to the centre of mass (a rectangle has 3/4 of that)"
+        )
+    return 1.0 - 2.0 * share * np.sin(alpha) ** 2
+
+
+def restitution_of(given: ArrayLike, most: np.ndarray, own: bool) -> np.ndarray:
+    """The velocity ratios of an impact; "housner" stands for the most, which `own` says is by the body's own radius."""
+    if isinstance(given, str):
+        if given != "housner":
+            raise ValueError(f"restitution: expected a number in [0, 1] or 'housner', got {given!r}")
+        if np.any(most < 0.0):
+            why = "Housner's formula is negative below a slenderness of 0.707"
+            if own:
+                why = "1 - 2 (p^2 R/g) sin^2(alpha) is negative for this p, alpha and radius"
+            raise ValueError(f"restitution: {why}; give a number in [0, 1]")
+        return most
+    restitution = numbers("restitution", given, "the velocity ratio C in [0, 1] or 'housner'")
+    if not np.all((restitution >= 0.0) & (restitution <= 1.0)):
+        raise ValueError(f"restitution: expected the velocity ratio C in [0, 1] or 'housner', got {given!r}")
+    return restitution
+
+
+def restitutions_of(
+    given: ArrayLike, most: tuple[np.ndarray, np.ndarray], wall: tuple[bool, Any], alpha: np.ndarray, shape: str
+) -> tuple[np.ndarray, np.ndarray]:
+    """The velocity ratios of the impacts on both corners, or the rebound of a body before a wall for both.
+
+    `wall` is whether there is one, and the rebound as it was given.
+    """
+    one_sided, rebound = wall
+    if not isinstance(one_sided, bool | np.bool_):
+        raise ValueError(f"one_sided: expected True or False, got {one_sided!r}")
+    if not one_sided:
+        if rebound is not None:
+            raise ValueError(f"rebound: expected one only with one_sided=True, got {rebound!r}; give a restitution")
+        first, second = (restitution_of(given, one, own=shape == "own") for one in most)
+        return first, second
+    if not (isinstance(given, str) and given == "housner"):
+        raise ValueError(
+            f"restitution: a one-sided body returns to its wall, give a rebound in its place; got {given!r}"
+        )
+    share = rebound_of("sorrentino" if rebound is None else rebound, alpha, shape == "rectangle")
+    return share, share
+
+
+def check_restraints(restraints: Restraints, first: Corner, second: Corner, block: Any) -> None:
+    """Raise ValueError for restraints of a body without mass, above it, beside it or too strong for it at rest."""
+    if np.any(np.isnan(block.mass)):
+        raise ValueError("mass: expected it in kg, or density and length, for a body with ties, loads or thrusts")
+    top = 2.0 * np.min(block.half_height) if not np.any(np.isnan(block.half_height)) else np.inf
+    if restraints.highest > top * (1.0 + 1e-9):
+        raise ValueError(
+            f"ties, loads, thrusts: expected heights up to that of the body, {top:g} m, got {restraints.highest:g} m"
+        )
+    base = np.asarray(first.radius * np.sin(first.alpha) + second.radius * np.sin(second.alpha))
+    leaning = bool(np.all(np.asarray(block.side) == 1))
+    for place, own in enumerate((first,) if leaning else (first, second)):
+        moment = np.array([restraints.constant(float(width))[place, 0] for width in np.ravel(base)])
+        if np.any(moment + np.ravel(block.mass * block.gravity * own.radius * np.sin(own.alpha)) <= 0.0):
+            raise ValueError("loads, thrusts: expected a body that stands at rest, got ones that turn it over")
+
+
+def remarks_on(
+    half: tuple[np.ndarray, np.ndarray],
+    corners: tuple[Corner, Corner],
+    ratios: tuple[np.ndarray, np.ndarray],
+    shape: str,
+    one_sided: bool,
+) -> list[str]:
+    """Remarks on the size of a body with half sizes [m], and on the restitutions of the impacts on its corners."""
+    first = corners[0]
+    across, along = 2.0 * first.radius * np.sin(first.alpha), 2.0 * first.radius * np.cos(first.alpha)
+    if shape in ("rectangle", "general"):
+        across = 2.0 * half[0]
+        along = 2.0 * half[1] if shape == "rectangle" else along
+    remarks = [size_remark(across, along, shape)]
+    if not one_sided:
+        remarks += [restitution_remark(ratio, one.most, shape) for ratio, one in zip(ratios, corners, strict=True)]
+    return list(dict.fromkeys(remark for remark in remarks if remark))
+
+
+def restitution_remark(restitution: np.ndarray, most: np.ndarray, shape: str) -> str:
+    """A restitution above what angular momentum allows, for a `shape` "rectangle", "own" (radius) or "unknown"."""
+    above = restitution - most
+    if not np.any(above > 1e-12):
+        return ""
+    worst = np.unravel_index(np.argmax(above), above.shape)
+    given, bound = (float(np.broadcast_to(values, above.shape)[worst]) for values in (restitution, most))
+    if shape == "unknown":
+        return (
+            f"restitution {given:.4g} is above Housner's {bound:.4g} of a rectangle with this alpha; a body of another "
+            "shape has its own bound: give its radius, from the corner to the centre of mass"
+        )
+    limit = {
+        "rectangle": f"Housner's {bound:.4g}",
+        "general": f"{bound:.4g}, the bound for its corners and radius of gyration",
+    }.get(shape, f"{bound:.4g}, the bound for its p, alpha and radius")
+    return (
+        f"restitution {given:.4g} is above {limit}: more energy is kept in an impact than conservation of angular "
+        "momentum allows"
+    )
+
+
+def doubt_of_size(width: float, height: float) -> str:
+    """What is doubtful about the full sizes of a body [m]; an empty text where nothing is.
+
+    Examples
+    --------
+    >>> doubt_of_size(600.0, 1700.0), doubt_of_size(2.4, 0.6), doubt_of_size(0.6, 2.4)
+    ('larger than 30 m', 'wider than high', '')
+    """
+    if max(width, height) > LARGEST_SIZE:
+        return f"larger than {LARGEST_SIZE:g} m"
+    if height < LEAST_HEIGHT:
+        return f"less than {100.0 * LEAST_HEIGHT:g} cm high"
+    if width < LEAST_WIDTH:
+        return f"less than {1000.0 * LEAST_WIDTH:g} mm wide"
+    # A square by p and alpha = pi/4 may come back as wider than high by a bit.
+    return "wider than high" if width > height * (1.0 + 1e-12) else ""
+
+
+def size_remark(width: np.ndarray, height: np.ndarray, shape: str) -> str:
+    """The doubt about the first doubtful size; for another shape that of the rectangle with its R and alpha."""
+    sizes = (values.ravel().tolist() for values in np.broadcast_arrays(width, height))
+    for base, rise in zip(*sizes, strict=True):
+        if doubt := doubt_of_size(base, rise):
+            subject = "" if shape in ("rectangle", "general") else "a rectangle with its R and alpha would be "
+            return f"{subject}{base:.4g} m wide and {rise:.4g} m high, {doubt}: check the numbers and their units"
+    return ""

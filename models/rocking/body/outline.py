@@ -1,0 +1,139 @@
+"""The outline of a body, and where what holds it acts: what every drawing of a body is made of.
+
+.. note:: Seen along the base, theta > 0 to the right. Lengths are in metres, x from the centre of mass to the right, y
+   from the base upwards. The right-hand corner, about which theta > 0 turns, is b_1 = R sin(alpha) off.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, NamedTuple, Self
+
+import numpy as np
+
+from rocking.body.restraint import Restraints
+from rocking.pictures import BLUE, GREY, INK, ORANGE, RED, Picture
+
+#: Height of the picture of bodies [px].
+HEIGHT = 170.0
+
+
+class TieLine(NamedTuple):
+    """A tie from its attachment to the body past the far edge of it, where it is anchored."""
+
+    attached: float  # x of the attachment [m]
+    edge: float  # x of the edge of the body that it leaves by [m]
+    outward: float  # -1 to the left, +1 to the right
+    height: float  # y [m]
+
+
+@dataclass(frozen=True)
+class Outline:
+    """The outline of one body [m].
+
+    Attributes
+    ----------
+    left, right : float
+        Distances of the corners from the centre of mass, both positive.
+    centre : float
+        Height of the centre of mass.
+    height : float
+        Height of the body; NaN where that is not known: a triangle of corners and centre of mass stands for it.
+    side : int
+        1 or -1 for a wall on its left or right, 0 without one.
+    ties : tuple of TieLine
+        One for each rotation that a tie acts against.
+    loads : tuple of (float, float)
+        x and y at which each load bears.
+    thrusts : tuple of (float, float, float)
+        x and y of the point of each thrust, and its force [N].
+
+    Examples
+    --------
+    >>> from rocking import Block
+    >>> Outline.of(Block(width=0.5, height=2.0)).corners
+    [(-0.25, 0.0), (0.25, 0.0), (0.25, 2.0), (-0.25, 2.0)]
+    """
+
+    left: float
+    right: float
+    centre: float
+    height: float = math.nan
+    side: int = 0
+    ties: tuple[TieLine, ...] = ()
+    loads: tuple[tuple[float, float], ...] = ()
+    thrusts: tuple[tuple[float, float, float], ...] = ()
+
+    @classmethod
+    def of(cls, block: Any) -> Self:
+        """The outline of a block of one lane."""
+        right = float(block.radius * math.sin(block.alpha_c))
+        left = float(block.radius_2 * math.sin(block.alpha_2))
+        held = block.restraints or Restraints()
+        sides = ((1.0, right, left, "positive"), (-1.0, left, right, "negative"))
+        ties = [
+            TieLine(sign * (corner - tie.distance), -sign * far, -sign, tie.height)
+            for tie in held.ties
+            for sign, corner, far, name in sides
+            if tie.side in ("both", name)
+        ]
+        bearings = [0.5 * (right - left) if load.distance is None else right - load.distance for load in held.loads]
+        loads = zip(bearings, [load.height for load in held.loads], strict=True)
+        thrusts = [(right - one.distance, one.height, one.force) for one in held.thrusts]
+        centre = float(block.radius * math.cos(block.alpha_c))
+        own = left, right, centre, float(block.height), int(block.side)
+        return cls(*own, tuple(ties), tuple(loads), tuple(thrusts))
+
+    @property
+    def width(self) -> float:
+        """Distance of the corners [m]."""
+        return self.left + self.right
+
+    @property
+    def top(self) -> float:
+        """Height of what is drawn [m]."""
+        return self.height if math.isfinite(self.height) else self.centre
+
+    @property
+    def corners(self) -> list[tuple[float, float]]:
+        """The corners of what is drawn, from the left-hand one at the base to the right."""
+        base = [(-self.left, 0.0), (self.right, 0.0)]
+        if math.isfinite(self.height):
+            return [*base, (self.right, self.height), (-self.left, self.height)]
+        return [*base, (0.0, self.centre)]
+
+    def draw(self, picture: Picture, x: float, gap: float) -> None:
+        """Draw the body with its centre of mass above x, a wall and what holds it within a gap on both sides."""
+        across, up = np.transpose(self.corners)
+        picture.polygon(x + across, up)
+        picture.dot(x, self.centre, INK, 2.0)
+        if self.side:
+            wall = x - self.left if self.side > 0 else x + self.right
+            picture.line([wall, wall], [0.0, 1.08 * self.top], GREY, 3.0)
+        for tie in self.ties:
+            anchor = x + tie.edge + tie.outward * 0.8 * gap
+            picture.line([x + tie.attached, anchor], [tie.height, tie.height], BLUE, 1.5)
+            picture.dot(anchor, tie.height, BLUE)
+        for at, height in self.loads:
+            picture.line([x + at, x + at], [height, height + 0.08 * self.top], ORANGE, 3.0)
+        for at, height, force in self.thrusts:
+            picture.line([x + at - math.copysign(0.6 * gap, force), x + at], [height, height], RED, 1.5)
+            picture.dot(x + at, height, RED)
+
+
+def side_by_side(bodies: Sequence[Outline]) -> Picture:
+    """Bodies next to each other, to one scale; a single one with its sizes."""
+    tallest = max(body.top for body in bodies)
+    gap = 0.3 * tallest
+    total = sum(body.width + gap for body in bodies) + gap
+    picture = Picture((0.0, total), (-0.12 * tallest, 1.1 * tallest), height=HEIGHT, equal=True)
+    picture.line([0.0, total], [0.0, 0.0], GREY)
+    at = gap
+    for body in bodies:
+        body.draw(picture, at + body.left, gap)
+        at += body.width + gap
+    first = bodies[0]
+    if len(bodies) == 1 and math.isfinite(first.height):
+        picture.words(f"{first.width:.4g} m", gap + 0.5 * first.width, -0.11 * tallest)
+        picture.words(f"{first.height:.4g} m", gap + first.width + 0.03 * tallest, 0.5 * first.height, "start")
+    return picture

@@ -1,0 +1,227 @@
+"""What holds or pushes a rocking body beside its weight: ties and restrainers, loads that rest on it, thrusts.
+
+.. note:: A point of the body at the height z and the distance xi behind the corner moves outward by x = z sin(phi) + xi
+   (1 - cos(phi)) when the body has turned by phi about the corner; a horizontal force there has the arm dx/dphi = z
+   cos(phi) + xi sin(phi). Forces are horizontal, as of a tie that is long against x.
+"""
+
+import json
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
+from typing import Any, Literal, Self
+
+import numpy as np
+
+from rocking.arguments import numbers
+
+#: Displacement at which the friction of a load is fully there [m]: before it is as that of a spring.
+SLIP = 1e-3
+
+
+def _checked(what: str, values: Any, limits: dict[str, tuple[float, bool, str]]) -> None:
+    """Raise ValueError for a field of `values` below its least value, or equal to it where that is not allowed."""
+    for name, (least, equal, unit) in limits.items():
+        given = getattr(values, name)
+        told = f"a number {'of at least' if equal else 'above'} {least:g} {unit}".rstrip()
+        infinite = name in ("yield_force", "ultimate") and given == math.inf
+        value = math.inf if infinite else float(numbers(f"{what} {name}", given, told, lanes=False))
+        if value < least or (value == least and not equal):
+            raise ValueError(f"{what} {name}: expected {told}, got {given!r}")
+        object.__setattr__(values, name, value)
+
+
+@dataclass(frozen=True)
+class Tie:
+    """A tie or restrainer that holds a body back once it has turned far enough.
+
+    Attributes
+    ----------
+    height : float
+        z of its attachment above the base [m].
+    stiffness : float
+        K, force over elongation [N/m].
+    gap : float
+        Outward displacement of the attachment that it leaves free [m].
+    yield_force : float
+        Largest force [N]: it yields there, and keeps what it has lengthened. inf for a tie that does not yield.
+    ultimate : float
+        Elongation at which it breaks [m]. inf for one that does not.
+    side : {"positive", "negative", "both"}
+        Rotations that it acts against: theta > 0, theta < 0, or one such tie for each.
+    distance : float
+        xi, of its attachment behind the corner of that rotation [m]: 0 for a plate on the outer face, the width of the
+        body for one on the inner face.
+
+    Examples
+    --------
+    A steel bar of 20 mm and 10 m, 200 GPa and 235 MPa:
+
+    >>> area = math.pi * 0.01**2
+    >>> bar = Tie(height=8.0, stiffness=200e9 * area / 10.0, yield_force=235e6 * area)
+    >>> round(bar.stiffness / 1e6, 2), round(bar.yield_force / 1e3, 1)                  # MN/m, kN
+    (6.28, 73.8)
+    """
+
+    height: float
+    stiffness: float
+    gap: float = 0.0
+    yield_force: float = math.inf
+    ultimate: float = math.inf
+    side: Literal["positive", "negative", "both"] = "positive"
+    distance: float = 0.0
+
+    def __post_init__(self) -> None:
+        limits = {"height": (0.0, False, "m"), "stiffness": (0.0, False, "N/m"), "gap": (0.0, True, "m")}
+        limits |= {"yield_force": (0.0, False, "N"), "ultimate": (0.0, False, "m"), "distance": (0.0, True, "m")}
+        _checked("tie", self, limits)
+        if self.side not in ("positive", "negative", "both"):
+            raise ValueError(f"tie side: expected 'positive', 'negative' or 'both', got {self.side!r}")
+
+
+@dataclass(frozen=True)
+class Load:
+    """A roof or a floor that rests on a body.
+
+    Attributes
+    ----------
+    weight : float
+        Force that it puts on the body [N].
+    height : float
+        z of its bearing above the base [m].
+    friction : float or None
+        Coefficient between it and the body [-]: it stays with the building and holds the body back, in both
+        directions, by at most friction times weight. None: its mass is carried along by the body.
+    distance : float or None
+        Of its bearing behind the corner of theta > 0 [m]; None for the middle of the base.
+    """
+
+    weight: float
+    height: float
+    friction: float | None = None
+    distance: float | None = None
+
+    def __post_init__(self) -> None:
+        limits = {"weight": (0.0, False, "N"), "height": (0.0, False, "m")}
+        limits |= {} if self.friction is None else {"friction": (0.0, False, "")}
+        limits |= {} if self.distance is None else {"distance": (0.0, True, "m")}
+        _checked("load", self, limits)
+
+
+@dataclass(frozen=True)
+class Thrust:
+    """A constant horizontal force on a body, as of an arch or a rafter.
+
+    Attributes
+    ----------
+    force : float
+        Towards theta > 0; negative towards theta < 0 [N].
+    height : float
+        z of its line of action above the base [m].
+    distance : float
+        xi, of its point of action behind the corner of theta > 0 [m].
+    """
+
+    force: float
+    height: float
+    distance: float = 0.0
+
+    def __post_init__(self) -> None:
+        _checked("thrust", self, {"height": (0.0, False, "m"), "distance": (0.0, True, "m")})
+        object.__setattr__(self, "force", float(numbers("thrust force", self.force, "a force in N", lanes=False)))
+
+
+# Columns of the table of elements that the kernel reads.
+(
+    KIND,  # FRICTION for that of a load, else a tie
+    SIDE,  # of a tie, the sign of theta that it acts against
+    HEIGHT,
+    NEAR,  # distance behind the corner of theta > 0; of a tie behind its own corner
+    FAR,  # behind the corner of theta < 0
+    STIFFNESS,
+    GAP,
+    YIELD_FORCE,
+    ULTIMATE,
+) = range(9)
+COLUMNS = 9
+TIE, FRICTION = 0.0, 1.0
+
+
+@dataclass(frozen=True)
+class Restraints:
+    """All that acts on one body beside its weight.
+
+    Attributes
+    ----------
+    ties, loads, thrusts : tuple
+        Loads that are carried along are not among them: they are part of the body.
+    """
+
+    ties: tuple[Tie, ...] = ()
+    loads: tuple[Load, ...] = ()
+    thrusts: tuple[Thrust, ...] = ()
+
+    def __bool__(self) -> bool:
+        return any(getattr(self, one.name) for one in fields(self))
+
+    @property
+    def highest(self) -> float:
+        """Height of the highest of them [m]."""
+        return max(one.height for part in (self.ties, self.loads, self.thrusts) for one in part)
+
+    def as_text(self) -> str:
+        """The same as a text of JSON."""
+        return json.dumps({one.name: [vars(part) for part in getattr(self, one.name)] for one in fields(self)})
+
+    @classmethod
+    def from_text(cls, told: str) -> Self | None:
+        """Restraints from :meth:`as_text`; None from an empty text."""
+        if not told:
+            return None
+        parts, makers = json.loads(told), {"ties": Tie, "loads": Load, "thrusts": Thrust}
+        return cls(**{name: tuple(make(**one) for one in parts[name]) for name, make in makers.items()})
+
+    def mirrored(self, base: float) -> Self:
+        """The same seen from behind, on a body with a base [m]: theta > 0 has become theta < 0."""
+        other = {"positive": "negative", "negative": "positive", "both": "both"}
+        return type(self)(
+            tuple(Tie(**{**vars(tie), "side": other[tie.side]}) for tie in self.ties),
+            tuple(Load(**{**vars(one), "distance": base - _bearing(one, base)}) for one in self.loads),
+            tuple(Thrust(-one.force, one.height, base - one.distance) for one in self.thrusts),
+        )
+
+    def elements(self, base: float) -> np.ndarray:
+        """Table (e, 9) of the ties and of the friction of loads, see KIND and the following, on a base [m]."""
+        rows = []
+        for tie in self.ties:
+            for name, side in (("positive", 1.0), ("negative", -1.0)):
+                if tie.side in (name, "both"):
+                    at = (tie.height, tie.distance, tie.distance)
+                    rows.append((TIE, side, *at, tie.stiffness, tie.gap, tie.yield_force, tie.ultimate))
+        for load in self.loads:
+            if load.friction is not None:
+                force, near = load.friction * load.weight, _bearing(load, base)
+                at = (load.height, near, base - near)
+                rows.append((FRICTION, 0.0, *at, force / SLIP, 0.0, force, math.inf))
+        return np.array(rows, dtype=float).reshape(len(rows), COLUMNS)
+
+    def constant(self, base: float) -> np.ndarray:
+        """Restoring moments (2, 2) [N m] of weights and thrusts as factors of cos(phi) and sin(phi), by corner."""
+        found = np.zeros((2, 2))
+        for load in self.loads:
+            near = _bearing(load, base)
+            found += load.weight * np.array([[near, -load.height], [base - near, -load.height]])
+        for one in self.thrusts:
+            found[0] -= one.force * np.array([one.height, one.distance])
+            found[1] += one.force * np.array([one.height, base - one.distance])
+        return found
+
+
+def _bearing(load: Load, base: float) -> float:
+    """Distance of the bearing of a load behind the corner of theta > 0 [m]."""
+    return 0.5 * base if load.distance is None else load.distance
+
+
+def carried(loads: Sequence[Load]) -> tuple[list[Load], list[Load]]:
+    """The loads that a body carries along, and those that stay with the building."""
+    return [one for one in loads if one.friction is None], [one for one in loads if one.friction is not None]

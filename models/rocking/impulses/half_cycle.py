@@ -1,0 +1,346 @@
+"""Natural motion of a rocking block between impulses (Casapulla & Maione 2017, Eqs. 1-2, 6-7).
+
+.. note:: Rotations are in units of alpha_c and times in units of 1/p, so that x = s theta/alpha_c (s the side the
+   block rocks on) obeys x'' = x - 1 while x > 0. The velocity x' = s theta'/(p alpha_c) is positive away from the
+   ground. The motion is the sum of a growing and a decaying mode, x = 1 + (y e^tau + z e^-tau)/2 with y = x - 1 + x'
+   and z = x - 1 - x'; it comes back iff y < 0.
+
+Every formula is written so that it keeps its digits for hops that are tiny (x' = 1e-9) and for motions next to
+overturning.
+
+One half-cycle with intermediate impulses has a closed form (section 3.2). It starts on the ground with the velocity u.
+The secondary impulses change the velocity by -a, +a, -a, ... with a = u_1 I_s/I, n of them, n even.
+
+With t = T/2, s = a/2 and v = u - s the condition x(T) = 0 for a half-cycle of duration T is F(t) = target:
+
+=========  ==================  ================================  ======
+spacing    impulses            F(t)                              target
+=========  ==================  ================================  ======
+end        k dT, T = n dT      tanh t (1 - s tanh(t/n))          v
+middle     (k - 1/2) dT        tanh t + s/cosh(t/n)              u
+start      (k - 1) dT          tanh t (1 + s tanh(t/n))          v
+open       k dT, T = (n+1) dT  tanh t - s tanh(t/(n+1))/tanh t   v
+limit      n -> infinity       tanh t                            v
+=========  ==================  ================================  ======
+
+The two marches through a half-cycle with intermediate impulses (Casapulla & Maione 2017, steps 3, 4 and 6).
+
+.. note:: Units of alpha_c and 1/p; the velocity changes by -a, +a, -a, ... as in :mod:`rocking.impulses.half_cycle`.
+"""
+
+import math
+
+import numpy as np
+from numba import njit
+
+#: A velocity within this of the critical one counts as critical [-]: some hundred rounding errors, far below any datum.
+CRITICAL_TOLERANCE = 1e-13
+
+#: exp of more than this overflows.
+_LARGEST_EXPONENT = 700.0
+
+#: Hops that `free_decay_time` adds one by one before it gives up.
+_HOP_LIMIT = 100_000
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def state(rotation, velocity, time):
+    """x and x' after a time of natural motion, times p and not negative (Eq. 2).
+
+    Exponents are cut off at 700, so that long waits cannot overflow.
+    """
+    if time < 1.0:
+        half = math.sinh(0.5 * time)
+        sinh, cosh_less_one = math.sinh(time), 2.0 * half * half
+        return (
+            rotation + velocity * sinh - (1.0 - rotation) * cosh_less_one,
+            velocity + velocity * cosh_less_one - (1.0 - rotation) * sinh,
+        )
+    growing = 0.5 * (rotation - 1.0 + velocity) * math.exp(min(time, _LARGEST_EXPONENT))
+    decaying = 0.5 * (rotation - 1.0 - velocity) * math.exp(-min(time, _LARGEST_EXPONENT))
+    return 1.0 + growing + decaying, growing - decaying
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def impact_speed(rotation, velocity):
+    """Speed w = sqrt(x (2 - x) + x'^2) with which a motion that comes back meets the ground [-], by its energy."""
+    return math.sqrt(max(rotation * (2.0 - rotation) + velocity * velocity, 0.0))
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def return_growth(rotation, velocity, speed):
+    """e^tau - 1 of the return time, without exp and log, given the speed of the impact; inf where there is no return.
+
+    The waits of a motion that is followed from impact to impact can so be kept as growth factors, e^(t - tau) - 1 =
+    (e^t - e^tau)/e^tau.
+    """
+    growing = rotation - 1.0 + velocity
+    if growing >= 0.0:
+        return np.inf
+    gain = velocity + speed if velocity >= 0.0 else rotation * (2.0 - rotation) / (speed - velocity)
+    return (rotation + gain) / -growing
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def return_time(rotation, velocity):
+    """Time times p until the block, at x >= 0 with x', meets the ground; inf where it does not come back (y >= 0).
+
+    From rest at x0 it is Housner's quarter period acosh(1/(1 - x0)). x(tau) = 0 gives e^tau = (1 + w)/(1 - x - x'),
+    hence tau = log1p((x + x' + w)/(1 - x - x')); on the way down x' + w cancels and is written as x (2 - x)/(w - x').
+    """
+    return math.log1p(return_growth(rotation, velocity, impact_speed(rotation, velocity)))
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def rise_time(rotation, velocity):
+    """Time to the top of the motion times p [-], atanh(x'/(1 - x)); inf where there is none ahead."""
+    if velocity < 0.0 or rotation - 1.0 + velocity >= 0.0:
+        return np.inf
+    return 0.5 * math.log1p(2.0 * velocity / (1.0 - rotation - velocity))
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def top(rotation, velocity):
+    """Rotation at the top of the motion [-], 1 - sqrt((1 - x)^2 - x'^2), for abs(x') < 1 - x."""
+    root = math.sqrt((1.0 - rotation - velocity) * (1.0 - rotation + velocity))
+    return (rotation * (2.0 - rotation) + velocity * velocity) / (1.0 + root)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def hop(velocity):
+    """Peak 1 - sqrt(1 - u^2) and duration 2 atanh(u) times p of the half-cycle that starts with u >= 0 (Eqs. 6, 7).
+
+    Both are inf where the block does not come back (u >= 1).
+
+    Examples
+    --------
+    >>> peak, duration = hop(0.75)
+    >>> round(peak, 6), round(duration, 6)
+    (0.338562, 1.94591)
+    """
+    if velocity >= 1.0:
+        return np.inf, np.inf
+    return top(0.0, velocity), math.log1p(2.0 * velocity / (1.0 - velocity))
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def free_decay_time(velocity, restitution):
+    """Time times p until a block comes to rest after infinitely many hops, the sum over k >= 0 of 2 atanh(C^k u).
+
+    It is inf for u >= 1, for C = 1, and for C so near to one (above about 1 - 1e-5) that hops of more than half the
+    critical energy number over 100 000. Below u = 0.8 the sum over the hops of each term of the series of atanh is
+    geometric: 2 sum over odd j of u^j/(j (1 - C^j)).
+    """
+    if velocity >= 1.0 or restitution >= 1.0:
+        return np.inf
+    total = 0.0
+    hops = 0
+    while velocity > 0.8:
+        if hops == _HOP_LIMIT:
+            return np.inf
+        total += math.log1p(2.0 * velocity / (1.0 - velocity))
+        velocity *= restitution
+        hops += 1
+    power, restitution_power = velocity, restitution
+    for order in range(1, 200, 2):
+        term = 2.0 * power / (order * (1.0 - restitution_power))
+        total += term
+        if term <= 1e-17 * total:
+            break
+        power *= velocity * velocity
+        restitution_power *= restitution * restitution
+    return total
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def impacts_above(speed, restitution, cutoff):
+    """Number of impacts of a free decay that are faster than a positive cut-off, the first one with `speed`.
+
+    It is the number of k >= 0 with C^k speed > cutoff; -1 where they never end (C = 1).
+    """
+    if speed <= cutoff:
+        return 0
+    if restitution >= 1.0:
+        return -1
+    if restitution <= 0.0:
+        return 1
+    count = math.ceil(math.log(cutoff / speed) / math.log(restitution))
+    # The logarithms may round across a whole number: the powers decide.
+    if speed * restitution ** (count - 1) <= cutoff:
+        return count - 1
+    return count + 1 if speed * restitution**count > cutoff else count
+
+
+END, MIDDLE, START, OPEN, CONTINUOUS = range(5)
+
+_NEWTON_LIMIT = 200
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _condition(half, count, spacing, s):
+    """F(t) of the table above, and its derivative."""
+    tanh = math.tanh(half)
+    slope = (1.0 - tanh) * (1.0 + tanh)
+    divisor = count + 1 if spacing == OPEN else count
+    inner = math.tanh(half / divisor)
+    inner_slope = (1.0 - inner) * (1.0 + inner) / divisor
+    if spacing == MIDDLE:
+        sech = 1.0 / math.cosh(min(half / divisor, 700.0))
+        return tanh + s * sech, slope - s * sech * inner / divisor
+    if spacing == OPEN:
+        ratio = inner / tanh
+        return tanh - s * ratio, slope - s * (inner_slope - ratio * slope) / tanh
+    sign = -1.0 if spacing == END else 1.0
+    return tanh * (1.0 + sign * s * inner), slope * (1.0 + sign * s * inner) + sign * s * tanh * inner_slope
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def corrected_duration(velocity, secondary, count, spacing):
+    """Smallest T times p with x(T) = 0 for u, a secondary impulse 0 <= a <= u and n of them; inf: the block overturns.
+
+    The root of the continuous limit, atanh(v), is a lower bound for "end", "middle" and "open", so none of them has a
+    root without it. Their F rises, concave, to one maximum and falls after it: Newton's iteration from the lower bound
+    climbs monotonically to the smaller root and steps over the maximum, where F' <= 0, iff there is none. For "start"
+    F rises for ever, to 1 + s; there the root is bracketed.
+    """
+    s = 0.5 * secondary
+    target = velocity - s
+    if target <= 0.0:
+        return 0.0
+    if spacing == START and secondary > 0.0:
+        return 2.0 * _bracketed(target, count, s)
+    if target >= 1.0 - CRITICAL_TOLERANCE:
+        return np.inf
+    half = 0.5 * math.log1p(2.0 * target / (1.0 - target))
+    if spacing == CONTINUOUS or secondary == 0.0:
+        return 2.0 * half
+    if spacing == MIDDLE:
+        target = velocity
+    for _ in range(_NEWTON_LIMIT):
+        value, slope = _condition(half, count, spacing, s)
+        if slope <= 0.0:
+            return np.inf
+        step = (target - value) / slope
+        half += step
+        if step <= 1e-16 * half:
+            return 2.0 * half
+    return 2.0 * half
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _bracketed(target, count, s):
+    """Half the duration for "start": Newton's iteration inside a bracket that each step tightens."""
+    if target >= 1.0 + s - CRITICAL_TOLERANCE:
+        return np.inf
+    low = 0.0
+    if target < 1.0:
+        high = 0.5 * math.log1p(2.0 * target / (1.0 - target))
+    else:
+        high = 1.0
+        while _condition(high, count, START, s)[0] < target:
+            # tanh has reached one in floating point for every factor: the root lies beyond representable velocities.
+            if high > 40.0 * count:
+                return np.inf
+            low, high = high, 2.0 * high
+    half = high
+    for _ in range(_NEWTON_LIMIT):
+        value, slope = _condition(half, count, START, s)
+        if value >= target:
+            high = half
+        else:
+            low = half
+        step = (target - value) / slope if slope > 0.0 else np.inf
+        trial = half + step
+        if not low <= trial <= high:
+            trial = 0.5 * (low + high)
+        if abs(trial - half) <= 1e-16 * half:
+            return trial
+        half = trial
+    return half
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def impact_speed_after(velocity, secondary, time, count, spacing):
+    """Speed u_r right before the impact that ends the half-cycle [-], last secondary impulse included."""
+    if spacing == MIDDLE and secondary > 0.0:
+        return max(velocity - secondary / math.cosh(0.5 * time / count), 0.0)
+    if spacing == OPEN and secondary > 0.0:
+        return max(velocity - secondary * (1.0 - math.tanh(0.5 * time / (count + 1)) / math.tanh(0.5 * time)), 0.0)
+    return max(velocity - secondary, 0.0)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def stays_bounded(main, ratio, restitution):
+    """Whether a main sequence u_1 without end and a continuous secondary one (`ratio` = I_s/I) never overturn a block.
+
+    v* = u_1 (1 - (1 + C) I_s/(2 I))/(1 - C) <= 1 (F2, F4). Equality is bounded, because the limit is not reached; the
+    rounding of u_1 and of C, which moves 1 - C, must not decide it.
+    """
+    if main * (1.0 - 0.5 * ratio) >= 1.0 - CRITICAL_TOLERANCE:
+        return False
+    limit = main * (1.0 - 0.5 * ratio * (1.0 + restitution))
+    if restitution == 1.0:
+        return limit <= 0.0
+    return limit * (1.0 - CRITICAL_TOLERANCE) <= 1.0 - restitution + 2.3e-16
+
+
+#: Steps of the trial march: p dT >= 1e-4 is demanded of a sequence and no half-cycle lasts longer than about 40/p.
+_TRIAL_LIMIT = 1_000_000
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def first_return(velocity, secondary, interval, spacing):
+    """First return T* times p of the march with the trial `interval` dT times p; inf where it does not come back.
+
+    Steps 3 and 4, for u, a and any spacing but the continuous one. If y >= 0 after an impulse towards the ground, the
+    next one away from it makes y at least a, and y exp(delta) - a stays non-negative from then on: no return.
+    """
+    rotation, elapsed, push = 0.0, 0.0, -secondary
+    if spacing == START:
+        wait = 0.0
+    elif spacing == MIDDLE:
+        wait = 0.5 * interval
+    else:
+        wait = interval
+    for _ in range(_TRIAL_LIMIT):
+        growing = rotation - 1.0 + velocity
+        if growing >= (secondary * math.exp(-wait) if push < 0.0 else 0.0):
+            return np.inf
+        back = return_time(rotation, velocity)
+        if back <= wait:
+            return elapsed + back
+        rotation, velocity = state(rotation, velocity, wait)
+        elapsed += wait
+        velocity += push
+        push, wait = -push, interval
+    return np.inf
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def peak_and_lowest(velocity, secondary, time, count, spacing):
+    """Largest x of the corrected march, at a top or an impulse, and smallest x at the impulses inside it (step 6).
+
+    The half-cycle has u, a, n impulses and the finite `time` T times p; its spacing is not the continuous one. Below
+    zero the march has passed through the ground: the closed form knows the end of the half-cycle only.
+    """
+    interval = time / (count + 1 if spacing == OPEN else count)
+    if spacing == START:
+        wait = 0.0
+    elif spacing == MIDDLE:
+        wait = 0.5 * interval
+    else:
+        wait = interval
+    rotation, push, peak, lowest = 0.0, -secondary, 0.0, np.inf
+    for impulse in range(count + 1):
+        if impulse == count:
+            wait = 0.0 if spacing == END else (0.5 * interval if spacing == MIDDLE else interval)
+        if rise_time(rotation, velocity) <= wait:
+            peak = max(peak, top(rotation, velocity))
+        rotation, velocity = state(rotation, velocity, wait)
+        peak = max(peak, rotation)
+        inside = impulse < count - 1 if spacing == END else impulse < count
+        if inside and not (spacing == START and impulse == 0):
+            lowest = min(lowest, rotation)
+        velocity += push
+        push, wait = -push, interval
+    return peak, lowest

@@ -1,0 +1,251 @@
+"""The limit accelerogram: a main sequence at the impacts, a secondary one between them (Casapulla & Maione 2017).
+
+.. note:: Every main impulse acts right after an impact and speeds the block up. Between two of them an even number of
+   secondary impulses acts at equal intervals with alternate signs; the first one opposes the main impulse before it.
+   How long a half-cycle lasts, and with it their number, depends on the block: a picture shows the number that the
+   sequence prescribes, four where it prescribes none.
+"""
+
+import math
+import operator
+from dataclasses import dataclass, replace
+from typing import Any, Self
+
+import numpy as np
+
+from rocking.arguments import ArrayLike, Floats, Integers
+from rocking.impulses.half_cycle import CONTINUOUS, END, MIDDLE, OPEN, START
+from rocking.impulses.main import effective_amplification
+from rocking.pictures import BLUE, GREY, RED, Picture, Shown, brief
+
+#: Number of intermediate impulses in a half-cycle of the picture, and the most of them.
+SHOWN, MOST = 4, 12
+
+#: Place of the first intermediate impulse after the main one, in intervals.
+FIRST = {"end": 1.0, "middle": 0.5, "start": 0.0, "open": 1.0}
+
+#: Where the intermediate impulses stand in the half-cycle: t_k = (k - phi) dT with T = n dT for "end" (phi = 0),
+#: "middle" (1/2) and "start" (1); "open": t_k = k dT with T = (n + 1) dT; "continuous": the limit of infinitely many.
+#: The numbers are the kernels' codes.
+SPACINGS = {"end": END, "middle": MIDDLE, "start": START, "open": OPEN, "continuous": CONTINUOUS}
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class ImpulseSequence(Shown):
+    """A main and a secondary sequence of impulses, or an array of them: the fields broadcast to one shape (q,), or ().
+
+    Parameters
+    ----------
+    main : float or (q,) array_like
+        I, size of a main impulse [m/s], not negative.
+    secondary : float or (q,) array_like
+        I_s, size of a secondary impulse [m/s], 0 <= I_s <= I.
+    interval : float or (q,) array_like
+        Trial interval dT of the secondary impulses [s], positive; NaN is allowed where it has no meaning (spacing
+        "continuous", or `intermediate_count` given).
+    duration : float or (q,) array_like
+        Main impulses act in half-cycles that start before this time [s], positive; inf for ever.
+    main_count : int or (q,) array_like of int, optional
+        Largest number of main impulses [-], at least 1; None for no limit.
+    intermediate_count : int, optional
+        Number n of secondary impulses in every half-cycle, even and at least 2; None takes n from the trial interval.
+    spacing : {"end", "middle", "start", "open", "continuous"}
+        See :data:`SPACINGS`.
+
+    Attributes
+    ----------
+    shape : tuple of int
+        Shape of the lanes: () or (q,).
+
+    References
+    ----------
+    Casapulla, C., Maione, A. (2017), COMPDYN 2017, section 3.2, doi:10.7712/120117.5612.17190.
+
+    Examples
+    --------
+    >>> sequence = ImpulseSequence(main=0.7, secondary=0.28, interval=0.1, duration=20.0)
+    >>> sequence.scaled(2.0).secondary
+    0.56
+    """
+
+    main: Floats
+    secondary: Floats
+    interval: Floats
+    duration: Floats
+    main_count: Integers | None = None
+    intermediate_count: int | None = None
+    spacing: str = "end"
+
+    def __post_init__(self) -> None:
+        if self.spacing not in SPACINGS:
+            raise ValueError(f"spacing: expected one of {', '.join(SPACINGS)}, got {self.spacing!r}")
+        names = ("main", "secondary", "interval", "duration")
+        given = main, secondary, interval, duration = [_numbers(name, getattr(self, name)) for name in names]
+        unused = np.isnan(interval) & (self.spacing == "continuous" or self.intermediate_count is not None)
+        needed = (
+            (np.isfinite(main) & (main >= 0.0), "a finite impulse [m/s] that is not negative"),
+            ((secondary >= 0.0) & (secondary <= main), "an impulse [m/s] between 0 and the main impulse"),
+            ((np.isfinite(interval) & (interval > 0.0)) | unused, "a positive, finite time [s]"),
+            (duration > 0.0, "a positive time [s], or inf"),
+        )
+        for name, (valid, expected) in zip(names, needed, strict=True):
+            _require(valid, f"{name}: expected {expected}", getattr(self, name))
+        limit = _counts("main_count", self.main_count, least=1)
+        try:
+            *whole, counts = np.broadcast_arrays(*given, np.asarray(limit))
+        except ValueError:
+            raise ValueError(
+                "main, secondary, interval, duration and main_count: expected numbers or arrays of one length, "
+                f"got shapes {', '.join(str(array.shape) for array in given)}, {np.shape(limit)}"
+            ) from None
+        found = {name: np.array(array) for name, array in zip(names, whole, strict=True)}
+        found |= {"main_count": np.array(counts)} if isinstance(limit, np.ndarray) else {}
+        for array in found.values():
+            array.setflags(write=False)
+        vars(self).update({name: array.item() if array.ndim == 0 else array for name, array in found.items()})
+        if not isinstance(limit, np.ndarray):
+            vars(self)["main_count"] = limit
+        count = _count("intermediate_count", self.intermediate_count, least=2)
+        if count is not None and count % 2:
+            raise ValueError(
+                f"intermediate_count: expected an even number, so that the impulses sum to zero, got {count}"
+            )
+        vars(self)["intermediate_count"] = count
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Shape of the lanes: () for one sequence, (q,) for several."""
+        return np.shape(self.main)
+
+    def scaled(self, factor: ArrayLike) -> Self:
+        """The same sequence with both impulses times a factor, or (q,) of them; I_s/I, times and counts are kept."""
+        factor = _numbers("factor", factor)
+        _require(np.isfinite(factor) & (factor >= 0.0), "factor: expected a finite number that is not negative", factor)
+        return replace(self, main=factor * self.main, secondary=factor * self.secondary)
+
+    def effective_impulse(self, restitution: ArrayLike) -> Floats:
+        """I_eff, the one number by which the sequence acts on blocks of a restitution: it overturns iff I_eff >= I_1c.
+
+        Parameters
+        ----------
+        restitution : float or (q,) array_like
+            C of the block [-], 0 to 1; with several sequences one number, or one a sequence.
+
+        Returns
+        -------
+        float or (q,) ndarray
+            I_eff = I [(1 - sigma) S_N + sigma/2] [m/s], sigma = I_s/I, S_N = (1 - C^N)/(1 - C). Without a `main_count`
+            N is without limit: the supremum, which itself does not overturn.
+
+        Raises
+        ------
+        ValueError
+            For another spacing than "continuous" with secondary impulses, whose effect no one number tells, for a
+            finite duration, or a C outside 0 to 1.
+
+        Notes
+        -----
+        Half-cycle k is decided by I [(1 - sigma) S_k + sigma/2] (VALIDATION F4, n -> infinity), which grows with k for
+        0 <= sigma <= 1 and C >= 0, so that the last main impulse decides (V27). I, sigma and N that have one I_eff
+        cannot be told apart by what they overturn.
+
+        Examples
+        --------
+        >>> sequence = ImpulseSequence(0.5, 0.2, np.nan, np.inf, main_count=2, spacing="continuous")
+        >>> round(sequence.effective_impulse(0.9), 12)  # 0.5 [(1 - 0.4) 1.9 + 0.2]
+        0.67
+        """
+        ratio = np.divide(self.secondary, self.main, out=np.zeros(self.shape), where=np.asarray(self.main) > 0.0)
+        _require((self.spacing == "continuous") | (ratio == 0.0), 'spacing: expected "continuous"', self.spacing)
+        _require(np.isinf(self.duration), "duration: expected inf, the number of main impulses alone", self.duration)
+        c = _numbers("restitution", restitution)
+        _require((c >= 0.0) & (c <= 1.0), "restitution: expected a velocity ratio from 0 to 1", restitution)
+        if self.main_count is None:
+            with np.errstate(divide="ignore", invalid="ignore"):
+                reached = np.where(ratio < 1.0, (1.0 - ratio) / (1.0 - c), 0.0) + 0.5 * ratio
+        else:
+            reached = np.vectorize(effective_amplification, otypes=[float])(c, ratio, self.main_count)
+        found = self.main * reached
+        return found.item() if np.ndim(found) == 0 else found
+
+    def _facts(self) -> dict[str, str]:
+        facts = {"of": f"{np.size(self.main)} sequences"} if np.ndim(self.main) else {}
+        facts |= {"I": brief(self.main, "m/s"), "I_s": brief(self.secondary, "m/s")}
+        if not np.all(np.isnan(self.interval)):
+            facts["dT"] = brief(self.interval, "s")
+        if self.intermediate_count is not None:
+            facts["n"] = str(self.intermediate_count)
+        facts["duration"] = brief(self.duration, "s")
+        facts |= {} if self.main_count is None else {"main impulses": brief(self.main_count)}
+        return facts | {"spacing": self.spacing}
+
+    def two_half_cycles(self) -> tuple[np.ndarray, np.ndarray]:
+        """The impulses of two half-cycles, the first of several sequences, as (k, 2) places and sizes.
+
+        Places are in intervals after the first main impulse [-], sizes in m/s with the sign of the ground's change of
+        velocity. The main impulses come first, then the intermediate ones: none of spacing "continuous".
+        """
+        main, secondary = float(np.ravel(self.main)[0]), float(np.ravel(self.secondary)[0])
+        number = np.arange(min(self.intermediate_count or SHOWN, MOST))
+        length = float(number.size + (self.spacing == "open"))
+        mains = np.array([[0.0, main], [length, -main]])
+        if secondary == 0.0 or self.spacing not in FIRST:
+            return mains, np.empty((0, 2))
+        # The first of them opposes the main impulse, then they alternate.
+        own = np.column_stack([FIRST[self.spacing] + number, np.where(number % 2 == 0, -secondary, secondary)])
+        return mains, np.concatenate([own, own * [1.0, -1.0] + [length, 0.0]])
+
+    def _picture(self) -> Picture:
+        """Two half-cycles of the sequence, the first of several."""
+        mains, others = self.two_half_cycles()
+        main, secondary = float(mains[0, 1]), float(np.ravel(self.secondary)[0])
+        end, reach = 2.0 * float(mains[1, 0]), main or 1.0
+        picture = Picture((-0.5, end + 0.5), (-1.2 * reach, 1.2 * reach))
+        picture.line([-0.5, end + 0.5], [0.0, 0.0], GREY, 0.5)
+        if secondary > 0.0 and not others.size:
+            picture.polygon([0.0, end, end, 0.0], [-secondary, -secondary, secondary, secondary], BLUE)
+        picture.stems(others[:, 0], others[:, 1], BLUE, 2.0)
+        picture.stems(mains[:, 0], mains[:, 1], RED, 3.0)
+        picture.words(f"I = {main:.3g} m/s", 0.15, 1.05 * reach, "start", RED)
+        if secondary > 0.0:
+            interval = float(np.ravel(self.interval)[0])
+            every = "" if math.isnan(interval) or self.spacing == "continuous" else f" every {interval:.3g} s"
+            picture.words(f"I_s = {secondary:.3g} m/s{every}", end, 1.05 * reach, "end", BLUE)
+        return picture
+
+
+def _numbers(name: str, value: ArrayLike) -> np.ndarray:
+    try:
+        array = np.asarray(value, dtype=float)
+    except (TypeError, ValueError):
+        raise ValueError(f"{name}: expected a number or a (q,) array, got {value!r}") from None
+    if array.ndim > 1:
+        raise ValueError(f"{name}: expected a number or a (q,) array, got shape {array.shape}")
+    return array
+
+
+def _require(valid: np.ndarray, expected: str, value: ArrayLike) -> None:
+    if not np.all(valid):
+        raise ValueError(f"{expected}; got {value!r}")
+
+
+def _counts(name: str, value: Any, least: int) -> Any:
+    array = np.asarray(value)
+    if array.ndim == 0:
+        return _count(name, value, least)
+    if array.ndim > 1 or not np.issubdtype(array.dtype, np.integer):
+        raise ValueError(f"{name}: expected a whole number, a (q,) array of them or None, got {value!r}")
+    _require(array >= least, f"{name}: expected at least {least}", value)
+    return array.astype(np.int64)
+
+
+def _count(name: str, value: Any, least: int) -> int | None:
+    if value is None:
+        return None
+    try:
+        count = operator.index(value)
+    except TypeError:
+        raise ValueError(f"{name}: expected a whole number or None, got {value!r}") from None
+    if count < least:
+        raise ValueError(f"{name}: expected at least {least}, got {count}")
+    return count

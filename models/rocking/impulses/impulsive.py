@@ -1,0 +1,150 @@
+"""Response to given impulses, such as the half-waves of a record (Casapulla & Maione 2017, section 2, Eqs. 1-3).
+
+.. note:: An impulse of the ground is positive to the right. theta'' contains -a_g, so an impulse I changes theta' by
+   -gain I; theta > 0 rocks about the right-hand corner. Between impulses the block moves freely, theta'' = p^2 (theta
+   - s alpha_c), s = sgn theta.
+"""
+
+from typing import Any
+
+import numpy as np
+
+from rocking.arguments import ArrayLike, numbers
+from rocking.body.block import Block
+from rocking.impulses.impulsive_kernel import EXACT, LINEAR, PAPER, TANGENT, History, Lanes, Train, impulsive_lanes
+from rocking.lanes import split_lanes
+from rocking.response import Response, empty_results, response_of
+
+#: Change of theta' per impulse: "paper" p^2 cos(alpha_c)/g (Eq. 3), "linear" p^2/g, the limit of a narrow pulse in the
+#: linear equation, "exact" p^2 cos(s alpha_c - theta)/g, the same in the nonlinear one, "tangent" p^2 alpha_c/(g
+#: tan(alpha_c)), with which the linear equation lifts the block at the nonlinear threshold g tan(alpha_c).
+GAINS = {"paper": PAPER, "linear": LINEAR, "exact": EXACT, "tangent": TANGENT}
+
+
+def impulsive_response(
+    block: Block,
+    times: ArrayLike,
+    impulses: ArrayLike,
+    duration: float | None = None,
+    gain: str = "paper",
+    scale: ArrayLike = 1.0,
+    history_dt: float | None = None,
+    block_scale: ArrayLike = 1.0,
+    threads: int | None = None,
+) -> Response:
+    """Response to impulses of the ground with natural motion between them.
+
+    Parameters
+    ----------
+    block : Block
+        One block, or (m,).
+    times : (k,) array_like
+        Times of the impulses [s], finite, not decreasing. Impulses at one time act in the order given.
+    impulses : (k,) array_like
+        Signed impulses [m/s], finite.
+    duration : float, optional
+        Length of the input [s]. It only sets where the history ends: every impulse acts, and the motion is followed
+        until rest or overturning is certain. Default: the time of the last impulse.
+    gain : {"paper", "linear", "exact", "tangent"}
+        See :data:`GAINS`.
+    scale : float or (q,) array_like
+        Factor on the impulses [-], finite.
+    history_dt : float, optional
+        Step of the history [s]; None for no history. It starts at time 0, or at the first impulse where that is
+        earlier.
+    block_scale : float or (m,) array_like
+        Factor on the impulses for each block, on top of `scale`, finite [-].
+    threads : int, optional
+        Threads that share the lanes; None for all available cores. The results do not depend on it.
+
+    Returns
+    -------
+    Response
+        Lanes (q, m), a scalar axis dropped; `time` (h,), `rotation` and `velocity` (q, m, h) where a history is asked
+        for (NaN once the block lies on the ground). UNRESOLVED (IMPACT_LIMIT) after 100 000 impacts between two
+        impulses. With `gain="exact"` the block may also be lifted again in flight; passing alpha_c alone is not
+        overturning.
+
+    Raises
+    ------
+    ValueError
+        For arrays that are not finite, not of one length or not in order, an unknown gain, or a step or duration out
+        of range.
+
+    Notes
+    -----
+    Overturning is certain from the first impulse or impact after which y(t) > sum over the later impulses of
+    abs(dy_i) exp(-p (t_i - t)), or y >= 0 after the last one, with y = s theta/alpha_c - 1 + s theta'/(p alpha_c) the
+    growing mode. A block whose remaining hops all end before the next impulse (sum of 2 atanh(C^k u)/p) is at rest
+    there. An impulse on a block at rest makes it rock. Within 1e-9/p of an impact the order is that of the impulses:
+    one that drives the block into the ground acts after the impact ("right after the impact", section 2), one that
+    opposes the motion before it.
+
+    Examples
+    --------
+    >>> block = Block(half_width=0.5, half_height=1.936492, restitution=0.9, gravity=9.81)
+    >>> response = impulsive_response(block, [0.0], [0.5 * block.critical_impulse])
+    >>> round(response.peak_rotation_ratio, 6)
+    0.133975
+    """
+    times, impulses, scale = _checked(times, impulses, scale)
+    own = numbers("block_scale", block_scale, "a finite factor")
+    if own.shape not in ((), block.shape):
+        raise ValueError(
+            f"block_scale: expected a factor, or one for each of the blocks {block.shape}, got {block_scale!r:.80}"
+        )
+    if gain not in GAINS:
+        raise ValueError(f"gain: expected one of {', '.join(GAINS)}, got {gain!r}")
+    grid = _grid(times, duration, history_dt)
+    alpha, p, restitution = (
+        np.ascontiguousarray(value.reshape(-1))
+        for value in np.broadcast_arrays(
+            *(np.asarray(value, dtype=float) for value in (block.alpha_c, block.p, block.restitution))
+        )
+    )
+    factors = np.multiply.outer(scale.reshape(-1), np.broadcast_to(own, alpha.shape))
+    sizes = np.abs(impulses)
+    train = Train(times, impulses, sizes, np.cumsum(sizes[::-1])[::-1].copy())
+    lanes = Lanes(factors, alpha, p, restitution, block.gravity, GAINS[gain])
+    results = empty_results(factors.size)
+    history = History(grid, np.zeros((factors.size, grid.size, 2)))
+
+    def kernel_call(first: int, last: int) -> None:
+        impulsive_lanes(first, last, train, lanes, np.empty((3, times.size)), results, history)
+
+    split_lanes(kernel_call, factors.size, threads)
+    motion: dict[str, Any] = {} if history_dt is None else {"motion": history.motion, "time": grid}
+    return response_of(results, factors.shape, **motion).squeezed((scale.ndim == 0, block.shape == ()))
+
+
+def _checked(times: ArrayLike, impulses: ArrayLike, scale: ArrayLike) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    times, impulses = np.asarray(times, dtype=float), np.asarray(impulses, dtype=float)
+    scale = np.asarray(scale, dtype=float)
+    if times.ndim != 1 or times.shape != impulses.shape:
+        raise ValueError(f"times and impulses: expected two (k,) arrays, got shapes {times.shape} and {impulses.shape}")
+    for name, array, unit in (("times", times, "s"), ("impulses", impulses, "m/s")):
+        if not np.all(np.isfinite(array)):
+            where = int(np.flatnonzero(~np.isfinite(array))[0])
+            raise ValueError(f"{name}: expected finite numbers [{unit}], got {array[where]} at index {where}")
+    if np.any(np.diff(times) < 0.0):
+        where = int(np.flatnonzero(np.diff(times) < 0.0)[0])
+        raise ValueError(
+            f"times: expected them in order, got {times[where]} s before {times[where + 1]} s at index {where}; "
+            "sort times and impulses together"
+        )
+    if scale.ndim > 1 or not np.all(np.isfinite(scale)):
+        raise ValueError(f"scale: expected a finite number or a (q,) array, got {scale!r}")
+    return times, impulses, scale
+
+
+def _grid(times: np.ndarray, duration: float | None, step: float | None) -> np.ndarray:
+    if duration is not None and not (np.isfinite(duration) and duration > 0.0):
+        raise ValueError(f"duration: expected a positive, finite time [s], got {duration!r}")
+    if step is None:
+        return np.empty(0)
+    if not (np.isfinite(step) and step > 0.0):
+        raise ValueError(f"history_dt: expected a positive, finite step [s], got {step!r}")
+    first = min(0.0, times[0]) if times.size else 0.0
+    end = (max(times[-1], 0.0) if times.size else 0.0) if duration is None else duration
+    # A whole number of steps must not lose its last sample to rounding.
+    return first + step * np.arange(int((end - first) / step * (1.0 + 1e-12)) + 1)

@@ -1,0 +1,377 @@
+"""The main sequence in closed form (Casapulla & Maione 2017, Eqs. 3-10): resonance with the block's own impacts.
+
+.. note:: ERRATUM. Eqs. (5) and (9) are printed with the index shifted by one. The recurrence u_i = C u_{i-1} + u_1 is
+   right and gives u_i = u_1 (1 - C^i)/(1 - C) and I_ic = I_1c (1 - C)/(1 - C^i), hence I_2c = I_1c/(1 + C). u =
+   theta'/(p alpha_c), u_1 = I/I_1c.
+
+Resonance is the input that suits the block worst, an upper-bound type input and not a prediction.
+"""
+
+import math
+import operator
+from typing import Any, NamedTuple
+
+import numpy as np
+from numba import njit
+
+from rocking.arguments import ArrayLike, Floats
+from rocking.body.block import Block
+from rocking.impulses.half_cycle import CRITICAL_TOLERANCE, hop, impacts_above, stays_bounded
+from rocking.impulses.sequence_kernel import TABLE_ROWS, UNLIMITED, combined, repetitions, tabulated_response
+from rocking.lanes import split_lanes, squeezed
+from rocking.response import IMPACT_CUTOFF, Outcome, Reason, Response
+
+#: Halvings of the bracket of the upper edge of a band of factors.
+HALVINGS = 60
+
+#: Half-cycles whose durations are added up before a lane is UNRESOLVED.
+_HALF_CYCLE_LIMIT = 10_000_000
+
+_AT_REST, _ROCKS, _OVERTURNS, _UNRESOLVED = (int(outcome) for outcome in Outcome)
+_HALF_CYCLE_LIMIT_REASON = int(Reason.HALF_CYCLE_LIMIT)
+
+
+class Lanes(NamedTuple):
+    """The lanes: each a block under a main sequence."""
+
+    impulse: np.ndarray  #: (lanes,) I [m/s]
+    duration: np.ndarray  #: (lanes,) end of the main sequence [s]
+    main_count: np.ndarray  #: (lanes,) of int, largest number of main impulses
+    p: np.ndarray  #: (lanes,) [1/s]
+    restitution: np.ndarray  #: (lanes,) C [-]
+    critical: np.ndarray  #: (lanes,) I_1c [m/s]
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def amplification(restitution, half_cycle):
+    """u_i/u_1 = (1 - C^i)/(1 - C) = 1 + C + ... + C^(i-1), the bracket of Eq. (5) with the erratum [-]."""
+    if restitution == 1.0:
+        return float(half_cycle)
+    if restitution == 0.0:
+        return 1.0
+    return -math.expm1(half_cycle * math.log(restitution)) / (1.0 - restitution)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def overturning_half_cycle(main, restitution):
+    """Half-cycle in which an endless main sequence, u_1 = I/I_1c >= 0, overturns the block.
+
+    It is the smallest i with u_i >= 1, ceil(ln(1 - (1 - C)/u_1)/ln C); -1 where there is none (u_1 <= 1 - C). u = 1
+    overturns. Both comparisons allow for rounding (`CRITICAL_TOLERANCE`): I_2c/I_1c must overturn in half-cycle 2, and
+    0.1 is 1 - 0.9 although their floating-point numbers differ.
+
+    Examples
+    --------
+    >>> overturning_half_cycle(0.2, 0.9), overturning_half_cycle(0.1, 0.9)
+    (7, -1)
+    """
+    if main <= 0.0 or stays_bounded(main, 0.0, restitution):
+        return -1
+    needed = (1.0 - CRITICAL_TOLERANCE) / main
+    if needed <= 1.0:
+        return 1
+    if restitution == 1.0:
+        half_cycle = math.ceil(min(needed, 9e18))
+    else:
+        half_cycle = math.ceil(min(math.log1p(-(1.0 - restitution) * needed) / math.log(restitution), 9e18))
+    # The logarithms may round across a whole number: the velocities decide.
+    if amplification(restitution, half_cycle - 1) >= needed:
+        return half_cycle - 1
+    return half_cycle if amplification(restitution, half_cycle) >= needed else half_cycle + 1
+
+
+@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+def resonance_lanes(first_lane, last_lane, lanes, results, table):
+    """Write what the lanes first_lane:last_lane answer, and their :class:`rocking.impulses.sequence_kernel.Table`."""
+    columns = table.columns
+    rows = columns.shape[1]
+    for lane in range(first_lane, last_lane):
+        u1, c, rate = lanes.impulse[lane] / lanes.critical[lane], lanes.restitution[lane], lanes.p[lane]
+        end, most = lanes.duration[lane], lanes.main_count[lane]
+        critical = overturning_half_cycle(u1, c)
+        outcome, reason, overturned, impacts, used = _AT_REST, 0, -1, 0, 0
+        peak, overturning_time, start, velocity = 0.0, np.nan, 0.0, 0.0
+        while u1 > 0.0 and start < end and used < most:
+            if used == _HALF_CYCLE_LIMIT:
+                outcome, reason, peak, impacts = _UNRESOLVED, _HALF_CYCLE_LIMIT_REASON, np.nan, -1
+                break
+            outcome = _ROCKS
+            previous = velocity
+            velocity = u1 * amplification(c, used + 1)
+            overturns = used + 1 == critical
+            if overturns:
+                peak, time = np.inf, np.inf
+            else:
+                # The critical velocity is the limit of the sequence at most, and rounding must not let it arrive.
+                peak, time = hop(min(velocity, 1.0 - 2.0**-53))
+            if used < rows:
+                columns[0, used, lane], columns[1, used, lane], columns[2, used, lane] = velocity, peak, time / rate
+                columns[3, used, lane] = 0.0
+                columns[5, used, lane] = np.nan if overturns else velocity
+            used += 1
+            if overturns:
+                outcome, overturned, overturning_time = _OVERTURNS, used, start
+                break
+            start += time / rate
+            counted = 1 if velocity > IMPACT_CUTOFF else 0
+            impacts += counted
+            if velocity == previous and critical < 0:
+                # The velocity has reached its limit: the half-cycles that are left are counted, not followed.
+                impacts += repetitions(start, time / rate, end, most - used) * counted
+                break
+        if outcome == _ROCKS:
+            later = impacts_above(c * velocity, c, IMPACT_CUTOFF)
+            impacts = -1 if later < 0 else impacts + later
+        results.peak_rotation_ratio[lane], results.overturning_time[lane] = peak, overturning_time
+        results.outcome[lane], results.reason[lane] = outcome, reason
+        results.overturning_half_cycle[lane], results.impacts[lane] = overturned, impacts
+        table.lowest[lane], table.followed[lane] = np.inf, used
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def effective_amplification(restitution, ratio, half_cycle):
+    """v_i/u_1 = (1 - sigma) S_i + sigma/2 [-]: what decides on half-cycle i in the limit n -> infinity (F4).
+
+    With u_(i+1) = C (u_i - sigma u_1) + u_1 the start velocity is u_i = u_1 [S_i - sigma (S_i - 1)], and the half-cycle
+    is that of a start with v_i = u_i - sigma u_1/2. sigma = 0 is the main sequence alone.
+    """
+    return (1.0 - ratio) * amplification(restitution, half_cycle) + 0.5 * ratio
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def start_of_half_cycle(needed, restitution, ratio, half_cycle):
+    """Start of half-cycle N times p, needed = 1/u_1: sum over j < N of 2 atanh(v_j); inf where one overturns."""
+    start = 0.0
+    for earlier in range(1, half_cycle):
+        start += hop(effective_amplification(restitution, ratio, earlier) / needed)[1]
+    return start
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def last_half_cycle(restitution, ratio, end, main_count):
+    """Largest N <= main_count whose start, at the lower edge of its band of factors, is before `end` (times p)."""
+    low, high = 1, 2
+    while high <= main_count and _start_at_edge(restitution, ratio, high) < end:
+        low, high = high, 2 * high
+    high = min(high, main_count + 1)
+    while high - low > 1:
+        middle = (low + high) // 2
+        if _start_at_edge(restitution, ratio, middle) < end:
+            low = middle
+        else:
+            high = middle
+    return low
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _start_at_edge(restitution, ratio, half_cycle):
+    """Start of half-cycle N times p, at the factor that makes v_N = 1."""
+    needed = effective_amplification(restitution, ratio, half_cycle)
+    return start_of_half_cycle(needed, restitution, ratio, half_cycle)
+
+
+@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+def safety_lanes(first_lane, last_lane, lanes, factors):
+    """Smallest factor on the impulse that overturns: I_Nc/I of the last half-cycle that the input reaches.
+
+    `factors` (lanes,) receives them [-]; inf for no impulse.
+    """
+    for lane in range(first_lane, last_lane):
+        c, end, last = lanes.restitution[lane], lanes.duration[lane], lanes.main_count[lane]
+        if end != np.inf:
+            last = last_half_cycle(c, 0.0, lanes.p[lane] * end, last)
+        factors[lane] = lanes.critical[lane] / (lanes.impulse[lane] * amplification(c, last))
+        if last == UNLIMITED and c == 1.0:
+            factors[lane] = np.inf if lanes.impulse[lane] == 0.0 else 0.0
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def bands_of(main, ratio, restitution, end, main_count, factor_max):
+    """Lower and upper factors (2, k) of the bands of one lane, ascending, up to `factor_max`.
+
+    `main` is u_1, `ratio` sigma, and `end` the end of the main sequence times p.
+    """
+    if end == np.inf:
+        # Every half-cycle up to the last one is reached: one interval. Without a last one its edge is the infimum.
+        edge = 1.0 / (main * effective_amplification(restitution, ratio, main_count))
+        if main_count == UNLIMITED and restitution == 1.0 and ratio < 1.0:
+            edge = 0.0 if main > 0.0 else np.inf
+        bands = np.empty((2, 1 if edge <= factor_max else 0))
+        if edge <= factor_max:
+            bands[0, 0], bands[1, 0] = edge, factor_max
+        return bands
+    last = last_half_cycle(restitution, ratio, end, main_count)
+    bands = np.empty((2, last))
+    used = 0
+    for half_cycle in range(last, 0, -1):
+        low = 1.0 / (main * effective_amplification(restitution, ratio, half_cycle))
+        if not low <= factor_max:
+            break
+        high = factor_max
+        if half_cycle > 1:
+            high, late = low, 1.0 / (main * effective_amplification(restitution, ratio, half_cycle - 1))
+            for _ in range(HALVINGS):
+                middle = 0.5 * (high + late)
+                if start_of_half_cycle(1.0 / (main * middle), restitution, ratio, half_cycle) < end:
+                    high = middle
+                else:
+                    late = middle
+        bands[0, used], bands[1, used] = low, min(high, factor_max)
+        used += 1
+    return bands[:, :used].copy()
+
+
+def resonance(
+    block: Block,
+    impulse: ArrayLike,
+    half_cycles: ArrayLike | None,
+    duration: ArrayLike | None = None,
+    table_rows: int = TABLE_ROWS,
+    threads: int | None = None,
+) -> Response:
+    """Response to equal impulses, each right after an impact.
+
+    Parameters
+    ----------
+    block : Block
+        One block, or (m,).
+    impulse : float or (q,) array_like
+        I [m/s], finite, not negative.
+    half_cycles : int, (q,) array_like of int, or None
+        Number of main impulses; None only with a finite `duration`.
+    duration : float or (q,) array_like, optional
+        Main impulses act only in half-cycles that start before this time [s].
+    table_rows : int
+        Largest number of half-cycles in the table; 0 for none.
+    threads : int, optional
+        Threads that share the lanes; None for all available cores. The results do not depend on it.
+
+    Returns
+    -------
+    Response
+        Lanes (q, m), a scalar axis dropped. After the last main impulse the block decays freely to rest; the decay is
+        in `impacts`, not in the table. The table ends before its last row where the velocity has reached its limit
+        (Eq. 10). `overturning_time` is the start of the half-cycle that overturns: from its main impulse on nothing
+        can save the block.
+
+    Notes
+    -----
+    Eq. (3) gives u_1 = I/I_1c, the erratum u_i, Eqs. (6) and (7) peak and duration of a half-cycle. u = 1 overturns.
+
+    Examples
+    --------
+    >>> block = Block(half_width=0.5, half_height=1.936492, restitution=0.9, gravity=9.81)
+    >>> response = resonance(block, impulse=0.2 * block.critical_impulse, half_cycles=10)
+    >>> response.overturning_half_cycle
+    7
+    """
+    shape, drop, lanes = _lanes(block, impulse, _half_cycles(half_cycles, duration), duration)
+    return tabulated_response(resonance_lanes, lanes, shape, drop, table_rows, threads)
+
+
+def critical_impulse_at(block: Block, half_cycle: int) -> Floats:
+    """The impulse that overturns the block in a given half-cycle (Eq. 9 with the erratum).
+
+    Parameters
+    ----------
+    block : Block
+        One block, or (m,).
+    half_cycle : int
+        i, at least 1.
+
+    Returns
+    -------
+    impulse : float or (m,) ndarray
+        I_ic = I_1c (1 - C)/(1 - C^i) [m/s].
+    """
+    if np.ndim(half_cycle):
+        raise ValueError(f"half_cycle: expected one whole number, got {half_cycle!r}")
+    half_cycle = _half_cycles(half_cycle, None)
+    return critical_impulse_ratio(block.restitution, half_cycle) * block.critical_impulse
+
+
+def critical_impulse_ratio(restitution: ArrayLike, half_cycle: int) -> Any:
+    """I_ic/I_1c = (1 - C)/(1 - C^i) of Eq. 9 for C a float or an (m,) array [-]."""
+    ratios = np.array(restitution, dtype=float, ndmin=1)
+    ones, factors = np.ones(ratios.size), np.empty(ratios.size)
+    lanes = Lanes(ones, np.full(ratios.size, np.inf), np.full(ratios.size, half_cycle), ones, ratios, ones)
+    safety_lanes(0, ratios.size, lanes, factors)
+    return factors.item() if np.ndim(restitution) == 0 else factors
+
+
+def resonance_safety(
+    block: Block,
+    impulse: ArrayLike,
+    half_cycles: ArrayLike | None = None,
+    duration: ArrayLike | None = None,
+    threads: int | None = None,
+) -> Floats:
+    """Smallest factor on the impulse at which :func:`resonance` overturns the block, in closed form.
+
+    Parameters
+    ----------
+    block : Block
+        One block, or (m,).
+    impulse : float or (q,) array_like
+        I [m/s], finite, not negative.
+    half_cycles : int or (q,) array_like of int, optional
+        Number of main impulses; None for no limit.
+    duration : float or (q,) array_like, optional
+        Main impulses act only in half-cycles that start before this time [s].
+    threads : int, optional
+        Threads that share the lanes; None for all available cores.
+
+    Returns
+    -------
+    factor : float or (q, m) ndarray
+        I_Nc/I [-]; inf for no impulse. Without `half_cycles` and `duration` it is the infimum (1 - C) I_1c/I, which
+        itself is safe.
+
+    Notes
+    -----
+    Overturning in half-cycle N takes a factor from I_Nc/I to below I_(N-1)c/I, a band in which its start grows with
+    the factor, so it is earliest at the lower edge: t_N = sum over j < N of 2 atanh(S_j/S_N)/p with S_j = (1 - C^j)/(1
+    - C). t_N grows with N, so the answer is the edge of the largest N that the input reaches, t_N < duration. As
+    S_j/S_N >= j/N and sum of 2 atanh(j/N) is about 2 N ln 2, N stays below p duration/1.38 + 2.
+    """
+    count = UNLIMITED if half_cycles is None else _half_cycles(half_cycles, None)
+    shape, drop, lanes = _lanes(block, impulse, count, duration)
+    flat = np.empty(lanes.impulse.size)
+
+    split_lanes(lambda first, last: safety_lanes(first, last, lanes, flat), flat.size, threads)
+    return squeezed(flat.reshape(shape), drop)
+
+
+def _lanes(
+    block: Block, impulse: ArrayLike, count: Any, duration: ArrayLike | None
+) -> tuple[tuple[int, int], tuple[bool, bool], Lanes]:
+    """The lanes of a kernel, with their shape and the axes to drop."""
+    sizes, ends = np.asarray(impulse, dtype=float), np.asarray(np.inf if duration is None else duration, dtype=float)
+    if sizes.ndim > 1 or not np.all(np.isfinite(sizes) & (sizes >= 0.0)):
+        raise ValueError(f"impulse: expected a finite number or a (q,) array [m/s], not negative, got {impulse!r}")
+    if ends.ndim > 1 or not np.all(ends > 0.0):
+        raise ValueError(f"duration: expected a positive number or a (q,) array [s], got {duration!r}")
+    blocks = (block.p, block.restitution, block.critical_impulse)
+    shape, drop, (impulses, until, most, *rest) = combined((sizes, ends, count), blocks)
+    return shape, drop, Lanes(impulses, until, most.astype(np.int64), *rest)
+
+
+def _half_cycles(value: Any, duration: ArrayLike | None) -> Any:
+    if value is None:
+        if duration is None or not np.all(np.isfinite(np.asarray(duration, dtype=float))):
+            raise ValueError(
+                "half_cycles: expected a whole number; None needs a finite duration to end the main sequence"
+            )
+        return UNLIMITED
+    if np.ndim(value) == 1:
+        counts = np.asarray(value)
+        if not np.issubdtype(counts.dtype, np.integer) or not np.all((counts >= 1) & (counts < UNLIMITED)):
+            raise ValueError(f"half_cycles: expected whole numbers of at least 1, got {value!r}")
+        return counts
+    try:
+        count = operator.index(value)
+    except TypeError:
+        raise ValueError(f"half_cycles: expected a whole number, got {value!r}") from None
+    if not 1 <= count < UNLIMITED:
+        raise ValueError(f"half_cycles: expected at least 1, got {count}")
+    return count

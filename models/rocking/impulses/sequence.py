@@ -1,0 +1,338 @@
+"""Response to a main and a secondary sequence of impulses, its train and its limit (Casapulla & Maione 2017).
+
+.. note:: Rotations of the half-cycle table are in units of alpha_c and velocities u = theta'/(p alpha_c), both
+   positive away from the ground. In :func:`impulse_train` the first main impulse is positive: the ground is pushed to
+   the right, the block starts to rock about its left-hand corner (theta < 0), and the main impulses alternate.
+"""
+
+import logging
+from dataclasses import dataclass
+
+import numpy as np
+
+from rocking.arguments import Booleans, Floats
+from rocking.body.block import Block
+from rocking.impulses.half_cycle import hop, stays_bounded
+from rocking.impulses.impulse_sequence import SPACINGS, ImpulseSequence
+from rocking.impulses.sequence_kernel import (
+    HALF_CYCLE_LIMIT,
+    TABLE_ROWS,
+    UNLIMITED,
+    Lanes,
+    combined,
+    empty_table,
+    sequence_lanes,
+    tabulated_response,
+)
+from rocking.lanes import LaneValues, lane_field, split_lanes
+from rocking.response import HalfCycles, Outcome, Reason, Response, empty_results
+
+#: Shorter trial intervals, times p [-], cannot be told from the continuous limit.
+_SHORTEST_INTERVAL = 1e-4
+
+#: Larger numbers of intermediate impulses cannot be told from the continuous limit.
+_LARGEST_COUNT = 1_000_000
+
+#: Largest number of impulses in a train.
+_TRAIN_LIMIT = 2_000_000
+
+logger = logging.getLogger("rockpulse")
+
+
+def sequence_response(
+    block: Block,
+    sequence: ImpulseSequence,
+    table_rows: int = TABLE_ROWS,
+    threads: int | None = None,
+    paired: bool = False,
+) -> Response:
+    """Response to a main and a secondary sequence of impulses, half-cycle by half-cycle in closed form.
+
+    Parameters
+    ----------
+    block : Block
+        One block, or (m,).
+    sequence : ImpulseSequence
+        One sequence, or (q,); see :meth:`ImpulseSequence.scaled`.
+    table_rows : int
+        Largest number of half-cycles in the table; 0 for none, which takes half the time.
+    threads : int, optional
+        Threads that share the lanes; None for all available cores. The results do not depend on it.
+    paired : bool
+        Every block has a sequence of its own: sequences (m,) go with blocks (m,) lane by lane.
+
+    Returns
+    -------
+    Response
+        Lanes (q, m), a scalar axis dropped; (m,) for pairs. The table holds the half-cycles that a main impulse
+        starts, up to where the motion repeats itself (then the rest is counted, not listed). After the last of them
+        the block decays freely: that is in `impacts`. A motion that goes on for ever ROCKS, with `impacts` -1.
+        `overturning_time` is the start of the half-cycle that overturns: its impulses are part of the input, so from
+        its main impulse on overturning is certain. UNRESOLVED (HALF_CYCLE_LIMIT) after 50 000 half-cycles that neither
+        overturn nor repeat themselves.
+
+    Raises
+    ------
+    ValueError
+        For pairs of different numbers, or more than a million intermediate impulses in a half-cycle: use spacing
+        "continuous". An interval below 1e-4/p makes its lanes UNRESOLVED, for the same reason.
+
+    Notes
+    -----
+    With u_1 = I/I_1c (Eq. 3) and a = u_1 I_s/I (Eq. 11), each half-cycle of start velocity u goes through the steps of
+    section 3.2: march with the trial dT to the first return T*, n = max(2, 2 round(T*/(2 dT))); where the trial does
+    not return, T* is the duration of the limit n -> infinity, and where that has none the block overturns. Then x(T) =
+    0 is solved for the smallest T with the corrected interval dT = T/n (T/(n + 1) for "open"); no root: overturned.
+    The impact speed u_r gives u_{i+1} = C u_r + u_1. For "start" with I_s/I above 2/3 and "middle" above 6/7 the
+    corrected march may pass through the ground inside a half-cycle; the closed form knows its end only and is kept,
+    with a logged warning.
+
+    Examples
+    --------
+    >>> block = Block(half_width=0.5, half_height=1.936492, restitution=0.9, gravity=9.81)
+    >>> impulse = block.critical_impulse / 1.9
+    >>> sequence = ImpulseSequence(impulse, 0.5 * impulse, np.nan, np.inf, spacing="continuous")
+    >>> sequence_response(block, sequence).overturning_half_cycle
+    4
+    """
+    shape, drop, flat = _combined(block, sequence, paired)
+    lanes, short = _lanes(sequence, flat)
+    response = _unresolved(tabulated_response(sequence_lanes, lanes, shape, drop, table_rows, threads), short)
+    contact = np.asarray(response.ground_contact)
+    through = np.count_nonzero(contact)
+    if through:
+        logger.warning(
+            "sequence: in %d of %d lanes the corrected march with spacing %r passes through the ground "
+            "inside a half-cycle; only its end is exact",
+            through,
+            contact.size,
+            sequence.spacing,
+        )
+    return response
+
+
+def scaled_outcomes(
+    block: Block, sequence: ImpulseSequence, chosen: np.ndarray, factors: np.ndarray, threads: int | None = None
+) -> np.ndarray:
+    """Outcomes (q, n) of one sequence under (q, n) `factors` on its impulses, as a search for an edge needs them.
+
+    Each column of the factors belongs to one of the `chosen` blocks, numbers (n,) of the (m,) ones given.
+    """
+    if sequence.shape or factors.ndim != 2 or chosen.shape != factors.shape[1:]:
+        raise ValueError(
+            "expected one sequence and factors with a column for each chosen block, "
+            f"got shapes {sequence.shape}, {factors.shape} and {chosen.shape}"
+        )
+    if not np.all(np.isfinite(factors) & (factors >= 0.0)):
+        raise ValueError("factors: expected finite numbers that are not negative")
+    _, _, flat = _combined(block, sequence)
+    flat = [np.tile(value[chosen], factors.shape[0]) for value in flat]
+    flat[0], flat[1] = factors.reshape(-1) * flat[0], factors.reshape(-1) * flat[1]
+    lanes, short = _lanes(sequence, flat)
+    results, table = empty_results(short.size), empty_table(0, short.size)
+    split_lanes(lambda first, last: sequence_lanes(first, last, lanes, results, table), short.size, threads)
+    return np.where(short, int(Outcome.UNRESOLVED), results.outcome).reshape(factors.shape)
+
+
+def _combined(
+    block: Block, sequence: ImpulseSequence, paired: bool = False
+) -> tuple[tuple[int, int], tuple[bool, bool], list[np.ndarray]]:
+    most = UNLIMITED if sequence.main_count is None else sequence.main_count
+    inputs = (sequence.main, sequence.secondary, sequence.interval, sequence.duration, most)
+    return combined(inputs, (block.p, block.restitution, block.critical_impulse), paired)
+
+
+def _lanes(sequence: ImpulseSequence, flat: list[np.ndarray]) -> tuple[Lanes, np.ndarray]:
+    """The lanes of the kernel, and which of them have secondary impulses too close together for it."""
+    main, secondary, interval, duration, main_count, p, restitution, critical = flat
+    count = sequence.intermediate_count or 0
+    if count > _LARGEST_COUNT:
+        raise ValueError(
+            f"intermediate_count: expected at most {_LARGEST_COUNT}, got {count}; use spacing='continuous'"
+        )
+    short = (secondary > 0.0) & (sequence.spacing != "continuous") & (count == 0) & (p * interval < _SHORTEST_INTERVAL)
+    scaled, most = np.where(short, 0.0, main / critical), main_count.astype(np.int64)
+    spacing = SPACINGS[sequence.spacing]
+    return Lanes(scaled, secondary / critical, p, restitution, interval, duration, most, count, spacing), short
+
+
+def _unresolved(response: Response, short: np.ndarray) -> Response:
+    """The response with the lanes marked whose secondary impulses are too close together."""
+    short = short.reshape(np.shape(response.outcome))
+    marks = {"peak_rotation_ratio": np.nan, "outcome": int(Outcome.UNRESOLVED), "impacts": -1}
+    found = {
+        name: np.where(short, mark, getattr(response, name))
+        for name, mark in (marks | {"reason": int(Reason.SHORT_INTERVAL)}).items()
+    }
+    found = {name: values.item() if values.ndim == 0 else values for name, values in found.items()}
+    return response.changed(**found) if np.any(short) else response
+
+
+def impulse_train(block: Block, sequence: ImpulseSequence) -> tuple[np.ndarray, np.ndarray]:
+    """The limit accelerogram of one block: times and signed impulses of Figures 1 and 2.
+
+    Parameters
+    ----------
+    block : Block
+        One block.
+    sequence : ImpulseSequence
+        One sequence that ends (finite duration, a main count, or a motion that overturns).
+
+    Returns
+    -------
+    times : (k,) ndarray
+        Times of the impulses [s], not decreasing, the first main impulse at 0.
+    impulses : (k,) ndarray
+        Impulses of the ground [m/s], the first one positive. At a common time they stand in the order in which they
+        act on the block: the last secondary impulse of "end" before the impact, the main impulse after it, the first
+        secondary impulse of "start" after that one.
+
+    Raises
+    ------
+    ValueError
+        For arrays of blocks or sequences, a sequence without end, or one that the model cannot resolve.
+
+    Notes
+    -----
+    Fed to :func:`~rocking.impulses.impulsive.impulsive_response` with the paper's gain the train gives back the
+    response of :func:`sequence_response`. An overturning half-cycle ends the train with its main impulse. The limit of
+    infinitely many secondary impulses is a jump of I_s/2 against the main impulse at the start of the half-cycle and
+    of I_s/2 with it at the end.
+    """
+    if block.shape or sequence.shape:
+        raise ValueError(f"expected one block and one sequence, got shapes {block.shape} and {sequence.shape}")
+    response = sequence_response(block, sequence, table_rows=HALF_CYCLE_LIMIT)
+    if response.reason == Reason.SHORT_INTERVAL:
+        raise ValueError(
+            f"interval: expected at least {_SHORTEST_INTERVAL:g}/p = {_SHORTEST_INTERVAL / block.p:.3g} s, "
+            f"got {sequence.interval:.3g} s; use spacing='continuous' for the limit"
+        )
+    if response.outcome == Outcome.UNRESOLVED:
+        raise ValueError(
+            f"the sequence has no end within {HALF_CYCLE_LIMIT} half-cycles; give a duration or a main_count"
+        )
+    if sequence.main == 0.0:
+        return np.zeros(0), np.zeros(0)
+    assert response.half_cycles is not None
+    starts, rows = _half_cycle_starts(response, sequence)
+    table = response.half_cycles
+    times, impulses = [], []
+    for number, row in enumerate(rows):
+        sign = -1.0 if number % 2 else 1.0
+        times.append(np.array([starts[number]]))
+        impulses.append(np.array([sign * sequence.main]))
+        if np.isfinite(table.duration[row]) and sequence.secondary > 0.0:
+            offsets, signs = _secondary(sequence, table, row)
+            times.append(np.minimum(starts[number] + offsets, starts[number + 1]))
+            impulses.append(-sign * sequence.secondary * signs)
+    return np.concatenate(times), np.concatenate(impulses)
+
+
+def _half_cycle_starts(response: Response, sequence: ImpulseSequence) -> tuple[np.ndarray, np.ndarray]:
+    """Start of every half-cycle that a main impulse starts, then the end of the last one; and the table row of each."""
+    assert response.half_cycles is not None
+    durations = response.half_cycles.duration
+    rows = np.arange(durations.size)
+    if response.outcome == Outcome.OVERTURNS:
+        rows = rows[: response.overturning_half_cycle]
+    else:
+        # A table that ends early ends with the half-cycle that repeats itself.
+        elapsed = float(np.sum(durations))
+        left = np.inf if sequence.main_count is None else sequence.main_count - durations.size
+        left = min(left, max(np.ceil((sequence.duration - elapsed) / durations[-1]), 0.0))
+        if left * (1 + response.half_cycles.impulse_count[-1]) > _TRAIN_LIMIT:
+            raise ValueError(
+                f"the train has more than {_TRAIN_LIMIT} impulses; give a shorter duration or a main_count"
+            )
+        rows = np.concatenate([rows, np.full(int(left), durations.size - 1)])
+    return np.concatenate([[0.0], np.cumsum(durations[rows])]), rows
+
+
+def _secondary(sequence: ImpulseSequence, table: HalfCycles, row: int) -> tuple[np.ndarray, np.ndarray]:
+    """Secondary impulses of one half-cycle: times after the main impulse, and sizes over I_s, positive against it."""
+    if sequence.spacing == "continuous":
+        return np.array([0.0, table.duration[row]]), np.array([0.5, -0.5])
+    order = np.arange(1, table.impulse_count[row] + 1)
+    phase = {"end": 0.0, "middle": 0.5, "start": 1.0, "open": 0.0}[sequence.spacing]
+    offsets = (order - phase) * table.interval[row]
+    if sequence.spacing == "end":
+        offsets[-1] = table.duration[row]
+    return offsets, np.where(order % 2, 1.0, -1.0)
+
+
+@dataclass(frozen=True, eq=False)
+class SteadyState(LaneValues):
+    """Limit of the half-cycles of an endless sequence; arrays (q, m), or scalars for one lane.
+
+    Attributes
+    ----------
+    start_velocity : float or ndarray
+        u* = u_1 (1 - C I_s/I)/(1 - C), theta'/(p alpha_c) right after the main impulse [-]; inf where the motion only
+        grows.
+    effective_velocity : float or ndarray
+        v* = u* - u_1 I_s/(2 I), what the secondary impulses leave of it [-].
+    peak : float or ndarray
+        x* = 1 - sqrt(1 - v*^2), largest theta/alpha_c [-]; inf where the motion does not stabilise.
+    half_period : float or ndarray
+        2 atanh(v*)/p [s]; inf where the motion does not stabilise, or only just (v* = 1).
+    stable : bool or ndarray
+        Whether the motion stabilises, v* <= 1 (at v* = 1 the limit is never reached).
+    """
+
+    start_velocity: Floats = lane_field()
+    effective_velocity: Floats = lane_field()
+    peak: Floats = lane_field()
+    half_period: Floats = lane_field()
+    stable: Booleans = lane_field()
+
+
+def steady_state(block: Block, sequence: ImpulseSequence) -> SteadyState:
+    """Steady state under a main sequence without end, with a continuous secondary sequence or none.
+
+    Parameters
+    ----------
+    block : Block
+        One block, or (m,).
+    sequence : ImpulseSequence
+        One sequence, or (q,), of spacing "continuous" or without secondary impulses; its duration and main count play
+        no part.
+
+    Returns
+    -------
+    SteadyState
+        Lanes (q, m), a scalar axis dropped.
+
+    Raises
+    ------
+    ValueError
+        For another spacing with secondary impulses, whose number may change from one half-cycle to the next.
+
+    Notes
+    -----
+    The recurrence u_{i+1} = C (u_i - u_1 I_s/I) + u_1 has the fixed point u*. Without secondary impulses it is Eq.
+    (10).
+
+    Examples
+    --------
+    >>> block = Block(half_width=0.5, half_height=1.936492, restitution=0.6, gravity=9.81)
+    >>> impulse = 0.3 * block.critical_impulse
+    >>> steady = steady_state(block, ImpulseSequence(impulse, 0.0, np.nan, np.inf, spacing="continuous"))
+    >>> round(steady.start_velocity, 6), round(steady.peak, 6)
+    (0.75, 0.338562)
+    """
+    if sequence.spacing != "continuous" and np.any(np.asarray(sequence.secondary) > 0.0):
+        raise ValueError(f"spacing: expected 'continuous' (or no secondary impulses), got {sequence.spacing!r}")
+    blocks = (block.p, block.restitution, block.critical_impulse)
+    shape, drop, flat = combined((sequence.main, sequence.secondary), blocks)
+    main, secondary, p, restitution, critical = flat
+    u1, a = main / critical, secondary / critical
+    ratio = np.divide(a, u1, out=np.zeros_like(a), where=u1 > 0.0)
+    growth, loss = u1 - restitution * a, 1.0 - restitution
+    # Without losses and without gain every velocity is a fixed point: the motion keeps its first one.
+    limit = np.divide(growth, loss, out=np.where(growth > 0.0, np.inf, u1), where=loss > 0.0)
+    effective = limit - 0.5 * a
+    stable = np.array([stays_bounded(*lane) for lane in zip(u1, ratio, restitution, strict=True)], dtype=bool)
+    hops = np.array([hop(velocity) for velocity in np.where(stable, np.minimum(effective, 1.0), np.inf)]).reshape(-1, 2)
+    peak = np.where(stable & (effective >= 1.0), 1.0, hops[:, 0])
+    values = (limit, effective, peak, hops[:, 1] / p, stable)
+    return SteadyState(*(value.reshape(shape) for value in values)).squeezed(drop)

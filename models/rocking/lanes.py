@@ -1,0 +1,154 @@
+"""Lanes, each one block under one factor on the input: values with one entry a lane, and threads that share them."""
+
+import os
+import threading
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
+from dataclasses import field, fields
+from itertools import pairwise
+from typing import Any, Self
+
+import numpy as np
+
+#: Slices per thread: lanes differ in cost, so a thread that is done early takes another one.
+SLICES_PER_THREAD = 8
+
+#: The limits in force. A list, not one number: the blocks of several threads overlap and end in any order.
+_limits: list[int] = []
+_changing = threading.Lock()
+
+
+#: What :func:`lane_field` declares of a field without a fill of its own.
+OF_LANES = {"fill": np.nan, "axis": -1}
+
+
+def lane_field(fill: Any = np.nan, axis: int = -1, **options: Any) -> Any:
+    """A field with one value for each lane along an axis; `fill` stands for that of a lane without an answer."""
+    return field(metadata={"fill": fill, "axis": axis}, **options)
+
+
+class LaneValues:
+    """A dataclass whose fields made by :func:`lane_field` hold one value for each lane; the others are of them all."""
+
+    @classmethod
+    def lane_fields(cls) -> dict[str, tuple[Any, int]]:
+        """Fill and axis of each field of the lanes, by its name."""
+        declared = {one.name: one.metadata for one in fields(cls)}  # type: ignore[arg-type]
+        return {name: (own["fill"], own["axis"]) for name, own in declared.items() if "axis" in own}
+
+    def changed(self, **values: Any) -> Self:
+        """A copy with other values of some fields, which are taken as they are."""
+        other = object.__new__(type(self))
+        vars(other).update(vars(self) | values)
+        return other
+
+    def take(self, places: Any) -> Self:
+        """Some lanes: by their places, a mask or a slice."""
+        found: dict[str, Any] = {}
+        for name, (_, axis) in self.lane_fields().items():
+            value = getattr(self, name)
+            if isinstance(value, LaneValues):
+                found[name] = value.take(places)
+            elif value is not None:
+                values = np.moveaxis(np.asarray(value), axis, -1)[..., places]
+                found[name] = np.ascontiguousarray(np.moveaxis(values, -1, axis))
+        return self.changed(**found)
+
+    @classmethod
+    def join(cls, parts: Sequence[Self], places: Sequence[np.ndarray], count: int, **fills: Any) -> Self:
+        """Parts of some lanes each as one of `count` lanes, at their places (k,).
+
+        Where no part has a lane, or one part is longer than another along a further axis, stands the fill of the field.
+        """
+        found: dict[str, Any] = {}
+        for name, (fill, axis) in cls.lane_fields().items():
+            values = [getattr(part, name) for part in parts]
+            if any(value is None for value in values):
+                found[name] = None
+            elif isinstance(values[0], LaneValues):
+                found[name] = type(values[0]).join(values, places, count)
+            else:
+                moved = [np.moveaxis(np.asarray(value), axis, -1) for value in values]
+                longest = np.max([value.shape[:-1] for value in moved], axis=0, initial=0).tolist()
+                whole = np.full((*longest, count), fills.get(name, fill), dtype=moved[0].dtype)
+                for where, value in zip(places, moved, strict=True):
+                    own: tuple[Any, ...] = (*map(slice, value.shape[:-1]), where)
+                    whole[own] = value
+                found[name] = np.ascontiguousarray(np.moveaxis(whole, -1, axis))
+        return parts[0].changed(**found)
+
+    def squeezed(self, drop: tuple[bool, bool]) -> Self:
+        """The same of (q, m) lanes without those of the two axes that are to `drop`: the caller gave a scalar."""
+        found: dict[str, Any] = {}
+        for name, (_, axis) in self.lane_fields().items():
+            value = getattr(self, name)
+            if isinstance(value, LaneValues):
+                found[name] = value.squeezed(drop)
+            elif value is not None:
+                found[name] = squeezed(value, drop, axis)
+        return self.changed(**found)
+
+
+def squeezed(values: np.ndarray, drop: tuple[bool, bool], axis: int = -1) -> Any:
+    """Values of (q, m) lanes, m along an axis, without those of the two axes to `drop`; a number of one lane."""
+    values = values.squeeze(axis=tuple(axis - 1 + place for place, dropped in enumerate(drop) if dropped))
+    return values.item() if values.ndim == 0 else values
+
+
+def available_cores() -> int:
+    """Cores that this process may use."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
+
+
+@contextmanager
+def thread_limit(threads: int) -> Iterator[None]:
+    """Let ``threads=None`` mean at most this many threads, everywhere in this process, while the block lasts.
+
+    A process that shares the machine with others of its kind runs its kernels on one thread this way; the answers do
+    not depend on it. Of several limits in force, in nested blocks or in blocks of several threads, the smallest holds.
+
+    Examples
+    --------
+    >>> slices = []
+    >>> with thread_limit(1):
+    ...     split_lanes(lambda first, last: slices.append((first, last)), 1000, threads=None)
+    >>> slices
+    [(0, 1000)]
+    """
+    threads = _checked(threads, "a whole number of at least 1")
+    with _changing:
+        _limits.append(threads)
+    try:
+        yield
+    finally:
+        with _changing:
+            _limits.remove(threads)
+
+
+def split_lanes(kernel_call: Callable[[int, int], None], lanes: int, threads: int | None, smallest: int = 64) -> None:
+    """Run a kernel over all lanes, in slices on several threads; None for all that :func:`thread_limit` leaves.
+
+    ``kernel_call(first, last)`` answers lanes first to last - 1, writes to no others and releases the interpreter lock.
+    An exception that it raises is passed on. With fewer than two slices of `smallest` lanes everything runs in the
+    calling thread.
+    """
+    if threads is None:
+        threads = min([available_cores(), *_limits])
+    threads = _checked(threads, "a whole number of at least 1, or None for all cores")
+    slices = min(threads * SLICES_PER_THREAD, lanes // smallest)
+    if threads == 1 or slices < 2:
+        kernel_call(0, lanes)
+        return
+    edges = [lanes * i // slices for i in range(slices + 1)]
+    with ThreadPoolExecutor(threads) as pool:
+        for running in [pool.submit(kernel_call, *ends) for ends in pairwise(edges)]:
+            running.result()
+
+
+def _checked(threads: int, expected: str) -> int:
+    if isinstance(threads, bool) or not isinstance(threads, int | np.integer) or threads < 1:
+        raise ValueError(f"threads: expected {expected}, got {threads!r}")
+    return int(threads)

@@ -1,0 +1,322 @@
+"""A slot that turns about two unlike corners, or about one of them before a wall: what it does unlike a plain one.
+
+.. note:: Units and signs of slots.py: a slot is in those of the corner that it turns about, alpha, p and
+   tau = p t, and the rows OTHER_... hold the same for the other corner. Both change places at an impact. A body before
+   a wall turns back at an impact and stays on its corner. Where something acts on the body beside its weight, it lifts
+   at (1 + a_v/g) THRESHOLD + EXTRA.
+"""
+
+import math
+
+from numba import njit
+
+from rocking.march import event
+from rocking.march import slots as row
+from rocking.march.equations import flight_time, top_rotation
+from rocking.march.slots import BLOCK, FALL, FLOAT_ROWS, GROUP, INT_ROWS, LANE, LARGEST, STEEPEST, WIDTH
+from rocking.march.steps import IMPACTS_PER_SAMPLE
+from rocking.response import IMPACT_CUTOFF
+
+(
+    OTHER_ALPHA,
+    OTHER_RESTITUTION,
+    OTHER_P,
+    OTHER_LENGTH,
+    OTHER_PER_SAMPLE,
+    OTHER_LONGEST,
+    OTHER_THRESHOLD,
+    OTHER_PEAK,
+    EXTRA,  # what a resting body needs beside its weight's threshold, as abs(a_g)/g
+    OTHER_EXTRA,
+    ONE_SIDED,  # 1.0 before a wall
+    # Of a restrained body, see restrained.py.
+    SINE_ALPHA,  # of the corner that it turns about
+    COSINE_ALPHA,
+    SINE,  # what restraints add to the factors of sin(phi) and cos(phi) in -phi''
+    COSINE,
+    SINE_2,  # and to those of sin(2 phi) and cos(2 phi)
+    COSINE_2,
+    STIFFEST,  # a bound of how fast the moment of the restraints changes with phi
+    FLOOR,  # phi between which it is the same function of phi
+    CEILING,
+    SLIDES,  # 1.0 where it changes when the body turns back from moving outward, -1.0 inward
+    FREE_LONGEST,  # the longest step without restraints
+    OTHER_FREE_LONGEST,
+    STALLS,  # changes of what acts on the body, one after the other, without any motion between them
+) = range(FLOAT_ROWS * WIDTH, (FLOAT_ROWS + 24) * WIDTH, WIDTH)
+CORNER_ROWS = FLOAT_ROWS + 24
+
+_PAIRS = (
+    (row.ALPHA, OTHER_ALPHA),
+    (row.RESTITUTION, OTHER_RESTITUTION),
+    (row.P, OTHER_P),
+    (row.LENGTH, OTHER_LENGTH),
+    (row.PER_SAMPLE, OTHER_PER_SAMPLE),
+    (row.LONGEST, OTHER_LONGEST),
+    (row.THRESHOLD, OTHER_THRESHOLD),
+    (row.PEAK, OTHER_PEAK),
+    (EXTRA, OTHER_EXTRA),
+    (FREE_LONGEST, OTHER_FREE_LONGEST),
+)
+
+
+@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+def close_corner_ranks(f, i, width):
+    """As :func:`rocking.march.slots.close_ranks`, with the rows of both corners."""
+    empty = 0
+    for j in range(width - GROUP, width):
+        if i[LANE + j] < 0:
+            continue
+        while i[LANE + empty] >= 0:
+            empty += 1
+        for k in range(CORNER_ROWS):
+            f[k * WIDTH + empty] = f[k * WIDTH + j]
+        for k in range(INT_ROWS):
+            i[k * WIDTH + empty] = i[k * WIDTH + j]
+        i[LANE + j] = -1
+    return width - GROUP
+
+
+@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+def turn_over(f, j):
+    """Put slot j, whose SIDE has just changed in an impact, onto its other corner; before a wall, back onto its own."""
+    if f[ONE_SIDED + j] == 1.0:
+        f[row.SIDE + j] = -f[row.SIDE + j]
+        return
+    for own, other in _PAIRS:
+        f[own + j], f[other + j] = f[other + j], f[own + j]
+    faster = f[row.P + j] / f[OTHER_P + j]
+    f[row.SPEED + j] /= faster
+    f[row.SAMPLE_SLOPE + j] /= faster
+    f[row.SAMPLE_LIFT_SLOPE + j] /= faster
+    f[row.PASSED + j] *= faster
+    f[row.ARRIVAL + j] *= f[row.ALPHA + j] / f[OTHER_ALPHA + j]  # over alpha it stays that of the corner it ended
+
+
+@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+def lift_time(push, slope, threshold, threshold_slope, remaining):
+    """Time until a push exceeds its threshold, both linear in tau; -1 if it does not in the time that remains."""
+    gap = threshold - push
+    if gap < 0.0:
+        return 0.0
+    end_gap = gap + (threshold_slope - slope) * remaining
+    return remaining * gap / (gap - end_gap) if end_gap < 0.0 else -1.0
+
+
+@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+def next_lift(k, record, f, j):
+    """First sample from k on at which the resting slot j may lift or lose the ground; n if there is none."""
+    n = record.acceleration.size
+    factor, side = f[row.FACTOR + j], f[row.SIDE + j]
+    threshold, extra = f[row.THRESHOLD + j], f[EXTRA + j]
+    other, other_extra = f[OTHER_THRESHOLD + j], f[OTHER_EXTRA + j]
+    while k < n:
+        block = k // BLOCK
+        lift = 1.0 + record.extremes[FALL, block] * factor
+        least = min(lift * threshold + extra, lift * other + other_extra)
+        if record.extremes[LARGEST, block] * factor <= least and lift > 0.0:
+            k = (block + 1) * BLOCK
+            continue
+        lift = 1.0 + record.vertical[k] * factor if record.vertical.size > 0 else 1.0
+        push = -side * record.acceleration[k] * factor
+        if push > lift * threshold + extra or -push > lift * other + other_extra or lift <= 0.0:
+            return k
+        k += 1
+    return n
+
+
+@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+def wake_corner(f, i, j, record):
+    """As :func:`rocking.march.event.wake`, onto the corner that lifts first."""
+    last = record.acceleration.size - 1
+    for _ in range(last + 1):
+        passed, length, side = f[row.PASSED + j], f[row.LENGTH + j], f[row.SIDE + j]
+        remaining = length - passed
+        slope, lift_slope = f[row.SAMPLE_SLOPE + j], f[row.SAMPLE_LIFT_SLOPE + j]
+        push = -side * (f[row.SAMPLE_GROUND + j] + slope * passed)
+        lift = f[row.SAMPLE_LIFT + j] + lift_slope * passed
+        threshold, other = f[row.THRESHOLD + j], f[OTHER_THRESHOLD + j]
+        wait = lift_time(push, -side * slope, lift * threshold + f[EXTRA + j], lift_slope * threshold, remaining)
+        if f[ONE_SIDED + j] == 0.0:
+            level = lift * other + f[OTHER_EXTRA + j]
+            opposite = lift_time(-push, side * slope, level, lift_slope * other, remaining)
+            if 0.0 <= opposite < remaining and not 0.0 <= wait <= opposite:
+                f[row.SIDE + j] = -side
+                turn_over(f, j)
+                wait = opposite * f[row.P + j] / f[OTHER_P + j]
+                remaining = f[row.LENGTH + j] - f[row.PASSED + j]
+        if 0.0 <= wait < remaining:
+            f[row.PASSED + j] += wait
+            f[row.PHI + j] = 0.0
+            f[row.SPEED + j] = 0.0
+            i[row.MOVED + j] = 1
+            i[row.SLOW + j] = 0
+            f[row.ACTIVE + j] += 1.0 if i[row.ENDED + j] != int(f[row.SAMPLE + j]) else 0.0
+            return event.MOVING
+        sample = int(f[row.SAMPLE + j])
+        ahead = next_lift(sample + 1, record, f, j)
+        if ahead > last:
+            return event.RESTING
+        # It lifts on the way to that sample, which is this one where rounding has put the crossing at its end.
+        f[row.SAMPLE + j] = max(ahead - 1, sample + 1)
+        if f[row.SAMPLE + j] >= last:
+            return event.RESTING
+        if not event.enter_sample(f, j, record):
+            return event.FLYING
+    return event.RESTING
+
+
+@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+def hops_are_over(f, j, record, equation, far, held):
+    """As :func:`rocking.march.event.chatter_is_over`, by the weaker of both corners.
+
+    `held` is the largest moment that may keep the body from falling back, as EXTRA.
+    """
+    length, passed = f[row.LENGTH + j], f[row.PASSED + j]
+    lift_end = f[row.SAMPLE_LIFT + j] + f[row.SAMPLE_LIFT_SLOPE + j] * length
+    weakest = min(f[row.SAMPLE_LIFT + j], lift_end)
+    alpha, other_alpha = f[row.ALPHA + j], f[OTHER_ALPHA + j]
+    level = weakest * f[row.THRESHOLD + j] + f[EXTRA + j] - held
+    threshold, other = level, math.inf
+    pull = level * (1.0 if equation == event.LINEAR else math.cos(alpha))
+    restitution, slowest = f[row.RESTITUTION + j], alpha
+    peak = f[row.PEAK + j]
+    if f[ONE_SIDED + j] == 0.0:
+        faster = f[OTHER_P + j] / f[row.P + j]
+        other = weakest * f[OTHER_THRESHOLD + j] + f[OTHER_EXTRA + j] - held
+        pull = min(pull, faster * faster * other * (1.0 if equation == event.LINEAR else math.cos(other_alpha)))
+        threshold = min(level, other)
+        restitution = max(restitution, f[OTHER_RESTITUTION + j])
+        slowest = min(slowest, other_alpha * faster)
+        peak = max(peak, f[OTHER_PEAK + j] * alpha / other_alpha)
+    if threshold <= 0.0 or pull <= 0.0:
+        return False
+    # Each corner is asked about a push that lifts it; against a wall the ground can only press.
+    start = -f[row.SIDE + j] * (f[row.SAMPLE_GROUND + j] + f[row.SAMPLE_SLOPE + j] * passed)
+    end = -f[row.SIDE + j] * (f[row.SAMPLE_GROUND + j] + f[row.SAMPLE_SLOPE + j] * length)
+    demand, demand_end = max(start / level, -start / other), max(end / level, -end / other)
+    if demand >= 1.0:
+        return False
+    share = event.CHATTER_SHARE if f[row.HITS + j] < event.MANY_IMPACTS else 1.0
+    speed, highest, cutoff = f[row.SPEED + j] / pull, share * peak / pull, IMPACT_CUTOFF * slowest / pull
+    if far and f[row.SAMPLE_LIFT + j] == 1.0 and lift_end == 1.0:
+        sample = int(f[row.SAMPLE + j])
+        block = sample // BLOCK
+        finish = min((block + 2) * BLOCK, record.acceleration.size - 1)
+        factor = f[row.FACTOR + j] / threshold
+        largest = factor * max(record.extremes[LARGEST, block], record.extremes[LARGEST, block + 1])
+        steepest = max(record.extremes[STEEPEST, block], record.extremes[STEEPEST, block + 1])
+        slope = factor * f[row.PER_SAMPLE + j] * steepest
+        window = (finish - sample) * length - passed
+        if event.chatter_ends(speed, demand, largest, slope, restitution, window, cutoff, highest):
+            return True
+    rise = f[row.THRESHOLD + j] if f[ONE_SIDED + j] == 1.0 else max(f[row.THRESHOLD + j], f[OTHER_THRESHOLD + j])
+    slope = (abs(f[row.SAMPLE_SLOPE + j]) + abs(f[row.SAMPLE_LIFT_SLOPE + j]) * rise) / threshold
+    return event.chatter_ends(
+        speed, demand, max(demand, demand_end), slope, restitution, length - passed, cutoff, highest
+    )
+
+
+@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+def after_return(f, i, j, record, equation, far, held):
+    """The state of slot j after an impact: MOVING, RESTING, OVERTURNED or IMPACT_LIMITED."""
+    if f[row.HITS + j] > IMPACTS_PER_SAMPLE:
+        return event.IMPACT_LIMITED
+    speed = f[row.SPEED + j]
+    if speed == 0.0:
+        return event.RESTING
+    if speed < IMPACT_CUTOFF * f[row.ALPHA + j]:
+        far = far or f[row.HITS + j] >= event.MANY_IMPACTS
+        if hops_are_over(f, j, record, equation, far, held):
+            return event.RESTING
+        i[row.SLOW + j] += 1
+        if i[row.SLOW + j] > event.SLOW_IMPACTS:
+            return event.IMPACT_LIMITED
+    if equation == event.LINEAR and event.is_gone(f, j, record):
+        return event.OVERTURNED
+    return event.MOVING
+
+
+@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+def top_of_hop(speed, alpha, linear):
+    """Largest phi [rad] of a free hop that leaves the ground with dphi/dtau = speed, slower than overturns."""
+    if not linear:
+        return top_rotation(speed, alpha)
+    share = speed / alpha
+    return alpha * share * share / (1.0 + math.sqrt(max(0.0, 1.0 - share * share)))
+
+
+@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+def first_fall(phi, speed, alpha, linear):
+    """The free motion from a state until the ground.
+
+    Its largest phi, inf where it overturns; tau until that, or the impact; the speed of the impact, NaN without one.
+    """
+    if linear:
+        xi, eta = phi / alpha, speed / alpha
+        if xi - 1.0 + eta >= 0.0:
+            return math.inf, 0.0, math.nan
+        square = xi * (2.0 - xi) + eta * eta
+        arrival = math.sqrt(square)
+        rise = xi * (2.0 - xi) / (arrival - eta) if eta < 0.0 else arrival + eta
+        wait = math.log1p((xi + rise) / (1.0 - xi - eta))
+        top = max(xi, square / (1.0 + math.sqrt(max(0.0, 1.0 - square)))) if eta > 0.0 else xi
+        return alpha * top, wait, alpha * arrival
+    half, half_alpha = math.sin(0.5 * (alpha - phi)), math.sin(0.5 * alpha)
+    excess = 0.5 * speed * speed - 2.0 * half * half
+    fall = 0.5 * math.pi - alpha
+    over = speed > 0.0 and excess >= 0.0 if phi < alpha else speed >= 0.0 or excess <= 0.0
+    turn = 2.0 * math.asin(min(1.0, math.sqrt(max(0.0, -0.5 * excess))))  # how far from the top it turns round
+    if over:
+        if speed >= 0.0:
+            return math.inf, flight_time(excess, phi - alpha, fall), math.nan
+        return math.inf, flight_time(excess, turn, phi - alpha) + flight_time(excess, turn, fall), math.nan
+    arrival = math.sqrt(2.0 * excess + 4.0 * half_alpha * half_alpha)
+    if speed <= 0.0:
+        return phi, flight_time(excess, -alpha, phi - alpha), arrival
+    wait = flight_time(excess, phi - alpha, -turn) + flight_time(excess, -alpha, -turn)
+    return max(phi, top_rotation(arrival, alpha)), wait, arrival
+
+
+@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+def free_motion(f, j, linear):
+    """The motion of slot j on the ground at rest, to its end.
+
+    The answer is the largest phi over alpha from now on, inf if the body overturns; the time until that is certain [s],
+    NaN if it does not; the impacts before it; and those above the cut-off, -1 if they never end.
+    """
+    alpha, p, restitution = f[row.ALPHA + j], f[row.P + j], f[row.RESTITUTION + j]
+    one_sided = f[ONE_SIDED + j] == 1.0
+    other_alpha, other_p, other_restitution = f[OTHER_ALPHA + j], f[OTHER_P + j], f[OTHER_RESTITUTION + j]
+    if one_sided:
+        other_alpha, other_p, other_restitution = alpha, p, restitution
+    top, wait, arrival = first_fall(f[row.PHI + j], f[row.SPEED + j], alpha, linear)
+    time = wait / p
+    if top == math.inf:
+        return top, time, 0, 0
+    peak, first, second = top / alpha, arrival / alpha, 0.0
+    # Hops lose speed from one to the next but one: what the first two do not do no later one does.
+    for impact in range(1, 3):
+        speed = restitution * arrival * p / other_p
+        alpha, other_alpha = other_alpha, alpha
+        p, other_p = other_p, p
+        restitution, other_restitution = other_restitution, restitution
+        if impact == 1:
+            second = speed / alpha
+        critical = alpha if linear else 2.0 * math.sin(0.5 * alpha)
+        if speed >= critical:
+            if linear:
+                return math.inf, time, impact, 0
+            excess = 0.5 * speed * speed - 0.5 * critical * critical
+            return math.inf, time + flight_time(excess, -alpha, 0.5 * math.pi - alpha) / p, impact, 0
+        top = top_of_hop(speed, alpha, linear)
+        peak = max(peak, top / alpha)
+        if linear:
+            time += 2.0 * math.atanh(speed / alpha) / p
+        else:
+            excess = 0.5 * speed * speed - 0.5 * critical * critical
+            time += 2.0 * flight_time(excess, -alpha, -2.0 * math.asin(math.sqrt(-0.5 * excess))) / p
+        arrival = speed
+    both = restitution * other_restitution
+    odd, even = event.impacts_above_cutoff(first, both), event.impacts_above_cutoff(second, both)
+    return peak, math.nan, 0, -1 if odd < 0 or even < 0 else odd + even

@@ -1,0 +1,207 @@
+"""The demand of a ground motion on a block, on the block's own time scale: the impulse measure of rocking.
+
+.. note:: While a block rocks on the side s, the growing mode y = s theta/alpha - 1 + s theta'/(p alpha) of the linear
+   equation obeys y' = p y - s p a_g/(g alpha), so that
+
+   y(t) = exp(p (t - t0)) [y(t0) - s p/(g alpha) (E(t0) - exp(-p (t - t0)) E(t))],
+
+   E(t0) = integral from t0 to the end of a_g(tau) exp(-p (tau - t0)) dtau:
+
+   a later impulse counts exp(-p (tau - t0)) of an earlier one. A block that lifts off from rest at t0 (y = -1)
+   overturns without an impact iff p abs(E(t0))/(g alpha) exceeds 1 towards the right side, which makes
+   p abs(E)/(g tan alpha) a natural measure; an impact starts the next excursion with y = -1 + C times the speed that
+   the last one left.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numba import njit
+
+from rocking.arguments import ArrayLike
+from rocking.body.block import Block
+
+#: Lobes of E(t0) that are kept, the largest ones.
+LOBES = 16
+
+#: E is computed at powers of two of 1/s divided by this number, and interpolated in log p between them.
+NODES_PER_OCTAVE = 4
+
+#: Share of the speed that an excursion hands to the next one, beside C: excursions are seldom in step with the ground.
+HANDED_ON = 0.9
+
+#: Sum of speed and build-up left below which no lane of the measured ensembles overturned any more, with a margin: the
+#: lowest one was above 0.8 (docs/decisions/006).
+SETTLED = 0.7
+
+#: Relative margin at the ends of these ranges, far above the rounding of a product.
+ROUNDING = 1e-9
+
+#: Where SETTLED was measured: p [1/s], alpha_c [rad], C over Housner's value [-], p dt [-].
+MEASURED_RANGE = {"p": (0.7, 9.0), "alpha": (0.04, 0.32), "restitution": (0.85, 1.0), "p_dt": (0.0, 0.1)}
+
+#: Levels of the build-up at which the last time above them is kept: max abs(a_g)/p times 8 times 2^(-k/4).
+LEVELS = 56
+
+#: Values of C for which the build-up that is left is computed; a block takes the next larger one.
+RESTITUTIONS = np.array([0.85, 0.875, 0.9, 0.925, 0.95, 0.975, 1.0])
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _lobes(
+    ground: np.ndarray,
+    dt: float,
+    rates: np.ndarray,
+    ratios: np.ndarray,
+    levels: np.ndarray,
+    largest: np.ndarray,
+    last: np.ndarray,
+) -> None:
+    """Largest abs(E) of the lobes of E(t0), descending, and the last sample with more than each level left.
+
+    E is exact for a piecewise linear ground and found by one backward pass. What is left at a sample is the build-up of
+    the lobes after it, the one around it counted whole.
+    """
+    count = largest.shape[1]
+    unseen = np.empty(ratios.shape[0], dtype=np.int64)
+    for j in range(rates.shape[0]):
+        decay = math.exp(-rates[j] * dt)
+        whole = -math.expm1(-rates[j] * dt) / rates[j]
+        late = (whole - dt * decay) / (rates[j] * dt)
+        early = whole - late
+        top = largest[j]
+        top[:] = 0.0
+        last[j] = -1
+        unseen[:] = levels.shape[1] - 1
+        weighted, lobe, sign = 0.0, 0.0, 0.0
+        begun = ground.shape[0] - 1
+        for i in range(ground.shape[0] - 2, -2, -1):
+            if i >= 0:
+                weighted = decay * weighted + early * ground[i] + late * ground[i + 1]
+            if i < 0 or weighted * sign < 0.0:
+                if lobe > top[count - 1]:
+                    place = count - 1
+                    while place > 0 and top[place - 1] < lobe:
+                        top[place] = top[place - 1]
+                        place -= 1
+                    top[place] = lobe
+                    for c in range(ratios.shape[0]):
+                        build_up, weight = 0.0, 1.0
+                        for k in range(count):
+                            build_up += weight * top[k]
+                            weight *= ratios[c]
+                        while unseen[c] >= 0 and build_up > levels[j, unseen[c]]:
+                            last[j, c, unseen[c]] = begun
+                            unseen[c] -= 1
+                lobe = 0.0
+                begun = i + 1
+            lobe = max(lobe, abs(weighted))
+            sign = weighted
+
+
+@dataclass(frozen=True, eq=False)
+class Demand:
+    """The demand of a ground motion on (m,) blocks; all measures are proportional to a factor on the record.
+
+    Attributes
+    ----------
+    largest : (m,) ndarray
+        Largest p abs(E)/(g tan alpha) [-].
+    lobes : (m, LOBES) ndarray
+        Largest p abs(E)/(g tan alpha) of each of the largest lobes, descending [-]; the first is `largest`.
+    build_up : (m,) ndarray
+        Sum over k of (0.9 C)^k p E_k/(g tan alpha), E_k the largest lobes in descending order [-]: the speed that
+        resonance (Eq. 5) would build up with the impulses that the block sees, the largest one last.
+    levels : (m, LEVELS) ndarray
+        Values of the build-up that may be left, descending [-].
+    last : (m, LEVELS) ndarray of int
+        Last sample at which more than the level was left, by the lobes from there on; -1 where it never was.
+    samples : int
+        Number of samples of the record.
+    settled : float
+        The verdict of a lane that rocks is taken as settled right after an impact when its speed, over that which
+        overturns it on a still ground, and the build-up that is left sum up to no more than this [-].
+    """
+
+    largest: np.ndarray
+    lobes: np.ndarray
+    build_up: np.ndarray
+    levels: np.ndarray
+    last: np.ndarray
+    samples: int
+    settled: float = SETTLED
+
+
+def ground_demand(block: Block, acceleration: ArrayLike, dt: float) -> Demand:
+    """Demand of a ground motion on blocks.
+
+    Parameters
+    ----------
+    block : Block
+        One block, which counts as (1,), or (m,) of them.
+    acceleration : (n,) array_like
+        Ground acceleration a_g [m/s2], finite.
+    dt : float
+        Sampling interval [s].
+
+    Notes
+    -----
+    E is computed at p = 2^(k/4) 1/s for the nodes that enclose the given p, and interpolated linearly in log p: a pass
+    costs as much for a thousand blocks as for a few.
+
+    Examples
+    --------
+    >>> block = Block.from_parameters(p=[2.0], alpha=[0.1], restitution=0.9)
+    >>> pulse = np.full(51, 3.0)                      # half a second
+    >>> demand = ground_demand(block, pulse, 0.01)
+    >>> exact = 3.0 * (1.0 - np.exp(-2.0 * 0.5)) / (block.gravity * np.tan(0.1))
+    >>> bool(abs(demand.largest[0] / exact - 1.0) < 1e-6)
+    True
+    """
+    ground = np.ascontiguousarray(acceleration, dtype=float)
+    if ground.ndim != 1 or ground.size < 2 or not np.all(np.isfinite(ground)):
+        raise ValueError(
+            f"acceleration: expected a (n,) array of at least 2 finite samples in m/s2, got {acceleration!r:.80}"
+        )
+    if not dt > 0.0:
+        raise ValueError(f"dt: expected a positive sampling interval in s, got {dt!r}")
+    block = block.lanes()
+    rates, capacity = np.asarray(block.p), block.gravity * np.tan(block.alpha_c) / block.p
+    restitution = np.asarray(block.restitution)
+    peak = np.max(np.abs(ground))
+    place = NODES_PER_OCTAVE * np.log2(rates)
+    below = np.floor(place)
+    nodes = np.unique(np.concatenate([below, below + 1.0]))
+    node_rates = 2.0 ** (nodes / NODES_PER_OCTAVE)
+    at_levels = 8.0 * (peak / node_rates)[:, None] * 2.0 ** (-0.25 * np.arange(LEVELS))
+    at_nodes, last = np.empty((nodes.size, LOBES)), np.empty((nodes.size, RESTITUTIONS.size, LEVELS), dtype=np.int64)
+    _lobes(ground, float(dt), node_rates, HANDED_ON * RESTITUTIONS, at_levels, at_nodes, last)
+    low = np.searchsorted(nodes, below)
+    share = (place - below)[:, None]
+    lobes = ((1.0 - share) * at_nodes[low] + share * at_nodes[low + 1]) / capacity[:, None]
+    kept = (HANDED_ON * restitution)[:, None] ** np.arange(LOBES)
+    return Demand(
+        largest=lobes[:, 0],
+        lobes=lobes,
+        build_up=np.sum(kept * lobes, axis=1),
+        # The slower of the two nodes weighs what comes later more: it is above a level for longer.
+        levels=at_levels[low] / capacity[:, None],
+        last=last[low, np.searchsorted(RESTITUTIONS[:-1], restitution)],
+        samples=ground.size,
+    )
+
+
+def within_measured_range(block: Block, dt: float) -> np.ndarray:
+    """True, (m,), for the free blocks that lie within :data:`MEASURED_RANGE` on a record sampled at dt [s]."""
+    measured = {
+        "p": block.p,
+        "alpha": block.alpha_c,
+        "restitution": block.restitution / (1.0 - 1.5 * np.sin(block.alpha_c) ** 2),
+        "p_dt": block.p * dt,
+    }
+    within = np.asarray(block.free)
+    for name, (low, high) in MEASURED_RANGE.items():
+        # Housner's own value may come back as 1 + 1e-16 times itself.
+        within = within & (measured[name] >= low * (1.0 - ROUNDING)) & (measured[name] <= high * (1.0 + ROUNDING))
+    return within

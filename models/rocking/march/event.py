@@ -1,0 +1,259 @@
+"""The events inside a step of the march over a record: impact, new peak, overturning, the end of a chatter, uplift.
+
+.. note:: Units and signs of :mod:`rocking.march.slots`. The motion inside a step is its Taylor polynomial (see
+   :mod:`rocking.march.polynomial`), from which impacts, peaks and overturning are located exactly; uplift is the
+   exact crossing of the piecewise-linear record with the threshold.
+"""
+
+import math
+
+from numba import njit
+
+from rocking.march import slots as row
+from rocking.march.polynomial import ORDER, ROTATION, bracketed_root, first_impact, value, velocity
+from rocking.march.slots import BLOCK, LARGEST, LEFT, STEEPEST, largest_left, next_exceedance
+from rocking.march.steps import HALVED, IMPACT, IMPACTS_PER_SAMPLE, NOTHING, OVER, REMNANT, enter_vertical
+from rocking.response import IMPACT_CUTOFF
+
+LINEAR, NONLINEAR = 0, 1
+
+# How a slot stands after a step.
+MOVING, RESTING, OVERTURNED, IMPACT_LIMITED, FLYING, CALM = range(6)
+
+#: A chatter is cut short only where its hops are below this share of the peak so far.
+CHATTER_SHARE = 1e-3
+
+#: After so many impacts in one sample (a restitution next to one) hops below the peak itself will do, and the chatter
+#: may be cut short beyond its sample with a history as well: it then shows rest in place of hops below the cut-off.
+MANY_IMPACTS = 1000
+
+#: Impacts slower than the cut-off that are followed without a rest between them before the lane is given up. With C = 1
+#: a chatter neither dies out nor comes to rest: this is all the work that it can cost, however long the record.
+SLOW_IMPACTS = 1_000_000
+
+#: A step is not halved below this share of the longest one for the sake of its series.
+SHORTEST = 1.0 / 4096.0
+
+
+@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+def uplift_time(ground, slope, threshold, threshold_slope, remaining):
+    """Time until abs(ground) exceeds the threshold, both linear in tau; -1 if it does not in the time that remains."""
+    if abs(ground) > threshold:
+        return 0.0
+    end = ground + slope * remaining
+    side = 1.0 if end > 0.0 else -1.0
+    start_gap = threshold - side * ground
+    end_gap = threshold + threshold_slope * remaining - side * end
+    if end_gap >= 0.0:
+        return -1.0
+    return remaining * start_gap / (start_gap - end_gap)
+
+
+@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+def chatter_ends(speed, demand, largest, slope, restitution, window, cutoff, highest):
+    """Whether the hops after an impact die out before the ground can lift the block again.
+
+    Speeds and rotations are over the restoring acceleration of the resting block; `demand` is A = abs(a_g)/threshold at
+    the impact, `largest` and `slope` are bounds of it and of its slope over the time tau of the `window`. The hops must
+    stay below the rotation `highest` and end slower than `cutoff`, above which an impact is counted.
+
+    Look no further than to where half the margin 1 - A is used up, or to the end of the window. There the restoring
+    acceleration stays above d = (1 - A) - w^2/(1 - A), so the first hop lasts less than T = 2 w/d, and the next ones
+    shrink at least by q = C (1 + m T/(2 (1 - A))): all of them together last less than T/(1 - q), and none ends faster
+    than w q/C. The motion after that instant is the same whether the hops are followed or not.
+    """
+    if demand >= 1.0:
+        return False
+    halfway = 0.5 * (1.0 + demand)
+    if largest > halfway:
+        largest = halfway
+        window = min(window, (halfway - demand) / slope)
+    margin = 1.0 - largest
+    floor = margin - speed * speed / margin
+    if floor <= 0.0:
+        return False
+    hop = 2.0 * speed / floor
+    growth = 1.0 + 0.5 * slope * hop / margin
+    left = 1.0 - restitution * growth
+    return hop < window * left and speed * growth < cutoff and 0.5 * speed * speed / floor < highest
+
+
+@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+def chatter_is_over(f, j, record, equation, far):
+    """Whether slot j may be put to rest after a slow impact: :func:`chatter_ends`, beyond its sample if `far`."""
+    threshold, length = f[row.THRESHOLD + j], f[row.LENGTH + j]
+    passed = f[row.PASSED + j]
+    lift = f[row.SAMPLE_LIFT + j] + f[row.SAMPLE_LIFT_SLOPE + j] * passed
+    lift_end = f[row.SAMPLE_LIFT + j] + f[row.SAMPLE_LIFT_SLOPE + j] * length
+    weakest = min(lift, lift_end)
+    demand = abs(f[row.SAMPLE_GROUND + j] + f[row.SAMPLE_SLOPE + j] * passed) / (lift * threshold)
+    if demand >= 1.0:
+        return False
+    per_scale = 1.0 / (weakest * (f[row.ALPHA + j] if equation == LINEAR else math.sin(f[row.ALPHA + j])))
+    share = CHATTER_SHARE if f[row.HITS + j] < MANY_IMPACTS else 1.0
+    speed, highest = f[row.SPEED + j] * per_scale, share * f[row.PEAK + j] * per_scale
+    cutoff = IMPACT_CUTOFF * f[row.ALPHA + j] * per_scale
+    restitution = f[row.RESTITUTION + j]
+    if far and f[row.SAMPLE_LIFT + j] == 1.0 and lift_end == 1.0:
+        # To the end of the next block of samples.
+        sample = int(f[row.SAMPLE + j])
+        block = sample // BLOCK
+        end = min((block + 2) * BLOCK, record.acceleration.size - 1)
+        factor = f[row.FACTOR + j] / threshold
+        largest = factor * max(record.extremes[LARGEST, block], record.extremes[LARGEST, block + 1])
+        steepest = max(record.extremes[STEEPEST, block], record.extremes[STEEPEST, block + 1])
+        slope = factor * f[row.PER_SAMPLE + j] * steepest
+        if chatter_ends(speed, demand, largest, slope, restitution, (end - sample) * length - passed, cutoff, highest):
+            return True
+    demand_end = abs(f[row.SAMPLE_GROUND + j] + f[row.SAMPLE_SLOPE + j] * length) / (lift_end * threshold)
+    slope = (abs(f[row.SAMPLE_SLOPE + j]) + abs(f[row.SAMPLE_LIFT_SLOPE + j]) * threshold) / (weakest * threshold)
+    return chatter_ends(speed, demand, max(demand, demand_end), slope, restitution, length - passed, cutoff, highest)
+
+
+@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+def impacts_above_cutoff(speed, restitution):
+    """Impacts of the free decay that are faster than the cut-off, the first one at `speed`; -1 if they never end."""
+    if not speed >= IMPACT_CUTOFF:
+        return 0
+    if restitution >= 1.0:
+        return -1
+    if restitution <= 0.0:
+        return 1
+    return 1 + math.floor(math.log(IMPACT_CUTOFF / speed) / math.log(restitution))
+
+
+@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+def enter_sample(f, j, record):
+    """Take the ground of the slot's sample; False where the vertical acceleration cancels gravity in it."""
+    k = int(f[row.SAMPLE + j])
+    acceleration, left = record.acceleration, record.extremes[LEFT]
+    start = acceleration[k] * f[row.FACTOR + j]
+    f[row.SAMPLE_GROUND + j] = start
+    f[row.SAMPLE_SLOPE + j] = (acceleration[k + 1] * f[row.FACTOR + j] - start) * f[row.PER_SAMPLE + j]
+    f[row.LIMIT + j] = left[min((k + 1) // BLOCK + 1, left.size - 1)] * f[row.FACTOR + j]
+    f[row.PASSED + j] = 0.0
+    f[row.HITS + j] = 0.0
+    return record.vertical.size == 0 or enter_vertical(f, j, record.vertical)
+
+
+@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+def begin_step(f, j):
+    """Set the next step of a moving slot: the ground from here on, and its length."""
+    passed, side, longest = f[row.PASSED + j], f[row.SIDE + j], f[row.LONGEST + j]
+    f[row.GROUND + j] = side * (f[row.SAMPLE_GROUND + j] + f[row.SAMPLE_SLOPE + j] * passed)
+    f[row.SLOPE + j] = side * f[row.SAMPLE_SLOPE + j]
+    f[row.LIFT + j] = f[row.SAMPLE_LIFT + j] + f[row.SAMPLE_LIFT_SLOPE + j] * passed
+    f[row.LIFT_SLOPE + j] = f[row.SAMPLE_LIFT_SLOPE + j]
+    remaining = f[row.LENGTH + j] - passed
+    f[row.STEP + j] = remaining if remaining <= longest * (1.0 + REMNANT) else longest
+
+
+@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+def wake(f, i, j, record):
+    """Bring a resting slot to the instant of its next uplift.
+
+    The slot is MOVING then, FLYING where the ground is lost first, or RESTING where the record ends before.
+    """
+    threshold, length = f[row.THRESHOLD + j], f[row.LENGTH + j]
+    last = record.acceleration.size - 1
+    for _ in range(last + 1):
+        passed = f[row.PASSED + j]
+        slope, lift_slope = f[row.SAMPLE_SLOPE + j], f[row.SAMPLE_LIFT_SLOPE + j]
+        ground = f[row.SAMPLE_GROUND + j] + slope * passed
+        lift = f[row.SAMPLE_LIFT + j] + lift_slope * passed
+        wait = uplift_time(ground, slope, lift * threshold, lift_slope * threshold, length - passed)
+        if 0.0 <= wait < length - passed:
+            f[row.PASSED + j] = passed + wait
+            f[row.SIDE + j] = -1.0 if ground + slope * wait > 0.0 else 1.0
+            f[row.PHI + j] = 0.0
+            f[row.SPEED + j] = 0.0
+            i[row.MOVED + j] = 1
+            i[row.SLOW + j] = 0
+            f[row.ACTIVE + j] += 1.0 if i[row.ENDED + j] != int(f[row.SAMPLE + j]) else 0.0
+            return MOVING
+        sample = int(f[row.SAMPLE + j])
+        ahead = next_exceedance(sample + 1, record, f[row.FACTOR + j], threshold)
+        if ahead > last:
+            return RESTING
+        # It lifts on the way to that sample, which is this one where rounding has put the crossing at its end.
+        f[row.SAMPLE + j] = max(ahead - 1, sample + 1)
+        if f[row.SAMPLE + j] >= last:
+            return RESTING
+        if not enter_sample(f, j, record):
+            return FLYING
+    return RESTING
+
+
+@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+def is_gone(f, j, record):
+    """Whether the growing mode of slot j exceeds all that is left of the record (linear equation)."""
+    growing = f[row.PHI + j] - f[row.ALPHA + j] + f[row.SPEED + j]
+    if growing <= f[row.LIMIT + j]:
+        return False
+    left = largest_left(int(f[row.SAMPLE + j]) + 1, record) * f[row.FACTOR + j]
+    ground = abs(f[row.SAMPLE_GROUND + j] + f[row.SAMPLE_SLOPE + j] * f[row.PASSED + j])
+    return growing > max(left, ground)
+
+
+@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+def after_impact(f, i, j, record, equation, far):
+    """The state of slot j after an impact: MOVING, RESTING, OVERTURNED or IMPACT_LIMITED."""
+    if f[row.HITS + j] > IMPACTS_PER_SAMPLE:
+        return IMPACT_LIMITED
+    speed = f[row.SPEED + j]
+    if speed == 0.0:
+        return RESTING
+    # Faster impacts are counted, so they are followed.
+    if speed < IMPACT_CUTOFF * f[row.ALPHA + j]:
+        far = far or f[row.HITS + j] >= MANY_IMPACTS
+        if chatter_is_over(f, j, record, equation, far):
+            return RESTING
+        i[row.SLOW + j] += 1
+        if i[row.SLOW + j] > SLOW_IMPACTS:
+            return IMPACT_LIMITED
+    if equation == LINEAR and is_gone(f, j, record):
+        return OVERTURNED
+    return MOVING
+
+
+@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+def resolve_step(f, j, c, record, equation):
+    """Do the marked step of slot j, or the part of it up to its impact, and set its EVENT.
+
+    HALVED: the step is to be tried again. OVER: PASSED is the instant of overturning. `c` is work space.
+    """
+    phi, speed, h, alpha = f[row.PHI + j], f[row.SPEED + j], f[row.STEP + j], f[row.ALPHA + j]
+    last_term = abs(f[row.RATE_10 + j]) * h**10
+    too_long = equation == NONLINEAR and last_term > f[row.TRUNCATION + j] * (alpha + phi)
+    if too_long and h > SHORTEST * f[row.LONGEST + j]:
+        f[row.STEP + j] = 0.5 * h
+        f[row.EVENT + j] = HALVED
+        return
+    c[0] = phi
+    c[1] = speed
+    for k in range(2, ORDER + 1):
+        c[k] = f[row.RATE_2 + (k - 2) * row.WIDTH + j] / k
+    if phi == 0.0 and speed == 0.0:
+        c[2] = max(c[2], 0.0)  # zero at the threshold itself: rounding must not press the block down
+    impact, largest = first_impact(c, h, f[row.PEAK + j])
+    if equation == NONLINEAR and largest >= f[row.TOP + j]:
+        wait = h
+        if value(c, h) > f[row.TOP + j]:
+            wait = bracketed_root(c, ROTATION, f[row.TOP + j], 0.0, h, -1.0)
+        f[row.PASSED + j] += wait
+        f[row.EVENT + j] = OVER
+        return
+    f[row.PEAK + j] = max(f[row.PEAK + j], largest)
+    if impact < 0.0:
+        f[row.PHI + j] = value(c, h)
+        f[row.SPEED + j] = velocity(c, h)
+        f[row.PASSED + j] += h
+    else:
+        f[row.ARRIVAL + j] = max(-velocity(c, impact), 0.0)
+        f[row.PHI + j] = 0.0
+        f[row.SPEED + j] = f[row.RESTITUTION + j] * f[row.ARRIVAL + j]
+        f[row.SIDE + j] = -f[row.SIDE + j]
+        f[row.PASSED + j] += impact
+        f[row.EVENT + j] = IMPACT
+        return
+    f[row.EVENT + j] = OVER if equation == LINEAR and is_gone(f, j, record) else NOTHING

@@ -1,0 +1,264 @@
+"""Kernel of the response to a sampled accelerogram: lanes marched side by side in slots, each at its own sample.
+
+.. note:: One turn of the loop takes one step in every slot (:func:`rocking.march.equations.linear_steps`,
+   :func:`rocking.march.equations.nonlinear_steps`), then looks closely at the slots that were marked
+   (:mod:`rocking.march.event`). A slot whose lane has ended takes the next lane; a lane at rest goes to its
+   next uplift at once, so that every step is one of a moving block.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+
+from rocking.march import event
+from rocking.march import slots as row
+from rocking.march.equations import linear_after, linear_steps, nonlinear_after, nonlinear_steps
+from rocking.march.slots import LEFT
+from rocking.march.steps import (
+    IMPACT,
+    LOOK_CLOSER,
+    OVER,
+    REMNANT,
+    advance_steps,
+    advance_vertical,
+    finish_steps,
+    keep_history,
+)
+from rocking.response import Outcome, Reason
+
+AT_REST, ROCKS, OVERTURNS, UNRESOLVED = (int(outcome) for outcome in Outcome)
+NO_REASON, IMPACT_LIMIT, FREE_FLIGHT = int(Reason.NONE), int(Reason.IMPACT_LIMIT), int(Reason.FREE_FLIGHT)
+
+#: How far above the threshold a block lifts, as a share of it: "strictly above" must not be decided by the last bit.
+STRICTLY = 1e-14
+
+
+class Lanes(NamedTuple):
+    """The (q m,) lanes of a march: q factors on the record by m blocks, the block running fastest."""
+
+    factors: np.ndarray  #: (q,) factor on the record over gravity [s2/m]
+    gains: np.ndarray  #: (m,) factor of each block on top of it [-]
+    alpha: np.ndarray  #: (m,) alpha_c [rad]
+    p: np.ndarray  #: (m,) [1/s]
+    restitution: np.ndarray  #: (m,) C [-]
+    rotation: np.ndarray  #: (m,) theta at the first sample [rad]
+    spin: np.ndarray  #: (m,) theta' there [rad/s]
+    levels: np.ndarray  #: (m, l) levels of the build-up over the factor, descending [m/s2]; (m, 0) without a verdict
+    above: np.ndarray  #: (m, l) of int, last sample above each level, see :class:`rocking.march.demand.Demand`
+
+
+class Options(NamedTuple):
+    """The options of a march: its equation, and where it divides or ends the steps of a lane."""
+
+    equation: int  #: LINEAR or NONLINEAR
+    longest: float  #: longest step as p dt [-]
+    last_term: float  #: largest last term of the series of a step over alpha_c [-]
+    settled: float  #: see :class:`rocking.march.demand.Demand`
+
+
+@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+def build_up_left(sample, factor, levels, last):
+    """Build-up of the ground from a sample on, see :mod:`rocking.march.demand`; inf where it is not known."""
+    for k in range(levels.size - 1, -1, -1):
+        if last[k] < sample:
+            return levels[k] * factor
+    return np.inf
+
+
+@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+def calm_from(factor, levels, last, settled):
+    """First sample from which on the verdict may be settled; inf if there is none."""
+    for k in range(levels.size):
+        if levels[k] * factor < settled:
+            return last[k] + 1.0
+    return np.inf
+
+
+# begin_lane, end_lane and decide have one caller each and take NamedTuples that a call would copy field by field.
+@njit(cache=True, nogil=True, error_model="numpy", forceinline=True, _nrt=False)
+def begin_lane(f, i, j, lane, record, lanes, options):
+    """Put a lane into slot j; returns how it stands at the first sample, MOVING or as it ends."""
+    block = lane % lanes.alpha.size
+    factor = lanes.factors[lane // lanes.alpha.size] * lanes.gains[block]
+    alpha, p, rotation, spin = lanes.alpha[block], lanes.p[block], lanes.rotation[block], lanes.spin[block]
+    equation, strongest = options.equation, record.extremes[LEFT, 0] * factor
+    length = p * record.dt
+    i[row.LANE + j] = lane
+    f[row.ALPHA + j] = alpha
+    f[row.RESTITUTION + j] = lanes.restitution[block]
+    f[row.P + j] = p
+    f[row.FACTOR + j] = factor
+    f[row.LENGTH + j] = length
+    f[row.PER_SAMPLE + j] = 1.0 / length
+    f[row.LIFT + j] = 1.0
+    f[row.LIFT_SLOPE + j] = 0.0
+    f[row.LONGEST + j] = length / math.ceil(length / options.longest * (1.0 - REMNANT))
+    f[row.THRESHOLD + j] = (alpha if equation == event.LINEAR else math.tan(alpha)) * (1.0 + STRICTLY)
+    f[row.TRUNCATION + j] = options.last_term
+    f[row.TOP + j] = 0.5 * math.pi
+    f[row.CALM_FROM + j] = np.inf
+    if lanes.levels.size > 0:
+        # Beyond this angle the ground cannot turn back a block that moves outward.
+        f[row.TOP + j] = min(0.5 * math.pi, alpha + math.atan(strongest))
+        f[row.CALM_FROM + j] = calm_from(factor, lanes.levels[block], lanes.above[block], options.settled)
+    f[row.SIDE + j] = 1.0 if (rotation > 0.0 or (rotation == 0.0 and spin > 0.0)) else -1.0
+    f[row.PHI + j] = abs(rotation)
+    f[row.SPEED + j] = f[row.SIDE + j] * spin / p
+    f[row.PEAK + j] = abs(rotation)
+    f[row.SAMPLE_LIFT + j] = 1.0
+    f[row.SAMPLE_LIFT_SLOPE + j] = 0.0
+    resting = rotation == 0.0 and spin == 0.0
+    f[row.SAMPLE + j] = 0.0
+    f[row.IMPACTS + j] = 0.0
+    i[row.MOVED + j] = 0 if resting else 1
+    f[row.ACTIVE + j] = 0.0 if resting else 1.0
+    i[row.ENDED + j] = -1
+    i[row.FLIES + j] = 0
+    i[row.SLOW + j] = 0
+    if resting and strongest <= f[row.THRESHOLD + j] and record.vertical.size == 0:
+        return event.RESTING
+    if not event.enter_sample(f, j, record):
+        return event.FLYING
+    if resting:
+        return event.wake(f, i, j, record)
+    if equation == event.LINEAR:
+        growing = f[row.PHI + j] - alpha + f[row.SPEED + j]
+        return event.OVERTURNED if growing > strongest else event.MOVING
+    return event.OVERTURNED if f[row.PHI + j] >= 0.5 * math.pi else event.MOVING
+
+
+@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+def empty_slot(f, i, j):
+    """Leave slot j without a lane: its steps have no length."""
+    i[row.LANE + j] = -1
+    for name in (row.PHI, row.SPEED, row.STEP, row.PASSED, row.LENGTH, row.LONGEST, row.PER_SAMPLE, row.FACTOR):
+        f[name + j] = 0.0
+
+
+@njit(cache=True, nogil=True, error_model="numpy", forceinline=True, _nrt=False)
+def end_lane(f, i, j, status, record, equation):
+    """The results of a lane that has ended, in the order of :class:`rocking.response.LaneResults`."""
+    impacts = int(f[row.IMPACTS + j])
+    alpha, restitution, p = f[row.ALPHA + j], f[row.RESTITUTION + j], f[row.P + j]
+    if status == event.OVERTURNED:
+        time = f[row.SAMPLE + j] * record.dt + f[row.PASSED + j] / p
+        return np.inf, OVERTURNS, NO_REASON, time, impacts + 1, impacts
+    if status == event.IMPACT_LIMITED:
+        return np.nan, UNRESOLVED, IMPACT_LIMIT, np.nan, -1, -1
+    if status == event.FLYING:
+        return np.nan, UNRESOLVED, FREE_FLIGHT, np.nan, -1, -1
+    peak = f[row.PEAK + j]
+    if status == event.RESTING:
+        outcome = ROCKS if i[row.MOVED + j] == 1 else AT_REST
+        return peak / alpha, outcome, NO_REASON, np.nan, -1, impacts
+    if status == event.CALM:
+        return peak / alpha, ROCKS, NO_REASON, np.nan, -1, -1
+    phi, speed = f[row.PHI + j], f[row.SPEED + j]
+    if equation == event.LINEAR:
+        peak_after, wait, impacts_after, impact_speed = linear_after(phi, speed, alpha, restitution)
+    else:
+        peak_after, wait, impacts_after, impact_speed = nonlinear_after(phi, speed, alpha, restitution)
+    if peak_after == np.inf:
+        impacts += impacts_after
+        time = (record.acceleration.size - 1) * record.dt + wait / p
+        return np.inf, OVERTURNS, NO_REASON, time, impacts + 1, impacts
+    decay = event.impacts_above_cutoff(impact_speed, restitution)
+    return max(peak, peak_after) / alpha, ROCKS, NO_REASON, np.nan, -1, -1 if decay < 0 else impacts + decay
+
+
+@njit(cache=True, nogil=True, error_model="numpy", forceinline=True, _nrt=False)
+def decide(f, i, j, record, lanes, options, far):
+    """The state of a slot that needs attention, and whether its lane has come to its end.
+
+    It is MOVING, RESTING, OVERTURNED, IMPACT_LIMITED, FLYING, or CALM: it will not overturn.
+    """
+    if f[row.EVENT + j] == OVER:
+        return event.OVERTURNED, True
+    status = event.MOVING
+    if f[row.EVENT + j] == IMPACT:
+        status = event.after_impact(f, i, j, record, options.equation, far)
+    if f[row.SAMPLE + j] >= record.acceleration.size - 1:
+        return status, True
+    if i[row.FLIES + j] == 1:
+        return event.FLYING, True
+    if status == event.RESTING:
+        i[row.ENDED + j] = int(f[row.SAMPLE + j])
+        status = event.wake(f, i, j, record)
+        if status == event.MOVING:
+            event.begin_step(f, j)
+    elif f[row.EVENT + j] == IMPACT and f[row.SAMPLE + j] >= f[row.CALM_FROM + j]:
+        block = i[row.LANE + j] % lanes.alpha.size
+        left = build_up_left(f[row.SAMPLE + j], f[row.FACTOR + j], lanes.levels[block], lanes.above[block])
+        speed = f[row.SPEED + j] / (2.0 * math.sin(0.5 * f[row.ALPHA + j]))
+        if speed + left <= options.settled:
+            return event.CALM, True
+    return status, status != event.MOVING
+
+
+@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+def march_lanes(first, last, record, lanes, options, slots, results, active, history):
+    """March lanes first to last - 1 and write their :class:`rocking.response.LaneResults`.
+
+    `active` (q m,) receives the number of samples in which the block moved. `history`, zeros (q m, n, 2), receives
+    theta [rad] and theta' [rad/s] at the samples, NaN after a lane has ended before the record; (q m, 0, 2) for none.
+    """
+    f, i, c = slots
+    coming = first
+    width = row.GROUP * min(row.WIDTH // row.GROUP, (last - first + row.GROUP - 1) // row.GROUP)
+    running = 0
+    far = history.shape[1] == 0
+    linear = options.equation == event.LINEAR
+    left = record.extremes[LEFT]
+    fastest = 1.0 if linear else np.inf
+    while running > 0 or coming < last:
+        if linear:
+            linear_steps(f, width)
+        else:
+            nonlinear_steps(f, width)
+        finish_steps(f, width)
+        for j in range(width):
+            if f[row.EVENT + j] == LOOK_CLOSER and i[row.LANE + j] >= 0:
+                event.resolve_step(f, j, c, record, options.equation)
+        advance_steps(f, width, record.acceleration, left, fastest)
+        if record.vertical.size > 0:
+            advance_vertical(f, i, width, record.vertical)
+        if not far:
+            keep_history(f, i, width, history)
+        for j in range(width):
+            lane = i[row.LANE + j]
+            if f[row.ATTENTION + j] == 0.0 and (lane >= 0 or coming >= last):
+                continue
+            status, done = event.MOVING, lane < 0
+            if not done:
+                status, done = decide(f, i, j, record, lanes, options, far)
+            while done:
+                if lane >= 0:
+                    active[lane] = int(f[row.ACTIVE + j])
+                    (
+                        results.peak_rotation_ratio[lane],
+                        results.outcome[lane],
+                        results.reason[lane],
+                        results.overturning_time[lane],
+                        results.overturning_half_cycle[lane],
+                        results.impacts[lane],
+                    ) = end_lane(f, i, j, status, record, options.equation)
+                    if status > event.RESTING:
+                        history[lane, int(f[row.SAMPLE + j]) + 1 :] = np.nan
+                    running -= 1
+                if coming >= last:
+                    empty_slot(f, i, j)
+                    break
+                lane = coming
+                coming += 1
+                running += 1
+                status = begin_lane(f, i, j, lane, record, lanes, options)
+                if not far:
+                    block = lane % lanes.alpha.size
+                    history[lane, 0, 0], history[lane, 0, 1] = lanes.rotation[block], lanes.spin[block]
+                done = status != event.MOVING
+                if not done:
+                    event.begin_step(f, j)
+        if coming >= last and 0 < running <= width - row.GROUP:
+            width = row.close_ranks(f, i, width)

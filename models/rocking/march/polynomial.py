@@ -1,0 +1,180 @@
+"""First impact and largest rotation of a motion given as a Taylor polynomial over one short step.
+
+.. note:: phi = s theta >= 0 is the rotation away from the ground, s = sgn theta, and tau = p t. A step is so short (p
+   dt <= 0.1) that phi'' changes its sign at most once in it: cut there, phi' is monotone on each piece and every root
+   below is bracketed.
+"""
+
+import numpy as np
+from numba import njit
+
+#: Degree of the polynomials.
+ORDER = 10
+
+#: Orders of derivative. Numpy's integers: a plain one would have the functions below compiled for each value.
+ROTATION, SPEED, PULL = np.int64(0), np.int64(1), np.int64(2)
+
+MAX_ITERATIONS = 100
+
+#: A Newton step below this share of the way is the last one: the error after it is the square of it.
+CONVERGED = 1e-9
+
+
+@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+def value(c, tau):
+    """phi(tau) = sum c_k tau^k."""
+    total = c[ORDER]
+    for k in range(ORDER - 1, -1, -1):
+        total = total * tau + c[k]
+    return total
+
+
+@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+def velocity(c, tau):
+    """phi'(tau)."""
+    total = ORDER * c[ORDER]
+    for k in range(ORDER - 1, 0, -1):
+        total = total * tau + k * c[k]
+    return total
+
+
+@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+def acceleration(c, tau):
+    """phi''(tau)."""
+    total = ORDER * (ORDER - 1) * c[ORDER]
+    for k in range(ORDER - 1, 1, -1):
+        total = total * tau + k * (k - 1) * c[k]
+    return total
+
+
+@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+def with_slope(c, order, tau):
+    """The order-th derivative of phi at tau, order at most 2, and its slope."""
+    total = 0.0
+    slope = 0.0
+    for k in range(ORDER, order - 1, -1):
+        factor = 1.0
+        if order > 0:
+            factor *= k
+        if order > 1:
+            factor *= k - 1
+        slope = slope * tau + total
+        total = total * tau + factor * c[k]
+    return total, slope
+
+
+@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+def bracketed_root(c, order, shift, left, right, guess):
+    """Root in [left, right] of the order-th derivative of phi less `shift`.
+
+    Its signs at the two ends are opposite, and for order <= 1 it is monotone between them. Newton steps are replaced by
+    bisection where they leave the bracket; the stop is relative to the distance from the start of the step, so that a
+    hop of 1e-12 keeps its digits.
+    """
+    rising = with_slope(c, order, right)[0] - shift > 0.0
+    tau = guess if left < guess < right else 0.5 * (left + right)
+    for _ in range(MAX_ITERATIONS):
+        residual, slope = with_slope(c, order, tau)
+        residual -= shift
+        if residual == 0.0:
+            return tau
+        if (residual > 0.0) == rising:
+            right = tau
+        else:
+            left = tau
+        step = tau - residual / slope if slope != 0.0 else left
+        if left < step < right:
+            if abs(step - tau) <= CONVERGED * tau:
+                return step
+        else:
+            step = 0.5 * (left + right)
+            if step in (left, right):
+                return step
+        tau = step
+    return tau
+
+
+@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+def falling_root(c, left, right):
+    """The place where phi falls through zero in [left, right]: phi > 0 before, phi(right) <= 0, phi' < 0 inside."""
+    # From the top of a hop the fall takes as long as the rise did, to first order.
+    return bracketed_root(c, ROTATION, 0.0, left, right, 2.0 * left if left > 0.0 else -c[0] / c[1])
+
+
+@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+def hop_root(c, h):
+    """The place where a hop from the ground, c[0] = 0, comes back to it: phi'' < 0 in [0, h], phi(h) <= 0.
+
+    phi/tau falls all the way and is nearly straight. Newton's steps for it stay in (0, h] by bisection.
+    """
+    left = 0.0
+    right = h
+    tau = min(-c[1] / c[2], h)
+    for _ in range(MAX_ITERATIONS):
+        mean = c[ORDER]
+        slope = 0.0
+        for k in range(ORDER - 1, 0, -1):
+            slope = slope * tau + mean
+            mean = mean * tau + c[k]
+        if mean > 0.0:
+            left = tau
+        else:
+            right = tau
+        step = tau - mean / slope
+        if left < step < right:
+            if abs(step - tau) <= CONVERGED * tau:
+                return step
+        else:
+            step = 0.5 * (left + right)
+            if mean == 0.0 or step in (left, right):
+                return tau
+        tau = step
+    return tau
+
+
+@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+def first_impact(c, h, peak):
+    """tau of the first return of phi to zero in (0, h], -1 if there is none, and the largest phi before it or before h.
+
+    `c` holds the (ORDER + 1,) Taylor coefficients of phi(tau) about the start of the step [rad]: c[0] >= 0, and c[0] =
+    0 only with a motion that leaves the ground. Tops below `peak` [rad] may be left out.
+    """
+    start_pull, end_pull = 2.0 * c[2], acceleration(c, h)
+    if start_pull < 0.0 and end_pull < 0.0:
+        end, end_speed = value(c, h), velocity(c, h)
+        top = 0.0
+        largest = c[0]
+        if c[1] > 0.0 > end_speed:
+            # The curve is under its tangents at both ends, whose crossing is above it.
+            roof = c[0] + c[1] * (end - c[0] - end_speed * h) / (c[1] - end_speed)
+            if roof > peak or c[0] > 0.0 >= end:
+                top = bracketed_root(c, SPEED, 0.0, 0.0, h, h * c[1] / (c[1] - end_speed))
+                largest = value(c, top)
+        if end > 0.0:
+            return -1.0, max(largest, end)
+        return (hop_root(c, h) if c[0] == 0.0 else falling_root(c, top, h)), largest
+    largest = c[0]
+    cut = h
+    if start_pull * end_pull < 0.0:
+        cut = bracketed_root(c, PULL, 0.0, 0.0, h, h * start_pull / (start_pull - end_pull))
+    left = 0.0
+    speed_left = c[1]
+    for piece in range(2):
+        right = cut if piece == 0 else h
+        if right <= left:
+            continue
+        speed_right = velocity(c, right)
+        end = right
+        if speed_left < 0.0 < speed_right:  # a low point inside: it is there that the ground may be touched
+            end = bracketed_root(c, SPEED, 0.0, left, right, -1.0)
+        start = left
+        if speed_left > 0.0 > speed_right:
+            start = bracketed_root(c, SPEED, 0.0, left, right, -0.5 * c[1] / c[2] if c[2] != 0.0 else -1.0)
+            largest = max(largest, value(c, start))
+        falls = speed_left < 0.0 or speed_right < 0.0
+        if falls and value(c, end) <= 0.0:
+            return falling_root(c, start, end), largest
+        largest = max(largest, value(c, right))
+        left = right
+        speed_left = speed_right
+    return -1.0, largest

@@ -1,0 +1,353 @@
+"""Response to a sampled accelerogram, linear or nonlinear, over blocks and scale factors.
+
+.. note:: theta > 0 rocks about the right-hand corner; the ground acceleration is linear between samples and zero after
+   the last one. The kernel is :mod:`rocking.march.kernel`.
+
+Sliding of a rocking body, as a check: the friction that its motion without sliding asks for.
+
+.. note:: The centre of mass of a body that has turned by theta is at x = -s R sin(alpha - abs(theta)), z = R cos(alpha
+   - abs(theta)) from its corner. Its base has to carry M (a_g + x'') across and M (g + a_v + z'') up: it asks for a
+   coefficient mu = abs(a_g + x'')/(g + a_v + z''), at rest abs(a_g)/(g + a_v).
+"""
+
+from typing import Any, Literal, NamedTuple
+
+import numpy as np
+
+from rocking.arguments import ArrayLike, Floats, numbers, read_only, record_samples
+from rocking.body.block import Block
+from rocking.march.corner_response import march_bodies, run
+from rocking.march.demand import Demand
+from rocking.march.event import LINEAR, NONLINEAR
+from rocking.march.kernel import Lanes, Options, march_lanes
+from rocking.march.slots import Accelerogram, empty_slots, extremes
+from rocking.response import Response
+
+#: Largest acceleration over gravity that is taken for a record [-].
+STRONGEST = 1e7
+
+EQUATIONS = {"linear": LINEAR, "nonlinear": NONLINEAR}
+
+#: Largest last term of the Taylor series of a step, over alpha_c [-]; a longer step is halved.
+LAST_TERM = 1e-14
+
+#: Smallest one that may be asked for: below it rounding decides.
+SMALLEST_LAST_TERM = 1e-17
+
+#: Longest sample [-], as p dt, and fastest start, as theta'/p [rad], that are taken for a block under a record.
+LONGEST_SAMPLE, FASTEST_START = 1e4, 1e3
+
+#: Longest step that may be asked for, as p dt [-].
+LONGEST_STEP = 0.3
+
+
+def recorded_response(
+    block: Block,
+    acceleration: ArrayLike,
+    dt: float,
+    equation: Literal["nonlinear", "linear"] = "nonlinear",
+    scale: ArrayLike = 1.0,
+    vertical: ArrayLike | None = None,
+    initial_rotation: ArrayLike = 0.0,
+    initial_velocity: ArrayLike = 0.0,
+    history: bool = False,
+    gain: Literal["linear", "tangent"] = "linear",
+    block_scale: ArrayLike = 1.0,
+    verdict: Demand | None = None,
+    step: float = 0.08,
+    last_term: float = LAST_TERM,
+    threads: int | None = None,
+) -> Response:
+    """Rocking response of a block to a recorded ground acceleration.
+
+    Parameters
+    ----------
+    block : Block
+        One block or (m,) of them.
+    acceleration : (n,) array_like
+        Horizontal ground acceleration a_g [m/s2], n >= 2, linear between samples; zero after the last one.
+    dt : float
+        Sampling interval [s].
+    equation : {"nonlinear", "linear"}
+        The full equation, or its limit for slender blocks and small rotations (Eq. 1).
+    scale : float or (q,) array_like
+        Factor on the record, horizontal and vertical, not negative [-].
+    vertical : (n,) array_like, optional
+        Vertical ground acceleration a_v [m/s2], positive up, on the same samples; nonlinear equation only.
+    initial_rotation : float or (m,) array_like
+        theta at the first sample [rad]; positive about the right-hand corner.
+    initial_velocity : float or (m,) array_like
+        theta' at the first sample [rad/s].
+    history : bool
+        Also return time, rotation and velocity at the samples.
+    gain : {"linear", "tangent"}
+        Linear equation only. "linear": lifted at g alpha_c, as Eq. 1 stands. "tangent": the record times alpha_c/tan
+        alpha_c, so that the block is lifted at g tan(alpha_c) as by the nonlinear equation; most of the difference
+        between the two is the instant of uplift (docs/decisions/006).
+    block_scale : float or (m,) array_like
+        Factor on the record for each block, on top of `scale`, not negative [-].
+    verdict : Demand, optional
+        Demand of the same ground on the same blocks (:func:`rocking.ground_demand`), where nothing but the
+        outcome of a block that starts at rest is wanted: a lane ends as soon as that is settled, by a bound where it
+        overturns and by a measured margin where it rocks (docs/decisions/006), with the peak so far and -1 impacts
+        then. The overturning time is that of the angle of no return. Nonlinear equation without vertical
+        acceleration and histories only.
+    step : float
+        Longest step as p dt [-], at most 0.3; a sample is divided where its own p dt is larger.
+    last_term : float
+        Largest last term of the Taylor series of a step of the nonlinear equation, over alpha_c [-]: a step with a
+        larger one is halved. inf for no such control.
+    threads : int, optional
+        Threads among which the lanes are split; all available cores without. The answer does not depend on it.
+
+    Returns
+    -------
+    Response
+        Arrays (q, m), without the axes whose argument was a scalar; histories (q, m, n) likewise, NaN
+        after overturning.
+
+    Raises
+    ------
+    ValueError
+        For NaN or infinite samples, fewer than two, dt <= 0, a negative scale, an unknown equation, a vertical record
+        of other length or with the linear equation, a step out of range.
+
+    Notes
+    -----
+    theta'' = -p^2 [(1 + a_v/g) sin(s alpha - theta) + (a_g/g) cos(s alpha - theta)], s = sgn theta, or linear
+    theta'' = p^2 (theta - s alpha - a_g/g). The block lifts off strictly above (g + a_v) tan(alpha), or g alpha,
+    towards theta > 0 when a_g is negative. At an impact theta' becomes C theta'. A nonlinear lane overturns at
+    abs(theta) = pi/2; a linear one when its growing mode y = s theta/alpha - 1 + s theta'/(p alpha) exceeds the
+    largest abs(a_g)/(g alpha) that is left, looked at after every step and impact. After the record the motion is
+    followed in closed form.
+
+    References
+    ----------
+    Housner, G. W. (1963), Bull. Seismol. Soc. Am. 53(2), 403-417.
+    Yim, C.-S., Chopra, A. K., Penzien, J. (1980), Earthq. Eng. Struct. Dyn. 8(6), 565-587, doi:10.1002/eqe.4290080606.
+
+    Examples
+    --------
+    >>> from rockpulse import models
+    >>> block = models.Block(half_width=0.5, half_height=1.9365)
+    >>> sine = 3.0 * np.sin(2.0 * np.pi * np.arange(0.0, 1.005, 0.01))
+    >>> response = models.recorded_response(block, sine, 0.01)
+    >>> models.Outcome(response.outcome).name
+    'ROCKS'
+    """
+    record = record_samples("acceleration", acceleration)
+    if not isinstance(equation, str) or equation not in EQUATIONS:
+        raise ValueError(f"equation: expected one of {sorted(EQUATIONS)}, got {equation!r}")
+    if not isinstance(block, Block):
+        raise ValueError(f"block: expected a rocking.Block, got {block!r}")
+    dt = float(numbers("dt", dt, "a positive sampling interval in s", lanes=False))
+    if dt <= 0.0:
+        raise ValueError(f"dt: expected a positive sampling interval in s, got {dt!r}")
+    if gain not in ("linear", "tangent") or (gain == "tangent" and equation != "linear"):
+        raise ValueError(f"gain: expected 'linear', or 'tangent' with equation='linear', got {gain!r}")
+    if vertical is not None and equation == "linear":
+        raise ValueError(
+            "vertical: the linear equation has no vertical acceleration; use equation='nonlinear' or drop it"
+        )
+    up = read_only(np.empty(0)) if vertical is None else record_samples("vertical", vertical)
+    if vertical is not None and up.size != record.size:
+        raise ValueError(f"vertical: expected {record.size} samples as in acceleration, got {up.size}")
+    if verdict is not None and not isinstance(verdict, Demand):
+        raise ValueError(f"verdict: expected a rocking.Demand, got {verdict!r:.80}")
+    if verdict is not None and (equation != "nonlinear" or vertical is not None or history):
+        raise ValueError("verdict: expected the nonlinear equation without vertical acceleration and history")
+    if verdict is not None and (np.any(initial_rotation) or np.any(initial_velocity)):
+        raise ValueError("verdict: expected a block at rest, got an initial rotation or velocity")
+    step = float(numbers("step", step, "a positive p dt", lanes=False))
+    if not 0.0 < step <= LONGEST_STEP:
+        raise ValueError(f"step: expected a positive p dt of at most {LONGEST_STEP}, got {step!r}")
+    if not (isinstance(last_term, int | float | np.floating) and last_term >= SMALLEST_LAST_TERM):
+        raise ValueError(
+            f"last_term: expected a share of alpha_c of at least {SMALLEST_LAST_TERM:g}, or inf, got {last_term!r}"
+        )
+    factors = numbers("scale", scale, "a factor >= 0")
+    if np.any(factors < 0.0):
+        raise ValueError(f"scale: expected a factor >= 0 or a (q,) array of them, got {scale!r}")
+    own = numbers("block_scale", block_scale, "a factor >= 0")
+    if np.any(own < 0.0) or own.shape not in ((), block.shape):
+        raise ValueError(
+            f"block_scale: expected a factor >= 0, or one for each of the blocks {block.shape}, got {block_scale!r:.80}"
+        )
+    strongest = (
+        max(np.max(record), -np.min(record), np.max(up, initial=0.0), -np.min(up, initial=0.0))
+        * np.max(factors, initial=0.0)
+        * max(np.max(own, initial=0.0), 1.0)
+        / block.gravity
+    )
+    if not strongest <= STRONGEST:
+        raise ValueError(
+            f"acceleration, scale: expected at most {STRONGEST:g} times gravity, got {strongest:g}; "
+            "is the record in m/s2, and the scale a factor?"
+        )
+    start = [
+        numbers("initial_rotation", initial_rotation, "an angle in rad"),
+        numbers("initial_velocity", initial_velocity, "an angular velocity in rad/s"),
+    ]
+    try:
+        lanes = np.broadcast_shapes(block.shape, *(values.shape for values in start))
+    except ValueError:
+        raise ValueError(
+            f"initial_rotation, initial_velocity: expected one value, or one for each of the blocks {block.shape}, "
+            f"got shapes {start[0].shape} and {start[1].shape}"
+        ) from None
+    alpha, p, restitution, rotation, spin = (
+        read_only(np.ascontiguousarray(np.broadcast_to(np.asarray(values, dtype=float), lanes).reshape(-1)))
+        for values in (block.alpha_c, block.p, block.restitution, *start)
+    )
+    if np.max(p, initial=0.0) * dt > LONGEST_SAMPLE:
+        raise ValueError(f"dt: expected p dt of at most {LONGEST_SAMPLE:g}, got {np.max(p) * dt:g}; is dt in s?")
+    if np.any(np.abs(spin) > FASTEST_START * p):
+        raise ValueError(
+            f"initial_velocity: expected at most {FASTEST_START:g} p, got {np.max(np.abs(spin) / p):g} p; "
+            "is it in rad/s?"
+        )
+    if verdict is not None and (verdict.samples, verdict.levels.shape[0]) != (record.size, alpha.size):
+        raise ValueError("verdict: expected the demand of this record on these blocks")
+    free = np.broadcast_to(block.free, lanes).reshape(-1)
+    if verdict is not None and not np.all(free):
+        raise ValueError("verdict: expected free-standing symmetric blocks")
+    if gain == "tangent" and not np.all(block.symmetric):
+        raise ValueError("gain: expected 'linear' for bodies with two unlike corners, got 'tangent'")
+    gains = np.broadcast_to(own, lanes).reshape(-1) * (alpha / np.tan(alpha) if gain == "tangent" else 1.0)
+    levels, above = np.empty((alpha.size, 0)), np.empty((alpha.size, 0), dtype=np.int64)
+    if verdict is not None:
+        levels, above = verdict.levels * float(block.gravity), verdict.last
+    ground = Accelerogram(record, up, extremes(record, up), dt)
+    rows = factors.reshape(-1) / float(block.gravity)
+    settled = 0.0 if verdict is None else float(verdict.settled)
+    options = Options(EQUATIONS[equation], step, float(last_term), settled)
+    samples = record.size if history else 0
+
+    def march_free(some: Any) -> Response:
+        angle, rate, ratio, theta, speed = (
+            read_only(values[some]) for values in (alpha, p, restitution, rotation, spin)
+        )
+        blocks = Lanes(rows, gains[some], angle, rate, ratio, theta, speed, levels, above)
+
+        def march(first: int, last: int, *found: Any) -> None:
+            march_lanes(first, last, ground, blocks, options, empty_slots(), *found)
+
+        return run(march, (rows.size, angle.size), samples, threads)
+
+    def march_others(some: Any) -> Response:
+        start = read_only(rotation[some]), read_only(spin[some])
+        chosen = (block if block.shape == (alpha.size,) else block.lanes(alpha.size)).take(some)
+        return march_bodies(chosen, ground, rows, gains[some], start, options, samples, threads)
+
+    if np.all(free):
+        response = march_free(slice(None))
+    else:
+        restrained = np.broadcast_to(block.restrained, lanes).reshape(-1)
+        kinds = ((free, march_free), (~free & ~restrained, march_others), (restrained, march_others))
+        parts = [(np.flatnonzero(kind), march) for kind, march in kinds if np.any(kind)]
+        response = Response.join([march(own) for own, march in parts], [own for own, _ in parts], alpha.size)
+    time = dt * np.arange(samples) if history else None
+    return response.changed(time=time).squeezed((factors.ndim == 0, lanes == ()))
+
+
+class SlidingDemand(NamedTuple):
+    """The friction that the motion of (m,) bodies asks for, at the samples of the record until overturning.
+
+    Attributes
+    ----------
+    required : (m,) ndarray
+        Largest coefficient of friction [-]; inf where the normal force vanishes.
+    share : (m,) ndarray
+        Share of the samples at which it is above the one that is there [-]; NaN where none was given.
+    loses_contact : (m,) ndarray of bool
+        True where the normal force vanishes.
+    """
+
+    required: np.ndarray
+    share: np.ndarray
+    loses_contact: np.ndarray
+
+
+def sliding_demand(
+    block: Block,
+    acceleration: ArrayLike,
+    dt: float,
+    friction: ArrayLike = np.nan,
+    vertical: ArrayLike | None = None,
+    scale: float = 1.0,
+) -> SlidingDemand:
+    """The friction that a rocking motion without sliding asks for, by the nonlinear equation.
+
+    Parameters
+    ----------
+    block : Block
+        One body, which counts as (1,), or (m,) of them.
+    acceleration, dt, vertical, scale
+        As for :func:`~rocking.recorded_response`, with one factor.
+    friction : float or (m,) array_like
+        Coefficient at the base [-]; NaN where it is not known.
+
+    Returns
+    -------
+    SlidingDemand
+        NaN, and False, for bodies before a wall and for those with ties, loads or thrusts, whose forces on the base
+        this does not know. Impacts ask for more, see :func:`impact_friction`.
+
+    Examples
+    --------
+    >>> block = Block(half_width=0.3, half_height=1.2)
+    >>> sine = 3.0 * np.sin(2.0 * np.pi * np.arange(0.0, 1.005, 0.01))
+    >>> sliding_demand(block, sine, 0.01, friction=0.2).required.round(2).tolist()
+    [0.26]
+    """
+    bodies = block.lanes()
+    ground = float(scale) * record_samples("acceleration", acceleration)
+    up = np.zeros(ground.size) if vertical is None else float(scale) * record_samples("vertical", vertical)
+    response = recorded_response(bodies, ground, dt, vertical=None if vertical is None else up, history=True)
+    assert response.rotation is not None
+    assert response.velocity is not None
+    theta, speed = np.atleast_2d(response.rotation), np.atleast_2d(response.velocity)
+    given = np.broadcast_to(np.asarray(friction, dtype=float), bodies.shape)
+    if np.any(given <= 0.0):
+        raise ValueError(f"friction: expected coefficients above 0, got {friction!r}")
+    left = theta < 0.0
+    side = np.where(left, -1.0, 1.0)
+
+    def by_side(first: Any, second: Any) -> np.ndarray:
+        return np.where(left, np.asarray(second)[:, np.newaxis], np.asarray(first)[:, np.newaxis])
+
+    angle = by_side(bodies.alpha_c, bodies.alpha_2) - np.abs(theta)
+    rate, radius = by_side(bodies.p, bodies.p_2), by_side(bodies.radius, bodies.radius_2)
+    gravity = bodies.gravity
+    turning = -(rate**2) * ((1.0 + up / gravity) * np.sin(angle) + side * ground / gravity * np.cos(angle))
+    turning = np.where((theta == 0.0) & (speed == 0.0), 0.0, turning)
+    across = ground + side * radius * (np.sin(angle) * speed**2 + np.cos(angle) * turning)
+    normal = gravity + up + radius * (np.sin(angle) * turning - np.cos(angle) * speed**2)
+    moving = np.isfinite(theta)
+    lost = moving & (normal <= 0.0)
+    asked = np.where(lost, np.inf, np.abs(across) / np.where(normal > 0.0, normal, 1.0))
+    known = np.asarray((np.asarray(bodies.side) == 0) & ~np.asarray(bodies.restrained))
+    above = np.sum(moving & (asked > given[:, np.newaxis]), axis=1) / np.sum(moving, axis=1)
+    return SlidingDemand(
+        required=np.where(known, np.max(np.where(moving, asked, 0.0), axis=1), np.nan),
+        share=np.where(known & ~np.isnan(given), above, np.nan),
+        loses_contact=known & np.any(lost, axis=1),
+    )
+
+
+def impact_friction(block: Block, restitution: ArrayLike | None = None) -> Floats:
+    """Ratio of the impulses across and up of an impact that ends the rotation about the right-hand corner [-].
+
+    h (1 - C)/(b_1 + C b_2), of a body whose centre of mass lies h above its corners: what an impact asks of friction if
+    it does not slide. Information, no verdict: it lasts an instant. C is that of the body unless it is given.
+
+    Examples
+    --------
+    >>> pier = Block(half_width=1.0, half_height=8.0)
+    >>> [round(float(impact_friction(pier, share * pier.restitution)), 2) for share in (1.0, 0.9)]
+    [0.09, 0.51]
+    """
+    share = block.restitution if restitution is None else numbers("restitution", restitution, "C from 0 to 1")
+    height = block.radius * np.cos(block.alpha_c)
+    first, second = block.radius * np.sin(block.alpha_c), block.radius_2 * np.sin(block.alpha_2)
+    return height * (1.0 - share) / (first + share * second)

@@ -1,0 +1,257 @@
+"""Rocking under ties, loads and thrusts: what acts on a body, and how that changes.
+
+.. note:: While no tie begins or ceases to act, the moment of all restraints on a body that has turned by phi, over M g
+   R, is A cos(phi) + B sin(phi) + C cos(2 phi) + D sin(2 phi): a tie at height z and distance xi with the force K (x -
+   x_0), x = z sin(phi) + xi (1 - cos(phi)), gives A = K z (xi - x_0), B = K xi (xi - x_0), C = -K z xi, D = K (z^2 -
+   xi^2)/2; a constant force F gives A = F z, B = F xi. Gravity and the ground are written as factors of cos(phi) and
+   sin(phi) too, to which the first two are added, and phi'' keeps a Taylor series. A step ends where phi leaves the
+   range (FLOOR, CEILING) of the function, or where a body turns back under a tie that yields or a load that slides.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+
+from rocking.body.restraint import FRICTION, GAP, HEIGHT, KIND, NEAR, SIDE, STIFFNESS, ULTIMATE, YIELD_FORCE
+from rocking.march import corner_event as more
+from rocking.march import slots as row
+
+# What an element does: a tie is slack, holds as a spring, yields, or is broken; a load holds as a spring, or slides
+# towards theta > 0 or theta < 0.
+SLACK, SPRING, YIELDS, BROKEN, SLIDES_UP, SLIDES_DOWN = range(6)
+
+#: Longest step of a spring, as the phase of its oscillation [rad].
+LONGEST_PHASE = 0.3
+
+#: How near phi counts as being at the end of a range, over the range's own size [-].
+TOUCHING = 1e-13
+
+
+class Held(NamedTuple):
+    """What acts on the (m,) bodies of a march, and the state of the elements of each lane."""
+
+    elements: np.ndarray  #: (m, e, 9), see :mod:`rocking.body.restraint`; a height of 0 for none
+    constant: (
+        np.ndarray
+    )  #: (m, 2, 2) moments of weights and thrusts as factors of cos(phi) and sin(phi), by corner [N m]
+    points: np.ndarray  #: (m, e, 2, 3) of the point of each element by corner: its distance behind it and from it [m],
+    # and the angle of the line between them to the upright [rad]
+    weight: np.ndarray  #: (m, 2) M g R by corner [N m]
+    angle: np.ndarray  #: (m, 2, 2) sin(alpha) and cos(alpha) by corner
+    mode: np.ndarray  #: (lanes, e) of int, what each element does
+    set: np.ndarray  #: (lanes, e) displacement at which it is without force: of a tie less its gap, of a load towards
+    # theta > 0 [m]
+
+
+@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+def sides(f, j):
+    """0 where slot j turns about the corner of theta > 0, 1 for the other one; and the sign of theta."""
+    return (0, 1.0) if f[row.SIDE + j] > 0.0 else (1, -1.0)
+
+
+@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+def turn_of(displacement, point):
+    """phi at which a point of :class:`Held` has moved outward by a displacement; inf where it cannot."""
+    if displacement == 0.0:
+        return 0.0
+    share = (displacement - point[0]) / point[1]
+    if share > 1.0:
+        return math.inf
+    return point[2] + math.asin(max(share, -1.0))
+
+
+@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+def moved(phi, height, distance):
+    """Outward displacement of a point at a height and a distance behind the corner [m]."""
+    half = math.sin(0.5 * phi)
+    return height * math.sin(phi) + distance * 2.0 * half * half
+
+
+@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+def act(f, j, block, lane, held):
+    """Set what acts on slot j by what its elements do: factors of the moment, the range of phi, the longest step."""
+    place, side = sides(f, j)
+    one, two = held.constant[block, place, 0], held.constant[block, place, 1]
+    sine_2 = cosine_2 = stiff = 0.0
+    fixed = abs(one) + abs(two)
+    floor, ceiling, slides = 0.0, f[row.TOP + j], 0.0
+    for e in range(held.elements.shape[1]):
+        part = held.elements[block, e]
+        height = part[HEIGHT]
+        if height == 0.0:
+            continue
+        mode, rest = held.mode[lane, e], held.set[lane, e]
+        stiffness = part[STIFFNESS]
+        point = held.points[block, e, place]
+        distance = point[0]
+        if part[KIND] == FRICTION:
+            own = side * rest
+            most = part[YIELD_FORCE] / stiffness
+            if mode == SPRING:
+                floor = max(floor, turn_of(own - most, point))
+                ceiling = min(ceiling, turn_of(own + most, point))
+            else:
+                outward = (mode == SLIDES_UP) == (side > 0.0)
+                slides = 1.0 if outward else -1.0
+                force = part[YIELD_FORCE] if outward else -part[YIELD_FORCE]
+                one += force * height
+                two += force * distance
+                fixed += abs(force) * (height + distance)
+                continue
+        else:
+            if part[SIDE] != side or mode == BROKEN:
+                continue
+            own = part[GAP] + rest
+            if mode == SLACK:
+                ceiling = min(ceiling, turn_of(own, point))
+                continue
+            last = turn_of(part[GAP] + part[ULTIMATE], point)
+            if mode == YIELDS:
+                slides = 1.0
+                one += part[YIELD_FORCE] * height
+                two += part[YIELD_FORCE] * distance
+                fixed += part[YIELD_FORCE] * (height + distance)
+                ceiling = min(ceiling, last)
+                continue
+            floor = max(floor, turn_of(own, point))
+            ceiling = min(ceiling, min(last, turn_of(own + part[YIELD_FORCE] / stiffness, point)))
+        one += stiffness * height * (distance - own)
+        two += stiffness * distance * (distance - own)
+        cosine_2 -= stiffness * height * distance
+        sine_2 += 0.5 * stiffness * (height * height - distance * distance)
+        stiff += stiffness * (height * height + distance * distance)
+    weight = held.weight[block, place]
+    one, two = one / weight, two / weight
+    f[more.SINE_ALPHA + j], f[more.COSINE_ALPHA + j] = held.angle[block, place, 0], held.angle[block, place, 1]
+    f[more.SINE + j], f[more.COSINE + j] = two, one
+    f[more.SINE_2 + j] = sine_2 / weight
+    f[more.COSINE_2 + j] = cosine_2 / weight
+    # The arm of a spring changes too, times its elongation of at most pi/2 times its reach.
+    f[more.STIFFEST + j] = ((1.0 + 0.5 * math.pi) * stiff + fixed) / weight
+    f[more.FLOOR + j], f[more.CEILING + j], f[more.SLIDES + j] = floor, ceiling, slides
+    longest = f[more.FREE_LONGEST + j]
+    if stiff > 0.0:
+        longest = min(longest, LONGEST_PHASE / math.sqrt(stiff / weight))
+    f[row.LONGEST + j] = longest
+
+
+@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+def begin_held(f, j, block, lane, held):
+    """The elements of slot j as they are met by its first phi and speed, and what follows from them."""
+    place, side = sides(f, j)
+    phi, outward = f[row.PHI + j], f[row.SPEED + j] > 0.0
+    for e in range(held.elements.shape[1]):
+        part = held.elements[block, e]
+        held.mode[lane, e], held.set[lane, e] = SLACK, 0.0
+        if part[KIND] == FRICTION:
+            outside = moved(phi, part[HEIGHT], held.points[block, e, place, 0])
+            held.mode[lane, e], held.set[lane, e] = SPRING, side * outside
+        elif part[SIDE] == side and part[HEIGHT] > 0.0:
+            over = moved(phi, part[HEIGHT], part[NEAR]) - part[GAP]
+            most = part[YIELD_FORCE] / part[STIFFNESS]
+            if over >= part[ULTIMATE]:
+                held.mode[lane, e] = BROKEN
+            elif over >= most:
+                held.mode[lane, e] = YIELDS if outward else SPRING
+                held.set[lane, e] = over - most
+            elif over > 0.0 or (over == 0.0 and outward):
+                held.mode[lane, e] = SPRING
+    act(f, j, block, lane, held)
+
+
+@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+def land(f, j, block, lane, held):
+    """Elements of slot j after it has come back to the ground and begins to turn about the corner that it is on now."""
+    _, side = sides(f, j)
+    for e in range(held.elements.shape[1]):
+        part = held.elements[block, e]
+        if part[HEIGHT] == 0.0:
+            continue
+        if part[KIND] == FRICTION:
+            outward = SLIDES_UP if side > 0.0 else SLIDES_DOWN
+            if held.mode[lane, e] != SPRING and held.mode[lane, e] != outward:
+                stop(part, held, lane, e, 0.0, side)  # turned back by the wall while it slid
+        elif held.mode[lane, e] != BROKEN:
+            free = part[SIDE] != side or part[GAP] + held.set[lane, e] > 0.0
+            held.mode[lane, e] = SLACK if free else SPRING
+    act(f, j, block, lane, held)
+
+
+@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+def stop(part, held, lane, e, outward, side):
+    """An element that yields or slides becomes a spring at an outward displacement [m] of its point."""
+    most = part[YIELD_FORCE] / part[STIFFNESS]
+    if part[KIND] == FRICTION:
+        held.set[lane, e] = side * outward - (most if held.mode[lane, e] == SLIDES_UP else -most)
+    else:
+        held.set[lane, e] = outward - part[GAP] - most
+    held.mode[lane, e] = SPRING
+
+
+@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+def change(f, j, block, lane, held, direction):
+    """Let the elements change whose range ends at the phi of slot j.
+
+    It passes it outward (`direction` 1.0) or inward (-1.0), or has turned back there (0.0).
+    """
+    place, side = sides(f, j)
+    phi, outward, turned = f[row.PHI + j], direction > 0.0, direction == 0.0
+    for e in range(held.elements.shape[1]):
+        part = held.elements[block, e]
+        if part[HEIGHT] == 0.0:
+            continue
+        x = moved(phi, part[HEIGHT], held.points[block, e, place, 0])
+        near = TOUCHING * (x + part[HEIGHT])
+        mode, most = held.mode[lane, e], part[YIELD_FORCE] / part[STIFFNESS]
+        if part[KIND] == FRICTION:
+            own = x - side * held.set[lane, e]
+            if mode == SPRING and not turned:
+                if outward and own >= most - near:
+                    held.mode[lane, e] = SLIDES_UP if side > 0.0 else SLIDES_DOWN
+                elif not outward and own <= near - most:
+                    held.mode[lane, e] = SLIDES_DOWN if side > 0.0 else SLIDES_UP
+            elif mode != SPRING and turned:
+                stop(part, held, lane, e, x, side)
+            continue
+        if part[SIDE] != side or mode == BROKEN:
+            continue
+        over = x - part[GAP]
+        if mode == YIELDS and turned:
+            stop(part, held, lane, e, x, side)
+        elif mode != SLACK and outward and over >= part[ULTIMATE] - near:
+            held.mode[lane, e] = BROKEN
+        elif mode == SLACK and outward and over - held.set[lane, e] >= -near:
+            held.mode[lane, e] = SPRING
+        elif mode == SPRING and not turned:
+            if outward and over - held.set[lane, e] >= most - near:
+                held.mode[lane, e] = YIELDS
+            elif not outward and over - held.set[lane, e] <= near:
+                held.mode[lane, e] = SLACK
+    act(f, j, block, lane, held)
+
+
+@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+def rest_levels(f, j, block, lane, held, at_rest):
+    """Set EXTRA of both corners of slot j on the ground by what acts on it.
+
+    Where it comes to rest, loads cease to slide. Otherwise the answer is what those that slide may keep the body from
+    falling back with, as EXTRA.
+    """
+    place, side = sides(f, j)
+    friction = most = 0.0
+    for e in range(held.elements.shape[1]):
+        part = held.elements[block, e]
+        if part[KIND] == FRICTION:
+            if held.mode[lane, e] != SPRING:
+                if not at_rest:
+                    most += part[YIELD_FORCE] * part[HEIGHT]
+                    continue
+                stop(part, held, lane, e, 0.0, side)
+            friction -= part[STIFFNESS] * held.set[lane, e] * part[HEIGHT]  # against theta > 0
+    weight = held.weight[block, place] * held.angle[block, place, 1]
+    other = held.weight[block, 1 - place] * held.angle[block, 1 - place, 1]
+    f[more.EXTRA + j] = (held.constant[block, place, 0] + side * friction) / weight
+    f[more.OTHER_EXTRA + j] = (held.constant[block, 1 - place, 0] - side * friction) / other
+    return most / min(weight, other)

@@ -1,0 +1,220 @@
+"""The end of a step of every slot: nothing happened, an impact, or something that must be looked at closely.
+
+From the end of a step of every slot to the start of the next one: its sample, ground and length.
+
+.. note:: Units and signs of :mod:`rocking.march.slots`. Like the steps themselves one loop without a branch; what
+   needs a decision is left to :mod:`rocking.march.event` by setting ATTENTION.
+"""
+
+import math
+
+from numba import njit
+
+from rocking.march import slots as row
+from rocking.march.slots import BLOCK_BITS
+from rocking.response import IMPACT_CUTOFF
+
+# What happened in a step. From LOOK_CLOSER on the slot stays where it is: HALVED is to be tried again with half the
+# step, OVER has overturned.
+NOTHING, IMPACT, LOOK_CLOSER, HALVED, OVER = 0.0, 1.0, 2.0, 3.0, 4.0
+
+#: The iteration for an impact is of third order: after a step below this share of the way, the rest is rounding.
+CONVERGED = 3e-6
+
+
+@njit(inline="always")
+def value_of(t, c0, d1, d2, d3, d4, d5, d6, d7, d8, d9, d10):
+    """phi(t) from the coefficients d_k = k c_k of its speed."""
+    s = t * t
+    low = d1 + t * ((1 / 2) * d2) + s * ((1 / 3) * d3 + t * ((1 / 4) * d4))
+    high = ((1 / 5) * d5 + t * ((1 / 6) * d6)) + s * ((1 / 7) * d7 + t * ((1 / 8) * d8))
+    high += (s * s) * ((1 / 9) * d9 + t * ((1 / 10) * d10))
+    return c0 + t * (low + (s * s) * high)
+
+
+@njit(inline="always")
+def speed_of(t, d1, d2, d3, d4, d5, d6, d7, d8, d9, d10):
+    """phi'(t)."""
+    s = t * t
+    low = d1 + t * d2 + s * (d3 + t * d4)
+    high = (d5 + t * d6) + s * (d7 + t * d8) + (s * s) * (d9 + t * d10)
+    return low + (s * s) * high
+
+
+@njit(inline="always")
+def keep_step(f, j, end, end_speed, end_pull, strongest, marked, d2, d3, d4, d5, d6, d7, d8, d9, d10):
+    """Write what the step of slot j has found into the rows that :func:`finish_steps` reads."""
+    f[row.RATE_2 + j] = d2
+    f[row.RATE_3 + j] = d3
+    f[row.RATE_4 + j] = d4
+    f[row.RATE_5 + j] = d5
+    f[row.RATE_6 + j] = d6
+    f[row.RATE_7 + j] = d7
+    f[row.RATE_8 + j] = d8
+    f[row.RATE_9 + j] = d9
+    f[row.RATE_10 + j] = d10
+    f[row.END + j] = end
+    f[row.END_SPEED + j] = end_speed
+    f[row.END_PULL + j] = end_pull
+    f[row.STRONGEST + j] = strongest
+    f[row.MARKED + j] = 1.0 if marked else 0.0
+
+
+@njit(inline="always")
+def correction(t, c0, d1, d2, d3, d4, d5, d6, d7, d8, d9, d10):
+    """Step of third order from t towards the root of phi: Newton's, bent by the curvature."""
+    inverse = 1.0 / speed_of(t, d1, d2, d3, d4, d5, d6, d7, d8, d9, d10)
+    newton = value_of(t, c0, d1, d2, d3, d4, d5, d6, d7, d8, d9, d10) * inverse
+    pull = d2 + t * (2.0 * d3 + t * (3.0 * d4))
+    return newton * (1.0 + 0.5 * newton * inverse * pull)
+
+
+@njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"}, _nrt=False)
+def finish_steps(f, width):
+    """Write how the step of each of the first `width` slots ends: its state, EVENT, and ARRIVAL after an impact.
+
+    A curve leaves its chord by at most h^2/8 max abs(phi''). Where phi'' < 0 all along, it lies above its chord and
+    below its tangents: there is no impact if its end is above the ground, exactly one if it is below, and the
+    crossing of the tangents is a roof over its top. That is what most impacts are. They are found from the first
+    terms of a hop, or from the parabola through both ends of a fall; what this does not settle is left to
+    :mod:`rocking.march.event`.
+    """
+    for j in range(width):
+        phi = f[row.PHI + j]
+        speed = f[row.SPEED + j]
+        h = f[row.STEP + j]
+        end = f[row.END + j]
+        end_speed = f[row.END_SPEED + j]
+        end_pull = f[row.END_PULL + j]
+        d2 = f[row.RATE_2 + j]
+        d3 = f[row.RATE_3 + j]
+        d4 = f[row.RATE_4 + j]
+        d5 = f[row.RATE_5 + j]
+        d6 = f[row.RATE_6 + j]
+        d7 = f[row.RATE_7 + j]
+        d8 = f[row.RATE_8 + j]
+        d9 = f[row.RATE_9 + j]
+        d10 = f[row.RATE_10 + j]
+        hop = phi == 0.0
+        bend = (end - phi - speed * h) / (h * h)
+        middle = 0.5 * d2 if hop else speed
+        product = (4 / 3) * speed * d3 if hop else 4.0 * bend * phi
+        way = 2.0 * (speed if hop else phi) / (math.sqrt(max(middle * middle - product, 0.0)) - middle)
+        t = min(max(way, 0.0), h)
+        t -= correction(t, phi, speed, d2, d3, d4, d5, d6, d7, d8, d9, d10)
+        t -= correction(t, phi, speed, d2, d3, d4, d5, d6, d7, d8, d9, d10)
+        last = correction(t, phi, speed, d2, d3, d4, d5, d6, d7, d8, d9, d10)
+        t -= last
+        arrival = -speed_of(t, speed, d2, d3, d4, d5, d6, d7, d8, d9, d10)
+
+        peak = f[row.PEAK + j]
+        strongest = f[row.STRONGEST + j]
+        margin = 0.125 * h * h * strongest
+        arched = (d2 < 0.0) & (end_pull < 0.0)
+        down = end <= 0.0
+        near = (min(phi, end) <= margin) & ~arched
+        turns = (max(abs(speed), abs(end_speed)) < h * strongest) & (max(phi, end) + margin > peak)
+        low = max(speed, 0.0) * (end - phi - end_speed * h) <= (peak - phi) * (speed - end_speed)
+        found = (abs(last) <= CONVERGED * t) & (t <= h) & (arrival > 0.0) & low
+        marked = f[row.MARKED + j] != 0.0
+        impact = down & arched & found & ~marked
+        closer = marked | near | (~down & turns) | (down & ~impact)
+
+        f[row.ARRIVAL + j] = arrival
+        f[row.EVENT + j] = LOOK_CLOSER if closer else (IMPACT if impact else NOTHING)
+        f[row.PHI + j] = phi if closer else (0.0 if impact else end)
+        f[row.SPEED + j] = speed if closer else (f[row.RESTITUTION + j] * arrival if impact else end_speed)
+        f[row.SIDE + j] = -f[row.SIDE + j] if impact else f[row.SIDE + j]
+        f[row.PASSED + j] += 0.0 if closer else (t if impact else h)
+        f[row.PEAK + j] = peak if closer | impact else max(peak, end)
+
+
+#: Impacts followed inside one sample before the lane is given up (only a restitution next to one gets there).
+IMPACTS_PER_SAMPLE = 10_000
+
+#: What is left of a sample below this share of the longest step belongs to the step before it.
+REMNANT = 1e-9
+
+
+@njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"}, _nrt=False)
+def advance_steps(f, width, acceleration, left, fastest):
+    """Take each of the first `width` slots whose step is done to its next step.
+
+    `left` (b + 1,) is the row LEFT of the extremes [m/s2]. Beyond the speed `fastest` over alpha_c, an impact may have
+    overturned the block; inf with the nonlinear equation.
+    """
+    last = acceleration.size - 1
+    for j in range(width):
+        held = f[row.EVENT + j] >= LOOK_CLOSER
+        over = (f[row.LENGTH + j] - f[row.PASSED + j] <= REMNANT * f[row.LONGEST + j]) & ~held
+        f[row.ENTERED + j] = 1.0 if over else 0.0
+        f[row.SAMPLE + j] += 1.0 if over else 0.0
+    for j in range(width):
+        k = min(int(f[row.SAMPLE + j]), last - 1)
+        factor = f[row.FACTOR + j]
+        f[row.SAMPLE_GROUND + j] = acceleration[k] * factor
+        f[row.SAMPLE_SLOPE + j] = (acceleration[k + 1] - acceleration[k]) * (factor * f[row.PER_SAMPLE + j])
+        f[row.LIMIT + j] = left[min(((k + 1) >> BLOCK_BITS) + 1, left.size - 1)] * factor
+    for j in range(width):
+        held = f[row.EVENT + j] >= LOOK_CLOSER
+        impact = f[row.EVENT + j] == IMPACT
+        over = f[row.ENTERED + j] == 1.0
+        alpha = f[row.ALPHA + j]
+        longest = f[row.LONGEST + j]
+        side = f[row.SIDE + j]
+        speed = f[row.SPEED + j]
+        cutoff = IMPACT_CUTOFF * alpha
+
+        passed = 0.0 if over else f[row.PASSED + j]
+        remaining = f[row.LENGTH + j] - passed
+        step = remaining if remaining <= longest * (1.0 + REMNANT) else longest
+        slope = f[row.SAMPLE_SLOPE + j]
+        ground = f[row.SAMPLE_GROUND + j] + slope * passed
+        f[row.PASSED + j] = passed
+        f[row.GROUND + j] = f[row.GROUND + j] if held else side * ground
+        f[row.SLOPE + j] = f[row.SLOPE + j] if held else side * slope
+        f[row.STEP + j] = f[row.STEP + j] if held else step
+
+        hits = f[row.HITS + j] + (1.0 if impact else 0.0)
+        quick = (speed < cutoff) | (speed > fastest * alpha) | (hits > IMPACTS_PER_SAMPLE)
+        settle = impact & (quick | (f[row.SAMPLE + j] >= f[row.CALM_FROM + j]))
+        attention = (f[row.EVENT + j] == OVER) | settle | (f[row.SAMPLE + j] >= last)
+        counted = impact & (f[row.ARRIVAL + j] >= cutoff)
+        f[row.HITS + j] = 0.0 if over else hits
+        f[row.IMPACTS + j] += 1.0 if counted else 0.0
+        f[row.ACTIVE + j] += 1.0 if over & (f[row.SAMPLE + j] < last) else 0.0
+        f[row.ATTENTION + j] = 1.0 if attention else 0.0
+
+
+@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+def enter_vertical(f, j, vertical):
+    """Take the vertical acceleration of the slot's sample; False where it cancels gravity."""
+    k = int(f[row.SAMPLE + j])
+    start = 1.0 + vertical[k] * f[row.FACTOR + j]
+    end = 1.0 + vertical[k + 1] * f[row.FACTOR + j]
+    f[row.SAMPLE_LIFT + j] = start
+    f[row.SAMPLE_LIFT_SLOPE + j] = (end - start) * f[row.PER_SAMPLE + j]
+    return start > 0.0 and end > 0.0
+
+
+@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+def advance_vertical(f, i, width, vertical):
+    """Take the vertical acceleration along with :func:`advance_steps`; FLIES is 1 where the block loses the ground."""
+    for j in range(width):
+        if i[row.LANE + j] < 0 or f[row.EVENT + j] >= LOOK_CLOSER:
+            continue
+        if f[row.ENTERED + j] == 1.0 and f[row.SAMPLE + j] < vertical.size - 1 and not enter_vertical(f, j, vertical):
+            i[row.FLIES + j] = 1
+            f[row.ATTENTION + j] = 1.0
+        f[row.LIFT + j] = f[row.SAMPLE_LIFT + j] + f[row.SAMPLE_LIFT_SLOPE + j] * f[row.PASSED + j]
+        f[row.LIFT_SLOPE + j] = f[row.SAMPLE_LIFT_SLOPE + j]
+
+
+@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+def keep_history(f, i, width, history):
+    """Write theta [rad] and theta' [rad/s] of the slots that have reached a sample into (lanes, n, 2)."""
+    for j in range(width):
+        if i[row.LANE + j] >= 0 and f[row.ENTERED + j] == 1.0:
+            lane, sample = i[row.LANE + j], int(f[row.SAMPLE + j])
+            history[lane, sample, 0] = f[row.SIDE + j] * f[row.PHI + j]
+            history[lane, sample, 1] = f[row.SIDE + j] * f[row.SPEED + j] * f[row.P + j]

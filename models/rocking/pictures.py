@@ -1,0 +1,162 @@
+"""Small pictures and cards of objects for a notebook: lines and polygons as SVG, made of text alone.
+
+.. note:: A picture is drawn in the units of its data, x to the right and y upwards. Lines take the colour of the text
+   around them unless they have one of their own, so that a picture can be read on a light and on a dark page.
+"""
+
+import html
+from abc import ABC, abstractmethod
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+#: The colour of the text around the picture; then those of Okabe & Ito (2008), and a grey.
+INK = "currentColor"
+BLUE, ORANGE, RED, GREY = "#0072B2", "#E69F00", "#D55E00", "#808080"
+
+#: Size of a picture [px], and the margin around what is drawn.
+WIDTH, HEIGHT, MARGIN = 380.0, 120.0, 14.0
+
+#: Columns of a picture by which a long line is drawn: more cannot be told apart.
+COLUMNS = 300
+
+
+class Picture:
+    """A small SVG of lines, polygons and words over a rectangle of data."""
+
+    def __init__(
+        self,
+        x_limits: tuple[float, float],
+        y_limits: tuple[float, float],
+        width: float = WIDTH,
+        height: float = HEIGHT,
+        equal: bool = False,
+    ) -> None:
+        """Take the limits of the data; `equal` gives both directions the smaller of their two scales."""
+        self.width: float = width
+        self.height: float = height
+        low, high = np.array([x_limits[0], y_limits[0]]), np.array([x_limits[1], y_limits[1]])
+        room = np.array([width, height]) - 2.0 * MARGIN
+        scale = room / np.where(high > low, high - low, 1.0)
+        self._scale = np.full(2, scale.min()) if equal else scale
+        self._centre = 0.5 * (low + high)
+        self._parts: list[str] = []
+
+    def line(self, x: ArrayLike, y: ArrayLike, colour: str = INK, width: float = 1.0, dashes: str = "") -> None:
+        """Draw a line through points."""
+        dashed = f' stroke-dasharray="{dashes}"' if dashes else ""
+        self._parts.append(
+            f'<polyline points="{self._points(x, y)}" fill="none" stroke="{colour}" stroke-width="{width:g}"{dashed}/>'
+        )
+
+    def polygon(self, x: ArrayLike, y: ArrayLike, colour: str = INK, opacity: float = 0.2) -> None:
+        """Fill the area inside points and draw its edge."""
+        self._parts.append(
+            f'<polygon points="{self._points(x, y)}" fill="{colour}" fill-opacity="{opacity:g}" stroke="{colour}"/>'
+        )
+
+    def stems(self, x: ArrayLike, y: ArrayLike, colour: str = INK, width: float = 1.0) -> None:
+        """Draw an upright line from zero to every point, all of them as one element."""
+        x, y = np.atleast_1d(x), np.atleast_1d(y)
+        (feet, base), (_, tips) = self._placed(x, np.zeros(x.size)), self._placed(x, y)
+        path = "".join(f"M{at:.1f} {low:.1f}V{tip:.1f}" for at, low, tip in zip(feet, base, tips, strict=True))
+        self._parts.append(f'<path d="{path}" fill="none" stroke="{colour}" stroke-width="{width:g}"/>')
+
+    def dot(self, x: float, y: float, colour: str = INK, radius: float = 3.0) -> None:
+        """Draw a point, its radius in pixels."""
+        (at,), (up,) = self._placed([x], [y])
+        self._parts.append(f'<circle cx="{at:.1f}" cy="{up:.1f}" r="{radius:g}" fill="{colour}"/>')
+
+    def words(self, text: str, x: float, y: float, anchor: str = "middle", colour: str = INK) -> None:
+        """Write a text that begins at, ends at or is centred on a point (anchor "start", "end" or "middle")."""
+        (at,), (up,) = self._placed([x], [y])
+        self._parts.append(
+            f'<text x="{at:.1f}" y="{up:.1f}" text-anchor="{anchor}" fill="{colour}">{html.escape(text)}</text>'
+        )
+
+    def svg(self, label: str) -> str:
+        """The picture as an element `<svg>`, with a label for those who do not see it."""
+        return (
+            f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {self.width:g} {self.height:g}" '
+            f'width="{self.width:g}" height="{self.height:g}" role="img" aria-label="{html.escape(label)}" '
+            f'font-size="10" font-family="sans-serif">{"".join(self._parts)}</svg>'
+        )
+
+    def _placed(self, x: ArrayLike, y: ArrayLike) -> tuple[list[float], list[float]]:
+        """Points of the data in pixels from the upper left corner."""
+        right = 0.5 * self.width + (np.asarray(x, dtype=float) - self._centre[0]) * self._scale[0]
+        down = 0.5 * self.height - (np.asarray(y, dtype=float) - self._centre[1]) * self._scale[1]
+        return right.tolist(), down.tolist()
+
+    def _points(self, x: ArrayLike, y: ArrayLike) -> str:
+        return " ".join(f"{right:.1f},{down:.1f}" for right, down in zip(*self._placed(x, y), strict=True))
+
+
+class Shown(ABC):
+    """What a terminal and a notebook show of an object: a line of facts, and a card of them beside a picture."""
+
+    __slots__ = ()
+
+    @abstractmethod
+    def _facts(self) -> dict[str, str]:
+        """What is told of the object, by short names; a name may be empty."""
+
+    @abstractmethod
+    def _picture(self) -> Picture | None:
+        """The picture of the object; None where there is nothing to draw."""
+
+    def __repr__(self) -> str:
+        told = ", ".join(f"{name} {value}".strip() for name, value in self._facts().items())
+        return f"<{type(self).__name__} {told}>"
+
+    def _repr_html_(self) -> str:
+        """The object as a notebook shows it: its facts as a table, and the picture beside them."""
+        title, picture = type(self).__name__, self._picture()
+        rows = "".join(
+            f'<tr><th style="text-align:left;font-weight:normal;opacity:0.7">{html.escape(name)}</th>'
+            f'<td style="text-align:left">{html.escape(value)}</td></tr>'
+            for name, value in self._facts().items()
+        )
+        drawn = "" if picture is None else picture.svg(f"{title}: {', '.join(self._facts().values())}")
+        side_by_side = "display:flex;flex-wrap:wrap;align-items:center;gap:1em"
+        return f'<div><strong>{title}</strong><div style="{side_by_side}"><table>{rows}</table>{drawn}</div></div>'
+
+
+def brief(values: ArrayLike, unit: str = "", digits: int = 4) -> str:
+    """A number in a few digits with its unit, the range of several of them, or "unknown" where none is known.
+
+    Examples
+    --------
+    >>> brief(0.25, "m"), brief([0.5, 0.25, 2.0], "m"), brief(float("nan"), "m")
+    ('0.25 m', '0.25 to 2 m', 'unknown')
+    """
+    known = np.asarray(values, dtype=float).ravel()
+    known = known[~np.isnan(known)]
+    if known.size == 0:
+        return "unknown"
+    low, high = f"{known.min():.{digits}g}", f"{known.max():.{digits}g}"
+    return f"{low if low == high else f'{low} to {high}'} {unit}".rstrip()
+
+
+def thinned(x: np.ndarray, y: np.ndarray, columns: int = COLUMNS) -> tuple[np.ndarray, np.ndarray]:
+    """Points (n,) of a line, those of a long one as the smallest and the largest of each of so many stretches.
+
+    The two stand in the order in which they come, NaN where a stretch holds nothing else. A line of at most twice as
+    many points is left alone.
+
+    Examples
+    --------
+    >>> thinned(np.arange(8.0), np.array([0.0, 3.0, 1.0, 2.0, 0.0, -4.0, 0.0, 1.0]), columns=2)
+    (array([0., 1., 5., 7.]), array([ 0.,  3., -4.,  1.]))
+    """
+    if y.size <= 2 * columns:
+        return x, y
+    kept: list[int] = []
+    for first, last in pairwise(np.linspace(0, y.size, columns + 1).astype(int).tolist()):
+        stretch = y[first:last]
+        if np.all(np.isnan(stretch)):
+            kept.append(first)
+        else:
+            kept += sorted({first + int(np.nanargmin(stretch)), first + int(np.nanargmax(stretch))})
+    return x[kept], y[kept]

@@ -1,0 +1,1 @@
+"""Factors on an input at which a body overturns."""

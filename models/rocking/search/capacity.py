@@ -1,0 +1,363 @@
+"""Factors on an input at which a body overturns, by the models: by a search, or in closed form."""
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Literal
+
+import numpy as np
+
+from rocking.arguments import ArrayLike, numbers
+from rocking.body.block import Block
+from rocking.impulses.impulse_sequence import ImpulseSequence
+from rocking.impulses.impulsive import impulsive_response
+from rocking.impulses.main import bands_of, resonance_safety
+from rocking.impulses.sequence import scaled_outcomes
+from rocking.impulses.sequence_kernel import UNLIMITED
+from rocking.march.corner_response import rest_levels
+from rocking.march.recorded import recorded_response
+from rocking.response import Outcome, Response
+from rocking.search.factors import ScaleIntervals, exceedance_intervals
+
+#: Factors of the scan of one block.
+POINTS = 64
+
+#: The largest number below one: how near a block has come that passes alpha_c and comes back.
+BELOW = float(np.nextafter(1.0, 0.0))
+
+#: The search begins this share below the factor that lifts the block, which rounding must not put above it.
+ROUNDING = 1e-12
+
+#: Ratio of neighbouring factors where a search is needed.
+STEP = 1.005
+
+#: Where no bound is known the search starts here, as main impulse over I_1c.
+SMALLEST_START = 1e-3
+
+#: A gap between two bands that is narrower than this share of the factor is none, as in a search.
+EDGE_TOLERANCE = 1e-6
+
+
+def critical_scale(
+    block: Block,
+    acceleration: ArrayLike,
+    dt: float,
+    equation: Literal["nonlinear", "linear"] = "nonlinear",
+    vertical: ArrayLike | None = None,
+    level: float | None = None,
+    factor_max: float = 10.0,
+    points: int = POINTS,
+    threads: int | None = None,
+) -> ScaleIntervals:
+    """Factors on a record at which a block overturns, or rotates beyond a level, by the linear or nonlinear equation.
+
+    Parameters
+    ----------
+    block : Block
+        One block, which counts as (1,), or (m,) of them.
+    acceleration : (n,) array_like
+        Horizontal ground acceleration a_g [m/s2], as for :func:`~rocking.recorded_response`.
+    dt : float
+        Sampling interval [s].
+    equation : {"nonlinear", "linear"}
+        The full equation, or its limit for slender blocks and small rotations.
+    vertical : (n,) array_like, optional
+        Vertical ground acceleration a_v [m/s2], positive up; nonlinear equation only. The factor is on the whole
+        input: on both.
+    level : float, optional
+        theta_max/alpha_c [-], positive, that is reached or passed; None for overturning.
+    factor_max : float
+        End of the search [-].
+    points : int
+        Factors of the scan of each block, at least 2.
+    threads : int, optional
+        Threads that share the lanes; None for all available cores. The factors do not depend on it.
+
+    Returns
+    -------
+    ScaleIntervals
+        Of (m,) lanes.
+
+    Raises
+    ------
+    ValueError
+        For a level that is not positive, and what the response to a record and the search refuse.
+
+    Notes
+    -----
+    The scan of a block begins where its record starts to lift it: g alpha/max|a_g| (linear), or the smallest f with
+    f |a_g| = (g + f a_v) tan(alpha), that is g tan(alpha)/max(|a_g| - a_v tan(alpha)), at a sample because both records
+    are linear between them. Every verdict is that of the whole equation; a factor at which it cannot answer
+    (UNRESOLVED: free flight, impacts without number) counts as exceeding, so nothing is called safe that was not
+    computed.
+
+    Examples
+    --------
+    >>> block = Block(half_width=0.3, half_height=1.2)
+    >>> sine = np.sin(2.0 * np.pi * np.arange(0.0, 1.005, 0.01))
+    >>> found = critical_scale(block, sine, 0.01)
+    >>> found.safety_factor.round(4), found.lower.round(2), found.upper.round(2)  # safe again from 7.35 to 7.52
+    (array([3.2132]), array([3.21, 7.52]), array([ 7.35, 10.  ]))
+    """
+    if level is not None and not float(numbers("level", level, "a positive theta_max/alpha_c", lanes=False)) > 0.0:
+        raise ValueError(f"level: expected a positive theta_max/alpha_c, got {level!r}")
+    blocks = block.lanes()
+    # A record at factor zero lifts nothing: this has the arguments checked before anything is made of them.
+    recorded_response(blocks, acceleration, dt, equation, scale=0.0, vertical=vertical, threads=threads)
+    ground = np.ascontiguousarray(acceleration, dtype=float)
+    up = None if vertical is None else np.ascontiguousarray(vertical, dtype=float)
+
+    def respond(part: Block, factors: np.ndarray) -> Response:
+        return recorded_response(part, ground, dt, equation, vertical=up, block_scale=factors, threads=threads)
+
+    start = uplift_scale(blocks, ground, equation, up) * (1.0 - ROUNDING)
+    return _search(blocks, respond, start, level, factor_max, points)
+
+
+def impulsive_critical_scale(
+    block: Block,
+    times: ArrayLike,
+    impulses: ArrayLike,
+    gain: str = "paper",
+    factor_max: float = 10.0,
+    points: int = POINTS,
+    threads: int | None = None,
+) -> ScaleIntervals:
+    """Factors on given impulses, such as the half-waves of a record, at which a block overturns.
+
+    Parameters
+    ----------
+    block : Block
+        One block, which counts as (1,), or (m,) of them.
+    times, impulses : (k,) array_like
+        Times [s] and signed impulses [m/s], as for :func:`~rocking.impulsive_response`.
+    gain : str
+        As there.
+    factor_max, points, threads
+        As for :func:`critical_scale`.
+
+    Returns
+    -------
+    ScaleIntervals
+        Of (m,) lanes.
+
+    Notes
+    -----
+    An impulse lifts a block however small it is, so the scan begins at a bound of its own. An impulse dx' at the
+    rotation 0 <= x <= 2 turns the speed u with which the motion left, or would have left, the ground into at most u +
+    |dx'|, as x'^2 = u^2 - 1 + (1 - x)^2 <= u^2 there, and an impact takes from it. Overturning needs u >= 1 and with
+    dx' <= p I/(g alpha_c) a factor of at least g alpha_c/(p sum |I_i|).
+
+    Examples
+    --------
+    >>> block = Block(half_width=0.5, half_height=1.936492, restitution=0.9, gravity=9.81)
+    >>> found = impulsive_critical_scale(block, [0.0], [0.5 * block.critical_impulse])
+    >>> found.safety_factor.round(5)
+    array([2.])
+    """
+    blocks = block.lanes()
+    impulsive_response(blocks, times, impulses, gain=gain, scale=0.0, threads=threads)
+    total = float(np.sum(np.abs(impulses)))
+    if total == 0.0:
+        start = np.full(blocks.shape, np.inf)
+    else:
+        start = np.asarray(blocks.gravity * blocks.alpha_c / (blocks.p * total) * (1.0 - ROUNDING))
+
+    def respond(part: Block, factors: np.ndarray) -> Response:
+        return impulsive_response(part, times, impulses, gain=gain, block_scale=factors, threads=threads)
+
+    return _search(blocks, respond, start, None, factor_max, points)
+
+
+def uplift_scale(
+    block: Block, acceleration: np.ndarray, equation: str = "nonlinear", vertical: np.ndarray | None = None
+) -> np.ndarray:
+    """Factor on a record above which it lifts each of (m,) blocks, inf where none does.
+
+    The threshold is (g + f a_v) tan(alpha), or g alpha with the linear equation, and for a body that something else
+    acts on, g times :func:`rocking.march.corner_response.rest_levels` beside.
+    """
+    found = np.full(np.shape(block.p), np.inf)
+    more = rest_levels(block)
+    for side, alpha, extra in ((1, block.alpha_c, more[0]), (-1, block.alpha_2, more[1])):
+        threshold = np.asarray(alpha if equation == "linear" else np.tan(alpha))
+        strongest = np.full(threshold.shape, np.max(-side * acceleration))
+        if vertical is not None:
+            strongest = np.array([np.max(-side * acceleration - slope * vertical) for slope in threshold])
+        lifted = (strongest > 0.0) & (np.asarray(block.side) != -side)
+        level = block.gravity * (threshold + extra)
+        found = np.minimum(found, np.divide(level, strongest, out=np.full(threshold.shape, np.inf), where=lifted))
+    return found
+
+
+def _search(
+    blocks: Block,
+    respond: Callable[..., Response],
+    start: np.ndarray,
+    level: float | None,
+    factor_max: float,
+    points: int,
+) -> ScaleIntervals:
+    unresolved = False
+
+    def exceeds(lanes: np.ndarray, factors: np.ndarray) -> np.ndarray:
+        nonlocal unresolved
+        # Lanes of one block stand together: the impulsive kernel shares a table among those of one p.
+        response = respond(blocks.take(np.repeat(lanes, factors.shape[0])), factors.T.reshape(-1))
+        reach = np.asarray(response.peak_rotation_ratio)  # NaN, which exceeds, where a lane is UNRESOLVED
+        if level is None:
+            reach = np.where(response.outcome >= Outcome.OVERTURNS, np.inf, np.minimum(reach, BELOW))
+        else:
+            reach = reach / level
+        unresolved |= bool(np.any(response.outcome == Outcome.UNRESOLVED))
+        return reach.reshape(factors.shape[1], factors.shape[0]).T
+
+    found = exceedance_intervals(exceeds, start, factor_max, points)
+    if not unresolved:
+        return found
+    answers = respond(blocks.take(found.lane), found.lower)
+    return found.changed(resolved=np.asarray(answers.outcome) != Outcome.UNRESOLVED)
+
+
+def resonance_critical_scale(block: Block, sequence: ImpulseSequence, factor_max: float = 10.0) -> ScaleIntervals:
+    """Factors on the main impulse at which its resonance sequence overturns each block, in closed form.
+
+    Parameters
+    ----------
+    block : Block
+        One block, which counts as (1,), or (m,) of them.
+    sequence : ImpulseSequence
+        One sequence; the secondary impulses are left out.
+    factor_max : float
+        Larger factors are left out, as in a search [-].
+
+    Returns
+    -------
+    ScaleIntervals
+        Of (m,) lanes; see :func:`sequence_critical_scale`.
+
+    Examples
+    --------
+    >>> block = Block(half_width=0.5, half_height=1.936492, restitution=0.9, gravity=9.81)
+    >>> sequence = ImpulseSequence(0.5 * block.critical_impulse, 0.0, np.nan, np.inf, 2, spacing="continuous")
+    >>> resonance_critical_scale(block, sequence).safety_factor.round(6)  # I_2c/I = 2/(1 + C)
+    array([1.052632])
+    """
+    _check(sequence, factor_max)
+    return _bands(block.lanes(), replace(sequence, secondary=0.0), factor_max)
+
+
+def sequence_critical_scale(
+    block: Block,
+    sequence: ImpulseSequence,
+    factor_max: float = 10.0,
+    step: float = STEP,
+    threads: int | None = None,
+    paired: bool = False,
+) -> ScaleIntervals:
+    """Factors on the main impulse, I_s/I and main count kept, at which a sequence overturns each block.
+
+    Parameters
+    ----------
+    block : Block
+        One block, which counts as (1,), or (m,) of them.
+    sequence : ImpulseSequence
+        One sequence; (m,) for pairs.
+    factor_max : float
+        End of the search [-].
+    step : float
+        Largest ratio of neighbouring factors, above 1, where a search is needed: for every spacing but "continuous",
+        because the number of secondary impulses in a half-cycle comes from the march.
+    threads : int, optional
+        Threads that share the lanes; None for all available cores. The factors do not depend on it.
+    paired : bool
+        Every block has a sequence of its own, of spacing "continuous" and with a `main_count`.
+
+    Returns
+    -------
+    ScaleIntervals
+        Of (m,) lanes. In closed form `safe_up_to` and `safety_factor` are the same number.
+
+    Raises
+    ------
+    ValueError
+        For several sequences that are no pairs with the blocks in closed form, or a step that is not above 1.
+
+    Notes
+    -----
+    Closed form (spacing "continuous", or no secondary impulses). u_(i+1) = C (u_i - sigma u_1) + u_1 (F4) is linear in
+    u_1, as an impact speed u_i - sigma u_1 is never negative: v_i = u_i - sigma u_1/2 = u_1 [(1 - sigma) S_i +
+    sigma/2], S_i = (1 - C^i)/(1 - C). Half-cycle N overturns iff v_N >= 1 > v_(N-1), a band of factors from I_Nc/I to
+    below I_(N-1)c/I with
+
+        I_Nc = I_1c/[(1 - sigma) S_N + sigma/2],
+
+    which is Eq. 9 for sigma = 0. It does so if it is reached: N <= main_count, and its start, the sum over j < N of 2
+    atanh(v_j)/p, before `duration`. The start grows with the factor within a band, without bound at its upper end,
+    so a band is cut there: above I_Nc the block may be safe again. At the lower edges the start grows with N, so the
+    smallest factor is that of the largest N that is reached.
+
+    Else a scan and refined edges. Secondary impulses only take speed away (F3: u_r <= u), so u_i never exceeds that of
+    the resonance sequence, whose critical factor without a limit of duration is where the search begins. A factor at
+    which the model cannot answer (UNRESOLVED) counts as overturning.
+
+    Examples
+    --------
+    >>> block = Block(half_width=0.5, half_height=1.936492, restitution=0.9, gravity=9.81)
+    >>> impulse = 0.5 * block.critical_impulse
+    >>> sequence = ImpulseSequence(impulse, 0.4 * impulse, np.nan, np.inf, 2, spacing="continuous")
+    >>> sequence_critical_scale(block, sequence).safety_factor.round(6)  # 2/((1 - 0.4) (1 + C) + 0.4/2)
+    array([1.492537])
+    """
+    blocks = block.lanes()
+    _check(sequence, factor_max, blocks.shape if paired else ())
+    if not (math.isfinite(step) and step > 1.0):
+        raise ValueError(f"step: expected a ratio above 1, got {step!r}")
+    if sequence.spacing == "continuous" or np.all(sequence.secondary == 0.0):
+        return _bands(blocks, sequence, factor_max)
+    main = float(sequence.main)
+    lowest = SMALLEST_START * np.asarray(blocks.critical_impulse) / main
+    start = np.maximum(resonance_safety(blocks, main, sequence.main_count), lowest)
+    points = 1 + np.ceil(np.log(np.maximum(factor_max / start, step)) / np.log(step)).astype(np.int64)
+
+    def overturns(lanes: np.ndarray, factors: np.ndarray) -> np.ndarray:
+        return scaled_outcomes(blocks, sequence, lanes, factors, threads) >= Outcome.OVERTURNS  # or UNRESOLVED
+
+    found = exceedance_intervals(overturns, start, factor_max, points)
+    answer = scaled_outcomes(blocks, sequence, found.lane, found.lower[np.newaxis], threads)[0]
+    return found.changed(resolved=answer != Outcome.UNRESOLVED)
+
+
+def _check(sequence: ImpulseSequence, factor_max: float, pairs: tuple[int, ...] = ()) -> None:
+    if sequence.shape != pairs:
+        expected = f"one for each of {pairs[0]} blocks" if pairs else "one sequence"
+        raise ValueError(f"sequence: expected {expected}, got shape {sequence.shape}")
+    if pairs and (sequence.spacing != "continuous" or sequence.main_count is None):
+        raise ValueError('sequence: of pairs expected spacing "continuous" and a main_count')
+    if not (math.isfinite(factor_max) and factor_max > 0.0):
+        raise ValueError(f"factor_max: expected a positive number, got {factor_max}")
+
+
+def _bands(block: Block, sequence: ImpulseSequence, factor_max: float) -> ScaleIntervals:
+    """The bands of all half-cycles that are reached, those that touch put together."""
+    count = block.shape[0]
+    most = UNLIMITED if sequence.main_count is None else sequence.main_count
+    of_sequence = (sequence.main, sequence.secondary, sequence.duration, most)
+    of_block = (block.critical_impulse, block.restitution, block.p)
+    inputs = zip(*(np.broadcast_to(values, count) for values in (*of_sequence, *of_block)), strict=True)
+    parts = [
+        bands_of(main / critical, secondary / main if main > 0.0 else 0.0, c, p * duration, int(last), factor_max)
+        for main, secondary, duration, last, critical, c, p in inputs
+    ]
+    lane = np.repeat(np.arange(count), [part.shape[1] for part in parts])
+    lower, upper = np.concatenate(parts, axis=1) if parts else np.empty((2, 0))
+    begins = np.ones(lane.size, dtype=bool)
+    begins[1:] = (lane[1:] != lane[:-1]) | (upper[:-1] < lower[1:] * (1.0 - EDGE_TOLERANCE))
+    ends = np.append(begins[1:], True)[: lane.size]
+    lane, lower, upper = lane[begins], lower[begins], upper[ends]
+    safety = np.full(count, np.inf)
+    lowest = np.flatnonzero(np.diff(lane, prepend=-1))
+    safety[lane[lowest]] = lower[lowest]
+    opened = upper >= factor_max
+    resolved = np.ones(lane.size, dtype=bool)
+    return ScaleIntervals(safety, np.minimum(safety, factor_max), lane, lower, upper, opened, np.ones(count), resolved)

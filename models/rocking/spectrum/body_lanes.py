@@ -1,0 +1,239 @@
+"""Nonlinear marches of bodies in lanes that each take one factor on the record and draw a restitution and an angle.
+
+.. note:: The draws of a part of lanes are one scrambled Sobol set, the same for all bodies of a call: the answer of a
+   body does not depend on the others. A free flight cannot be answered and counts as overturning, as in
+   :func:`rocking.critical_scale`. Where no vertical acts and the body lies in the range in which that was measured, a
+   march ends as soon as its verdict is settled (docs/decisions/006).
+
+A first part of the lanes lies about a guess of the capacity, made longer where its lowest lanes overturn or its highest
+ones stand. A second part lies where verdicts differ: its density follows the standard deviation sqrt(P (1 - P)) of a
+verdict, P the share of the first part that overturns nearby. The factors are known exactly; their uncertainty is a
+kernel in ln f afterwards (:mod:`rocking.spectrum.probability`) and is not drawn.
+"""
+
+import math
+from dataclasses import dataclass, field
+from itertools import count
+from typing import Any
+
+import numpy as np
+from scipy.special import ndtri
+
+from rocking.body.block import Block
+from rocking.march.demand import ground_demand, within_measured_range
+from rocking.march.recorded import recorded_response
+from rocking.response import Outcome
+from rocking.search.capacity import uplift_scale
+from rocking.spectrum.probability import Uncertainty, lane_bells, tail_masses
+
+#: Standard deviations that are drawn: no shift of the factor and no loss of the angle beyond them is looked at.
+REACH = 4.0
+
+#: A body of C = 1 never comes to rest after the record, and its lane costs twenty times one of C = 0.99.
+MOST_RESTITUTION = 0.999
+
+#: Points of a Sobol set that are drawn at once: the lanes of each part are a multiple of it.
+SET = 32
+
+#: The capacity is guessed where the build-up of the ground (demand.py) is so many times what overturns.
+BUILD_UP_AT_CAPACITY = 2.5
+
+#: Lanes of the first part, over so much of ln f to either side of the guess.
+FIRST, FIRST_HALF = 64, 0.8
+
+#: Lanes of each piece that makes the first part longer, and its length in ln f.
+MORE, MORE_LENGTH = 32, 0.8
+
+#: The first part ends where no lane overturns in so much of ln f at its bottom, and none stands at its top.
+QUIET = 0.2
+
+#: Lanes of the second part, and the least density of them over that of lanes in full disagreement.
+SECOND, FLOOR = 192, 0.2
+
+#: Width in ln f over which verdicts of the first part count as neighbours, and points at which their density is known.
+NEIGHBOURS, POINTS = 0.12, 201
+
+
+@dataclass(frozen=True, eq=False)
+class LanePart:
+    """Lanes (b, n) of some bodies (b,), with their density per unit of ln f on a grid (b, g) of it, linear between."""
+
+    body: np.ndarray
+    grid: np.ndarray
+    density: np.ndarray
+    log_factor: np.ndarray
+    over: np.ndarray
+    unresolved: np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
+class BodyLanes:
+    """Marched lanes of one body.
+
+    Attributes
+    ----------
+    log_factor : (n,) ndarray
+        ln of the factor on the record.
+    weight : (n,) ndarray
+        Stretch of ln f that a lane stands for [-]: 1 over the density of all lanes at its place.
+    over, unresolved : (n,) ndarray of bool
+        True where the lane overturns or cannot be answered; where it cannot be answered (free flight).
+    bottom, top : float
+        ln f between which the lanes lie.
+    open : bool
+        True where lanes still stand at the largest factor asked for: what is above it is not known.
+    """
+
+    log_factor: np.ndarray
+    weight: np.ndarray
+    over: np.ndarray
+    unresolved: np.ndarray
+    bottom: float
+    top: float
+    open: bool
+
+    def sums(self, log_level: np.ndarray, shift: Uncertainty) -> tuple[np.ndarray, tuple[np.ndarray, np.ndarray]]:
+        """What each lane counts at each level (n, k), and the mass of the shift below and above the lanes (k,)."""
+        bells = lane_bells(self.log_factor, self.weight, log_level, shift)
+        return bells, tail_masses(self.bottom, self.top, log_level, shift)
+
+
+@dataclass(eq=False)
+class LaneMarch:
+    """The march of (m,) nominal bodies under a record, part by part."""
+
+    block: Block
+    acceleration: np.ndarray
+    dt: float
+    vertical: np.ndarray | None
+    uncertainty: Uncertainty
+    least: np.ndarray  # C between which that of a draw is uniform, (m,) [-]
+    most: np.ndarray
+    seed: int
+    threads: int | None
+    parts: list[LanePart] = field(default_factory=list)
+
+    def evenly(self, body: np.ndarray, bottom: np.ndarray, top: np.ndarray, number: int, part: int) -> None:
+        """March lanes of one density between the (b,) `bottom` and `top` of (b,) bodies."""
+        self.add(body, np.stack([bottom, top], axis=1), np.ones((body.size, 2)), number, part)
+
+    def add(self, body: np.ndarray, grid: np.ndarray, wanted: np.ndarray, number: int, part: int) -> None:
+        """March `number` lanes for each of (b,) bodies, their density on a grid (b, g) of ln f as `wanted` (b, g) is.
+
+        Each `part` has draws of its own, so that those of a body do not depend on how many parts others need.
+        """
+        from scipy.stats import qmc  # half a second, and a spectrum answers for most bodies
+
+        points = qmc.Sobol(3, seed=np.random.default_rng([self.seed, part]))
+        place = np.concatenate([points.random(SET) for _ in range(number // SET)])
+        parts = 0.5 * (wanted[:, 1:] + wanted[:, :-1]) * np.diff(grid, axis=1)
+        filled = np.concatenate([np.zeros((body.size, 1)), np.cumsum(parts, axis=1)], axis=1)
+        log_factor = np.array(
+            [np.interp(place[:, 0] * one[-1], one, own) for one, own in zip(filled, grid, strict=True)]
+        )
+        most = np.minimum(self.most[body], MOST_RESTITUTION)[:, np.newaxis]
+        least = np.minimum(self.least[body][:, np.newaxis], most)
+        chance = 0.5 + 0.5 * math.erf(REACH / math.sqrt(2.0)) * place[:, 2]
+        loss = self.uncertainty.geometry * ndtri(chance)
+        drawn = np.tile(loss, body.size), (least + (most - least) * place[:, 1]).reshape(-1)
+        lanes = self.block.take(np.repeat(body, number)).varied(*drawn)
+        outcome = self._outcome(lanes, np.exp(log_factor).reshape(-1)).reshape(log_factor.shape)
+        unresolved = outcome == Outcome.UNRESOLVED
+        over = (outcome == Outcome.OVERTURNS) | unresolved
+        density = number * wanted / filled[:, -1:]
+        self.parts.append(LanePart(body, grid, density, log_factor, over, unresolved))
+
+    def lanes(self, body: int, standing: bool) -> BodyLanes:
+        """All lanes of a body so far; `standing` where those at the largest factor do not all overturn."""
+        own = [(part, row) for part in self.parts for row in np.flatnonzero(part.body == body)]
+        log_factor, over, unresolved = (
+            np.concatenate([getattr(part, name)[row] for part, row in own])
+            for name in ("log_factor", "over", "unresolved")
+        )
+        density = np.zeros(log_factor.size)
+        for part, row in own:
+            density += np.interp(log_factor, part.grid[row], part.density[row], left=0.0, right=0.0)
+        bottom = min(float(part.grid[row, 0]) for part, row in own)
+        top = max(float(part.grid[row, -1]) for part, row in own)
+        return BodyLanes(log_factor, 1.0 / density, over, unresolved, bottom, top, standing)
+
+    def _outcome(self, lanes: Block, factor: np.ndarray) -> np.ndarray:
+        """Outcome of (l,) lanes."""
+        early = np.zeros(factor.size, dtype=bool)
+        if self.vertical is None and self.acceleration.any():
+            early = within_measured_range(lanes, self.dt)
+        outcome = np.empty(factor.size, dtype=np.int64)
+        for settled in np.unique(early)[::-1]:
+            places = np.flatnonzero(early == settled)
+            some = lanes.take(places)
+            ground = some, self.acceleration, self.dt
+            verdict = ground_demand(*ground) if settled else None
+            how: dict[str, Any] = {"vertical": self.vertical, "block_scale": factor[places], "threads": self.threads}
+            outcome[places] = recorded_response(*ground, verdict=verdict, **how).outcome
+        return outcome
+
+
+def probability_lanes(
+    march: LaneMarch, log_max: float, guess: np.ndarray | None = None
+) -> tuple[np.ndarray, list[BodyLanes | None]]:
+    """March the lanes of bodies under a record, up to a factor of a logarithm `log_max`.
+
+    The first lanes lie about a `guess` (m,) of the factor at which a body overturns; about one by the build-up of the
+    ground without. The answer is ln of the factor (m,) below which no draw moves, inf where none ever lifts off, and
+    the lanes of each body; None where no draw lifts off by the largest factor.
+    """
+    block, ground = march.block, march.acceleration
+    weakest = block.varied(REACH * march.uncertainty.geometry, block.restitution)
+    bottom = np.log(uplift_scale(weakest, ground, vertical=march.vertical))
+    some = np.flatnonzero(bottom < log_max)
+    found: list[BodyLanes | None] = [None] * bottom.size
+    if some.size == 0:
+        return bottom, found
+    if guess is None:
+        demand = ground_demand(block.weaker, ground, march.dt).build_up
+        guess = np.divide(BUILD_UP_AT_CAPACITY, demand, out=np.full(demand.shape, np.inf), where=demand > 0.0)
+    centre = np.clip(np.log(guess[some]), bottom[some], log_max)
+    low = np.maximum(np.minimum(centre - FIRST_HALF, log_max - 2.0 * FIRST_HALF), bottom[some])
+    march.evenly(some, low, np.minimum(low + 2.0 * FIRST_HALF, log_max), FIRST, 0)
+    standing = _lengthen(march, bottom, log_max).tolist()
+    first = [(body, march.lanes(body, standing[body])) for body in some.tolist()]
+    second = [(body, *_where_verdicts_differ(lanes)) for body, lanes in first if lanes.over.any()]
+    if second:
+        bodies, grids, wanted = (np.array(column) for column in zip(*second, strict=True))
+        march.add(bodies, grids, wanted, SECOND, 1)
+    for body in some.tolist():
+        found[body] = march.lanes(body, standing[body])
+    return bottom, found
+
+
+def _lengthen(march: LaneMarch, bottom: np.ndarray, log_max: float) -> np.ndarray:
+    """Make the first part longer, down to uplift and up to the largest factor; (m,), where lanes stand up there."""
+    low, high = np.full(bottom.size, np.inf), np.full(bottom.size, -np.inf)
+    standing = np.zeros(bottom.size, dtype=bool)
+    seen = 0
+    for turn in count(1):
+        falls, stands = np.zeros(bottom.size, dtype=bool), np.zeros(bottom.size, dtype=bool)
+        for part in march.parts[seen:]:
+            body = part.body
+            low[body], high[body] = np.minimum(low[body], part.grid[:, 0]), np.maximum(high[body], part.grid[:, -1])
+            lowest, highest = (low[body] + QUIET)[:, np.newaxis], (high[body] - QUIET)[:, np.newaxis]
+            falls[body] |= np.any(part.over & (part.log_factor < lowest), axis=1)
+            stands[body] |= np.any(~part.over & (part.log_factor > highest), axis=1)
+        seen = len(march.parts)
+        standing |= stands & (high >= log_max)
+        down, up = np.flatnonzero(falls & (low > bottom)), np.flatnonzero(stands & (high < log_max))
+        if down.size:
+            march.evenly(down, np.maximum(low[down] - MORE_LENGTH, bottom[down]), low[down], MORE, 2 * turn)
+        if up.size:
+            march.evenly(up, high[up], np.minimum(high[up] + MORE_LENGTH, log_max), MORE, 2 * turn + 1)
+        if seen == len(march.parts):
+            break
+    return standing
+
+
+def _where_verdicts_differ(lanes: BodyLanes) -> tuple[np.ndarray, np.ndarray]:
+    """A grid (g,) of ln f, and the density of the second part on it, in a unit of its own."""
+    grid = np.linspace(lanes.bottom, lanes.top, POINTS)
+    near = np.exp(-0.5 * ((lanes.log_factor - grid[:, np.newaxis]) / NEIGHBOURS) ** 2) * lanes.weight
+    share = np.sum(near * lanes.over, axis=1) / np.sum(near, axis=1)
+    return grid, np.sqrt(share * (1.0 - share)) + FLOOR * 0.5

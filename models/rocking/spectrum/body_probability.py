@@ -1,0 +1,254 @@
+"""The probability of overturning of any body under a record, by nonlinear marches of its own.
+
+.. note:: P(f) is the probability that a body overturns under the record times f, its restitution, its angle and the
+   factor being known as an :class:`rocking.Uncertainty` tells. Its lanes (:mod:`rocking.spectrum.body_lanes`)
+   need no similarity: the body may be squat, and the vertical may act.
+
+   The intervals draw the lanes again, with replacement and as if they were independent (those of a Sobol set scatter
+   less), and go from the 5th to the 95th percentile. Where all lanes near the factor one agree, drawing them again
+   shows nothing: the end of its interval is that of n tosses that agree, 1 - 0.05^(1/n), with the effective number n of
+   lanes there, (sum w)^2/sum w^2.
+"""
+
+import math
+from dataclasses import dataclass, fields
+from functools import cache
+
+import numpy as np
+
+from rocking.arguments import ArrayLike, numbers, positive
+from rocking.body.block import Block
+from rocking.march.recorded import recorded_response
+from rocking.spectrum.body_lanes import REACH, BodyLanes, LaneMarch, probability_lanes
+from rocking.spectrum.overturning import OverturningFactors
+from rocking.spectrum.probability import (
+    Uncertainty,
+    factor_at,
+    lane_probability,
+    lane_sums,
+    mean_capacity,
+    rising,
+)
+
+#: Levels are exp(LEVEL_STEP k), k whole: 1 is one of them, and all bodies have the same.
+LEVEL_STEP = 0.04
+
+#: Draws of the lanes for an interval, and the shares of them below its ends.
+RESAMPLES, LOW, HIGH = 200, 0.05, 0.95
+
+#: Factors that are read off P, and the probability at each.
+SHARES = {"factor_10": 0.1, "factor_50": 0.5}
+
+#: Share of the most that a lane counts at a level, from which on it is near it.
+NEAR = 0.01
+
+#: A largest factor that is a level counts as one, and a share of a C of 1 as no more than 1, however they are rounded.
+ROUNDING = 1e-9
+
+
+@dataclass(frozen=True, eq=False)
+class LaneFactors:
+    """What the lanes of one body tell: `at_one`, the factors and the capacity, each with `_low` and `_high` [-].
+
+    P (k,) begins at the level exp(LEVEL_STEP first) and never falls [-]: 0 below, above the same as at the last one.
+    """
+
+    found: dict[str, float]
+    first: int
+    probability: np.ndarray
+
+    def at(self, places: np.ndarray) -> np.ndarray:
+        """P at the levels exp(LEVEL_STEP k), k the given places [-]."""
+        own = np.clip(places - self.first, 0, self.probability.size - 1)
+        return np.where(places < self.first, 0.0, self.probability[own])
+
+
+def lane_factors(lanes: BodyLanes | None, shift: Uncertainty, reach: float, factor_max: float) -> LaneFactors:
+    """Read the factors of one body off its lanes; None where no draw of it lifts off.
+
+    Beyond a shift `reach` of ln f there is no mass worth counting; a factor above the largest one is inf.
+    """
+    if lanes is None:
+        nothing = np.zeros(RESAMPLES + 1)
+        found = _interval("at_one", nothing)
+        for name in (*SHARES, "capacity_mean"):
+            found |= _up_to(factor_max, _interval(name, nothing + np.inf))
+        return LaneFactors(found, 0, np.zeros(1))
+    first, last = _ends(lanes, reach)
+    logs = LEVEL_STEP * np.arange(first, last + 1)
+    bells, tails = lanes.sums(logs, shift)
+    counts = _counts(lanes.over.size)
+    probability = rising(lane_probability(lane_sums(counts * lanes.over, bells), lane_sums(counts, bells), *tails))
+    level = np.exp(logs)
+    found = _at_one(lanes, probability, first, shift)
+    for name, share in SHARES.items():
+        found |= _up_to(factor_max, _interval(name, factor_at(share, level, probability)))
+    capacity = _interval("capacity_mean", mean_capacity(level, probability))
+    if lanes.open:
+        # P is not known above the last level: at least as far as it the capacity is the area over it.
+        least = np.exp(logs[0] + np.trapezoid(1.0 - probability, logs, axis=-1))
+        capacity = {**dict.fromkeys(capacity, np.inf), "capacity_mean_low": _interval("least", least)["least_low"]}
+    return LaneFactors(found | _up_to(factor_max, capacity), first, probability[0])
+
+
+def _ends(lanes: BodyLanes, reach: float) -> tuple[int, int]:
+    """First and last k of the levels that show something: below them P is 0, above them 1 unless lanes are open."""
+    lowest = np.min(lanes.log_factor, where=lanes.over, initial=lanes.top)
+    highest = np.max(lanes.log_factor, where=~lanes.over, initial=lanes.bottom)
+    end = lanes.top - reach if lanes.open else highest + reach
+    first, last = math.floor((lowest - reach) / LEVEL_STEP), math.ceil(end / LEVEL_STEP)
+    return min(first, last - 1), last
+
+
+@cache
+def _counts(size: int) -> np.ndarray:
+    """How often each of the lanes is drawn: once each in the first row, then in each of the RESAMPLES."""
+    drawn = np.random.default_rng(size).multinomial(size, np.full(size, 1.0 / size), size=RESAMPLES)
+    return np.vstack([np.ones(size), drawn])
+
+
+def _interval(name: str, values: np.ndarray) -> dict[str, float]:
+    """The first of the values, and the ends of the interval of the others."""
+    low = np.quantile(values[1:], LOW, method="lower")
+    high = np.quantile(values[1:], HIGH, method="higher")
+    return {name: float(values[0]), f"{name}_low": float(low), f"{name}_high": float(high)}
+
+
+def _up_to(factor_max: float, interval: dict[str, float]) -> dict[str, float]:
+    """Factors above the largest one are inf; the low end is no larger than that one."""
+    return {
+        name: min(value, factor_max) if name.endswith("_low") else value if value <= factor_max else math.inf
+        for name, value in interval.items()
+    }
+
+
+def _at_one(lanes: BodyLanes, probability: np.ndarray, first: int, shift: Uncertainty) -> dict[str, float]:
+    """P at the factor one and its interval, from P (r, k) of the lanes and of all draws of them."""
+    if first > 0:
+        return _interval("at_one", np.zeros(RESAMPLES + 1))
+    place = min(-first, probability.shape[1] - 1)
+    found = _interval("at_one", probability[:, place])
+    bells, tails = lanes.sums(np.zeros(1), shift)
+    bells, (below, above) = bells.ravel(), (float(mass.item()) for mass in tails)
+    inside = 1.0 - below - above
+    if np.sum(bells) > 0.0:
+        least = LOW ** (np.sum(bells**2) / np.sum(bells) ** 2)
+        near = lanes.over[bells > NEAR * np.max(bells)]
+        if not near.any():
+            found["at_one_high"] = max(found["at_one_high"], inside * (1.0 - least) + above)
+        if near.all():
+            found["at_one_low"] = min(found["at_one_low"], inside * least + above)
+    return found
+
+
+@dataclass(frozen=True, eq=False)
+class OverturningProbability(OverturningFactors):
+    """Probability of overturning of (m,) bodies over the factor on a record, by lanes of their own.
+
+    Attributes
+    ----------
+    level : (k,) ndarray
+        Factors on the record, ascending, from where the weakest draw lifts off; 1 is one of them.
+    probability : (m, k) ndarray
+        Probability of overturning at the levels, fitted so that it never falls [-].
+    unresolved : (m,) ndarray
+        Share of the lanes that the equation cannot answer (free flight); they count as overturning [-].
+    """
+
+    level: np.ndarray
+    probability: np.ndarray
+    unresolved: np.ndarray
+
+    def overturning(self, factor: ArrayLike) -> np.ndarray:
+        """Probability of overturning at some factors (m, d) on the record, linear in ln f between the levels [-]."""
+        rows = zip(np.log(np.asarray(factor, dtype=float)), self.probability, strict=True)
+        return np.array([np.interp(one, np.log(self.level), own) for one, own in rows])
+
+
+def overturning_probability(
+    block: Block,
+    acceleration: ArrayLike,
+    dt: float,
+    uncertainty: Uncertainty | None = None,
+    vertical: ArrayLike | None = None,
+    factor_max: float = 10.0,
+    *,
+    least: ArrayLike | None = None,
+    most: ArrayLike | None = None,
+    guess: ArrayLike | None = None,
+    seed: int = 0,
+    threads: int | None = None,
+) -> OverturningProbability:
+    """Probability that bodies overturn under a record times a factor, by the nonlinear equation.
+
+    Parameters
+    ----------
+    block : Block
+        One body, which counts as (1,), or (m,) of them: the nominal ones.
+    acceleration : (n,) array_like
+        Horizontal ground acceleration a_g [m/s2], as for :func:`~rocking.recorded_response`.
+    dt : float
+        Sampling interval [s].
+    uncertainty : Uncertainty, optional
+        Of factor, restitution and geometry; the default one without.
+    vertical : (n,) array_like, optional
+        Vertical ground acceleration a_v [m/s2], positive up. The factor is on both.
+    factor_max : float
+        Largest factor that is asked for [-].
+    least, most : (m,) array_like, optional
+        C between which that of a draw is uniform [-], where a body has a range of its own; the shares of its nominal
+        C that the uncertainty tells without. A draw is at most 0.999.
+    guess : (m,) array_like, optional
+        Factor near which a body may overturn [-]. It saves lanes where it is good and costs some where it is not.
+    seed : int
+        Of the draws, not negative.
+    threads : int, optional
+        Threads that share the lanes; None for all available cores. The answer does not depend on it.
+
+    Returns
+    -------
+    OverturningProbability
+        Of (m,) bodies. A factor that is not reached by `factor_max` is inf with a `_low` of `factor_max`, or, of
+        `capacity_mean`, of what it is at least.
+
+    Examples
+    --------
+    >>> block = Block(half_width=0.3, half_height=1.2)
+    >>> sine = np.sin(2.0 * np.pi * np.arange(0.0, 1.005, 0.01))
+    >>> found = overturning_probability(block, sine, 0.01)
+    >>> found.factor_10.round(1).tolist(), found.factor_50.round(1).tolist()  # the exact block overturns from 3.21 on
+    ([2.7], [3.1])
+    """
+    uncertainty = uncertainty or Uncertainty()
+    blocks = block.lanes()
+    # A record at factor zero lifts nothing: this has the arguments checked before anything is made of them.
+    recorded_response(blocks, acceleration, dt, scale=0.0, vertical=vertical, threads=threads)
+    ground = np.ascontiguousarray(acceleration, dtype=float)
+    up = None if vertical is None else np.ascontiguousarray(vertical, dtype=float)
+    limit = float(positive("factor_max", factor_max, "of the record", lanes=False))
+    nominal = np.asarray(blocks.restitution)
+    low, high = (
+        np.broadcast_to(share * nominal if given is None else numbers(name, given, "a C from 0 to 1"), nominal.shape)
+        for name, given, share in zip(("least", "most"), (least, most), uncertainty.restitution, strict=True)
+    )
+    if not (np.all(low >= 0.0) and np.all(low <= high) and np.all(high <= 1.0 + ROUNDING)):
+        raise ValueError(f"least, most: expected 0 <= least <= most <= 1, got {least!r:.80} and {most!r:.80}")
+    if isinstance(seed, bool) or not isinstance(seed, int | np.integer) or seed < 0:
+        raise ValueError(f"seed: expected a whole number of at least 0, got {seed!r}")
+    near = None if guess is None else np.broadcast_to(positive("guess", guess, "of the record"), nominal.shape)
+    # P at the largest factor, and at 1, takes lanes beyond it, as far as a draw of the factor reaches.
+    log_max = max(math.log(limit), 0.0)
+    reach = REACH * uncertainty.factor
+    march = LaneMarch(blocks, ground, float(dt), up, uncertainty, low, high, int(seed), threads)
+    bottom, lanes = probability_lanes(march, log_max + reach, near)
+    shift = Uncertainty(factor=uncertainty.factor, geometry=0.0)
+    rows = [lane_factors(one, shift, reach, limit) for one in lanes]
+    highest = min(max((one.top + reach for one in lanes if one is not None), default=0.0), log_max)
+    first = math.floor(min(float(np.min(bottom)) - reach, 0.0) / LEVEL_STEP)
+    places = np.arange(first, max(math.floor(highest / LEVEL_STEP + ROUNDING), 0) + 1)
+    return OverturningProbability(
+        **{one.name: np.array([row.found[one.name] for row in rows]) for one in fields(OverturningFactors)},
+        level=np.exp(LEVEL_STEP * places),
+        probability=np.array([row.at(places) for row in rows]),
+        unresolved=np.array([0.0 if one is None else float(np.mean(one.unresolved)) for one in lanes]),
+    )

@@ -1,0 +1,278 @@
+"""The half-waves of a record alone: lanes of an overturning spectrum, and the demand on a block.
+
+.. note:: A half-wave is taken as the triangle that has its ends, its impulse and its centroid: two straight pieces of
+   ground. While a block rocks on the side s, the growing mode y = s theta/alpha - 1 + s theta'/(p alpha) of the linear
+   equation obeys y' = p y - s p a_g/(g alpha) (demand.py): a later impulse counts exp(-p (t - t0)) of an earlier one,
+   E(t0) = sum over the half-waves after t0 of I_k exp(-p (t_k - t0)) for short ones, and here exact for triangles. A
+   block that lifts off at t0 overturns without an impact iff p abs(E(t0)) exceeds g alpha. The lobes of E tell how many
+   impulses act.
+
+   The *march* is 1 over the factor at which the linear equation (Eqs. 1-2), lifted at g tan(alpha), overturns under
+   the half-waves in their own order. One march is chaotic; with the stated uncertainty of the body and of the strength
+   of its motion it has a distribution (:class:`rocking.OverturningSpectrum` of :mod:`rocking.spectrum.half_waves`), of
+   which the mean logarithm and the factor of 10 % probability are taken.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from rocking.arguments import ArrayLike
+from rocking.body.block import Block
+from rocking.spectrum.lanes import (
+    LEAST_RESTITUTION,
+    MOST_RESTITUTION,
+    RATES,
+    SpectrumLanes,
+    check_strength,
+    piece_lanes,
+)
+from rocking.spectrum.overturning import OverturningSpectrum
+from rocking.spectrum.slender import lobe_tops, weighted_impulse
+
+#: Points of each side of a triangle on which E is computed.
+POINTS = 8
+
+#: Lobes of E above this share of the largest one are main impulses.
+MAIN_SHARE = 0.5
+
+#: Frequency parameters of the marches are RATES[0] STEP^k, k whole: those of the default spectrum and beyond.
+STEP = (RATES[-1] / RATES[0]) ** (1.0 / (RATES.size - 1))
+
+#: Restitutions of the marches: a band of each, from the share 0.9 of the lowest nominal C in it to the highest one. A
+#: body of a lower C than the last holds is taken as if it had that: an impact leaves next to nothing of its speed.
+BANDS = ((LEAST_RESTITUTION, MOST_RESTITUTION), *((0.45 / 1.5**k, 0.75 / 1.5**k) for k in range(6)))
+
+
+def triangles(start: np.ndarray, centroid: np.ndarray, end: np.ndarray, impulse: np.ndarray) -> np.ndarray:
+    """Times [s] and ground accelerations [m/s2] of the corners of half-waves as triangles, (2, 3 k).
+
+    A triangle from start to end has its centroid at (start + top + end)/3, in the middle third; a top that would lie
+    outside goes to the nearer end.
+    """
+    top = np.clip(3.0 * centroid - start - end, start, end)
+    length = end - start
+    peak = np.divide(2.0 * impulse, length, out=np.zeros_like(impulse), where=length > 0.0)
+    corners = np.stack([start, top, end], axis=1), np.stack([0.0 * peak, peak, 0.0 * peak], axis=1)
+    return np.stack([values.reshape(-1) for values in corners])
+
+
+def half_wave_lanes(
+    start: ArrayLike,
+    centroid: ArrayLike,
+    end: ArrayLike,
+    impulse: ArrayLike,
+    p: ArrayLike = RATES,
+    between: tuple[float, float] = (LEAST_RESTITUTION, MOST_RESTITUTION),
+    threads: int | None = None,
+) -> SpectrumLanes:
+    """March the lanes of an overturning spectrum through half-waves, as :func:`piece_lanes`.
+
+    Examples
+    --------
+    >>> from rocking import OverturningSpectrum
+    >>> lanes = half_wave_lanes([0.0, 0.5], [0.25, 0.7], [0.5, 1.0], [0.4, -0.3], p=[1.8, 2.0])
+    >>> OverturningSpectrum(lanes).spectrum([0.9]).round(2).tolist()  # m/s, at each p
+    [[0.19], [0.19]]
+    """
+    times, ground = triangles(*checked_half_waves(start, centroid, end, impulse))
+    return piece_lanes(times, ground, p, between, threads)
+
+
+def checked_half_waves(
+    start: ArrayLike, centroid: ArrayLike, end: ArrayLike, impulse: ArrayLike
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """The four arrays (k,) of half-waves, or ValueError."""
+    arrays = tuple(np.atleast_1d(np.asarray(values, dtype=float)) for values in (start, centroid, end, impulse))
+    if len({values.shape for values in arrays}) != 1 or arrays[0].ndim != 1:
+        raise ValueError(
+            "start, centroid, end, impulse: expected four (k,) arrays, got shapes "
+            + ", ".join(str(values.shape) for values in arrays)
+        )
+    if not all(np.all(np.isfinite(values)) for values in arrays):
+        raise ValueError("start, centroid, end, impulse: expected finite numbers")
+    first, middle, last, impulses = arrays
+    if np.any(middle < first) or np.any(last < middle) or np.any(first[1:] < last[:-1] - 1e-9):
+        raise ValueError("half-waves: expected start <= centroid <= end, one after the other")
+    check_strength(triangles(first, middle, last, impulses)[1])
+    return first, middle, last, impulses
+
+
+@dataclass(frozen=True, eq=False)
+class Lobes:
+    """Lobes of E(t0), the stretches of one sign, in order of time."""
+
+    times: np.ndarray  # (k,) of the largest abs(E) of each [s]
+    sizes: np.ndarray  # (k,) E at that time, with its sign [m/s]
+
+
+@dataclass(frozen=True, eq=False)
+class HalfWaveDemand:
+    """Demand of half-waves on (m,) blocks, proportional to a factor on the record up to rounding.
+
+    Attributes
+    ----------
+    march : (m,) ndarray
+        1 over the mean capacity of the march: exp of the mean logarithm of the factor at which it overturns [-].
+    march_10 : (m,) ndarray
+        1 over the factor at which the march overturns with a probability of 10 % [-].
+    main_count : (m,) ndarray of int
+        Number of lobes above half the largest one; at least 1.
+    ratio : (m,) ndarray
+        Root mean square of the other lobes between the first and the last of them, over the largest one [-]; 0 where
+        there is none.
+    interval : (m,) ndarray
+        Median spacing of the lobes from the first to the last main one [s]; NaN where there is one only.
+    """
+
+    march: np.ndarray
+    march_10: np.ndarray
+    main_count: np.ndarray
+    ratio: np.ndarray
+    interval: np.ndarray
+
+
+def impulse_lobes(start: ArrayLike, centroid: ArrayLike, end: ArrayLike, impulse: ArrayLike, rate: float) -> Lobes:
+    """Lobes of the exponentially weighted impulse of half-waves.
+
+    Parameters
+    ----------
+    start, centroid, end, impulse : (k,) array_like
+        Half-waves, as for :func:`demand_of_half_waves`; none give no lobes.
+    rate : float
+        p of the block [1/s].
+
+    Examples
+    --------
+    >>> lobes = impulse_lobes([0.0, 1.0], [0.0005, 1.0005], [0.001, 1.001], [0.3, -0.2], rate=1.0)
+    >>> lobes.sizes.round(2).tolist()  # 0.3 - 0.2/e, and the second one alone
+    [0.23, -0.2]
+    """
+    corners, tops = triangles(*(np.asarray(values, dtype=float) for values in (start, centroid, end, impulse)))
+    share = np.arange(POINTS) / POINTS
+    times, ground = (
+        (values[:, np.newaxis] + np.outer(np.diff(values, append=values[-1:]), share)).reshape(-1)
+        for values in (corners, tops)
+    )
+    weighted = weighted_impulse(times, ground, float(rate))
+    found = lobe_tops(weighted)
+    return Lobes(times[found], weighted[found])
+
+
+def demand_of_half_waves(
+    block: Block, start: ArrayLike, centroid: ArrayLike, end: ArrayLike, impulse: ArrayLike, threads: int | None = None
+) -> HalfWaveDemand:
+    """Demand of half-waves on blocks.
+
+    Parameters
+    ----------
+    block : Block
+        One block, which counts as (1,), or (m,) of them.
+    start, centroid, end : (k,) array_like
+        Times of the half-waves [s], in order, centroids inside.
+    impulse : (k,) array_like
+        Their signed impulses [m/s].
+    threads : int, optional
+        Threads that share the lanes; None for all available cores. The results do not depend on it.
+
+    Returns
+    -------
+    HalfWaveDemand
+        Of (m,) lanes. Without half-waves the measures are 0 and the main count 1.
+
+    Notes
+    -----
+    With the linear equation the march sees nothing of a block but p, C and x = f p/(g tan alpha). It is made at
+    frequency parameters a ratio of 1.128 apart and read between them, probabilities linear in ln p, which a march at
+    the p of the body itself meets within 2 % (docs/decisions/009). C is uniform in 0.9 to 1 times that of the block.
+
+    Examples
+    --------
+    >>> block = Block.from_parameters(p=[2.0], alpha=[0.1], restitution=0.9)
+    >>> once = demand_of_half_waves(block, [0.0, 0.5], [0.25, 0.7], [0.5, 1.0], [0.4, -0.3])
+    >>> twice = demand_of_half_waves(block, [0.0, 0.5], [0.25, 0.7], [0.5, 1.0], [0.8, -0.6])
+    >>> (twice.march / once.march).round(9), once.main_count
+    (array([2.]), array([2]))
+    """
+    first, centre, last, impulses = checked_half_waves(start, centroid, end, impulse)
+    block = block.lanes()
+    over = np.asarray(block.p) / (block.gravity * np.tan(block.alpha_c))
+    nodes, of_body = np.unique(np.rint(_step_number(block.p)), return_inverse=True)
+    count, ratio, interval = (
+        column[of_body] for column in lobe_shapes(first, centre, last, impulses, RATES[0] * STEP**nodes)
+    )
+    waves = first, centre, last, impulses
+    mean, at_10 = _spectra(waves, block, threads) if np.any(impulses) else np.zeros((2, over.size))
+    return HalfWaveDemand(march=over * mean, march_10=over * at_10, main_count=count, ratio=ratio, interval=interval)
+
+
+def lobe_shapes(
+    start: ArrayLike, centroid: ArrayLike, end: ArrayLike, impulse: ArrayLike, rates: ArrayLike
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """The shape of half-waves on the time scale of blocks: number of main lobes, ratio of the others, spacing.
+
+    Parameters
+    ----------
+    start, centroid, end, impulse : (k,) array_like
+        Half-waves, as for :func:`demand_of_half_waves`.
+    rates : (a,) array_like
+        Frequency parameters p [1/s].
+
+    Returns
+    -------
+    main_count, ratio, interval : (a,) ndarray
+        As in :class:`HalfWaveDemand`.
+
+    Examples
+    --------
+    >>> count, ratio, _ = lobe_shapes([0.0, 0.5], [0.25, 0.7], [0.5, 1.0], [0.4, -0.38], [0.5, 8.0])
+    >>> count.tolist(), ratio.tolist()
+    ([1, 2], [0.0, 0.0])
+    """
+    waves = checked_half_waves(start, centroid, end, impulse)
+    shapes = [_main_lobes(impulse_lobes(*waves, rate)) for rate in np.atleast_1d(rates)]
+    count, ratio, interval = (np.array(column) for column in zip(*shapes, strict=True))
+    return count, ratio, interval
+
+
+def _step_number(p: ArrayLike) -> np.ndarray:
+    """Steps from RATES[0] to frequency parameters."""
+    return np.asarray(np.log(np.asarray(p, dtype=float) / RATES[0]) / math.log(STEP))
+
+
+def _main_lobes(lobes: Lobes) -> tuple[int, float, float]:
+    """Number of main lobes, rms of the others between them over the largest, median spacing."""
+    sizes = np.abs(lobes.sizes)
+    main = np.flatnonzero(sizes > MAIN_SHARE * np.max(sizes, initial=0.0))
+    if main.size < 2:
+        return 1, 0.0, np.nan
+    within = slice(main[0], main[-1] + 1)
+    others = sizes[within][sizes[within] <= MAIN_SHARE * np.max(sizes)]
+    ratio = float(np.sqrt(np.mean(others**2)) / np.max(sizes)) if others.size else 0.0
+    return main.size, ratio, float(np.median(np.diff(lobes.times[within])))
+
+
+def _spectra(
+    waves: tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray], block: Block, threads: int | None
+) -> np.ndarray:
+    """Effective impulses (2, m) [m/s] that blocks take from the half-waves: in the mean, and with 10 % probability."""
+    rates = np.asarray(block.p)
+    found = np.empty((2, rates.size))
+    # Over the largest impulse: then the levels on which the march is read grow with the record.
+    start, centroid, end, impulse = waves
+    largest = np.max(np.abs(impulse))
+    nominal = np.maximum(np.broadcast_to(np.asarray(block.restitution, dtype=float), rates.shape), BANDS[-1][0] / 0.9)
+    below = np.floor(_step_number(rates) + 1e-9)
+    band = np.sum(nominal[:, np.newaxis] < [least / 0.9 * (1.0 - 1e-12) for least, _ in BANDS[:-1]], axis=1)
+    for one in np.unique(band):
+        here = np.flatnonzero(band == one)
+        nodes = RATES[0] * STEP ** np.unique([below[here], below[here] + 1.0])
+        lanes = half_wave_lanes(start, centroid, end, impulse / largest, nodes, BANDS[one], threads)
+        spectrum = OverturningSpectrum(lanes)
+        # A slender block of the same p and C stands for each.
+        slender = Block.from_parameters(p=rates[here], alpha=0.1, restitution=nominal[here], log=False)
+        read = spectrum.factors(slender)
+        speed = slender.gravity * np.tan(0.1) / slender.p
+        found[:, here] = largest * speed / read.capacity_mean, largest * speed / read.factor_10
+    return found

@@ -1,0 +1,270 @@
+"""Lanes of an overturning spectrum: marches of slender blocks, spread over strength, p and restitution.
+
+.. note:: A slender block under a record times f sees x = f p/(g tan alpha) [s/m], its p and its C, and nothing else of
+   its size and shape: with phi = theta/alpha and tau = p t the nonlinear equation of motion tends to
+
+   phi'' = phi - s - (x/p) a_g(tau/p),  lifted at abs(a_g) > p/x,  phi' -> C phi' at an impact
+
+   as alpha -> 0 (Dimitrakopoulos & DeJong 2012, doi:10.1098/rspa.2012.0026; Zhang & Makris 2001). It is linear in phi
+   between impacts, so that a straight piece of the ground, from one sample to the next, has a closed form
+   (:mod:`rocking.spectrum.slender`), and the lanes are marched once for all bodies. At each p they fill (ln x, C) by a
+   lattice of golden ratio: a first part from uplift to where everything overturns, a second one where the first does
+   not agree with itself. A lane stands for the share of ln x that lies between it and its neighbours, 1 over their
+   density.
+"""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from rocking.arguments import ArrayLike, positive, record_samples
+from rocking.body.block import STANDARD_GRAVITY
+from rocking.body.limits import RATES
+from rocking.lanes import split_lanes
+from rocking.spectrum.slender import march_pieces, weighted_impulse
+
+#: Largest acceleration over gravity that is taken for a ground motion [-].
+STRONGEST = 1e6
+
+#: Shorter pieces are no pieces [s]: a triangle whose top stands at one of its ends has one only.
+SHORTEST = 1e-12
+
+#: Restitutions that the lanes cover. A block of C = 1 never comes to rest: its lane costs twenty times one of 0.99.
+LEAST_RESTITUTION, MOST_RESTITUTION = 0.675, 0.999
+
+#: Rebounds e that the lanes of blocks before a wall cover.
+REBOUNDS = (0.25, 0.55)
+
+#: Lanes of each p in the first and in the second part.
+FIRST, SECOND = 144, 700
+
+#: The first part ends where the exponentially weighted impulse is so many times what overturns a block at rest...
+HIGHEST = 1.0 / 0.06
+
+#: ... and at least this far above uplift [-], in ln x.
+LEAST_SPAN = 0.7
+
+#: Where a lane of the last share of the first part still stands, that part is made longer, at most so many times.
+LAST_SHARE, WIDENINGS = 0.1, 6
+
+#: Capacities fall with C: lanes of one expected verdict lie along ln x + SLOPE (C - MIDDLE).
+SLOPE, MIDDLE = 1.3, 0.85
+
+#: Width over which verdicts of the first part count as neighbours in ln x, and the least density of the second part
+#: over that of lanes in full disagreement.
+NEIGHBOURS, FLOOR = 0.12, 0.08
+
+#: Points on which the density of the second part is worked out.
+POINTS = 161
+
+_GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
+
+
+@dataclass(frozen=True, eq=False)
+class SpectrumLanes:
+    """Marched lanes under one record, n at each of a frequency parameters, in ascending order of their restitution.
+
+    Attributes
+    ----------
+    p : (a,) ndarray
+        Frequency parameters, ascending [1/s].
+    log_x : (a, n) ndarray
+        ln of x = f p/(g tan alpha), x in s/m.
+    restitution : (a, n) ndarray
+        C of each lane [-].
+    weight : (a, n) ndarray
+        Stretch of ln x times share of the restitutions that a lane stands for [-].
+    peak : (a, n) ndarray
+        Largest abs(theta)/alpha [-]; inf where the lane overturns, or cannot be answered.
+    bottom, top : (a,) ndarray
+        ln x below which nothing is lifted, and above which everything counts as overturned.
+    between : (float, float)
+        Restitutions that the lanes stand for [-].
+    side : int
+        1 or -1 for lanes before a wall, that turn towards theta > 0 or theta < 0 only and whose restitution is the
+        rebound e; 0 for free ones.
+    """
+
+    p: np.ndarray
+    log_x: np.ndarray
+    restitution: np.ndarray
+    weight: np.ndarray
+    peak: np.ndarray
+    bottom: np.ndarray
+    top: np.ndarray
+    between: tuple[float, float]
+    side: int = 0
+
+
+def neighbours(p: np.ndarray) -> np.ndarray:
+    """The default frequency parameters next to those of (m,) bodies that lie within them, ascending [1/s].
+
+    The lanes of each are marched on their own: a spectrum of these alone tells the bodies the same.
+
+    Examples
+    --------
+    >>> (neighbours(np.array([2.0])) / 2.0).round(2).tolist()
+    [0.94, 1.06]
+    """
+    above = np.clip(np.searchsorted(RATES, p), 1, RATES.size - 1)
+    return np.asarray(RATES[np.unique([above - 1, above])])
+
+
+def spectrum_lanes(
+    acceleration: ArrayLike, dt: float, p: ArrayLike = RATES, threads: int | None = None, *, side: int = 0
+) -> SpectrumLanes:
+    """March the lanes of a record's overturning spectrum.
+
+    Parameters
+    ----------
+    acceleration : (n,) array_like
+        Horizontal ground acceleration a_g [m/s2], not all zero, linear between the samples and zero after them.
+    dt : float
+        Sampling interval [s].
+    p : (a,) array_like
+        Frequency parameters [1/s], ascending.
+    threads : int, optional
+        Threads that share the lanes; None for all available cores. The answer does not depend on it.
+    side : int
+        1 or -1 for the lanes of blocks before a wall, that turn towards theta > 0 or theta < 0 only.
+
+    Raises
+    ------
+    ValueError
+        For p that do not ascend, an interval that is not positive, and a record that is not finite, is nothing but
+        zeros or exceeds a million times gravity.
+    """
+    ground = record_samples("acceleration", acceleration)
+    interval = float(positive("dt", dt, "s", lanes=False))
+    between = REBOUNDS if side else (LEAST_RESTITUTION, MOST_RESTITUTION)
+    return piece_lanes(interval * np.arange(ground.size), ground, p, between, threads, side=side)
+
+
+def piece_lanes(
+    times: np.ndarray,
+    ground: np.ndarray,
+    p: ArrayLike = RATES,
+    between: tuple[float, float] = (LEAST_RESTITUTION, MOST_RESTITUTION),
+    threads: int | None = None,
+    *,
+    side: int = 0,
+) -> SpectrumLanes:
+    """March the lanes of a ground acceleration that is straight between its corners, of (a,) ascending p [1/s].
+
+    The corners have times (k,) that do not descend [s] and a_g there [m/s2], not all zero; the restitutions lie
+    `between` two values. A ValueError as :func:`spectrum_lanes`.
+    """
+    rates = np.atleast_1d(positive("p", p, "1/s"))
+    if np.any(np.diff(rates) <= 0.0):
+        raise ValueError(f"p: expected ascending frequency parameters in 1/s, got {p!r:.80}")
+    check_strength(ground)
+    if not np.any(ground):
+        raise ValueError("acceleration: expected a ground motion, got nothing but zeros")
+    if side < 0:
+        ground = -ground  # seen from behind
+    length = np.diff(times)
+    long = length > SHORTEST
+    pieces = np.ascontiguousarray(np.stack([ground[:-1], ground[1:]], axis=1)[long])
+    highest = np.max(np.maximum(-pieces, 0.0) if side else np.abs(pieces), axis=1)
+    if not np.any(highest):
+        raise ValueError("acceleration: expected a ground motion that lifts a block off its wall, got none")
+    past, left = np.maximum.accumulate(highest), np.append(np.maximum.accumulate(highest[::-1])[::-1], 0.0)
+    steps = np.outer(rates, length[long])
+    growth = np.exp(steps)
+    bottom = np.log(rates / left[0])
+    impulse = [np.max(np.abs(weighted_impulse(times, ground, rate))) for rate in rates]
+    top = np.maximum(np.log(HIGHEST / np.array(impulse)), bottom + LEAST_SPAN)
+
+    def march(log_x: np.ndarray, restitution: np.ndarray) -> np.ndarray:
+        place = np.repeat(np.arange(rates.size), log_x.shape[1])
+        strength = np.exp(log_x).reshape(-1) / rates[place]
+        peak = np.empty(place.size)
+
+        def some(first: int, last: int) -> None:
+            lanes = place, strength, restitution.reshape(-1), steps, growth
+            march_pieces(first, last, *lanes, pieces, past, left, peak, side != 0)
+
+        split_lanes(some, place.size, threads)
+        return peak.reshape(log_x.shape)
+
+    return replace(_filled(rates, bottom, top, march, between), side=side)
+
+
+def check_strength(ground: np.ndarray) -> None:
+    """Raise ValueError for accelerations (k,) [m/s2] that no ground motion has, a million times gravity."""
+    strongest = np.max(np.abs(ground), initial=0.0) / STANDARD_GRAVITY
+    if strongest > STRONGEST:
+        raise ValueError(
+            f"acceleration: expected at most {STRONGEST:g} times gravity, got {strongest:g}; is the record in m/s2?"
+        )
+
+
+def _filled(
+    rates: np.ndarray,
+    bottom: np.ndarray,
+    top: np.ndarray,
+    march: Callable[..., np.ndarray],
+    between: tuple[float, float],
+) -> SpectrumLanes:
+    """Lanes at frequency parameters (a,), placed from uplift at `bottom` to `top` (a,) in ln x, and marched.
+
+    `march` takes ln x and restitution, (a, n) each, and answers with the largest abs(theta)/alpha, inf where a lane
+    overturns. Where the last lanes below `top` still stand, that is raised. Restitutions lie `between` two values.
+    """
+    restitution = np.tile(_restitutions(FIRST, 0.5, between), (rates.size, 1))
+    for _ in range(WIDENINGS):
+        log_x = bottom[:, np.newaxis] + (top - bottom)[:, np.newaxis] * ((np.arange(FIRST) + 0.5) / FIRST)
+        peak = march(log_x, restitution)
+        late = log_x > (bottom + (1.0 - LAST_SHARE) * (top - bottom))[:, np.newaxis]
+        standing = np.any(late & np.isfinite(peak), axis=1)
+        if not np.any(standing):
+            break
+        top = np.where(standing, top + LEAST_SPAN, top)
+    lowest, highest = _level(bottom, between[0]), _level(top, between[1])
+    rows = zip(_level(log_x, restitution), np.isinf(peak), lowest, highest, strict=True)
+    placed = [_where_verdicts_differ(*one) for one in rows]
+    places, grid, density = (np.stack(column) for column in zip(*placed, strict=True))
+    more = np.tile(_restitutions(SECOND, 0.25, between), (rates.size, 1))
+    above = places - SLOPE * (more - MIDDLE)
+    log_x, restitution = np.hstack([log_x, above]), np.hstack([restitution, more])
+    peak = np.hstack([peak, march(above, more)])
+    first = (FIRST / (top - bottom))[:, np.newaxis] * (log_x <= top[:, np.newaxis])
+    second = np.stack([np.interp(*one) for one in zip(_level(log_x, restitution), grid, density, strict=True)])
+    inside = (log_x > bottom[:, np.newaxis]) & (log_x <= top[:, np.newaxis])
+    weight = np.where(inside, 1.0 / (first + second), 0.0)
+    order = np.argsort(restitution, axis=1, kind="stable")
+    ordered = [np.take_along_axis(values, order, axis=1) for values in (log_x, restitution, weight, peak)]
+    # One next to 1 stands for it.
+    covered = (between[0], 1.0 if between[1] == MOST_RESTITUTION else between[1])
+    log_x, restitution, weight, peak = ordered
+    return SpectrumLanes(rates, log_x, restitution, weight, peak, bottom, top, covered)
+
+
+def _restitutions(count: int, start: float, between: tuple[float, float]) -> np.ndarray:
+    """Restitutions (count,) of one part of the lattice."""
+    least, most = between
+    return least + (most - least) * ((np.arange(count) * _GOLDEN + start) % 1.0)
+
+
+def _level(log_x: np.ndarray, restitution: float | np.ndarray) -> np.ndarray:
+    """ln x moved along the slope, so that lanes of any restitution with one expected verdict have one level."""
+    return log_x + SLOPE * (restitution - MIDDLE)
+
+
+def _where_verdicts_differ(
+    level: np.ndarray, over: np.ndarray, lowest: float, highest: float
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Levels (SECOND,) of the second part, and the density of its lanes per unit of level on a grid (POINTS,).
+
+    The density follows the standard deviation sqrt(P (1 - P)) of a verdict, P the share that overturns nearby.
+    """
+    grid = np.linspace(lowest, highest, POINTS)
+    near = np.exp(-0.5 * ((level - grid[:, np.newaxis]) / NEIGHBOURS) ** 2)
+    share = np.sum(near * over, axis=1) / np.sum(near, axis=1)
+    wanted = np.sqrt(share * (1.0 - share)) + FLOOR * 0.5
+    step = grid[1] - grid[0]
+    filled = np.append(0.0, np.cumsum(0.5 * (wanted[1:] + wanted[:-1]))) * step
+    places = np.interp((np.arange(SECOND) + 0.5) / SECOND * filled[-1], filled, grid)
+    return places, grid, SECOND * wanted / filled[-1]

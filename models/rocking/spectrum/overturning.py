@@ -1,0 +1,335 @@
+"""The overturning spectrum of a ground motion: one curve that tells every slender free-standing block its capacity.
+
+.. note:: With x = f p/(g tan alpha) the capacity of a slender block under a record depends on its p and C alone
+   (:mod:`rocking.spectrum.lanes`). So a record has P(x; p, C), the probability that a block of nominal restitution C
+   overturns under the stated uncertainty, and a spectrum S(p, C) = 1/exp(E ln x_c) [m/s], x_c the x at which it
+   overturns: the effective impulse that such a block takes from the record. A block overturns where S exceeds
+   g tan(alpha)/p, its capacity is (g tan(alpha)/p)/S.
+
+   A draw of factor and geometry moves ln x by a shift Z whose distribution is known
+   (:class:`rocking.Uncertainty`), so P is the verdict of the lanes smoothed by the density of Z, over the
+   lanes whose restitution lies in the range of the block:
+
+   P(x) = sum_i w_i h(ln x_i - ln x) v_i/sum_i w_i h(ln x_i - ln x),  v_i = 1 where lane i overturns
+
+   (:mod:`rocking.spectrum.probability`). Between two frequency parameters P is linear in ln p.
+"""
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Self
+
+import numpy as np
+
+from rocking.arguments import ArrayLike
+from rocking.body.block import Block
+from rocking.spectrum.lanes import LEAST_RESTITUTION, RATES, SpectrumLanes
+from rocking.spectrum.probability import (
+    NO_LANE,
+    Uncertainty,
+    factor_at,
+    lane_bells,
+    lane_probability,
+    lane_sums,
+    mean_capacity,
+    rising,
+    tail_masses,
+)
+
+#: Levels of x are exp(LEVEL_STEP k), k whole: those of two records are the same numbers.
+LEVEL_STEP = 0.05
+
+#: Standard deviations of the shift beyond which it does not reach.
+REACH = 6.0
+
+#: Standard normal quantile of intervals of 90 %.
+TWO_SIDED = 1.6448536269514722
+
+#: Error of the similarity and of the interpolation in ln p, as a standard deviation of ln f, part of every interval
+#: (docs/decisions/018).
+INTERPOLATION = 0.02
+
+#: Narrowest range of C that is read from the lanes, over the range of C that they fill [-].
+LEAST_SHARE = 0.09
+
+#: Slenderness from which on the spectrum stands for a block (docs/decisions/018).
+LEAST_SLENDERNESS = 3.5
+
+
+@dataclass(frozen=True, eq=False)
+class OverturningFactors:
+    """Probability of overturning of (m,) blocks under a record, and the factors on it that it grows with.
+
+    `_low` and `_high` are the ends of intervals of 90 %. A factor that is not reached by the largest one asked for is
+    inf, its `_low` that largest one.
+
+    Attributes
+    ----------
+    at_one : (m,) ndarray
+        Probability of overturning under the record as it is [-].
+    factor_10, factor_50 : (m,) ndarray
+        Factor on the record at which the probability is 0.1, 0.5 [-].
+    capacity_mean : (m,) ndarray
+        exp of the mean logarithm of the factor at which the block overturns [-].
+    """
+
+    at_one: np.ndarray
+    at_one_low: np.ndarray
+    at_one_high: np.ndarray
+    factor_10: np.ndarray
+    factor_10_low: np.ndarray
+    factor_10_high: np.ndarray
+    factor_50: np.ndarray
+    factor_50_low: np.ndarray
+    factor_50_high: np.ndarray
+    capacity_mean: np.ndarray
+    capacity_mean_low: np.ndarray
+    capacity_mean_high: np.ndarray
+
+    def up_to(self, factor_max: float) -> Self:
+        """The same, with every factor above the largest one asked for inf, and its `_low` at most that one."""
+        found: dict[str, np.ndarray] = {}
+        for name in ("factor_10", "factor_50", "capacity_mean"):
+            for one in (name, f"{name}_high"):
+                values = getattr(self, one)
+                found[one] = np.where(values > factor_max, np.inf, values)
+            found[f"{name}_low"] = np.minimum(getattr(self, f"{name}_low"), factor_max)
+        return replace(self, **found)
+
+
+def covered(
+    block: Block,
+    least: np.ndarray,
+    most: np.ndarray,
+    p: np.ndarray = RATES,
+    between: tuple[float, float] = (LEAST_RESTITUTION, 1.0),
+    side: int = 0,
+) -> np.ndarray:
+    """True, (m,), for the blocks that a spectrum stands for, with C between `least` and `most` (m,).
+
+    They are symmetric and nothing holds them, or they stand before a wall on the `side` of the lanes; of a slenderness
+    of at least 3.5, their p and C within those of the lanes, p the (a,) frequency parameters of the spectrum [1/s] and
+    `between` its restitutions. A range of C below a tenth of those restitutions (0.03 of 0.675 to 1) holds too few
+    lanes.
+    """
+    alone = (np.asarray(block.side) == side) & ~np.asarray(block.restrained)
+    alone &= np.asarray(block.symmetric) | (side != 0)
+    return alone & slender_within(block.weaker, p) & covered_range(least, most, between)
+
+
+def slender_within(block: Block, p: np.ndarray) -> np.ndarray:
+    """True, (m,), for the blocks of a slenderness of at least 3.5 whose p lies within the ascending (a,) ones [1/s]."""
+    slender = np.asarray(block.slenderness) >= LEAST_SLENDERNESS * (1.0 - 1e-9)
+    return slender & (np.asarray(block.p) >= p[0] * (1.0 - 1e-9)) & (np.asarray(block.p) <= p[-1] * (1.0 + 1e-9))
+
+
+def covered_range(
+    least: np.ndarray, most: np.ndarray, between: tuple[float, float] = (LEAST_RESTITUTION, 1.0)
+) -> np.ndarray:
+    """True for the ranges of C that hold enough lanes of a spectrum whose lanes lie `between` two restitutions."""
+    wide = most - least >= LEAST_SHARE * (between[1] - between[0]) * (1.0 - 1e-9)
+    return wide & (least >= between[0] * (1.0 - 1e-9)) & (most <= between[1] * (1.0 + 1e-9))
+
+
+class OverturningSpectrum:
+    """The overturning spectrum of one record under one uncertainty, from its marched lanes.
+
+    Parameters
+    ----------
+    lanes : SpectrumLanes
+        Marched lanes (:func:`rocking.spectrum.lanes`).
+    uncertainty : Uncertainty
+        Of factor and geometry; that of the restitution is given with each block.
+
+    Attributes
+    ----------
+    p : (a,) ndarray
+        Frequency parameters [1/s].
+    level : (k,) ndarray
+        Levels of x = f p/(g tan alpha) [s/m].
+    """
+
+    def __init__(self, lanes: SpectrumLanes, uncertainty: Uncertainty | None = None) -> None:
+        self.lanes = lanes
+        self.uncertainty: Uncertainty = uncertainty or Uncertainty()
+        self.p: np.ndarray = lanes.p
+        reach = REACH * self.uncertainty.spread
+        self._first = int(np.floor((np.min(lanes.bottom) - reach) / LEVEL_STEP))
+        last = int(np.ceil((np.max(lanes.top) + reach) / LEVEL_STEP))
+        self._logs = LEVEL_STEP * np.arange(self._first, last + 1)
+        self.level: np.ndarray = np.exp(self._logs)
+        apart = self._logs[:, np.newaxis] - self._logs
+        # Errors of P at two levels go together as far as the same lanes make them.
+        self._alike = np.exp(-((0.5 * apart / self.uncertainty.spread) ** 2))
+        self._at = [_AtOneRate(lanes, place, self._logs, self.uncertainty) for place in range(self.p.size)]
+
+    def probability(self, restitution: ArrayLike, rotation: float = np.inf) -> np.ndarray:
+        """P(x; p, C) at the levels (a, c, k), fitted so that it never falls with x.
+
+        The restitution of a draw lies between the shares of the nominal C (c,) that the uncertainty tells. The limit
+        state is a `rotation` theta/alpha that is reached; inf for overturning. A ValueError for a C whose draws lie
+        outside the lanes, or a rotation that is not positive.
+        """
+        least, most = self._range(restitution)
+        if not rotation > 0.0:
+            raise ValueError(f"rotation: expected a positive theta/alpha, or inf, got {rotation!r}")
+        return rising(np.stack([one.reaching(rotation, least, most) for one in self._at]))
+
+    def spectrum(self, restitution: ArrayLike, rotation: float = np.inf) -> np.ndarray:
+        """S(p, C) = 1/exp(E ln x_c) [m/s], (a, c), for nominal C (c,) and a limit state as for :meth:`probability`."""
+        return 1.0 / mean_capacity(self.level, self.probability(restitution, rotation))
+
+    def covers(self, block: Block, least: np.ndarray, most: np.ndarray) -> np.ndarray:
+        """True, (m,), for the blocks that this spectrum stands for (:func:`covered`)."""
+        return covered(block, least, most, self.p, self.lanes.between, self.lanes.side)
+
+    def factors(
+        self, block: Block, least: ArrayLike | None = None, most: ArrayLike | None = None, factor_max: float = np.inf
+    ) -> OverturningFactors:
+        """Probability of overturning of blocks under the record, and the factors on it that it grows with.
+
+        Parameters
+        ----------
+        block : Block
+            (m,) blocks that the spectrum covers (:meth:`covers`).
+        least, most : (m,) array_like, optional
+            C between which that of a draw is uniform [-]; the shares of the nominal one of the uncertainty without.
+        factor_max : float
+            Largest factor that is asked for [-]; above it factors are inf.
+        """
+        probability, error, speed = self._of_blocks(block, least, most)
+        # A higher probability is a lower factor; an end of an interval is the outermost crossing of its band.
+        upper = np.maximum.accumulate(np.minimum(probability + TWO_SIDED * error, 1.0), axis=1)
+        lower = np.minimum.accumulate(np.maximum(probability - TWO_SIDED * error, 0.0)[:, ::-1], axis=1)[:, ::-1]
+        middle, high, low = (
+            _crossings(self._first, self.level, rows, speed) for rows in (rising(probability), upper, lower)
+        )
+        found = {"at_one": middle[0], "at_one_low": low[0], "at_one_high": high[0]}
+        capacity = mean_capacity(self.level, probability) * speed
+        # Added one after the other, as in mean_capacity.
+        of_mean = np.sqrt(np.cumsum(lane_sums(error, self._alike) * error, axis=1)[:, -1]) * LEVEL_STEP
+        widths = [np.abs(np.log(end / value)) for end, value in zip(high[1:] + low[1:], middle[1:] * 2, strict=True)]
+        for name, value, below, above in (
+            ("factor_10", middle[1], widths[0], widths[2]),
+            ("factor_50", middle[2], widths[1], widths[3]),
+            ("capacity_mean", capacity, TWO_SIDED * of_mean, TWO_SIDED * of_mean),
+        ):
+            found[name] = value
+            found[f"{name}_low"] = value * np.exp(-np.hypot(below, TWO_SIDED * INTERPOLATION))
+            found[f"{name}_high"] = value * np.exp(np.hypot(above, TWO_SIDED * INTERPOLATION))
+        return OverturningFactors(**found).up_to(factor_max)
+
+    def overturning(
+        self, block: Block, factor: ArrayLike, least: ArrayLike | None = None, most: ArrayLike | None = None
+    ) -> np.ndarray:
+        """Probability that blocks overturn under the record times some factors, (m, d) [-], as for :meth:`factors`."""
+        probability, _, speed = self._of_blocks(block, least, most)
+        return _read(self._first, rising(probability), np.log(np.asarray(factor, dtype=float) / speed[:, np.newaxis]))
+
+    def _of_blocks(
+        self, block: Block, least: ArrayLike | None, most: ArrayLike | None
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """P (m, k) of blocks that the spectrum covers, its standard error, and their speeds g tan(alpha)/p (m,)."""
+        block = block.weaker  # the corner that a block before a wall turns about
+        nominal = np.asarray(block.restitution, dtype=float)
+        least = self.uncertainty.restitution[0] * nominal if least is None else np.asarray(least, dtype=float)
+        most = self.uncertainty.restitution[1] * nominal if most is None else np.asarray(most, dtype=float)
+        outside = np.flatnonzero(~self.covers(block, least, most))
+        if outside.size:
+            raise ValueError(
+                f"block: the spectrum stands for free blocks of slenderness {LEAST_SLENDERNESS:g} and more, p from "
+                f"{self.p[0]:g} to {self.p[-1]:g} 1/s and C from {self.lanes.between[0]:g} to "
+                f"{self.lanes.between[1]:g}, not for {outside.size} of {nominal.size}, the first one at place "
+                f"{int(outside[0])}"
+            )
+        speed = np.asarray(block.gravity * np.tan(block.alpha_c) / block.p)
+        return *self._between(np.asarray(block.p), least, most), speed
+
+    def _range(self, restitution: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
+        nominal = np.atleast_1d(np.asarray(restitution, dtype=float))
+        least, most = (share * nominal for share in self.uncertainty.restitution)
+        if not np.all(covered_range(least, most, self.lanes.between)):
+            lowest, highest = self.lanes.between
+            raise ValueError(
+                f"restitution: expected a nominal C whose draws, {self.uncertainty.restitution[0]:g} to "
+                f"{self.uncertainty.restitution[1]:g} of it, lie in {lowest:g} to {highest:g} and are at least "
+                f"{LEAST_SHARE * (highest - lowest):.2g} apart, got {restitution!r}"
+            )
+        return least, most
+
+    def _between(self, p: np.ndarray, least: np.ndarray, most: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """P (m, k) of blocks, linear in ln p between the frequency parameters, and its standard error."""
+        above = np.minimum(np.searchsorted(self.p, p), self.p.size - 1)
+        below = above - 1  # of the first one it is the last, which has no share
+        step = np.log(self.p[above] / self.p[below])
+        share = np.clip(np.divide(np.log(p / self.p[below]), step, out=np.ones(p.size), where=step > 0.0), 0.0, 1.0)
+        probability, variance = np.zeros((p.size, self.level.size)), np.zeros((p.size, self.level.size))
+        for places, weights in ((below, 1.0 - share), (above, share)):
+            for place in np.unique(places):
+                here = np.flatnonzero(places == place)
+                own, spread = self._at[place].overturning(least[here], most[here])
+                probability[here] += weights[here, np.newaxis] * own
+                variance[here] += weights[here, np.newaxis] ** 2 * spread
+        return probability, np.sqrt(variance)
+
+
+class _AtOneRate:
+    """The lanes of one frequency parameter at the (k,) levels; below those that they reach P is 0, above them 1."""
+
+    def __init__(self, lanes: SpectrumLanes, place: int, logs: np.ndarray, uncertainty: Uncertainty) -> None:
+        bottom, top, reach = lanes.bottom[place], lanes.top[place], REACH * uncertainty.spread
+        self.levels = logs.size
+        self.span = slice(*np.searchsorted(logs, [bottom - reach, top + reach]))
+        self.restitution, self.peak = lanes.restitution[place], lanes.peak[place]
+        own = logs[self.span]
+        self.tails = tail_masses(bottom, top, own, uncertainty)
+        self.bells = lane_bells(lanes.log_x[place], lanes.weight[place], own, uncertainty)
+
+    @cached_property
+    def sums(self) -> np.ndarray:
+        """(n + 1, 4, s) over the lanes up to a restitution: bells, those of overturning, the squares of both."""
+        hit = self.bells * np.isinf(self.peak)[:, np.newaxis]
+        sums = np.zeros((self.bells.shape[0] + 1, 4, self.bells.shape[1]))
+        np.cumsum(np.stack([self.bells, hit, self.bells**2, hit**2], axis=1), axis=0, out=sums[1:])
+        return sums
+
+    def overturning(self, least: np.ndarray, most: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """P (r, k) for (r,) ranges of restitution, and its variance."""
+        first = np.searchsorted(self.restitution, least, side="left")
+        last = np.searchsorted(self.restitution, most, side="right")
+        weight, hit, square, hit_square = np.moveaxis(self.sums[last] - self.sums[first], 1, 0)
+        found = lane_probability(hit, weight, *self.tails)
+        below, above = self.tails
+        inside = 1.0 - below - above
+        share = np.divide(found - above, inside, out=np.zeros(hit.shape), where=inside > 0.0)
+        spread = np.maximum(hit_square * (1.0 - 2.0 * share) + share**2 * square, 0.0)
+        variance = inside**2 * np.divide(spread, weight**2, out=np.zeros(hit.shape), where=weight > NO_LANE)
+        return self._at_all(found, 1.0), self._at_all(variance, 0.0)
+
+    def reaching(self, rotation: float, least: np.ndarray, most: np.ndarray) -> np.ndarray:
+        """P (r, k) of reaching a rotation, for (r,) ranges of restitution; what overturns has reached every one."""
+        within = (self.restitution >= least[:, np.newaxis]) & (self.restitution <= most[:, np.newaxis])
+        hit, whole = (lane_sums(counted, self.bells) for counted in (within & (self.peak >= rotation), within))
+        return self._at_all(lane_probability(hit, whole, *self.tails), 1.0)
+
+    def _at_all(self, values: np.ndarray, above: float) -> np.ndarray:
+        found = np.zeros((values.shape[0], self.levels))
+        found[:, self.span], found[:, self.span.stop :] = values, above
+        return found
+
+
+def _read(first: int, probability: np.ndarray, log_x: np.ndarray) -> np.ndarray:
+    """P (m, d) at ln x (m, d), linear in it between the levels, of rows (m, k) from the level exp(LEVEL_STEP first)."""
+    place = log_x / LEVEL_STEP
+    whole = np.clip(np.floor(place), first, first + probability.shape[1] - 2)
+    share, below = np.clip(place - whole, 0.0, 1.0), whole.astype(int) - first
+    rows = np.arange(log_x.shape[0])[:, np.newaxis]
+    return np.asarray((1.0 - share) * probability[rows, below] + share * probability[rows, below + 1])
+
+
+def _crossings(
+    first: int, level: np.ndarray, probability: np.ndarray, speed: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """P at a factor of one, and the factors of 10 and 50 %, from rising P(x) and the speeds g tan(alpha)/p."""
+    at_one = _read(first, probability, -np.log(speed)[:, np.newaxis]).ravel()
+    return at_one, factor_at(0.1, level, probability) * speed, factor_at(0.5, level, probability) * speed

@@ -1,0 +1,213 @@
+"""What is not known of a body and of the strength of its motion, and how it spreads over the factor on a record.
+
+.. note:: In a draw the factor f on the record becomes f F with ln F normal, C a share of the nominal one, and alpha
+   becomes alpha exp(-g abs(N)), N standard normal, at the R and p and with the C of the nominal body. One draw holds
+   for all contacts of a body. A slender body sees f p/(g tan alpha) alone (:mod:`rocking.spectrum.overturning`), so
+   there factor and geometry are one shift of its logarithm: Z = s N_1 + g abs(N_2), skew-normal with the scale
+   hypot(s, g) and the shape g/s (Azzalini 1985, Scand. J. Stat. 12(2), 171-178).
+
+The probability need not rise everywhere. The factor of a probability is the crossing of its isotonic fit
+(pool adjacent violators), linear in ln f between levels. The mean capacity exp(E ln f_c) needs no fit: P is the
+distribution of the capacity f_c, and what it gains between two levels lies on average half-way between their
+logarithms. That is the trapezoidal rule for ln f_1 + integral of (1 - P) d ln f, from f_1, where P is still 0.
+
+Lane i was marched at ln f_i and tells v_i, 1 where it overturned. A block under the factor f meets f exp(Z),
+Z a shift of known density h, so that P(f) is the verdict smoothed by it,
+
+P(f) = integral of h(t - ln f) v(t) dt,  estimated inside by sum_i w_i h(t_i - ln f) v_i/sum_i w_i h(t_i - ln f)
+
+where w_i = 1/(density of the lanes per unit of ln f) and the sum below the line is near 1: dividing by it takes out
+what unequal spacing adds. Nothing overturns below `bottom`, everything above `top`; the mass of the shift that falls
+there is known and is not estimated.
+"""
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numba import njit
+from scipy.optimize import isotonic_regression
+from scipy.special import ndtr, owens_t
+
+from rocking.arguments import ArrayLike, numbers
+
+#: Least spread of the factor on the record [-]: lanes on a finite number of levels cannot show a narrower one.
+LEAST_SPREAD = 0.02
+
+#: Largest spreads that are taken for uncertainties and not for slips of the unit [-].
+LARGEST_SPREAD = 1.0
+
+#: Sum of weights below which no lane is near a level.
+NO_LANE = 1e-9
+
+#: Scales of the shift beyond which its density counts as 0: it is 1e-14 of the highest there.
+FARTHEST = 8.0
+
+
+@dataclass(frozen=True)
+class Uncertainty:
+    """Uncertainty under which a probability of overturning is stated.
+
+    Attributes
+    ----------
+    factor : float
+        Standard deviation of the logarithm of the factor on the record [-], 0.02 to 1.
+    restitution : (float, float)
+        Least and most of the restitution over the nominal C [-], between which it is uniform; above 0, at most 1.
+    geometry : float
+        Loss of the angle alpha [-]: alpha exp(-geometry abs(N)), N standard normal, at fixed R and p; 0 to 1.
+
+    Examples
+    --------
+    >>> known = Uncertainty(geometry=0.0)
+    >>> float(known.density(0.0).round(6))                        # 1/(0.1 sqrt(2 pi))
+    3.989423
+    """
+
+    factor: float = 0.10
+    restitution: tuple[float, float] = (0.9, 1.0)
+    geometry: float = 0.05
+
+    def __post_init__(self) -> None:
+        expected = f"a standard deviation of {LEAST_SPREAD:g} to {LARGEST_SPREAD:g}"
+        if not LEAST_SPREAD <= numbers("factor", self.factor, expected, lanes=False) <= LARGEST_SPREAD:
+            raise ValueError(f"factor: expected {expected}, got {self.factor!r}")
+        expected = "the least and the most of C over the nominal one, above 0 and at most 1"
+        shares = numbers("restitution", self.restitution, expected)
+        if shares.shape != (2,) or not 0.0 < shares[0] <= shares[1] <= 1.0:
+            raise ValueError(f"restitution: expected {expected}, got {self.restitution!r}")
+        expected = f"a share from 0 to {LARGEST_SPREAD:g}"
+        if not 0.0 <= numbers("geometry", self.geometry, expected, lanes=False) <= LARGEST_SPREAD:
+            raise ValueError(f"geometry: expected {expected}, got {self.geometry!r}")
+
+    @property
+    def spread(self) -> float:
+        """Standard deviation of the shift of the logarithm of the factor by factor and geometry together [-]."""
+        return math.sqrt(self.factor**2 + (1.0 - 2.0 / math.pi) * self.geometry**2)
+
+    def density(self, shift: ArrayLike) -> np.ndarray:
+        """Probability density of the shift Z of the logarithm of the factor, by factor and geometry together [-]."""
+        scale = math.hypot(self.factor, self.geometry)
+        at = np.asarray(shift, dtype=float) / scale
+        near = np.abs(at) < FARTHEST
+        inside, found = at[near], np.zeros(at.shape)
+        bell = np.exp(-0.5 * inside * inside) * (2.0 / (scale * math.sqrt(2.0 * math.pi)))
+        found[near] = bell * ndtr(self.geometry / self.factor * inside)
+        return found
+
+    def below(self, shift: ArrayLike) -> np.ndarray:
+        """Probability that the shift Z of :meth:`density` is no larger than the given one [-]."""
+        at = np.asarray(shift, dtype=float) / math.hypot(self.factor, self.geometry)
+        return ndtr(at) - 2.0 * owens_t(at, self.geometry / self.factor)
+
+
+#: Falls of a probability that are rounding.
+ROUNDING = 1e-12
+
+
+def rising(probability: np.ndarray) -> np.ndarray:
+    """The isotonic fit of probabilities (..., k) [-], from the lowest level on: by least squares, never falling.
+
+    Examples
+    --------
+    >>> rising(np.array([0.0, 0.4, 0.2, 1.0])).round(3).tolist()
+    [0.0, 0.3, 0.3, 1.0]
+    """
+    fitted = np.array(probability, dtype=float)
+    rows = fitted.reshape(-1, fitted.shape[-1])
+    for row in np.flatnonzero(np.any(np.diff(rows, axis=1) < -ROUNDING, axis=1)):
+        rows[row] = isotonic_regression(rows[row]).x
+    return np.maximum.accumulate(rows, axis=1).reshape(fitted.shape)
+
+
+def factor_at(share: float, level: np.ndarray, probability: np.ndarray) -> np.ndarray:
+    """The factor (...) at which probabilities (..., k) reach a share above 0, linear in ln f between the (k,) levels.
+
+    The probabilities never fall (:func:`rising`). The lowest level where the share is reached there already, inf where
+    it is reached nowhere.
+
+    Examples
+    --------
+    >>> float(factor_at(0.5, np.array([1.0, 2.0, 8.0]), np.array([0.0, 0.25, 0.75])).round(3))
+    4.0
+    """
+    reached = probability >= share
+    after = np.argmax(reached, axis=-1)
+    before = np.maximum(after - 1, 0)
+    high = np.take_along_axis(probability, after[..., np.newaxis], axis=-1)[..., 0]
+    low = np.take_along_axis(probability, before[..., np.newaxis], axis=-1)[..., 0]
+    logs = np.log(level)
+    part = np.divide(share - low, high - low, out=np.ones(np.shape(low)), where=high > low)
+    return np.where(np.any(reached, axis=-1), np.exp(logs[before] + part * (logs[after] - logs[before])), np.inf)
+
+
+def mean_capacity(level: np.ndarray, probability: np.ndarray) -> np.ndarray:
+    """exp of the mean logarithm of the capacity (...), whose distribution the probabilities (..., k) are.
+
+    The (k,) levels begin where the probability is 0. inf where it does not come to 1, within 1e-3, at the last one.
+
+    Examples
+    --------
+    >>> float(mean_capacity(np.array([1.0, 2.0, 8.0]), np.array([0.0, 0.0, 1.0])).round(3))
+    4.0
+    """
+    logs = np.log(level)
+    gained = np.diff(probability, axis=-1) * (0.5 * (logs[1:] + logs[:-1]))
+    # Added one after the other: levels of no gain before the first and after the last one do not change a bit.
+    mean = probability[..., 0] * logs[0] + np.cumsum(gained, axis=-1)[..., -1] + (1.0 - probability[..., -1]) * logs[-1]
+    return np.where(probability[..., -1] > 1.0 - 1e-3, np.exp(mean), np.inf)
+
+
+def lane_bells(log_factor: np.ndarray, weight: np.ndarray, log_level: np.ndarray, shift: Uncertainty) -> np.ndarray:
+    """What each lane counts at each level, w_i h(t_i - ln f) (n, k).
+
+    The lanes took factors of logarithms (n,) and stand for a stretch (n,) of ln f: 1 over the density of lanes there.
+    """
+    return shift.density(log_factor[:, np.newaxis] - log_level) * weight[:, np.newaxis]
+
+
+def lane_sums(counted: np.ndarray, bells: np.ndarray) -> np.ndarray:
+    """Sums (r, k) over the lanes, the same to the last bit on any number of threads, unlike those of a matrix product.
+
+    `counted` (r, n) is how often each lane counts in each sum, `bells` (n, k) what it counts (:func:`lane_bells`).
+    """
+    sums = np.zeros((counted.shape[0], bells.shape[1]))
+    _add(np.ascontiguousarray(counted, dtype=np.float64), np.ascontiguousarray(bells), sums)
+    return sums
+
+
+@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+def _add(counted, bells, sums):
+    for row in range(counted.shape[0]):
+        for lane in range(counted.shape[1]):
+            times = counted[row, lane]
+            if times != 0.0:
+                for level in range(bells.shape[1]):
+                    sums[row, level] += times * bells[lane, level]
+
+
+def tail_masses(bottom: Any, top: Any, log_level: np.ndarray, shift: Uncertainty) -> tuple[np.ndarray, np.ndarray]:
+    """Probability that a block meets a factor below `bottom`, and above `top` (both as ln f), at (k,) levels."""
+    return shift.below(bottom - log_level), 1.0 - shift.below(top - log_level)
+
+
+def lane_probability(hit: np.ndarray, whole: np.ndarray, below: np.ndarray, above: np.ndarray) -> np.ndarray:
+    """P at the levels (..., k), not yet fitted; where no lane is near a level only `above` counts.
+
+    `hit` and `whole` (..., k) are sums of :func:`lane_bells` over the lanes that overturn and over all of them, `below`
+    and `above` (k,) the masses of the shift outside the lanes (:func:`tail_masses`).
+
+    Examples
+    --------
+    Lanes 0.01 apart that overturn from ln f = 0 on: P is the distribution of a normal shift of 10 %.
+
+    >>> from rocking.spectrum.probability import Uncertainty
+    >>> lanes, levels, shift = np.arange(-0.795, 0.8, 0.01), np.array([-0.1, 0.0, 0.1]), Uncertainty(geometry=0.0)
+    >>> bell = lane_bells(lanes, np.full(lanes.size, 0.01), levels, shift)
+    >>> tails = tail_masses(-0.8, 0.8, levels, shift)
+    >>> lane_probability(bell[lanes > 0.0].sum(axis=0), bell.sum(axis=0), *tails).round(3).tolist()
+    [0.159, 0.5, 0.841]
+    """
+    share = np.divide(hit, whole, out=np.zeros(np.shape(hit)), where=whole > NO_LANE)
+    return (1.0 - below - above) * np.clip(share, 0.0, 1.0) + above

@@ -1,0 +1,192 @@
+"""March of slender blocks through a ground acceleration of straight pieces, by the linear equation in closed form.
+
+.. note:: With phi = theta/alpha, tau = p t and u = s phi on the side s, the linear equation (Eqs. 1-2) under
+   g = (x/p) a_g, linear in tau over a piece, reads u'' = u - 1 - s g. So y = u - 1 - s g obeys y'' = y:
+   y = A e^tau + B e^-tau with A = (y_0 + y_0')/2 and B = (y_0 - y_0')/2, whatever the length of the piece. u' = 0 where
+   z = e^tau solves A z^2 + s g' z - B = 0: the peaks and the lowest points of a piece are roots of a quadratic, and
+   between them an impact is bracketed. A block at rest lifts where abs(g) passes 1. It overturns when its growing mode
+   u - 1 + u' exceeds the largest abs(g) that is left.
+"""
+
+import math
+
+import numpy as np
+from numba import njit
+
+#: Slower impacts, as u' [-], end the rocking where the ground does not lift the block: u would reach 5e-7.
+SLOWEST = 1e-3
+
+#: Steps of the search for an impact, and its accuracy as u [-].
+STEPS, ACCURACY = 60, 1e-10
+
+#: Impacts that are followed within one piece.
+MOST_IMPACTS = 100_000
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _turning(grow, fall, slope, growth, lowest):
+    """e^tau of the highest (or the lowest) point of u inside a piece of e^tau from 1 to `growth`; 0 without one.
+
+    u = grow e^tau + fall e^-tau + a line of the given slope; there its curvature is negative (positive).
+    """
+    if grow == 0.0:
+        roots = (fall / slope if slope != 0.0 else 0.0, 0.0)
+    else:
+        under = slope * slope + 4.0 * grow * fall
+        if under < 0.0:
+            return 0.0
+        half = -0.5 * (slope + math.copysign(math.sqrt(under), slope))
+        roots = (half / grow, -fall / half if half != 0.0 else 0.0)
+    for z in roots:
+        if 1.0 < z < growth and (grow * z + fall / z > 0.0) == lowest:
+            return z
+    return 0.0
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _impact(grow, fall, level, slope, above, below):
+    """tau between `above`, where u > 0, and `below`, where u <= 0, at which u = 0, by Newton's steps kept inside."""
+    tau = below
+    for _ in range(STEPS):
+        growth = math.exp(tau)
+        up, down = grow * growth, fall / growth
+        value = up + down + level + slope * tau
+        if abs(value) <= ACCURACY:
+            break
+        if value > 0.0:
+            above = tau
+        else:
+            below = tau
+        speed = up - down + slope
+        tau -= value / speed if speed != 0.0 else 0.0
+        if not above < tau < below:
+            tau = 0.5 * (above + below)
+    return tau
+
+
+@njit(inline="always")
+def _pushes(ground, wall):
+    """How hard the ground pushes the resting block up; into a wall it does not."""
+    return max(-ground, 0.0) if wall else abs(ground)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _march(begin, strength, restitution, length, growth, ground, left, wall):
+    """Largest u of one lane that rests before the piece `begin`, inf where it overturns.
+
+    With a `wall` behind it, it turns towards theta > 0 only, and its restitution is the rebound e.
+    """
+    peak, u, speed, side = 0.0, 0.0, 0.0, 0.0  # side 0: at rest, u = 0
+    for j in range(begin, length.shape[0]):
+        start, end = strength * ground[j, 0], strength * ground[j, 1]
+        low, high = _pushes(start, wall), _pushes(end, wall)
+        if side == 0.0 and low <= 1.0 and high <= 1.0:
+            if strength * left[j] <= 1.0:
+                break
+            continue
+        remaining, whole = length[j], growth[j]
+        slope = (end - start) / remaining
+        for _ in range(MOST_IMPACTS):
+            if side == 0.0:
+                wait = 0.0
+                if _pushes(start, wall) <= 1.0:
+                    if high <= 1.0:
+                        break
+                    wait = (math.copysign(1.0, end) - start) / slope
+                    if wait >= remaining:
+                        break
+                    start, remaining = start + slope * wait, remaining - wait
+                    whole = math.exp(remaining)
+                side = 1.0 if wall else -math.copysign(1.0, start)
+            level, rate = 1.0 + side * start, side * slope
+            grow, fall = 0.5 * (u - level + speed - rate), 0.5 * (u - level - speed + rate)
+            last_u = grow * whole + fall / whole + level + rate * remaining
+            last_speed = grow * whole - fall / whole + rate
+            # An impact lies between the points above and below, both as tau; from u = 0 the motion goes up.
+            above, below = 0.0, remaining if last_u <= 0.0 else -1.0
+            if u == 0.0 or (speed > 0.0 and (last_speed < 0.0 or last_u <= 0.0)):
+                z = _turning(grow, fall, rate, whole, False)
+                if z > 0.0:
+                    above = math.log(z)
+                    peak = max(peak, grow * z + fall / z + level + rate * above)
+            # u' goes down and up again only where it starts below zero or u'' changes sign.
+            dips = speed < 0.0 or grow + fall < 0.0 < grow * whole + fall / whole
+            if dips and last_u > 0.0 and last_speed > 0.0 and (u > 0.0 or above > 0.0):
+                z = _turning(grow, fall, rate, whole, True)
+                if z > 0.0:
+                    tau = math.log(z)
+                    if tau > above and grow * z + fall / z + level + rate * tau <= 0.0:
+                        below = tau
+            if below < 0.0 or (u == 0.0 and above == 0.0):
+                u, speed = max(last_u, 0.0), last_speed
+                peak = max(peak, u)
+                break
+            tau = _impact(grow, fall, level, rate, above, below)
+            z = math.exp(tau)
+            speed = restitution * max(fall / z - grow * z - rate, 0.0)
+            if speed - 1.0 > strength * left[j]:
+                return np.inf
+            u, side = 0.0, side if wall else -side
+            start, remaining = start + slope * tau, remaining - tau
+            margin = 1.0 - max(_pushes(start, wall), high)
+            # At rest after hops of 2 u'/margin and less, each shorter by C, that all end within the piece.
+            if speed <= SLOWEST or 2.0 * speed < margin * (1.0 - restitution) * remaining:
+                speed, side = 0.0, 0.0
+            if remaining <= 0.0:
+                break
+            whole = math.exp(remaining)
+        if side != 0.0 and u - 1.0 + speed > strength * left[j + 1]:
+            return np.inf
+    if side != 0.0 and speed > 0.0:
+        # On a still ground u - 1 = -sqrt((1 - u)^2 - u'^2) at the top.
+        peak = max(peak, 1.0 - math.sqrt(max((1.0 - u) ** 2 - speed * speed, 0.0)))
+    return peak
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def march_pieces(first, last, place, strength, restitution, length, growth, ground, past, left, peak, wall):
+    """Fill the largest u of lanes `first` to `last`, inf where they overturn.
+
+    The lanes (n,) have the `place` of their frequency parameter, the `strength` x/p [s2/m] and C.
+
+    `length` and `growth` (a, k) are the lengths of the pieces in tau and their e^tau, `ground` (k, 2) the acceleration
+    at both ends of each [m/s2], `past` (k,) the largest of it up to the end of each, `left` (k + 1,) the largest from
+    the begin of each on. `wall` is True for lanes that turn towards theta > 0 only.
+    """
+    for lane in range(first, last):
+        k = place[lane]
+        begin = np.searchsorted(past, 1.0 / strength[lane])  # nothing lifts it before
+        peak[lane] = _march(begin, strength[lane], restitution[lane], length[k], growth[k], ground, left, wall)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def weighted_impulse(times: np.ndarray, ground: np.ndarray, rate: float) -> np.ndarray:
+    """E [m/s] of :mod:`rocking.march.demand` at the points (k,) of a piecewise linear ground, by one backward pass."""
+    weighted = np.zeros(times.shape[0])
+    for i in range(times.shape[0] - 2, -1, -1):
+        step = times[i + 1] - times[i]
+        if step <= 0.0:
+            weighted[i] = weighted[i + 1]
+            continue
+        decay = np.exp(-rate * step)
+        whole = -np.expm1(-rate * step) / rate
+        late = (whole - step * decay) / (rate * step)
+        weighted[i] = decay * weighted[i + 1] + (whole - late) * ground[i] + late * ground[i + 1]
+    return weighted
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def lobe_tops(weighted: np.ndarray) -> np.ndarray:
+    """Places of the largest absolute value of every stretch of one sign of E (k,), in order; zeros are no stretch."""
+    tops = np.empty(weighted.shape[0], dtype=np.int64)
+    count, side = 0, 0.0
+    for i in range(weighted.shape[0]):
+        if weighted[i] == 0.0:
+            continue
+        here = np.sign(weighted[i])
+        if here != side:
+            tops[count] = i
+            count, side = count + 1, here
+        elif abs(weighted[i]) > abs(weighted[tops[count - 1]]):
+            tops[count - 1] = i
+    return tops[:count].copy()

@@ -1,0 +1,185 @@
+"""Options that several verbs share, and the configuration or the selection of results that follows from them."""
+
+from __future__ import annotations
+
+import argparse
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from rockpulse.commands.parser import Either, Options
+from rockpulse.errors import ConfigError, ResultsError
+
+if TYPE_CHECKING:
+    from rockpulse.config.configuration import Config
+    from rockpulse.config.settings import RecordSettings
+    from rockpulse.storage.export.selection import Selection
+
+
+#: What --quiet does.
+QUIET = "print nothing but one line on what failed"
+
+#: Properties that a file may not state.
+READING: Options = {
+    "--units UNIT": 'unit of files that do not state theirs: "g", "cm/s2", ...',
+    "--dt SECONDS": ("sampling interval of columns without times, in s; such as 0.01", {"type": float}),
+}
+
+
+def from_records(output: str) -> Options:
+    """Options of a verb that takes records and writes a file (called RESULTS or SITE): paths, configuration, bodies."""
+    return {
+        "PATHS": ("files, folders, zips or globs; they replace the paths of the configuration", {"nargs": "*"}),
+        f"-o --output {output} !": "file to write (HDF5)",
+        "--config FILE": "configuration (TOML) on the template of rockpulse init-config; default: every key as there, "
+        "no blocks",
+        "--block NAME=WIDTHxHEIGHT ...": "a block by its full width and height in m, beside those of the "
+        "configuration; repeatable",
+        "--confirm-size": "take a --block that is larger than 30 m, less than 5 cm high or 1 mm wide, or wider than "
+        "high",
+        **READING,
+        "--confirm PATTERN ...": "a peak above 5 g is right in channels of this id, which fail without; * and ? stand "
+        "for any letters; repeatable",
+        "--overwrite": "replace results that exist; never any other file",
+        "--quiet": QUIET,
+    }
+
+
+def _workers(text: str) -> int | str:
+    if text == "all":
+        return text
+    from rockpulse.config.settings import MOST_WORKERS
+
+    value = int(text) if text.isdecimal() and len(text) <= len(str(MOST_WORKERS)) else 0
+    if not 1 <= value <= MOST_WORKERS:
+        raise argparse.ArgumentTypeError(f'expected "all" or an integer from 1 to {MOST_WORKERS}, found {text!r:.40}')
+    return value
+
+
+#: Who works, and what happens when a run stops half-way.
+BATCH: tuple[Options, ...] = (
+    Either(
+        {
+            "--workers N": (
+                'processes: a number, or "all" (one a core, none where files are few); default: [run] workers, by '
+                'default "all"',
+                {"type": _workers},
+            ),
+            "--scheduler ADDRESS": "let this dask.distributed cluster work, such as tcp://10.0.0.1:8786",
+        }
+    ),
+    {
+        "--resume": "go on with a run that was stopped, or begin",
+        "--strict": "stop at the first file or record that fails, also while the files are read; nothing is written to "
+        "the output then, and --resume goes on with what was finished",
+        "--log-file FILE": "add what happens, with its time, to the end of this file",
+    },
+)
+
+
+def batch_given(args: argparse.Namespace) -> list[str]:
+    """Names of the options of a batch that were given."""
+    names = ("workers", "scheduler", "resume", "strict", "log_file")
+    return [f"--{name.replace('_', '-')}" for name in names if getattr(args, name)]
+
+
+def count(words: str) -> int:
+    """Parse an argument as a whole number from 1; raises ArgumentTypeError for any other text."""
+    number = int(words) if words.isdecimal() else 0
+    if number < 1:
+        raise argparse.ArgumentTypeError(f"expected a whole number from 1, found {words!r}")
+    return number
+
+
+#: A part of results, for a verb that has ``--record`` and ``--block`` of its own.
+SELECTION: Options = {
+    "--model NAME ...": "only this model; * and ? stand for any letters; repeatable",
+    "--outcome WORD ...": "only this outcome: at_rest, rocks, overturns or unresolved; repeatable",
+    "--where CONDITION ...": "only where a variable, or a column of the tables, is so: 'factor_10 < 1', 'SF < 1', 'P > "
+    "0.5', 'source = *.AT2'; repeatable, all have to hold",
+    "--sort VARIABLE": "by this variable or column, smallest first; what is not known last",
+    "--descending": "with --sort: largest first",
+    "--limit N": ("at most so many rows", {"type": count}),
+}
+
+
+def read_selection(args: argparse.Namespace) -> Selection:
+    """The selection that the options SELECTION and ``record`` and ``block`` ask for.
+
+    Raises ResultsError for a condition that cannot be understood.
+    """
+    from rockpulse.storage.export.selection import SHOWN, Condition, Selection
+
+    if args.descending and args.sort is None:
+        raise ResultsError("--descending goes with --sort VARIABLE")
+    names = {dim: tuple(getattr(args, dim)) for dim in ("record", "block", "model") if getattr(args, dim)}
+    conditions = [Condition.parse(words) for words in args.where]
+    if args.outcome:
+        conditions.append(Condition("outcome", "=", "|".join(args.outcome)))
+    return Selection(names, tuple(conditions), SHOWN.get(args.sort, args.sort), args.descending, args.limit)
+
+
+def reading_options(args: argparse.Namespace, settings: RecordSettings | None = None) -> RecordSettings:
+    """The section [records], or its defaults, with the options READING, checked.
+
+    An option of the command line holds for all files, whatever the rows of [[records.file]] say.
+
+    Raises ConfigError or UnitError for an interval or a unit that cannot be.
+    """
+    from rockpulse.config.settings import RecordSettings
+    from rockpulse.readers.kit.text import canonical_unit
+
+    records = settings or RecordSettings()
+    if args.units is not None:
+        canonical_unit(args.units, "option --units")
+        records = replace(records, units=args.units)
+    elif records.units is not None:
+        canonical_unit(records.units, f"option [records] units of {args.config}")
+    if args.dt is not None:
+        try:
+            records = replace(records, dt=args.dt)
+        except ConfigError as error:
+            raise ConfigError(f"--dt: {str(error).removeprefix('[records] dt: ')}") from None
+    rows = []
+    for row in records.files:
+        units, dt = row.units if args.units is None else None, row.dt if args.dt is None else None
+        if units is not None or dt is not None:
+            rows.append(replace(row, units=units, dt=dt))
+    return replace(records, files=tuple(rows))
+
+
+def configured(args: argparse.Namespace) -> Config:
+    """The configuration with the blocks of the command line, its tables named absolutely.
+
+    Raises ConfigError for a configuration or block that cannot be understood.
+    """
+    from rockpulse.config.block_settings import parse_block_option
+    from rockpulse.config.configuration import Config, load_config, located
+    from rockpulse.config.settings import WEIGHTS
+
+    config = load_config(args.config) if args.config is not None else Config()
+    records, calibration = config.records, config.calibration
+    if records.events is not None:
+        records = replace(records, events=str(located(records.events, config.folder).resolve()))
+    if calibration.weighting not in WEIGHTS:
+        calibration = replace(calibration, weights=str(located(calibration.weighting, config.folder).resolve()))
+    blocks = (*config.blocks, *(parse_block_option(option, args.confirm_size) for option in args.block))
+    return replace(config, records=records, calibration=calibration, blocks=blocks)
+
+
+def resolved(args: argparse.Namespace) -> tuple[Config, list[str]]:
+    """The configuration with the arguments of the command line, and the paths to read, as the user wrote them.
+
+    The configuration itself, which is stored, names files absolutely, so that it repeats the run from any folder.
+    Raises ConfigError without records, and for options that cannot be understood.
+    """
+    from rockpulse.config.configuration import located
+
+    config = configured(args)
+    paths = args.paths or [str(path) for path in config.record_paths()]
+    if not paths:
+        raise ConfigError("no records: name files, folders, zips or globs, or give paths in the [records] section")
+    where = tuple(str(located(path, Path.cwd())) for path in paths)
+    records = reading_options(args, config.records)
+    confirm = tuple(dict.fromkeys((*records.confirm, *args.confirm)))
+    return replace(config, records=replace(records, paths=where, confirm=confirm)), paths

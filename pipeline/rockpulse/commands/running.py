@@ -1,0 +1,157 @@
+"""The course of a verb that works through many records: its log, the message of a stop, and what is told at its end."""
+
+from __future__ import annotations
+
+import argparse
+import logging
+import os
+import re
+import signal
+import sys
+import threading
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import ExitStack, contextmanager, suppress
+from pathlib import Path
+from typing import TYPE_CHECKING, NoReturn
+
+from rockpulse.commands.terminal import compiling_told, progress_bars, tell
+from rockpulse.errors import ConfigError, Failure, alike
+from rockpulse.foreign_text import escaped
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from rockpulse.run.options import BatchOptions
+
+
+LOG_FORMAT = "%(asctime)s %(levelname)s %(message)s"
+
+
+def batch_options(args: argparse.Namespace) -> BatchOptions:
+    """The options by which the batch is carried out."""
+    from rockpulse.run.options import BatchOptions
+
+    return BatchOptions(
+        workers=args.workers,
+        scheduler=args.scheduler,
+        resume=args.resume,
+        overwrite=args.overwrite,
+        strict=args.strict,
+        written=() if args.log_file is None else (args.log_file,),
+        bar=progress_bars(args.quiet),
+        tell=str if args.quiet else _say,
+    )
+
+
+class _Escaping(logging.Formatter):
+    """Lines of a log with control characters as escapes."""
+
+    def format(self, record: logging.LogRecord) -> str:
+        """The line, or the lines, of a record."""
+        return escaped(super().format(record))
+
+
+class _LogFile(logging.FileHandler):
+    """A log that ends where it can no longer be written, for the reason `failed`; the work goes on."""
+
+    failed = ""
+
+    def handleError(self, record: logging.LogRecord) -> None:
+        """Remember why a line could not be written, and write no further one."""
+        fault = sys.exception()
+        if not isinstance(fault, OSError):
+            super().handleError(record)
+        elif not self.failed:
+            self.failed = fault.strerror or str(fault)
+            with suppress(OSError):  # what it holds cannot be written
+                self.close()
+            self.stream = open(os.devnull, "w", encoding="utf-8")  # noqa: PTH123, SIM115
+
+
+@contextmanager
+def recorded(args: argparse.Namespace) -> Iterator[None]:
+    """Log to the file that is asked for, and take a polite request to end (SIGTERM) like Ctrl-C, meanwhile.
+
+    Raises ConfigError where the log would go to the end of a file that is no log, OSError where it cannot be written.
+    """
+    with ExitStack() as meanwhile:
+        if args.log_file is not None:
+            meanwhile.enter_context(_logged(Path(args.log_file), Path(args.output)))
+        if threading.current_thread() is threading.main_thread():  # signals are the main thread's
+            meanwhile.callback(signal.signal, signal.SIGTERM, signal.signal(signal.SIGTERM, _end))
+        with compiling_told(args.quiet):
+            yield
+
+
+@contextmanager
+def _logged(log: Path, output: Path) -> Iterator[None]:
+    _check_log(log, output)
+    logger, begun = logging.getLogger("rockpulse"), False
+    before, handler = logger.level, _LogFile(log, encoding="utf-8")
+    handler.setFormatter(_Escaping(LOG_FORMAT))
+    logger.addHandler(handler)
+    logger.setLevel(logging.INFO)
+    try:
+        logger.info("rockpulse %s", " ".join(sys.argv[1:]))
+        if handler.failed:
+            raise ConfigError(f"--log-file {log}: cannot be written ({handler.failed}); choose another file")
+        begun = True
+        yield
+    finally:
+        logger.removeHandler(handler)
+        logger.setLevel(before)
+        handler.close()
+        if handler.failed and begun:
+            _say(f"--log-file {log}: {handler.failed}: the end of the log is missing")
+
+
+def _check_log(log: Path, output: Path) -> None:
+    if log.absolute() == output.absolute():
+        raise ConfigError(f"--log-file {log}: expected another file than the output; choose another name")
+    if log.is_fifo():  # who opens one that nobody reads from waits for ever
+        try:
+            os.close(os.open(log, os.O_WRONLY | os.O_NONBLOCK))
+        except OSError as error:
+            raise ConfigError(f"--log-file {log}: nobody reads from this pipe; choose another file") from error
+    if not log.is_file():
+        return
+    with log.open("rb") as file:
+        head = file.read(len("2000-01-01 00:00:00"))
+    if head and not re.fullmatch(rb"\d{4}(-\d\d){2} \d\d(:\d\d){2}", head):
+        raise ConfigError(
+            f"--log-file {log}: expected a new file, or a log to be added to, found something else; choose another name"
+        )
+
+
+def nothing_written(failures: Sequence[Failure], what: str, quiet: bool) -> int:
+    """Tell why not one record could be used, in a quiet run in one line; the exit code."""
+    from rockpulse.views.shared.files_used import count_files
+    from rockpulse.views.text.left_out import rows_not_used
+
+    listed = "" if quiet else rows_not_used(failures, more_in="")
+    told = f"rockpulse: not one record could be {what}, nothing was written"
+    # Where nothing failed, records that were too weak are why.
+    weak = [row for row in failures if row.kind == "skipped" and row.stage not in ("find", "read")]
+    why = count_files((), failures).line or "; ".join(f"{group[0].place}: {group[0].bare}" for group in alike(weak))
+    tell("\n".join(filter(None, (listed, f"{told}: {why}" if why else told))), sys.stderr)
+    return 1
+
+
+def told(tree: xr.DataTree, args: argparse.Namespace, overview: Callable[[xr.DataTree], str]) -> int:
+    """Print the overview, or with --quiet one line on what failed; the exit code."""
+    from rockpulse.views.shared.files_used import files_used
+
+    failed = files_used(tree).line
+    if not args.quiet:
+        tell(overview(tree))
+    elif failed:
+        _say(failed)
+    return 1 if failed else 0
+
+
+def _say(text: str) -> None:
+    tell(f"rockpulse: {text}", sys.stderr)
+
+
+def _end(number: int, frame: object) -> NoReturn:
+    raise KeyboardInterrupt

@@ -1,0 +1,138 @@
+"""Words for the user on the terminal, who may have left: texts, progress bars, and what is wrong with a file."""
+
+from __future__ import annotations
+
+import argparse
+import errno
+import os
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from functools import partial
+from pathlib import Path
+from typing import Any, TextIO
+
+from rockpulse.errors import RockpulseError
+from rockpulse.foreign_text import escaped
+
+
+def tell(text: str, file: TextIO | None = None) -> None:
+    """Print a text, to standard output by default, with control characters as escapes.
+
+    Where nobody reads any more, as in ``| head``, the rest is dropped.
+    """
+    file = sys.stdout if file is None else file
+    try:
+        print(escaped(text), file=file, flush=True)
+    except BrokenPipeError:
+        forsake(file)
+
+
+def forsake(file: TextIO) -> None:
+    """Have the rest of what is written to standard output or standard error go nowhere."""
+    nowhere = os.open(os.devnull, os.O_WRONLY)
+    os.dup2(nowhere, file.fileno())
+    os.close(nowhere)
+
+
+COMPILING = "rockpulse: compiling the kernels, once (about 20 s); later runs load them"
+
+
+def progress_bars(quiet: bool) -> Callable[..., Any]:
+    """``tqdm.tqdm`` on standard error: silent where that is asked for, or where it is no terminal."""
+    from tqdm import tqdm
+
+    # Of a terminal without a size tqdm would show nothing at all.
+    sized = quiet or not sys.stderr.isatty() or os.get_terminal_size(sys.stderr.fileno()).columns > 0
+    return partial(tqdm, disable=True if quiet else None, **({} if sized else {"ncols": 80, "nrows": 24}))
+
+
+@contextmanager
+def compiling_told(quiet: bool) -> Iterator[None]:
+    """Within it, the first kernel that has to be compiled is told of on a terminal; one from the cache is not."""
+    if quiet or not sys.stderr.isatty():
+        yield
+        return
+    from numba.core.event import Event, Listener, install_listener
+    from tqdm import tqdm
+
+    class Told(Listener):
+        told = False
+
+        def on_start(self, event: Event) -> None:
+            if not self.told:
+                self.told = True
+                tqdm.write(COMPILING, file=sys.stderr)  # above a bar that is there already
+
+        def on_end(self, event: Event) -> None:
+            pass
+
+    with install_listener("numba:compile", Told()):
+        yield
+
+
+#: The command that would make a missing file, by the argument that names the file.
+MISSING = {
+    "config": "rockpulse init-config -o FILE writes one to fill in",
+    "sequence": "rockpulse calibrate writes one",
+    "site": "rockpulse calibrate writes one",
+    "fragility": "rockpulse fragility writes one",
+    "results": "rockpulse assess writes one",
+    "first": "rockpulse assess writes one",
+    "second": "rockpulse assess writes one",
+}
+
+#: Arguments that name results to read.
+RESULTS = ("results", "first", "second", "fragility", "site", "sequence")
+
+#: Differences of a results file that a message names.
+SAID = 3
+
+#: Arguments that name a file to write.
+WRITTEN = ("output", "log_file")
+
+#: Arguments whose name is left out where a message begins with the file.
+BARE = ("results", "first", "second")
+
+
+def file_fault(error: OSError, args: argparse.Namespace) -> str:
+    """Describe the fault of a file, the argument that named it, and a remedy."""
+    if not isinstance(error.filename, str | bytes | os.PathLike):
+        return str(error.strerror or error)
+    shown = os.fsdecode(error.filename)
+    path = Path(shown).absolute()
+    named = [name for name, value in vars(args).items() if isinstance(value, str) and Path(value).absolute() == path]
+    option = named[0] if named else ""
+    if option:
+        shown = getattr(args, option)
+        shown = shown if option in BARE else f"--{option.replace('_', '-')} {shown}"
+    if error.errno == errno.EISDIR:
+        return f"{shown}: expected a file, found a folder"
+    if error.errno not in (errno.ENOENT, errno.ENOTDIR):
+        return f"{shown}: {error.strerror or error}"
+    if not path.parent.is_dir():
+        return f"{shown}: there is no folder {path.parent}; check the path, or create it first"
+    if option in WRITTEN:
+        return f"{shown}: cannot be written ({error.strerror}); choose another folder"
+    return f"{shown}: no such file; check the path{f' ({MISSING[option]})' if option in MISSING else ''}"
+
+
+def differing_results(args: argparse.Namespace) -> str:
+    """How the results that a verb was to read differ from what was written; empty if none does, or none is read."""
+    from rockpulse.storage.hdf5.verification import verify
+
+    named = [value for name in RESULTS if isinstance(value := getattr(args, name, None), str)]
+    for path in named:
+        if not Path(path).is_file():
+            continue
+        try:
+            found = verify(path, inputs=False)
+        except RockpulseError as error:
+            return str(error)
+        if found.variables and found.differences:  # without checksums nothing is compared
+            changed = [one for one in found.differences if one.startswith("variable ")] or [*found.differences]
+            return (
+                f"{path} is not as it was written ({'; '.join(changed[:SAID])}); 'rockpulse verify {path}' lists every "
+                "difference; run the assessment again"
+            )
+    return ""

@@ -1,0 +1,275 @@
+"""Sections of what is asked beside the verdicts: [uncertainty], [fragility], [hazard], [check] and [report]."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from rockpulse.errors import ConfigError
+from rockpulse.files import check_regular
+from rockpulse.model_table import EQUATIONS
+from rockpulse.option import KeyType, Section, boolean, choice, choices, is_number, key, number, text
+from rockpulse.record.measures import FRAGILITY, HAZARD, MEASURES, PGA, REFERENCE
+
+if TYPE_CHECKING:
+    from rocking.spectrum.probability import Uncertainty
+
+#: The codes whose checks are known, in the order of tables.
+CODES = ("circolare_2009", "circolare_2019", "en_1998")
+
+#: Limit states that are no rotation.
+UPLIFT, OVERTURNING = "uplift", "overturning"
+DATA = ("stripes", "ida", "cloud")
+MODELS = ("lognormal", "logistic")
+
+#: Units of the levels of the measures that a hazard is given in.
+HAZARD_UNITS = tuple(dict.fromkeys(unit for name in HAZARD for unit in MEASURES[name].known_units))
+
+#: Largest logo [bytes]: as text it is an attribute of the results file, of which HDF5 takes 64 kB.
+LOGO_LIMIT = 45_000
+#: What every PNG begins with.
+PNG = b"\x89PNG\r\n\x1a\n"
+
+
+def _are_numbers(value: Any, count: int = 0) -> bool:
+    """Whether it is a list of numbers above 0, of one or more or of so many."""
+    numbers = isinstance(value, (list, tuple)) and all(is_number(item) and item > 0.0 for item in value)
+    return numbers and (len(value) == count if count else bool(value))
+
+
+def _ascend(value: Any, count: int = 0) -> bool:
+    return _are_numbers(value, count) and all(low < high for low, high in pairwise(value))
+
+
+def _floats(value: Any) -> tuple[float, ...]:
+    return tuple(map(float, value))
+
+
+def _is_limit_states(value: Any) -> bool:
+    if not isinstance(value, (list, tuple)) or not value:
+        return False
+    known = all(
+        item in (UPLIFT, OVERTURNING) if isinstance(item, str) else is_number(item) and 0.0 < item <= 1.0
+        for item in value
+    )
+    return known and len(set(value)) == len(value)
+
+
+def _by_severity(value: Any) -> tuple[str | float, ...]:
+    levels = sorted(float(item) for item in value if not isinstance(item, str))
+    return (*(item for item in value if item == UPLIFT), *levels, *(item for item in value if item == OVERTURNING))
+
+
+_RANGE = KeyType(
+    "[least, most], shares of the nominal C above 0 and at most 1",
+    lambda value: _are_numbers(value, 2) and value[0] <= value[1] <= 1.0,
+    _floats,
+)
+_LIMIT_STATES = KeyType(
+    'a list of "uplift", numbers in (0, 1] (rotations over alpha_c) and "overturning", each once',
+    _is_limit_states,
+    _by_severity,
+    (UPLIFT, OVERTURNING),
+)
+_FACTORS = KeyType("two positive numbers [lowest, highest] that ascend", lambda value: _ascend(value, 2), _floats)
+_LEVELS = KeyType("a list of positive numbers that ascend", _ascend, _floats)
+
+
+@dataclass(frozen=True)
+class UncertaintySettings(Section):
+    """The uncertainty under which the probability of overturning is stated, and whether there is one.
+
+    It is of the nonlinear model: without `nonlinear` among the models there is none. A body whose restitution
+    is a list has the range from its least to its largest value in place of `restitution`.
+    """
+
+    heading = "[uncertainty]"
+    probability: bool = boolean(True)
+    factor: float = number(0.10, low=0.02, high=1.0)  # as the solver takes it
+    restitution: tuple[float, float] = key((0.9, 1.0), _RANGE)
+    geometry: float = number(0.05, low=0.0, high=1.0)
+    azimuth: bool = boolean(False)
+    spectrum: str = choice("bodies", ("bodies", "all"))
+
+    def of_draws(self) -> Uncertainty:
+        """The same for the solver."""
+        from rocking.spectrum.probability import Uncertainty
+
+        return Uncertainty(factor=self.factor, restitution=self.restitution, geometry=self.geometry)
+
+
+@dataclass(frozen=True)
+class FragilitySettings(Section):
+    """Limit states, measures and fits of :func:`rockpulse.fragility_curves`.
+
+    `selection` is a table of records that were chosen elsewhere, with their factors or levels and weights, in place of
+    `stripe_levels`, `factors` and `pga_min`.
+
+    Raises
+    ------
+    ConfigError
+        For a selection without stripes.
+    """
+
+    heading = "[fragility]"
+    limit_states: tuple[str | float, ...] = key((UPLIFT, 0.1, 0.4, 0.6, 1.0, OVERTURNING), _LIMIT_STATES)
+    measures: tuple[str, ...] = choices(FRAGILITY, FRAGILITY)
+    pga_min: float = number(1.0, low=0.0, unit="m/s2")
+    data: str = choice("stripes", DATA)
+    stripe_measure: str = choice(REFERENCE, FRAGILITY)
+    stripe_levels: tuple[float, ...] = key((0.15, 0.25, 0.4, 0.6, 0.9, 1.4), _LEVELS)
+    factors: tuple[float, float] = key((0.25, 4.0), _FACTORS)
+    selection: str | None = text(None)
+    model: str = choice("lognormal", MODELS)
+    overturning_model: str = choice("logistic", MODELS)
+    confidence: float = number(0.9, low=0.5, high=0.999)
+    equation: str = choice(EQUATIONS[0], EQUATIONS)
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.selection is not None and self.data != "stripes":
+            raise ConfigError(
+                f'[fragility] selection: records chosen elsewhere are stripes, found data = "{self.data}"; drop one'
+            )
+
+
+@dataclass(frozen=True)
+class HazardSettings(Section):
+    """The hazard of the site: the file of a curve, or the power law k0 x^-k; and the time that is asked about.
+
+    `longitude` and `latitude` choose the site in a file of several. `measure` and `unit` are those of the power law,
+    the unit that in SI without; a file names its own. `soil_factor` brings the levels of a hazard on rock to the ground
+    of the site.
+
+    Raises
+    ------
+    ConfigError
+        For both a file and a power law, half of a power law, or half of a site.
+    """
+
+    heading = "[hazard]"
+    file: str | None = text(None)
+    longitude: float | None = number(None, low=-180.0, high=360.0, unit="degrees")
+    latitude: float | None = number(None, low=-90.0, high=90.0, unit="degrees")
+    k0: float | None = number(None, low=0.0, above=True, unit="1/year")
+    k: float | None = number(None, low=0.0, above=True)
+    measure: str = choice(PGA, HAZARD)
+    unit: str | None = choice(None, HAZARD_UNITS)
+    soil_factor: float = number(1.0, low=0.0, above=True)
+    years: float = number(50.0, low=0.0, above=True, unit="years")
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if (self.k0 is None) != (self.k is None):
+            raise ConfigError("[hazard] k0, k: expected both of the power law k0 x^-k, found one")
+        if self.file is not None and self.k0 is not None:
+            raise ConfigError("[hazard]: expected a file or the power law k0, k, found both")
+        if (self.longitude is None) != (self.latitude is None):
+            raise ConfigError("[hazard] longitude, latitude: expected both or neither, found one")
+
+
+@dataclass(frozen=True)
+class CheckSettings(Section):
+    """The elastic spectrum of a code, of one limit state, and the factors of the checks.
+
+    Attributes
+    ----------
+    spectrum : str
+        "ntc": NTC 2018, 3.2.3.2.1; "en_1998_1" and "en_1998_2": EN 1998-1, 3.2.2.2, types 1 and 2; "table": `file`.
+    ag : float or None
+        Peak acceleration on rock [g], of the limit state that is checked; with the importance factor in it.
+    f0, tc_star : float or None
+        F_0 [-] and T_C* [s] of an NTC spectrum.
+    ground, topography : str
+        Categories; the topography is that of NTC.
+    file : str or None
+        Table "period [s],sa [g]" from a period of 0, that of the ground's peak with its soil.
+    limit_state : str
+        Of Circolare 7/2019: "slv" or "slc".
+    q, confidence_factor : float
+        Behaviour factor of the linear checks and FC. FC is that of knowledge level LC1 unless the masonry's crushing is
+        in the multiplier (Circolare 7/2019, C8.7.1.2.1.3).
+    q_a, gamma_a : float
+        Behaviour factor and importance factor of a non-structural element (EN 1998-1, 4.3.5).
+
+    Raises
+    ------
+    ConfigError
+        For a table without its file, a file without "table", and a spectrum with only some of its numbers.
+    """
+
+    heading = "[check]"
+    spectrum: str = choice("ntc", ("ntc", "en_1998_1", "en_1998_2", "table"))
+    ag: float | None = number(None, low=0.0, above=True, high=5.0, unit="g")
+    f0: float | None = number(None, low=1.0, high=10.0)
+    tc_star: float | None = number(None, low=0.01, high=5.0, unit="s")
+    ground: str = choice("A", ("A", "B", "C", "D", "E"))
+    topography: str = choice("T1", ("T1", "T2", "T3", "T4"))
+    file: str | None = text(None)
+    limit_state: str = choice("slv", ("slv", "slc"))
+    q: float = number(2.0, low=1.0)
+    confidence_factor: float = number(1.35, low=1.0)
+    q_a: float = number(1.0, low=1.0)
+    gamma_a: float = number(1.0, low=0.0, above=True)
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        of_ntc = {"f0": self.f0, "tc_star": self.tc_star}
+        named = [name for name, value in {"ag": self.ag, **of_ntc}.items() if value is not None]
+        if self.spectrum == "table" and named:
+            raise ConfigError(f'[check] {named[0]}: the numbers of spectrum = "table" are in its file; drop it')
+        if self.spectrum != "table" and self.file is not None:
+            raise ConfigError(f'[check] file: it belongs to spectrum = "table", found spectrum = "{self.spectrum}"')
+        if self.spectrum != "ntc" and (given := [name for name, value in of_ntc.items() if value is not None]):
+            raise ConfigError(f'[check] {given[0]}: it belongs to spectrum = "ntc", found "{self.spectrum}"; drop it')
+        if self.spectrum != "ntc" and self.topography != "T1":
+            raise ConfigError(
+                f'[check] topography: it belongs to spectrum = "ntc", found spectrum = "{self.spectrum}"; put its '
+                "factor into ag"
+            )
+        needed = {"ntc": ("ag", "f0", "tc_star"), "table": ()}.get(self.spectrum, ("ag",))
+        missing = [name for name in needed if name not in named]
+        if named and missing:
+            raise ConfigError(f"[check] {missing[0]}: {self.spectrum} needs it beside {', '.join(named)}; give it")
+
+    @property
+    def given(self) -> bool:
+        """Whether there is a demand."""
+        return self.ag is not None or self.file is not None
+
+
+@dataclass(frozen=True)
+class ReportSettings(Section):
+    """Author, client and project of a report, and the PNG file of a logo, which is copied into the results."""
+
+    heading = "[report]"
+    author: str = text()
+    client: str = text()
+    project: str = text()
+    logo: str | None = text(None)
+
+
+def logo_bytes(report: ReportSettings, folder: Path) -> bytes:
+    """The logo, whose path counts from a folder; empty without one.
+
+    Raises
+    ------
+    ConfigError
+        For a file that is not there, is larger than `LOGO_LIMIT`, or is no PNG.
+    """
+    if report.logo is None:
+        return b""
+    path = folder / report.logo
+    check_regular(path)
+    try:
+        with path.open("rb") as file:
+            content = file.read(LOGO_LIMIT + 1)
+    except OSError as error:
+        raise ConfigError(f"[report] logo: {path} cannot be read ({error.strerror})") from error
+    if not content.startswith(PNG):
+        raise ConfigError(f"[report] logo: {path}: expected a PNG picture, found another file")
+    if len(content) > LOGO_LIMIT:
+        raise ConfigError(f"[report] logo: {path}: expected at most {LOGO_LIMIT:,} bytes; make the picture smaller")
+    return content

@@ -1,0 +1,298 @@
+"""Statistics over earthquakes: resampling, intervals and weighted quantiles.
+
+.. note:: Records of one earthquake are no independent observations, so a statistic is a function of sums over
+   earthquakes, a resample draws whole earthquakes, and a jackknife leaves out one after the other. Weights (n,) are not
+   negative and need no norm; `events` (n,) are numbers from 0 to g - 1; `draws` (b, g) tell how often each earthquake
+   is in each resample (:func:`draw_earthquakes`); `estimates` (1 + K, ...) are of all data, then without each of K
+   earthquakes.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+
+#: Confidence of the interval of a probability over earthquakes [-], and the fewest earthquakes that say something of
+#: others.
+CONFIDENCE = 0.9
+FEWEST_EVENTS = 3
+
+#: Sums of weights are rounded: a share of 0.84 may come out as a bit less.
+ROUNDING = 1e-9
+
+#: Largest share of the draws of a bootstrap-t that may have no value.
+LOST = 0.1
+
+
+def members(events: Sequence[str] | np.ndarray) -> np.ndarray:
+    """Whether (g, n) each of n records is of each of the g earthquakes, which are in the order of their labels."""
+    names, place = np.unique(np.asarray(events), return_inverse=True)
+    return np.asarray(place == np.arange(names.size)[:, np.newaxis])
+
+
+def mean_weights(events: Sequence[str] | np.ndarray) -> np.ndarray:
+    """Weights (g, n) of n records in the mean of each of the g earthquakes."""
+    own = members(events)
+    return np.asarray(own / own.sum(axis=1, keepdims=True))
+
+
+def draw_earthquakes(events: int, resamples: int, seed: int | Sequence[int]) -> np.ndarray:
+    """Counts of each of g earthquakes in each of b resamples: (b, g) whole numbers whose rows sum to g.
+
+    They depend on the arguments alone; a seed of several numbers gives each kind of result a stream of its own.
+    """
+    return np.random.default_rng(seed).multinomial(events, np.full(events, 1.0 / events), size=resamples)
+
+
+def weighted_quantile(values: np.ndarray, level: float, weights: np.ndarray) -> float:
+    """Smallest of the values (n,) with at least a share `level` of the weight at or below it; NaN without any.
+
+    NaN values are left out.
+
+    Examples
+    --------
+    >>> weighted_quantile(np.array([3.0, 1.0, 2.0]), 0.5, np.array([1.0, 1.0, 5.0]))
+    2.0
+    """
+    known = np.isfinite(values) & (weights > 0.0)
+    if not np.any(known):
+        return math.nan
+    order = np.argsort(values[known])
+    below = np.cumsum(weights[known][order])
+    return float(values[known][order][np.searchsorted(below, (level - ROUNDING) * below[-1])])
+
+
+def probability_interval(probability: Any, events: Any) -> tuple[np.ndarray, np.ndarray]:
+    """Ends of the interval of a mean probability over so many earthquakes (Clopper & Pearson 1934, two-sided).
+
+    With the confidence :data:`CONFIDENCE`, as if the earthquakes were drawn at random from those that are to be
+    expected. A mean of 0 or 1 gives the rule of three: its other end lies less than 3/n away.
+
+    Examples
+    --------
+    >>> [round(float(end), 3) for end in probability_interval(0.0, 10)], round(1.0 - 0.05 ** (1 / 10), 3)
+    ([0.0, 0.259], 0.259)
+    """
+    from scipy.special import betaincinv
+
+    hit, tail = np.asarray(probability, dtype=float) * events, 0.5 * (1.0 - CONFIDENCE)
+    with np.errstate(invalid="ignore"):
+        low = np.where(hit > 0.0, betaincinv(np.where(hit > 0.0, hit, 1.0), events - hit + 1.0, tail), hit)
+        rest = events - hit
+        high = np.where(rest > 0.0, betaincinv(hit + 1.0, np.where(rest > 0.0, rest, 1.0), 1.0 - tail), hit / events)
+    return low, high
+
+
+def share_interval(
+    hits: np.ndarray, weights: np.ndarray, events: np.ndarray, confidence: float
+) -> tuple[float, float, float]:
+    """A weighted share of hits (n,), from 0 to 1 each, with both ends of its interval over earthquakes; n at least 1.
+
+    The ends are NaN for a single earthquake.
+
+    Notes
+    -----
+    Korn and Graubard's interval (1998, Survey Methodology 24, 193-201): Clopper and Pearson's for the effective number
+    of independent trials, s(1 - s)/var s with the variance of the ratio over earthquakes, times (z/t_(g-1))^2. Where
+    all or nothing is hit the variance says nothing, and every earthquake counts as one trial: no certainty from few.
+    """
+    from scipy.stats import beta, norm, t
+
+    total = float(weights.sum())
+    share = float(weights @ hits) / total
+    names, place = np.unique(events, return_inverse=True)
+    count = names.size
+    if count < 2:
+        return share, math.nan, math.nan
+    residual = np.bincount(place, weights * (hits - share), count)
+    variance = count / (count - 1.0) * float(residual @ residual) / total**2
+    trials = share * (1.0 - share) / variance if variance > 1e-12 else float(count)
+    level = 0.5 * (1.0 + confidence)
+    trials *= float((norm.ppf(level) / t.ppf(level, count - 1)) ** 2)
+    hit = share * trials
+    lower = float(beta.ppf(1.0 - level, hit, trials - hit + 1.0)) if share > 1e-12 else 0.0
+    upper = float(beta.ppf(level, hit + 1.0, trials - hit)) if share < 1.0 - 1e-12 else 1.0
+    return share, lower, upper
+
+
+def bootstrap_interval(
+    estimate: float, resampled: np.ndarray, sizes: np.ndarray, confidence: float
+) -> tuple[float, float]:
+    """Lower and upper end of the interval of an estimate, from its values (b,) in resamples of earthquakes.
+
+    A value is NaN where a resample holds none, inf where it has no bound; `sizes` (g,) is the weight of the records of
+    each earthquake. NaN where the estimate is not finite, and with a single earthquake. The upper end is inf where more
+    resamples are than the interval leaves out above.
+
+    Notes
+    -----
+    Estimate -+ t_f sqrt(c) times the standard deviation of the resamples. A bootstrap of g earthquakes finds the
+    variance too small by (g - 1)/g and does not know that it is an estimate (Hesterberg 2015, sections 3.2 and 4.4,
+    doi:10.1080/00031305.2015.1089789). For earthquakes of shares s_g, each of one value, the mean of the resampled
+    variance of their mean is 1/c = 1 - 2 sum s^3/sum s^2 + sum s^2 of the true one, and f + 1 = 1/sum s^2 is their
+    effective number, at least 2. For the mean of g normal values of one weight the interval is Student's.
+    """
+    correction, student = _few_earthquakes(sizes, confidence)
+    known = resampled[np.isfinite(resampled)]
+    if known.size < 2 or not np.isfinite(estimate):
+        return math.nan, math.nan
+    half = student * np.sqrt(correction) * float(np.std(known))
+    unbounded = np.mean(np.isinf(resampled)) > 0.5 * (1.0 - confidence)
+    return float(estimate - half), math.inf if unbounded else float(estimate + half)
+
+
+def _few_earthquakes(sizes: np.ndarray, confidence: float) -> tuple[float, float]:
+    """Factor on a bootstrap variance, and Student's t for the doubt about it; NaN for a single earthquake."""
+    from scipy.stats import t
+
+    shares = sizes[sizes > 0.0] / np.sum(sizes)
+    if shares.size < 2:
+        return math.nan, math.nan
+    square = float(np.sum(shares**2))
+    correction = 1.0 / (1.0 - 2.0 * float(np.sum(shares**3)) / square + square)
+    return correction, float(t.ppf(0.5 * (1.0 + confidence), max(1.0 / square - 1.0, 1.0)))
+
+
+class Limits(NamedTuple):
+    """Limits of a quantity by the bootstrap-t, NaN where too many draws are lost, and the share of the lost ones."""
+
+    low: float
+    high: float
+    lost: float
+
+
+def bootstrap_t_limits(scores: np.ndarray, estimate: float, error: float, confidence: float) -> Limits:
+    """Limits exp(estimate - score error) by the scores (b,) of the draws.
+
+    A score is (value of the draw - estimate)/standard error of the draw, NaN where the draw has none. The limits are
+    NaN where more than :data:`LOST` of the draws are lost, or where the estimate has no error.
+    """
+    known = scores[np.isfinite(scores)]
+    lost = 1.0 - known.size / scores.size
+    if lost > LOST or not (np.isfinite(error) and error > 0.0):
+        return Limits(math.nan, math.nan, lost)
+    high, low = np.quantile(known, [0.5 - 0.5 * confidence, 0.5 + 0.5 * confidence])
+    return Limits(math.exp(estimate - low * error), math.exp(estimate - high * error), lost)
+
+
+def jackknife_error(estimates: np.ndarray) -> np.ndarray:
+    """Standard errors (...) of estimates (1 + K, ...)."""
+    events = estimates.shape[0] - 1
+    return np.asarray(np.sqrt((events - 1) / events * np.sum((estimates[1:] - estimates[0]) ** 2, axis=0)))
+
+
+def jackknife_half_width(estimates: np.ndarray, confidence: float) -> np.ndarray:
+    """Half the width (...) of confidence intervals of estimates (1 + K, ...): Student's t times the standard error."""
+    from scipy.special import stdtrit
+
+    return np.asarray(stdtrit(estimates.shape[0] - 2, 0.5 + 0.5 * confidence) * jackknife_error(estimates))
+
+
+def lognormal_mean_half_width(values: np.ndarray, confidence: float) -> np.ndarray:
+    """Half the width (m,) of the interval of ln of the mean over k earthquakes of lognormal values (m, k).
+
+    With s^2 the variance of their logarithms, that of ln of the mean is s^2/k + s^4/(2 (k - 1)) (Cox, in Land 1972,
+    Technometrics 14(1), 145-158); times Student's t with k - 1 degrees of freedom.
+    """
+    from scipy.special import stdtrit
+
+    count = values.shape[1]
+    variance = np.var(np.log(values), axis=1, ddof=1)
+    error = np.sqrt(variance / count + variance**2 / (2.0 * (count - 1)))
+    return np.asarray(stdtrit(count - 1, 0.5 + 0.5 * confidence) * error)
+
+
+@dataclass(frozen=True, eq=False)
+class Lognormal:
+    """Weighted lognormal fit of p parameters."""
+
+    median: np.ndarray  # (p,) exp of the mean of the logarithms; NaN without a value
+    dispersion: np.ndarray  # (p,) standard deviation of the logarithms; NaN with too few values
+    median_interval: np.ndarray  # (2, p) lower and upper ends; NaN for a single earthquake
+    dispersion_interval: np.ndarray  # (2, p) lower and upper ends; NaN for a single earthquake
+
+
+def fit_lognormal(
+    logarithms: np.ndarray, weights: np.ndarray, events: np.ndarray, draws: np.ndarray, confidence: float
+) -> Lognormal:
+    """Median and dispersion of lognormal parameters, whose logarithms (n, p) are NaN where a record has none.
+
+    Notes
+    -----
+    The dispersion is that of records of different earthquakes, half the weighted mean of (x_i - x_j)^2 over pairs from
+    different ones: free of bias however the variance is split into that between and that within earthquakes, where the
+    usual estimator is not. With one earthquake it is that within it. The interval of the median is
+    :func:`bootstrap_interval` of the logarithm, that of the dispersion chi-square with degrees of freedom taken from
+    the resamples.
+    """
+    once = np.ones((1, draws.shape[1]), dtype=int)
+    mean, spread = (values[0] for values in log_moments(logarithms, weights, events, once))
+    means, spreads = log_moments(logarithms, weights, events, draws)
+    known = np.isfinite(logarithms)
+    sizes = np.zeros((draws.shape[1], mean.size))
+    np.add.at(sizes, events, weights[:, np.newaxis] * known)
+    most = np.count_nonzero(known, axis=0) - 1
+    median, dispersion = np.empty((2, 2, mean.size))
+    for one in range(mean.size):
+        size = sizes[:, one]
+        median[:, one] = bootstrap_interval(mean[one], means[:, one], size, confidence)
+        dispersion[:, one] = _dispersion_interval(
+            spread[one], spreads[:, one], means[:, one], size, most[one], confidence
+        )
+    return Lognormal(np.exp(mean), spread, np.exp(median), dispersion)
+
+
+def log_moments(
+    logarithms: np.ndarray, weights: np.ndarray, events: np.ndarray, draws: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Mean and dispersion (b, p) of logarithms (n, p) in resamples of earthquakes.
+
+    A row of ones among the draws stands for the sample itself. NaN where a resample holds no value, or too few for a
+    dispersion.
+    """
+    known = np.isfinite(logarithms)
+    values, share = np.where(known, logarithms, 0.0), weights[:, np.newaxis] * known
+    sums = np.stack([share, share * values, share * values**2], axis=1)
+    alone = draws.shape[1] == 1  # then the pairs are those of different records
+    groups = np.arange(weights.size) if alone else events
+    by_group = np.zeros((weights.size if alone else draws.shape[1], *sums.shape[1:]))
+    np.add.at(by_group, groups, sums)
+    times = np.repeat(draws, weights.size, axis=1) if alone else draws
+    weight, first, second = np.moveaxis(np.tensordot(times, by_group, axes=1), 1, 0)
+    size, one, two = by_group[:, 0], by_group[:, 1], by_group[:, 2]
+    with np.errstate(invalid="ignore", divide="ignore"):
+        mean = first / weight
+        pairs = weight**2 - times @ size**2
+        square = (weight * second - first**2) - times @ (size * two - one**2)
+        # Rounding makes neither a variance of equal values nor a number of no pairs.
+        variance = np.where(square > 1e-13 * weight * second, square, 0.0) / np.where(
+            pairs > 1e-12 * weight**2, pairs, np.nan
+        )
+    return mean, np.sqrt(variance)
+
+
+def _dispersion_interval(
+    dispersion: float, dispersions: np.ndarray, means: np.ndarray, sizes: np.ndarray, most: int, confidence: float
+) -> tuple[float, float]:
+    """Chi-square interval of a dispersion, its degrees of freedom from the resamples.
+
+    The variance of the mean gives the effective number of independent records, s^2/var m, times (z/t)^2 for not
+    knowing it, at least 1; the variance of the dispersion itself gives 2 s^4/var s^2, less where tails are heavy. The
+    smaller of the two counts, and the number of records less one.
+    """
+    from scipy.stats import chi2, norm
+
+    correction, student = _few_earthquakes(sizes, confidence)
+    if not (np.isfinite(correction) and np.isfinite(dispersion) and dispersion > 0.0):
+        return math.nan, math.nan
+    level = 0.5 * (1.0 + confidence)
+    of_mean = dispersion**2 / (np.nanvar(means) * correction) * (norm.ppf(level) / student) ** 2
+    spread = np.nanvar(dispersions**2) * correction
+    of_spread = 2.0 * dispersion**4 / spread if spread > 0.0 else np.inf
+    freedom = min(max(of_mean, 1.0), of_spread, float(most))
+    ends = np.sqrt(freedom / chi2.ppf([level, 1.0 - level], freedom))
+    return float(dispersion * ends[0]), float(dispersion * ends[1])

@@ -1,0 +1,219 @@
+"""Files that the user names, tables in them, and several files that are written together, whole or not at all."""
+
+from __future__ import annotations
+
+import csv
+import io
+import os
+import re
+import secrets
+import shutil
+import stat
+import tomllib
+from collections.abc import Iterator, Mapping
+from contextlib import ExitStack, contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from rockpulse.errors import ConfigError, RockpulseError
+from rockpulse.foreign_text import first_line
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+
+#: Largest table and largest configuration that are read [bytes].
+TABLE_LIMIT, TOML_LIMIT = 64 * 1024**2, 1024**2
+#: How deep the sections and arrays of a TOML file may be nested, and how large its integers may be.
+DEEPEST, LARGEST = 8, 2**63
+
+_KINDS = {stat.S_ISFIFO: "a pipe", stat.S_ISSOCK: "a socket", stat.S_ISCHR: "a device", stat.S_ISBLK: "a device"}
+
+
+def check_regular(path: str | os.PathLike[str], error: type[RockpulseError] = ConfigError) -> None:
+    """Raise `error` for a pipe, a socket or a device, whose reading may never end; a missing file passes."""
+    if not os.path.exists(path):  # noqa: PTH110 - Path.exists raises for a name that is too long
+        return
+    mode = os.stat(path).st_mode  # noqa: PTH116 - as above
+    for is_kind, kind in _KINDS.items():
+        if is_kind(mode):
+            raise error(f"{path}: expected a file, found {kind}; write what it gives to a file, and name that one")
+
+
+def read_text(path: Path, limit: int = TABLE_LIMIT, what: str = "a text file") -> str:
+    """The text of a file in UTF-8, with or without a byte-order mark.
+
+    Raises
+    ------
+    ConfigError
+        For a pipe or a device, a file of more than `limit` bytes, and bytes that are no UTF-8; the message calls the
+        file `what`.
+    OSError
+        Where the file cannot be opened.
+    """
+    check_regular(path)
+    with path.open("rb") as file:
+        content = file.read(limit + 1)
+    if len(content) > limit:
+        raise ConfigError(f"{path}: expected {what} of at most {limit:,} bytes, found more; is it the right file?")
+    try:
+        return content.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise ConfigError(f"{path}: expected {what} in UTF-8, found byte {error.start} outside it") from None
+
+
+def parse_toml(text: str, name: str, error: type[RockpulseError] = ConfigError) -> dict[str, Any]:
+    """The content of a TOML text, which messages call by its `name`.
+
+    Raises `error` for a text that is no TOML, is nested deeper than `DEEPEST`, or has an integer beyond `LARGEST`.
+    """
+    deep = f"{name}: sections and arrays are nested deeper than {DEEPEST} times, the limit"
+    large = f"{name}: an integer is beyond the limit of 2^63; write a number with a decimal point"
+    try:
+        document = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as fault:
+        raise error(f"{name}: not valid TOML: {fault}") from None
+    except RecursionError:
+        raise error(deep) from None
+    except ValueError:  # Python refuses integers of more than 4300 digits
+        raise error(large) from None
+    level: list[Any] = [document]
+    for _ in range(DEEPEST):
+        if any(type(value) is int and abs(value) >= LARGEST for value in level):
+            raise error(large)
+        level = [value for one in level for value in _inside(one)]
+    if level:
+        raise error(deep)
+    return document
+
+
+def _inside(value: Any) -> list[Any]:
+    if isinstance(value, Mapping):
+        return list(value.values())
+    return value if isinstance(value, list) else []
+
+
+#: A number with a decimal comma, as it may stand between semicolons or tabs.
+DECIMAL_COMMA = re.compile(r"([+-]?\d*),(\d+(?:[eE][+-]?\d+)?)")
+
+
+def separator(text: str) -> str:
+    """What stands between the cells of the first line of a table."""
+    head = text.lstrip("\n").partition("\n")[0]
+    return next((mark for mark in (";", "\t") if mark in head), ",")
+
+
+def table_of(path: str, text: str) -> pd.DataFrame:
+    """The cells of a table as texts without blanks around them; lines that are empty or begin with # are passed over.
+
+    Where semicolons or tabs stand between the cells, numbers may have decimal commas. Cells that are missing at the end
+    of a row are empty.
+
+    Raises
+    ------
+    ConfigError
+        For no heading, a column that stands twice, or a row of more cells than the heading has.
+    """
+    import pandas as pd
+
+    lines = [line for line in text.splitlines() if line.strip() and not line.startswith("#")]
+    between = separator("\n".join(lines[:1]))
+    try:
+        rows = [
+            [cell.strip() for cell in row]
+            for row in csv.reader(io.StringIO("\n".join(lines)), delimiter=between, skipinitialspace=True)
+        ]
+    except csv.Error as error:
+        raise ConfigError(f"{path}: cannot be read as a table: {first_line(error)}") from None
+    heads, *cells = [_without_empty_end(row) for row in rows] or [[]]
+    if twice := [name for name in dict.fromkeys(heads) if heads.count(name) > 1]:
+        raise ConfigError(f"{path}: expected each column once, found {twice[0]!r} {heads.count(twice[0])} times")
+    for number, row in enumerate(cells, start=1):
+        if len(row) > len(heads):
+            raise ConfigError(
+                f"{path}: row {number}: expected {len(heads)} cells, as the heading has, found {len(row)}: {row}"
+            )
+    if between != ",":
+        cells = [
+            [DECIMAL_COMMA.sub(r"\1.\2", cell) if DECIMAL_COMMA.fullmatch(cell) else cell for cell in row]
+            for row in cells
+        ]
+    return pd.DataFrame([row + [""] * (len(heads) - len(row)) for row in cells], columns=heads, dtype=str)
+
+
+def numbers(path: str, table: pd.DataFrame, column: str) -> np.ndarray:
+    """A column (n,) of finite numbers; ConfigError where a cell is none."""
+    import pandas as pd
+
+    found = pd.to_numeric(table[column], errors="coerce").to_numpy(dtype=float)
+    wrong = ~np.isfinite(found)
+    if wrong.any():
+        row = int(np.argmax(wrong))
+        raise ConfigError(
+            f"{path}: row {row + 1} of column {column!r}: expected a number, found {table[column].iloc[row]!r}"
+        )
+    return found
+
+
+def _without_empty_end(row: list[str]) -> list[str]:
+    """The cells without the empty ones behind the last that is none, as spreadsheets write them."""
+    count = max((place for place, cell in enumerate(row, start=1) if cell), default=0)
+    return row[:count]
+
+
+def _hidden(target: Path) -> Path:
+    """A new name in the folder of a file."""
+    return target.with_name(f".rockpulse.{os.getpid()}.{secrets.token_hex(4)}.part")
+
+
+@contextmanager
+def _named(path: Path) -> Iterator[None]:
+    """Give errors of the operating system the name of the file that was asked for."""
+    try:
+        yield
+    except OSError as fault:
+        raise OSError(fault.errno, fault.strerror or str(fault), str(path)) from fault
+
+
+class FileSet:
+    """Contents that are written beside their places at once, and moved there by `commit`.
+
+    A symbolic link stays what it is: the file it points to is written. Leaving the context removes what was not
+    committed.
+    """
+
+    def __init__(self) -> None:
+        self._parts = ExitStack()
+        self._moves: list[tuple[Path, Path, Path]] = []
+
+    def __enter__(self) -> FileSet:
+        return self
+
+    def __exit__(self, *fault: object) -> None:
+        self._parts.close()
+
+    def add(self, target: Path, content: bytes) -> None:
+        """Write the content of a file, not yet in its place; an OSError carries the name of `target`."""
+        place = Path(os.path.realpath(target))
+        part = _hidden(place)
+        self._parts.callback(part.unlink, missing_ok=True)
+        with _named(target):
+            part.write_bytes(content)
+        self._moves.append((target, part, place))
+
+    def commit(self) -> None:
+        """Put every file in its place; if one fails, all that was there before comes back and the OSError is raised."""
+        with ExitStack() as copies, ExitStack() as undo:
+            for target, part, place in self._moves:
+                with _named(target):
+                    if place.exists():
+                        copy = _hidden(place)
+                        copies.callback(copy.unlink, missing_ok=True)
+                        shutil.copy2(place, copy)
+                        undo.callback(copy.replace, place)
+                    else:
+                        undo.callback(place.unlink, missing_ok=True)
+                    part.replace(place)
+            undo.pop_all()

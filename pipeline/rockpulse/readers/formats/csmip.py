@@ -1,0 +1,347 @@
+"""CSMIP files of the California Geological Survey, and of the networks that write the same layout.
+
+Volume 1, uncorrected: each channel has 13 lines of text, 100 integers (16I5), 50 reals (8F10) and then, on newer files,
+a heading line that names count, rate, unit and Fortran format of the accelerations. Older files have no heading: pairs
+of time [s] and acceleration [g/10] with unequal steps follow.
+
+Volume 2, corrected: a title, the lines of volume 1, 11 more about the correction, integers, reals and up to three
+blocks of acceleration, velocity and displacement, of which the acceleration is read. Each begins with a heading, as in
+``3251 POINTS OF ACCEL DATA EQUALLY SPACED AT .020 SEC.  (UNITS: CM/SEC/SEC)``; newer ones name the Fortran format,
+USC's no unit. Channels differ in length; a line ``/&`` ends one.
+
+Volume 3, spectra, is recognised so that messages name it and no reader takes it.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from typing import NoReturn
+
+from rockpulse.errors import UnitError
+from rockpulse.readers import kit
+from rockpulse.readers.format import Format, ReadOptions, begins_with
+from rockpulse.readers.kit import csmip
+from rockpulse.readers.source import NotAcceleration, SourceFile
+from rockpulse.record.record import STANDARD_GRAVITY, Record
+
+UNCORRECTED = re.compile(r"\s?uncorrected accelerogram data\b", re.IGNORECASE)
+_PEAK_1 = re.compile(r"max\s*=\s*(-?\d*\.\d+)\s*g\b(?:\s*,\s*at\s+(\d{0,6}\.\d{1,6})\s*sec)?", re.IGNORECASE)
+_UNIT = re.compile(r"\s*units of uncor \w+\s+(?:is|are)\s+(?:sec(?:onds)?\s+and\s+)?(g(?:/10)?)\b", re.IGNORECASE)
+_POINTS = re.compile(r"no\. of points\s*=\s*(\d{1,15})\b", re.IGNORECASE)
+_RATE = re.compile(r"\bat\s+(\d{1,6}(?:\.\d{0,6})?)\s*samples/sec", re.IGNORECASE)
+_LENGTH_1 = re.compile(r"record length\s*=\s*(\d{0,6}\.\d{1,6})\s*sec", re.IGNORECASE)
+#: A stated length may differ by this share: a trace may end a little earlier or later after its correction.
+_RATE_TOLERANCE, _LENGTH_TOLERANCE = 1e-3, 5e-3
+#: Bytes that hold the 13 lines of text of the first channel.
+_OPENING = 1500
+
+_CORRECTED = re.compile(r"\s?corrected accelerogram\b", re.IGNORECASE)
+_BOTH_TITLES = re.compile(rf"(?:{_CORRECTED.pattern}[^\r\n]*[\r\n]+)+{UNCORRECTED.pattern}", re.IGNORECASE)
+#: The title, the lines of volume 1, and those about the correction.
+_CORRECTION = 1 + csmip.TEXT_LINES
+_ALL_TEXT = _CORRECTION + 11
+_FILTER = re.compile(r"\s*accelerogram\s+(?:is\s+)?(.*\bfiltered\b.*?)[\s.]*$", re.IGNORECASE)
+_DECLARED = re.compile(r"\s*(\d{1,15})\s+(?:points of\s+)?(instrument.*corrected)\b", re.IGNORECASE)
+_INTERVAL = re.compile(r"\s*at equally-spaced intervals of\s+(\d*\.?\d+)\s*sec", re.IGNORECASE)
+_PEAK_2 = re.compile(
+    r"\s*peak acceleration\s*=\s*(-?\d*\.?\d+)\s*(?!at\b)([a-z][a-z/]*)(?:\s*at\s+(\d{0,6}\.\d{1,6})\s*sec)?",
+    re.IGNORECASE,
+)
+_OTHER_PEAKS = re.compile(
+    r"\s*peak\s+(?:velocity|displacement)\s*=\s*-?\d*\.?\d+\s*(?!at\b)([a-z][a-z/]*)", re.IGNORECASE
+)
+_LENGTH_2 = re.compile(r".{0,40}?\b(?:record length|duration)\s*=\s*(\d{0,6}\.\d{1,6})\s*sec", re.IGNORECASE)
+#: The component in the title and in the last line of the text.
+_COMPONENT = re.compile(r"\b(?:chan\s*\d{1,4}\s*:|comp)\s+(\S.{0,30}?)(?=\s{2}|\s+from\b|\s*$)", re.IGNORECASE)
+
+_SPECTRA = r"\s?response and fourier|\s?(?:response|fourier)\b[^\r\n]*\bspectr[^\r\n]*[\r\n]+\s?corrected accelerogram"
+_SPECTRA_WORDS = "response and Fourier spectra (volume 3 of CSMIP or USC)"
+#: Number of the station, and in the line below its name.
+_STATION = re.compile(r"^\s?station no\.?\s+(\w+)\b[^\r\n]*[\r\n]+(\S[^\r\n]*?)(?:\s\s|[\r\n])", re.I | re.M)
+#: Bytes from the start of a file of spectra that are looked at.
+_SPECTRA_OPENING = 4000
+
+
+def is_uncorrected(head: bytes, renadic: bool) -> bool:
+    """Whether the first line is the title of an uncorrected volume, and the network is RENADIC or another one."""
+    opening = head[:_OPENING].decode("latin-1")
+    return bool(UNCORRECTED.match(opening)) and ("renadic" in opening.lower()) is renadic
+
+
+def is_csmip_v1(head: bytes, name: str) -> bool:
+    """Whether the first line is the title of an uncorrected volume, and the network is not RENADIC."""
+    return is_uncorrected(head, renadic=False)
+
+
+def read_csmip_v1(file: SourceFile, options: ReadOptions) -> list[Record]:
+    """Read every channel; the options are not used, because the format states everything."""
+    return read_uncorrected(file, "csmip_v1")
+
+
+def read_uncorrected(file: SourceFile, format: str) -> list[Record]:
+    """Read every channel of a volume 1, whichever network wrote it; `format` becomes `Record.format`.
+
+    The first line of the file is 'Uncorrected Accelerogram Data'. Raises RecordFormatError, UnitError or
+    NotAcceleration.
+    """
+    lines, spans, copies = csmip.channels(file, UNCORRECTED, "Uncorrected Accelerogram Data")
+    headers = []
+    for number, (start, end) in enumerate(spans, 1):
+        kit.check_count(f"{file.name}:{end}", csmip.HEADER_LINES, end - start, f"header lines of channel {number}")
+        headers.append(csmip.read_header(lines[start : start + csmip.HEADER_LINES]))
+    notes = (*csmip.missing_channels(file.name, lines, spans, headers), *copies)
+    return [
+        _uncorrected_channel(file, lines, span, number, header.noting(*notes), format)
+        for number, (span, header) in enumerate(zip(spans, headers, strict=True), 1)
+    ]
+
+
+def _uncorrected_channel(
+    file: SourceFile, lines: Sequence[str], span: kit.Span, number: int, header: csmip.Header, format: str
+) -> Record:
+    start, end = span
+    match = _PEAK_1.search(lines[start + 11][: csmip.LONGEST_LINE])
+    block = _uncorrected_block(file.name, lines, start, end)
+    behind = lines[start + csmip.TEXT_LINES : start + csmip.HEADER_LINES]
+    length = _LENGTH_1.search(lines[start + 10][: csmip.LONGEST_LINE])
+    told = _held(length[1] if length else "", csmip.real(behind, 3), round(block.duration / block.dt), block)
+    told += csmip.held_peak_real(behind, 7, block, STANDARD_GRAVITY)
+    times = [(match and match[2]) or "", csmip.real(behind, 8)]
+    told += [note for text in times for note in kit.held_peak_time(text, block.times, block.values)]
+    return header.record(
+        file,
+        number,
+        block.noting(*dict.fromkeys(told)),
+        format=format,
+        processed=False,
+        header_peak=kit.printed_number(match[1] if match else ""),
+        peak_factor=STANDARD_GRAVITY,
+    )
+
+
+def _held(length: str, real_length: str, count: int, block: kit.Block) -> list[str]:
+    """Warnings where the length in the text or in a real is not that of the samples or pairs as the file holds them."""
+    spare = _LENGTH_TOLERANCE * block.duration
+    return kit.held_length(length, count, block.dt, spare) + kit.held_length(real_length, count, block.dt, spare)
+
+
+def _uncorrected_block(name: str, lines: Sequence[str], start: int, end: int) -> kit.Block:
+    first = start + csmip.HEADER_LINES
+    heading = csmip.heading_at(lines, first) if first < end else None
+    if not heading:
+        count = kit.declared_points(lines[start + 10], f"{name}:{start + 11}")
+        unit = kit.pair_unit(lines[start + 11], f"{name}:{start + 12}")
+        block = kit.pair_block(name, lines, first, end, count, unit)
+        return block.noting(*csmip.held_count(lines[start + csmip.TEXT_LINES : first], count))
+    if heading.kind != "acceleration":
+        raise NotAcceleration(
+            f"{name}:{first + 1}: expected points of acceleration, found {heading.kind}; "
+            "read the acceleration file of the same record"
+        )
+    block = csmip.equal_block(name, lines, heading, end, heading.unit)
+    named = _UNIT.match(lines[start + 11][: csmip.LONGEST_LINE])
+    stated = [(f"line {first + 1}", block.unit), *([(f"line {start + 12}", named[1].lower())] if named else [])]
+    text, where = lines[start + 10][: csmip.LONGEST_LINE], f"{name}:{first + 1}"
+    points, rate = _POINTS.search(text), _RATE.search(text)
+    if points:
+        _check_points(points[1], block, where)
+    number, rounding = kit.printed_number(rate[1] if rate else "")
+    if abs(1.0 / block.dt - number) > max(1.01 * rounding, _RATE_TOLERANCE * number):
+        expected, found = f"{number:g} samples/sec (text of the channel)", f"a heading with {1.0 / block.dt:g}"
+        raise kit.unexpected(where, expected, found, kit.FILE_DAMAGED)
+    counted = csmip.held_count(lines[start + csmip.TEXT_LINES : first], block.samples.size)
+    return block.noting(*counted, *kit.held_units(stated))
+
+
+def _check_points(stated: str, block: kit.Block, where: str) -> None:
+    """Check the count in the text of the channel against that of the heading."""
+    if int(stated) != block.samples.size:
+        expected, found = f"{int(stated)} points (text of the channel)", f"a heading with {block.samples.size}"
+        raise kit.unexpected(where, expected, found, kit.FILE_DAMAGED)
+
+
+def read_csmip_v2(file: SourceFile, options: ReadOptions) -> list[Record]:
+    """Read the acceleration of every channel; raises NotAcceleration for a file of velocity or displacement only."""
+    return read_corrected(file, "csmip_v2", csmip.read_header)
+
+
+def read_corrected(file: SourceFile, format: str, header: Callable[[Sequence[str]], csmip.Header]) -> list[Record]:
+    """Read a volume 2, whichever network wrote it; `header` reads the 13 lines of text of volume 1.
+
+    The first line of the file is 'Corrected accelerogram'. A channel without acceleration is left out, with a warning
+    on the others; NotAcceleration if none has acceleration. `format` becomes `Record.format`.
+    """
+    lines, spans, copies = csmip.channels(file, _CORRECTED, "Corrected accelerogram")
+    records, left_out, headers = [], [], []
+    for number, (start, end) in enumerate(spans, 1):
+        kit.check_count(f"{file.name}:{end}", _ALL_TEXT, end - start, f"header lines of channel {number}")
+        read = header(lines[start + 1 : min(start + _ALL_TEXT + 2, end)])
+        repeated = (_COMPONENT.search(lines[at][: csmip.LONGEST_LINE]) for at in (start, start + _ALL_TEXT - 2))
+        headers.append(replace(read, repeated=tuple(match[1] for match in repeated if match)))
+        heading, behind = _acceleration(file.name, lines, start, end)
+        if heading.kind != "acceleration":
+            left_out.append((number, heading))
+            continue
+        text = [line[: csmip.LONGEST_LINE] for line in lines[start : start + _ALL_TEXT]]
+        unit, peak, peak_factor = _unit_and_peak(text, heading, file.name, start + 1)
+        block = csmip.equal_block(file.name, lines, heading, behind, unit)
+        _check_correction(text, block, f"{file.name}:{heading.at + 1}")
+        block = block.noting(*_held_corrected(text, lines[start + _ALL_TEXT : heading.at], block))
+        records.append(
+            headers[-1].record(
+                file,
+                number,
+                block,
+                format=format,
+                processed=True,
+                header_peak=peak,
+                peak_factor=peak_factor,
+                processing=_correction(text[_CORRECTION:]),
+            )
+        )
+    if not records:
+        _, heading = left_out[0]
+        raise NotAcceleration(
+            f"{file.name}:{heading.at + 1}: expected points of acceleration, found {heading.kind}; "
+            "read the file with the acceleration of the same record"
+        )
+    notes = (*csmip.missing_channels(file.name, lines, spans, headers), *copies)
+    notes += tuple(
+        f"line {heading.at + 1}: channel {number} holds {heading.kind} but no acceleration; it was left out"
+        for number, heading in left_out
+    )
+    return kit.with_warnings(records, notes)
+
+
+def _acceleration(name: str, lines: Sequence[str], start: int, end: int) -> tuple[csmip.Heading, int]:
+    """Heading of the acceleration (or else of the first series), and the index of the line behind its block."""
+    found: list[csmip.Heading] = []
+    for at in range(start + _ALL_TEXT, end):
+        heading = csmip.heading_at(lines, at)
+        if heading and not (found and found[-1].at >= at):
+            found.append(heading)
+    channel = f"the channel that begins at line {start + 1}"
+    if not found:
+        expected = f"a line 'N points of accel data equally spaced at ...' in {channel}"
+        raise kit.unexpected(f"{name}:{end}", expected, "none", "the file may be truncated: download it again")
+    blocks = list(zip(found, [*(heading.at for heading in found[1:]), end], strict=True))
+    for heading, behind in blocks:
+        per_row = heading.layout[0] if heading.layout else 8
+        rows = -(-heading.count // per_row) if per_row else 0
+        available = behind - heading.at - 1
+        if available < rows:
+            kit.check_count(f"{name}:{behind}", rows, available, f"rows of {heading.kind}")
+    accelerations = [block for block in blocks if block[0].kind == "acceleration"]
+    distinct, copies = kit.distinct_sections(
+        lines, [(heading.at, behind) for heading, behind in accelerations], "block"
+    )
+    if len(distinct) > 1:
+        where, found_twice = f"{name}:{accelerations[1][0].at + 1}", "a second block of acceleration"
+        raise kit.unexpected(where, f"the end of {channel}", found_twice, kit.FILE_DAMAGED)
+    heading, behind = (accelerations or blocks)[0]
+    return replace(heading, warnings=(*heading.warnings, *copies)), behind
+
+
+def _first(pattern: re.Pattern[str], lines: Sequence[str]) -> re.Match[str] | None:
+    return next((match for line in lines if (match := pattern.match(line))), None)
+
+
+def _unit_and_peak(
+    text: Sequence[str], heading: csmip.Heading, where: str, line: int
+) -> tuple[str, tuple[float, float], float]:
+    """Unit as worded by the heading, else by the peak; the peak with half a unit of its last digit, and their factor.
+
+    For messages, `where` is the name of the file and `line` the number of the first line of text.
+    """
+    for at, words in enumerate(text, line):
+        if match := _PEAK_2.match(words):
+            # USC writes CMS/SEC/SEC.
+            stated = kit.canonical_unit(re.sub(r"^cms\b", "cm", match[2], flags=re.IGNORECASE), f"{where}:{at}")
+            return heading.unit or stated, kit.printed_number(match[1]), kit.UNITS[stated]
+    if not heading.unit:
+        raise UnitError(
+            f"{where}:{heading.at + 1}: expected the unit of acceleration in the heading or behind "
+            "'Peak acceleration = N', found none; repair the header or download the file again"
+        )
+    return heading.unit, kit.printed_number(""), 1.0
+
+
+def _check_correction(text: Sequence[str], block: kit.Block, where: str) -> None:
+    """Check the count and the interval in the text of the channel against those of the heading."""
+    declared, interval = _first(_DECLARED, text), _first(_INTERVAL, text)
+    if declared:
+        _check_points(declared[1], block, where)
+    step, rounding = kit.printed_number(interval[1] if interval else "")
+    if abs(block.dt - step) > 1.01 * rounding:
+        expected, found = f"an interval of {step:g} s (text of the channel)", f"a heading with {block.dt:g} s"
+        raise kit.unexpected(where, expected, found, kit.FILE_DAMAGED)
+
+
+def _held_corrected(text: Sequence[str], behind: Sequence[str], block: kit.Block) -> list[str]:
+    """Warnings where length, peak and its time, interval or the units of the peaks contradict the block.
+
+    They stand in the text and in reals 60 (length), 61 (interval), 65 (time of the peak) and 66 (peak in cm/s2).
+    """
+    length, peak = _first(_LENGTH_2, text), _first(_PEAK_2, text)
+    others = [match[1] for line in text if (match := _OTHER_PEAKS.match(line))]
+    notes = _held(length[1] if length else "", csmip.real(behind, 60), block.values.size, block)
+    times = [(peak and peak[3]) or "", csmip.real(behind, 65)]
+    notes += [note for one in times for note in kit.held_peak_time(one, block.times, block.values)]
+    notes += csmip.held_peak_real(behind, 66, block, kit.UNITS["cm/s2"])
+    step, rounding = kit.printed_number(csmip.real(behind, 61))
+    if abs(step - block.dt) > 1.01 * rounding:
+        notes.append(f"real 61 of the header states an interval of {step:g} s, the heading {block.dt:g} s")
+    return list(dict.fromkeys(notes)) + (kit.held_lengths_of_units([peak[2], *others]) if peak else [])
+
+
+def _correction(correction: Sequence[str]) -> list[str]:
+    """The agency's own words for the correction of the record."""
+    filtered, corrected = _first(_FILTER, correction), _first(_DECLARED, correction)
+    steps = [match[group] for match, group in ((corrected, 2), (filtered, 1)) if match]
+    return [f"by the agency: {' '.join((words.lower() if words.isupper() else words).split())}" for words in steps]
+
+
+def refuse_spectra(file: SourceFile, options: ReadOptions) -> NoReturn:
+    """Refuse a volume 3 with the reason."""
+    station = _STATION.search(file.head[:_SPECTRA_OPENING].decode("latin-1"))
+    of = f" of station {station[1]}, {' '.join(station[2].split())}" if station else ""
+    raise NotAcceleration(
+        f"{file.name}:1: expected an accelerogram{of}, found {_SPECTRA_WORDS}; read the volume 1 or 2 (.V1, .V2) of "
+        "the same record"
+    )
+
+
+FORMATS = (
+    Format(
+        name="csmip_v1",
+        what="CSMIP volume 1, both layouts",
+        recognised="first line 'Uncorrected Accelerogram Data'",
+        unit="g or g/10, from the header",
+        processed="no",
+        example="CICLC.v1",
+        detect=is_csmip_v1,
+        parse=read_csmip_v1,
+    ),
+    Format(
+        name="csmip_v2",
+        what="CSMIP volume 2, the acceleration of each channel",
+        recognised="first lines 'Corrected accelerogram' and 'Uncorrected Accelerogram Data'",
+        unit="cm/s2, from the heading of the block",
+        processed="yes",
+        example="CE58667.V2",
+        detect=begins_with(_BOTH_TITLES, 1000),
+        parse=read_csmip_v2,
+    ),
+    Format(
+        name="csmip_v3",
+        what=_SPECTRA_WORDS,
+        recognised=f"first lines like {_SPECTRA}",
+        unit="-",
+        processed="-",
+        example="CE89146.V3",
+        detect=begins_with(re.compile(_SPECTRA, re.IGNORECASE), _SPECTRA_OPENING),
+        parse=refuse_spectra,
+    ),
+)

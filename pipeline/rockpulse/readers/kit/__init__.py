@@ -1,0 +1,49 @@
+"""The helpers that a format is written with; CONTRIBUTING.md lists the ten that most formats use."""
+
+# ruff: noqa: F401 - the formats import these names
+
+from rockpulse.readers.kit.channel import PEAK_TOLERANCE, build_record, clipping_warning, usable_channels, with_warnings
+from rockpulse.readers.kit.checks import (
+    Counted,
+    Span,
+    completeness,
+    contradictory,
+    distinct_sections,
+    held_direction,
+    held_length,
+    held_lengths_of_units,
+    held_peak_time,
+    held_units,
+    last_of_equal,
+    repeated_marker,
+    surplus,
+)
+from rockpulse.readers.kit.direction import Direction, direction, on_structure
+from rockpulse.readers.kit.facts import (
+    NOTHING,
+    Facts,
+    coordinates,
+    instant,
+    later,
+    magnitudes,
+    near_event,
+    preferred,
+    stated,
+    written,
+)
+from rockpulse.readers.kit.spacing import Block, declared_points, make_even, pair_block, pair_unit, printed_at
+from rockpulse.readers.kit.text import (
+    FILE_DAMAGED,
+    UNITS,
+    Entries,
+    Entry,
+    canonical_unit,
+    check_count,
+    fixed_width,
+    free_numbers,
+    free_rows,
+    matched,
+    printed_number,
+    text_lines,
+    unexpected,
+)

@@ -1,0 +1,227 @@
+"""From the numbers of one channel to a `Record`: unit, sign, time, and the checks that every format shares."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import replace
+from datetime import datetime
+
+import numpy as np
+
+from rockpulse.errors import RecordFormatError, RecordRefused
+from rockpulse.readers.kit.direction import Direction, direction, vertical_if_so
+from rockpulse.readers.kit.facts import NOTHING, Facts, clock_fault
+from rockpulse.readers.kit.text import UNITS, other_readings, unexpected
+from rockpulse.readers.source import NotAcceleration, SourceFile
+from rockpulse.record.components import SHALLOW
+from rockpulse.record.record import STANDARD_GRAVITY, Record, record_id
+from rockpulse.remark import Remark
+
+#: A stated peak further from the data than this, and than its own rounding, is reported.
+PEAK_TOLERANCE = 0.02
+#: From this ratio of the two on, one of them has another unit, or part of the file is missing.
+OTHER_PEAK = 1.5
+#: Peaks outside these bounds [g] are reported with the readings in other units.
+CREDIBLE_PEAK_G = (1e-6, 5.0)
+#: A longer interval [s] is reported; accelerographs take 40 to 1000 samples a second.
+CREDIBLE_INTERVAL = 0.1
+#: No instrument hangs deeper below the ground than the deepest boreholes go, about 10 km [m]; headers have -9999 where
+#: nothing is known.
+_DEEPEST_SENSOR = 10e3
+# From the first of the blanks on only, or a line of blanks would cost the square of its length.
+_DEGREES = re.compile(r"(?<!\s)\s*DEG(?:REES)?$", re.IGNORECASE)
+
+#: Equal samples in a row at the extreme that are taken for the end of a range.
+RUN = 5
+#: The extreme lies this many of the smallest steps from the middle of the trace, or rounding makes equal samples.
+STEPS_TO_EXTREME = 100
+#: Half a run beyond the run, the trace is this many of the smallest steps away. A smooth crest that rounding made flat
+#: is a parabola that has fallen by about 4 there.
+STEPS_BESIDE = 10
+#: Counts at which a 24-bit recorder ends, and the share of them from which a peak is reported: a recorder driven beyond
+#: its range need not stay at one value, and some fold over.
+FULL_SCALE, NEAR_FULL_SCALE = 2**23, 0.99
+
+
+def odd_peak(peak: float, unit: str, factor: float) -> Remark:
+    """The remark on a peak [m/s2] that is hardly an earthquake's: what it would be if the file had another unit.
+
+    The unit and the m/s2 of one unit are those of the file; without a unit the samples came in m/s2.
+    """
+    unit, factor = (unit, UNITS.get(unit, abs(factor))) if unit else ("m/s2", 1.0)
+    named = unit if unit in UNITS else f"{unit} x {factor:.4g} m/s2"
+    readings = other_readings(peak / factor, unit)
+    return Remark("odd_peak", peak=peak / STANDARD_GRAVITY, unit=named, readings=readings)
+
+
+def _peak_warnings(peak: float, unit: str, factor: float, header_peak: float, rounding: float) -> list[Remark]:
+    if peak == 0.0:
+        return [Remark("dead_channel")]
+    warnings = []
+    g, stated = STANDARD_GRAVITY, abs(header_peak)
+    gap = abs(stated - peak)
+    if gap > PEAK_TOLERANCE * max(peak, stated) and gap > rounding:
+        if max(peak, stated) >= OTHER_PEAK * min(peak, stated):
+            warnings.append(Remark("header_peak", stated=stated / g, found=peak / g))
+        else:
+            sense, share = "less" if peak < stated else "more", 100.0 * gap / stated
+            warnings.append(Remark("header_peak_near", stated=stated / g, found=peak / g, share=share, sense=sense))
+    low, high = CREDIBLE_PEAK_G
+    if not low <= peak / g <= high:
+        warnings.append(odd_peak(peak, unit, factor))
+    return warnings
+
+
+def build_record(
+    file: SourceFile,
+    number: int,
+    samples: np.ndarray,
+    dt: float,
+    unit: str,
+    *,
+    format: str,
+    processed: bool | None,
+    factor: float | None = None,
+    component: str = "",
+    facing: Direction | None = None,
+    structural: bool = False,
+    channel: str = "",
+    network: str = "",
+    station: str = "",
+    location: str = "",
+    station_name: str = "",
+    event: str = "",
+    start_time: datetime | None = None,
+    sensor_depth: float = float("nan"),
+    facts: Facts = NOTHING,
+    header_peak: tuple[float, float] = (float("nan"), 0.0),
+    peak_factor: float = 1.0,
+    original_peak: float | None = None,
+    warnings: Sequence[str] = (),
+    processing: Sequence[str] = (),
+) -> Record:
+    """Make the record of one channel, in m/s2, and check it.
+
+    `samples` are in the file's `unit`: a key of `UNITS`, or "counts" with a `factor` [m/s2 per count]. `facing` is
+    given where the format knows more than the wording of `component`; `channel`, where it is SEED's code of a vertical
+    channel, says more than a horizontal direction. `header_peak` is the stated peak with half a unit of its last digit
+    (`printed_number`), in units of `peak_factor` m/s2; the header describes `original_peak`, the largest absolute value
+    before resampling [unit], where that is given. `number` counts the channels of the file from 1. A start time [UTC]
+    that `clock_fault` rejects is left out with a warning; a `sensor_depth` [m] that cannot be, such as -9999, without
+    one. A channel that is positive downwards changes its sign, so that vertical motion is positive up.
+    """
+    code = channel or _DEGREES.sub("", component.strip())
+    facing = vertical_if_so(facing or direction(component), code)
+    factor = UNITS[unit] if factor is None else factor
+    where = f"{file.name}: channel {number}"
+    if not (np.isfinite(dt) and dt > 0.0):
+        raise RecordFormatError(f"{where}: expected a positive sampling interval in s, found {dt!r}")
+    if samples.size < 2:
+        advice = "the file may be truncated: download it again"
+        raise unexpected(where, "at least 2 samples", str(samples.size), advice)
+    stated_peak, rounding = (value * peak_factor for value in header_peak)
+    samples_peak = float(np.max(np.abs(samples))) if original_peak is None else original_peak
+    # A reader that filters the samples has looked at them before; the words are the same.
+    clipped = [] if processed else [note for note in clipping_warning(samples, unit) if note not in warnings]
+    notes = [*warnings, *clipped]
+    notes += _peak_warnings(samples_peak * abs(factor), unit, factor, stated_peak, rounding)
+    if dt > CREDIBLE_INTERVAL:
+        notes.append(Remark("long_interval", interval=dt))
+    fault = clock_fault(start_time) if start_time is not None else ""
+    if fault:
+        start_time = None
+    notes += [note for note in (fault, facing.note) if note]
+    sensor_depth = sensor_depth if 0.0 <= sensor_depth <= _DEEPEST_SENSOR else float("nan")
+    if sensor_depth > SHALLOW:
+        notes.append(f"the sensor lies {sensor_depth:g} m below the ground: motion at depth, not at the ground surface")
+    if facing.sign < 0.0:
+        notes.append(Remark("positive_downwards"))
+    factor *= facing.sign
+    with np.errstate(over="ignore"):  # Record refuses what is not finite
+        acceleration = samples * factor
+    return Record(
+        acceleration=acceleration,
+        dt=dt,
+        id=record_id(network, station, location, code, start_time, file.path.stem, number),
+        network=network,
+        station=station,
+        location=location,
+        channel=code or str(number),
+        component=component.strip(),
+        orientation="structural" if structural else facing.orientation,
+        azimuth=facing.azimuth,
+        sensor_depth=sensor_depth,
+        start_time=start_time,
+        station_name=station_name,
+        source=file.name,
+        source_sha256=file.sha256,
+        format=format,
+        source_unit=unit,
+        unit_factor=factor,
+        processed=processed,
+        header_peak=abs(stated_peak),
+        event=event,
+        warnings=tuple(notes),
+        processing=tuple(processing),
+        **vars(facts),
+    )
+
+
+def usable_channels(channels: Iterable[Callable[[], Record]], notes: Sequence[str] = ()) -> list[Record]:
+    """Read the channels of a file, each by its callable, and keep the usable ones; each names those left out, and why.
+
+    `notes` are warnings for all of them. Raises RecordFormatError for the first damaged channel and RecordRefused if no
+    channel is usable: `NotAcceleration`, which is skipped in a folder, only if none is an acceleration, because an
+    acceleration that cannot be used is worth an error.
+    """
+    records: list[Record] = []
+    refusals: list[RecordRefused] = []
+    for read_channel in channels:
+        try:
+            records.append(read_channel())
+        except RecordRefused as refusal:
+            refusals.append(refusal)
+    if not records:
+        raise next((refusal for refusal in refusals if not isinstance(refusal, NotAcceleration)), refusals[0])
+    return with_warnings(records, (*notes, *(f"another channel of the file is left out: {one}" for one in refusals)))
+
+
+def with_warnings(records: Sequence[Record], notes: Sequence[str]) -> list[Record]:
+    """The records of a file, each with further warnings."""
+    return [replace(record, warnings=(*record.warnings, *notes)) if notes else record for record in records]
+
+
+def _longest_run(at: np.ndarray) -> tuple[int, int]:
+    """First index and length of the longest run of consecutive indices."""
+    starts = np.concatenate([[0], np.flatnonzero(np.diff(at) != 1) + 1])
+    lengths = np.diff(np.append(starts, at.size))
+    longest = int(np.argmax(lengths))
+    return int(at[starts[longest]]), int(lengths[longest])
+
+
+def clipping_warning(samples: np.ndarray, unit: str = "counts") -> list[Remark]:
+    """A warning where a raw record stays at its largest or smallest value, or reaches the end of 24 bits.
+
+    The samples are those before any filter. Only values in the unit "counts" are compared with the range of a recorder.
+    """
+    warnings: list[Remark] = []
+    step = None
+    for end, edge in (("largest", np.max(samples)), ("smallest", np.min(samples))):
+        at = np.flatnonzero(samples == edge)
+        if not RUN <= at.size < samples.size:
+            continue
+        first, length = _longest_run(at)
+        if length < RUN:
+            continue
+        step = float(np.min(np.diff(np.unique(samples)))) if step is None else step
+        # Where the recorder begins or ends within the run, the other side has to tell.
+        beside = samples[[max(first - 1 - length // 2, 0), min(first + length + length // 2, samples.size - 1)]]
+        away = 0.5 * float(np.ptp(samples))
+        fall = float(np.max(np.abs(edge - beside.astype(float))))
+        if away >= STEPS_TO_EXTREME * step and fall >= STEPS_BESIDE * step:
+            warnings.append(Remark("clipped", count=length, end=end))
+    peak = float(np.max(np.abs(samples.astype(float))))
+    if unit == "counts" and NEAR_FULL_SCALE * FULL_SCALE <= peak <= FULL_SCALE:
+        warnings.append(Remark("full_scale", counts=FULL_SCALE))
+    return warnings

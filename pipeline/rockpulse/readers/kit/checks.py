@@ -1,0 +1,200 @@
+"""A file held against itself: statements of a header against the samples, copies of a part, missing channels, surplus.
+
+A header that contradicts itself is told, for one of its statements is wrong and nobody knows which. A part that stands
+in a file twice is read once. A function that returns warnings returns none where all is well or a statement is missing.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from rockpulse.readers.kit.direction import Direction
+from rockpulse.readers.kit.text import FILE_DAMAGED, UNITS, printed_number, unexpected
+
+#: A stated length, of the samples or of the steps between them, may be off by this many steps.
+LENGTH_STEPS = 2.0
+#: At the time of the peak that a header states, and so many samples beside it, the motion reaches this share of it.
+_BESIDE_PEAK, _PEAK_SHARE = 2, 0.9
+#: Two statements of one azimuth may differ by so much [degrees].
+_TURN = 1.0
+_NUMBER = re.compile(r"\s*[+-]?(?:\d{1,9}\.?\d{0,12}|\.\d{1,12})(?:[eEdD][+-]?\d{1,2})?\s*", re.ASCII)
+_LENGTH = re.compile(r"(mm|cm|m|in|ft)s?(?=/|\s|$)", re.IGNORECASE)
+#: Characters of a line that may hold a title.
+_LONGEST_LINE = 400
+
+#: Index of the first line of a part of a file, and of the line behind its last.
+Span = tuple[int, int]
+
+
+def held_length(text: str, count: int, dt: float, spare: float = 0.0) -> list[str]:
+    """Whether `count` samples at `dt` last as long as a header prints [s], give or take `spare`.
+
+    Examples
+    --------
+    >>> held_length("12.0", 1200, 0.01), held_length("12.0", 1200, 0.02)
+    ([], ['the header states 12 s, 1200 samples at 0.02 s last 24 s'])
+    """
+    if not _NUMBER.fullmatch(text):
+        return []
+    stated, rounding = printed_number(text)
+    if abs(stated - count * dt) <= LENGTH_STEPS * dt * (1.0 + 1e-9) + 1.01 * rounding + spare:
+        return []
+    return [f"the header states {stated:g} s, {count} samples at {dt:g} s last {count * dt:g} s"]
+
+
+def held_peak_time(text: str, times: np.ndarray, values: np.ndarray) -> list[str]:
+    """Whether the motion is near its largest where a header prints the time of the peak [s].
+
+    The times (n,) [s] and the values (n,) are those of the file, before any interpolation.
+    """
+    if not _NUMBER.fullmatch(text) or times.size < 2:
+        return []
+    stated, rounding = printed_number(text)
+    peak, step = float(np.max(np.abs(values))), float(np.median(np.diff(times)))
+    near = np.abs(times - stated) <= (_BESIDE_PEAK + 0.5) * step + rounding
+    if np.max(np.abs(values), where=near, initial=0.0) >= _PEAK_SHARE * peak:
+        return []
+    found = float(times[np.argmax(np.abs(values))])
+    return [
+        f"the header states the peak at {stated:g} s, at the interval of {step:g} s the samples have it at {found:g} s"
+    ]
+
+
+def held_units(stated: Iterable[tuple[str, str]]) -> list[str]:
+    """Whether the channels of a file, or places of a header, have one unit; each as its name and a key of `UNITS`."""
+    stated = list(stated)
+    if len({UNITS[unit] for _, unit in stated}) < 2:
+        return []
+    listed = ", ".join(f"{unit} ({name})" for name, unit in stated)
+    return [f"the units of one file differ: {listed}; one of them is wrong, and with it a peak"]
+
+
+def held_lengths_of_units(units: Sequence[str]) -> list[str]:
+    """Whether acceleration, velocity and displacement are measured in one unit of length, as a header words them."""
+    if len({match[1].lower() for unit in units if (match := _LENGTH.match(unit))}) < 2:
+        return []
+    return [f"the header states {' beside '.join(units)}: units of two lengths; one of them is wrong"]
+
+
+def contradictory(said: Direction, told: Direction) -> bool:
+    """Whether two statements of one direction, both of them known, contradict each other."""
+    if "unknown" in (said.orientation, told.orientation):
+        return False
+    turn = abs((said.azimuth - told.azimuth + 180.0) % 360.0 - 180.0)
+    return said.orientation != told.orientation or said.sign != told.sign or turn > _TURN
+
+
+def held_direction(said: Direction, told: Direction, note: str) -> Direction:
+    """The direction by two statements, of which one may be unknown; where they contradict, unknown with a note.
+
+    A channel is horizontal if both say so, whichever azimuth it has.
+    """
+    if contradictory(said, told):
+        return Direction("horizontal" if said.orientation == told.orientation == "horizontal" else "unknown", note=note)
+    return told if said.orientation == "unknown" or (np.isnan(said.azimuth) and not np.isnan(told.azimuth)) else said
+
+
+def surplus(
+    lines: Sequence[str],
+    first: int,
+    end: int,
+    name: str = "",
+    title: re.Pattern[str] | None = None,
+    used: int | None = None,
+) -> tuple[str, ...]:
+    """A warning for rows between the declared samples (index `first`) and the end of the channel (index `end`).
+
+    Where `used` tells the characters of the declared samples in the last of their rows, numbers behind them in that row
+    are told as well. `title` matches the line with which another record of the file `name` would begin, which is
+    refused: formats of one channel have no place for it.
+    """
+    notes = []
+    if used is not None and lines[first - 1][used:].strip():
+        notes.append(f"line {first}: numbers beyond the declared count were left out")
+    for at in range(first, end):
+        if title and title.match(lines[at][:_LONGEST_LINE]):
+            found = f"{lines[at][:60].strip()!r}, the beginning of another record"
+            raise unexpected(
+                f"{name}:{at + 1}", "the end of the file", found, "write each record into a file of its own"
+            )
+    rows = sum(bool(line.strip()) for line in lines[first:end])
+    return (*notes, *([f"line {first + 1}: {rows} rows beyond the declared count were left out"] if rows else []))
+
+
+def last_of_equal(lines: Sequence[str], at: int) -> int:
+    """Index of the last of the lines that repeat the one at index `at` below it; blank lines between them count."""
+    last = at
+    for index in range(at + 1, len(lines)):
+        if lines[index].strip():
+            if lines[index].split() != lines[at].split():
+                break
+            last = index
+    return last
+
+
+def repeated_marker(first: int, last: int) -> tuple[str, ...]:
+    """A warning where a marker stands at the indices `first` and `last`."""
+    return (f"line {first + 1}: the line is repeated up to line {last + 1}; it was read once",) if last > first else ()
+
+
+def distinct_sections(
+    lines: Sequence[str], spans: Sequence[Span], what: str = "channel"
+) -> tuple[list[Span], tuple[str, ...]]:
+    """The sections of a file without those that are copies of earlier ones, and a warning for each copy.
+
+    Parts of the same name that differ are left to the reader, which refuses them: they are never joined to one motion.
+    `what` names a section in the warning.
+    """
+    first: dict[tuple[str, ...], Span] = {}
+    notes = []
+    for span in spans:
+        content = tuple(line.rstrip() for line in lines[slice(*span)] if line.strip())
+        copied = first.setdefault(content, span)
+        if copied is not span:
+            notes.append(
+                f"line {span[0] + 1}: the {what} of line {copied[0] + 1} stands in the file again; it was read once"
+            )
+    return list(first.values()), tuple(notes)
+
+
+class Counted(NamedTuple):
+    """The statements of one channel of a file about its recorder, by which channels are counted."""
+
+    line: int  # where the channel begins, from 1
+    recorder: str  # words or number that tell the recorder from others
+    number: str  # tells the channel from others of the recorder; empty where the file does not say
+    counted: int  # channels of the recorder; 0 where the file does not say
+    kind: str = ""  # acceleration, velocity, ... where a file may hold each of them as a channel of its own
+
+
+def completeness(
+    name: str, channels: Iterable[Counted], whose: str = "the header counts", closed: bool = False
+) -> tuple[str, ...]:
+    """A warning for each recorder of which the file holds fewer channels than it should.
+
+    `whose` says in the message who counts the channels. If the file is `closed`, that is, ends as its format asks for,
+    one channel is enough: agencies cut the records of structures into such files. Raises RecordFormatError for a
+    channel that is there twice, with both lines.
+    """
+    first: dict[tuple[str, str, str], int] = {}
+    held: dict[str, set[str | int]] = {}
+    counted: dict[str, int] = {}
+    for channel in channels:
+        key = (channel.recorder, channel.number, channel.kind)
+        if channel.number and key in first:
+            found = f"that of line {first[key]} a second time"
+            raise unexpected(f"{name}:{channel.line}", "another channel", found, FILE_DAMAGED)
+        first[key] = channel.line
+        held.setdefault(channel.recorder, set()).add(channel.number or channel.line)
+        counted[channel.recorder] = max(channel.counted, counted.get(channel.recorder, 0))
+    if closed and len(first) == 1:
+        return ()
+    return tuple(
+        f"{whose} {counted[recorder]} channels of this recorder, the file holds {len(numbers)}; it may be truncated"
+        for recorder, numbers in held.items()
+        if len(numbers) < counted[recorder]
+    )

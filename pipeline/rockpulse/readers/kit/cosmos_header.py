@@ -1,0 +1,254 @@
+"""The header of one channel of a COSMOS file: text, integers, reals, comments, each behind a line that states how many.
+
+Integers and reals are counted from 1, as in the description of the format. Those that stand for "unknown" are NaN.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from datetime import datetime
+
+import numpy as np
+
+from rockpulse.readers.kit.checks import held_length, held_peak_time
+from rockpulse.readers.kit.direction import Direction, direction, means_vertical, on_structure
+from rockpulse.readers.kit.facts import Facts, instant, preferred, stated, written
+from rockpulse.readers.kit.text import check_count, fixed_width, free_numbers, matched, unexpected
+from rockpulse.remark import Remark
+
+TITLE = re.compile(r"\s?(.{0,60}?)\s*\(Format v\d{1,2}\.\d{1,3} with (\d{1,3}) text lines\)", re.ASCII | re.IGNORECASE)
+_UNKNOWN = re.compile(
+    r"values used when .{0,60}:\s*(-?\d{1,8})\s*,\s*(-?\d{1,8}\.?\d{0,8})\s*$", re.ASCII | re.IGNORECASE
+)
+_LAYOUT = re.compile(r"format\s*=\s*\(\s*(?:\d{1,2}P,?)?(\d{1,3})[IFEGD](\d{1,3})", re.ASCII | re.IGNORECASE)
+_SCNL = re.compile(r"\s*\|\s*<SCNL>([^.\s]*)\.([^.\s]*)\.([^.\s]*)\.([^.\s]*)")
+_CODE = re.compile(r"\bCode:\s*(\w\w|--|__)-(\w*)", re.ASCII)
+_CHANNEL = re.compile(r"\s*Sta Cha\S{0,4}\s*(\d{1,4})\s*:\s*(.*?)\s*\(Rcrdr[^)]*\)\s*(?:Location:\s*(.*?)\s*)?$")
+_CLOCK = re.compile(
+    r"Rcrd start time:.{0,12}?\d{4}.{0,9}?\s\d{1,2}:\s*\d{1,2}:\s*(\d{0,2}\.?\d{0,9})\s*((?!Rcrd)[A-Z]{3,9})?",
+    re.ASCII | re.IGNORECASE,
+)
+_PEAK = re.compile(
+    r"\bmax\s*=\s*(-?\d{0,9}\.?\d{1,9}|-?\d{1,9}\.)\s*([A-Z][A-Z0-9/*^]{0,12})", re.ASCII | re.IGNORECASE
+)
+_GEOLOGY = re.compile(r"site geology:\s*(.*?)\s*$", re.IGNORECASE)
+#: Network and number of the earthquake, then the codes of the channel: RcrdId: US.1000hyfh.NP.8040.HNE.01
+_EVENT_ID = re.compile(r"\s*\|\s*RcrdId:\s*(\w{2}\.\w+)\.\w{2}\.\w+\.\w{3}\.", re.ASCII | re.IGNORECASE)
+_COUNTED = re.compile(r"\(\s*(\d{1,3})\s*chns?\s+of\s+\d{1,3}", re.ASCII | re.IGNORECASE)
+_PEAK_TIME = re.compile(r"\bmax\s*=.{0,60}?\bat\s+(\d{0,6}\.\d{0,6})\s*sec", re.ASCII | re.IGNORECASE)
+_RAW_LENGTH = re.compile(r"\s*raw record length\s*=\s*(\d{0,6}\.\d{0,6})\s*sec", re.ASCII | re.IGNORECASE)
+_ABOUT = re.compile(r".{0,80}?\bapprox\.?\s+(\d{1,6}(?:\.\d{0,6})?)\s*secs?\b", re.ASCII | re.IGNORECASE)
+#: A stated length may be off by this share.
+_LENGTH_SHARE = 5e-3
+#: No line of the header is longer; a damaged one may be.
+_LONGEST_LINE = 200
+_ORIENTATIONS = {
+    400: Direction("vertical"),
+    401: Direction("vertical", sign=-1.0),
+    402: Direction("vertical", note="integer header 54 does not tell whether upwards is positive"),
+    **{code: Direction("horizontal") for code in (500, 501, 600, 601, 700, 701)},
+}
+#: Integer 19: shelters, free fields, vaults, observatories; arrays in the ground.
+_ON_GROUND = {1, 2, 3, 4, 6, 7, 8, 9, 14, 50, 51}
+#: Integer 19: base of a building, building, bridge, dam, wharf, other structures.
+_STRUCTURES = {5, 10, 11, 12, 13, 15, 20}
+_DEPTHS = {9: "underground observatory", 14: "tunnel", 50: "geotechnical array"}
+
+
+@dataclass(frozen=True)
+class Header:
+    """All lines in front of the samples of one channel."""
+
+    kind: str  # first words of the title, "Uncorrected acceleration"
+    text: Sequence[str]  # at least 13 lines
+    integers: np.ndarray  # (n,), NaN where unknown
+    reals: np.ndarray  # (n,), NaN where unknown
+    unknown: float  # the number that stands for "unknown" among the reals and the samples
+    comments: Sequence[str]
+    start: int  # index of the title
+    end: int  # index of the first line behind the comments
+
+    def integer(self, number: int) -> int | None:
+        """Integer `number`, from 1; None where unknown or missing."""
+        value = self.integers[number - 1] if number <= self.integers.size else np.nan
+        return None if np.isnan(value) else int(value)
+
+    def real(self, number: int) -> float:
+        """Real `number`, from 1; NaN where unknown or missing."""
+        return float(self.reals[number - 1]) if number <= self.reals.size else float("nan")
+
+    def codes(self) -> tuple[str, str, str, str]:
+        """Network, station, location and channel: ``<SCNL>`` of the comments, else text line 5, else integer 8."""
+        for comment in self.comments:
+            scnl = _SCNL.match(comment)
+            if scnl:
+                station, channel, network, location = scnl.groups()
+                return network.strip("-"), station, location.strip("-"), channel
+        code, number = _CODE.search(self.text[4]), self.integer(8)
+        network, station = (code[1].strip("-_"), code[2]) if code else ("", "")
+        return network, station or ("" if number is None else str(number)), "", ""
+
+    def channel(self) -> tuple[str, str, str]:
+        """Number of the channel at the station, direction, and place of the sensor, in the words of text line 9."""
+        match = _CHANNEL.match(self.text[8])
+        return (match[1], match[2], match[3] or "") if match else ("", "", "")
+
+    def number_and_count(self) -> tuple[str, int]:
+        """Number of the channel at the station, and count of channels of its recorder; empty and 0 if not stated."""
+        counted = _COUNTED.search(self.text[6])
+        return self.channel()[0], int(counted[1]) if counted else 0
+
+    def peak(self) -> tuple[str, str]:
+        """Peak of the series and its unit, in the words of text line 11, else of line 10 for a raw record."""
+        raw = not self.kind.lower().startswith("corrected")
+        found = _PEAK.search(self.text[10]) or (_PEAK.search(self.text[9]) if raw else None)
+        return (found[1], found[2]) if found else ("", "")
+
+    def facing(self) -> Direction:
+        """Direction from the words and from integer 54; unknown, with a note, where they contradict each other.
+
+        A channel code of SEED decides between vertical and horizontal.
+        """
+        words, code = self.channel()[1], self.integer(54)
+        said, coded = direction(words), Direction()
+        if code is not None:
+            azimuth = Direction("horizontal", float(code % 360)) if 0 <= code <= 360 else Direction()
+            coded = _ORIENTATIONS.get(code, azimuth)
+        if "unknown" in (said.orientation, coded.orientation):
+            return said if said.orientation != "unknown" else coded
+        turn = abs((said.azimuth - coded.azimuth + 180.0) % 360.0 - 180.0)
+        seed, both = self.codes()[3], (said, coded)
+        if means_vertical(seed) and {one.orientation for one in both} == {"vertical", "horizontal"}:
+            upright = next(one for one in both if one.orientation == "vertical")
+            told = f"{words!r} and {code} (integer header 54)"
+            return replace(upright, note=Remark("vertical_by_code", channel=seed, told=told))
+        if said.orientation != coded.orientation or said.sign != coded.sign or turn > 1.0:
+            return Direction(note=f"the text says {words!r}, integer header 54 says {code}: the direction is unknown")
+        return coded if np.isnan(said.azimuth) else said
+
+    def structural(self) -> bool:
+        """Whether the sensor stands on a structure: integer 19 and the place in text line 9."""
+        site, place = self.integer(19), self.channel()[2]
+        return on_structure(place or ("structure" if site in _STRUCTURES else ""), stated=site not in _ON_GROUND)
+
+    def site_notes(self) -> list[str]:
+        """A warning for sensors that may lie at depth."""
+        site = _DEPTHS.get(self.integer(19) or 0)
+        return [f"the station is of the type {site!r}: the sensor may lie at depth"] if site else []
+
+    def facts(self) -> Facts:
+        """The earthquake by reals 10 to 17, text line 4 and the comments, the station by reals 1 and 2 and line 6."""
+        geology = _GEOLOGY.search(self.text[5])
+        ids = (found[1] for comment in self.comments if (found := _EVENT_ID.match(comment)))
+        scales = enumerate(("Mw", "Ms", "ML", ""), start=13)
+        return stated(
+            event_id=next(ids, ""),
+            origin_time=written(self.text[3]),
+            magnitude=preferred((self.real(number), scale) for number, scale in scales),
+            hypocentre=(self.real(10), self.real(11)),
+            depth_km=self.real(12),
+            distance_km=self.real(17),
+            station=(self.real(1), self.real(2)),
+            site_class=geology[1] if geology else "",
+        )
+
+    def start_time(self) -> tuple[datetime | None, list[str]]:
+        """UTC time of the first sample, from integers 40 to 46, real 30 and text line 8, or why there is none."""
+        year, month, day, hour, minute = (self.integer(number) for number in (40, 42, 43, 44, 45))
+        if year is None or month is None or day is None or hour is None or minute is None:
+            return None, []
+        clock = _CLOCK.search(self.text[7])
+        zone = clock[2] if clock and clock[2] else "UTC"
+        if zone.upper() not in ("UTC", "GMT"):
+            return None, [f"the start time is in {zone}, the format asks for UTC; it was left out"]
+        if self.integer(46) == 0:
+            return None, ["the start time has quality 0, the clock of the recorder was not set; it was left out"]
+        seconds = self.real(30)
+        if np.isnan(seconds) and clock and clock[1] not in ("", "."):
+            seconds = float(clock[1])
+        if np.isnan(seconds):
+            return None, ["the start time has no seconds; it was left out"]
+        moment = instant((year, month, day), (hour, minute, seconds))
+        if moment is None:
+            return None, [f"{year}-{month}-{day} {hour}:{minute}:{seconds:g} (integers 40 to 45) is no start time"]
+        return moment, []
+
+
+def fortran_layout(line: str, where: str) -> tuple[int, int]:
+    """Fields in a row and characters in a field, from ``Format=(8F9.6)`` at the end of a heading."""
+    layout = _LAYOUT.search(line[:_LONGEST_LINE])
+    if not layout or int(layout[1]) < 1 or int(layout[2]) < 1:
+        raise unexpected(where, "a format such as Format=(8F9.6)", repr(line.strip()[:90]))
+    return int(layout[1]), int(layout[2])
+
+
+def read_header(name: str, lines: Sequence[str], start: int, end: int) -> Header:
+    """Read the header of the channel in ``lines[start:end]``, from its title to the line behind the channel."""
+    title = TITLE.match(lines[start])
+    assert title is not None
+    # More lines of text than the 13 of the format are allowed, fewer are not.
+    count = max(int(title[2]), 13)
+    check_count(f"{name}:{end}", count, end - start, "text lines")
+    text = [line[:_LONGEST_LINE] for line in lines[start : start + count]]
+    stated = _UNKNOWN.match(text[12].strip())
+    unknown_integer, unknown = (int(stated[1]), float(stated[2])) if stated else (-999, -999.0)
+    integers, at = _numbers(name, lines, start + count, end, "integer")
+    reals, at = _numbers(name, lines, at, end, "real")
+    comments = _count(name, lines, at, end, "comment")
+    first = min(at + 1 + comments, end)
+    for index in range(at + 1, first):
+        if not lines[index].lstrip().startswith("|"):
+            expected = f"comment {index - at} of {comments}, a line that begins with '|'"
+            raise unexpected(f"{name}:{index + 1}", expected, repr(lines[index][:40]))
+    return Header(
+        kind=title[1].strip(),
+        text=text,
+        integers=np.where(integers == unknown_integer, np.nan, integers),
+        reals=np.where(reals == unknown, np.nan, reals),
+        unknown=unknown,
+        comments=[line[:_LONGEST_LINE] for line in lines[at + 1 : first]],
+        start=start,
+        end=first,
+    )
+
+
+def _count(name: str, lines: Sequence[str], at: int, end: int, kind: str) -> int:
+    """The number in front of a heading such as `` 100 Real-header values follow``."""
+    heading = re.match(rf"\s*(\d{{1,9}})\s*{kind}\b", lines[at][:80], re.ASCII | re.IGNORECASE) if at < end else None
+    if not heading:
+        found = repr(lines[at].strip()[:60]) if at < end else "the end of the channel"
+        raise unexpected(f"{name}:{at + 1}", f"the number of {kind} values or lines", found)
+    return int(heading[1])
+
+
+def _numbers(name: str, lines: Sequence[str], at: int, end: int, kind: str) -> tuple[np.ndarray, int]:
+    """The numbers behind a heading, and the index of the line behind them."""
+    count = _count(name, lines, at, end, kind)
+    per_row, width = fortran_layout(lines[at], f"{name}:{at + 1}")
+    rows = -(-count // per_row)
+    block = lines[at + 1 : min(at + 1 + rows, end)]
+    if len(block) == rows and any(len(row.rstrip()) != per_row * width for row in block[:-1]):
+        # Headers completed by hand lose their columns.
+        values = free_numbers(block, at + 2, name)
+        if values.size == count:
+            return values, at + 1 + rows
+    return fixed_width(block, at + 2, width, per_row, count, name), at + 1 + rows
+
+
+def held_series(header: Header, heading: str, step: float, samples: np.ndarray) -> list[str]:
+    """Warnings where the heading of the series, the text or real 65 contradicts samples (n,) at a step [s].
+
+    The length of the raw record, and the peak in the line that states it, are held against raw records only.
+    """
+    raw = not header.kind.lower().startswith("corrected")
+    spare = _LENGTH_SHARE * step * samples.size
+    lengths = (matched(_ABOUT, heading[:200]), matched(_RAW_LENGTH, header.text[9]) if raw else "")
+    notes = [note for text in lengths for note in held_length(text, samples.size, step, spare)]
+    lines = header.text[9:11] if raw else header.text[10:11]
+    stated = [match[1] for line in lines if (match := _PEAK_TIME.search(line))]
+    if not np.isnan(header.real(65)):
+        stated.append(f"{header.real(65):.6f}")
+    times = step * np.arange(samples.size)
+    return list(dict.fromkeys([*notes, *(note for text in stated for note in held_peak_time(text, times, samples))]))

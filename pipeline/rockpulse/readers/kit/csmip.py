@@ -1,0 +1,348 @@
+"""The common layout of volumes 1 and 2 of CSMIP, USC and RENADIC: channels in a file, their header, equal steps.
+
+A channel begins with 13 lines of text (volume 2: a title before them and 11 lines behind them), integers (16I5) and
+reals (8F10), which repeat some of the text. A line ``/&`` or the next title ends it.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from datetime import UTC, datetime, timedelta
+from typing import Any
+
+import numpy as np
+
+from rockpulse.errors import RecordFormatError
+from rockpulse.readers.kit.channel import PEAK_TOLERANCE, build_record
+from rockpulse.readers.kit.checks import (
+    Counted,
+    Span,
+    completeness,
+    distinct_sections,
+    held_direction,
+    last_of_equal,
+    repeated_marker,
+    surplus,
+)
+from rockpulse.readers.kit.direction import Direction, direction, on_structure
+from rockpulse.readers.kit.facts import ZONES, clock_fault, coordinates, magnitudes, stated, written
+from rockpulse.readers.kit.spacing import Block
+from rockpulse.readers.kit.text import (
+    FILE_DAMAGED,
+    UNITS,
+    canonical_unit,
+    check_count,
+    fixed_width,
+    matched,
+    printed_number,
+    text_lines,
+    unexpected,
+)
+from rockpulse.readers.source import SourceFile
+from rockpulse.record.record import STANDARD_GRAVITY, Record
+
+#: Lines of text, and all lines in front of the samples, of a channel of volume 1.
+TEXT_LINES, HEADER_LINES = 13, 13 + 7 + 7
+
+#: No line of these formats is longer; a damaged one may be.
+LONGEST_LINE = 200
+_HEADING = re.compile(
+    r"\s*(\d{1,15})\s+(?:(accel)erogram points|points of (acc|vel|disp)\w* data)\b(.*)", re.IGNORECASE
+)
+_KINDS = {"a": "acceleration", "v": "velocity", "d": "displacement"}
+_RATE = re.compile(r"\bat\s+([\d.]+)\s*(?:pts|points|samples)/sec", re.IGNORECASE)
+_STEP = re.compile(r"\bspaced at\s+([\d.]+)\s*sec", re.IGNORECASE)
+_UNIT = re.compile(r".*?(?:\bunits\s*(?:of|:)|,\s*in)\s*([^\s)]+)", re.IGNORECASE)
+_FORMAT = re.compile(r"\((\d{1,3})[fe](\d{1,3})\.\d+\)", re.IGNORECASE)
+_ROW = 8
+
+_CHANNEL = re.compile(
+    r"\s*chan\s*(\d+)\s*:\s*(.*?)\s*(?:\(sta chn:\s*(\d*)[^)]*\)\s*)?(?:location:\s*(.*?)\s*)?$", re.IGNORECASE
+)
+_PLACE_AFTER = re.compile(r"(\d{1,3}\s*deg|up|down)\b[\s,:-]+(.*)", re.IGNORECASE)
+_STATION = re.compile(r"\s*station (?:id|no)\.\s+(\w+)\s+\d+\.\d*\s*[NS]", re.IGNORECASE)
+_COUNTED = re.compile(r"\((\d{1,3})\s*chns?\s+of\s+\d{1,3}", re.IGNORECASE)
+_SEED_CODES = re.compile(r"\s*(\w+)\.(\w\w)\.(\w+)\.([\w-]{2})\.\w")
+_START = re.compile(
+    r"(?:start|trigger) time:\s*(\d+)/\s*(\d+)/\s*(\d+),?\s+(\d+):\s*(\d+):\s*([\d.]+)\s+([A-Z]+)", re.IGNORECASE
+)
+# A trigger time is taken as that of the first sample: those of digital CSMIP recorders are (on the SSA-1 record of
+# Hesperia, 1992, the P wave arrives when it must), and film recorders have no memory of what was before.
+_ORIGIN = re.compile(r"\(origin(?:\([^)]{0,20}\))?:(.{0,40})", re.IGNORECASE)
+_DEPTH = re.compile(r"\bH\s*=\s*(\d{1,3}(?:\.\d{0,6})?)\s*KM", re.ASCII | re.IGNORECASE)
+
+#: The first row of integers; the fourth of them counts the channels of the recorder.
+_FIRST_ROW = re.compile(r"[ \d-]{15} *(\d{1,3})(?=[ \d-]{60}$)", re.ASCII)
+#: Integer 27, in the second row: the azimuth of the channel, or a code.
+_AZIMUTH, _CODE = slice(50, 55), re.compile(r" *\d{1,3}", re.ASCII)
+_UP, _DOWN = 500, 600
+#: Integer 28, the number of points of volume 1, which has no room for more digits.
+_POINTS, _MOST_POINTS = slice(55, 60), 99_999
+#: Reals follow 100 integers; 0 and -999 stand for unknown.
+_INTEGER_ROWS, _REAL_WIDTH, _UNKNOWN = 7, 10, (0.0, -999.0)
+_REAL = re.compile(r" *-?\d{0,8}\.\d{0,8}", re.ASCII)
+
+
+@dataclass(frozen=True)
+class Header:
+    """The text of one channel, without its samples."""
+
+    component: str  # direction of the sensor
+    place: str = ""  # location of the sensor, where the file names one
+    about: dict[str, Any] = field(default_factory=dict)  # station, earthquake, start time: arguments of `build_record`
+    warnings: tuple[str, ...] = ()
+    recorder: str = ""  # line that names the recorder
+    number: str = ""  # numbers of the channel on the recorder and at the station; empty where the file numbers none
+    counted: int = 0  # channels of the recorder; 0 where the file does not say
+    code: int = 0  # of the direction, integer 27; 0 where the file does not say
+    repeated: tuple[str, ...] = ()  # the direction as further lines have it
+
+    @property
+    def full_component(self) -> str:
+        """Direction and place of the sensor, as the record has them."""
+        return f"{self.component} ({self.place})" if self.place else self.component
+
+    def noting(self, *warnings: str) -> Header:
+        """The same header with further warnings."""
+        return replace(self, warnings=(*self.warnings, *warnings))
+
+    def record(self, file: SourceFile, number: int, block: Block, **further: Any) -> Record:
+        """The record of this channel with the samples of `block`; `further` are arguments of `build_record`."""
+        return build_record(
+            file,
+            number,
+            block.samples,
+            block.dt,
+            block.unit,
+            component=self.full_component,
+            facing=one_direction(self.component, self.code, self.repeated),
+            original_peak=block.peak,
+            warnings=(*block.warnings, *self.warnings),
+            **self.about,
+            **further,
+        )
+
+
+@dataclass(frozen=True)
+class Heading:
+    """The line in front of a block of equally spaced values."""
+
+    at: int  # index of the line
+    kind: str  # "acceleration", "velocity" or "displacement"
+    count: int  # number of values that it declares
+    words: str  # the rest of the line
+    warnings: tuple[str, ...] = ()
+
+    @property
+    def layout(self) -> tuple[int, int] | None:
+        """Fields in a row and characters of a field, where the line names a Fortran format."""
+        match = _FORMAT.search(self.words)
+        return (int(match[1]), int(match[2])) if match else None
+
+    @property
+    def unit(self) -> str:
+        """Unit as the line words it; empty where it names none."""
+        return matched(_UNIT, self.words)
+
+
+def channels(file: SourceFile, title: re.Pattern[str], wording: str) -> tuple[list[str], list[Span], tuple[str, ...]]:
+    """The lines of a file without the carriage control of a line printer, the span of each channel in them, warnings.
+
+    The first line of each channel must match `title`, which `wording` describes in messages; raises RecordFormatError
+    where another line stands there. A title or an end that stands there twice, and a channel that is a copy of another
+    one, count once, with a warning.
+    """
+    lines = text_lines(file.content)
+    if all(line.startswith(" ") for line in lines if line):
+        lines = [line[1:] for line in lines]
+    spans: list[Span] = []
+    notes: list[str] = []
+    start = 0
+    while start < len(lines):
+        if not title.match(lines[start]):
+            expected, found = f"{wording!r} (channel {len(spans) + 1})", repr(lines[start][:60].strip())
+            raise unexpected(f"{file.name}:{start + 1}", expected, found, FILE_DAMAGED)
+        first, start = start, last_of_equal(lines, start)
+        ends = (i for i in range(start + 1, len(lines)) if lines[i].startswith("/&") or title.match(lines[i]))
+        end = next(ends, len(lines))
+        spans.append((start, end))
+        closed = end < len(lines) and lines[end].startswith("/&")
+        closing = last_of_equal(lines, end) if closed else end
+        notes += (*repeated_marker(first, start), *repeated_marker(end, closing))
+        start = next((i for i in range(closing + closed, len(lines)) if lines[i].strip()), len(lines))
+    spans, copies = distinct_sections(lines, spans)
+    return lines, spans, (*notes, *copies)
+
+
+def heading_at(lines: Sequence[str], at: int) -> Heading | None:
+    """The heading at index `at` of the lines of a file; None if the line is no heading or behind the last.
+
+    Where the line stands there twice, the heading is that of the last one, with a warning.
+    """
+    match = _HEADING.match(lines[at][:LONGEST_LINE]) if at < len(lines) else None
+    if not match:
+        return None
+    last = last_of_equal(lines, at)
+    return Heading(last, _KINDS[(match[2] or match[3])[0].lower()], int(match[1]), match[4], repeated_marker(at, last))
+
+
+def _interval(heading: Heading, where: str) -> float:
+    rate, step = _RATE.search(heading.words), _STEP.search(heading.words)
+    try:
+        dt = 1.0 / float(rate[1]) if rate else float(step[1]) if step else 0.0
+    except (ValueError, ZeroDivisionError):
+        dt = 0.0
+    if not dt > 0.0:
+        expected, found = "'at N pts/sec' or 'equally spaced at N sec' with N > 0", repr(heading.words.strip())
+        raise unexpected(where, expected, found, "repair the line or download the file again")
+    return dt
+
+
+def equal_block(name: str, lines: Sequence[str], heading: Heading, end: int, unit: str) -> Block:
+    """Read the accelerations below a heading, up to the line at index `end`; `unit` is as the file words it."""
+    where = f"{name}:{heading.at + 1}"
+    dt = _interval(heading, where)
+    found = canonical_unit(unit, where)
+    first, count = heading.at + 1, heading.count
+    check_count(where, count, count if first < end else 0)
+    per_row, width = heading.layout or (_ROW, max(len(lines[first].rstrip()) // min(_ROW, count), 1))
+    if per_row < 1 or width < 1:
+        raise RecordFormatError(f"{where}: expected a format such as (8f9.6), found ({per_row}f{width})")
+    samples = fixed_width(lines[first:end], first + 1, width, per_row, count, name)
+    rows = -(-count // per_row)
+    left = surplus(lines, first + rows, end, used=width * (count - (rows - 1) * per_row))
+    return Block(samples, dt, found, dt * np.arange(count), samples, (*heading.warnings, *left))
+
+
+def read_header(lines: Sequence[str]) -> Header:
+    """Read the at least `TEXT_LINES` (13) lines of text of a CSMIP channel, volume 1 or 2, or of RENADIC.
+
+    The lines begin with 'Uncorrected Accelerogram Data' and may go on behind the text.
+    """
+    text, behind = [line[:LONGEST_LINE] for line in lines[:TEXT_LINES]], lines[TEXT_LINES:]
+    match = _CHANNEL.match(text[6])
+    component, place = (match[2], match[4] or "") if match else (text[6].strip(), "")
+    placed = _PLACE_AFTER.fullmatch(component)
+    if placed:
+        component, place = placed[1], place or placed[2]
+    start_time, notes = _start_time(text[3])
+    seed, origin, depth = _SEED_CODES.match(text[3]), _ORIGIN.search(text[2]), _DEPTH.search(text[8])
+    counted = _COUNTED.search(text[4])
+    about = {
+        # Structures repeat a direction on every floor; there the number tells the channels apart, that of the station
+        # rather than that of the recorder.
+        "channel": (match[3] or match[1]) if match and place else "",
+        "structural": on_structure(place, stated=True),
+        "network": seed[2] if seed else "",
+        "station": seed[3] if seed else matched(_STATION, text[4]),
+        "location": seed[4].replace("-", "") if seed else "",
+        "station_name": re.split(r"\s{2,}|\s+s/n\b", text[5].strip(), flags=re.IGNORECASE)[0],
+        "event": " ".join(re.split(r"\s{2,}\(", text[1].strip())[0].split()),
+        "start_time": start_time,
+        "facts": stated(
+            event_id=seed[1] if seed and seed[1].isdecimal() else "",
+            origin_time=written(origin[1]) if origin else None,
+            magnitude=magnitudes(text[8]),
+            hypocentre=coordinates(text[8]),
+            depth_km=depth[1] if depth else "",
+            station=coordinates(text[4]),
+        ),
+    }
+    return Header(
+        component,
+        place,
+        about,
+        warnings=notes,
+        recorder=text[4].strip(),
+        number=f"{match[1]} {match[3] or ''}" if match else "",
+        counted=int(counted[1]) if counted else channel_count(behind),
+        code=direction_code(behind),
+    )
+
+
+def missing_channels(
+    name: str, lines: Sequence[str], spans: Sequence[Span], headers: Sequence[Header]
+) -> tuple[str, ...]:
+    """Warnings for missing channels, see `completeness`; `spans` and `headers` belong to the channels in `lines`."""
+    pairs = zip(spans, headers, strict=True)
+    counts = (Counted(span[0] + 1, header.recorder, header.number, header.counted) for span, header in pairs)
+    return completeness(name, counts, closed=spans[-1][1] < len(lines))
+
+
+def _start_time(line: str) -> tuple[datetime | None, tuple[str, ...]]:
+    """UTC time of the first sample, or a warning that says why there is none."""
+    match = _START.search(line)
+    if not match:
+        return None, ()
+    try:
+        month, day, year, hour, minute = (int(text) for text in match.groups()[:5])
+        if year < 100:
+            year += 1900 if year >= 69 else 2000
+        local = datetime(year, month, day, hour, minute, tzinfo=UTC) + timedelta(seconds=float(match[6]))
+        moment = local - timedelta(hours=ZONES[match[7].upper()])
+    except (ValueError, KeyError, OverflowError):
+        return None, (f"the start time {match[0]!r} cannot be read",)
+    # A clock that was never set begins at midnight of its own zone.
+    fault = clock_fault(local)
+    return (None, (fault,)) if fault else (moment, ())
+
+
+def _row(behind: Sequence[str], number: int) -> str:
+    """A row of the integers and reals, from 0, among the lines behind the text; empty where there is none."""
+    rows = (at for at, line in enumerate(behind) if _FIRST_ROW.match(line[:LONGEST_LINE].rstrip()))
+    at = next(rows, len(behind)) + number
+    return behind[at] if at < len(behind) else ""
+
+
+def channel_count(behind: Sequence[str]) -> int:
+    """Channels of the recorder, from the lines behind the text; 0 where none of them is a row of integers."""
+    return int(matched(_FIRST_ROW, _row(behind, 0)[:LONGEST_LINE].rstrip()) or 0)
+
+
+def direction_code(behind: Sequence[str]) -> int:
+    """The azimuth or code of the direction, from the lines behind the text; 0 where the file does not say."""
+    text = _row(behind, 1)[_AZIMUTH]
+    return int(text) if _CODE.fullmatch(text) else 0
+
+
+def held_count(behind: Sequence[str], points: int) -> list[str]:
+    """A warning where integer 28 is not the number of points in the text; 0 and -999 say nothing."""
+    text = _row(behind, 1)[_POINTS]
+    if not re.fullmatch(r" *\d{1,5}", text, re.ASCII) or int(text) in (0, points) or points > _MOST_POINTS:
+        return []
+    return [f"integer 28 of the header states {int(text)} points, the text {points}"]
+
+
+def real(behind: Sequence[str], number: int) -> str:
+    """A real as it is printed, by its number from 1, from the lines behind the text; empty where it is unknown."""
+    row, column = divmod(number - 1, 8)
+    text = _row(behind, _INTEGER_ROWS + row)[_REAL_WIDTH * column : _REAL_WIDTH * (column + 1)]
+    known = _REAL.fullmatch(text) and any(map(str.isdigit, text)) and float(text) not in _UNKNOWN
+    return text if known else ""
+
+
+def held_peak_real(behind: Sequence[str], number: int, block: Block, per_unit: float) -> list[str]:
+    """A warning where a real, a peak in units of `per_unit` m/s2, is not the peak of the samples."""
+    peak, rounding = printed_number(real(behind, number))
+    stated, found = abs(peak) * per_unit / STANDARD_GRAVITY, block.peak * UNITS[block.unit] / STANDARD_GRAVITY
+    if abs(stated - found) > PEAK_TOLERANCE * max(stated, found) + rounding * per_unit / STANDARD_GRAVITY:
+        return [f"real {number} of the header states a peak of {stated:.4g} g, the samples have {found:.4g} g"]
+    return []
+
+
+def one_direction(component: str, code: int, repeated: Sequence[str] = ()) -> Direction:
+    """The direction of the wording; unknown, with a note, where the code or a line that repeats it tells another one.
+
+    Codes of sensors without an azimuth, 1100 and 1200 for H1 and H2, tell none, and neither does 0.
+    """
+    told = Direction("horizontal", float(code % 360)) if 1 <= code <= 360 else Direction()
+    if code in (_UP, _DOWN):
+        told = Direction("vertical", sign=1.0 if code == _UP else -1.0)
+    note = f"the text says {component!r}, integer 27 of the header says {code}: the direction is unknown"
+    facing = held_direction(direction(component), told, note)
+    for other in repeated:
+        note = f"the text says {component!r}, another line of the header {other!r}: the direction is unknown"
+        facing = facing if facing.note else held_direction(facing, direction(other), note)
+    return facing

@@ -1,0 +1,269 @@
+"""Start times from the numbers of a header, held against the time of the earthquake where the header states it.
+
+What a header states about the earthquake and the site of a record, as far as it can be true.
+
+Headers are filled by many hands: zeros and -999 stand for "unknown", units are mixed up. A value that cannot be true is
+left out; it is never an error, since no sample depends on it.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from datetime import UTC, datetime, timedelta
+
+#: A record starts at most this long before or after its earthquake; the waves cross the Earth in a third of it.
+NEAR = timedelta(hours=1)
+
+# Earlier than the first accelerogram of a strong earthquake (Long Beach, 11 March 1933 UTC) only a clock is wrong.
+_FIRST_YEAR = 1933
+# Times from which clocks start that nobody set (Unix, PC, GPS). The first hour only: on 1 January 1980, 16:42 UTC, the
+# Azores had a strong earthquake.
+_CLOCK_ORIGINS = tuple(datetime(*day, tzinfo=UTC) for day in ((1970, 1, 1), (1980, 1, 1), (1980, 1, 6)))
+_CLOCK_RUN = timedelta(hours=1)
+
+#: Hours by which the clocks of a zone are ahead of UTC.
+ZONES = {"UTC": 0.0, "GMT": 0.0, "UT": 0.0, "Z": 0.0, "PST": -8.0, "PDT": -7.0}
+#: Letters behind a time that tell of another clock, which is not known: zones (JST, LT), halves of the day. Others, as
+#: the scale of a magnitude, say nothing of the time.
+_OTHER_CLOCK = re.compile(r"(?!AT$)[A-Z]{1,3}T|[AP]M|LOC")
+#: 06/16/2005, 20:53:26.1 UTC or 2018/11/30 17:29:29 or 2009-04-06T01:32:39+01:00, and the zone, if it is given.
+_DATE = r"(?<!\d)(?:(\d{1,2})/\s?(\d{1,2})/\s?(\d{2}|\d{4})|(\d{4})([/-])\s?(\d{1,2})\5\s?(\d{1,2}))"
+_TIME = r"(\d{1,2}):\s?(\d{1,2}):\s?(\d{1,2}(?:\.\d{0,6})?|\.\d{1,6})"
+_ZONE = r"(?:\s{0,4}(Z|[A-Z]{2,4})\b|([+-]\d\d):?(\d\d)(?!\d))?"
+_WRITTEN = re.compile(rf"{_DATE}(?:T|,?\s+){_TIME}{_ZONE}", re.ASCII | re.IGNORECASE)
+#: The century of a year of two digits: accelerographs came in the thirties.
+_CENTURY = 30
+
+
+def clock_fault(moment: datetime) -> str:
+    """The reason why a start time [UTC, or the zone of the file] cannot be right; empty if it can."""
+    if moment.year < _FIRST_YEAR:
+        return f"the start time {moment:%Y-%m-%d %H:%M:%S} lies before the first accelerograms; it was left out"
+    if any(origin <= moment < origin + _CLOCK_RUN for origin in _CLOCK_ORIGINS):
+        return f"the start time {moment:%Y-%m-%d %H:%M:%S} is that of a clock that was never set; it was left out"
+    return ""
+
+
+def instant(day: Sequence[float], time: Sequence[float], zone_hours: float = 0.0) -> datetime | None:
+    """UTC time from year, month, day and hour, minute, second; None where they are no date or no time of day.
+
+    The second may have a fraction, and be a leap second; the clock of the header is `zone_hours` ahead of UTC.
+
+    Examples
+    --------
+    >>> instant((2018, 2, 6), (23, 50, 29), zone_hours=8)
+    datetime.datetime(2018, 2, 6, 15, 50, 29, tzinfo=datetime.timezone.utc)
+    >>> instant((2018, 2, 30), (0, 0, 0)) is None
+    True
+    """
+    hour, minute, second = time
+    if not (0 <= hour < 24 and 0 <= minute < 60 and 0.0 <= second < 61.0):
+        return None
+    try:
+        midnight = datetime(int(day[0]), int(day[1]), int(day[2]), tzinfo=UTC)
+        return midnight + timedelta(hours=float(hour) - zone_hours, minutes=float(minute), seconds=float(second))
+    except (ValueError, OverflowError):
+        return None
+
+
+def later(moment: datetime | None, seconds: float) -> datetime | None:
+    """The time `seconds` after `moment`; None where the moment is unknown or the result beyond the calendar."""
+    try:
+        return None if moment is None else moment + timedelta(seconds=seconds)
+    except OverflowError:
+        return None
+
+
+def near_event(start: datetime | None, origin: datetime | None) -> tuple[datetime | None, list[str]]:
+    """The start time [UTC], or None and a warning where it is further than `NEAR` from the origin of the earthquake."""
+    if start is None or origin is None or abs(start - origin) <= NEAR:
+        return start, []
+    return None, [
+        f"the start time {start:%Y-%m-%d %H:%M:%S} lies {abs(start - origin) / timedelta(hours=1):.1f} h from the "
+        f"earthquake of {origin:%Y-%m-%d %H:%M:%S}; it was left out"
+    ]
+
+
+def written(text: str) -> datetime | None:
+    """UTC time from the first date and time in a text, year or month first.
+
+    None where there is none, or where its zone is not known.
+
+    Examples
+    --------
+    >>> written("(ORIGIN(CIT): 01/17/94, 12:30:55.4 GMT)")
+    datetime.datetime(1994, 1, 17, 12, 30, 55, 400000, tzinfo=datetime.timezone.utc)
+    >>> written("2009-04-06T01:32:39 ML 5.8")
+    datetime.datetime(2009, 4, 6, 1, 32, 39, tzinfo=datetime.timezone.utc)
+    >>> written("Origin: To be determined") is None
+    True
+    """
+    found = _WRITTEN.search(text)
+    if not found:
+        return None
+    letters = (found[11] or "").upper()
+    if letters not in ZONES and _OTHER_CLOCK.fullmatch(letters):
+        return None
+    ahead = 0.0
+    if found[12]:
+        ahead = int(found[12][1:]) + int(found[13]) / 60.0
+        ahead = -ahead if found[12].startswith("-") else ahead
+    date = (found[4], found[6], found[7]) if found[4] else (found[3], found[1], found[2])
+    year, month, day = map(int, date)
+    if year < 100:
+        year += 1900 if year >= _CENTURY else 2000
+    clock = (int(found[8]), int(found[9]), float(found[10]))
+    return instant((year, month, day), clock, ZONES.get(letters, ahead))
+
+
+#: A number, or its text in the header.
+Number = float | str
+#: Latitude and longitude [degrees north, degrees east].
+Place = tuple[Number, Number]
+
+_NUMBER = re.compile(r"[+-]?(?:\d{1,9}\.?\d{0,15}|\.\d{1,15})(?:[eE][+-]?\d{1,3})?", re.ASCII)
+#: Decimal degrees ("35.525N", "19.33 LAT. N") or degrees, minutes and seconds ("34 06 52N") with the side of the globe.
+_DECIMAL = re.compile(r"(?<![\d.])(\d{1,3}\.\d{0,9})\s*(?:LAT\.|LONG\.)?\s*([NSEW])(?![A-Z])", re.ASCII | re.IGNORECASE)
+_SEXAGESIMAL = re.compile(
+    r"(?<![\d.])(\d{1,3})\s{1,3}(\d{1,2})\s{1,3}(\d{1,2}(?:\.\d{0,6})?)\s*([NSEW])(?![A-Z])", re.ASCII | re.IGNORECASE
+)
+_MAGNITUDE = re.compile(r"(?<![A-Za-z0-9.])(M[A-Za-z]?)\s{0,10}[=:]?\s{0,10}(\d{1,2}(?:\.\d{0,3})?)(?![\d.])", re.ASCII)
+#: Scales of magnitudes by their letters, in the order in which one is chosen where a header states several.
+_SCALES = {"mw": "Mw", "ms": "Ms", "ml": "ML", "mb": "mb"}
+#: Texts that stand for nothing.
+_NO_TEXT = re.compile(r"[-_.?/\s]*|n/?a|none|null|unknown", re.IGNORECASE)
+
+_MAGNITUDES = (-1.0, 10.0)
+#: Deepest earthquake, and half the way round the Earth [km].
+_DEEPEST, _FARTHEST = 800.0, 20_040.0
+#: Velocities of shear waves in mud and in the hardest rock [m/s].
+_VS30 = (30.0, 5000.0)
+
+
+@dataclass(frozen=True)
+class Facts:
+    """Fields of a `Record` by the same names and in the same units; what is not known is NaN, None or empty."""
+
+    event_id: str = ""
+    origin_time: datetime | None = None
+    magnitude: float = math.nan
+    magnitude_type: str = ""
+    hypocentre_latitude: float = math.nan
+    hypocentre_longitude: float = math.nan
+    hypocentre_depth: float = math.nan
+    epicentral_distance: float = math.nan
+    station_latitude: float = math.nan
+    station_longitude: float = math.nan
+    vs30: float = math.nan
+    site_class: str = ""
+
+
+#: Of a file that states nothing.
+NOTHING = Facts()
+
+
+def stated(
+    *,
+    event_id: str = "",
+    origin_time: datetime | None = None,
+    magnitude: tuple[Number, str] = (math.nan, ""),
+    hypocentre: Place = (math.nan, math.nan),
+    depth_km: Number = math.nan,
+    distance_km: Number = math.nan,
+    station: Place = (math.nan, math.nan),
+    vs30: Number = math.nan,
+    site_class: str = "",
+) -> Facts:
+    """The facts of a header, without values that cannot be true.
+
+    A magnitude comes with its scale; `vs30` is in m/s. Left out are times that only an unset clock states, magnitudes
+    outside -1 to 10, places that are none, and zeros that stand for "unknown": of magnitude, distance and Vs30, of both
+    coordinates at once, and of the depth of an unknown place.
+    """
+    size = _within(magnitude[0], *_MAGNITUDES, zero=False)
+    (latitude, longitude), (station_latitude, station_longitude) = _place(hypocentre), _place(station)
+    return Facts(
+        event_id=_text(event_id),
+        origin_time=None if origin_time is None or clock_fault(origin_time) else origin_time,
+        magnitude=size,
+        magnitude_type="" if math.isnan(size) else _scale(magnitude[1]),
+        hypocentre_latitude=latitude,
+        hypocentre_longitude=longitude,
+        hypocentre_depth=1e3 * _within(depth_km, 0.0, _DEEPEST, zero=not math.isnan(latitude)),
+        epicentral_distance=1e3 * _within(distance_km, 0.0, _FARTHEST, zero=False),
+        station_latitude=station_latitude,
+        station_longitude=station_longitude,
+        vs30=_within(vs30, *_VS30),
+        site_class=_text(site_class),
+    )
+
+
+def coordinates(text: str) -> tuple[float, float]:
+    """Latitude and longitude from a line of a header; NaN where it names none.
+
+    Examples
+    --------
+    >>> coordinates("STATION NO. 14403   33.929N, 118.260W     SMA-1")
+    (33.929, -118.26)
+    >>> coordinates("Epicentre  42 30 00S 173 15 00E  Bearing S40E")
+    (-42.5, 173.25)
+    """
+    found = {"N": math.nan, "E": math.nan}
+    named = [(float(degrees), side) for degrees, side in _DECIMAL.findall(text)]
+    named += [
+        (round(float(degrees) + float(minutes) / 60.0 + float(seconds) / 3600.0, 6), side)
+        for degrees, minutes, seconds, side in _SEXAGESIMAL.findall(text)
+    ]
+    for value, side in reversed(named):  # the first of several counts
+        axis = "N" if side.upper() in "NS" else "E"
+        found[axis] = value if side.upper() == axis else -value
+    return found["N"], found["E"]
+
+
+def magnitudes(text: str) -> tuple[float, str]:
+    """Magnitude and scale from a line such as ``ML=6.6, MW=6.7(CIT)``; see `preferred`.
+
+    Examples
+    --------
+    >>> magnitudes("H=18KM. ML=6.6, MW=6.7(CIT); MS=6.7(NEIC)"), magnitudes("Depth    8km M  5.70")
+    ((6.7, 'Mw'), (5.7, ''))
+    """
+    return preferred((value, scale) for scale, value in _MAGNITUDE.findall(text))
+
+
+def preferred(named: Iterable[tuple[Number, str]]) -> tuple[float, str]:
+    """One of several magnitudes with their scales, without those that cannot be true.
+
+    Mw comes first, then Ms, ML, mb, then the first of the others; NaN where there is none.
+    """
+    read = [(_within(value, *_MAGNITUDES, zero=False), _scale(scale)) for value, scale in named]
+    found = [one for one in read if not math.isnan(one[0])]
+    order = list(_SCALES.values())
+    return min(found, key=lambda one: order.index(one[1]) if one[1] in order else len(order), default=(math.nan, ""))
+
+
+def _scale(text: str) -> str:
+    text = text.strip()
+    return "" if text.upper() == "M" else _SCALES.get(text.lower(), text)
+
+
+def _within(value: Number, low: float, high: float, zero: bool = True) -> float:
+    """The value if it is a number within the bounds, and not 0 unless `zero` may be meant; else NaN."""
+    if isinstance(value, str):
+        value = float(value) if _NUMBER.fullmatch(value.strip()) else math.nan
+    return float(value) if low <= value <= high and (zero or value != 0.0) else math.nan
+
+
+def _place(place: Place) -> tuple[float, float]:
+    latitude, longitude = _within(place[0], -90.0, 90.0), _within(place[1], -360.0, 360.0)
+    if math.isnan(latitude + longitude) or latitude == longitude == 0.0:
+        return math.nan, math.nan
+    return latitude, longitude if abs(longitude) <= 180.0 else longitude - math.copysign(360.0, longitude)
+
+
+def _text(text: str) -> str:
+    words = " ".join(text.split())
+    return "" if _NO_TEXT.fullmatch(words) else words

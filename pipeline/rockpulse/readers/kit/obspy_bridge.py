@@ -1,0 +1,282 @@
+"""What the readers take from obspy, which is imported only when a file needs it: streams, directions, StationXML."""
+
+from __future__ import annotations
+
+import io
+import math
+import os
+import sys
+import tempfile
+import threading
+import warnings as python_warnings
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from datetime import UTC, datetime
+from functools import lru_cache
+from pathlib import PurePosixPath
+from typing import Any
+
+from rockpulse.errors import RecordFormatError, RecordRefused
+from rockpulse.readers.kit.direction import Direction, direction, means_vertical
+from rockpulse.readers.source import SourceFile
+from rockpulse.remark import Remark
+
+#: No news about the record: obspy's own future, and files that somebody else left open.
+_NO_NEWS = (DeprecationWarning, FutureWarning, ResourceWarning)
+#: Python's filters of warnings are those of the whole process: blocks that overlap in two threads would leave theirs.
+_ALONE = threading.RLock()
+#: SEED: from here on a dip means a vertical sensor, up to there a horizontal one [degrees].
+_STEEP, _FLAT = 60.0, 30.0
+#: A sensor called N or E may be this far from the axis, either way, before its name is doubted [degrees].
+_OFF_AXIS = 45.0
+
+
+@contextmanager
+def obspy_notes(terminal: bool = False) -> Iterator[list[str]]:
+    """A list that, once the block has ended, holds the warnings that obspy gave in it; one thread at a time.
+
+    With `terminal` also the lines that its C libraries print on the standard error of the process.
+    """
+    notes: list[str] = []
+    with _ALONE, python_warnings.catch_warnings(record=True) as caught:
+        python_warnings.simplefilter("always")
+        with _standard_error(terminal) as printed, _unraisable() as lost:
+            yield notes
+    told = [str(item.message) for item in caught if not issubclass(item.category, _NO_NEWS)]
+    notes += dict.fromkeys(f"obspy: {' '.join(text.split())}" for text in (*told, *printed, *lost))
+
+
+@contextmanager
+def _standard_error(wanted: bool) -> Iterator[list[str]]:
+    """Collect the lines that are written to file descriptor 2 within the block, if `wanted`."""
+    lines: list[str] = []
+    if not wanted:
+        yield lines
+        return
+    sys.stderr.flush()
+    before = os.dup(2)
+    with tempfile.TemporaryFile() as file:
+        os.dup2(file.fileno(), 2)
+        try:
+            yield lines
+        finally:
+            os.dup2(before, 2)
+            os.close(before)
+            file.seek(0)
+            lines += [line for line in file.read().decode("utf-8", "replace").splitlines() if line.strip()]
+
+
+@contextmanager
+def _unraisable() -> Iterator[list[str]]:
+    """Collect the errors that a callback of a C library could not raise, such as a message in no encoding."""
+    lines: list[str] = []
+    before = sys.unraisablehook
+    sys.unraisablehook = lambda lost: lines.append(f"a message of its C library is lost ({lost.exc_value})")
+    try:
+        yield lines
+    finally:
+        sys.unraisablehook = before
+
+
+def obspy_stream(file: SourceFile, format: str, content: bytes | None = None) -> tuple[Any, list[str]]:
+    """The obspy Stream of a file and obspy's warnings; any exception of obspy becomes a `RecordFormatError`.
+
+    `content`, where given, is handed to obspy in place of the bytes of the file.
+    """
+    import obspy
+
+    try:
+        with obspy_notes() as notes:
+            stream = obspy.read(io.BytesIO(file.content if content is None else content), format=format)
+            # Joins what fits together exactly; a gap keeps its traces apart.
+            stream.merge(-1)
+    except Exception as fault:  # the plugins raise anything from TypeError to bare Exception on damaged bytes
+        raise RecordFormatError(
+            f"{file.name}: obspy cannot read it as {format}: {fault}; the file may be damaged: download it again"
+        ) from fault
+    if len(stream) == 0:
+        raise RecordFormatError(f"{file.name}: no waveform in the file; download it again")
+    for trace in stream:  # refuses times that obspy itself cannot print
+        utc_time(file, trace.stats.starttime)
+        utc_time(file, trace.stats.endtime)
+    return stream, notes
+
+
+def codes_of(stats: Any) -> dict[str, Any]:
+    """The codes of a trace, as `build_record` and `Record` name them."""
+    return {code: stats[code] for code in ("network", "station", "location", "channel")}
+
+
+def utc_time(file: SourceFile, moment: Any) -> datetime:
+    """An obspy time as a datetime with ``tzinfo=UTC``."""
+    try:
+        return moment.datetime.replace(tzinfo=UTC)
+    except (ValueError, OverflowError) as fault:
+        raise RecordFormatError(
+            f"{file.name}: expected a start time in the years 1 to 9999, found {moment.timestamp} s from 1970; "
+            "the header is damaged: download the file again"
+        ) from fault
+
+
+def seed_direction(code: str, azimuth: float | None, dip: float | None) -> Direction:
+    """Direction from SEED's azimuth and dip where known, else from the channel code; unknown where they contradict.
+
+    A channel code that says vertical does so against a dip of 0, which is what many a header leaves it at.
+
+    The azimuth is clockwise from north, the dip down from the horizontal [degrees]: -90 is up, 90 is down.
+    """
+    azimuth = None if azimuth is None or not math.isfinite(azimuth) else float(azimuth) % 360.0
+    dip = None if dip is None or not math.isfinite(dip) else float(dip)
+    named = direction(code)
+    if dip is None:
+        lies = named.orientation
+    else:
+        lies = "vertical" if _STEEP <= abs(dip) <= 90.0 else "horizontal" if abs(dip) <= _FLAT else "unknown"
+        if lies == "horizontal" and means_vertical(code):
+            told = f"a dip of {dip:g} degrees (-90 is up, 0 horizontal)"
+            return Direction("vertical", note=Remark("vertical_by_code", channel=code, told=told))
+        if lies == "unknown" or named.orientation not in (lies, "unknown"):
+            return Direction(
+                note=f"the direction is unknown: the channel code says {code!r}, the dip is {dip:g} degrees "
+                "(-90 is up, 0 horizontal)"
+            )
+    if lies == "vertical" and dip is not None:
+        return Direction("vertical", sign=1.0 if dip < 0.0 else -1.0)
+    if lies != "horizontal" or azimuth is None:
+        return named if named.orientation == lies else Direction(lies)
+    off = abs((azimuth - named.azimuth + 90.0) % 180.0 - 90.0)  # NaN where the code names no axis
+    note = f"the channel code says {code!r}, the azimuth is {azimuth:g} degrees, which is used"
+    return Direction("horizontal", azimuth, note=note if off > _OFF_AXIS else "")
+
+
+#: Descriptions of a StationXML channel that rockpulse writes beside its own miniSEED, and `Record.processed`.
+PROCESSED = {
+    "corrected accelerogram, written by rockpulse": True,
+    "raw accelerogram, written by rockpulse": False,
+    "accelerogram, raw or corrected unknown, written by rockpulse": None,
+}
+
+_NO_FILE = "no StationXML file of the station"
+
+Files = Sequence[tuple[str, bytes]]
+
+
+@lru_cache(maxsize=4)
+def _inventory(name: str, content: bytes) -> tuple[Any, list[str]]:
+    """A StationXML file and obspy's warnings; it serves all channels of a station, and a parse costs 10 ms and more."""
+    import obspy
+
+    try:
+        with obspy_notes() as notes:
+            inventory = obspy.read_inventory(io.BytesIO(content), format="STATIONXML")
+        return inventory, notes
+    except Exception as fault:  # lxml, ValueError, TypeError: whatever the damaged element leads to
+        raise RecordFormatError(f"{name}: cannot be read as StationXML: {fault}") from fault
+
+
+def _channels(
+    name: str, content: bytes, network: str, station: str, location: str, channel: str
+) -> Iterator[tuple[Any, str]]:
+    """The channels of these codes that have a sensitivity, each with the name of its station."""
+    if station.encode() not in content:
+        return
+    for net in _inventory(name, content)[0].select(network, station, location, channel):
+        for found, site in ((found, place.site) for place in net for found in place):
+            sensitivity = found.response.instrument_sensitivity if found.response else None
+            if sensitivity is not None and sensitivity.value:
+                yield found, (site.name or "").strip() if site else ""
+
+
+def station_channel(file: SourceFile, trace: Any, full: bool) -> tuple[Any, str, list[str]]:
+    """The one StationXML channel whose epoch holds the whole record, the name of its station, and obspy's warnings.
+
+    A file with the stem of the miniSEED file comes first, and one that rockpulse wrote serves no other. Several
+    channels are one if they tell the same: sensitivity (where `full`, response), direction, raw or corrected. Raises
+    RecordRefused if there is none, or if several differ, and RecordFormatError if a file of the station is damaged.
+    """
+    stats = trace.stats
+    files = [(name, content) for name, content in file.station_files() if stats.station.encode() in content]
+    looked: list[str] = []
+    notes: list[str] = []
+    found: list[tuple[Any, str]] = []
+    for own in (True, False):
+        for name, content in files:
+            stem = PurePosixPath(name.replace("\\", "/").rpartition("!")[2]).stem
+            if (file.chosen or stem == file.path.stem) is not own:
+                continue
+            try:
+                warned = _inventory(name, content)[1]
+                channels = list(_channels(name, content, stats.network, stats.station, stats.location, stats.channel))
+            except RecordFormatError as fault:
+                raise RecordFormatError(f"{fault}; it is needed for {file.name}") from fault
+            notes += [f"{name}: {note}" for note in warned]
+            serving = [(channel, site) for channel, site in channels if own or channel.description not in PROCESSED]
+            bound = len(serving) < len(channels)
+            looked.append(f"{name}, which serves the miniSEED file of its own name only" if bound else name)
+            found += [(channel, site) for channel, site in serving if _holds(channel, stats.starttime, stats.endtime)]
+        if found:
+            break
+    if not found:
+        raise RecordRefused(
+            f"{file.name}: {trace.id} is in counts and no sensitivity for {stats.starttime} to {stats.endtime} was "
+            f"found ({'; '.join(['looked in ' + ', '.join(looked), *dict.fromkeys(notes)]) if looked else _NO_FILE}); "
+            "put the station's StationXML with responses into the same folder, or name it: read(path, "
+            "stationxml='station.xml')"
+        )
+    first, site = found[0]
+    gaps = [gap for gap in (_gap(first, channel, full) for channel, _ in found[1:]) if gap]
+    if gaps:
+        what, values = gaps[0]
+        raise RecordRefused(
+            f"{file.name}: {trace.id} has {1 + len(gaps)} different {what} for one time in {', '.join(looked)}"
+            f"{f' ({values})' if values else ''}; keep the right StationXML only, or give it the name of the "
+            f"miniSEED file ({file.path.stem}.xml)"
+        )
+    return first, site, notes
+
+
+def told_otherwise(files: Files, network: str, station: str, channel: Any) -> bool:
+    """Whether a StationXML contradicts a channel of the same codes at a time that overlaps its epoch."""
+    return any(
+        _overlap(channel, other) and _gap(channel, other, full=False)
+        for name, content in files
+        for other, _ in _channels(name, content, network, station, channel.location_code, channel.code)
+    )
+
+
+def _holds(channel: Any, start: Any, end: Any) -> bool:
+    begins, ends = channel.start_date, channel.end_date
+    return not ((begins and begins > start) or (ends and ends < end))
+
+
+def _overlap(one: Any, other: Any) -> bool:
+    """Whether two epochs have a time in common; without a limit they are open."""
+    return not any(
+        first.end_date and second.start_date and first.end_date < second.start_date
+        for first, second in ((one, other), (other, one))
+    )
+
+
+def _gap(one: Any, other: Any, full: bool) -> tuple[str, str] | None:
+    """Name of the property in which two channels differ, and its two values; None where they tell the same."""
+    if full and one.response != other.response:
+        return "responses", ""
+    states = {True: "corrected", False: "raw", None: "unknown"}
+    told = [
+        (
+            f"{float(channel.response.instrument_sensitivity.value)!r} per "
+            f"{str(channel.response.instrument_sensitivity.input_units).upper()}",
+            _facing(channel),
+            states[PROCESSED.get(channel.description, False)],
+        )
+        for channel in (one, other)
+    ]
+    pairs = zip(("sensitivities", "directions", "states of processing"), *told, strict=True)
+    return next(((what, f"{mine}; {theirs}") for what, mine, theirs in pairs if mine != theirs), None)
+
+
+def _facing(channel: Any) -> str:
+    facing = seed_direction(channel.code, channel.azimuth, channel.dip)
+    if facing.orientation == "vertical":
+        return "up" if facing.sign > 0.0 else "down"
+    return f"{facing.orientation}, azimuth {facing.azimuth:g}"

@@ -1,0 +1,252 @@
+"""From counts to acceleration, with the sensitivity or response of an instrument, of StationXML or an obspy Trace."""
+
+from __future__ import annotations
+
+import copy
+import math
+import re
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from rockpulse.errors import RecordFormatError, RecordRefused
+from rockpulse.readers.kit.channel import clipping_warning
+from rockpulse.readers.kit.obspy_bridge import obspy_notes
+from rockpulse.readers.kit.text import unexpected
+from rockpulse.readers.source import NotAcceleration
+from rockpulse.record.record import STANDARD_GRAVITY
+
+#: Quantity that a unit without its prefix measures, and SI units per prefix.
+_QUANTITIES = {"M": "displacement", "M/S": "velocity", "M/S2": "acceleration"}
+_PREFIXES = {"": 1.0, "C": 1e-2, "M": 1e-3, "U": 1e-6, "N": 1e-9}
+#: Input units that a response may have: spelling without signs of powers, quantity, SI units per unit.
+_MOTION = {
+    prefix + word: (quantity, scale) for word, quantity in _QUANTITIES.items() for prefix, scale in _PREFIXES.items()
+}
+_MOTION |= {"G": ("acceleration", STANDARD_GRAVITY), "GAL": ("acceleration", 0.01), "GALS": ("acceleration", 0.01)}
+#: Units of sensors that share a station with accelerometers and record no motion of the ground.
+_NO_MOTION = frozenset({"PA", "HPA", "KPA", "MBAR", "C", "DEGC", "K", "T", "NT", "%", "M/M", "RAD", "RAD/S", "RAD/S2"})
+#: The stages of a response and its stated sensitivity may differ by this share before it is reported.
+GAIN_TOLERANCE = 0.05
+#: SI units as obspy spells them; it scales the others under some of their spellings only.
+_OBSPY_UNITS = {"displacement": "M", "velocity": "M/S", "acceleration": "M/S**2"}
+
+#: The response is removed where it is above this share of its largest value: noise grows at most by its inverse.
+RESPONSE_FLOOR = 0.01
+#: Begin and end of the upper taper, as shares of the highest frequency of the pass band.
+UPPER_TAPER = (0.8, 0.95)
+#: A pass band that begins above this [Hz] is reported: pulses near a fault last several seconds.
+LONG_PULSES = 0.05
+#: Half-waves longer than this share of the period at which the pass band begins lose 4 % of their impulse and more.
+_WHOLE_IMPULSE = 0.2
+#: Frequencies at which the response is looked at.
+_LOOKS = 400
+
+
+@dataclass(frozen=True)
+class Removed:
+    """Samples without the response of the instrument, or as they are where only its sensitivity is used."""
+
+    samples: np.ndarray  # (n,) acceleration over `factor` [counts]
+    factor: (
+        float | None
+    )  # m/s2 per count at the frequency of the sensitivity; the rest of the response is in the samples
+    processing: tuple[str, ...]  # the method, for the processing of the record
+    warnings: tuple[str, ...]
+
+
+def from_counts(where: str, counts: np.ndarray, dt: float, response: Any, way: str) -> Removed:
+    """Counts (n,) as acceleration by the response of the instrument; `way` is that of `ReadOptions.response`."""
+    if way == "remove":
+        removed = without_response(where, counts, dt, response)
+        return replace(removed, warnings=(*clipping_warning(counts), *removed.warnings))
+    factor = sensitivity_factor(where, response)
+    return Removed(counts.astype(float), factor, (), tuple(sensitivity_notes(response)))
+
+
+def sensitivity_factor(where: str, response: Any) -> float:
+    """m/s2 per count from the overall sensitivity of an accelerometer; `where` names file and channel in messages."""
+    sensitivity = response.instrument_sensitivity
+    if sensitivity is None or not sensitivity.value:
+        raise RecordRefused(f"{where} is in counts and its response states no sensitivity; get the full StationXML")
+    if not math.isfinite(float(sensitivity.value)):
+        expected = "a finite sensitivity of the instrument"
+        raise unexpected(where, expected, str(sensitivity.value), "correct the StationXML")
+    quantity, scale = measured(where, sensitivity.input_units)
+    if quantity != "acceleration":
+        raise NotAcceleration(
+            f"{where} records {sensitivity.input_units}, expected an acceleration (M/S**2); use the accelerometer "
+            "channel of the station (code ending in NE, NN, NZ), or have the response removed (response='remove')"
+        )
+    return scale / float(sensitivity.value)
+
+
+def sensitivity_notes(response: Any) -> list[str]:
+    """Warnings where a sensitivity is negative, or is not the product of the gains of the stages."""
+    notes, value = turned(response.instrument_sensitivity), float(response.instrument_sensitivity.value)
+    gains = [float(stage.stage_gain) for stage in response.response_stages or [] if stage.stage_gain is not None]
+    if not gains:
+        return notes
+    units = (response.instrument_sensitivity.input_units, first_stage(response).input_units)
+    total, stages = (_MOTION.get(_spelled(unit), ("", 1.0)) for unit in units)
+    if total[0] and stages[0] and total[0] != stages[0]:
+        return [*notes, f"the sensitivity is stated for {total[0]}, the stages of the response begin with {stages[0]}"]
+    per_unit = total[1] / stages[1] if total[0] and stages[0] else 1.0
+    share = math.prod(gains) * per_unit / value - 1.0
+    if not abs(share) <= GAIN_TOLERANCE:
+        notes.append(f"the stages of the response differ from its sensitivity by {100.0 * share:.3g} %")
+    return notes
+
+
+def turned(sensitivity: Any) -> list[str]:
+    """A warning where a sensitivity is negative."""
+    value = float(sensitivity.value)
+    return [f"the sensitivity is negative, {value:g}: a sign is turned"] if value < 0.0 else []
+
+
+def _spelled(unit: Any) -> str:
+    """An input unit in the spelling of `_MOTION`."""
+    word = re.sub(r"SEC(OND)?S?", "S", re.sub(r"[\s^*().]", "", str(unit).upper()))
+    return re.sub(r"(/S/S|S-2)$", "/S2", re.sub(r"(?<!/)S-1$", "/S", word))
+
+
+def measured(where: str, unit: Any) -> tuple[str, float]:
+    """The quantity that the input unit of a response measures, and SI units per unit."""
+    word = _spelled(unit)
+    if word in _NO_MOTION:
+        raise NotAcceleration(f"{where} records {unit}, expected ground motion, such as M/S**2")
+    if word not in _MOTION:
+        raise RecordRefused(
+            f"{where}: unknown input unit {unit!r} of the response; expected M, M/S, M/S**2 (C, M, U or N before it), "
+            "G or GAL; correct the StationXML"
+        )
+    return _MOTION[word]
+
+
+def first_stage(response: Any) -> Any:
+    """The stage of a response that the ground motion enters."""
+    return min(response.response_stages, key=lambda stage: stage.stage_sequence_number)
+
+
+def without_response(where: str, counts: np.ndarray, dt: float, response: Any) -> Removed:
+    """Remove the full response of an instrument from counts (n,) in the frequency domain, down to acceleration.
+
+    The response must lead from ground acceleration, velocity or displacement to counts. The method is
+    ``Trace.remove_response(output="ACC")`` with the mean removed before, no taper in time (it would eat a pulse near
+    the ends), no water level (it would distort what `pass_band` lets through), and a cosine taper in frequency.
+    """
+    import obspy
+
+    unit, quantity, scale = _input_unit(where, response)
+    response = _in_si(response, _OBSPY_UNITS[quantity])
+    counts = np.asarray(counts, dtype=float)
+    try:
+        with obspy_notes(terminal=True) as notes:
+            band = pass_band(response, dt, counts.size)
+            trace = obspy.Trace(counts, {"delta": dt})
+            trace.stats.response = response
+            trace.remove_response(output="ACC", pre_filt=band, water_level=None, zero_mean=True, taper=False)
+            gain, size = _gain(response, band)
+    except Exception as fault:  # obspy and its C library raise what they like on an odd response
+        raise RecordFormatError(
+            f"{where}: obspy cannot evaluate the response: {fault}; get the StationXML again, or use its sensitivity"
+        ) from fault
+    if not band[1] < band[2]:
+        raise RecordRefused(
+            f"{where}: {counts.size} samples are too few to remove the response: the pass band would begin at "
+            f"{band[1]:.3g} Hz and end at {band[2]:.3g} Hz; use a longer record"
+        )
+    if not np.all(np.isfinite(trace.data)):
+        raise RecordFormatError(f"{where}: the response is zero within the pass band; use its sensitivity")
+    low = f"from {band[1]:.3g} Hz (nothing below {band[0]:.3g} Hz)" if band[0] > 0.0 else "from 0 Hz"
+    note = (
+        f"instrument response removed, {unit} to m/s2: mean removed, pass band {low} to {band[2]:.3g} Hz "
+        f"(nothing above {band[3]:.3g} Hz)"
+    )
+    # Stages that differ from the sensitivity are reported by `_disagreement`, with the figure.
+    warnings = [note for note in notes if not any(words in note for words in ("norm_resp", "Execution continuing"))]
+    if quantity != "acceleration":
+        warnings.append(f"a sensor of {quantity}, differentiated: check that it was not driven to its limit")
+    if band[1] > LONG_PULSES:
+        warnings.append(
+            f"the pass band begins at {band[1]:.3g} Hz: impulses longer than about {_WHOLE_IMPULSE / band[1]:.2g} s "
+            "are damped; use an accelerometer for near-fault pulses"
+        )
+    warnings += _disagreement(where, response, size, quantity, scale)
+    return Removed(trace.data * gain, scale / gain, (note,), tuple(warnings))
+
+
+def _input_unit(where: str, response: Any) -> tuple[str, str, float]:
+    """Input unit of a response, the quantity it measures, SI units per unit; refused where it cannot be removed."""
+    from obspy.core.inventory.response import PolynomialResponseStage
+
+    stages = response.response_stages
+    if not stages:
+        raise RecordRefused(
+            f"{where}: the StationXML has no stages of the response; get it with them (level=response), or use the "
+            "sensitivity"
+        )
+    if any(isinstance(stage, PolynomialResponseStage) for stage in stages):
+        raise RecordRefused(f"{where}: the response is a polynomial, which is not read; use the sensitivity")
+    sensitivity = response.instrument_sensitivity
+    unit = str(first_stage(response).input_units or (sensitivity and sensitivity.input_units))
+    return (unit.upper(), *measured(where, unit))
+
+
+def _in_si(response: Any, unit: str) -> Any:
+    """The response with an SI unit at the input of its first stage, in counts per unit of the file."""
+    first = first_stage(response)
+    renamed = copy.copy(first)
+    renamed.input_units = unit
+    result = copy.copy(response)
+    result.response_stages = [renamed if stage is first else stage for stage in response.response_stages]
+    return result
+
+
+def _disagreement(where: str, response: Any, size: float, quantity: str, scale: float) -> list[str]:
+    """A warning where the stages, with `size` counts per unit, contradict the stated sensitivity."""
+    sensitivity = response.instrument_sensitivity
+    if np.isnan(size):
+        return []
+    found, per_unit = measured(where, sensitivity.input_units) if sensitivity.input_units else (quantity, scale)
+    if found != quantity:
+        return [f"the sensitivity is stated for {found}, the stages of the response begin with {quantity}"]
+    share = (size / scale) / (abs(float(sensitivity.value)) / per_unit) - 1.0
+    if abs(share) <= GAIN_TOLERANCE:
+        return turned(sensitivity)
+    return [*turned(sensitivity), f"the stages of the response differ from its sensitivity by {100.0 * share:.3g} %"]
+
+
+def pass_band(response: Any, dt: float, count: int) -> tuple[float, float, float, float]:
+    """Corners of the cosine taper in frequency [Hz]: zero below the first, one from the second to the third.
+
+    Where the instrument answers at zero frequency (accelerometers) nothing is cut below, so that the impulse of a
+    near-fault pulse stays whole: the first two are negative. Else the second is one cycle in the record of `count`
+    samples, or where the response falls to `RESPONSE_FLOOR` of its largest value if that is higher, and the first half
+    of it. The others are `UPPER_TAPER` of the Nyquist frequency, or of where the response falls below the same floor.
+    """
+    nyquist, cycle = 0.5 / dt, 1.0 / (count * dt)
+    looks = np.concatenate([[0.0], np.geomspace(min(0.1 * cycle, 0.01 * nyquist), nyquist, _LOOKS)])
+    size = np.abs(response.get_evalresp_response_for_frequencies(looks, output="DEF"))
+    # At zero the C library divides by zero for some sensors: what it cannot tell counts as no answer.
+    answers = looks[np.nan_to_num(size) >= RESPONSE_FLOOR * np.nanmax(size)]
+    lowest, highest = float(answers[0]), float(answers[-1])
+    low = (-2.0, -1.0) if lowest == 0.0 else (0.5 * max(lowest, cycle), max(lowest, cycle))
+    return (*low, UPPER_TAPER[0] * highest, UPPER_TAPER[1] * highest)
+
+
+def _gain(response: Any, band: tuple[float, float, float, float]) -> tuple[float, float]:
+    """Counts per m/s2 at one frequency, and counts per unit of the ground motion at that of the stated sensitivity.
+
+    The second is NaN where no sensitivity is stated, or one at a frequency outside the pass band.
+    """
+    sensitivity = response.instrument_sensitivity
+    frequency = float(sensitivity.frequency or 0.0) if sensitivity is not None and sensitivity.value else np.inf
+    if max(band[1], 0.0) <= frequency <= band[2]:
+        return abs(_at(response, frequency, "ACC")), abs(_at(response, frequency, "DEF"))
+    return abs(_at(response, float(np.sqrt(max(band[1], 0.01 * band[2]) * band[2])), "ACC")), np.nan
+
+
+def _at(response: Any, frequency: float, output: str) -> complex:
+    return complex(response.get_evalresp_response_for_frequencies(np.array([frequency]), output=output)[0])

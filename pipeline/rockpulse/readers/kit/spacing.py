@@ -1,0 +1,315 @@
+"""Equal spacing of sample times, recognised through the rounding of printed times or made by interpolation.
+
+Times stand in the (time, acceleration) pairs of a digitised trace, of which the volume 1 files of CSMIP, USC and
+RENADIC hold five in a row, in fields of equal width that may touch, and in the first of plain columns, where heading,
+other statements and the caller must agree with it.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from rockpulse.errors import RecordFormatError
+from rockpulse.readers.kit.checks import surplus
+from rockpulse.readers.kit.headings import Heading
+from rockpulse.readers.kit.text import FILE_DAMAGED, UNITS, canonical_unit, check_count, fixed_width, unexpected
+from rockpulse.record.record import STANDARD_GRAVITY
+
+#: A resampled record may have at most this many times the samples of the file.
+GROWTH_LIMIT = 10
+#: Rounding explains at most this share of a step; a missing row shows as half a step or more.
+ROUNDING_SHARE = 0.2
+#: A step above this many medians is a gap if all others are equal.
+LONG_STEP = 1.5
+#: Two statements of one sampling interval differ by no more than this ratio.
+_SAME_STEP = 1.001
+#: No times are beyond this, Unix time in ms included [s]; larger ones may overflow.
+LATEST = 1e13
+
+#: Seconds in the units that may head a column of times.
+_SECONDS = {"ms": 1e-3, "mi": 1e-3, "us": 1e-6, "µs": 1e-6}
+_MINUTES = 60.0
+#: Rows that no acceleration climbs without a fall, at equal steps.
+_CLIMB = 20
+#: A first column whose values fall at a smaller share of its changes than this can be no acceleration.
+TIME_FALLS = 0.05
+
+PAIRS_PER_ROW = 5
+#: Characters of what stands for a unit.
+_LONGEST_LINE = 400
+_POINTS = re.compile(r"no\. of points\s*=\s*(\d{1,15})\b", re.IGNORECASE)
+_UNIT = re.compile(r"units (?:of uncor (?:accel|data) )?(?:is|are)\s+(?:sec(?:onds)?\s+and\s+)?(\S+)", re.IGNORECASE)
+
+
+def _half_digit(times: np.ndarray) -> float:
+    """Half a unit of the last decimal that the times use [s]."""
+    for decimals in range(9):
+        if np.all(np.abs(times - np.round(times, decimals)) < 1e-9 * np.maximum(1.0, np.abs(times))):
+            return 0.5 * 10.0**-decimals
+    return 0.0
+
+
+def same_step(steps: Iterable[float]) -> bool:
+    """Whether some sampling intervals [s] are one, as printed with few digits."""
+    known = list(steps)
+    return max(known) <= _SAME_STEP * min(known)
+
+
+def even_step(times: np.ndarray) -> float | None:
+    """Sampling interval [s] of equally spaced times, rounded as printed; None if they are unequal.
+
+    The times (n,) increase strictly, n >= 2. A round interval or rate is preferred where the printed digits allow it.
+    Times are unequal if one is off the grid by more than its rounding (at most `ROUNDING_SHARE` of the interval) and 1
+    % of the interval.
+    """
+    if _beyond(times).any():
+        return None
+    times = times - times[0]  # the digits of large times are of the first one
+    return _fitted_step(times, _half_digit(times))
+
+
+def _beyond(times: np.ndarray) -> np.ndarray:
+    return ~(np.abs(times) <= LATEST)
+
+
+def _fitted_step(times: np.ndarray, rounding: float) -> float | None:
+    """The interval of times that begin at 0, see `even_step`, each of them off by at most its rounding."""
+    steps = np.arange(times.size)
+    mean = float(times[-1]) / (times.size - 1)
+    tolerance = min(rounding, ROUNDING_SHARE * mean) + 0.01 * mean
+    rate = 1.0 / mean
+    for step in (float(f"{mean:.2g}"), 1.0 / round(rate) if rate >= 1.0 else mean, float(f"{mean:.4g}"), mean):
+        if np.max(np.abs(times - step * steps)) <= tolerance:
+            return step
+    return None
+
+
+def printed_at(times: np.ndarray, dt: float) -> bool:
+    """Whether times (n,) that never decrease are those of samples at interval `dt` after rounding, however coarse.
+
+    The first time may be any. Where times are printed more coarsely than `dt` [s], a missing row may hide in the
+    rounding; a stated count shows it.
+    """
+    if not (np.isfinite(dt) and dt > 0.0) or _beyond(times).any():
+        return False
+    times = times - times[0]
+    spread = float(np.ptp(times - dt * np.arange(times.size)))
+    unit = 2.0 * _half_digit(times)
+    slack = 1e-6 * dt + 1e-9 * max(1.0, float(np.max(np.abs(times))))
+    # A missing row moves all that follows by dt, which rounding to a unit of dt or finer never does.
+    return spread <= unit + slack and (dt < unit - slack or spread < 0.999 * dt)
+
+
+def long_step(times: np.ndarray) -> int | None:
+    """Index of the first step that is a gap: the series is equally spaced once the long steps are closed; None if none.
+
+    The times (n,) increase strictly, n >= 2. Those of a digitised trace, which wander, have long steps but no gaps.
+    """
+    if _beyond(times).any():
+        return None
+    times = times - times[0]
+    steps = np.diff(times)
+    gaps = steps > LONG_STEP * np.median(steps)
+    if not gaps.any():
+        return None
+    step, rounding = float(np.mean(steps[~gaps])), _half_digit(times)
+    # The rounding of the ends of a gap of whole steps belongs to the rows behind it; but a gap need not be whole steps.
+    left = np.clip(steps - step * np.round(steps / step), -2.0 * rounding, 2.0 * rounding)
+    closed = (np.cumsum(np.where(gaps, step + rest, steps)) for rest in (left, 0.0))
+    found = any(_fitted_step(np.concatenate([[0.0], series]), rounding) is not None for series in closed)
+    return int(np.argmax(gaps)) if found else None
+
+
+def make_even(
+    times: np.ndarray, samples: np.ndarray, name: str, first: int, per_row: int, gravity_per_unit: float
+) -> tuple[np.ndarray, float, list[str]]:
+    """Equally spaced samples, the interval [s] and warnings, from (time, acceleration) pairs of a digitised trace.
+
+    The samples stay as they are if they are equally spaced, else they are interpolated linearly at the median interval.
+    For messages: line `first` of `name`, from 1, holds the first pair, a row `per_row` pairs, and a unit of the file is
+    `gravity_per_unit` g. Raises RecordFormatError for times that do not increase, a gap among equal steps, or a jump
+    that would need far more samples than there are.
+    """
+    if times.size < 2:
+        raise unexpected(f"{name}:{first}", "at least 2 samples", str(times.size), "the file may be truncated")
+    if _beyond(times).any():
+        at = int(np.argmax(_beyond(times)))
+        found = f"{times[at]:g} s (pair {at + 1})"
+        raise unexpected(f"{name}:{first + at // per_row}", f"times in s of at most {LATEST:g} s", found, FILE_DAMAGED)
+    steps = np.diff(times)
+    if np.any(steps <= 0.0):
+        at = int(np.argmax(steps <= 0.0)) + 1
+        found = f"{times[at]:g} s after {times[at - 1]:g} s (pair {at + 1})"
+        advice = "the file is damaged or holds more than one channel: download it again"
+        raise unexpected(f"{name}:{first + at // per_row}", "increasing times", found, advice)
+    even = even_step(times)
+    if even is not None:
+        return samples, even, []
+    dt = float(f"{np.median(steps):.6g}")
+    count = (times[-1] - times[0]) / dt
+    gap = long_step(times)
+    if gap is None and count > GROWTH_LIMIT * times.size:
+        gap = int(np.argmax(steps))
+    if gap is not None:
+        raise RecordFormatError(
+            f"{name}:{first + (gap + 1) // per_row}: a step of {steps[gap]:g} s after {times[gap]:g} s among steps of "
+            f"{dt:g} s; samples are missing or the times are damaged: repair them or download the file again"
+        )
+    grid = times[0] + dt * np.arange(int(count + 1e-6) + 1)
+    even_samples = np.interp(grid, times, samples)
+    before, after = (float(np.max(np.abs(values))) * gravity_per_unit for values in (samples, even_samples))
+    note = (
+        f"unequal steps of {steps.min():.4g} to {steps.max():.4g} s, resampled by linear interpolation at their "
+        f"median, {dt:g} s; the peak goes from {before:.4g} to {after:.4g} g"
+    )
+    return even_samples, dt, [note]
+
+
+@dataclass(frozen=True)
+class Block:
+    """Samples of one channel."""
+
+    samples: np.ndarray  # (n,) equally spaced accelerations [unit]
+    dt: float  # sampling interval [s]
+    unit: str  # a key of `UNITS`
+    times: np.ndarray  # (m,) times as the file holds or implies them, before any resampling [s]
+    values: np.ndarray  # (m,) accelerations at these times [unit]
+    warnings: tuple[str, ...] = ()
+
+    @property
+    def peak(self) -> float:
+        """Largest absolute value as the file holds it [unit]."""
+        return float(np.max(np.abs(self.values)))
+
+    @property
+    def duration(self) -> float:
+        """Time that the values of the file last, the step behind the last included [s]."""
+        return float(self.times[-1] - self.times[0]) + self.dt
+
+    def noting(self, *warnings: str) -> Block:
+        """The same samples with further warnings."""
+        return replace(self, warnings=(*self.warnings, *warnings))
+
+
+def declared_points(line: str, where: str) -> int:
+    """The number in a header line ``No. of Points = 11999``; RecordFormatError, with `where`, if there is none."""
+    match = _POINTS.search(line)
+    if not match:
+        raise unexpected(where, "'No. of Points = N'", repr(line[:60].strip()))
+    return int(match[1])
+
+
+def pair_unit(line: str, where: str) -> str:
+    """The key of `UNITS` in a header line ``Units are sec and g/10``; UnitError, with `where`, if there is none."""
+    match = _UNIT.search(line)
+    return canonical_unit((match[1] if match else line.strip())[:_LONGEST_LINE], where)
+
+
+def pair_block(name: str, lines: Sequence[str], first: int, end: int, count: int, unit: str) -> Block:
+    """Read the `count` pairs of one channel in ``lines[first:end]`` and make their spacing equal, see `make_even`."""
+    check_count(f"{name}:{end}", count, PAIRS_PER_ROW * max(end - first, 0), "pairs")
+    rows = -(-count // PAIRS_PER_ROW)
+    block = lines[first : first + rows]
+    fields = 2 * min(PAIRS_PER_ROW, count)
+    width, rest = divmod(len(block[0].rstrip()), fields)
+    margin = 0
+    if rest == 1 and all(row.startswith(" ") for row in block):
+        # Carriage control of a line printer in front of every row.
+        block, margin = [row[1:] for row in block], 1
+    pairs = fixed_width(block, first + 1, width or 1, 2 * PAIRS_PER_ROW, 2 * count, name).reshape(-1, 2)
+    gravity = UNITS[unit] / STANDARD_GRAVITY
+    samples, dt, notes = make_even(pairs[:, 0], pairs[:, 1], name, first + 1, PAIRS_PER_ROW, gravity)
+    used = margin + 2 * width * (count - (rows - 1) * PAIRS_PER_ROW)
+    return Block(samples, dt, unit, pairs[:, 0], pairs[:, 1], (*surplus(lines, first + rows, end, used=used), *notes))
+
+
+def names_time(headings: Sequence[Heading]) -> bool:
+    """Whether the first column is headed as time."""
+    return bool(headings and headings[0].kind == "time")
+
+
+def counts_rows(table: np.ndarray, headings: Sequence[Heading]) -> bool:
+    """Whether the first column numbers the rows, 0 1 2 or 1 2 3, and is not headed as time."""
+    first = table[:, 0]
+    counts = first[0] in (0.0, 1.0) and np.array_equal(first - first[0], range(len(first)))
+    return bool(counts and not names_time(headings))
+
+
+def _seconds(name: str, headings: Sequence[Heading]) -> float:
+    """Factor from the unit that the heading states to s."""
+    unit = headings[0].unit.lower() if headings else ""
+    if any(letter.isdigit() for letter in unit) and names_time(headings):
+        raise unexpected(
+            name, "a column of times in s, ms or min", f"{headings[0].name!r} in {unit!r}", "write the times in s"
+        )
+    return _MINUTES if unit.startswith("min") else _SECONDS.get(unit[:2], 1.0)
+
+
+def time_column_step(
+    name: str, table: np.ndarray, headings: Sequence[Heading], start: int, declared: float | None
+) -> float | None:
+    """Interval of the time column [s], or None where the first column is no time.
+
+    It is time if its heading says so or if it hardly ever falls, which no acceleration does; then it has to be equally
+    spaced, or to be what rounding makes of the interval `declared` elsewhere.
+    """
+    named = names_time(headings)
+    first = table[:, 0] * _seconds(name, headings)
+    steps = np.diff(first)
+    falls, changes = int(np.sum(steps < 0.0)), int(np.sum(steps != 0.0))
+    if table.shape[1] < 2 or steps.size == 0 or not (named or (changes and falls < TIME_FALLS * changes)):
+        return None
+    other = next((index + 1 for index in range(1, table.shape[1]) if climbs(table[:, index])), None)
+    if other:
+        expected = "one column of times and accelerations beside it"
+        found = f"that columns 1 and {other} both run like time"
+        raise unexpected(f"{name}:{start + 1}", expected, found, "take out the one that is none")
+    rising = bool(np.all(steps > 0.0))
+    step = even_step(first) if rising else None
+    if step is not None:
+        return step
+    if not falls and declared is not None and printed_at(first, declared):
+        return declared
+    column = f"column {headings[0].name!r}" if named else "first column, which runs like time"
+    if falls or (declared is None and not rising):
+        at, advice = int(np.argmin(steps)), "repair the times"
+        if not falls:
+            advice += ", or give the interval (option dt) if they are rounded more coarsely than it"
+        found = f"{first[at + 1]:g} after {first[at]:g}"
+        raise unexpected(f"{name}:{start + at + 2}", f"increasing times in the {column}", found, advice)
+    at = int(np.argmax(np.abs(steps - np.median(steps))))
+    expected = f"equally spaced times in the {column}"
+    advice = "rows are missing or the times are damaged: fill the gap or resample the record"
+    if declared is not None:
+        expected += f", at the declared interval of {declared:g} s"
+    if not declared:
+        advice += ", or give the interval (option dt) if the times are rounded"
+    found = f"a step of {steps[at]:g} s among steps of {np.median(steps):g} s"
+    raise unexpected(f"{name}:{start + at + 2}", expected, found, advice)
+
+
+def climbs(column: np.ndarray) -> bool:
+    """Whether a column runs like time, at equal steps."""
+    return bool(column.size >= _CLIMB and np.all(np.diff(column) > 0.0)) and even_step(column) is not None
+
+
+def agreed_step(name: str, steps: dict[str, float | None], advice: str) -> float:
+    """The one interval [s] that all sources, by name, give; refused where none does or they differ, with the advice."""
+    known = {source: step for source, step in steps.items() if step is not None}
+    if not known:
+        raise RecordFormatError(
+            f"{name}: expected a time column, a first line 'N dt', or the option dt for the sampling interval, found "
+            "none; give it: --dt 0.01 on the command line, dt = 0.01 under [records] of the configuration, or "
+            "read(path, units='g', dt=0.01)"
+        )
+    for source, step in known.items():
+        if not (np.isfinite(step) and step > 0.0):
+            raise RecordFormatError(f"{name}: expected a positive sampling interval in s, found {step!r} ({source})")
+    if not same_step(known.values()):
+        listed = ", ".join(f"{step:g} s ({source})" for source, step in known.items())
+        raise RecordFormatError(f"{name}: the sampling intervals disagree: {listed}; {advice}")
+    return next(iter(known.values()))

@@ -1,0 +1,288 @@
+"""Text files: lines, statements by key, numbers of fixed width or between blanks, units, and the errors about them."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Sequence
+from difflib import get_close_matches
+from typing import NamedTuple
+
+import numpy as np
+
+from rockpulse.errors import RecordFormatError, UnitError
+from rockpulse.record.record import STANDARD_GRAVITY
+
+#: Acceleration in m/s2 = value in the file x factor.
+UNITS: dict[str, float] = {
+    "m/s2": 1.0,
+    "cm/s2": 0.01,
+    "gal": 0.01,
+    "mm/s2": 0.001,
+    "g": STANDARD_GRAVITY,
+    "g/10": STANDARD_GRAVITY / 10.0,
+}
+
+#: The advice in messages about a damaged header, or another part of a file.
+HEADER_DAMAGED = "the header is damaged: download the file again"
+FILE_DAMAGED = "the file is damaged: download it again"
+
+_NUMBER_BYTES = b" \t0123456789+-.eEdD"
+_FORTRAN_EXPONENT = bytes.maketrans(b"dD", b"ee")
+_FORTRAN_EXPONENT_TEXT = str.maketrans("dD", "ee")
+#: Characters of the longest exponent of a number, its sign included.
+_EXPONENT_DIGITS = 4
+_NUMBER = re.compile(r"\s*[+-]?(\d+(\.\d*)?|\.\d+)([eEdD][+-]?\d+)?\s*", re.ASCII)
+
+_RAISED = str.maketrans("⁻²¹", "-21")
+_SECOND = r"s(?:ec(?:ond)?s?)?"
+#: Units of acceleration and velocity that are known wherever they stand; ``g`` and ``cm`` need a bracket.
+_MENTIONED = re.compile(
+    rf"(?<![a-z0-9])(?:(?:mm|cm|m)[ .·*]?{_SECOND}(?:\^|\*\*)?\(?-(?:(?P<squared>2)|1)\)?|"
+    rf"(?:mm|cm|m)(?:/|p| per |/per/){_SECOND}(?P<again>[ /]?(?:\^|\*\*)?2| ?squared|[ /]{_SECOND})?|"
+    rf"(?P<other>gals?|milli-?g|%g|(?:in|ft)/{_SECOND}(?:(?:\^|\*\*)?2|/{_SECOND}))|kines?)(?![a-z0-9])"
+)
+#: Spellings, as `_squeezed` leaves them, of the units that may head a column that is no acceleration.
+_QUANTITIES = {
+    "time": "s ms us µs min seg segundos sek sekunden secondi secondes sn saniye millis minutes minuten minuti",
+    "velocity": "m/s cm/s mm/s in/s ft/s ms-1 cms-1 mms-1 m.s-1 cm.s-1 kine kines",
+    "displacement": "m cm mm in ft",
+    "frequency": "hz khz",
+    # Not read, so that canonical_unit refuses them.
+    "acceleration": "mg millig milli-g %g ft/s2 in/s2 ft/s/s in/s/s mgal count counts volt volts",
+}
+_QUANTITY = {spelling: quantity for quantity, spellings in _QUANTITIES.items() for spelling in spellings.split()}
+_CREDIBLE_PGA_G = (1e-3, 3.0)
+
+
+def unexpected(where: str, expected: str, found: str, advice: str = HEADER_DAMAGED) -> RecordFormatError:
+    """The error about a place of a file, ``file:line``, at which its format asks for something else."""
+    return RecordFormatError(f"{where}: expected {expected}, found {found}; {advice}")
+
+
+def matched(pattern: re.Pattern[str], text: str, group: int | str = 1) -> str:
+    """A group of a pattern that a text begins with; empty where the text begins otherwise."""
+    match = pattern.match(text)
+    return (match[group] or "") if match else ""
+
+
+class Entry(NamedTuple):
+    """The statement of a header about one key."""
+
+    text: str = ""
+    aside: str = ""  # words in brackets behind the key
+    line: int = 1
+
+
+class Entries(dict[str, Entry]):
+    """The statements of a header by their keys; one that is missing is empty, in the line `end` of the file `name`."""
+
+    def __init__(self, name: str, end: int = 1) -> None:
+        super().__init__()
+        self.name, self.end = name, end
+
+    def __missing__(self, key: str) -> Entry:
+        return Entry(line=self.end)
+
+    def text(self, key: str) -> str:
+        """The value of a key; empty where it is blank or missing."""
+        return self[key].text
+
+    def where(self, key: str) -> str:
+        """``file:line`` of a key."""
+        return f"{self.name}:{self[key].line}"
+
+
+def text_lines(content: bytes) -> list[str]:
+    """Lines of an engineering text file, at least one; it may come from any agency and decade.
+
+    Text that is no UTF-8 is taken as Latin-1, which maps every byte to a character: no degree sign or Turkish name in a
+    header stops the reading. Lines end in LF, CRLF or a lone CR; blank lines and Ctrl-Z at the end are left out.
+    """
+    content = content.rstrip(b"\x1a\x00 \t\r\n").replace(b"\r\n", b"\n")
+    if b"\r" in content:
+        content = b"\n".join(line.rstrip(b"\r") for line in content.split(b"\n")).replace(b"\r", b"\n")
+    try:
+        text = content.decode("utf-8")
+    except UnicodeDecodeError:
+        text = content.decode("latin-1")
+    return text.split("\n")
+
+
+def printed_number(text: str) -> tuple[float, float]:
+    """Value of a printed number and half a unit of its last digit; NaN and 0 for none, or one beyond all numbers.
+
+    Examples
+    --------
+    >>> printed_number("3.91E+1")
+    (39.1, 0.05)
+    """
+    mantissa, _, exponent = text.strip().lower().replace("d", "e").partition("e")
+    value = float(text.lower().replace("d", "e") or "nan")
+    # int() takes no thousands of digits.
+    if not np.isfinite(value) or len(exponent) > _EXPONENT_DIGITS:
+        return float("nan"), 0.0
+    return value, float(f"5e{int(exponent or 0) - len(mantissa.partition('.')[2]) - 1}")
+
+
+def check_count(where: str, declared: int, available: int, unit: str = "samples") -> None:
+    """Compare a declared count with what the file can hold, before anything is allocated."""
+    if declared < 1:
+        raise RecordFormatError(f"{where}: expected a positive number of {unit} in the header, found {declared}")
+    if available < declared:
+        advice = "the file may be truncated: download it again"
+        raise unexpected(where, f"{declared} {unit} (header)", str(available), advice)
+
+
+def _to_float(fields: Sequence[bytes] | np.ndarray, where: str, located: Iterator[tuple[int, str]]) -> np.ndarray:
+    """Convert all fields at once, and look for the damaged one only if that fails."""
+    try:
+        values = np.array(fields, dtype=float)
+    except ValueError:
+        values = np.array([np.nan])
+    if np.all(np.isfinite(values)):
+        return values
+    for line, field in located:
+        if not _NUMBER.fullmatch(field) or not np.isfinite(float(field.translate(_FORTRAN_EXPONENT_TEXT))):
+            found = repr(field.strip()[:40] or "a blank field")
+            raise unexpected(f"{where}:{line}", "a finite number", found, "repair the line or download the file again")
+    raise RecordFormatError(f"{where}: the numbers cannot be converted; download the file again")
+
+
+def _plain_ascii(text: str) -> bytes:
+    """The text as bytes, one for each character; a character beyond ASCII cannot become part of a number."""
+    return text.encode("ascii", errors="replace")
+
+
+def fixed_width(lines: Sequence[str], first: int, width: int, per_row: int, count: int, where: str) -> np.ndarray:
+    """The first `count` numbers in columns of equal width, touching or not; surplus rows are left alone.
+
+    `lines[0]` is line `first` of the file `where`, from 1. Raises RecordFormatError for too few numbers, a row of
+    another length, or a field that is no finite number.
+    """
+    if width < 1 or per_row < 1:
+        found = f"{per_row} of {width} from line {first} on"
+        raise unexpected(where, "fields of at least 1 character, at least 1 in a row", found)
+    block = [row.rstrip() for row in lines[: max(-(-count // per_row), 0)]]
+    _check_rows(block, first, width, per_row, count, where)
+    text = "".join(block)[: count * width]
+    joined = _plain_ascii(text)
+    located = ((first + index // per_row, text[index * width : (index + 1) * width]) for index in range(count))
+    if joined.translate(None, _NUMBER_BYTES):
+        return _to_float([b"nan"], where, located)
+    return _to_float(np.frombuffer(joined.translate(_FORTRAN_EXPONENT), dtype=f"S{width}"), where, located)
+
+
+def _check_rows(block: Sequence[str], first: int, width: int, per_row: int, count: int, where: str) -> None:
+    """Report a row whose length does not fit its fields or their number; rows come without blanks at the end."""
+    rows = -(-count // per_row)
+    full = width * per_row
+    for index, row in enumerate(block):
+        if index == len(block) - 1:
+            # The end of a truncated file.
+            available = index * per_row + -(-len(row) // width)
+            check_count(f"{where}:{first + len(block)}", count, available, "numbers")
+        last = index == rows - 1
+        fields = count - index * per_row if last else per_row
+        if len(row) > full or (len(row) < fields * width if last else len(row) != full):
+            expected, found = f"{fields} fields of {width} characters", f"a row of {len(row)} characters"
+            raise unexpected(
+                f"{where}:{first + index}", expected, found, "the line is damaged: download the file again"
+            )
+    if not block:
+        check_count(f"{where}:{first}", count, 0, "numbers")
+
+
+def free_numbers(lines: Sequence[str], first: int, where: str) -> np.ndarray:
+    """Numbers separated by blanks, any count per row, as one array (n,); RecordFormatError for a field that is none.
+
+    `lines[0]` is line `first` of the file `where`, from 1.
+    """
+    joined = _plain_ascii("\n".join(lines))
+    located = ((first + index, field) for index, line in enumerate(lines) for field in line.split())
+    if joined.translate(None, _NUMBER_BYTES + b"\n\r\f\v"):
+        return _to_float([b"nan"], where, located)
+    return _to_float(joined.translate(_FORTRAN_EXPONENT).split() or np.empty(0), where, located)
+
+
+def free_rows(lines: Sequence[str], first: int, columns: int, where: str) -> np.ndarray:
+    """Rows of numbers separated by blanks as an array (rows, columns)."""
+    row = next((row for row, line in enumerate(lines) if len(line.split()) != columns), None)
+    if row is not None:
+        found, advice = repr(lines[row][:60].strip()), "the line is damaged: download the file again"
+        raise unexpected(f"{where}:{first + row}", f"a row of {columns}", found, advice)
+    return free_numbers(lines, first, where).reshape(-1, columns)
+
+
+def canonical_unit(text: str, where: str) -> str:
+    """The key of `UNITS` that a spelling means; UnitError, with `where` (``file:line`` or an option), if there is none.
+
+    Case, blanks, a final dot, ``^``, ``**``, ``sec``, ``/s/s``, ``s-2`` and a raised 2 make no difference.
+
+    Examples
+    --------
+    >>> canonical_unit("CM/SEC/SEC", "example.V2:46")
+    'cm/s2'
+    """
+    unit = _accepted(text)
+    if unit not in UNITS:
+        quantity = quantity_of(text)
+        of = f" ({quantity})" if quantity else ""
+        advice = "" if where.startswith("option") else "; correct the file, or write columns and give their unit"
+        near = "".join(f'; did you mean "{close}"?' for close in get_close_matches(unit, UNITS, n=1))
+        raise UnitError(
+            f"{where}: unknown unit of acceleration {text[:40]!r}{of}{near}; expected one of {', '.join(UNITS)}{advice}"
+        )
+    return unit
+
+
+def for_other_files(option: str) -> str:
+    """The advice where an option of the command line, ``--dt 0.01``, contradicts a statement in a file."""
+    return (
+        f"correct the wrong one; or, if {option} is meant for other files, read these in a run of their own, or "
+        f"convert them first, so that they state it (rockpulse convert FILE {option} -o FILE.csv)"
+    )
+
+
+def _squeezed(text: str) -> str:
+    unit = re.sub(r"[\s^*]|\.$", "", text.strip().lower().translate(_RAISED))
+    return re.sub(r"se[cg](?:ond|undo)?s?|(?<=/)sn", "s", unit)
+
+
+def _accepted(text: str) -> str:
+    unit = re.sub(r"(?:/s/s|[.·]?s-2|/?per/?s2|ps2|(?<=m)/s/2|/s?squared)$", "/s2", _squeezed(text).replace("_", "/"))
+    return {"gals": "gal", "(g)": "g"}.get(unit, unit)
+
+
+def quantity_of(text: str) -> str:
+    """The quantity that a unit alone measures; empty where the text is no unit.
+
+    One of "acceleration", "velocity", "displacement", "time", "frequency".
+    """
+    return "acceleration" if _accepted(text) in UNITS else _QUANTITY.get(_squeezed(text), "")
+
+
+def mentioned_units(text: str) -> Iterator[tuple[str, str, int]]:
+    """Units of acceleration and velocity in running text, such as ``acc_cm_s2`` or ``acceleration in gal``.
+
+    Yields "acceleration" or "velocity", the unit as written, and the index where it begins.
+    """
+    for match in _MENTIONED.finditer(text.lower().translate(_RAISED).replace("_", "/")):
+        squared = match["again"] or match["squared"] or match["other"]
+        wording = text[match.start() : match.end()] if text.isascii() else match[0]
+        yield "acceleration" if squared else "velocity", wording, match.start()
+
+
+def other_readings(peak: float, unit: str = "") -> str:
+    """The units, in words, in which a peak in file units would be an ordinary acceleration, else the nearest to it.
+
+    The file unit itself is left out.
+    """
+    low, high = _CREDIBLE_PGA_G
+    own = UNITS.get(unit)
+    others = {name: factor for name, factor in UNITS.items() if name != "gal" and factor != own}
+    readings = {name: peak * factor / STANDARD_GRAVITY for name, factor in others.items()}
+    fitting = [f"{value:.3g} g if it were {name}" for name, value in readings.items() if low <= value <= high]
+    if fitting:
+        return " or ".join(fitting)
+    nearest = (max if max(readings.values()) < low else min)(readings, key=lambda name: readings[name])
+    return f"{readings[nearest]:.3g} g if it were {nearest}, no ordinary acceleration either"

@@ -1,0 +1,229 @@
+"""The results file put together from the parts of the records, in bounded memory, whole or not at all."""
+
+from __future__ import annotations
+
+import os
+from collections import defaultdict
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import chain
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from rockpulse.assessment.assessment import Assessment
+from rockpulse.assessment.direction_statistics import direction_statistics
+from rockpulse.assessment.tree import joined_parts
+from rockpulse.errors import Failure, ResultsError
+from rockpulse.motions.directions import swept_directions
+from rockpulse.record.measures import PGA
+from rockpulse.run.analysis import Analysis, Part, Prepared
+from rockpulse.run.frames import unpack
+from rockpulse.run.journal import Journal
+from rockpulse.storage.hdf5.atomic import replacing
+from rockpulse.storage.hdf5.results_file import check_described, provenance, save
+from rockpulse.storage.hdf5.writer import TreeWriter, add_dataset
+from rockpulse.storage.variables import failure_table
+from rockpulse.storage.variables.probability import MEAN
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+
+#: Attribute of the root: the run that wrote the file, as its journal names it.
+RUN_ID = "run_id"
+#: Attribute of the root: SHA-256 of all that the run was asked for, as :func:`rockpulse.run.tasks.digest_of` makes it.
+RUN_DIGEST = "run_digest"
+
+#: Values that are put together before they are written [bytes].
+CHUNK = 32 * 1024**2
+
+#: Bytes that each array takes in memory beyond its values.
+PER_ARRAY = 500
+
+#: Bytes that each text takes in the file beyond its letters.
+PER_TEXT = 32
+
+#: What /directions is made of, in /summary: of the record, and of its answers.
+SWEPT_RECORD = ("record", PGA, "main_impulse")
+SWEPT_ANSWER = ("peak_rotation_ratio", "outcome", "overturning_time", "safety_factor")
+SWEPT_PROBABILITY = ("overturning_probability",)
+
+
+@dataclass(frozen=True)
+class JournalParts:
+    """The parts of some finished tasks in an open journal, by their keys and in that order, as often as asked for."""
+
+    journal: Journal
+    analysis: Analysis
+    keys: Sequence[str]
+    events: Mapping[str, str]
+
+    def __iter__(self) -> Iterator[Part]:
+        """Unpack one part after the other."""
+        for key in self.keys:
+            for part in self.journal.parts(key):
+                yield self.analysis.of_event(unpack(part), self.events[key])
+
+
+def write_results(
+    output: str | os.PathLike[str],
+    parts: JournalParts,
+    prepared: Prepared,
+    failures: list[Failure],
+    overwrite: bool,
+    digest: str,
+) -> int:
+    """Write the results of a run; the number of motions in them, none where there was nothing to write."""
+    analysis, run = parts.analysis, {RUN_ID: parts.journal.run_id, RUN_DIGEST: digest}
+    if isinstance(analysis, Assessment):
+        if not any(True for _ in parts):
+            return 0
+        empty, swept = analysis.template, swept_directions(prepared.planned, analysis.config)
+        return assemble(output, empty, parts, failures, swept, overwrite, run)
+    found = list(parts)
+    tree = analysis.collect(found, prepared.planned, failures)
+    if found:
+        tree.attrs.update(run)
+        save(tree, output, overwrite)
+    return len(found)
+
+
+def assemble(
+    path: str | os.PathLike[str],
+    template: xr.DataTree,
+    parts: Iterable[Part],
+    failures: Sequence[Failure] = (),
+    swept: Mapping[str, Sequence[str]] | None = None,
+    overwrite: bool = False,
+    run: Mapping[str, str] | None = None,
+    chunk: int = CHUNK,
+) -> int:
+    """Write the results file that :func:`rockpulse.save` would write of the whole tree; the number of records in it.
+
+    `template` is the tree without a record, `parts` what each record adds to it, in the order of the rows. They are
+    gone through twice, for their sizes first; an iterator, which can be gone through once, is refused. At most `chunk`
+    bytes of arrays, or the largest part, are put together before they are written, which bounds the memory. `run` are
+    attributes by which :func:`run_of` knows the file again.
+
+    Raises
+    ------
+    ResultsError
+        Where the file exists or cannot be written, as on a full disk; an old file stays.
+    """
+    if iter(parts) is parts:
+        raise TypeError("parts: expected what can be iterated twice (a list, JournalParts), found an iterator")
+    records: list[str] = []
+    lengths: dict[str, int] = defaultdict(int)  # of each variable that grows
+    size = 0  # that the values take in the file, about [bytes]
+    for part in parts:
+        records += part["/summary/record"].tolist()
+        for name, values in part.items():
+            lengths[name] += len(values)
+            size += _stored_bytes(values)
+    known = set(records)
+    pairs = {pair: ids for pair, ids in (swept or {}).items() if not known.isdisjoint(ids)}
+    directions = template["directions"].to_dataset() if "directions" in template.children else None
+    if directions is not None:
+        of_pairs = [one for one in directions.variables.values() if one.dims[0] == "pair"]
+        size += len(pairs) * sum(one.dtype.itemsize * int(np.prod(one.shape[1:])) for one in of_pairs)
+    check_described(template, path)
+    attrs = provenance(template.attrs) | dict(run or {})
+    with replacing(path, overwrite, attrs["kind"], size) as target, TreeWriter(target, attrs) as writer:
+        _lay_out(writer, template, lengths, failures, len(pairs))
+        _write_parts(writer, parts, chunk)
+        if directions is not None:
+            _write_directions(writer, directions, pairs, records, chunk)
+    return len(records)
+
+
+def run_of(path: str | os.PathLike[str]) -> tuple[str, str]:
+    """Id and digest of the run that has written a file; empty texts where there is none that says so."""
+    import h5py
+
+    if not Path(path).is_file() or not h5py.is_hdf5(path):
+        return "", ""
+    try:
+        with h5py.File(path, "r") as file:
+            return str(file.attrs.get(RUN_ID, "")), str(file.attrs.get(RUN_DIGEST, ""))
+    except (OSError, RuntimeError) as error:
+        raise ResultsError(
+            f"{path}: the file is damaged ({error}); remove it by hand, or give --overwrite together with --resume",
+            tells_resume=True,
+        ) from error
+
+
+def _stored_bytes(values: np.ndarray) -> int:
+    if values.dtype.kind != "U":
+        return values.nbytes
+    return sum(PER_TEXT + len(text.encode("utf-8", "surrogateescape")) for text in values.ravel().tolist())
+
+
+def _lay_out(
+    writer: TreeWriter, template: xr.DataTree, totals: Mapping[str, int], failures: Sequence[Failure], pairs: int
+) -> None:
+    """Every group and variable in its size, and the values of those that do not grow."""
+    for node in template.subtree:
+        dataset = node.to_dataset(inherit=False)
+        if node.path == "/":
+            continue
+        if node.path == "/failures":
+            dataset = failure_table(failures)
+        sizes = {"pair": pairs} if node.path == "/directions" else {}
+        growing = [name for name in dataset.variables if f"{node.path}/{name}" in totals]
+        sizes |= {str(dataset[name].dims[0]): totals[f"{node.path}/{name}"] for name in growing}
+        add_dataset(writer, node.path, dataset, dataset.attrs, sizes)
+        for name, variable in dataset.variables.items():
+            if name not in growing and variable.dims[:1] != ("pair",):
+                writer.append(f"{node.path}/{name}", variable.values)
+
+
+def _write_parts(writer: TreeWriter, parts: Iterable[Part], chunk: int) -> None:
+    gathered: list[Part] = []
+    size = before = 0
+    for part in chain(parts, [None]):
+        if part is not None:
+            gathered.append(part)
+            size += sum(PER_ARRAY + values.nbytes for values in part.values())
+        if gathered and (part is None or size >= chunk):
+            for path, values in joined_parts(gathered, before).items():
+                writer.append(path, values)
+            before += sum(len(one["/summary/record"]) for one in gathered)
+            gathered, size = [], 0
+
+
+def _write_directions(
+    writer: TreeWriter,
+    empty: xr.Dataset,
+    pairs: Mapping[str, Sequence[str]],
+    records: Sequence[str],
+    chunk: int,
+) -> None:
+    """The statistics over direction, some pairs at a time."""
+    import xarray as xr
+
+    place = {record: number for number, record in enumerate(records)}
+    azimuths = empty["direction_azimuth"].values.tolist()
+    answers = empty["median_rotation_ratio"]
+    per_pair = len(SWEPT_ANSWER) * 8 * len(azimuths) * int(np.prod(answers.shape[1:]))
+    at_once = max(1, chunk // per_pair)
+    dims = dict.fromkeys(SWEPT_RECORD, ("record",)) | dict.fromkeys(SWEPT_ANSWER, ("record", *answers.dims[1:]))
+    if with_probability := MEAN in empty:
+        dims |= dict.fromkeys(SWEPT_PROBABILITY, ("record", *empty[MEAN].dims[1:]))
+    names = list(pairs)
+    for start in range(0, len(names), at_once):
+        some = {name: pairs[name] for name in names[start : start + at_once]}
+        rows = [place[record] for ids in some.values() for record in ids if record in place]
+        begin, end = min(rows), max(rows) + 1
+        summary = xr.Dataset(
+            {name: (dims[name], writer.read(f"/summary/{name}", begin, end)) for name in dims},
+            {name: empty[name].variable for name in ("block", "model")},
+        )
+        found = direction_statistics(summary, azimuths, some, with_probability)
+        for name, variable in found.variables.items():
+            if variable.dims[:1] == ("pair",):
+                values: Any = variable.values
+                if name == "record_index":
+                    values = np.where(values < 0, -1, values + begin)
+                writer.append(f"/directions/{name}", values)

@@ -1,0 +1,343 @@
+"""A batch from paths to its file: survey, plan, work, assembly; what is finished stays finished, whatever happens."""
+
+from __future__ import annotations
+
+import logging
+import os
+from collections import Counter
+from collections.abc import Iterable, Sequence
+from contextlib import ExitStack
+from functools import partial
+from pathlib import Path
+
+from rocking.lanes import available_cores, thread_limit
+from rockpulse.assessment.assessment import Assessment
+from rockpulse.config.configuration import Config
+from rockpulse.errors import Failure, RecordRefused, ResultsError, StoppedAtFailure, some
+from rockpulse.readers.folders import Found, check_patterns, find_files
+from rockpulse.run.analysis import Analysis
+from rockpulse.run.assembly import JournalParts, run_of, write_results
+from rockpulse.run.crew import Crew, WorkerLost
+from rockpulse.run.frames import unpack
+from rockpulse.run.journal import UNFINISHED, Journal, journal_path
+from rockpulse.run.options import BatchOptions, BatchReport, Interrupted
+from rockpulse.run.survey import Located, gather, survey_file
+from rockpulse.run.tasks import Task, carry_out, digest_of, read_options, tasks_of, warm_up
+from rockpulse.storage.hdf5.atomic import check_target, remove_parts
+
+logger = logging.getLogger("rockpulse")
+
+PathLike = str | os.PathLike[str]
+Paths = PathLike | Iterable[PathLike]
+
+#: Files or records that make one more process worth its start; below, the threads of this one share the bodies of each.
+ITEMS_PER_WORKER = 8
+
+
+def assess_files(paths: Paths, config: Config, output: PathLike, options: BatchOptions | None = None) -> BatchReport:
+    """Assess bodies under all records of some files, and write the results.
+
+    The results are those of :func:`rockpulse.assess` on all records of the paths, but samples and answers of a few
+    records only are in memory at a time, and each finished record is on the disk, in ``<output>.journal``, before
+    others are waited for.
+
+    Parameters
+    ----------
+    paths : path or iterable of paths
+        Files, folders, globs and zip archives, as `rockpulse.readers.folders.read_all` takes them.
+    config : Config
+        Options and bodies.
+    output : path
+        The results file to write.
+    options : BatchOptions, optional
+        The workers, and the fate of a file that exists already.
+
+    Returns
+    -------
+    BatchReport
+
+    Raises
+    ------
+    ConfigError
+        For bodies or a scheduler that cannot be, a table of events that does not fit, or a pattern of
+        ``config.records.files`` that chooses no file.
+    ResultsError
+        Where the output exists, cannot be written, or another process is writing it.
+    StoppedAtFailure
+        With ``options.strict``, at the first file or record that fails.
+    Interrupted
+        At Ctrl-C.
+    """
+    return _Batch(Assessment(config), output, options or BatchOptions()).carried_out(paths)
+
+
+def calibrate_files(paths: Paths, config: Config, output: PathLike, options: BatchOptions | None = None) -> BatchReport:
+    """Calibrate the design sequence of a site on all records of some files, and write the site file.
+
+    The site is that of :func:`rockpulse.calibrate_site` on all records of the paths.
+
+    Arguments, outcome and errors are those of :func:`assess_files`; a table of weights that does not fit is a
+    ConfigError, records of which no site can be made are a RecordRefused.
+    """
+    # With scipy.stats, which would take a third of the time that a worker of an assessment takes to start.
+    from rockpulse.studies.site.calibration import SiteCalibration
+
+    return _Batch(SiteCalibration(config), output, options or BatchOptions()).carried_out(paths)
+
+
+def fragility_files(paths: Paths, config: Config, output: PathLike, options: BatchOptions | None = None) -> BatchReport:
+    """Fit fragility curves to the capacities of bodies under all records of some files, and write the fragility file.
+
+    The curves are those of :func:`rockpulse.fragility_curves` on all records of the paths.
+
+    Arguments, outcome and errors are those of :func:`assess_files`.
+    """
+    from rockpulse.studies.fragility.analysis import FragilityAnalysis
+
+    return _Batch(FragilityAnalysis(config), output, options or BatchOptions()).carried_out(paths)
+
+
+class _Batch:
+    """One batch on its way: its journal, its workers, and the tasks as soon as they are known."""
+
+    journal: Journal
+    tasks: Sequence[Task] = ()
+
+    def __init__(self, analysis: Analysis, output: PathLike, options: BatchOptions) -> None:
+        self.analysis, self.output, self.options = analysis, output, options
+        self.report = BatchReport()
+
+    def carried_out(self, paths: Paths) -> BatchReport:
+        """Everything from the paths to the file, in a journal of its own."""
+        output, options = self.output, self.options
+        # A run that is resumed may find its own file there, even one that is finished.
+        check_target(output, options.overwrite or options.resume, self.analysis.kind)
+        if options.scheduler is not None:  # its workers stand in folders of their own
+            given = [paths] if isinstance(paths, str | os.PathLike) else paths
+            paths = [os.path.abspath(path) for path in given]  # noqa: PTH100 - links stay what they are
+        found, rows = find_files(paths, (output, journal_path(output), *options.written))
+        check_patterns(found, self.analysis.config.records.files)
+        with Journal.open(output, options.resume, options.overwrite) as journal, ExitStack() as hired:
+            self.journal = journal
+            remove_parts(output)  # of runs that were killed
+            try:
+                if self.worked(found, rows, hired):
+                    return self.report
+            except RecordRefused:  # the records make no site
+                self.leave_without_output()
+                raise
+            except BaseException as error:
+                left = self.kept(strict=isinstance(error, StoppedAtFailure))
+                logger.error("%s; %s", str(error) or type(error).__name__, left)
+                if isinstance(error, KeyboardInterrupt):
+                    raise Interrupted(f"interrupted; {left}") from None
+                silent = isinstance(error, ResultsError) and not error.tells_resume
+                if silent or isinstance(error, StoppedAtFailure | ConnectionError):
+                    raise type(error)(f"{error}; {left}") from error
+                raise
+            report = self.report
+            if not report.records:
+                self.leave_without_output()
+            elif report.broken_off:
+                counted = "1 file or record" if report.broken_off == 1 else f"{report.broken_off} files or records"
+                again = f"the same command with --resume tries them again, for which {journal.path} is kept"
+                self.tell_all(f"{counted} broke off: {again}")
+            else:
+                journal.remove()
+        report.path = Path(output) if report.records else None
+        kinds = Counter(row.kind for row in report.failures)
+        left_out = ", ".join(f"{kind} {count}" for kind, count in sorted(kinds.items())) or "nothing"
+        written = f"{report.records} records" if report.records else "nothing was written"
+        logger.info("%s: %s; left out: %s", output, written, left_out)
+        return report
+
+    def worked(self, found: Sequence[Found], rows: Sequence[Failure], hired: ExitStack) -> bool:
+        """Survey, plan, work and assembly, into the report; true where an earlier run has left nothing to do."""
+        analysis, output, options, journal = self.analysis, self.output, self.options, self.journal
+        run_id, before = run_of(output) if options.resume and not options.overwrite else ("", "")
+        replace = options.overwrite or run_id == journal.run_id
+        before = "" if replace else before
+        check_target(output, replace or bool(before), analysis.kind)
+        crew = self.crew_for(len(found), hired)
+        every, rows, unread = self.surveyed(crew, found, rows)
+        prepared = analysis.prepare([one.record for one in every], rows)
+        self.tasks = tasks_of(prepared.planned, every, analysis.config, analysis.name)
+        del every  # the tasks have all of it, and a batch is large
+        for row in prepared.failures:
+            if row.kind == "failed":
+                logger.error("%s", row.reason)
+            if row.stage == "events":
+                options.tell(row.reason)
+        self.stop_at(prepared.failures)
+        asked = digest_of(self.tasks, prepared.events, analysis.config, analysis.name)
+        if before:  # the run that wrote the file has left no journal
+            check_target(output, before == asked, analysis.kind)
+            journal.remove()
+            options.tell(f"{output}: the run had ended before, nothing was left to do")
+            self.report = BatchReport(Path(output), len(self.tasks), len(self.tasks), list(prepared.failures))
+            return True
+        missing = self.missing()
+        self.work(self.crew_for(len(missing), hired, crew), missing)
+        self.report.failures = [*prepared.failures, *self.report.failures]
+        keys = self.finished()
+        self.report.broken_off = unread + len(self.tasks) - len(keys)
+        parts = JournalParts(journal, analysis, keys, prepared.events)
+        self.report.records = write_results(output, parts, prepared, self.report.failures, replace, asked)
+        return False
+
+    def crew_for(self, items: int, hired: ExitStack, before: Crew | None = None) -> Crew:
+        """Workers for so many items, with kernels that are compiled; those `before` stay where they are enough."""
+        options = self.options
+        if options.executor is not None:
+            return before or hired.enter_context(Crew.through(options.executor))
+        if options.scheduler is not None:
+            return before or hired.enter_context(Crew.scheduler(options.scheduler))
+        workers = self.analysis.config.run.workers if options.workers is None else options.workers
+        if workers == "all":
+            workers = max(1, min(available_cores(), items // ITEMS_PER_WORKER))
+        elif workers == 1 and before is None:
+            hired.enter_context(thread_limit(1))
+        if before is not None and before.size >= int(workers):
+            return before
+        if workers == 1:
+            return hired.enter_context(Crew.inline())
+        hired.close()  # of those before
+        warm_up(self.analysis)  # once, here, not once in every worker
+        return hired.enter_context(Crew.local(int(workers)))
+
+    def surveyed(
+        self, crew: Crew, found: Sequence[Found], failures: Sequence[Failure]
+    ) -> tuple[list[Located], list[Failure], int]:
+        """All channels without their samples, what was left out, and how much of that may be read another time."""
+        look = partial(survey_file, options=read_options(self.analysis.config))
+        surveys, rows, unread = [], list(failures), 0
+        self.stop_at(rows)
+        logger.info("reading %d files", len(found))
+        with self.options.bar(total=len(found), initial=0, desc="reading", unit=" files") as bar:
+            for one, survey in crew.run(look, found):
+                if isinstance(survey, WorkerLost):
+                    rows.append(Failure(str(one.path), "read", f"{one.path}: {survey.reason}", "failed"))
+                    unread += 1
+                    self.stop_at(rows)
+                else:
+                    surveys.append((one, survey))
+                    unread += survey.broken_off
+                    _log(survey.messages)
+                    self.stop_at(survey.failures)
+                bar.update(1)
+        return *gather(found, surveys, rows), unread
+
+    def missing(self) -> list[Task]:
+        """The tasks that are to be done; what was refused before is a failure to stop at like any other."""
+        journal, analysis, options = self.journal, self.analysis, self.options
+        own, told = set(self.finished()), journal.failures()
+
+        def is_result(key: str, parts: Sequence[bytes]) -> bool:
+            # others may be of other options
+            return key not in own or ((bool(parts) or key in told) and all(_is_part(part, analysis) for part in parts))
+
+        damaged = journal.drop_damaged(is_result) if options.resume else []
+        if damaged or journal.gaps:
+            results = f"the results of {some(damaged, 5)}" if damaged else ""
+            places = f"what stood in {journal.gaps} place{'s' * (journal.gaps != 1)}" if journal.gaps else ""
+            lost = " and ".join(filter(None, (results, places)))
+            self.tell_all(f"{journal.path} is damaged: {lost} cannot be used; what is missing is done again")
+        before = journal.finished()
+        missing = [task for task in self.tasks if before.get(task.key) != task.fingerprint]
+        resumed = self.report.resumed = len(self.tasks) - len(missing)
+        stale = sum(before.get(task.key, UNFINISHED) != UNFINISHED for task in missing)
+        logger.info(
+            "%s %d records; finished before: %d, of another state: %d", analysis.doing, len(missing), resumed, stale
+        )
+        if options.resume:
+            again = f"; {stale} are done again, for they, the options or the version of rockpulse have changed"
+            options.tell(f"{resumed} of {len(self.tasks)} records were finished before{again if stale else ''}")
+        rows = journal.failures()
+        for key in self.finished():
+            self.stop_at(rows.get(key, ()))
+        return missing
+
+    def work(self, crew: Crew, missing: Sequence[Task]) -> None:
+        """Every missing task, into the journal; a task whose worker is lost is a row of its own."""
+        analysis, report = self.analysis, self.report
+        work = partial(carry_out, work=analysis.work, stage=analysis.name, config=analysis.config)
+        lost: dict[str, list[Failure]] = {}
+        total = len(self.tasks)
+        with self.options.bar(total=total, initial=report.resumed, desc=analysis.doing, unit=" records") as bar:
+            for task, done in crew.run(work, missing):
+                if isinstance(done, WorkerLost):
+                    reason = f"{task.key}: {done.reason}, each time it was tried; if memory ran out, use fewer workers"
+                    lost[task.key] = [Failure(task.source, analysis.name, reason, "failed")]
+                    logger.error("%s", reason)
+                    self.stop_at(lost[task.key])
+                else:
+                    self.journal.add(done)
+                    _log(done.messages)
+                    for step, taken in done.seconds.items():
+                        report.seconds[step] = report.seconds.get(step, 0.0) + taken
+                    self.stop_at(done.failures)
+                bar.update(1)
+        rows = self.journal.failures() | lost
+        report.failures = [row for task in self.tasks for row in rows.get(task.key, ())]
+
+    def finished(self) -> list[str]:
+        """Keys of the tasks whose results are in the journal, in order.
+
+        Results of another configuration, or of files that have changed since, are none of theirs.
+        """
+        before = self.journal.finished()
+        return [task.key for task in self.tasks if before.get(task.key) == task.fingerprint]
+
+    def kept(self, strict: bool = False) -> str:
+        """The message of a run that stops on its tasks, or on all in the journal where it has no tasks yet.
+
+        A journal without anything in it is removed. `strict` says that the run stopped at a failure because it was to.
+        """
+        journal, every = self.journal, self.journal.worth
+        if not journal.in_place:
+            return f"nothing is kept, for {journal.path} was removed while the run was at work"
+        if not every:
+            journal.remove()
+            return "nothing was finished yet"
+        count = len(self.finished()) if self.tasks else len(every)
+        if not count:
+            others = f"{journal.path} keeps {len(every)} records of other files or options"
+            return f"nothing of this run was finished yet; {others}"
+        are = "record is" if count == 1 else "records are"
+        past = ", past this failure without --strict" if strict else ""
+        return f"{count} finished {are} kept in {journal.path}: the same command with --resume goes on from there{past}"
+
+    def leave_without_output(self) -> None:
+        """Leave a journal whose records give nothing to write: removed, unless some are of other files or broke off."""
+        others = self.journal.worth - {task.key for task in self.tasks}
+        if others:
+            are = f"{self.journal.path} keeps {len(others)} finished records of other files"
+            self.tell_all(f"{are}: give --resume with the paths of these")
+        elif 0 < len(self.finished()) < len(self.tasks):
+            self.tell_all(self.kept())
+        else:
+            self.journal.remove()
+
+    def tell_all(self, text: str) -> None:
+        """Tell the user, and the log."""
+        logger.warning("%s", text)
+        self.options.tell(text)
+
+    def stop_at(self, failures: Iterable[Failure]) -> None:
+        """Raise StoppedAtFailure at the first that failed, where that is asked for."""
+        failed = [row for row in failures if row.kind == "failed"] if self.options.strict else []
+        if failed:
+            raise StoppedAtFailure(f"stopped at the first failure (--strict): {failed[0].reason}")
+
+
+def _is_part(packed: bytes, analysis: Analysis) -> bool:
+    """Whether bytes of a journal are what an analysis keeps there; anybody can write others with a right checksum."""
+    try:
+        return analysis.fits(unpack(packed))
+    except (ValueError, TypeError, RecursionError):
+        return False
+
+
+def _log(messages: Iterable[tuple[int, str]]) -> None:
+    for level, text in messages:
+        logger.log(level, text)

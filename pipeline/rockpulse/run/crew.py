@@ -1,0 +1,255 @@
+"""The workers of a batch: this process, processes of this machine or a cluster; none of it is lost when one dies."""
+
+from __future__ import annotations
+
+import logging
+import re
+import time
+from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import FIRST_COMPLETED, CancelledError, Executor, Future, wait
+from contextlib import ExitStack
+from dataclasses import dataclass, field
+from itertools import islice
+from typing import Any, TypeVar
+
+from rocking.lanes import available_cores
+from rockpulse.errors import ConfigError
+from rockpulse.foreign_text import first_line
+from rockpulse.run.processes import WorkerDied, WorkerProcesses, call
+from rockpulse.version import __version__
+
+logger = logging.getLogger("rockpulse")
+
+Item = TypeVar("Item")
+Result = TypeVar("Result")
+
+#: An address of a dask scheduler.
+ADDRESS = re.compile(r"[a-z]+://\S+:\d+|inproc://\S+")
+
+#: Items handed out per worker: one in work, one waiting, so that nobody is idle while the parent writes; and on a
+#: cluster, where an item and its result take longer on their way than a short record takes in work.
+AHEAD, AHEAD_ON_CLUSTER = 2, 8
+
+#: Time between two questions to a scheduler about its workers [s].
+ASK_EVERY = 1.0
+
+
+@dataclass(frozen=True)
+class WorkerLost:
+    """In place of a result: the item took its worker with it each time it was tried."""
+
+    reason: str  # the end of the worker in words
+
+
+@dataclass(eq=False)
+class Crew:
+    """Workers for the length of a ``with`` block; made by one of the class methods.
+
+    Leaving the block, by whatever way, ends the processes of :meth:`local` at once and leaves none behind; a cluster is
+    told to drop what it was given.
+
+    Examples
+    --------
+    >>> with Crew.inline() as crew:
+    ...     list(crew.run(abs, [-2, 1]))
+    [(-2, 2), (1, 1)]
+    """
+
+    executor: Executor | None  # none for this process
+    count: Callable[[], int]  # of items that are worked on side by side
+    deaths: tuple[type[Exception], ...] = ()  # errors of a future whose worker died
+    tries: int = 1  # of an item whose worker died
+    owned: bool = True  # whether the executor is the crew's to shut down
+    ahead: int = AHEAD
+    handed_out: set[Future[Any]] = field(default_factory=set)
+
+    @classmethod
+    def inline(cls) -> Crew:
+        """The crew that is this process, with all its threads."""
+        return cls(None, lambda: 1)
+
+    @classmethod
+    def local(cls, workers: int) -> Crew:
+        """So many processes of this machine, each with its kernels on one thread; they start when there is work."""
+        if workers < 1:
+            raise ValueError(f"workers: expected a whole number of at least 1, got {workers!r}")
+        return cls(WorkerProcesses(workers), lambda: workers, deaths=(WorkerDied,), tries=2)
+
+    @classmethod
+    def scheduler(cls, address: str, timeout: float = 20.0) -> Crew:
+        """The workers of a dask.distributed cluster that is running, each item with its kernels on one thread.
+
+        Raises ConfigError without the package ``distributed``, where no scheduler answers at the address, such as
+        ``tcp://10.0.0.1:8786``, within the timeout [s], or where a worker has no rockpulse of this version. The
+        scheduler itself tries an item again whose worker died, on other workers (its option ``allowed-failures``).
+        """
+        if not ADDRESS.fullmatch(address):
+            raise ConfigError(
+                f"--scheduler {address}: expected the address of a running dask scheduler as scheme://host:port, such "
+                "as tcp://10.0.0.1:8786"
+            )
+        cluster = _Cluster(address, timeout)
+        return cls(cluster, cluster.size, deaths=cluster.deaths, ahead=AHEAD_ON_CLUSTER)
+
+    @classmethod
+    def through(cls, executor: Executor, size: int | None = None) -> Crew:
+        """Any executor, which stays the caller's to shut down; `size` items side by side, without it one a core.
+
+        Where its workers are processes, they must be able to import rockpulse.
+        """
+        return cls(executor, lambda: size or available_cores(), owned=False)
+
+    @property
+    def size(self) -> int:
+        """Number of items that are worked on side by side; on a cluster this changes as its workers come and go."""
+        return self.count()
+
+    def __enter__(self) -> Crew:
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        # A traceback keeps `run` alive and its own clearing up from happening.
+        for future in list(self.handed_out):
+            future.cancel()
+        if self.executor is not None and self.owned:
+            self.executor.shutdown(cancel_futures=True)
+
+    def run(
+        self, function: Callable[[Item], Result], items: Iterable[Item]
+    ) -> Iterator[tuple[Item, Result | WorkerLost]]:
+        """Have the function called with every item: pairs of the item and its result, in order of completion.
+
+        The function is pickled, so it stands at the top level of a module (or is a ``functools.partial`` of such). A
+        few items a worker, two or on a cluster eight, are taken ahead of the results. The result is a
+        :class:`WorkerLost` where the worker died of the item, and died again when it was tried a second time, after all
+        others and alone.
+
+        Raises
+        ------
+        Exception
+            The function's own; the traceback of the worker is in its notes.
+        ConnectionError
+            Where the cluster was lost with the work half done.
+        """
+        if self.executor is None:
+            yield from ((item, function(item)) for item in items)
+            return
+        waiting, again = iter(items), list[Item]()
+        running: dict[Future[Result], Item] = {}
+        try:
+            while True:
+                for item in islice(waiting, max(self.ahead * self.size - len(running), 0)):
+                    running[self._submit(function, item)] = item
+                if not running:
+                    break
+                for future in wait(running, return_when=FIRST_COMPLETED).done:
+                    item, result = running.pop(future), self._result(future)
+                    if isinstance(result, WorkerLost) and self.tries > 1:
+                        again.append(item)
+                    else:
+                        yield item, result
+            for item in again:
+                yield item, self._result(self._submit(function, item))
+        finally:
+            for future in running:
+                future.cancel()
+
+    def _submit(self, function: Callable[[Item], Result], item: Item) -> Future[Result]:
+        assert self.executor is not None
+        future = self.executor.submit(call, function, item)
+        self.handed_out.add(future)
+        future.add_done_callback(self.handed_out.discard)
+        return future
+
+    def _result(self, future: Future[Result]) -> Result | WorkerLost:
+        try:
+            return future.result()
+        except self.deaths as error:
+            return WorkerLost(str(error))
+        except CancelledError as error:
+            raise ConnectionError(
+                "the work was cancelled from outside: the scheduler or the executor is gone"
+            ) from error
+
+
+def version() -> str:
+    """The version of rockpulse that this process works with."""
+    return __version__
+
+
+class _Cluster(Executor):
+    """The workers of a running dask.distributed cluster, as an executor; the cluster itself stays as it is.
+
+    `deaths` are the errors of a future whose workers died, all of those that the scheduler tried it on. Making one
+    raises ConfigError as :meth:`Crew.scheduler` says.
+    """
+
+    def __init__(self, address: str, timeout: float) -> None:
+        try:
+            from distributed import Client, KilledWorker
+        except ImportError as error:
+            raise ConfigError(
+                f"--scheduler {address}: the package distributed is not installed ({error}): "
+                'pip install "rockpulse[distributed]"'
+            ) from error
+        self.deaths, self._address = (KilledWorker,), address
+        self._threads, self._ask_again = 1, 0.0
+        with ExitStack() as left:
+            # dask logs nothing meanwhile: what goes wrong comes as an exception too, and its log shows tracebacks of it
+            for handler in list(logging.getLogger("distributed").handlers):
+                handler.addFilter(_nothing)
+                left.callback(handler.removeFilter, _nothing)
+            try:
+                self._client = Client(address, timeout=timeout, name="rockpulse", set_as_default=False)
+            except (OSError, ValueError) as error:
+                raise ConfigError(
+                    f"--scheduler {address}: expected the address of a running dask scheduler, such as "
+                    f"tcp://10.0.0.1:8786, but none answers within {timeout:g} s ({first_line(error)}); start one:  "
+                    "dask scheduler  and its workers:  dask worker ADDRESS --nthreads 1"
+                ) from error
+            left.callback(self._client.close)
+            self._check_versions()
+            self._left = left.pop_all()
+        # Two calls with equal arguments are two calls: without pure=False they would be one.
+        self._executor = self._client.get_executor(pure=False)
+
+    def size(self) -> int:
+        """Threads of all workers, asked for every second; 1 while there is none, so that one call waits for the first.
+
+        Every question waits for the scheduler, as long as a short record takes.
+        """
+        now = time.monotonic()
+        if now >= self._ask_again:
+            try:
+                self._threads = max(sum(self._client.nthreads().values()), 1)
+            except OSError as error:
+                raise ConnectionError(
+                    f"the dask scheduler at {self._address} does not answer any more ({first_line(error)})"
+                ) from error
+            self._ask_again = now + ASK_EVERY
+        return self._threads
+
+    def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
+        """Have a worker of the cluster call ``fn(*args, **kwargs)``."""
+        future: Future[Any] = self._executor.submit(fn, *args, **kwargs)
+        return future
+
+    def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
+        """Drop what is not done and leave the cluster."""
+        self._executor.shutdown(wait=False)
+        self._left.close()
+
+    def _check_versions(self) -> None:
+        found_on = self._client.run(version, on_error="return")
+        if not found_on:
+            logger.warning("the dask scheduler at %s has no workers yet: waiting for the first", self._address)
+        for worker, found in found_on.items():
+            if found != __version__:
+                raise ConfigError(
+                    f"dask worker {worker}: expected rockpulse {__version__}, found {found!r}; "
+                    "install the same version in the environment of every worker"
+                )
+
+
+def _nothing(record: logging.LogRecord) -> bool:
+    return False

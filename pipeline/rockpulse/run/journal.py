@@ -1,0 +1,319 @@
+"""The journal of a run: what is finished, durable as soon as it is, in one file beside the output.
+
+The file, ``results.h5.journal``, is a row of frames (`rockpulse.run.frames`), one for the run and one for each
+outcome, exclusively locked by the run that writes it; the lock goes with the process, however it ends. It does not look
+into what it keeps.
+"""
+
+from __future__ import annotations
+
+import os
+import secrets
+import sys
+import time
+from collections.abc import Callable, Iterable, Mapping
+from contextlib import suppress
+from dataclasses import dataclass, field
+from datetime import UTC, datetime
+from io import FileIO
+from pathlib import Path
+from typing import Any, Self
+
+from rockpulse.errors import Failure, ResultsError
+from rockpulse.files import check_regular
+from rockpulse.run.frames import MARK, Frame, append, frames_of, is_beginning
+from rockpulse.storage.hdf5.atomic import flush, journal_path
+
+__all__ = ["UNFINISHED", "Done", "Journal", "JournalError", "holder", "journal_path", "open_locked"]
+
+#: Fingerprint of a task that broke off for want of its file or of memory, or by a fault of the program. No task has it:
+#: a run that is resumed tries again.
+UNFINISHED = ""
+
+#: How long another process may take to begin or to end before it counts as being at work, and how long is waited before
+#: the lock is asked for again [s].
+PATIENCE, PAUSE = 1.0, 0.02
+
+if sys.platform == "win32":
+    import msvcrt
+
+    def _lock(file: FileIO) -> None:
+        """Lock a byte that no file has, for what is locked cannot be read here."""
+        file.seek(2**62)
+        msvcrt.locking(file.fileno(), msvcrt.LK_NBLCK, 1)
+else:
+    import fcntl
+
+    def _lock(file: FileIO) -> None:
+        """Lock the file as it was opened: another opening of it, by whatever process, neither has nor ends the lock."""
+        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+
+
+def open_locked(path: Path) -> FileIO | None:
+    """A file opened to be read and written, made where there is none, and locked; None where another process has it.
+
+    An OSError where it cannot be opened, or the file system has no locks.
+    """
+    file = FileIO(os.open(path, os.O_RDWR | os.O_CREAT | getattr(os, "O_BINARY", 0), 0o666), "r+")
+    end = time.monotonic() + PATIENCE
+    try:
+        while True:
+            try:
+                _lock(file)
+            except (BlockingIOError, PermissionError):  # the second on Windows
+                if time.monotonic() > end:
+                    file.close()
+                    return None
+                time.sleep(PAUSE)
+            else:
+                return file
+    except BaseException:
+        file.close()
+        raise
+
+
+def holder(path: Path) -> str:
+    """The process that has locked a file, where the operating system tells."""
+    table = Path("/proc/locks")
+    if table.is_file():
+        inode = str(path.stat().st_ino)
+        for line in table.read_text(encoding="ascii").splitlines():
+            # 1: FLOCK ADVISORY WRITE <process> <device>:<device>:<inode> <first byte> <last byte>
+            words = line.split()
+            if "WRITE" in words and words[5].rpartition(":")[2] == inode and int(words[4]) > 0:
+                return f"process {words[4]}"
+    return "another process"
+
+
+@dataclass(frozen=True)
+class Done:
+    """The outcome of a task."""
+
+    key: str  # of the task
+    fingerprint: str  # of the task, or UNFINISHED
+    parts: tuple[bytes, ...] = ()  # for each motion its Part (rockpulse.run.analysis), packed
+    failures: tuple[Failure, ...] = ()  # a row for everything that failed; one alone for a task that broke off
+    messages: tuple[tuple[int, str], ...] = ()  # level and text of every line for the log
+    seconds: dict[str, float] = field(default_factory=dict)  # time of each step [s]
+
+
+class JournalError(ResultsError):
+    """The journal itself cannot be used; the message says what becomes of what it keeps."""
+
+    def __init__(self, message: str, tells_resume: bool = True) -> None:
+        super().__init__(message, tells_resume)
+
+
+class Journal:
+    """The finished tasks of a run, in a file; made by :meth:`open`, to be used in a ``with`` block.
+
+    The `run_id` stays the same after the run is resumed. `gaps` is the number of places in the file, as it was opened,
+    where something stands that was not written there.
+    """
+
+    def __init__(self, path: Path, file: FileIO) -> None:
+        """Find what a locked file keeps; the run, when it began, and where the next frame is written."""
+        frames, self._end, self.gaps = frames_of(file)
+        self.path, self.run_id, self._started = path, "", ""
+        self._file, self._identity = file, _identity(os.fstat(file.fileno()))
+        self._kept: dict[str, Frame] = {}
+        for frame in frames:
+            if not _is_ours(frame.head):
+                self.gaps += 1
+                continue
+            self.run_id, self._started = frame.head["run"], frame.head["started"]
+            if "key" in frame.head:
+                self._kept[frame.head["key"]] = frame
+
+    @classmethod
+    def open(cls, target: str | os.PathLike[str], resume: bool = False, overwrite: bool = False) -> Journal:
+        """Create the journal of a run beside its output, or go on with one that was stopped, and lock it.
+
+        With `resume` what a stopped run has finished is kept; where there is none a new run begins. Without it
+        `overwrite` drops what a stopped run has finished.
+
+        Raises
+        ------
+        JournalError
+            For a journal that another process holds, one of a stopped run where neither `resume` nor `overwrite` says
+            what is to become of it, a foreign file, or a place that cannot be written.
+        """
+        path = journal_path(target)
+        check_regular(path, JournalError)
+        empty, file = True, None
+        try:
+            file = open_locked(path)
+            if file is None:
+                raise JournalError(
+                    f"{path}: {holder(path)} is writing this output; wait for it, or choose another output"
+                )
+            if _identity_of(path) != _identity(os.fstat(file.fileno())):
+                empty = False  # it is another's by now
+                raise JournalError(f"{path}: another run on this output has just ended; give the command again")
+            empty = os.fstat(file.fileno()).st_size == 0
+            journal = cls(path, file)
+            journal._take_up(resume, overwrite)
+        except BaseException as error:
+            if file is not None:
+                if empty:
+                    path.unlink(missing_ok=True)
+                file.close()
+            if isinstance(error, OSError):
+                raise JournalError(
+                    f"{path}: cannot keep the journal of the run beside the output: {error.strerror or error}; choose "
+                    "another output"
+                ) from error
+            raise
+        return journal
+
+    @property
+    def in_place(self) -> bool:
+        """Whether the file is still the one that was opened; who removes it takes the finished records with it."""
+        return _identity_of(self.path) == self._identity
+
+    @property
+    def worth(self) -> set[str]:
+        """Keys of the tasks that need not be done again, of whatever run."""
+        return {key for key, frame in self._kept.items() if frame.head["fingerprint"] != UNFINISHED}
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Give the lock back; what is finished stays for a run that resumes."""
+        self._file.close()
+
+    def remove(self) -> None:
+        """Remove the file, as the output is complete, and close it; one that has taken its place stays."""
+        in_place = self.in_place
+        if in_place and os.name == "posix":  # before the lock is given back, lest it be somebody else's
+            self.path.unlink(missing_ok=True)
+        self._file.close()
+        if in_place and os.name != "posix":  # where an open file cannot be removed
+            self.path.unlink(missing_ok=True)
+
+    def finished(self) -> dict[str, str]:
+        """Fingerprint of each finished task, by key."""
+        return {key: frame.head["fingerprint"] for key, frame in self._kept.items()}
+
+    def failures(self) -> dict[str, list[Failure]]:
+        """The failures of each finished task that has some, by key."""
+        rows = {key: frame.head["failures"] for key, frame in self._kept.items()}
+        return {key: [Failure(*row) for row in found] for key, found in rows.items() if found}
+
+    def add(self, done: Done) -> None:
+        """Keep the outcome of a task in place of an earlier one; it is on the disk when this returns.
+
+        Raises
+        ------
+        JournalError
+            Where it cannot be written, as on a full disk: what was kept before stays. Where somebody has removed the
+            file.
+        """
+        if not self.in_place:
+            raise JournalError(
+                f"{self.path}: the journal was removed while the run was at work, and what was finished with it; begin "
+                "anew"
+            )
+        rows = [[*map(_in_utf8, (row.file, row.stage, row.reason, row.kind))] for row in done.failures]
+        outcome = {"key": done.key, "fingerprint": done.fingerprint, "failures": rows}
+        try:
+            self._kept[done.key] = self._append(outcome, done.parts)
+        except OSError as error:
+            raise JournalError(
+                f"{self.path}: cannot keep the result of {done.key}: {error.strerror or error}; the {len(self.worth)} "
+                "finished before are kept: make room on the disk, then give the same command with --resume"
+            ) from error
+
+    def parts(self, key: str) -> tuple[bytes, ...]:
+        """The parts of a finished task in their order; a JournalError where they are not as they were written."""
+        if key not in self._kept:
+            return ()
+        found = self._parts(key)
+        if found is None:
+            raise JournalError(
+                f"{self.path}: the result of {key} is not as it was written; the same command with --resume does this "
+                "record again"
+            )
+        return found
+
+    def drop_damaged(self, is_result: Callable[[str, tuple[bytes, ...]], bool]) -> list[str]:
+        """Forget the tasks whose results are not as they were written, so that they are done again; their keys.
+
+        With them go those of which `is_result` says, by key and parts, that they are none: anybody can write a frame.
+        """
+        dropped = [key for key in self._kept if (found := self._parts(key)) is None or not is_result(key, found)]
+        for key in dropped:
+            del self._kept[key]
+        return sorted(dropped)
+
+    def _take_up(self, resume: bool, overwrite: bool) -> None:
+        """Go on behind what is kept, or begin anew."""
+        if not self.run_id and not is_beginning(self._file):
+            self._file.seek(0)
+            if self._file.read(4) == MARK[:4]:
+                raise JournalError(
+                    f"{self.path}: the journal of a run of another version of rockpulse; resume the run with that "
+                    "version, or remove the file"
+                )
+            raise JournalError(
+                f"{self.path}: expected the journal of a run of rockpulse, found another file, which is left alone; "
+                "choose another output, or remove the file by hand"
+            )
+        if self.run_id and resume:
+            self._file.truncate(self._end)  # behind it lies what was cut off
+            return
+        count = len(self.worth)
+        if count and not overwrite:
+            raise JournalError(
+                f"{self.path}: a run that began {self._started} was stopped with {count} record{'s' * (count != 1)} "
+                "done; go on with --resume, or begin anew with --overwrite"
+            )
+        self._file.truncate(0)
+        self._end, self._kept = 0, {}
+        self.run_id, self._started = secrets.token_hex(16), f"{datetime.now(UTC):%Y-%m-%d %H:%M} UTC"
+        self._append({})
+        if os.name == "posix":  # elsewhere a folder cannot be opened
+            flush(self.path.parent, os.O_RDONLY)
+
+    def _append(self, outcome: dict[str, Any], parts: Iterable[bytes] = ()) -> Frame:
+        head = {"run": self.run_id, "started": self._started, **outcome}
+        frame = append(self._file, self._end, head, tuple(parts))
+        self._end = frame.end
+        return frame
+
+    def _parts(self, key: str) -> tuple[bytes, ...] | None:
+        try:
+            return self._kept[key].parts(self._file)
+        except OSError as error:
+            raise JournalError(f"{self.path}: cannot be read: {error.strerror or error}") from error
+
+
+def _is_ours(head: Mapping[str, Any]) -> bool:
+    """Whether the head of a frame has what is asked of it: anybody can make one."""
+    names = ("run", "started", "key", "fingerprint") if "key" in head else ("run", "started")
+    rows = head.get("failures", None if "key" in head else [])
+    return (
+        all(isinstance(head.get(name), str) for name in names)
+        and isinstance(rows, list)
+        and all(isinstance(row, list) and len(row) == 4 and all(isinstance(one, str) for one in row) for row in rows)
+    )
+
+
+def _identity(state: os.stat_result) -> tuple[int, int]:
+    """Device and number of a file."""
+    return state.st_dev, state.st_ino
+
+
+def _identity_of(path: Path) -> tuple[int, int] | None:
+    """Device and number of the file of a name; None where there is none."""
+    with suppress(FileNotFoundError, NotADirectoryError):
+        return _identity(path.stat())
+    return None
+
+
+def _in_utf8(text: str) -> str:
+    return text.encode("utf-8", "surrogateescape").decode("utf-8", "replace")

@@ -1,0 +1,159 @@
+"""The first look at every file: what is in it, without its samples, and where these are."""
+
+from __future__ import annotations
+
+import hashlib
+import logging
+import traceback
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from pathlib import Path
+
+import numpy as np
+
+from rockpulse.errors import Failure, RecordRefused, RockpulseError
+from rockpulse.readers import ReadOptions, read_source
+from rockpulse.readers.archive import Archive
+from rockpulse.readers.folders import Found, in_order, open_files, read_failure, read_opened, sample_digest, settled
+from rockpulse.readers.source import folder_station_files, open_source
+from rockpulse.record.record import Record
+
+
+@dataclass(frozen=True, slots=True)
+class Place:
+    """The place of the samples of one channel, and their checksums from when they were read first."""
+
+    path: str  # the file, or the zip archive
+    member: int | None  # place of the file in the archive; None outside archives
+    channel: int  # number of the channel in the file, from 0
+    source_sha256: str  # of the file
+    digest: str  # of the samples and the interval (`rockpulse.readers.parts.sample_digest`)
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Located:
+    """A record without its samples; small, and picklable."""
+
+    record: Record  # with as many zeros as there are samples, in the memory of one
+    parts: tuple[Place, ...]  # several for a record that its agency cut into files
+
+    @property
+    def digest(self) -> str:
+        """The same for two records of the same samples and interval."""
+        digests = [part.digest for part in self.parts]
+        return digests[0] if len(digests) == 1 else hashlib.sha256(" ".join(digests).encode()).hexdigest()
+
+    def read(self, options: ReadOptions) -> Record:
+        """The record with its samples, read with the options of the survey.
+
+        Raises
+        ------
+        RecordRefused
+            If a file is not what it was when it was surveyed.
+        RockpulseError, OSError
+            If it can no longer be read.
+        """
+        samples = [_samples(part, options, self.record.source) for part in self.parts]
+        return replace(self.record, acceleration=np.concatenate(samples))
+
+
+def _samples(part: Place, options: ReadOptions, source: str) -> np.ndarray:
+    file = Path(part.path).stat()
+    state = (file.st_mtime_ns, file.st_size, file.st_ino)  # changes when the content does
+    records = _channels(part.path, part.member, state, options)
+    found = records[part.channel] if part.channel < len(records) else None
+    if found is None or found.source_sha256 != part.source_sha256 or sample_digest(found) != part.digest:
+        which = source if source == part.path else f"{source}: {part.path}"
+        raise RecordRefused(
+            f"{which} has changed since the beginning of this run; leave the records as they are while they are worked "
+            "on, and run again with --resume"
+        )
+    return found.acceleration
+
+
+@lru_cache(maxsize=2)
+def _channels(path: str, member: int | None, state: tuple[int, int, int], options: ReadOptions) -> tuple[Record, ...]:
+    """Every channel of a file; the last ones are kept, for the tasks of a file's channels follow one another."""
+    if member is None:
+        return tuple(read_source(open_source(Path(path)), options))
+    archive = _archive(path, state)
+    if member >= len(archive.names):
+        raise RecordRefused(f"{path}: the archive has lost members since the beginning of this run")
+    return tuple(read_source(archive.member(member), options))
+
+
+@lru_cache(maxsize=1)
+def _archive(path: str, state: tuple[int, int, int]) -> Archive:
+    """The archive, opened once for many members: its table of contents is read at every opening."""
+    return Archive(Path(path))
+
+
+@dataclass(frozen=True)
+class FileSurvey:
+    """The content of a file, or of an archive, without samples."""
+
+    located: tuple[Located, ...] = ()  # its channels, in the order of the file
+    failures: tuple[Failure, ...] = ()  # for the file, or the members, that gave none
+    messages: tuple[tuple[int, str], ...] = ()  # level and text of every line for the log
+    broken_off: int = 0  # files and members that want of the file system or of memory broke off: to be read again
+
+
+def survey_file(found: Found, options: ReadOptions) -> FileSurvey:
+    """Read a file, or every member of an archive one after the other, and keep all but the samples.
+
+    Every fault is a row of the failures, one of the program too.
+    """
+    located: list[Located] = []
+    failures: list[Failure] = []
+    messages: list[tuple[int, str]] = []
+    broken_off: list[str] = []
+
+    def leave_out(name: str, fault: Exception) -> None:
+        if isinstance(fault, MemoryError) or (isinstance(fault, OSError) and fault.errno is not None):
+            broken_off.append(name)  # an OSError without a number is about what is in the file
+        if not isinstance(fault, RockpulseError | OSError):
+            messages.append((logging.ERROR, f"{name}: {traceback.format_exc()}"))
+            fault = unexpected(fault)
+        failures.append(read_failure(found, name, fault))
+
+    name = str(found.path)
+    try:
+        for opened in open_files(found, folder_station_files):
+            try:
+                for channel, record in enumerate(read_opened(opened, options)):
+                    place = Place(name, opened.member, channel, record.source_sha256, sample_digest(record))
+                    located.append(Located(record.without_samples(), (place,)))
+            except Exception as fault:
+                leave_out(opened.name, fault)
+    except Exception as fault:
+        leave_out(name, fault)
+    return FileSurvey(tuple(located), tuple(failures), tuple(messages), len(broken_off))
+
+
+def unexpected(fault: BaseException) -> RuntimeError:
+    """The error that is reported for a fault that no input should cause."""
+    if isinstance(fault, MemoryError):
+        return RuntimeError("out of memory; use fewer workers, or a machine with more of it")
+    return RuntimeError(f"unexpected {type(fault).__name__}: {fault}; please report it with this file")
+
+
+def gather(
+    found: Sequence[Found], surveys: Iterable[tuple[Found, FileSurvey]], failures: Iterable[Failure]
+) -> tuple[list[Located], list[Failure]]:
+    """Everything that all files together hold: each content once, cut records joined, distinct ids.
+
+    The surveys may come in any order, and lack files whose worker was lost; these are among the failures. Records and
+    rows are those of ``read_all``, in the same order, with the same ids, but without samples.
+    """
+    by_file = {str(one.path): survey for one, survey in surveys}
+    ordered = [by_file[str(one.path)] for one in found if str(one.path) in by_file]
+    located = {id(one.record): one for survey in ordered for one in survey.located}
+    rows = [*failures, *(row for survey in ordered for row in survey.failures)]
+    records = [one.record for one in located.values()]
+    whole, duplicates = settled(records, lambda record: located[id(record)].digest)
+    joined = [
+        Located(record.without_samples(), tuple(part for piece in pieces for part in located[id(piece)].parts))
+        for record, pieces in whole
+    ]
+    return joined, sorted([*rows, *duplicates], key=in_order)

@@ -1,0 +1,240 @@
+"""The tasks of a batch, one for each channel or pair: decided on records without their samples, done by a worker."""
+
+from __future__ import annotations
+
+import hashlib
+import logging
+import time
+import traceback
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass, fields, replace
+from functools import lru_cache
+from pathlib import Path
+from threading import get_ident
+from typing import Any
+
+import rocking
+from rocking.body.block import Block
+from rockpulse.config.configuration import SECTIONS, Config, located
+from rockpulse.config.settings import CalibrationSettings
+from rockpulse.errors import Failure, RockpulseError
+from rockpulse.motions.directions import PlannedMotion, conditioned_motions
+from rockpulse.motions.tables import selection_of
+from rockpulse.readers import ReadOptions
+from rockpulse.record.record import BETWEEN, Record, id_matches
+from rockpulse.record.synthetic import synthetic_motion
+from rockpulse.run.analysis import Analysis, Work, unwatched, worked
+from rockpulse.run.frames import pack
+from rockpulse.run.journal import UNFINISHED, Done
+from rockpulse.run.survey import Located, Place, unexpected
+from rockpulse.storage.hdf5.results_file import SCHEMA_VERSION
+from rockpulse.version import __version__
+
+#: Sections of the configuration on which no record's numbers depend, by verb.
+IDLE = {
+    "assess": {"site", "report", "calibration", "fragility", "hazard", "check"},
+    "calibrate": {"site", "report", "models", "search", "uncertainty", "fragility", "hazard", "check"},
+    "fragility": {"site", "report", "models", "uncertainty", "calibration", "hazard", "check"},
+}
+
+#: Keys of [calibration] that are used when all records are done, those that only matching a response asks for, and keys
+#: of [fragility] that are used when all records are done.
+LATE = ("weights", "design", "quantile", "bootstrap")
+OF_MATCHING = ("family", "confidence")
+OF_FITS = ("model", "overturning_model", "confidence")
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Task:
+    """A channel, or a pair to be rotated, with everything that is known of it but the samples; small, and picklable."""
+
+    planned: PlannedMotion  # without samples
+    places: Mapping[str, tuple[Place, ...]]  # of the samples of every record in it, by id
+    fingerprint: str  # SHA-256 of all that the answer depends on: samples, metadata, configuration, version
+
+    @property
+    def key(self) -> str:
+        """Record id or name of the pair; the same in every run on the same files."""
+        return self.planned.name
+
+    @property
+    def source(self) -> str:
+        """The files, as rows of failures name them."""
+        return BETWEEN.join(dict.fromkeys(channel.source for channel in self.planned.channels))
+
+    def read(self, options: ReadOptions) -> PlannedMotion:
+        """The planned motion with its samples, read with the options of the survey; raises as `Located.read`."""
+        planned = self.planned
+        channels = [Located(one, self.places[one.id]).read(options) for one in planned.channels]
+        vertical, partner = (
+            None if one is None else Located(one, self.places[one.id]).read(options)
+            for one in (planned.vertical, planned.partner)
+        )
+        return replace(planned, channels=tuple(channels), vertical=vertical, partner=partner)
+
+
+def tasks_of(planned: Iterable[PlannedMotion], channels: Iterable[Located], config: Config, verb: str) -> list[Task]:
+    """A task for each channel or pair that an analysis has planned on located records."""
+    places = {one.record.id: one.parts for one in channels}
+    settings, confirm = configuration_fingerprint(config, verb), config.records.confirm
+    tasks = []
+    for one in planned:
+        acting = [record for record in (*one.channels, one.vertical, one.partner) if record is not None]
+        told = [text for record in acting for text in _told(record, places[record.id])]
+        confirmed = [record.id for record in acting if id_matches(record.id, confirm)]
+        roles = [str(len(one.channels)), str(one.vertical is not None)]
+        fingerprint = _digest([settings, one.name, *one.remarks, str(one.copy), *roles, *told, *confirmed])
+        tasks.append(Task(one, {record.id: places[record.id] for record in acting}, fingerprint))
+    return tasks
+
+
+def read_options(config: Config) -> ReadOptions:
+    """The options by which the configuration has files read."""
+    records = config.records
+    return ReadOptions(records.units, records.dt, records.response, records.files)
+
+
+def configuration_fingerprint(config: Config, verb: str) -> str:
+    """SHA-256 of the options that change numbers of a record, of the schema and of the program.
+
+    Paths of records, which of them are kept beside others of the same shaking, and the number of workers change
+    nothing, nor does the name of the site, or what is looked at when all records are done: the tables of events and
+    weights, and the options of statistics and fits. A body is the same whether its size was confirmed or not. Unit and
+    interval of a file are told by its records as they were read, and what is confirmed by each task for itself. The
+    seed and the level of confidence are asked for where the response of each record is matched, the seed also where
+    bodies have a probability of overturning.
+    """
+    matched = verb == "calibrate" and config.calibration.method == "response"
+    seeded = matched or (verb == "assess" and (config.has_probability or config.sequence.method == "response"))
+    config = replace(
+        config,
+        records=replace(config.records, paths=(), events=None, keep=(), units=None, dt=None, files=(), confirm=()),
+        calibration=_as_default(config.calibration, LATE if matched else LATE + OF_MATCHING),
+        fragility=_as_default(config.fragility, OF_FITS),
+        search=config.search if verb == "assess" else replace(config.search, intervals=False),
+        uncertainty=replace(config.uncertainty, azimuth=False),
+        run=replace(config.run, workers=1, seed=config.run.seed if seeded else 0),
+    )
+    sections = [repr(getattr(config, name)) for name in SECTIONS if name not in IDLE[verb]]
+    blocks = [replace(block, confirm_size=True) for block in config.blocks]
+    bodies = [repr(entry) for entry in (*blocks, *config.demands)]
+    chosen = repr(selection_of(config)) if verb == "fragility" else ""
+    return _digest([verb, __version__, program_digest(), SCHEMA_VERSION, *sections, *bodies, chosen])
+
+
+def digest_of(tasks: Iterable[Task], events: Mapping[str, str], config: Config, verb: str) -> str:
+    """SHA-256 of all that a run is asked for: every record, the earthquake of each, and the whole configuration."""
+    text = replace(config, run=replace(config.run, workers=1)).as_text()
+    table = located(config.calibration.weighting, config.folder)  # or the name of a rule
+    weights = hashlib.sha256(table.read_bytes()).hexdigest() if table.is_file() else ""
+    return _digest(
+        [verb, text, weights, *sorted(f"{one.key} {one.fingerprint} {events.get(one.key)}" for one in tasks)]
+    )
+
+
+def _as_default(settings: Any, keys: Iterable[str]) -> Any:
+    """A section with some of its keys as where they are omitted."""
+    plain = type(settings)()
+    return replace(settings, **{key: plain[key] for key in keys})
+
+
+@lru_cache(maxsize=1)
+def program_digest() -> str:
+    """SHA-256 of the sources of this package: the version of an installation that can be edited stays the same."""
+    digest = hashlib.sha256()
+    for folder in (Path(__file__).parents[1], Path(str(rocking.__file__)).parent):
+        for path in sorted(folder.rglob("*.py")):
+            digest.update(path.relative_to(folder).as_posix().encode() + b"\0" + path.read_bytes())
+    return digest.hexdigest()
+
+
+def _told(record: Record, places: tuple[Place, ...]) -> list[str]:
+    """The digest of the samples, and everything that is known of the record, whose warnings are those of the plan."""
+    known = [repr(getattr(record, item.name)) for item in fields(Record) if item.name != "acceleration"]
+    return [Located(record, places).digest, str(record.npts), *known]
+
+
+def _digest(texts: Iterable[str]) -> str:
+    return hashlib.sha256(repr(list(texts)).encode()).hexdigest()
+
+
+def carry_out(task: Task, work: Work, stage: str, config: Config) -> Done:
+    """Read the samples of a task and work on its motions; whatever goes wrong is a row in what comes of it."""
+    seconds = dict.fromkeys(("read", "condition", "solve", "pack"), 0.0)
+
+    @contextmanager
+    def watch(step: str) -> Iterator[None]:
+        began = time.perf_counter()
+        try:
+            yield
+        finally:
+            seconds[step] += time.perf_counter() - began
+
+    parts: list[bytes] = []
+    failures: list[Failure] = []
+    at, fingerprint = "read", task.fingerprint
+    with _heard() as messages:
+        try:
+            with watch("read"):
+                planned = task.read(read_options(config))
+            at = stage
+            for outcome in worked(planned, work, stage, config, watch):
+                if isinstance(outcome, Failure):
+                    failures.append(outcome)
+                else:
+                    with watch("pack"):
+                        parts.append(pack(outcome))
+        except Exception as fault:
+            if not isinstance(fault, RockpulseError | OSError):
+                messages.append((logging.ERROR, f"{task.key}: {traceback.format_exc()}"))
+                fault = unexpected(fault)
+            fingerprint, parts = UNFINISHED, []
+            failures = [Failure(task.source, at, f"{task.key}: {fault}", "failed")]
+    return Done(task.key, fingerprint, tuple(parts), tuple(failures), tuple(messages), seconds)
+
+
+@contextmanager
+def _heard() -> Iterator[list[tuple[int, str]]]:
+    """Level and text of what this thread logs meanwhile; the parent logs it, and nobody else."""
+    messages: list[tuple[int, str]] = []
+    thread = get_ident()
+
+    def take(record: logging.LogRecord) -> bool:
+        if record.thread != thread:
+            return True
+        messages.append((record.levelno, record.getMessage()))
+        return False
+
+    logger = logging.getLogger("rockpulse")
+    logger.addFilter(take)
+    try:
+        yield messages
+    finally:
+        logger.removeFilter(take)
+
+
+def warm_up(analysis: Analysis) -> None:
+    """Have this process compile, or load, every kernel that the work of an analysis calls.
+
+    Its models and searches answer once, under a synthetic motion of a few seconds.
+    """
+    config = analysis.config
+    plain = Config(
+        models=config.models,
+        search=replace(config.search, points=8, step=1.2),
+        uncertainty=replace(config.uncertainty, azimuth=False),
+        calibration=CalibrationSettings(
+            method="spectrum" if config.calibration.method == "spectrum" else "statistics",
+            spectrum=config.calibration.spectrum,
+        ),
+        fragility=replace(config.fragility, pga_min=0.0),
+    )
+    record = Record(synthetic_motion(1, duration=8.0, pga=6.0), dt=0.01, id="warm-up", processed=True)
+    # From a post that the motion overturns to a wall that it hardly moves: every kernel has work to do.
+    sizes = {"a": (0.1, 1.0), "b": (0.2, 2.0), "c": (0.5, 2.5), "d": (1.0, 5.0), "e": (1.0, 4.0)}
+    blocks = {name: Block(half_width=b, half_height=h) for name, (b, h) in sizes.items()}
+    small = type(analysis)(plain, blocks)
+    for one in small.prepare([record]).planned:
+        for motion in conditioned_motions(one, plain):
+            small.work(motion, unwatched)

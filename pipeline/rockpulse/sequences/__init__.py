@@ -1,0 +1,1 @@
+"""Impulse sequences of records, from their half-waves or from the responses of blocks."""

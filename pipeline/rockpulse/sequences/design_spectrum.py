@@ -1,0 +1,120 @@
+"""The design of a site as an overturning spectrum, and the impulse sequence that stands for it on a body.
+
+.. note:: S(p, C) [m/s] is the effective impulse that a slender block takes: it overturns iff S >= g tan(alpha)/p. A
+   sequence (I, sigma, N) of continuous spacing overturns iff I_eff = I [(1 - sigma) S_N + sigma/2] >= I_1c
+   (:meth:`rocking.ImpulseSequence.effective_impulse`), I_1c = g alpha/(p cos alpha) that of the sequence model. So any
+   sequence with I_eff/I_1c = S p/(g tan alpha), which is I_eff = S alpha/sin(alpha), has the verdict and the factor of
+   the spectrum; in the slender limit I_eff = S. The sigma and N of the half-waves single out one of them.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.interpolate import RegularGridInterpolator
+
+from rocking.body.block import Block
+from rocking.impulses.impulse_sequence import ImpulseSequence
+from rocking.spectrum.overturning import LEAST_SLENDERNESS, slender_within
+
+
+@dataclass(frozen=True, eq=False)
+class DesignSpectrum:
+    """The design of a site, as :func:`rockpulse.load_design` reads it.
+
+    Attributes
+    ----------
+    p : (a,) ndarray
+        Frequency parameters, ascending [1/s].
+    restitution : (c,) ndarray
+        Restitutions C, ascending [-].
+    spectrum : (a, c) ndarray
+        S(p, C), positive [m/s].
+    ratio : (a,) ndarray
+        I_s/I on the time scale of a block of that p [-].
+    main_count : (a,) ndarray of int
+        Number of main impulses on it.
+
+    Examples
+    --------
+    >>> design = DesignSpectrum(
+    ...     p=np.array([1.0, 4.0]), restitution=np.array([0.8, 1.0]), spectrum=np.full((2, 2), 0.6),
+    ...     ratio=np.array([0.2, 0.2]), main_count=np.array([2, 5]),
+    ... )
+    >>> design.factor(Block.from_parameters(p=2.0, alpha=0.1, restitution=0.9)).round(4)  # (g tan(alpha)/p)/0.6
+    array([0.82])
+    """
+
+    p: np.ndarray
+    restitution: np.ndarray
+    spectrum: np.ndarray
+    ratio: np.ndarray
+    main_count: np.ndarray
+
+    def covers(self, block: Block) -> np.ndarray:
+        """True, (m,), for the blocks that the spectrum stands for.
+
+        They are free-standing and symmetric, of a slenderness of at least 3.5, p and C within those of the spectrum.
+        """
+        return within(block.lanes(), self.p, self.restitution)
+
+    def effective_impulse(self, block: Block) -> np.ndarray:
+        """S at the p and C of each block, (m,) [m/s]; ln S is linear in ln p and in C.
+
+        Raises ValueError for blocks that the spectrum does not cover (:meth:`covers`).
+        """
+        one = block.lanes()
+        outside = np.flatnonzero(~self.covers(one))
+        if outside.size:
+            raise ValueError(
+                f"block: the design spectrum stands for slenderness {LEAST_SLENDERNESS:g} and more, p from "
+                f"{self.p[0]:g} to {self.p[-1]:g} 1/s and C from {self.restitution[0]:g} to {self.restitution[-1]:g}, "
+                f"not for {outside.size} of {one.shape[0]}, the first one at place {int(outside[0])}"
+            )
+        return np.exp(at_blocks(one, self.p, self.restitution, np.log(self.spectrum)))
+
+    def factor(self, block: Block) -> np.ndarray:
+        """Factor on the design at which each block overturns, (m,) [-]: (g tan(alpha)/p)/S, as I_1c/I_eff is.
+
+        Raises ValueError as :meth:`effective_impulse`.
+        """
+        one = block.lanes()
+        return np.asarray(one.gravity * np.tan(one.alpha_c) / one.p / self.effective_impulse(one))
+
+    def nearest(self, block: Block) -> np.ndarray:
+        """Place of the frequency parameter nearest to that of each block, (m,)."""
+        return np.asarray(np.argmin(np.abs(np.log(np.divide.outer(np.atleast_1d(block.p), self.p))), axis=1))
+
+    def sequence(self, block: Block) -> ImpulseSequence:
+        """The sequence that stands for the design on each block, (m,), spacing "continuous".
+
+        I_s/I and the number of main impulses are those at the nearest p. To be used with ``sequence_response(...,
+        paired=True)``. Raises ValueError as :meth:`effective_impulse`.
+        """
+        one, nearest = block.lanes(), self.nearest(block)
+        demand = 1.0 / self.factor(one)
+        ratio, count = self.ratio[nearest], self.main_count[nearest]
+        unit = ImpulseSequence(1.0, ratio, np.nan, np.inf, main_count=count, spacing="continuous")
+        main = demand * one.critical_impulse / unit.effective_impulse(one.restitution)
+        return ImpulseSequence(main, ratio * main, np.nan, np.inf, main_count=count, spacing="continuous")
+
+
+def at_blocks(block: Block, p: np.ndarray, restitution: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """Values (a, c, ...) over p (a,) [1/s] and C (c,), read at the blocks (m,): (m, ...), linear in ln p and in C."""
+    places = []
+    for at, axis in ((np.log(block.p), np.log(p)), (block.restitution, restitution)):
+        places.append(np.clip(np.broadcast_to(at, block.shape), axis[0], axis[-1]))
+    # An axis of one value has no second one to go to.
+    axes = [np.append(axis, axis[-1] + 1.0) if axis.size == 1 else axis for axis in (np.log(p), restitution)]
+    grid = np.pad(
+        values, [(0, int(axis.size == 1)) for axis in (p, restitution)] + [(0, 0)] * (values.ndim - 2), "edge"
+    )
+    return np.asarray(RegularGridInterpolator(axes, grid)(np.column_stack(places)))
+
+
+def within(block: Block, p: np.ndarray, restitution: np.ndarray) -> np.ndarray:
+    """True, (m,), for slender free blocks with p and C within ascending p (a,) [1/s] and C (c,), rounding apart."""
+    found = np.asarray(block.restitution)
+    above, below = found >= restitution[0] * (1.0 - 1e-9), found <= restitution[-1] * (1.0 + 1e-9)
+    return np.asarray(slender_within(block, p) & above & below & block.free)

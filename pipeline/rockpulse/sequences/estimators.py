@@ -1,0 +1,180 @@
+"""From the half-waves of one record to the parameters of an impulse sequence.
+
+.. note:: The sequence of Casapulla & Maione (2017) has a main impulse, a secondary impulse, the interval between
+   secondary impulses, a duration and, here, a number of main impulses. Each has its named estimators in a table below;
+   amplitudes are absolute values. Every estimator of the secondary impulse sees only half-waves that are no larger than
+   the main impulse, so that I_s/I is at most 1.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+
+import numpy as np
+
+from rocking.impulses.impulse_sequence import SPACINGS, ImpulseSequence
+from rockpulse.errors import ConfigError, RecordRefused
+from rockpulse.record.half_wave import HalfWaves
+from rockpulse.record.intensity import IntensePhase
+
+#: A sequence needs a main impulse, another one, and an interval that more than one pair has a say in.
+FEWEST_WAVES = 3
+
+#: Half-waves above this share of the largest one count as main.
+MAIN_SHARE = 0.5
+
+
+def _mean_of_largest(sizes: np.ndarray, m: int, quantile: float) -> tuple[float, int]:
+    if m >= sizes.size:
+        raise RecordRefused(
+            f"{sizes.size} half-waves: the mean of the {m} largest leaves none for the secondary impulse; "
+            "choose a smaller m or a longer intense phase"
+        )
+    return float(np.mean(sizes[:m])), m
+
+
+def _quantile(sizes: np.ndarray, m: int, quantile: float) -> tuple[float, int]:
+    main = float(np.quantile(sizes, quantile))
+    return main, max(1, int(np.count_nonzero(sizes > main)))
+
+
+#: Main impulse from the absolute impulses in falling order: its size [m/s], and how many of the first are not
+#: secondary.
+MAIN: dict[str, Callable[[np.ndarray, int, float], tuple[float, int]]] = {
+    "largest": lambda sizes, m, quantile: (float(sizes[0]), 1),
+    "mean-largest": _mean_of_largest,
+    "quantile": _quantile,
+}
+
+#: Secondary impulse from the absolute impulses of the others [m/s].
+SECONDARY: dict[str, Callable[[np.ndarray], float]] = {
+    "median": lambda others: float(np.median(others)),
+    "mean": lambda others: float(np.mean(others)),
+    "rms": lambda others: float(np.sqrt(np.mean(others**2))),
+}
+
+#: Interval of the secondary impulses from the spacings of successive centroids [s].
+INTERVAL: dict[str, Callable[[np.ndarray], float]] = {
+    "median": lambda spacings: float(np.median(spacings)),
+    "mean": lambda spacings: float(np.mean(spacings)),
+}
+
+#: Number of main impulses from the absolute impulses in falling order; None is without limit.
+MAIN_COUNT: dict[str, Callable[[np.ndarray], int | None]] = {
+    "half-largest": lambda sizes: int(np.count_nonzero(sizes > MAIN_SHARE * sizes[0])),
+    "none": lambda sizes: None,
+}
+
+
+def calibrate(
+    waves: HalfWaves,
+    main: str = "largest",
+    secondary: str = "rms",
+    interval: str = "median",
+    main_count: str | int = "half-largest",
+    spacing: str = "end",
+    duration_s: float | None = None,
+    phase: IntensePhase | None = None,
+    m: int = 3,
+    quantile: float = 0.95,
+) -> ImpulseSequence:
+    """Impulse sequence of one record.
+
+    Parameters
+    ----------
+    waves : HalfWaves
+        Half-waves of the record, (k,).
+    main : {"largest", "mean-largest", "quantile"}
+        Main impulse I: the largest half-wave; the mean of the `m` largest; the `quantile` of all.
+    secondary : {"rms", "mean", "median"}
+        Secondary impulse I_s, over the half-waves that are neither used for the main impulse nor larger than it.
+    interval : {"median", "mean"}
+        Interval dT of the secondary impulses, over the spacings of successive centroids.
+    main_count : {"half-largest", "none"} or int
+        Number of main impulses: the half-waves above half the largest; without limit; or this many.
+    spacing : {"end", "middle", "start", "open", "continuous"}
+        Where the secondary impulses stand in a half-cycle, see :class:`rocking.ImpulseSequence`.
+    duration_s : float, optional
+        Duration of the sequence [s]; by default that of the phase.
+    phase : IntensePhase, optional
+        Only half-waves whose centroid lies in it count. By default all do, from the start of the first to the end of
+        the last.
+    m : int
+        Number of half-waves of "mean-largest", at least 1.
+    quantile : float
+        Level of "quantile" [-], 0 to 1, interpolated linearly between half-waves.
+
+    Returns
+    -------
+    ImpulseSequence
+        With main and secondary impulse [m/s], interval [s], duration [s] and main count.
+
+    Raises
+    ------
+    ConfigError
+        For an unknown estimator or an option out of range.
+    RecordRefused
+        With fewer than 3 half-waves in the phase.
+
+    References
+    ----------
+    Casapulla, C., Maione, A. (2017), COMPDYN 2017, sections 2 and 5, doi:10.7712/120117.5612.17190.
+
+    Examples
+    --------
+    >>> from rockpulse.record.half_wave import half_waves
+    >>> from rockpulse.record.record import Record
+    >>> waves = half_waves(Record([0.0, 2.0, -6.0, 3.0, 0.0], dt=0.1, id="three"))
+    >>> sequence = calibrate(waves, secondary="mean")
+    >>> round(sequence.main, 6), round(sequence.secondary, 6), sequence.main_count
+    (0.425, 0.1625, 1)
+    """
+    choices: tuple[tuple[str, str, Mapping[str, object]], ...] = (
+        ("main", main, MAIN),
+        ("secondary", secondary, SECONDARY),
+        ("interval", interval, INTERVAL),
+        ("spacing", spacing, SPACINGS),
+    )
+    for name, value, table in choices:
+        if value not in table:
+            raise ConfigError(f"calibrate: {name}: expected one of {', '.join(table)}, got {value!r}")
+    if not (main_count in MAIN_COUNT if isinstance(main_count, str) else _is_count(main_count)):
+        raise ConfigError(
+            f"calibrate: main_count: expected one of {', '.join(MAIN_COUNT)} or a whole number from 1, "
+            f"got {main_count!r}"
+        )
+    if duration_s is not None and not (math.isfinite(duration_s) and duration_s > 0.0):
+        raise ConfigError(f"calibrate: duration_s: expected a positive duration in s, got {duration_s!r}")
+    if not _is_count(m):
+        raise ConfigError(f"calibrate: m: expected a whole number from 1, got {m!r}")
+    if not 0.0 <= quantile <= 1.0:
+        raise ConfigError(f"calibrate: quantile: expected a level from 0 to 1, got {quantile!r}")
+    inside = waves if phase is None else waves.between(phase.start, phase.end)
+    where = waves.record_id or "half-waves"
+    if len(inside) < FEWEST_WAVES:
+        place = "in all" if phase is None else f"centred in the intense phase {phase.start:g} to {phase.end:g} s"
+        raise RecordRefused(
+            f"{where}: {len(inside)} half-waves {place}, a sequence needs at least {FEWEST_WAVES}; "
+            "choose a longer intense phase, a lower half-wave threshold, or leave the record out"
+        )
+    sizes = np.sort(np.abs(inside.impulse))[::-1]
+    try:
+        main_impulse, used = MAIN[main](sizes, m, quantile)
+    except RecordRefused as error:
+        raise RecordRefused(f"{where}: {error}") from None
+    secondary_impulse = SECONDARY[secondary](sizes[used:])
+    if duration_s is None:
+        duration_s = phase.duration if phase is not None else float(waves.end[-1] - waves.start[0])
+    return ImpulseSequence(
+        main=main_impulse,
+        secondary=min(secondary_impulse, main_impulse),  # means of equal impulses differ in the last digit
+        interval=INTERVAL[interval](np.diff(inside.centroid)),
+        duration=duration_s,
+        main_count=MAIN_COUNT[main_count](sizes) if isinstance(main_count, str) else int(main_count),
+        spacing=spacing,
+    )
+
+
+def _is_count(value: object) -> bool:
+    return isinstance(value, (int, np.integer)) and not isinstance(value, bool) and bool(value >= 1)

@@ -1,0 +1,297 @@
+"""The likelihood of a sequence given a set of targets, and the search for the likeliest one and those about as likely.
+
+.. note:: ln(target/peak) is normal with mean 0 and spread s; what is censored enters with the normal distribution
+   function. With h = 1/s, n numbers of residuals r_j and censored ones with margins c_j (positive where satisfied)
+
+       l(h) = n ln h - h^2/2 sum r_j^2 + sum ln Phi(h c_j) - n/2 ln(2 pi),
+
+   which is concave in h (Olsen 1978), so that Newton's iteration finds its only maximum. In the parameters of the
+   sequence the likelihood is only piecewise smooth: the number n of secondary impulses jumps with dT and I, and blocks
+   overturn. So nothing here takes a derivative. Differential evolution, with the number of main impulses an integer
+   among its parameters, and a survey of the whole space begin; then candidates are bred from the best of every cell of
+   the space, in rounds that look ever closer at what is likely. Every candidate is kept: profiles are their edges.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import differential_evolution
+from scipy.special import log_ndtr
+from scipy.stats import qmc
+
+from rocking.impulses.impulse_sequence import ImpulseSequence
+from rockpulse.sequences.response_targets import ResponseTargets
+
+#: No sequence is taken to be better than this [-]: 1 % of a peak.
+SMALLEST_SPREAD = 0.01
+
+#: Rounds of Newton's iteration; it converges quadratically from the spread of the numbers alone.
+NEWTON_ROUNDS = 12
+
+
+def log_likelihood(peaks: np.ndarray, targets: ResponseTargets) -> tuple[np.ndarray, np.ndarray]:
+    """Log-likelihood (q,) of sequences by their peaks (q, m) [-], maximal over the spread s, and that spread (q,) [-].
+
+    The peaks are theta_max/alpha_c on the m blocks of the targets, inf where overturned; s is at least
+    :data:`SMALLEST_SPREAD`. Of a block that a sequence overturns only "at least 1" is known; a target takes the value
+    from there up that suits it best.
+
+    References
+    ----------
+    Olsen, R. J. (1978), Econometrica 46(5), 1211-1215, doi:10.2307/1911445.
+    """
+    number = targets.residuals(peaks)[:, targets.number]
+    with np.errstate(divide="ignore"):
+        reached = np.log(np.maximum(peaks[:, targets.overturned], 1e-300))
+        below = math.log(targets.smallest) - np.log(np.clip(peaks[:, targets.small], 1e-300, 1.0))
+    # Certain at any spread; inf would make NaN of 0 times inf.
+    margins = np.minimum(np.concatenate([reached, below], axis=1), 1e6)
+    count, squares = number.shape[1], np.sum(number**2, axis=1)
+    sharpest = 1.0 / SMALLEST_SPREAD
+    h = np.minimum(np.sqrt(count / np.maximum(squares, count * SMALLEST_SPREAD**2)), sharpest)
+    for _ in range(NEWTON_ROUNDS if margins.shape[1] else 0):
+        z = h[:, np.newaxis] * margins
+        ratio = np.exp(-0.5 * z**2 - 0.5 * math.log(2.0 * math.pi) - log_ndtr(z))
+        slope = count / h - h * squares + np.sum(margins * ratio, axis=1)
+        curvature = -count / h**2 - squares - np.sum(margins**2 * ratio * (ratio + z), axis=1)
+        h = np.clip(h - slope / curvature, 0.5 * h, np.minimum(2.0 * h, sharpest))
+    likelihood = count * (np.log(h) - 0.5 * math.log(2.0 * math.pi)) - 0.5 * h**2 * squares
+    likelihood += np.sum(log_ndtr(h[:, np.newaxis] * margins), axis=1)
+    return likelihood, 1.0 / h
+
+
+#: Columns of a point: ln of I over what the targets ask for, I_s/I [-], ln dT [s], number of main impulses.
+OFFSET, RATIO, INTERVAL, MAIN_COUNT = range(4)
+
+#: Largest number of main impulses, unless the start has more [-].
+MOST_MAIN = 20
+
+#: Secondary intervals that are searched [s], widened to the start: half-waves of 10 Hz to 0.25 Hz.
+INTERVALS = (0.05, 2.0)
+
+#: Largest I_s/I by spacing: above it the closed form stands for no motion of the block (ground contact).
+LARGEST_RATIO = {"start": 2.0 / 3.0, "middle": 6.0 / 7.0}
+
+#: Range in which I is searched about the value that the targets ask for, as ln.
+OFFSETS = (-1.0, 1.0)
+
+#: Differential evolution: candidates a generation for each parameter, most generations, spread of ln L to stop at.
+POPULATION, GENERATIONS, SETTLED = 10, 15, 0.05
+
+#: Candidates of the survey of the whole space, of each later round, and rounds.
+SURVEY, CANDIDATES, ROUNDS = 512, 256, 20
+
+#: Parents of the first round: points less likely than the best by this deviance; it falls in equal ratios to the last.
+WIDEST = 300.0
+
+#: Cells of the space in which the best candidate is kept as a parent: of I_s/I and dT, for each main count.
+CELLS = (16.0, 12.0)
+
+#: Steps of a candidate from its parent, as shares of the difference of two other points and of the likely range.
+STEPS = (0.1, 0.3, 1.0)
+
+
+@dataclass(frozen=True, eq=False)
+class SearchSpace:
+    """The space of the sequences that are searched."""
+
+    low: np.ndarray  # (4,) lower limits of a point
+    high: np.ndarray  # (4,) upper limits of a point
+    duration: float  # of every sequence [s]
+    spacing: str  # of every sequence
+    demands: np.ndarray  # (k,) v I_1c of the blocks whose peak is a number [m/s]
+    restitutions: np.ndarray  # (k,) C of the same blocks [-]
+
+    def asked_for(self, points: np.ndarray) -> np.ndarray:
+        """I (q,) [m/s] that the targets ask for at the I_s/I and main count of (q, 4) points, in closed form.
+
+        Many secondary impulses let the N-th half-cycle peak as if it had started with v = (I/I_1c) [1 - sigma/2 + (1 -
+        sigma) (C + ... + C^(N-1))] (F4 of the sequence's limit), so a target v I_1c asks for that I; here their median.
+        """
+        ratio, count = points[:, RATIO, np.newaxis], points[:, MAIN_COUNT, np.newaxis]
+        c = np.minimum(self.restitutions, 1.0 - 1e-9)
+        powers = c * (1.0 - c ** (count - 1.0)) / (1.0 - c)
+        return np.exp(np.median(np.log(self.demands / (1.0 - 0.5 * ratio + (1.0 - ratio) * powers)), axis=1))
+
+    def main(self, points: np.ndarray) -> np.ndarray:
+        """(q,) I [m/s] of (q, 4) points."""
+        return np.asarray(np.exp(points[:, OFFSET]) * self.asked_for(points))
+
+    def sequences(self, points: np.ndarray) -> ImpulseSequence:
+        """(q,) sequences of (q, 4) points."""
+        main = self.main(points)
+        return ImpulseSequence(
+            main=main,
+            secondary=np.minimum(points[:, RATIO] * main, main),
+            interval=np.nan if self.spacing == "continuous" else np.exp(points[:, INTERVAL]),
+            duration=self.duration,
+            main_count=np.rint(points[:, MAIN_COUNT]).astype(np.int64),
+            spacing=self.spacing,
+        )
+
+    def sequence(self, point: np.ndarray) -> ImpulseSequence:
+        """One sequence of a (4,) point."""
+        many = self.sequences(point[np.newaxis])
+        names = ("main", "secondary", "interval", "main_count")
+        numbers = {name: np.ravel(getattr(many, name)).item() for name in names}
+        return ImpulseSequence(**numbers, duration=self.duration, spacing=self.spacing)
+
+    def point(self, main: float, ratio: float, interval: float, main_count: int) -> np.ndarray:
+        """The (4,) point of a sequence."""
+        point = np.array([np.nan, ratio, np.log(interval), main_count])
+        point[OFFSET] = np.log(main / self.asked_for(point[np.newaxis]).item())
+        return point
+
+
+def search_space(targets: ResponseTargets, start: ImpulseSequence | None, spacing: str) -> SearchSpace:
+    """The space for a set of targets, with I around the demands of the targets.
+
+    The duration of `start` is that of all sequences; without it main impulses are limited by their number only. Its
+    other parameters widen the limits. A peak x is reached by the velocity v = sqrt(1 - (1 - x)^2) (Eq. 6), so the
+    demand on a block is v I_1c.
+    """
+    peak = np.minimum(targets.peaks[targets.number], 1.0)
+    demands = np.sqrt(1.0 - (1.0 - peak) ** 2) * np.asarray(targets.blocks.critical_impulse)[targets.number]
+    shortest, longest = INTERVALS
+    most = MOST_MAIN
+    if start is not None:
+        interval = float(start.interval)
+        if np.isfinite(interval):
+            shortest, longest = min(shortest, interval), max(longest, interval)
+        most = max(most, int(start.main_count or 0))
+    low = np.array([OFFSETS[0], 0.0, np.log(shortest), 1.0])
+    high = np.array([OFFSETS[1], LARGEST_RATIO.get(spacing, 1.0), np.log(longest), float(most)])
+    if spacing == "continuous":
+        low[INTERVAL] = high[INTERVAL] = 0.0
+    duration = np.inf if start is None else float(start.duration)
+    restitutions = np.asarray(targets.blocks.restitution)[targets.number]
+    space = SearchSpace(low, high, duration, spacing, demands, restitutions)
+    if start is not None and start.main > 0.0:
+        offset = start_point(space, start)[OFFSET]
+        low[OFFSET], high[OFFSET] = min(low[OFFSET], offset), max(high[OFFSET], offset)
+    return space
+
+
+def start_point(space: SearchSpace, start: ImpulseSequence) -> np.ndarray:
+    """The point nearest to a start: without a main count it has the largest, without an interval the middle one."""
+    main = float(start.main)
+    ratio = min(float(start.secondary) / main, float(space.high[RATIO]))
+    middle = float(np.exp(0.5 * (space.low[INTERVAL] + space.high[INTERVAL])))
+    known = np.isfinite(start.interval) and space.spacing != "continuous"
+    interval = float(start.interval) if known else middle
+    return space.point(main, ratio, interval, int(start.main_count or space.high[MAIN_COUNT]))
+
+
+class Explored:
+    """All candidates of a space that were tried, with their likelihood under the targets."""
+
+    def __init__(self, targets: ResponseTargets, space: SearchSpace, threads: int | None) -> None:
+        self.targets, self.space, self.threads = targets, space, threads
+        self._points: list[np.ndarray] = []
+        self._likelihood: list[np.ndarray] = []
+        self._spread: list[np.ndarray] = []
+
+    def peaks(self, points: np.ndarray) -> np.ndarray:
+        """(q, m) peaks of (q, 4) points [-]."""
+        return self.targets.reached(self.space.sequences(points), self.threads)
+
+    def try_points(self, points: np.ndarray) -> np.ndarray:
+        """(q,) log-likelihoods of (q, 4) points, which are kept."""
+        likelihood, spread = log_likelihood(self.peaks(points), self.targets)
+        self._points.append(points)
+        self._likelihood.append(likelihood)
+        self._spread.append(spread)
+        return likelihood
+
+    @property
+    def points(self) -> np.ndarray:
+        """(k, 4) all points."""
+        return np.concatenate(self._points)
+
+    @property
+    def likelihood(self) -> np.ndarray:
+        """(k,) their log-likelihoods."""
+        return np.concatenate(self._likelihood)
+
+    @property
+    def spread(self) -> np.ndarray:
+        """(k,) their most likely spreads [-]."""
+        return np.concatenate(self._spread)
+
+    def best(self, limits: dict[str, tuple[float, float]], values: dict[str, np.ndarray]) -> int:
+        """Index of the likeliest candidate within limits, or of the first one, the start, where that is likelier."""
+        inside = np.ones(len(self.likelihood), dtype=bool)
+        for name, (low, high) in limits.items():
+            inside &= np.isnan(values[name]) | ((values[name] >= low) & (values[name] <= high))
+        inside[0] = True
+        return int(np.argmax(np.where(inside, self.likelihood, -np.inf)))
+
+
+def explore(
+    targets: ResponseTargets,
+    space: SearchSpace,
+    start: np.ndarray | None,
+    enough: float,
+    rng: np.random.Generator,
+    threads: int | None = None,
+) -> Explored:
+    """Find the likeliest sequence and fill the region of those that are about as likely.
+
+    `start` (4,), if given, is among the candidates from the first. `enough` is the deviance of the last round: less
+    likely points have no more offspring. The answer does not depend on the number of threads.
+    """
+    explored = Explored(targets, space, threads)
+    # The start itself first: differential evolution maps it to the unit cube and back, which costs a bit.
+    if start is not None:
+        explored.try_points(start[np.newaxis])
+    differential_evolution(
+        lambda columns: -explored.try_points(np.ascontiguousarray(columns.T)),
+        list(zip(space.low, space.high, strict=True)),
+        x0=None if start is None else np.clip(start, space.low, space.high),
+        integrality=[False, False, False, True],
+        popsize=POPULATION,
+        maxiter=GENERATIONS,
+        tol=0.0,
+        atol=SETTLED,
+        mutation=(0.4, 0.9),
+        recombination=0.9,
+        polish=False,
+        updating="deferred",
+        vectorized=True,
+        rng=rng,
+    )
+    survey = space.low + qmc.Sobol(4, rng=rng).random(SURVEY) * (space.high - space.low)
+    # Few main impulses differ more from one another than many do: equal shares of the logarithm.
+    share = (survey[:, MAIN_COUNT] - 1.0) / (space.high[MAIN_COUNT] - 1.0)
+    survey[:, MAIN_COUNT] = np.minimum(np.floor((space.high[MAIN_COUNT] + 1.0) ** share), space.high[MAIN_COUNT])
+    explored.try_points(survey)
+    for cut in np.geomspace(WIDEST, enough, ROUNDS):
+        explored.try_points(_offspring(explored, cut, rng))
+    return explored
+
+
+def _offspring(explored: Explored, cut: float, rng: np.random.Generator) -> np.ndarray:
+    space = explored.space
+    points, likelihood = explored.points, explored.likelihood
+    deviance = 2.0 * (likelihood.max() - likelihood)
+    order = np.argsort(deviance, kind="stable")
+    order = order[: max(np.count_nonzero(deviance <= cut), 24)]
+    points = points[order]
+    # The best of every cell of the space, and as many of all that are likely: the whole likely region has parents.
+    width = np.where(space.high > space.low, space.high - space.low, 1.0) * (1.0 + 1e-12)
+    places = ((points - space.low) / width)[:, [RATIO, INTERVAL]]
+    cells = np.column_stack([np.floor(places * CELLS), points[:, MAIN_COUNT]])
+    _, firsts = np.unique(cells, axis=0, return_index=True)
+    parents = np.concatenate([rng.choice(firsts, CANDIDATES // 2), rng.integers(len(points), size=CANDIDATES // 2)])
+    one, other = rng.integers(len(points), size=(2, CANDIDATES))
+    step = rng.choice(STEPS, size=(CANDIDATES, 1))
+    drawn = points[parents] + step * (points[one] - points[other])
+    drawn += step * 0.1 * np.std(points, axis=0) * rng.standard_normal(drawn.shape)
+    drawn[:, MAIN_COUNT] = points[parents, MAIN_COUNT] + rng.choice([-1, 0, 0, 0, 1], size=CANDIDATES)
+    # Points that leave the space are reflected at its edge.
+    drawn = np.where(drawn < space.low, 2.0 * space.low - drawn, drawn)
+    drawn = np.where(drawn > space.high, 2.0 * space.high - drawn, drawn)
+    return np.clip(drawn, space.low, space.high)

@@ -1,0 +1,269 @@
+"""The targets of a calibrated sequence: the peak rotations of a family of blocks, and the choice of that family.
+
+.. note:: A peak is theta_max/alpha_c. Four kinds of target:
+
+   ==========  ==================================  =========================================================
+   kind        the block                           what it says of the sequence's peak
+   ==========  ==================================  =========================================================
+   number      rocks, peak of at least SMALL       the peak itself, with a lognormal error
+   overturned  overturns                           at least 1 (right-censored)
+   small       rocks, peak below SMALL             below SMALL (left-censored)
+   silent      stays at rest, or is unresolved     nothing
+   ==========  ==================================  =========================================================
+
+   A block at rest is silent because an impulse has no acceleration: rest says that the PGA is below g tan(alpha_c),
+   however large the impulses of the record are, while the impulses of a sequence set every block in motion.
+
+   Most is learned from numbers. Both limits of them are decided by the critical impulse I_1c = g alpha_c/(p cos
+   alpha_c), so a family chosen for a motion lies about the I_1c at which it begins to overturn blocks of each
+   restitution. A trial run on a pool finds it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from scipy.stats import qmc
+
+from rocking.arguments import ArrayLike
+from rocking.body.block import Block
+from rocking.impulses.impulse_sequence import ImpulseSequence
+from rocking.impulses.sequence import sequence_response
+from rocking.march.recorded import recorded_response
+from rocking.response import Outcome, Response
+from rockpulse.errors import ConfigError, RecordRefused, TooWeak
+from rockpulse.record.record import Record
+
+#: Peaks below this are known to be small, and no more [-]: just after uplift the size of a peak is decided by how far
+#: the acceleration exceeds the threshold, of which a sequence knows nothing.
+SMALL = 0.05
+
+#: Fewest peaks that are numbers: four parameters and a spread, and one to spare.
+FEWEST_NUMBERS = 6
+
+#: Frequency parameters [1/s]: half-diagonals of 7.4 to 0.3 m. On smaller blocks a half-wave is no impulse.
+FREQUENCIES = (1.0, 5.0)
+
+#: Critical angles [rad]: slenderness 12.5 to 3.
+ANGLES = (0.08, 0.32)
+
+#: Restitutions over Housner's, which tell the parameters apart (docs/decisions/010). At 0.4 hardly more than the last
+#: main impulse counts; no free block is that dull, but the equation that its peak comes from is the same.
+RESTITUTIONS = (1.0, 0.8, 0.6, 0.4)
+
+#: I_1c of a family over that of the edge. Blocks below the edge overturn and are bounds; at 3, the impulse that takes
+#: a block of the edge to alpha_c takes one to 1 - sqrt(1 - 1/9) = 0.06 of it, just above what counts as a number.
+ABOUT_EDGE = (0.8, 3.0)
+
+#: Values of p and of alpha_c in the pool, blocks chosen for each restitution, and points they are chosen from.
+POOL, CHOSEN, POINTS = 10, 25, 8192
+
+
+@dataclass(frozen=True, eq=False)
+class ResponseTargets:
+    """Peaks and outcomes of a family of blocks under one motion.
+
+    Raises ConfigError for arrays of other lengths, or a block that rocks without a positive, finite peak; RecordRefused
+    with fewer than 6 blocks whose peak is a number; TooWeak where no 6 of enough blocks move, be it to overturn.
+    """
+
+    blocks: Block  # (m,)
+    peaks: np.ndarray  # (m,) theta_max/alpha_c [-]; inf where overturned, 0 at rest
+    outcomes: np.ndarray  # (m,) :class:`rocking.Outcome`
+    smallest: float = SMALL  # peaks below this are known to be small only [-]
+
+    def __post_init__(self) -> None:
+        peaks, outcomes = np.array(self.peaks, dtype=float), np.array(self.outcomes, dtype=np.int64)
+        if len(self.blocks.shape) != 1 or not self.blocks.shape == peaks.shape == outcomes.shape:
+            raise ConfigError(
+                "targets: expected (m,) blocks with a peak and an outcome each, got shapes "
+                f"{self.blocks.shape}, {peaks.shape} and {outcomes.shape}"
+            )
+        rocks = outcomes == Outcome.ROCKS
+        if not np.all(np.isfinite(peaks[rocks]) & (peaks[rocks] > 0.0)):
+            raise ConfigError("targets: expected a positive, finite peak of every block that rocks")
+        for array in (peaks, outcomes):
+            array.setflags(write=False)
+        object.__setattr__(self, "peaks", peaks)
+        object.__setattr__(self, "outcomes", outcomes)
+        if not 0.0 < self.smallest < 1.0:
+            raise ConfigError(f"targets: smallest: expected a peak between 0 and 1, got {self.smallest!r}")
+        found = np.count_nonzero(self.number)
+        if found < FEWEST_NUMBERS:
+            moved = peaks.size - np.count_nonzero((outcomes == Outcome.AT_REST) | self.small)
+            raise (TooWeak if moved < FEWEST_NUMBERS <= peaks.size else RecordRefused)(
+                f"{found} of {peaks.size} blocks rock to a peak of {self.smallest:g} or more without overturning "
+                f"({np.count_nonzero(self.overturned)} overturn, {np.count_nonzero(self.silent)} stay at rest): "
+                f"the response calibration needs at least {FEWEST_NUMBERS}; choose blocks that this motion sets rocking"
+            )
+
+    @property
+    def number(self) -> np.ndarray:
+        """(m,) bool: the peak is a number."""
+        return (self.outcomes == Outcome.ROCKS) & (self.peaks >= self.smallest)
+
+    @property
+    def small(self) -> np.ndarray:
+        """(m,) bool: known to be below `smallest` only."""
+        return (self.outcomes == Outcome.ROCKS) & (self.peaks < self.smallest)
+
+    @property
+    def overturned(self) -> np.ndarray:
+        """(m,) bool: known to be at least 1 only."""
+        return self.outcomes == Outcome.OVERTURNS
+
+    @property
+    def silent(self) -> np.ndarray:
+        """(m,) bool: nothing is known of the sequence's peak."""
+        return ~(self.number | self.small | self.overturned)
+
+    def reached(self, sequences: ImpulseSequence, threads: int | None = None) -> np.ndarray:
+        """Peaks (q, m) of the blocks under q sequences, or (1, m) under one [-]."""
+        response = sequence_response(self.blocks, sequences, table_rows=0, threads=threads)
+        return np.atleast_2d(response.peak_rotation_ratio)
+
+    def short_of(self, peaks: np.ndarray) -> np.ndarray:
+        """Share (q,) of the moved blocks whose peak (q, m) [-] is below the target: the unsafe side.
+
+        Peaks are inf where overturned; an overturned target is reached by overturning only.
+        """
+        speaks = ~self.silent
+        target = np.where(self.overturned, np.inf, self.peaks)[speaks]
+        return np.asarray(np.mean(peaks[:, speaks] < target, axis=1))
+
+    def residuals(self, peaks: np.ndarray) -> np.ndarray:
+        """ln(target/peak) (q, m) [-], or its distance to the nearest value that agrees where one is censored.
+
+        NaN for silent targets. A sequence that overturns a block (peak inf) is known to reach at least 1 there.
+        """
+        least = np.log(np.maximum(np.minimum(peaks, 1.0), 1e-300))
+        beyond = np.isinf(peaks)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            number = np.log(self.peaks) - np.log(np.maximum(peaks, 1e-300))
+            lenient = np.minimum(np.log(self.peaks), 0.0)
+        residual = np.full(peaks.shape, np.nan)
+        residual = np.where(self.number, np.where(beyond, lenient, number), residual)
+        residual = np.where(self.overturned, np.where(beyond, 0.0, -least), residual)
+        return np.where(self.small, np.minimum(np.log(self.smallest) - least, 0.0), residual)
+
+    def misfit(self, peaks: np.ndarray) -> np.ndarray:
+        """Root mean square of the residuals over all targets but silent ones: (q,) for (q, m) peaks [-]."""
+        return np.asarray(np.sqrt(np.nanmean(self.residuals(peaks) ** 2, axis=1)))
+
+
+def block_family() -> Block:
+    """The default family: 100 blocks of engineering size.
+
+    p of 1 to 5 1/s (half-diagonals of 7.4 to 0.3 m), slenderness 12.5 to 3, five of each in equal ratios, and Housner's
+    restitution times 1, 0.9, 0.75 and 0.6. The restitution is what tells the parameters apart (docs/decisions/010): a
+    block answers the N-th main impulse with the velocity I [1 - sigma/2 + (1 - sigma) (C + ... + C^(N-1))]/I_1c, in
+    which I, sigma = I_s/I and N act differently at different C only. Measured restitutions are 0.95 to 0.97 of
+    Housner's on concrete and 0.67 on rubber (ElGawady).
+
+    Examples
+    --------
+    >>> family = block_family()
+    >>> family.shape, round(float(family.radius.max()), 2), round(float(family.slenderness.max()), 1)
+    ((100,), 7.35, 12.5)
+    """
+    axes = np.geomspace(*FREQUENCIES, 5), np.geomspace(*ANGLES, 5), [1.0, 0.9, 0.75, 0.6]
+    return _blocks(*(axis.ravel() for axis in np.meshgrid(*axes, indexing="ij")))
+
+
+def recorded_targets(
+    record: Record,
+    blocks: Block,
+    smallest: float = SMALL,
+    threads: int | None = None,
+    vertical: ArrayLike | None = None,
+) -> ResponseTargets:
+    """The targets of a conditioned record: peaks of (m,) blocks under the nonlinear equation.
+
+    Peaks below `smallest` are known to be small only [-]; `vertical` (n,) is the vertical ground acceleration on the
+    samples of the record [m/s2], positive up. Raises RecordRefused, naming the record, where too few blocks rock.
+    """
+    response = recorded_response(blocks, record.acceleration, record.dt, vertical=vertical, threads=threads)
+    try:
+        return ResponseTargets(blocks, np.asarray(response.peak_rotation_ratio), np.asarray(response.outcome), smallest)
+    except RecordRefused as error:
+        raise type(error)(f"{record.id}: {error}") from None
+
+
+def motion_family(answer: Callable[[Block], Response]) -> Block:
+    """The family of blocks for a motion: 100 of engineering size, 25 for each of four restitutions.
+
+    They are evenly spread over (ln p, ln alpha_c) where I_1c is 0.8 to 3 times that of the edge of overturning, p 1 to
+    5 1/s, and the slenderness at most 12.5 and at least 3 and that of the stockiest block which the motion moves.
+    `answer` gives the :class:`rocking.Response` of (m,) blocks to the motion. Raises TooWeak where it moves no block of
+    the pool.
+
+    Notes
+    -----
+    The edge is the I_1c below which lie as many moved blocks of the pool as overturn: overturning ones above it and
+    standing ones below it balance. A motion too weak or too strong for the pool has its edge at the end of it. Blocks
+    are chosen by their parameters, never by their own peak, so the choice does not bend what is fitted to them.
+
+    Examples
+    --------
+    >>> from rocking import ImpulseSequence, sequence_response
+    >>> sequence = ImpulseSequence(0.2, 0.1, 0.2, np.inf, main_count=3)
+    >>> motion_family(lambda blocks: sequence_response(blocks, sequence, table_rows=0)).shape
+    (100,)
+    """
+    axes = np.geomspace(*FREQUENCIES, POOL), np.geomspace(*ANGLES, POOL), RESTITUTIONS
+    p, alpha, factor = (axis.ravel() for axis in np.meshgrid(*axes, indexing="ij"))
+    pool = _blocks(p, alpha, factor)
+    outcome = np.asarray(answer(pool).outcome)
+    overturned = outcome == Outcome.OVERTURNS
+    moved = outcome != Outcome.AT_REST
+    if not np.any(moved):
+        raise TooWeak(
+            f"the motion moves none of {p.size} blocks of slenderness {1.0 / np.tan(ANGLES[1]):.3g} to "
+            f"{1.0 / np.tan(ANGLES[0]):.3g}: there is nothing to calibrate on"
+        )
+    spread = qmc.Halton(2, scramble=False).random(POINTS)
+    p_ = FREQUENCIES[0] * (FREQUENCIES[1] / FREQUENCIES[0]) ** spread[:, 0]
+    alpha_ = ANGLES[0] * (alpha[moved].max() / ANGLES[0]) ** spread[:, 1]
+    impulses = np.asarray(_blocks(p_, alpha_, np.ones(POINTS)).critical_impulse)
+    chosen = []
+    for restitution in RESTITUTIONS:
+        here = moved & (factor == restitution)
+        critical = np.sort(np.asarray(pool.critical_impulse)[here])
+        edge = critical[min(int(np.count_nonzero(overturned & here)), critical.size - 1)]
+        about = (impulses >= ABOUT_EDGE[0] * edge) & (impulses <= ABOUT_EDGE[1] * edge)
+        chosen += [(p_[one], alpha_[one], restitution) for one in np.flatnonzero(about)[:CHOSEN]]
+    return _blocks(*np.array(chosen).T)
+
+
+def recorded_family(record: Record, threads: int | None = None, vertical: Any = None) -> Block:
+    """:func:`motion_family` of a conditioned record, under the nonlinear equation; TooWeak names the record.
+
+    `vertical` is the vertical ground acceleration (n,) on its samples [m/s2], positive up.
+    """
+
+    def answer(blocks: Block) -> Response:
+        return recorded_response(blocks, record.acceleration, record.dt, vertical=vertical, threads=threads)
+
+    try:
+        return motion_family(answer)
+    except TooWeak as error:
+        raise TooWeak(f"{record.id}: {error}") from None
+
+
+def describe_family(blocks: Block) -> str:
+    """A remark that names the ranges of the chosen blocks."""
+    columns = (
+        ("I_1c", blocks.critical_impulse, " m/s"),
+        ("p", blocks.p, " 1/s"),
+        ("slenderness", blocks.slenderness, ""),
+        ("C", blocks.restitution, ""),
+    )
+    said = ", ".join(f"{name} {np.min(values):.3g} to {np.max(values):.3g}{unit}" for name, values, unit in columns)
+    return f"{np.size(blocks.p)} blocks chosen about the edge of overturning of this motion: {said}"
+
+
+def _blocks(p: np.ndarray, alpha: np.ndarray, factor: np.ndarray) -> Block:
+    return Block.from_parameters(p, alpha, factor * (1.0 - 1.5 * np.sin(alpha) ** 2))

@@ -1,0 +1,261 @@
+"""From a record's own half-waves to an impulse sequence whose verdict on a block is a prediction of the record's.
+
+.. note:: The demand D = factor x march, but no more than PGA/(g tan alpha), for without uplift nothing overturns. The
+   march is that of :func:`rockpulse.models.demand_of_half_waves`: 1/D stands for the mean capacity of the nonlinear
+   equation under the stated uncertainty at the point "balanced", for the factor of 10 % probability at the point
+   "conservative". The factor is the bias of the march on an ensemble. The sequence has as many main impulses, and as
+   large a ratio I_s/I, as the motion has lobes on the block's time scale, and the main impulse is D times the critical
+   one of that sequence. So it overturns iff D >= 1, its peak is 1 - sqrt(1 - D^2), and its safety factor is 1/D.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from functools import lru_cache
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from rocking.arguments import ArrayLike
+from rocking.body.block import Block
+from rocking.body.limits import RATES, radius_of_rectangle
+from rocking.impulses.impulse_sequence import ImpulseSequence
+from rocking.impulses.main import effective_amplification
+from rocking.search.factors import ScaleIntervals
+from rocking.spectrum.half_waves import HalfWaveDemand, demand_of_half_waves, half_wave_lanes
+from rocking.spectrum.lanes import SpectrumLanes
+from rockpulse.errors import ConfigError
+from rockpulse.files import TOML_LIMIT, parse_toml, read_text
+from rockpulse.record.half_wave import HalfWaves
+
+#: Working points: the march of each (:class:`rockpulse.models.HalfWaveDemand`), and the factor that 1/D stands for.
+POINTS = {"balanced": ("march", "capacity_mean"), "conservative": ("march_10", "factor_10")}
+
+#: The rule that comes with the package.
+SHIPPED = "rule.toml"
+
+#: Unit and words of each of :func:`traits`.
+TRAITS = {
+    "p": "p {} to {} 1/s",
+    "radius": "R {} to {} m",
+    "slenderness": "slenderness {} to {}",
+    "restitution_ratio": "C {} to {} times Housner's",
+}
+
+#: Bodies count as inside the fitted range up to this far beyond its ends [-]: figures rounded to two digits.
+SLACK = 0.01
+
+
+@dataclass(frozen=True)
+class Rule:
+    """One working point of the rule, as :func:`rockpulse.load_rule` reads it.
+
+    Attributes
+    ----------
+    point : str
+        "balanced" or "conservative".
+    factor : float
+        Demand over march [-], positive.
+    within : dict of str to (float, float)
+        Least and most of p [1/s], radius [m], slenderness [-] and restitution_ratio (C over Housner's [-]) over the
+        bodies that the rule was fitted on; a quantity that is not named has no bounds.
+    """
+
+    point: str
+    factor: float
+    within: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        if self.point not in POINTS:
+            raise ConfigError(f"rule: expected a working point of {', '.join(POINTS)}, got {self.point!r}")
+        if not (math.isfinite(self.factor) and self.factor > 0.0):
+            raise ConfigError(f"rule: [{self.point}] factor: expected a positive number, got {self.factor!r}")
+
+    def demand(self, waves: HalfWaves, block: Block) -> np.ndarray:
+        """Demand D of a record on blocks, (m,) [-]: the rule says that those overturn on which it is at least 1.
+
+        Parameters
+        ----------
+        waves : HalfWaves
+            All half-waves of the record; D is proportional to a factor on it.
+        block : Block
+            One block, which counts as (1,), or (m,) of them.
+        """
+        march = getattr(_half_wave_demand(waves, block), POINTS[self.point][0])
+        return np.minimum(self.factor * march, _uplift(waves, block))
+
+    def safety_factor(self, waves: HalfWaves, block: Block) -> np.ndarray:
+        """Factor on the record at which the sequence overturns each block, (m,) [-]: 1/D; inf for a record of zeros."""
+        demand = self.demand(waves, block)
+        return np.divide(1.0, demand, out=np.full(demand.shape, np.inf), where=demand > 0.0)
+
+    def intervals(self, waves: HalfWaves, block: Block, factor_max: float) -> ScaleIntervals:
+        """The factors on the record up to the largest one at which the sequence overturns: all from the safety factor.
+
+        The demand is proportional to the factor, so every larger one overturns as well.
+        """
+        factor = self.safety_factor(waves, block)
+        lane = np.flatnonzero(factor <= factor_max)
+        return ScaleIntervals(
+            safety_factor=np.where(factor <= factor_max, factor, np.inf),
+            safe_up_to=np.minimum(factor, factor_max),
+            lane=lane,
+            lower=factor[lane],
+            upper=np.full(lane.size, factor_max),
+            open=np.ones(lane.size, dtype=bool),
+            step=np.ones(factor.size),
+            resolved=np.ones(lane.size, dtype=bool),
+        )
+
+    def sequence(self, waves: HalfWaves, block: Block) -> ImpulseSequence:
+        """The impulse sequence that stands for a record, block by block, (m,), with the spacing "continuous".
+
+        To be used with ``sequence_response(..., paired=True)``; a block that the record does not lift has the main
+        impulse zero.
+
+        Notes
+        -----
+        In the limit n -> infinity (VALIDATION F4) half-cycle i is decided by v_i = u_1 [(1 - sigma) S_i + sigma/2],
+        S_i = (1 - C^i)/(1 - C), which grows with i. So N main impulses overturn iff v_N >= 1, and I = D I_1c/[(1 -
+        sigma) S_N + sigma/2] makes v_N = D.
+        """
+        of_waves = _half_wave_demand(waves, block)
+        return sequence_of_demand(self.demand(waves, block), of_waves, block, _uplift(waves, block) > 1.0)
+
+    def spectrum_lanes(self, waves: HalfWaves, p: ArrayLike = RATES, threads: int | None = None) -> SpectrumLanes:
+        """Lanes of the overturning spectrum of a record that is not all zero: its march, with the factor of the point.
+
+        The frequency parameters p (a,) [1/s] ascend. Nothing overturns before the peak of the half-waves lifts it, x =
+        p/PGA. The angles of the draws are less than the nominal one, 4 % in the mean, so that a spectrum goes up to
+        1.04 PGA/p where :meth:`demand` ends at the nominal PGA/p.
+        """
+        lanes = half_wave_lanes(waves.start, waves.centroid, waves.end, waves.impulse, p, threads=threads)
+        shift = math.log(self.factor)
+        log_x = lanes.log_x - shift
+        bottom = np.maximum(lanes.bottom - shift, np.log(lanes.p / np.max(np.abs(waves.peak))))
+        weight = np.where(log_x > bottom[:, np.newaxis], lanes.weight, 0.0)
+        return replace(lanes, log_x=log_x, weight=weight, bottom=bottom, top=np.maximum(lanes.top - shift, bottom))
+
+    def applicable(self, block: Block) -> np.ndarray:
+        """True, (m,), for bodies like those that the rule was fitted on: inside its range, or up to 1 % beyond.
+
+        Examples
+        --------
+        >>> load_rule().applicable(Block(half_width=[0.1, 0.3], half_height=[0.3, 1.8])).tolist()
+        [False, True]
+        """
+        values = traits(block)
+        inside = np.full(values["p"].shape, True)
+        for name, (least, most) in self.within.items():
+            inside &= (values[name] >= least * (1.0 - SLACK)) & (values[name] <= most * (1.0 + SLACK))
+        return inside
+
+    @property
+    def range_text(self) -> str:
+        """The range of the bodies that the rule was fitted on, in words."""
+        return ", ".join(
+            "Housner's C"
+            if name == "restitution_ratio" and f"{low:.3g}" == f"{high:.3g}" == "1"
+            else TRAITS[name].format(f"{low:.3g}", f"{high:.3g}")
+            for name, (low, high) in self.within.items()
+        )
+
+
+def load_rule(point: str = "balanced", path: str | Path | None = None) -> Rule:
+    """A working point of a fitted rule.
+
+    Parameters
+    ----------
+    point : {"balanced", "conservative"}
+        The working point of the rule.
+    path : str or Path, optional
+        File that ``make rule`` wrote in the repository; that of the package without.
+
+    Raises
+    ------
+    ConfigError
+        For an unknown point, or a file that holds no rule.
+
+    Examples
+    --------
+    >>> load_rule("balanced").point
+    'balanced'
+    """
+    if point not in POINTS:
+        raise ConfigError(f"rule: expected a working point of {', '.join(POINTS)}, got {point!r}")
+    source = files("rockpulse.sequences").joinpath(SHIPPED) if path is None else Path(path)
+    text = source.read_text(encoding="utf-8") if path is None else read_text(Path(path), TOML_LIMIT, "a TOML file")
+    table = parse_toml(text, str(source))
+    section = table.get(point)
+    factor = section.get("factor") if isinstance(section, Mapping) else None
+    if not isinstance(factor, (int, float)) or isinstance(factor, bool):
+        raise ConfigError(f"{source}: expected [{point}] factor, a number, as in {SHIPPED} of the package")
+    return replace(Rule(point, float(factor)), within=_range(table, str(source)))
+
+
+def _range(table: Mapping[str, Any], source: str) -> dict[str, tuple[float, float]]:
+    section = table.get("range")
+    if not isinstance(section, Mapping) or not section or not set(section) <= set(TRAITS):
+        raise ConfigError(
+            f"{source}: expected [range] with some of {', '.join(TRAITS)}, as in {SHIPPED} of the package"
+        )
+    for name, ends in section.items():
+        numeric = isinstance(ends, list) and [type(end) for end in ends] in ([float, float], [int, int])
+        if not numeric or not ends[0] <= ends[1]:
+            raise ConfigError(f"{source}: [range] {name}: expected [least, most], got {ends!r}")
+    return {name: (float(least), float(most)) for name, (least, most) in section.items()}
+
+
+def traits(block: Block) -> dict[str, np.ndarray]:
+    """The quantities that the range of a rule is stated in, each (m,): p [1/s], R [m], a/b [-], C/Housner's [-].
+
+    R and Housner's C are those of the rectangle with the same p and alpha.
+    """
+    alpha = np.atleast_1d(block.alpha_c)
+    housner = 1.0 - 1.5 * np.sin(alpha) ** 2
+    ratio = np.divide(block.restitution, housner, out=np.full(alpha.shape, np.inf), where=housner > 0.0)
+    return {
+        "p": np.atleast_1d(block.p),
+        # Of two bodies of one p the motion is the same, whatever their own R: the range is one of rectangles.
+        "radius": np.atleast_1d(radius_of_rectangle(block.p, block.gravity)),
+        "slenderness": np.atleast_1d(block.slenderness),
+        "restitution_ratio": ratio,
+    }
+
+
+def sequence_of_demand(
+    demand: np.ndarray, of_waves: HalfWaveDemand, block: Block, lifted: np.ndarray
+) -> ImpulseSequence:
+    """The sequences whose last main impulse brings each of (m,) blocks to v_N = D, (m,).
+
+    Number, ratio and interval of the impulses are those of the half-waves; a block that is not `lifted` gets none.
+    """
+    restitution, critical = (np.broadcast_to(v, demand.shape) for v in (block.restitution, block.critical_impulse))
+    reached = [
+        effective_amplification(c, ratio, count)
+        for c, ratio, count in zip(restitution, of_waves.ratio, of_waves.main_count, strict=True)
+    ]
+    main = np.where(lifted, demand * critical / np.array(reached), 0.0)
+    return ImpulseSequence(
+        main=main,
+        secondary=of_waves.ratio * main,
+        interval=of_waves.interval,
+        duration=np.full(demand.shape, np.inf),
+        main_count=of_waves.main_count,
+        spacing="continuous",
+    )
+
+
+@lru_cache(maxsize=2)
+def _half_wave_demand(waves: HalfWaves, block: Block) -> HalfWaveDemand:
+    """Both working points, sequence and safety factor ask for the same; waves and blocks never change."""
+    return demand_of_half_waves(block, waves.start, waves.centroid, waves.end, waves.impulse)
+
+
+def _uplift(waves: HalfWaves, block: Block) -> np.ndarray:
+    """PGA/(g tan alpha) of each block [-]."""
+    return np.max(np.abs(waves.peak), initial=0.0) / (block.gravity * np.tan(np.atleast_1d(block.alpha_c)))

@@ -1,0 +1,168 @@
+"""The check of the bodies of a configuration by codes, with what time histories say of the same bodies beside it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from rockpulse.assessment.answers import Answers, answers_of
+from rockpulse.assessment.verdict import verdicts
+from rockpulse.config.block_settings import BlockSettings, FloorSettings
+from rockpulse.config.configuration import Config, config_from_text
+from rockpulse.config.study_settings import CODES, CheckSettings
+from rockpulse.errors import ConfigError
+from rockpulse.storage.variables.risk import CHECK
+from rockpulse.studies.check.codes import CHECKS, Checked, worst
+from rockpulse.studies.check.mechanism import Mechanism, mechanisms
+from rockpulse.studies.check.spectra import DemandSpectrum, TableEnds, spectrum_of
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+
+#: Settings of a body that no code asks for: with others it is still the same body.
+NOT_OF_A_CODE = {"name", "restitution", "rebound", "facing", "azimuth", "friction", "confirm_size"}
+
+
+def code_check(config: Config, codes: Sequence[str] = CODES, results: xr.DataTree | None = None) -> xr.Dataset:
+    """What codes say of the bodies of a configuration, from their geometry and the demand of [check].
+
+    Parameters
+    ----------
+    config : Config
+        With [[block]] and [check].
+    codes : sequence of str
+        Of "circolare_2009", "circolare_2019", "en_1998".
+    results : xarray.DataTree, optional
+        Of :func:`rockpulse.assess` on the same bodies: what the time histories say stands beside the codes.
+
+    Returns
+    -------
+    xarray.Dataset
+        Over (block): `multiplier` alpha_0 [-] and `share` e* [-]; over (block, code): `activation` and its `_demand`
+        [m/s2] with their `activation_ratio`, `displacement` and its `_demand` [m], the `period` [s] and
+        `displacement_ratio`, and `statement`, why something is NaN. A ratio of 1 or more passes. Of the two senses of a
+        body each ratio is the worse one, `activation_sense` and `displacement_sense` tell of which. With results over
+        (block) `probability`, that of the verdict, under the records brought to the demands of the site where there
+        are some, and `factor_50`, its median over the motions; of several restitutions the worst; and `beside`, why
+        they are NaN.
+
+    Raises
+    ------
+    ConfigError
+        Without bodies or a demand, or for an unknown code.
+
+    Examples
+    --------
+    >>> import rockpulse as rp
+    >>> wall = rp.BlockSettings(name="wall", width=0.4, height=4.0)
+    >>> config = rp.Config(blocks=(wall,), check=rp.CheckSettings(spectrum="en_1998_1", ag=0.15, confidence_factor=1.0))
+    >>> found = code_check(config, ["circolare_2009"])
+    >>> [round(found[name].item(), 3) for name in ("multiplier", "activation_ratio", "period", "displacement_ratio")]
+    [0.1, 1.333, 1.238, 1.734]
+    """
+    import xarray as xr
+
+    if unknown := [code for code in codes if code not in CHECKS]:
+        raise ConfigError(f"code: expected some of {', '.join(CODES)}, found {unknown[0]!r}")
+    if not config.blocks:
+        raise ConfigError("no body to check: give [[block]] entries in the configuration")
+    spectrum = spectrum_of(config.check, config.folder)
+    found: dict[str, tuple[Sequence[Mechanism], list[Checked]]] = {}
+    for body in config.blocks:
+        try:
+            of_body = mechanisms(body)
+        except ConfigError:
+            raise
+        except ValueError as error:
+            found[body.name] = (), [Checked(statement=str(error))] * len(codes)
+            continue
+        for name, senses in of_body.items():
+            found[name] = senses, [_checked(code, senses, spectrum, body.floors, config.check) for code in codes]
+    names = list(found)
+    weakest = [min(senses, key=lambda one: one.multiplier) if senses else None for senses, _ in found.values()]
+    values = {
+        **{name: np.array([getattr(one, name, math.nan) for one in weakest]) for name in ("multiplier", "share")},
+        **({} if results is None else of_histories(results, config, names)),
+        **{
+            name: np.array([[getattr(one, name) for one in row] for _, row in found.values()])
+            for name in (*Checked._fields, "activation_ratio")
+        },
+    }
+    factors = {name: config.check[name] for name in ("q", "confidence_factor", "q_a", "gamma_a")}
+    return xr.Dataset(
+        {name: CHECK[name].variable(values[name]) for name in CHECK if name in values},
+        {"block": names, "code": list(codes)},
+        {"spectrum": spectrum.words, "limit_state": config.check.limit_state, **factors},
+    )
+
+
+def _checked(
+    code: str,
+    senses: Sequence[Mechanism],
+    spectrum: DemandSpectrum,
+    floors: Sequence[FloorSettings],
+    settings: CheckSettings,
+) -> Checked:
+    try:
+        return worst([CHECKS[code](one, spectrum, floors, settings) for one in senses])
+    except TableEnds as error:
+        return Checked(statement=str(error))
+
+
+def of_histories(results: xr.DataTree, config: Config, names: Sequence[str]) -> dict[str, np.ndarray]:
+    """`probability`, `factor_50` and `beside`, why they are NaN, of the bodies of these names, (m,) each.
+
+    The probability is that which the verdict rests on: under the records brought to the demands of the site where
+    there are some. A body whose geometry, restraints or floors are others in the results than in the configuration is
+    another body.
+    """
+    answers = answers_of(results)
+    assessed, checked = _bodies(config_from_text(str(results.attrs.get("configuration", "")))), _bodies(config)
+    beside = [_why_not(name, answers, assessed.get(name), checked[name]) for name in names]
+    probability, factor = np.full((2, len(names)), math.nan)
+    if answers.probable:
+        every, median = verdicts(answers), _median_factors(answers)
+        for place, name in enumerate(names):
+            lanes = [lane for lane, one in enumerate(every) if one.body.block == name]
+            if beside[place] or not lanes:
+                continue
+            factor[place] = np.fmin.reduce(median[lanes])
+            if few := [one for one in (every[lane].deciding for lane in lanes) if one is not None and one.few]:
+                beside[place] = f"records of {few[0].earthquakes} earthquakes can be brought to {few[0].name}: no P"
+            else:
+                probability[place] = np.fmax.reduce([every[lane].decides.value for lane in lanes])
+    return {"probability": probability, "factor_50": factor, "beside": np.array(beside, dtype=object)}
+
+
+def _median_factors(answers: Answers) -> np.ndarray:
+    """The median of f_50 over the motions, of every body [-]; NaN without one."""
+    found = np.full(len(answers.bodies), math.nan)
+    for lane, column in enumerate(answers.motions.over(answers["factor_50"], np.nan).T):
+        known = column[~np.isnan(column)]
+        found[lane] = np.median(known) if known.size else math.nan
+    return found
+
+
+def _bodies(config: Config) -> dict[str, BlockSettings]:
+    """The bodies of a configuration by their names, also as one with their pedestals."""
+    return {name: body for body in config.blocks for name in (body.name, *body.with_pedestals())}
+
+
+def _why_not(name: str, answers: Answers, there: BlockSettings | None, here: BlockSettings) -> str:
+    if name not in answers.blocks:
+        return "the results have no body of this name"
+    if not answers.probable:
+        return "the results hold no probability"
+    if there is None:
+        return "the results do not tell the geometry of their bodies"
+    others = [key for key in sorted({*here.keys()} - NOT_OF_A_CODE) if here[key] != there[key]]
+    told = ", ".join(f"{key} {_short(there[key])} there, {_short(here[key])} here" for key in others)
+    return f"the results have another body of this name ({told})" if others else ""
+
+
+def _short(value: object) -> str:
+    return "none" if value is None or value == () else f"{value:g}" if isinstance(value, float) else "given"

@@ -1,0 +1,255 @@
+"""Fragility of the bodies of a site under a set of records, and the tree of a fragility file (docs/schema.md)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import replace
+from functools import cached_property, partial
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from rocking.body.block import Block
+from rocking.search.capacity import uplift_scale
+from rockpulse.config.bodies import gather_bodies
+from rockpulse.config.configuration import Config, given_config
+from rockpulse.errors import Failure, some
+from rockpulse.motions.directions import PlannedMotion, planned_ids
+from rockpulse.motions.tables import selection_of
+from rockpulse.motions.votes import unmatched_patterns
+from rockpulse.record.measures import MEASURES, REFERENCE
+from rockpulse.record.record import Record
+from rockpulse.run.analysis import Analysis, Blocks, Part, Prepared, Work, run
+from rockpulse.storage.variables import failure_table, with_values
+from rockpulse.storage.variables.fragility import (
+    CAPACITIES,
+    COORDINATES,
+    CURVE,
+    CURVES,
+    EFFICIENCY,
+    FRAGILITY,
+    IDA,
+    POOLED,
+    QUALITIES,
+    STRIPES,
+    TESTED,
+    Status,
+)
+from rockpulse.studies.fragility.capacity import Lanes, motion_capacity, nothing
+from rockpulse.studies.fragility.ensemble import Ensemble, Fits, dispersion_ratio, fit_ensemble, gather
+
+#: Points of a curve, and how many dispersions they reach beyond the outermost medians of a body.
+POINTS, REACH = 41, 3.0
+
+#: Logarithm of the farthest level of a curve: one that hardly rises would leave the range of numbers.
+FARTHEST = 600.0
+
+
+def fragility_curves(
+    records: Iterable[Record],
+    config: Config | None = None,
+    blocks: Blocks | None = None,
+    failures: Iterable[Failure] = (),
+    progress: Callable[[Sequence[PlannedMotion]], Iterable[PlannedMotion]] | None = None,
+) -> xr.DataTree:
+    """Fragility curves of bodies, with confidence bands over events, and which intensity measure serves best.
+
+    Parameters
+    ----------
+    records : iterable of Record
+        All channels, as :func:`rockpulse.read` returns them; chosen, rotated and conditioned as by
+        :func:`rockpulse.assess`. The result does not depend on their order.
+    config : Config, optional
+        Sections records, conditioning, half_waves, intense_phase, search, fragility and the bodies; the defaults
+        without.
+    blocks : mapping of str to (width, height), Block or BlockSettings, or sequence of BlockSettings, optional
+        The bodies, in place of those of the configuration; full sizes in m.
+    failures, progress
+        As for :func:`rockpulse.assess`.
+
+    Returns
+    -------
+    xarray.DataTree
+        /fragility, /capacities, /efficiency and /failures, see docs/schema.md. Where the records do not say what a
+        curve needs its numbers are NaN and `statement` says why.
+
+    Raises
+    ------
+    ConfigError
+        Without a body, for two records of one id or a table of events that does not fit. A record that cannot be used
+        is a row of /failures.
+
+    Notes
+    -----
+    With ``data = "stripes"`` every record is scaled to each level, within ``[fragility] factors``, and the curve is the
+    probability of reaching the limit state at a level. With ``data = "ida"`` capacity is the first factor that reaches
+    it, and the curve the probability of reaching it at or below a level. Rotation need not grow with the factor, so the
+    latter lies above the former (docs/decisions/012).
+
+    Examples
+    --------
+    >>> import numpy as np, rockpulse as rp
+    >>> t = np.arange(0.0, 4.0, 0.01)
+    >>> record = rp.Record(3.0 * np.sin(2.0 * np.pi * t), dt=0.01, id="sine", processed=True)
+    >>> tree = rp.fragility_curves([record], blocks={"pier": (1.0, 3.873)})
+    >>> str(tree["fragility"]["statement"].sel(block="pier", limit_state="overturning", measure="pga").values)
+    'no curve: one record only, 1.04 to 5.81 reached; a dispersion needs several'
+    """
+    return run(FragilityAnalysis(given_config(config), blocks), records, failures, progress)
+
+
+class FragilityAnalysis(Analysis):
+    """The capacity of every body under every motion, and the curves that all of them give."""
+
+    name = "fragility"
+    doing = "scaling"
+    kind = FRAGILITY
+
+    def __init__(self, config: Config, blocks: Blocks | None = None) -> None:
+        super().__init__(config)
+        bodies = gather_bodies(config.blocks if blocks is None else blocks, config.records)
+        self.block_names, block, owner = bodies.apart()
+        self.lanes = Lanes(block, bodies, owner)
+        self.selection = selection_of(config)
+
+    @property
+    def work(self) -> Work:
+        """Find the capacities of all bodies under a motion."""
+        return partial(motion_capacity, lanes=self.lanes, config=self.config, selection=self.selection)
+
+    @cached_property
+    def nothing(self) -> Part:
+        """Every array of a motion's capacities, without a row."""
+        return nothing(len(self.block_names), self.config, self.selection)
+
+    def collect(self, parts: Sequence[Part], planned: Sequence[PlannedMotion], failures: list[Failure]) -> xr.DataTree:
+        """Fit the curves, and lay everything out."""
+        block, names, settings = self.lanes.block, self.block_names, self.config.fragility
+        aloft = np.array([bool(self.lanes.bodies.floors[body]) for body in self.lanes.owner])
+        known = ~aloft & (not self.config.records.include_vertical)
+        uplift = np.where(known, uplift_scale(block, np.array([-1.0, 1.0]), settings.equation), np.nan)
+        ensemble = gather(parts, len(names), self.config, self.selection)
+        lanes = list(range(len(names)))
+        single, pooled = fit_ensemble(ensemble, [[lane] for lane in lanes]), fit_ensemble(ensemble, [lanes])
+        states = [state if isinstance(state, str) else f"{state:g}" for state in settings.limit_states]
+        coords = _coordinates(block=names, limit_state=states, measure=settings.measures)
+        nodes = {
+            "/fragility": _curves(single, block, uplift, settings.measures, coords),
+            "/capacities": _capacities(ensemble, coords),
+            "/efficiency": _efficiency(ensemble, single, pooled, coords),
+            "/failures": failure_table(failures),
+        }
+        tree = self.described(xr.DataTree.from_dict(nodes), "Fragility of rigid blocks under recorded ground motions")
+        tree.attrs |= {"data": settings.data, "confidence": settings.confidence}
+        return tree
+
+    def prepare(self, records: Iterable[Record], failures: Iterable[Failure] = ()) -> Prepared:
+        """Plan the motions, of a selection those that it names; raises ConfigError also for one that is not there."""
+        prepared = super().prepare(records, failures)
+        if self.selection is None:
+            return prepared
+        of_motion = {one.name: planned_ids(one, self.config) for one in prepared.planned}
+        known = [name for names in of_motion.values() for name in names]
+        idle = unmatched_patterns("[fragility] selection", [*self.selection.rows], known, prepared.failures)
+        kept = [one for one in prepared.planned if not self.selection.rows.keys().isdisjoint(of_motion[one.name])]
+        rows = [*prepared.failures, *idle]
+        if unchosen := sorted(of_motion.keys() - {one.name for one in kept}):
+            told = f"{len(unchosen)} of {len(of_motion)} motions are not in the table: {some(unchosen, 3)}"
+            rows.append(Failure("[fragility] selection", "select", told, "skipped"))
+        return replace(prepared, planned=kept, failures=rows)
+
+
+def _curves(
+    fits: Fits, block: Block, uplift: np.ndarray, measures: Sequence[str], coords: dict[str, xr.Variable]
+) -> xr.Dataset:
+    level, probability = _grid(fits)
+    values = {
+        **{name: fits.of(name) for name in CURVE},
+        "level": level,
+        **dict(zip(("probability", "probability_low", "probability_high"), probability, strict=True)),
+        "measure_units": [MEASURES[key].unit for key in measures],
+        "measure_long_name": [MEASURES[key].long_name for key in measures],
+        **{name: getattr(block, name) for name in ("alpha_c", "p", "restitution")},
+        "uplift_acceleration": uplift,
+    }
+    return xr.Dataset(with_values(CURVES, values), coords)
+
+
+def _grid(fits: Fits) -> tuple[np.ndarray, list[np.ndarray]]:
+    """Common levels of all limit states of a body, and the curves and bands at them."""
+    groups, states, measures = fits.curves.shape
+    level = np.full((groups, measures, POINTS), np.nan)
+    tables = [np.full((groups, states, measures, POINTS), np.nan) for _ in range(3)]
+    for group, measure in np.ndindex(groups, measures):
+        fitted = [curve for curve in fits.curves[group, :, measure] if np.isfinite(curve.median)]
+        if not fitted:
+            continue
+        ends = [np.log(curve.median) + side * REACH * curve.beta for curve in fitted for side in (-1.0, 1.0)]
+        level[group, measure] = np.exp(np.clip(np.linspace(min(ends), max(ends), POINTS), -FARTHEST, FARTHEST))
+        for state, curve in enumerate(fits.curves[group, :, measure]):
+            if np.isfinite(curve.median):
+                for table, values in zip(tables, curve.probability(level[group, measure]), strict=True):
+                    table[group, state, measure] = values
+    return level, tables
+
+
+def _capacities(data: Ensemble, coords: dict[str, xr.Variable]) -> xr.Dataset:
+    search = data.config.search
+    factors = np.moveaxis(data.factors, 2, 1)
+    if data.reached is None:
+        variables = with_values(IDA, {"factor": factors, "reached": np.isfinite(factors), "search_step": data.step})
+        variables["factor"].attrs["comment"] = (
+            f"searched up to a factor of {search.factor_max:g} with {search.points} factors on each body, in steps of "
+            "search_step; where a limit state is reached in a narrower interval only, too high"
+        )
+    else:
+        reached = np.moveaxis(data.reached, 3, 1)
+        variables = with_values(STRIPES, {"factor": factors, "reached": reached, "weight": data.weight})
+    values = {
+        "measure_value": np.moveaxis(data.measures, 2, 1),
+        "event": data.clusters,
+        "source": data.sources,
+        **dict(zip(QUALITIES, data.qualities.T, strict=True)),
+        **data.facts,
+    }
+    coords = _coordinates(record=data.ids) | coords
+    capacities = xr.Dataset(variables | with_values(CAPACITIES, values), coords)
+    if data.reached is None:
+        capacities.attrs |= {"points": search.points, "factor_max": search.factor_max}
+    return capacities
+
+
+def _efficiency(data: Ensemble, single: Fits, pooled: Fits, coords: dict[str, xr.Variable]) -> xr.Dataset:
+    measures = list(data.config.fragility.measures)
+    values: dict[str, Any] = dict(zip(("quality_records", "quality_events"), data.told_by(), strict=True))
+    for prefix, fits, shown in (("", single, slice(None)), ("pooled_", pooled, 0)):
+        for end, table in zip(("", "_low", "_high"), _ratios(fits, measures), strict=True):
+            values[f"{prefix}beta_ratio{end}"] = table[shown]
+        values |= {f"{prefix}slope": fits.slope[shown], f"{prefix}p_value": fits.p_value[shown]}
+    beta = single.of("beta").astype(float)
+    # PGA and PGA/(g tan alpha_c) are the same for one body but for rounding: the first of equal ones.
+    best = [
+        "" if np.all(np.isnan(row)) else measures[int(np.nanargmin(np.round(row, 9)))]
+        for row in beta.reshape(-1, len(measures))
+    ]
+    values["most_efficient"] = np.reshape(best, beta.shape[:2])
+    values |= {f"pooled_{name}": pooled.of(name)[0] for name in POOLED}
+    return xr.Dataset(with_values(EFFICIENCY, values), coords | _coordinates(quality=TESTED))
+
+
+def _coordinates(**labels: Sequence[str]) -> dict[str, xr.Variable]:
+    return {name: COORDINATES[name].variable(list(values)) for name, values in labels.items()}
+
+
+def _ratios(fits: Fits, measures: Sequence[str]) -> np.ndarray:
+    """Ratio of dispersions with its limits: (3, g, s, k)."""
+    table = np.full((3, *fits.curves.shape), np.nan)
+    if REFERENCE in measures:
+        column = list(measures).index(REFERENCE)
+        for place in np.ndindex(fits.curves.shape):
+            curve: Any = fits.curves[place]
+            reference: Any = fits.curves[(*place[:2], column)]
+            if curve.status == reference.status == Status.FITTED:
+                table[(slice(None), *place)] = dispersion_ratio(curve, reference)
+    return table

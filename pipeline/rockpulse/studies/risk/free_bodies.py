@@ -1,0 +1,185 @@
+"""The fragility of free bodies over an intensity measure, from the stored overturning spectra of records.
+
+.. note:: At the level x of a measure a record of the value m acts with the factor x/m, so its effective impulse on a
+   body is S x/m, and the body overturns where that exceeds g tan(alpha)/p. Over records ln(S/m) has a mean and a
+   standard deviation, earthquakes alike: P(overturning | x) is the normal distribution of (ln x + mean - ln(g
+   tan(alpha)/p))/deviation. Beside it stands the mean of the records' own probabilities, which assumes no distribution.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+from scipy.special import ndtr
+
+from rocking.body.block import Block
+from rockpulse.earthquakes import mean_weights
+from rockpulse.errors import ConfigError, ResultsError
+from rockpulse.record.measures import PGA, STORED_LEVELS
+from rockpulse.sequences.design_spectrum import at_blocks, within
+from rockpulse.storage.variables.risk import FREE_FRAGILITY
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+
+#: Pairs of a body and a record that are worked on at once.
+AT_ONCE = 30_000
+
+
+class BodyCurves(NamedTuple):
+    """What r records say of m bodies at l levels each; logarithms of levels are those of a measure in SI units."""
+
+    at: np.ndarray  #: (m, r, l) logarithms of the levels, in equal steps that are those of all
+    probability: np.ndarray  #: (m, r, l) of overturning [-]
+    log_s: np.ndarray  #: (m, r) logarithms of the overturning spectra
+    own: np.ndarray  #: (r,) logarithms of the records' own values of the measure
+    speed: np.ndarray  #: (m,) logarithms of g tan(alpha)/p
+    floor: np.ndarray  #: (m,) logarithms of g tan(alpha), the acceleration that lifts a body
+
+    @classmethod
+    def read(cls, spectra: xr.Dataset, block: Block, own: np.ndarray) -> BodyCurves:
+        """The curves of (m,) bodies that the spectra stand for; ResultsError for gaps at their p."""
+        axes = spectra["p"].values, spectra["restitution"].values
+        log_s = at_blocks(block, *axes, np.log(spectra["spectrum"].transpose("p", "restitution", "record").values))
+        if np.any(np.isnan(log_s)):
+            raise ResultsError(
+                "results: the spectra have gaps at the p of these bodies; assess again with [uncertainty] spectrum = "
+                '"all"'
+            )
+        stored = spectra["probability"].transpose("p", "restitution", "record", "level").values
+        floor = np.log(block.gravity * np.tan(block.alpha_c))
+        speed = floor - np.log(block.p)
+        at = (speed[:, np.newaxis] - log_s + own)[:, :, np.newaxis] + np.log(spectra["level"].values)
+        return cls(at, at_blocks(block, *axes, stored), log_s, own, speed, floor)
+
+    @property
+    def spacing(self) -> float:
+        """Step of the logarithms of the levels."""
+        return float(self.at[0, 0, -1] - self.at[0, 0, 0]) / (self.at.shape[2] - 1)
+
+    def step_of(self, log_level: np.ndarray) -> np.ndarray:
+        """The step (m, r), from one stored level to the next, that a level (m or 1, r or 1) is in; the nearest one."""
+        place = ((log_level - self.at[:, :, 0]) / self.spacing).astype(int)
+        return np.clip(place, 0, self.at.shape[2] - 2)
+
+    def read_at(self, values: np.ndarray, log_level: np.ndarray) -> np.ndarray:
+        """Values (m, r, l) at the levels, read at others (m or 1, r or 1): (m, r), straight between, level beyond."""
+        step = self.step_of(log_level)
+        share = np.clip((log_level - chosen(self.at, step)) / self.spacing, 0.0, 1.0)
+        low = chosen(values, step)
+        return np.asarray(low + share * (chosen(values, step + 1) - low))
+
+    def scatter(self, weights: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Over records by their weights: ln of the level (m,) at which S is g tan(alpha)/p, the deviation of ln S."""
+        ratio = self.log_s - self.own
+        centre = ratio @ weights
+        return self.speed - centre, np.sqrt((ratio - centre[:, np.newaxis]) ** 2 @ weights)
+
+    def medians(self, weights: np.ndarray) -> np.ndarray:
+        """Logarithms (m,) of the levels at which the mean over records by their weights (r,) is 1/2."""
+        low, high = self.at[:, :, 0].min(axis=1), self.at[:, :, -1].max(axis=1)
+        for _ in range(48):
+            middle = 0.5 * (low + high)
+            reached = self.read_at(self.probability, middle[:, np.newaxis]) @ weights >= 0.5
+            low, high = np.where(reached, low, middle), np.where(reached, middle, high)
+        return np.asarray(0.5 * (low + high))
+
+
+def chosen(values: np.ndarray, place: np.ndarray) -> np.ndarray:
+    """Of values (m, r, l) those at the places (m, r) of the last axis."""
+    return np.take_along_axis(values, place[:, :, np.newaxis], axis=2)[:, :, 0]
+
+
+def spectra_of(results: xr.DataTree, measure: str) -> tuple[xr.Dataset, xr.Dataset]:
+    """The overturning spectra of results, and the summaries of their records.
+
+    ConfigError for a measure that results do not hold, ResultsError without spectra.
+    """
+    measured = [one.name for one in STORED_LEVELS]
+    if measure not in measured:
+        raise ConfigError(f"measure: expected one of {' or '.join(measured)}, which results hold, got {measure}")
+    if "spectra" not in results.children:
+        raise ResultsError("results: expected those of rockpulse assess with overturning spectra, found none")
+    spectra = results["spectra"].to_dataset()
+    return spectra, results["summary"].to_dataset().sel(record=spectra["record"].values)
+
+
+def curves_in_parts(
+    spectra: xr.Dataset, summary: xr.Dataset, block: Block, measure: str
+) -> Iterator[tuple[np.ndarray, BodyCurves]]:
+    """Numbers and curves of those of (m,) bodies that the spectra stand for, some at a time."""
+    own = np.log(summary[measure].values.astype(float))
+    covered = np.flatnonzero(within(block, spectra["p"].values, spectra["restitution"].values))
+    for places in np.array_split(covered, max(1, math.ceil(covered.size * own.size / AT_ONCE))):
+        if places.size:
+            yield places, BodyCurves.read(spectra, block.take(places), own)
+
+
+def free_body_fragility(results: xr.DataTree, block: Block, levels: Any, measure: str = PGA) -> xr.Dataset:
+    """The probability of overturning of free bodies at levels of an intensity measure.
+
+    Parameters
+    ----------
+    results : xarray.DataTree
+        Of :func:`rockpulse.assess`, with the spectra at the p of these bodies (``[uncertainty] spectrum = "all"``).
+    block : Block
+        (m,) slender free-standing bodies.
+    levels : (n,) array_like
+        Of the measure, positive [m/s2 or m/s].
+    measure : str
+        "pga" or "pgv", of one component as the records were assessed.
+
+    Returns
+    -------
+    xarray.Dataset
+        Over (body, level): `probability`, the mean of those of the records, and `lognormal`, by the `median` and
+        `dispersion` of S over (body). In PGA they are 0 below g tan(alpha). NaN for a body that the spectra do not
+        stand for.
+
+    Raises
+    ------
+    ResultsError
+        For results without spectra, or with gaps at the p of the bodies.
+    ConfigError
+        For another measure, or levels that are not positive.
+
+    Examples
+    --------
+    >>> import numpy as np, rockpulse as rp
+    >>> t = np.arange(0.0, 4.0, 0.01)
+    >>> shake = [
+    ...     rp.Record(3.0 * np.sin(2.0 * np.pi * f * t), dt=0.01, id=f"sine {f}", processed=True) for f in (0.7, 1.1)
+    ... ]
+    >>> config = rp.Config(uncertainty=rp.UncertaintySettings(spectrum="all"))
+    >>> tree = rp.assess(shake, config, blocks={"pier": rp.models.Block(width=1.0, height=5.0)})
+    >>> found = rp.free_body_fragility(tree, rp.models.Block(width=[1.0], height=[5.0]), [1.0, 3.0, 30.0])
+    >>> bool(found["probability"][0, 0] == 0.0), bool(found["probability"][0, 2] > 0.9)
+    (True, True)
+    """
+    import xarray as xr
+
+    at = np.atleast_1d(np.asarray(levels, dtype=float))
+    spectra, summary = spectra_of(results, measure)
+    if at.ndim != 1 or not np.all(np.isfinite(at) & (at > 0.0)):
+        raise ConfigError(f"levels: expected positive numbers, got {levels!r:.80}")
+    lanes = block if block.shape else block.lanes(1)
+    weights = mean_weights(summary["event"].values.astype(str)).mean(axis=0)
+    found = {
+        name: np.full((lanes.shape[0], *([at.size] if "level" in one.dims else [])), np.nan)
+        for name, one in FREE_FRAGILITY.items()
+    }
+    for places, curves in curves_in_parts(spectra, summary, lanes, measure):
+        middle, deviation = curves.scatter(weights)
+        moves = np.log(at) > curves.floor[:, np.newaxis] if measure == PGA else np.ones((places.size, at.size))
+        over = (np.log(at) - middle[:, np.newaxis]) / deviation[:, np.newaxis]
+        of_records = [curves.read_at(curves.probability, np.full((1, 1), one)) @ weights for one in np.log(at)]
+        found["lognormal"][places] = moves * ndtr(over)
+        found["probability"][places] = moves * np.stack(of_records, axis=1)
+        found["median"][places], found["dispersion"][places] = np.exp(middle), deviation
+    return xr.Dataset(
+        {name: one.variable(found[name]) for name, one in FREE_FRAGILITY.items()}, {"level": at}, {"measure": measure}
+    )

@@ -1,0 +1,203 @@
+"""One motion of a site: scaled to a target, its sequence, and what it does to the blocks."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from functools import partial
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+
+from rocking.body.block import Block
+from rocking.impulses.impulse_sequence import ImpulseSequence
+from rocking.impulses.sequence import sequence_response
+from rocking.march.recorded import recorded_response
+from rocking.response import Outcome
+from rockpulse.assessment.scene import extract
+from rockpulse.config.configuration import Config
+from rockpulse.errors import RecordRefused, TooWeak
+from rockpulse.model_row import Scene
+from rockpulse.motions.directions import Motion
+from rockpulse.record.half_wave import half_waves
+from rockpulse.record.measures import IMPULSE, MEASURES, STORED_LEVELS, RecordOnBodies
+from rockpulse.record.record import Record
+from rockpulse.remark import Remark, find
+from rockpulse.run.analysis import Part, Watch
+from rockpulse.sequences.response import calibrate_response
+from rockpulse.storage.variables.site import OF_RECORDS
+from rockpulse.storage.variables.summary import facts_of
+from rockpulse.studies.site.design import PARAMETERS
+
+#: Smaller recorded peaks do not enter a misfit: just after uplift no sequence is comparable [-].
+SMALLEST_PEAK = 0.01
+
+#: Scale factors beyond these make a motion of another kind of earthquake than the one recorded.
+USUAL_FACTORS = (0.25, 4.0)
+
+
+def measured(name: str, record: Record, config: Config) -> float:
+    """A measure of a conditioned record."""
+    return float(MEASURES[name].value(RecordOnBodies(record, partial(half_waves, record, **config.half_waves))))
+
+
+def scale_factor(record: Record, config: Config) -> float:
+    """Factor [-] that takes a conditioned record to the configured target; RecordRefused for a record of zeros.
+
+    Examples
+    --------
+    >>> from rockpulse import CalibrationSettings
+    >>> config = Config(calibration=CalibrationSettings(scale_to="pga", target=3.0))
+    >>> scale_factor(Record([0.0, 1.5, 0.0], dt=0.01, id="a"), config)
+    2.0
+    """
+    settings = config.calibration
+    if settings.scale_to == "none" or settings.target is None:
+        return 1.0
+    measure = measured(settings.scale_to, record, config)
+    if not (math.isfinite(measure) and measure > 0.0):
+        raise RecordRefused(f"{record.id}: its {settings.scale_to} is {measure:g}: it cannot be scaled to a target")
+    return settings.target / measure
+
+
+def scaled(record: Record, factor: float) -> Record:
+    """A record times a positive factor [-], with a note of it."""
+    if factor == 1.0:
+        return record
+    return replace(record, acceleration=factor * record.acceleration).with_note(f"scaled by {factor:.6g}")
+
+
+def rotation_to_cover(peaks: np.ndarray) -> np.ndarray:
+    """The rotation that a sequence has to reach to cover recorded theta_max/alpha_c (inf overturned, NaN unresolved).
+
+    NaN at rest, which every sequence covers; inf where the answer is not known, for only an overturning sequence is
+    sure to cover it.
+
+    Examples
+    --------
+    >>> rotation_to_cover(np.array([0.2, 0.0, np.nan])).tolist()
+    [0.2, nan, inf]
+    """
+    return np.where(peaks == 0.0, np.nan, np.where(np.isnan(peaks), np.inf, peaks))
+
+
+def site_record(motion: Motion, watch: Watch, blocks: Block, config: Config) -> Part:
+    """Scale a motion, calibrate its sequence, and let it act on (m,) blocks: the arrays of the scaled motion.
+
+    By the names of the file and (1,), but "value", "value_lower" and "value_upper" (1, 5), the parameters of its
+    sequence and the ends of their intervals, NaN where there is none, and "peaks" (1, m), the recorded
+    theta_max/alpha_c: inf overturned, 0 at rest, NaN unresolved.
+
+    Raises ValueError where the motion cannot be scaled or calibrated, TooWeak where it moves too few blocks.
+    """
+    with watch("solve"):
+        conditioned, factor = scaled_motion(motion, config)
+        vertical = None if motion.vertical is None else scaled(motion.vertical, factor)
+        scene = extract(conditioned, config, vertical)
+        record = scene.record
+        response = recorded_response(blocks, record.acceleration, record.dt, vertical=scene.vertical)
+        peaks = np.where(response.outcome == Outcome.UNRESOLVED, np.nan, response.peak_rotation_ratio)
+        if scene.sequence is None:
+            reason = find(record.warnings, "no_sequence")
+            raise (RecordRefused if np.any(peaks != 0.0) else TooWeak)(str(reason))
+        sequence, intervals, remarks = _calibrated(scene, scene.sequence, blocks, config)
+        misfit, unsafe = _compared(peaks, sequence, blocks)
+    ends = [intervals.get(name, (math.nan, math.nan)) for name in PARAMETERS]
+    found = {
+        **facts_of_record(record, factor, config),
+        "calibration_remarks": "\n".join(remarks),
+        "misfit": misfit,
+        "unsafe_share": unsafe,
+        "value": parameters_of(sequence),
+        "value_lower": [lower for lower, _ in ends],
+        "value_upper": [upper for _, upper in ends],
+        "peaks": peaks,
+    }
+    return {name: np.array([values]) for name, values in found.items()}
+
+
+def no_site_record(blocks: Block) -> Part:
+    """Every array of :func:`site_record` on (m,) blocks, and "event", without a row."""
+    return {
+        **no_facts(),
+        "calibration_remarks": np.zeros(0, dtype=str),
+        **dict.fromkeys(("misfit", "unsafe_share"), np.zeros(0)),
+        **dict.fromkeys(("value", "value_lower", "value_upper"), np.zeros((0, len(PARAMETERS)))),
+        "peaks": np.zeros((0, *blocks.shape)),
+    }
+
+
+def scaled_motion(motion: Motion, config: Config) -> tuple[Record, float]:
+    """The conditioned record of a motion times the factor [-] that takes it to the configured target, and that factor.
+
+    A RecordRefused where it cannot be scaled.
+    """
+    conditioned, factor, scale_to = motion.record, scale_factor(motion.record, config), config.calibration.scale_to
+    if not USUAL_FACTORS[0] <= factor <= USUAL_FACTORS[1]:
+        low, high = USUAL_FACTORS
+        conditioned = conditioned.with_warning(Remark("scaled_far", factor=factor, low=low, high=high))
+    if scale_to != "none" and MEASURES[scale_to].drifts and find(conditioned.warnings, "baseline_drift"):
+        conditioned = conditioned.with_warning(Remark("scaled_to_drift"))
+    return scaled(conditioned, factor), factor
+
+
+def facts_of_record(record: Record, factor: float, config: Config) -> dict[str, Any]:
+    """What a site file has of every record, whatever is worked out from it; the record is the scaled one."""
+    return {
+        "record": record.id,
+        "source": record.source,
+        "source_sha256": record.source_sha256,
+        "warnings": "\n".join(record.warnings),
+        "processing": "\n".join(record.processing),
+        "scale_factor": factor,
+        **{one.name: measured(one.name, record, config) for one in STORED_LEVELS},
+        "largest_impulse": measured(IMPULSE, record, config),
+        **facts_of(SimpleNamespace(record=record)),
+    }
+
+
+def no_facts() -> dict[str, np.ndarray]:
+    """Every array of :func:`facts_of_record`, and "event", without a row."""
+    facts = {name: one.values([]) for name, one in OF_RECORDS.items() if name != "weight"}
+    return {"record": np.zeros(0, dtype=str), **facts}
+
+
+def parameters_of(sequence: ImpulseSequence) -> list[float]:
+    """The parameters of a sequence; NaN where there is no limit or no meaning."""
+    return [
+        float(sequence.main),
+        float(sequence.secondary / sequence.main),
+        float(sequence.interval),
+        math.nan if sequence.main_count is None else float(sequence.main_count),
+        float(sequence.duration) if math.isfinite(sequence.duration) else math.nan,
+    ]
+
+
+def _calibrated(
+    scene: Scene, start: ImpulseSequence, blocks: Block, config: Config
+) -> tuple[ImpulseSequence, dict[str, tuple[float, float]], tuple[str, ...]]:
+    settings = config.calibration
+    if settings.method == "statistics":
+        return start, {}, ()
+    found = calibrate_response(
+        scene.record,
+        blocks if settings.family == "blocks" else None,
+        vertical=scene.vertical,
+        start=start,
+        spacing=config.sequence.spacing,
+        confidence=settings.confidence,
+        seed=config.run.seed,
+    )
+    return found.sequence, dict(found.intervals), found.remarks
+
+
+def _compared(peaks: np.ndarray, sequence: ImpulseSequence, blocks: Block) -> tuple[float, float]:
+    """Root mean square of ln(sequence/record) where both rock, and share of the lifted blocks that fall short."""
+    reached = np.asarray(sequence_response(blocks, sequence, table_rows=0).peak_rotation_ratio)
+    needed = rotation_to_cover(peaks)
+    lifted = ~np.isnan(needed) & ~np.isnan(reached)
+    both = lifted & np.isfinite(needed) & np.isfinite(reached) & (needed >= SMALLEST_PEAK) & (reached > 0.0)
+    misfit = float(np.sqrt(np.mean(np.log(reached[both] / peaks[both]) ** 2))) if np.any(both) else math.nan
+    unsafe = float(np.mean(reached[lifted] < needed[lifted])) if np.any(lifted) else math.nan
+    return misfit, unsafe

@@ -1,0 +1,231 @@
+"""The design of a site by the overturning spectra of its records: quantiles over earthquakes, sequences of bodies.
+
+.. note:: At every p and C the quantile is the smallest S with at least that share of the weight at or below it. The
+   intervals resample earthquakes. What is said of a quantile needs earthquakes beyond it: with fewer than 1/(1 -
+   quantile) of them it is the largest one seen, and no interval says how much larger the next one is.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+import xarray as xr
+
+from rocking.body.block import Block
+from rocking.body.limits import RATES
+from rocking.spectrum.half_waves import lobe_shapes
+from rocking.spectrum.overturning import OverturningSpectrum
+from rockpulse.assessment.overturning import LANES
+from rockpulse.config.configuration import Config
+from rockpulse.earthquakes import ROUNDING, bootstrap_interval, draw_earthquakes
+from rockpulse.errors import RecordRefused
+from rockpulse.motions.directions import Motion
+from rockpulse.record.half_wave import half_waves
+from rockpulse.remark import Remark, as_stored
+from rockpulse.run.analysis import Part, Watch
+from rockpulse.sequences.design_spectrum import DesignSpectrum
+from rockpulse.storage.variables import with_values
+from rockpulse.storage.variables.probability import RESTITUTIONS
+from rockpulse.storage.variables.site import OF_RECORDS, SITE, SITE_AXES, SPECTRA, SPECTRA_AXES
+from rockpulse.studies.site.records import facts_of_record, no_facts, scaled_motion
+from rockpulse.studies.site.remarks import FEWEST_EVENTS, scaled_far
+
+#: Quantiles that every file has beside that of the design, by their names.
+STATED = {"spectrum_50": 0.5, "spectrum_84": 0.84}
+
+
+def site_spectrum_record(motion: Motion, watch: Watch, config: Config) -> Part:
+    """Scale a motion and work out its overturning spectrum: arrays by the names of the file.
+
+    They are (1,), but "spectrum" (1, a, c), "record_ratio" and "record_main_count" (1, a). RecordRefused where the
+    motion cannot be scaled or is nothing but zeros.
+    """
+    with watch("solve"):
+        record, factor = scaled_motion(motion, config)
+        if record.pga == 0.0:
+            raise RecordRefused(f"{record.id}: nothing but zeros, which has no overturning spectrum")
+        waves = half_waves(record, **config.half_waves)
+        count, ratio, _ = lobe_shapes(waves.start, waves.centroid, waves.end, waves.impulse, RATES)
+        lanes = LANES[config.calibration.spectrum](record, waves=waves)
+        found = {
+            **facts_of_record(record, factor, config),
+            "spectrum": OverturningSpectrum(lanes).spectrum(RESTITUTIONS),
+            "record_ratio": ratio,
+            "record_main_count": count,
+        }
+    return {name: np.array([values]) for name, values in found.items()}
+
+
+def no_spectrum_record() -> Part:
+    """Every array of :func:`site_spectrum_record`, and "event", without a row."""
+    return {
+        **no_facts(),
+        "spectrum": np.zeros((0, RATES.size, RESTITUTIONS.size)),
+        **dict.fromkeys(("record_ratio", "record_main_count"), np.zeros((0, RATES.size))),
+    }
+
+
+def fewest_events(quantile: float) -> int:
+    """Earthquakes below which no quantile of a site is stated: one lies beyond it, and at least five.
+
+    Examples
+    --------
+    >>> fewest_events(0.5), fewest_events(0.84), fewest_events(0.95)
+    (5, 7, 20)
+    """
+    return max(FEWEST_EVENTS, math.ceil((1.0 - ROUNDING) / min(quantile, 1.0 - quantile)))
+
+
+class Quantiles(NamedTuple):
+    """A quantile of k values over records, with the ends of its interval; NaN with a single earthquake."""
+
+    value: np.ndarray  # (k,)
+    lower: np.ndarray  # (k,)
+    upper: np.ndarray  # (k,)
+
+
+@dataclass(frozen=True, eq=False)
+class QuantileSample:
+    """Weights and events of n records, and resamples of the events, of which quantiles are taken."""
+
+    weights: np.ndarray  # (n,) above zero
+    events: np.ndarray  # (n,) number of each record's event
+    draws: np.ndarray  # (b, g) how often each event is in each resample
+    confidence: float
+
+    def quantiles(self, values: np.ndarray, levels: list[float], logarithmic: bool) -> list[Quantiles]:
+        """Quantiles over the records of values (n, ...), one for each level, of the shape of the values of a record.
+
+        The interval of positive values is worked out on their logarithms where these are asked for.
+        """
+        flat = values.reshape(values.shape[0], -1)
+        found = np.empty((len(levels), 3, flat.shape[1]))
+        sizes = np.bincount(self.events, self.weights)
+        drawn = self.draws[:, self.events] * self.weights
+        for column in range(flat.shape[1]):
+            order = np.argsort(flat[:, column], kind="stable")
+            ordered = flat[order, column]
+            below, of_draws = np.cumsum(self.weights[order]), np.cumsum(drawn[:, order], axis=1)
+            for row, level in enumerate(levels):
+                share = level - ROUNDING
+                value = ordered[np.searchsorted(below, share * below[-1])]
+                # As many records lie below the quantile as there are sums below the share.
+                resampled = ordered[np.sum(of_draws < share * of_draws[:, -1:], axis=1)]
+                if logarithmic:
+                    ends = np.exp(bootstrap_interval(np.log(value), np.log(resampled), sizes, self.confidence))
+                else:
+                    ends = np.array(bootstrap_interval(float(value), resampled, sizes, self.confidence))
+                found[row, :, column] = value, *ends
+        return [Quantiles(*one) for one in found.reshape(len(levels), 3, *values.shape[1:])]
+
+
+def spectrum_design(
+    done: Mapping[str, np.ndarray],
+    weights: np.ndarray,
+    block_names: Sequence[str],
+    blocks: Block | None,
+    config: Config,
+    remarks: Sequence[str],
+) -> dict[str, xr.Dataset]:
+    """Lay out the spectra of all records, their quantiles and the design of every body: nodes of a file by their paths.
+
+    `done` is what :func:`site_spectrum_record` found of every record, and "event"; the weights are of mean one;
+    `remarks` is what is to be said already.
+    """
+    settings = config.calibration
+    names, numbers = np.unique(done["event"], return_inverse=True)
+    counted = weights > 0.0
+    events = np.unique(numbers[counted], return_inverse=True)[1]
+    count, least = int(events.max()) + 1, fewest_events(settings.quantile)
+    spectra: dict[str, Any] = {name: done[name] for name in ("spectrum", "record_ratio", "record_main_count")}
+    enough = count >= least
+    if enough:
+        draws = draw_earthquakes(count, settings.bootstrap, [config.run.seed, *b"site"])
+        sample = QuantileSample(weights[counted], events, draws, settings.confidence)
+        own = {name: values[counted] for name, values in spectra.items()}
+        spectra |= _interval_tables(sample, own, settings.quantile)
+    else:
+        few = Remark("too_few_events", count=count, least=int(least), quantile=float(settings.quantile))
+        remarks = [few, *remarks]
+        sizes = {"p": RATES.size, "restitution": RESTITUTIONS.size}
+        others = {name: one.dims for name, one in SPECTRA.items() if name not in spectra}
+        spectra |= {name: np.full([sizes[dim] for dim in dims], math.nan) for name, dims in others.items()}
+    of_bodies = _bodies(spectra, blocks, weights if enough else np.zeros(weights.size))
+    effects = zip(block_names, of_bodies["effective_impulse"].tolist(), strict=True)
+    outside = [str(name) for name, effect in effects if enough and math.isnan(effect)]
+    if outside:
+        remarks = [*remarks, Remark("outside_spectrum", names=", ".join(outside))]
+    if config.records.include_vertical:
+        remarks = [*remarks, Remark("vertical_left_out")]
+    remarks = [*remarks, *scaled_far(done["scale_factor"])]
+    site = {
+        "quantile": settings.quantile,
+        "confidence": settings.confidence,
+        "resamples": settings.bootstrap,
+        "record_count": np.count_nonzero(counted),
+        "event_count": count,
+        "remarks": "\n".join(remarks),
+        "remark_values": as_stored(remarks),
+        **{name: done[name] for name in OF_RECORDS if name != "weight"},
+        "weight": weights,
+        "event_records": np.bincount(numbers),
+        **of_bodies,
+    }
+    axes = {"record": done["record"], "block": list(block_names), "site_event": names}
+    along = {"record": done["record"], "p": RATES, "restitution": RESTITUTIONS}
+    return {
+        "/site": xr.Dataset(with_values(SITE, site), with_values(SITE_AXES, axes), {"spectrum": settings.spectrum}),
+        "/spectra": xr.Dataset(with_values(SPECTRA, spectra), with_values(SPECTRA_AXES, along)),
+    }
+
+
+def _interval_tables(
+    sample: QuantileSample, of_records: Mapping[str, np.ndarray], quantile: float
+) -> dict[str, np.ndarray]:
+    """The quantiles of /spectra with both ends of their intervals, by name."""
+    levels = {**STATED, "spectrum_design": quantile}
+    of_levels = sample.quantiles(of_records["spectrum"], list(levels.values()), logarithmic=True)
+    found = dict(zip(levels, of_levels, strict=True))
+    (ratio,) = sample.quantiles(of_records["record_ratio"], [0.5], logarithmic=False)
+    (count,) = sample.quantiles(of_records["record_main_count"].astype(float), [0.5], logarithmic=False)
+    found["ratio"] = Quantiles(ratio.value, np.clip(ratio.lower, 0.0, 1.0), np.clip(ratio.upper, 0.0, 1.0))
+    found["main_count"] = Quantiles(count.value, np.maximum(np.floor(count.lower), 1.0), np.ceil(count.upper))
+    ends = ("", "_lower", "_upper")
+    return {f"{name}{end}": table for name, one in found.items() for end, table in zip(ends, one, strict=True)}
+
+
+def _bodies(spectra: Mapping[str, np.ndarray], blocks: Block | None, weights: np.ndarray) -> dict[str, np.ndarray]:
+    """The design of each body (m,) and its interval, NaN for a body outside the spectrum or without any weight."""
+    names = [name for name, one in SITE.items() if one.dims == ("block",)]
+    if blocks is None:
+        return {name: np.empty(0) for name in names}
+    found = {name: np.full(blocks.shape, math.nan) for name in names}
+    for name in ("alpha_c", "p", "restitution", "critical_impulse"):
+        found[name] = np.array(np.broadcast_to(getattr(blocks, name), blocks.shape))
+    if not np.any(weights > 0.0):
+        return found
+
+    def design(spectrum: np.ndarray) -> DesignSpectrum:
+        return DesignSpectrum(RATES, RESTITUTIONS, spectrum, spectra["ratio"], spectra["main_count"].astype(int))
+
+    middle = design(spectra["spectrum_design"])
+    inside = np.flatnonzero(middle.covers(blocks))
+    if not inside.size:
+        return found
+    covered = Block.stack([blocks.lane(int(place)) for place in inside])
+    for end, opposite in (("", ""), ("_lower", "_upper"), ("_upper", "_lower")):
+        if np.all(np.isfinite(spectra[f"spectrum_design{end}"])):
+            one = design(spectra[f"spectrum_design{end}"])
+            found[f"effective_impulse{end}"][inside] = one.effective_impulse(covered)
+            found[f"design_factor{opposite}"][inside] = one.factor(covered)
+            found[f"main{end}"][inside] = one.sequence(covered).main
+        for name in ("ratio", "main_count"):
+            found[f"{name}{end}"][inside] = spectra[f"{name}{end}"][middle.nearest(covered)]
+    speed = covered.gravity * np.tan(covered.alpha_c) / covered.p
+    own = np.array([design(one).effective_impulse(covered) for one in spectra["spectrum"]])
+    found["overturned_share"][inside] = weights @ (own >= speed) / np.sum(weights)
+    return found

@@ -1,0 +1,304 @@
+"""Hard cases of the rocking models, by name: each right by closed form or by 42 digits, or UNRESOLVED with its reason.
+
+The ground at the threshold and crossings inside a sample are in ``test_hard_crossings.py``; ``hard_case.py`` says how
+near is right.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from hard_case import ACCURACY, answer, assert_right, exact, sines
+from recorded_cases import EQUATIONS, G, block_of, shaking
+
+from rocking import (
+    Block,
+    ImpulseSequence,
+    Outcome,
+    Reason,
+    impulsive_response,
+    recorded_response,
+    resonance,
+    sequence_response,
+)
+from rocking.impulses.half_cycle import CRITICAL_TOLERANCE
+from rocking.impulses.main import critical_impulse_at
+from rocking.march.event import SLOW_IMPACTS
+
+ROUNDING = 1e-12
+NEAR = 1e-12  # how near to critical
+
+
+@pytest.fixture
+def wall():
+    """Block A of the validation cases with C = 0.9."""
+    return Block(half_width=0.5, half_height=math.sqrt(3.75), restitution=0.9, gravity=G)
+
+
+@pytest.mark.parametrize("half_cycle", [1, 2, 5])
+def test_resonance_within_1e_12_of_critical(wall, half_cycle):
+    """V6's formula at its jump: the sequence of just so many impulses overturns above, and rocks below."""
+    critical = critical_impulse_at(wall, half_cycle)
+    below = resonance(wall, critical * (1.0 - NEAR), half_cycle)
+    above = resonance(wall, critical * (1.0 + NEAR), half_cycle)
+    assert below.outcome == Outcome.ROCKS
+    assert below.peak_rotation_ratio == pytest.approx(1.0 - math.sqrt(2.0 * NEAR), abs=1e-9)
+    assert (above.outcome, above.overturning_half_cycle) == (Outcome.OVERTURNS, half_cycle)
+
+
+def test_resonance_at_exactly_critical_overturns(wall):
+    assert resonance(wall, wall.critical_impulse, 1).outcome == Outcome.OVERTURNS
+
+
+def test_resonance_within_1e_12_of_the_limit_that_never_overturns(wall):
+    """u_1 = 1 - C is the limit; above it u_i = (1 + 1e-12)(1 - C^i) passes 1 late, and 1 is known to a tolerance."""
+    limit = (1.0 - wall.restitution) * wall.critical_impulse
+    below = resonance(wall, limit * (1.0 - NEAR), 100_000)
+    above = resonance(wall, limit * (1.0 + NEAR), 100_000)
+    assert below.outcome == Outcome.ROCKS
+    assert above.outcome == Outcome.OVERTURNS
+    first = math.ceil(math.log(NEAR + CRITICAL_TOLERANCE) / math.log(wall.restitution))
+    last = math.ceil(math.log(NEAR) / math.log(wall.restitution))
+    assert first <= above.overturning_half_cycle <= last == 263
+
+
+@pytest.mark.parametrize("sigma", [0.0, 0.3, 0.6])
+def test_sequence_within_1e_12_of_the_limit_that_never_overturns(wall, sigma):
+    """F4: stabilises iff v* = u* - sigma u_1/2 <= 1, u* = u_1 (1 - C sigma)/(1 - C)."""
+    limit = wall.critical_impulse / ((1.0 - 0.9 * sigma) / (1.0 - 0.9) - 0.5 * sigma)
+    for share, outcome in ((1.0 - NEAR, Outcome.ROCKS), (1.0 + NEAR, Outcome.OVERTURNS)):
+        main = limit * share
+        sequence = ImpulseSequence(main, sigma * main, math.nan, math.inf, spacing="continuous")
+        assert sequence_response(wall, sequence).outcome == outcome
+
+
+def test_single_impulse_within_1e_12_of_critical(wall):
+    below = impulsive_response(wall, [0.0], [wall.critical_impulse * (1.0 - NEAR)])
+    above = impulsive_response(wall, [0.0], [wall.critical_impulse * (1.0 + NEAR)])
+    assert below.outcome == Outcome.ROCKS
+    assert below.peak_rotation_ratio == pytest.approx(1.0 - math.sqrt(2.0 * NEAR), abs=1e-9)
+    assert above.outcome == Outcome.OVERTURNS
+
+
+def test_double_impulse_within_1e_12_of_critical(wall):
+    """I_2c = I_1c/(1 + C), the second impulse right after the first impact (V3)."""
+    critical = critical_impulse_at(wall, 2)
+    returns = 2.0 * math.atanh(critical / wall.critical_impulse) / wall.p
+    for share, outcome in ((1.0 - NEAR, Outcome.ROCKS), (1.0 + NEAR, Outcome.OVERTURNS)):
+        assert impulsive_response(wall, [0.0, returns], np.array([1, -1]) * critical * share).outcome == outcome
+
+
+@pytest.mark.parametrize("pt", [0.5, 1.0, 2.0, 3.0])
+def test_rectangular_pulse_within_1e_12_of_critical(wall, pt):
+    """F6, V13: A/(g alpha) = 1/(1 - exp(-p t_1)); a constant record ends with the jump of the pulse."""
+    samples = 40
+    critical = G * wall.alpha_c / -math.expm1(-pt)
+    for share, outcome in ((1.0 - NEAR, "ROCKS"), (1.0 + NEAR, "OVERTURNS")):
+        pulse = np.full(samples + 1, critical * share)
+        assert exact(wall, pulse, pt / wall.p / samples, "linear").outcome == outcome
+        assert Outcome(answer(wall, pulse, pt / wall.p / samples, equation="linear").outcome).name == outcome
+
+
+@pytest.mark.parametrize(("equation", "critical"), [("linear", 1.0), ("nonlinear", math.nan)])
+def test_initial_velocity_within_1e_12_of_critical(wall, equation, critical):
+    """theta' = p alpha takes the linear block to its top, 2 p sin(alpha/2) the nonlinear one."""
+    if equation == "nonlinear":
+        critical = 2.0 * math.sin(0.5 * wall.alpha_c) / wall.alpha_c
+    for share, outcome in ((1.0 - NEAR, "ROCKS"), (1.0 + NEAR, "OVERTURNS")):
+        velocity = critical * wall.p * wall.alpha_c * share
+        quiet = np.zeros(20)
+        assert exact(wall, quiet, 0.01, equation, initial_velocity=velocity).outcome == outcome
+        fast = answer(wall, quiet, 0.01, equation=equation, initial_velocity=velocity)
+        assert Outcome(fast.outcome).name == outcome
+
+
+@pytest.mark.parametrize("restitution", [0.0, 1e-3, 0.9999, 1.0])
+@pytest.mark.parametrize("motion", [(2.2, 2.0, 6.0), (2.6, 1.5, 4.0)], ids=["weak", "strong"])
+@pytest.mark.parametrize("equation", EQUATIONS)
+def test_extreme_restitution(equation, motion, restitution):
+    amplitude, frequency, cycles = motion
+    block = block_of(2.0, 5.0, restitution)
+    response = assert_right(block, sines(amplitude, frequency, cycles, 0.02, rest=0.1), 0.02, equation)
+    assert response.outcome == Outcome.ROCKS
+
+
+@pytest.mark.parametrize("equation", EQUATIONS)
+def test_without_loss_the_peak_stays_over_a_hundred_half_cycles(equation):
+    block = block_of(2.0, 5.0, 1.0)
+    start = 0.4
+    response = answer(block, np.zeros(12_000), 0.01, equation=equation, initial_rotation=start * block.alpha_c)
+    assert response.outcome == Outcome.ROCKS
+    assert response.impacts == -1
+    assert response.peak_rotation_ratio == pytest.approx(start, abs=ACCURACY[equation])
+
+
+@pytest.mark.parametrize("equation", EQUATIONS)
+def test_hops_that_never_end_are_unresolved_and_say_so(equation):
+    """C = 1 and hops of 1e-9 s: millions in one sample."""
+    block = block_of(2.0, 5.0, 1.0)
+    response = answer(block, np.zeros(50), 0.01, equation=equation, initial_velocity=1e-9 * block.p * block.alpha_c)
+    assert (response.outcome, response.reason) == (Outcome.UNRESOLVED, Reason.IMPACT_LIMIT)
+
+
+@pytest.mark.parametrize("equation", EQUATIONS)
+def test_slow_hops_of_a_lane_are_bounded_however_long_the_record(equation):
+    """C = 1, hops of 2e-5/p: 1000 in every sample, which no bound for one sample sees, and 1e8 in this record."""
+    speed = 1e-5  # over p alpha
+    block, lossy = block_of(2.0, 5.0, 1.0), block_of(2.0, 5.0, 0.999)
+    silence, dt = np.zeros(100_000), 0.01
+    start = speed * block.p * block.alpha_c
+    response = recorded_response(block, silence, dt, equation, initial_velocity=start)
+    per_sample = block.p * dt / (2.0 * speed)
+    assert (response.outcome, response.reason) == (Outcome.UNRESOLVED, Reason.IMPACT_LIMIT)
+    assert response.active_samples == pytest.approx(SLOW_IMPACTS / per_sample, rel=0.02)
+    short = silence[: int(0.25 * SLOW_IMPACTS / per_sample)]
+    followed = recorded_response(block, short, dt, equation, initial_velocity=start)
+    assert (followed.outcome, followed.impacts) == (Outcome.ROCKS, 0)
+    resting = recorded_response(lossy, silence, dt, equation, initial_velocity=start)
+    assert (resting.outcome, resting.active_samples) == (Outcome.ROCKS, 1)
+
+
+@pytest.mark.parametrize("equation", EQUATIONS)
+def test_slow_hops_in_a_weak_motion_are_bounded_too(equation):
+    """One sample 1 % above uplift in 500 s of half of it: hops too slow to be counted go on through all the rest."""
+    block, lossy = block_of(2.0, 5.0, 1.0), block_of(2.0, 5.0, 0.999)
+    dt = 0.01
+    uplift = block.gravity * (block.alpha_c if equation == "linear" else math.tan(block.alpha_c))
+    weak = 0.5 * uplift * np.sin(2.0 * math.pi * 1.3 * dt * np.arange(50_000))
+    weak[100] = 1.01 * uplift
+    response = recorded_response(block, weak, dt, equation)
+    assert (response.outcome, response.reason) == (Outcome.UNRESOLVED, Reason.IMPACT_LIMIT)
+    assert response.active_samples < 0.2 * weak.size
+    resting = recorded_response(lossy, weak, dt, equation)
+    assert (resting.outcome, resting.impacts) == (Outcome.ROCKS, 0)
+    assert resting.active_samples < 20
+
+
+@pytest.mark.parametrize("restitution", [0.3, 0.6, 0.9])
+@pytest.mark.parametrize("equation", EQUATIONS)
+def test_chatter_to_rest_and_uplift_again(equation, restitution):
+    """The second pulse finds the block at rest, so that its motion does not depend on the first one."""
+    block = block_of(1.0, 5.0, restitution)
+    first, second = sines(2.5, 2.0, 0.5, 0.01, rest=3.0), sines(-3.2, 1.5, 0.5, 0.01)
+    alone = assert_right(block, second, 0.01, equation)
+    both = answer(block, np.concatenate((first, second)), 0.01, equation=equation)
+    assert both.peak_rotation_ratio == alone.peak_rotation_ratio
+    assert both.impacts > alone.impacts
+
+
+@pytest.mark.parametrize("restitution", [0.3, 0.7])
+@pytest.mark.parametrize("equation", EQUATIONS)
+def test_chatter_to_rest_and_uplift_again_inside_one_sample(equation, restitution):
+    block = block_of(1.0, 5.0, restitution)
+    ground = np.array([-0.1, 1.6, 1.2, -1.4, -0.2, 0.0]) * G / block.slenderness
+    assert_right(block, ground, 0.1, equation, initial_velocity=2e-3 * block.p * block.alpha_c)
+
+
+@pytest.mark.parametrize("factor", [1.5, 4.0])
+@pytest.mark.parametrize("equation", EQUATIONS)
+def test_block_of_5_cm_on_a_record_of_50_hz(equation, factor):
+    """p dt = 0.34: the sample is divided."""
+    block = Block(half_width=0.00625, half_height=0.025)
+    assert block.p * 0.02 > 0.3
+    assert_right(block, shaking(3, 100, 0.02) * factor * block.gravity / 4.0, 0.02, equation)
+
+
+@pytest.mark.parametrize("equation", EQUATIONS)
+def test_block_of_5_cm_under_a_motion_of_50_hz(equation):
+    block = Block(half_width=0.00625, half_height=0.025)
+    assert_right(block, sines(8.0, 50.0, 10.0, 0.001, rest=0.05), 0.001, equation)
+
+
+@pytest.mark.parametrize("equation", EQUATIONS)
+def test_block_of_100_m(equation):
+    block = Block(half_width=10.0, half_height=50.0)
+    assert_right(block, sines(3.0, 0.5, 1.0, 0.01), 0.01, equation)
+
+
+@pytest.mark.parametrize("slenderness", [1.0, 3.0, 100.0])
+@pytest.mark.parametrize("equation", EQUATIONS)
+def test_slenderness_from_a_cube_to_a_needle(equation, slenderness):
+    block = block_of(2.0, slenderness)
+    assert_right(block, sines(1.6 * G * block.alpha_c, 1.5, 1.0, 0.01), 0.01, equation)
+
+
+def spike(size):
+    ground = np.zeros(120)
+    ground[10] = size
+    return ground
+
+
+SHAPES = {
+    "spike": spike(40.0),
+    "spike-of-50-g": spike(490.0),
+    "step-up": np.concatenate((np.zeros(5), np.full(25, 3.0), np.zeros(60))),
+    "step-from-the-start": np.concatenate((np.full(20, -3.0), np.zeros(60))),
+    "steps-from-side-to-side": np.concatenate((np.full(15, 4.0), np.full(25, -4.0), np.full(20, 2.5), np.zeros(40))),
+    "sawtooth-at-nyquist": np.concatenate((np.tile([9.0, -9.0], 30), np.zeros(20))),
+    "ends-at-its-peak": 4.0 * np.linspace(0.0, 1.0, 40),
+}
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+@pytest.mark.parametrize("equation", EQUATIONS)
+def test_spikes_and_steps(equation, shape):
+    assert_right(block_of(2.0, 5.0, 0.7), SHAPES[shape], 0.01, equation)
+
+
+@pytest.mark.parametrize("equation", EQUATIONS)
+def test_quiet_record_of_a_million_samples(equation):
+    """Below the threshold nothing moves; a burst in its midst acts as it does alone."""
+    block = block_of(2.0, 5.0, 0.9)
+    quiet = 0.5 * G / 5.0 * np.sin(0.37 * np.arange(1_000_000))
+    assert answer(block, quiet, 0.01, equation=equation).outcome == Outcome.AT_REST
+    burst = sines(2.6, 1.0, 3.0, 0.01, rest=6.0)
+    alone = answer(block, burst, 0.01, equation=equation)
+    assert alone.outcome == Outcome.ROCKS
+    quiet[:] = 0.0
+    quiet[612_345 : 612_345 + burst.size] = burst
+    within = answer(block, quiet, 0.01, equation=equation)
+    assert (within.outcome, within.impacts) == (alone.outcome, alone.impacts)
+    assert within.peak_rotation_ratio == pytest.approx(alone.peak_rotation_ratio, rel=ROUNDING)
+
+
+@pytest.mark.parametrize("equation", EQUATIONS)
+def test_record_of_zeros_leaves_the_block_at_rest(equation):
+    response = answer(block_of(2.0, 5.0), np.zeros(2000), 0.01, equation=equation)
+    assert (response.outcome, response.peak_rotation_ratio, response.impacts) == (Outcome.AT_REST, 0.0, 0)
+
+
+def test_record_of_one_interval_is_a_rectangular_pulse(wall):
+    """F6 with t_1 = dt, on both sides of its limit."""
+    critical = G * wall.alpha_c / -math.expm1(-wall.p * 0.01)
+    for share, outcome in ((1.0 - 1e-9, Outcome.ROCKS), (1.0 + 1e-9, Outcome.OVERTURNS)):
+        assert answer(wall, [critical * share] * 2, 0.01, equation="linear").outcome == outcome
+
+
+@pytest.mark.parametrize("spacing", ["end", "middle", "start", "open"])
+def test_trial_interval_of_a_long_wait_gives_two_impulses_a_half_cycle(wall, spacing):
+    main = 0.3 * wall.critical_impulse
+    trial = ImpulseSequence(main, 0.3 * main, 1500.0 / wall.p, 1e5, spacing=spacing)
+    given = ImpulseSequence(main, 0.3 * main, math.nan, 1e5, spacing=spacing, intermediate_count=2)
+    response, two = sequence_response(wall, trial), sequence_response(wall, given)
+    assert (response.outcome, response.overturning_half_cycle) == (two.outcome, two.overturning_half_cycle)
+    assert response.peak_rotation_ratio == two.peak_rotation_ratio
+
+
+@pytest.mark.parametrize("equation", EQUATIONS)
+def test_record_of_p_t_1000_with_the_motion_at_both_ends(equation):
+    """From near the top, to rest, and up again after 1000/p: the later pulse acts as it does alone."""
+    block = block_of(0.5, 5.0, 0.8)
+    count = round(1000.0 / block.p / 0.02)
+    burst = sines(2.6, 3.0, 1.0, 0.02)
+    ground = np.concatenate((np.zeros(count), burst))
+    start = {"initial_rotation": (1.0 - 1e-9) * block.alpha_c}
+    response = answer(block, ground, 0.02, equation=equation, **start)
+    assert response.outcome == Outcome.ROCKS
+    assert response.peak_rotation_ratio == pytest.approx(1.0 - 1e-9, abs=ROUNDING)
+    later = answer(block, np.concatenate((np.zeros(count), burst)), 0.02, equation=equation)
+    alone = answer(block, burst, 0.02, equation=equation)
+    assert later.peak_rotation_ratio == pytest.approx(alone.peak_rotation_ratio, rel=ROUNDING)
+    over = {"initial_rotation": (1.0 + 1e-9) * block.alpha_c}
+    assert answer(block, ground[:count], 0.02, equation=equation, **over).outcome == Outcome.OVERTURNS

@@ -1,0 +1,144 @@
+"""Lanes over threads: every lane once, whatever the number of threads."""
+
+import threading
+from concurrent.futures import ThreadPoolExecutor as Pool
+
+import numpy as np
+import pytest
+from recorded_cases import synthetic
+
+from rocking import Block, recorded_response
+from rocking.lanes import available_cores, split_lanes, thread_limit
+
+
+@pytest.mark.parametrize("threads", [None, 1, 2, 5])
+@pytest.mark.parametrize("lanes", [0, 1, 7, 128, 1001])
+def test_every_lane_is_answered_once(threads, lanes):
+    times = np.zeros(lanes, dtype=int)
+
+    def call(first, last):
+        times[first:last] += 1
+
+    split_lanes(call, lanes, threads, smallest=8)
+    assert np.all(times == 1)
+
+
+def test_work_runs_in_other_threads_and_their_errors_come_back():
+    names = set()
+
+    def call(first, last):
+        names.add(threading.current_thread().name)
+        if first > 0:
+            raise ZeroDivisionError("lane")
+
+    with pytest.raises(ZeroDivisionError):
+        split_lanes(call, 1000, 2)
+    assert threading.main_thread().name not in names
+
+
+@pytest.mark.parametrize("threads", [0, -1, 1.5, True])
+def test_number_of_threads_is_a_whole_number_of_at_least_one(threads):
+    with pytest.raises(ValueError, match="threads"):
+        split_lanes(lambda first, last: None, 10, threads)
+    assert available_cores() >= 1
+
+
+def threads_used(threads, monkeypatch):
+    """How many threads one call asks for on a machine of six cores."""
+    monkeypatch.setattr("rocking.lanes.available_cores", lambda: 6)
+    asked = []
+    monkeypatch.setattr("rocking.lanes.ThreadPoolExecutor", lambda n: asked.append(n) or Pool(n))
+    split_lanes(lambda first, last: None, 1000, threads)
+    return asked[0] if asked else 1
+
+
+def test_without_a_number_there_are_at_most_as_many_threads_as_the_limit(monkeypatch):
+    assert threads_used(None, monkeypatch) == 6
+    with thread_limit(3):
+        assert threads_used(None, monkeypatch) == 3
+        assert threads_used(5, monkeypatch) == 5  # who asks for a number gets it
+        with thread_limit(1):
+            assert threads_used(None, monkeypatch) == 1
+        with thread_limit(4):
+            assert threads_used(None, monkeypatch) == 3
+    with thread_limit(50):
+        assert threads_used(None, monkeypatch) == 6
+
+
+def test_limits_end_with_their_own_block_in_any_order_and_after_an_error(monkeypatch):
+    first, second = thread_limit(1), thread_limit(2)
+    first.__enter__()
+    second.__enter__()
+    first.__exit__(None, None, None)
+    assert threads_used(None, monkeypatch) == 2
+    second.__exit__(None, None, None)
+    assert threads_used(None, monkeypatch) == 6
+    with pytest.raises(ZeroDivisionError), thread_limit(1):
+        raise ZeroDivisionError("inside")
+    assert threads_used(None, monkeypatch) == 6
+
+
+def test_the_limit_holds_in_every_thread_of_the_process(monkeypatch):
+    with thread_limit(2), Pool(1) as pool:
+        assert pool.submit(threads_used, None, monkeypatch).result() == 2
+
+
+@pytest.mark.parametrize("threads", [0, -1, 1.5, True, None])
+def test_a_limit_is_a_whole_number_of_at_least_one(threads, monkeypatch):
+    with pytest.raises(ValueError, match="threads"), thread_limit(threads):
+        pass
+    assert threads_used(None, monkeypatch) == 6
+
+
+@pytest.mark.parametrize("equation", ["linear", "nonlinear"])
+def test_answers_do_not_depend_on_threads_or_neighbours(equation):
+    rng = np.random.default_rng(8)
+    lanes = 400
+    block = Block.from_parameters(p=rng.uniform(1, 8, lanes), alpha=rng.uniform(0.05, 0.3, lanes), restitution=0.9)
+    motion = synthetic(seed=5)
+    one = recorded_response(block, motion, 0.01, equation, threads=1)
+    for threads in (2, 3, 7):
+        more = recorded_response(block, motion, 0.01, equation, threads=threads)
+        for name in ("peak_rotation_ratio", "outcome", "overturning_time", "impacts", "active_samples"):
+            assert np.array_equal(getattr(one, name), getattr(more, name), equal_nan=True), name
+    for lane in range(0, lanes, 40):
+        alone = recorded_response(block.lane(lane), motion, 0.01, equation)
+        assert alone.peak_rotation_ratio == one.peak_rotation_ratio[lane]
+
+
+@pytest.mark.parametrize(
+    ("lanes", "threads", "smallest", "slices"),
+    [
+        (1000, 2, 8, 16),  # eight slices for each thread
+        (1003, 3, 8, 24),
+        (60, 2, 20, 3),  # of no fewer lanes than the smallest slice
+        (59, 2, 20, 2),
+        (40, 2, 20, 2),
+        (39, 2, 20, 1),
+        (1000, 1, 8, 1),
+    ],
+)
+def test_slices_are_alike_and_no_smaller_than_told(lanes, threads, smallest, slices):
+    found = []
+    split_lanes(lambda first, last: found.append((first, last)), lanes, threads, smallest)
+    assert sorted(found) == [(lanes * k // slices, lanes * (k + 1) // slices) for k in range(slices)]
+
+
+@pytest.mark.parametrize(("told", "expected"), [(6, 6), (None, 1)])
+def test_without_an_affinity_all_cores_are_available(told, expected, monkeypatch):
+    monkeypatch.delattr("os.sched_getaffinity", raising=False)
+    monkeypatch.setattr("os.cpu_count", lambda: told)
+    assert available_cores() == expected
+
+
+def test_the_cores_of_this_process_are_available(monkeypatch):
+    monkeypatch.setattr("os.sched_getaffinity", lambda process: {0, 3, 5} if process == 0 else {0}, raising=False)
+    assert available_cores() == 3
+
+
+def test_fewer_lanes_than_two_slices_run_in_the_calling_thread():
+    names = []
+    for lanes in (39, 40):
+        split_lanes(lambda first, last: names.append(threading.current_thread().name), lanes, 4, smallest=20)
+    assert names[0] == threading.current_thread().name
+    assert threading.current_thread().name not in names[1:]

@@ -1,0 +1,406 @@
+"""miniSEED with StationXML beside it: files synthesised with obspy, and real ones; what obspy says of either format."""
+
+from __future__ import annotations
+
+import os
+import re
+import threading
+import warnings
+from datetime import UTC, datetime
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from record_writers import pulse
+
+from rockpulse.errors import RecordFormatError, RecordRefused, UnitError
+from rockpulse.readers import read
+from rockpulse.readers.formats.miniseed import _held_rate, is_miniseed
+from rockpulse.readers.kit.obspy_bridge import PROCESSED, _standard_error, obspy_notes, told_otherwise
+from rockpulse.readers.source import NotAcceleration
+from rockpulse.record.record import STANDARD_GRAVITY
+
+COUNTS = np.round(pulse(1000, peak=500_000.0)).astype(np.int32)
+START = "2020-01-02T03:04:05.5"
+
+
+def trace(channel="HNE", counts=COUNTS, start=START):
+    import obspy
+
+    header = {"network": "XX", "station": "ABC", "location": "00", "channel": channel, "sampling_rate": 100.0}
+    return obspy.Trace(counts, {**header, "starttime": obspy.UTCDateTime(start)})
+
+
+def write_miniseed(folder, *traces, name="record.mseed"):
+    import obspy
+
+    path = folder / name
+    obspy.Stream(list(traces)).write(str(path), format="MSEED")
+    return path
+
+
+def write_station_xml(folder, *epochs, name="XX.ABC.xml"):
+    """Each epoch is (channel, sensitivity, unit, azimuth, dip, first and last day)."""
+    import obspy
+    from obspy.core.inventory import Channel, Inventory, Network, Site, Station
+    from obspy.core.inventory.response import InstrumentSensitivity, Response
+
+    channels = [
+        Channel(
+            code=code,
+            location_code="00",
+            latitude=0.0,
+            longitude=0.0,
+            elevation=0.0,
+            depth=0.0,
+            azimuth=azimuth,
+            dip=dip,
+            start_date=obspy.UTCDateTime(first),
+            end_date=obspy.UTCDateTime(last),
+            response=None
+            if value is None
+            else Response(
+                instrument_sensitivity=InstrumentSensitivity(
+                    value=value, frequency=1.0, input_units=unit, output_units="COUNTS"
+                )
+            ),
+        )
+        for code, value, unit, azimuth, dip, first, last in epochs
+    ]
+    site = Site(name=" Town Hall ")
+    station = Station(code="ABC", latitude=0.0, longitude=0.0, elevation=0.0, channels=channels, site=site)
+    inventory = Inventory(networks=[Network(code="XX", stations=[station])], source="test")
+    inventory.write(str(folder / name), format="STATIONXML")
+
+
+def epoch(code="HNE", value=2.0e5, unit="M/S**2", azimuth=90.0, dip=0.0, first="2019-01-01", last="2030-01-01"):
+    return (code, value, unit, azimuth, dip, first, last)
+
+
+@pytest.mark.parametrize(
+    ("head", "known"),
+    [
+        (b"000001D " + 40 * b"x", True),
+        (b"000001D " + 39 * b"x", False),
+        (b" 0\x00123M\x00" + 40 * b"x", True),
+        (b"00000XD " + 40 * b"x", False),
+        (b"X00001D " + 40 * b"x", False),
+        (b"000001X " + 40 * b"x", False),
+        (b"000001Dx" + 40 * b"x", False),
+    ],
+)
+def test_a_data_record_is_known_by_its_first_letters(head, known):
+    assert is_miniseed(head, "x") is known
+
+
+@pytest.mark.parametrize(
+    ("told", "noted"), [(None, False), (1001.0, False), (1002.0, True), (999.0, False), (998.0, True)]
+)
+def test_the_rate_of_the_station_xml_may_be_off_by_a_thousandth(told, noted):
+    note = f"the StationXML states {told} samples per s, the data 1000; the interval is that of the data"
+    found = _held_rate(1000.0, SimpleNamespace(sample_rate=told))
+    assert found == ([note.replace(".0 ", " ")] if noted else [])
+
+
+def test_counts_are_divided_by_the_sensitivity(tmp_path):
+    write_station_xml(tmp_path, epoch())
+    (record,) = read(write_miniseed(tmp_path, trace()))
+    assert record.acceleration == pytest.approx(COUNTS / 2.0e5, rel=1e-12)
+    assert (record.dt, record.source_unit, record.unit_factor) == (0.01, "counts", 1.0 / 2.0e5)
+    assert record.id == "XX.ABC.00.HNE@20200102T030405"
+    assert record.station_name == "Town Hall"
+    assert record.start_time == datetime(2020, 1, 2, 3, 4, 5, 500000, tzinfo=UTC)
+    assert (record.orientation, record.azimuth, record.processed) == ("horizontal", 90.0, False)
+
+
+def test_the_depth_of_the_sensor_is_that_of_the_station_xml(tmp_path):
+    write_station_xml(tmp_path, epoch())
+    path = write_miniseed(tmp_path, trace())
+    assert read(path)[0].sensor_depth == 0.0
+    metadata = tmp_path / "XX.ABC.xml"
+    metadata.write_text(re.sub(r"(<Depth[^>]*>)0\.0<", r"\g<1>120.0<", metadata.read_text()))
+    (record,) = read(path)
+    assert record.sensor_depth == 120.0
+    assert record.warnings == ("the sensor lies 120 m below the ground: motion at depth, not at the ground surface",)
+
+
+def test_the_epoch_of_the_record_counts(tmp_path):
+    write_station_xml(tmp_path, epoch(value=1.0, last="2019-12-31"), epoch(value=4.0e5, first="2019-12-31"))
+    (record,) = read(write_miniseed(tmp_path, trace()))
+    assert record.unit_factor == 1.0 / 4.0e5
+
+
+@pytest.mark.parametrize(("dip", "sign"), [(-90.0, 1.0), (90.0, -1.0)])
+def test_vertical_motion_is_positive_up(tmp_path, dip, sign):
+    write_station_xml(tmp_path, epoch("HNZ", azimuth=0.0, dip=dip))
+    (record,) = read(write_miniseed(tmp_path, trace("HNZ")))
+    assert record.orientation == "vertical"
+    assert record.acceleration == pytest.approx(sign * COUNTS / 2.0e5, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("epochs", "error", "message"),
+    [
+        ([], RecordRefused, "no StationXML file of the station"),
+        ([epoch("HNN")], RecordRefused, "is in counts and no sensitivity"),
+        ([epoch(value=None)], RecordRefused, "is in counts and no sensitivity"),
+        ([epoch(last="2019-06-01")], RecordRefused, "is in counts and no sensitivity"),
+        ([epoch(last=START[:-1] + "9")], RecordRefused, "is in counts and no sensitivity"),
+        ([epoch(), epoch(value=3.0)], RecordRefused, "2 different sensitivities"),
+        ([epoch(unit="M/S")], NotAcceleration, "records M/S, expected an acceleration"),
+        ([epoch(unit="PA")], NotAcceleration, "records PA, expected ground motion"),
+        ([epoch(unit="V")], RecordRefused, "unknown input unit 'V'"),
+    ],
+)
+def test_counts_without_a_clear_gain_of_acceleration_are_refused(tmp_path, epochs, error, message):
+    if epochs:
+        write_station_xml(tmp_path, *epochs)
+    with pytest.raises(error, match=message):
+        read(write_miniseed(tmp_path, trace()))
+
+
+def write_stages(folder, poles, name="XX.ABC.xml"):
+    """A StationXML whose only stage is an accelerometer of 2e5 counts per m/s2 at 1 Hz."""
+    import obspy
+    from obspy.core.inventory.response import Response
+
+    write_station_xml(folder, epoch(), name=name)
+    inventory = obspy.read_inventory(str(folder / name))
+    response = Response.from_paz(
+        [], poles, 2.0e5, 1.0, input_units="M/S**2", output_units="COUNTS", normalization_frequency=1.0
+    )
+    response.response_stages[0].normalization_factor = float(np.abs(np.prod([2j * np.pi - pole for pole in poles])))
+    response.instrument_sensitivity.value = 2.0e5
+    inventory[0][0][0].response = response
+    inventory.write(str(folder / name), format="STATIONXML")
+
+
+def test_the_response_is_removed_where_asked_for(tmp_path):
+    write_stages(tmp_path, [-300.0 + 300.0j, -300.0 - 300.0j])
+    path = write_miniseed(tmp_path, trace())
+    (plain,), (removed,) = read(path), read(path, response="remove")
+    assert "instrument response removed, M/S**2 to m/s2" in removed.processing[0]
+    assert plain.processing == ()
+    # At the 2 Hz of the pulse the sensor is late by 3.3 ms.
+    velocity = np.gradient(plain.acceleration, plain.dt)
+    late = (plain.acceleration - plain.acceleration.mean()) + velocity / 300.0
+    inner = slice(20, -20)
+    assert removed.acceleration[inner] == pytest.approx(late[inner], abs=0.02 * plain.pga)
+    assert (removed.id, removed.azimuth, removed.processed) == (plain.id, 90.0, False)
+
+
+def test_a_response_without_stages_cannot_be_removed(tmp_path):
+    write_station_xml(tmp_path, epoch())
+    with pytest.raises(RecordRefused, match="no stages of the response"):
+        read(write_miniseed(tmp_path, trace()), response="remove")
+
+
+def test_two_responses_for_one_time_are_refused_where_they_matter(tmp_path):
+    write_stages(tmp_path, [-300.0 + 300.0j, -300.0 - 300.0j])
+    write_stages(tmp_path, [-900.0 + 900.0j, -900.0 - 900.0j], name="XX.ABC.other.xml")
+    path = write_miniseed(tmp_path, trace())
+    with pytest.raises(RecordRefused, match="2 different responses for one time"):
+        read(path, response="remove")
+    assert read(path)[0].unit_factor == 1.0 / 2.0e5
+
+
+@pytest.mark.parametrize(
+    ("other", "what"),
+    [
+        (epoch(value=3.0), "sensitivities"),
+        (epoch(azimuth=270.0), "directions"),
+        (epoch(azimuth=None, dip=None), "directions"),
+        (epoch(dip=-90.0), "directions"),
+    ],
+)
+def test_station_files_that_tell_different_things_are_refused_unless_one_has_the_name_of_the_record(
+    tmp_path, other, what
+):
+    path = write_miniseed(tmp_path, trace())
+    write_station_xml(tmp_path, epoch(azimuth=60.0), name="a.xml")
+    write_station_xml(tmp_path, epoch(azimuth=60.0), name="b.xml")
+    assert read(path)[0].azimuth == 60.0
+    write_station_xml(tmp_path, other, name="z.xml")
+    with pytest.raises(RecordRefused, match=rf"XX\.ABC\.00\.HNE has 2 different {what} for one time in .*record\.xml"):
+        read(path)
+    write_station_xml(tmp_path, epoch(azimuth=60.0), name="record.xml")
+    (record,) = read(path)
+    assert (record.azimuth, record.unit_factor) == (60.0, 1.0 / 2.0e5)
+
+
+def test_of_several_contradictions_the_first_is_told(tmp_path):
+    write_station_xml(tmp_path, epoch(), epoch(value=3.0), epoch(azimuth=0.0))
+    with pytest.raises(RecordRefused, match=r"has 3 different sensitivities .* \(200000.0 per M/S\*\*2; 3.0 per M/S"):
+        read(write_miniseed(tmp_path, trace()))
+
+
+def test_a_station_file_that_rockpulse_wrote_serves_the_record_of_its_name_only(tmp_path):
+    path = write_miniseed(tmp_path, trace())
+    metadata = tmp_path / "XX.ABC.xml"
+    write_station_xml(tmp_path, epoch(last="2019-06-01"))
+    with pytest.raises(RecordRefused, match=r"\(looked in \S*XX.ABC.xml\); put the station's StationXML"):
+        read(path)
+    write_station_xml(tmp_path, epoch())
+    described = re.sub("(<Channel.*?>)", rf"\1<Description>{next(iter(PROCESSED))}</Description>", metadata.read_text())
+    metadata.write_text(described)
+    with pytest.raises(RecordRefused, match=r"XX.ABC.xml, which serves the miniSEED file of its own name only\); put"):
+        read(path)
+    metadata.rename(tmp_path / "record.xml")
+    assert read(path)[0].processed is True
+
+
+def test_station_metadata_contradict_a_channel_by_what_it_tells_at_its_time(tmp_path):
+    import obspy
+
+    for name, corner in (("a.xml", 300.0), ("b.xml", 900.0)):
+        write_stages(tmp_path, [corner * (-1.0 + 1.0j), corner * (-1.0 - 1.0j)], name=name)
+    files = [("a.xml", (tmp_path / "a.xml").read_bytes())]
+    channel = obspy.read_inventory(str(tmp_path / "b.xml"))[0][0][0]
+    assert not told_otherwise(files, "XX", "ABC", channel)  # other stages of the same sensitivity
+    channel.azimuth = 0.0
+    assert told_otherwise(files, "XX", "ABC", channel)
+    assert not told_otherwise(files, "XX", "DEF", channel)
+    channel.start_date, channel.end_date = obspy.UTCDateTime("2031-01-01"), None
+    assert not told_otherwise(files, "XX", "ABC", channel)
+
+
+def test_a_station_file_of_the_same_name_but_another_time_leaves_it_to_the_others(tmp_path):
+    write_station_xml(tmp_path, epoch(value=7.0, last="2019-12-31"), name="record.xml")
+    write_station_xml(tmp_path, epoch())
+    (record,) = read(write_miniseed(tmp_path, trace()))
+    assert record.unit_factor == 1.0 / 2.0e5
+
+
+def test_a_velocity_channel_becomes_acceleration_only_where_asked_for(tmp_path):
+    import obspy
+    from obspy.core.inventory.response import Response
+
+    write_station_xml(tmp_path, epoch(unit="M/S"))
+    inventory = obspy.read_inventory(str(tmp_path / "XX.ABC.xml"))
+    inventory[0][0][0].response = Response.from_paz([], [], 2.0e5, 1.0, input_units="M/S", output_units="COUNTS")
+    inventory.write(str(tmp_path / "XX.ABC.xml"), format="STATIONXML")
+    path = write_miniseed(tmp_path, trace())
+    with pytest.raises(NotAcceleration, match=r"records M/S, expected an acceleration .*response='remove'"):
+        read(path)
+    (record,) = read(path, response="remove")
+    expected = np.gradient(COUNTS / 2.0e5, 0.01)
+    assert record.acceleration[20:-20] == pytest.approx(expected[20:-20], abs=0.02 * np.max(np.abs(expected)))
+    assert any("a sensor of velocity" in warning for warning in record.warnings)
+
+
+def test_what_is_printed_meanwhile_is_taken_and_what_comes_after_it_is_not(capfd):
+    with _standard_error(wanted=True) as lines:
+        os.write(2, b"a word of the library\n")
+    os.write(2, b"a word of ours\n")
+    assert lines == ["a word of the library"]
+    assert capfd.readouterr().err == "a word of ours\n"
+
+
+def test_a_gap_is_refused(tmp_path):
+    write_station_xml(tmp_path, epoch())
+    path = write_miniseed(tmp_path, trace(), trace(start="2020-01-02T03:05:05"))
+    with pytest.raises(RecordRefused, match=r"1 gaps or overlaps, the first at 2020-01-02T03:04:15\.49"):
+        read(path)
+
+
+def test_parts_that_follow_each_other_exactly_are_one_record(tmp_path):
+    write_station_xml(tmp_path, epoch())
+    path = write_miniseed(tmp_path, trace(), trace(start="2020-01-02T03:04:15.5"))
+    (record,) = read(path)
+    assert record.acceleration == pytest.approx(np.tile(COUNTS, 2) / 2.0e5)
+
+
+def test_a_velocity_channel_beside_an_acceleration_is_left_out_and_said_so(tmp_path):
+    write_station_xml(tmp_path, epoch(), epoch("HHE", unit="M/S"))
+    (record,) = read(write_miniseed(tmp_path, trace(), trace("HHE")))
+    assert record.channel == "HNE"
+    assert "HHE records M/S" in record.warnings[0]
+
+
+def test_damaged_miniseed_and_station_files_are_named(tmp_path):
+    write_station_xml(tmp_path, epoch())
+    noise = np.random.default_rng(5).integers(-30_000, 30_000, 5000).astype(np.int32)
+    path = write_miniseed(tmp_path, trace(counts=noise))
+    xml = tmp_path / "XX.ABC.xml"
+    xml.write_bytes(xml.read_bytes()[:-200])
+    with pytest.raises(RecordFormatError, match=r"XX.ABC.xml: cannot be read as StationXML"):
+        read(path)
+    write_station_xml(tmp_path, epoch())
+    content = path.read_bytes()
+    path.write_bytes(content[:-100])
+    with pytest.raises(RecordFormatError, match="expected whole data records of 4096 bytes, found 3996"):
+        read(path)
+    path.write_bytes(content[:100])
+    with pytest.raises(RecordFormatError, match=r"obspy cannot read it as MSEED"):
+        read(path)
+
+
+def test_warnings_of_the_process_survive_two_threads_that_use_obspy():
+    inside, before = threading.Event(), (warnings.filters[:], warnings._showwarnmsg_impl)
+    first_in, first_out = threading.Event(), threading.Event()
+
+    def first():
+        with obspy_notes():
+            first_in.set()
+            inside.wait(0.3)  # the other never comes in where blocks exclude each other
+        first_out.set()
+
+    def second():
+        first_in.wait()
+        with obspy_notes():
+            inside.set()
+            first_out.wait(5.0)
+
+    threads = [threading.Thread(target=work) for work in (first, second)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    after = (warnings.filters[:], warnings._showwarnmsg_impl)
+    warnings.filters[:], warnings._showwarnmsg_impl = before
+    assert after == before
+
+
+@pytest.mark.parametrize(("channel", "peak"), [("HNE", 0.255), ("HNN", 0.1864)])
+def test_real_miniseed(records_folder, channel, peak):
+    (record,) = read(records_folder / "mseed_xml" / f"CI.WCS2..{channel}.mseed")
+    assert (record.npts, record.dt) == (39000, 0.01)
+    # The listed peaks are those of the record less its mean.
+    centred = record.acceleration - record.acceleration.mean()
+    assert np.max(np.abs(centred)) / STANDARD_GRAVITY == pytest.approx(peak, rel=0.02)
+
+
+@pytest.mark.parametrize(
+    ("name", "error", "reason"),
+    [
+        ("mseed_xml/AV.CKT..EHZ__20181130T172859Z__20181130T173629Z.mseed", NotAcceleration, "EHZ records M/S"),
+        ("mseed_clipped/HV.HSSD..HHE__20190414T030832Z__20190414T031602Z.mseed", RecordRefused, "no StationXML file"),
+        ("tricky_obspy/gaps.mseed", RecordRefused, "3 gaps or overlaps, the first at"),
+        ("sac/20190706031952.CJ.T001230.HNE.sac", UnitError, "does not state the unit"),
+    ],
+)
+def test_real_files_that_are_refused(records_folder, name, error, reason):
+    with pytest.raises(error, match=reason):
+        read(records_folder / name)
+
+
+def test_what_obspy_warns_of_in_the_station_metadata_is_a_warning_of_the_record(samples, tmp_path):
+    formats = samples.parent / "formats"
+    (tmp_path / "CI.CLC.mseed").write_bytes((formats / "CI.CLC.mseed").read_bytes())
+    metadata = (formats / "CI.CLC.xml").read_bytes()
+    damaged = metadata.replace(b"<SampleRate>100.0<", b"<SampleRate>NaN<")
+    assert damaged != metadata
+    (tmp_path / "CI.CLC.xml").write_bytes(damaged)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        records = read(tmp_path / "CI.CLC.mseed")
+    assert len(records) == 3
+    assert all(any("CI.CLC.xml: obspy: " in warning and "NaN" in warning for warning in r.warnings) for r in records)
+
+
+def test_a_channel_of_the_station_metadata_that_obspy_leaves_out_is_named(samples, tmp_path):
+    formats = samples.parent / "formats"
+    (tmp_path / "CI.CLC.mseed").write_bytes((formats / "CI.CLC.mseed").read_bytes())
+    (tmp_path / "CI.CLC.xml").write_bytes((formats / "CI.CLC.xml").read_bytes().replace(b"<Depth>0.0<", b"<Depth>NaN<"))
+    with pytest.raises(RecordRefused, match=r"no sensitivity .*CI\.CLC\.xml: obspy: .*depth"):
+        read(tmp_path / "CI.CLC.mseed")

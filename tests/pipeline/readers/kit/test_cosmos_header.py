@@ -1,0 +1,444 @@
+"""The header of a COSMOS channel, line by line and number by number.
+
+COSMOS: what the header states twice is held against each other, and against the channels of the file.
+"""
+
+from __future__ import annotations
+
+from datetime import UTC, datetime
+
+import numpy as np
+import pytest
+from record_writers import pulse
+from record_writers.cosmos import cosmos
+
+from rockpulse.errors import RecordFormatError, UnitError
+from rockpulse.readers import read
+from rockpulse.readers.kit.cosmos_header import Header, fortran_layout, held_series, read_header
+from rockpulse.record.record import STANDARD_GRAVITY
+
+TEXT = [f"line {number}" for number in range(1, 14)]
+
+
+def header(kind="Raw acceleration", comments=(), integers=None, reals=None, **lines):
+    """A header with some integers and reals, by their numbers, and some lines of text, as ``line9``."""
+    whole, part = np.full(100, np.nan), np.full(100, np.nan)
+    for target, given in ((whole, integers), (part, reals)):
+        for number, value in (given or {}).items():
+            target[number - 1] = value
+    text = [lines.get(f"line{number}", line) for number, line in enumerate(TEXT, 1)]
+    return Header(kind, text, whole, part, -999.0, comments, 0, 0)
+
+
+def lines_of(*replaced, **how):
+    """The lines of a channel, some words of them replaced."""
+    content = cosmos(np.round(pulse(16), 6), end="\n", **how).decode()
+    for old, new in replaced:
+        assert old in content
+        content = content.replace(old, new)
+    return content.split("\n")
+
+
+@pytest.mark.parametrize(
+    ("known", "codes"),
+    [
+        ({"comments": ["none", "| <SCNL>ABC.HNZ.CE.01  <AUTH>"], "line5": "Code:XX-YY"}, ("CE", "ABC", "01", "HNZ")),
+        ({"comments": ["|<SCNL>ABC.HNZ.--.--"]}, ("", "ABC", "", "HNZ")),
+        ({"line5": "Statn No: 05- 23837 Code:CE-23837 CGS", "integers": {8: 7}}, ("CE", "23837", "", "")),
+        ({"line5": "Code: __-AB"}, ("", "AB", "", "")),
+        ({"line5": "Code:---", "integers": {8: 7}}, ("", "7", "", "")),
+        ({"integers": {7: 6, 8: 7, 9: 8}}, ("", "7", "", "")),
+        ({}, ("", "", "", "")),
+    ],
+)
+def test_the_codes_of_a_channel(known, codes):
+    assert header(**known).codes() == codes
+
+
+@pytest.mark.parametrize(
+    ("line", "words"),
+    [
+        ("Sta Chan 12:  90 deg (Rcrdr Chan  3) Location: Roof, NE ", ("12", "90 deg", "Roof, NE")),
+        ("Sta Chan  4: Up (Rcrdr Chan  3)", ("4", "Up", "")),
+        ("Channel 4", ("", "", "")),
+    ],
+)
+def test_the_words_of_a_channel(line, words):
+    assert header(line9=line).channel() == words
+    assert header(line9=line, line7="Etna ( 3 chns of 12 at Sta)").number_and_count() == (words[0], 3)
+    assert header(line9=line, line7="Etna").number_and_count() == (words[0], 0)
+
+
+@pytest.mark.parametrize(
+    ("kind", "found"), [("Raw acceleration", ("0.7", "g")), ("Uncorrected", ("0.7", "g")), ("CORRECTED", ("", ""))]
+)
+def test_the_peak_of_a_channel(kind, found):
+    raw, own = "Uncor max = 0.7 g, at 1.0 sec", "Max = -12.5 cm/sec2 at 1.0 sec"
+    assert header(kind, line10=raw, line11=own).peak() == ("-12.5", "cm/sec2")
+    assert header(kind, line10=raw).peak() == found
+    assert header(kind).peak() == ("", "")
+
+
+@pytest.mark.parametrize(
+    ("words", "code", "orientation", "azimuth"),
+    [
+        ("?", None, "unknown", np.nan),
+        ("?", 0, "horizontal", 0.0),
+        ("?", 1, "horizontal", 1.0),
+        ("?", 300, "horizontal", 300.0),
+        ("?", 360, "horizontal", 0.0),
+        ("?", 361, "unknown", np.nan),
+        ("?", -1, "unknown", np.nan),
+        ("90 deg", None, "horizontal", 90.0),
+        ("90 deg", 91, "horizontal", 90.0),
+        ("90 deg", 92, "unknown", np.nan),
+        ("0.5 deg", 359, "unknown", np.nan),
+        ("359.5 deg", 1, "unknown", np.nan),
+        ("Long", 45, "horizontal", 45.0),
+        ("Long", 600, "horizontal", np.nan),
+        ("Up", 401, "unknown", np.nan),
+        ("Up", 90, "unknown", np.nan),
+    ],
+)
+def test_the_direction_of_a_channel(words, code, orientation, azimuth):
+    integers = {53: 7, 55: 8} if code is None else {53: 7, 54: code, 55: 8}
+    facing = header(line9=f"Sta Chan 1: {words} (Rcrdr Chan 1)", integers=integers).facing()
+    assert facing.orientation == orientation
+    assert facing.azimuth == pytest.approx(azimuth, nan_ok=True)
+    assert bool(facing.note) is (orientation == "unknown" and words != "?")
+
+
+@pytest.mark.parametrize(("code", "sign", "noted"), [(400, 1.0, False), (401, -1.0, False), (402, 1.0, True)])
+def test_a_vertical_channel_by_its_integer(code, sign, noted):
+    facing = header(integers={54: code}).facing()
+    assert (facing.orientation, facing.sign, bool(facing.note)) == ("vertical", sign, noted)
+
+
+@pytest.mark.parametrize(
+    ("site", "anywhere", "unnamed"),
+    [
+        *[(site, False, False) for site in (1, 2, 3, 4, 6, 7, 8, 9, 14, 50, 51)],
+        *[(site, True, True) for site in (5, 10, 11, 12, 13, 15, 20)],
+        *[(site, True, False) for site in (None, 0, 16, 21, 49, 52)],
+    ],
+)
+def test_the_type_of_a_station_tells_whether_it_is_a_structure(site, anywhere, unnamed):
+    integers = {18: 5, 20: 5} | ({} if site is None else {19: site})
+    for place, expected in (("Courtyard", anywhere), ("", unnamed), ("Free field", False), ("Roof", True)):
+        words = f"Sta Chan 1: Up (Rcrdr Chan 1) Location: {place}"
+        assert header(line9=words, integers=integers).structural() is expected
+
+
+@pytest.mark.parametrize(
+    ("site", "named"), [(9, "observatory"), (14, "tunnel"), (50, "geotechnical"), (51, ""), (None, "")]
+)
+def test_stations_at_depth(site, named):
+    notes = header(integers={} if site is None else {19: site}).site_notes()
+    assert len(notes) == bool(named)
+    assert named in "".join(notes)
+
+
+def test_the_facts_of_a_channel():
+    known = {1: 34.5, 2: -117.25, 10: 35.5, 11: -118.75, 12: 7.5, 17: 42.5}
+    comments = ["none", "| RcrdId: US.1000hyfh.NP.8040.HNE.01", "| RcrdId: US.2.NP.8040.HNE.01"]
+    lines = {"line4": "Origin: 06/16/2005, 20:53:26.1 UTC", "line6": "Coords: 34.5 Site Geology: Deep soil  "}
+    facts = header(reals={**known, 13: 6.1, 14: 6.2, 15: 6.3, 16: 6.4}, comments=comments, **lines).facts()
+    assert (facts.station_latitude, facts.station_longitude) == (34.5, -117.25)
+    assert (facts.hypocentre_latitude, facts.hypocentre_longitude) == (35.5, -118.75)
+    assert (facts.hypocentre_depth, facts.epicentral_distance) == (7500.0, 42500.0)
+    assert facts.origin_time == datetime(2005, 6, 16, 20, 53, 26, 100000, tzinfo=UTC)
+    assert (facts.event_id, facts.site_class) == ("US.1000hyfh", "Deep soil")
+    for number, scale in ((13, "Mw"), (14, "Ms"), (15, "ML"), (16, "")):
+        facts = header(reals={number: 6.5}).facts()
+        assert (facts.magnitude, facts.magnitude_type) == (6.5, scale)
+    assert (facts.event_id, facts.site_class) == ("", "")
+
+
+MOMENT = {40: 2018, 41: 241, 42: 8, 43: 29, 44: 2, 45: 33, 46: 5}
+CLOCK = "Rcrd start time: 8/29/2018, 02:33: 9.75"
+
+
+@pytest.mark.parametrize(
+    ("integers", "second", "line", "found"),
+    [
+        ({}, 7.5, f"{CLOCK} UTC (Q=5)", 7.5),
+        ({}, 7.5, "Rcrd start time: unknown", 7.5),
+        ({}, 7.5, f"{CLOCK} gmt", 7.5),
+        ({}, np.nan, f"{CLOCK} (RcrdId)", 9.75),
+        ({}, np.nan, "rcrd start time: 8/29/2018, 02:33: 9.75", 9.75),
+        ({}, np.nan, "Rcrd start time: 8/29/2018, 02:33: . UTC", "the start time has no seconds"),
+        ({}, np.nan, "Rcrd start time: 8/29/2018, 02:33:  UTC", "the start time has no seconds"),
+        ({}, np.nan, "Rcrd start time: unknown", "the start time has no seconds"),
+        ({}, 7.5, f"{CLOCK} PDT", "in PDT, the format asks for UTC"),
+        ({46: 0}, 7.5, CLOCK, "quality 0"),
+        ({46: 1}, 7.5, CLOCK, 7.5),
+        ({46: np.nan}, 7.5, CLOCK, 7.5),
+        ({44: 24}, 7.5, CLOCK, "2018-8-29 24:33:7.5 (integers 40 to 45) is no start time"),
+        *[({number: np.nan}, 7.5, CLOCK, "") for number in (40, 42, 43, 44, 45)],
+        ({41: np.nan}, 7.5, CLOCK, 7.5),
+    ],
+)
+def test_the_start_of_a_channel(integers, second, line, found):
+    moment, notes = header(integers=MOMENT | integers, reals={29: 1.0, 30: second, 31: 2.0}, line8=line).start_time()
+    if isinstance(found, str):
+        assert moment is None
+        assert len(notes) == bool(found)
+        assert found in "".join(notes)
+    else:
+        assert (moment, notes) == (datetime(2018, 8, 29, 2, 33, int(found), int(found % 1 * 1e6), tzinfo=UTC), [])
+
+
+@pytest.mark.parametrize(
+    ("line", "layout"),
+    [
+        ("Format=(8F9.6)", (8, 9)),
+        ("format = ( 1P,5E15.7)", (5, 15)),
+        ("FORMAT= (1I1)", (1, 1)),
+        ("x" * 189 + "Format=(8F12.6)", (8, 1)),  # of a line 200 letters are looked at
+        ("x" * 190 + "Format=(8F12.6)", None),
+        ("x" * 188 + "Format=(8F12.6)", (8, 12)),
+        ("Format=(0F9.6)", None),
+        ("Format=(8F0.6)", None),
+        ("8F9.6", None),
+    ],
+)
+def test_the_layout_of_a_table(line, layout):
+    if layout:
+        assert fortran_layout(line, "a:1") == layout
+        return
+    with pytest.raises(RecordFormatError, match=r"a:1: expected a format such as"):
+        fortran_layout(line, "a:1")
+
+
+def test_a_header_may_begin_anywhere_in_a_file():
+    lines = lines_of(comments=("one", " two"), integers={19: 12}, reals={64: 0.25})
+    for before in (0, 5):
+        found = read_header("a", [*["before"] * before, *lines, "behind"], before, before + len(lines))
+        assert (found.start, found.end) == (before, before + 45)
+        assert (found.kind, found.unknown) == ("Uncorrected acceleration", -999.0)
+        assert [line.rstrip() for line in found.text] == [line.rstrip() for line in lines[:13]]
+        assert [line.rstrip() for line in found.comments] == ["|one", "| two"]
+        assert (found.integer(19), found.integer(20), found.real(64)) == (12, None, 0.25)
+        assert np.isnan(found.real(66))
+
+
+def test_capitals_make_no_difference():
+    capitals = [line.upper() for line in lines_of(unknown="   -888, -777.5", integers={19: -888}, reals={64: -777.5})]
+    found = read_header("a", capitals, 0, len(capitals))
+    assert found.kind == "UNCORRECTED ACCELERATION"
+    assert (found.unknown, found.integer(19), found.integer(20)) == (-777.5, None, -999)
+    assert np.isnan(found.real(64))
+    assert found.real(66) == -999.0
+    assert (found.peak()[1], found.number_and_count()[1]) == ("G", 3)
+    codes = header(comments=["| rcrdid: us.12.np.8040.hne.01"])
+    assert codes.facts().event_id == "us.12"
+
+
+def test_a_line_that_does_not_tell_what_is_unknown():
+    lines = lines_of(integers={20: -9}, reals={66: -9.0})
+    lines[12] = "Values"
+    found = read_header("a", lines, 0, len(lines))
+    assert (found.unknown, found.integer(19), found.integer(21), found.integer(20)) == (-999.0, 4, None, -9)
+    assert (np.isnan(found.real(67)), found.real(66)) == (True, -9.0)
+
+
+@pytest.mark.parametrize(("stated", "count"), [("12", 13), ("13", 13), ("14", 14)])
+def test_at_least_thirteen_lines_of_text(stated, count):
+    lines = lines_of(("with 13 text", f"with {stated} text"))
+    if count == 14:
+        lines.insert(13, "one more")
+    found = read_header("a", lines, 0, len(lines))
+    assert (len(found.text), found.text[-1][:3]) == (count, "Val" if count == 13 else "one")
+
+
+@pytest.mark.parametrize(
+    ("end", "message"),
+    [
+        (12, r"a:17: expected 13 text lines .*found 12"),
+        (13, r"a:19: expected the number of integer values or lines, found the end of the channel"),
+        (24, r"a:30: expected the number of real values or lines, found the end of the channel"),
+        (23, r"a:\d+: expected 100 numbers"),
+        (42, r"a:48: expected the number of comment values or lines, found the end of the channel"),
+    ],
+)
+def test_a_header_that_ends_too_early(end, message):
+    with pytest.raises(RecordFormatError, match=message):
+        read_header("a", [*["before"] * 5, *lines_of()], 5, 5 + end)
+
+
+def test_comments_begin_with_a_bar():
+    lines = lines_of(comments=("one", "two", "three"))
+    assert read_header("a", lines, 0, 45).end == 45  # where the channel ends before its comments
+    lines[44] = "  " + lines[44]
+    found = read_header("a", lines, 0, len(lines))
+    assert (found.end, len(found.comments)) == (46, 3)
+    lines[45] = "three"
+    with pytest.raises(
+        RecordFormatError, match=r"a:46: expected comment 3 of 3, a line that begins with '\|', found 't"
+    ):
+        read_header("a", lines, 0, len(lines))
+    lines = lines_of(comments=())
+    assert read_header("a", lines, 0, len(lines)).end == 43
+
+
+@pytest.mark.parametrize(("length", "read"), [(80, True), (81, False)])
+def test_a_heading_of_comments_has_eighty_letters(length, read):
+    lines = lines_of()
+    lines[42] = f"{'1 Comment':>{length}}"
+    if read:
+        assert len(read_header("a", lines, 0, len(lines)).comments) == 1
+        return
+    with pytest.raises(RecordFormatError, match="a:43: expected the number of comment"):
+        read_header("a", lines, 0, len(lines))
+
+
+def test_numbers_that_touch_are_read_by_their_columns():
+    lines = lines_of(integers={1: 12345678, 2: 23456789}, reals={1: -12345.678901, 2: -23456.789012})
+    found = read_header("a", lines, 0, len(lines))
+    assert [found.integer(number) for number in (1, 2, 3)] == [12345678, 23456789, 2]
+    assert [found.real(number) for number in (1, 2)] == [-12345.678901, -23456.789012]
+
+
+@pytest.mark.parametrize("row", [14, 18, 22])
+def test_a_row_that_lost_its_columns_is_read_at_its_blanks(row):
+    lines = lines_of()
+    lines[row] = lines[row].replace("    -999", "   -999", 1)
+    assert np.array_equal(
+        read_header("a", lines, 0, len(lines)).integers, read_header("a", lines_of(), 0, 45).integers, equal_nan=True
+    )
+
+
+@pytest.mark.parametrize("row", [14, 17, 23, 25, 40])
+def test_a_damaged_number_of_a_header_is_named_with_its_line(row):
+    lines = lines_of()
+    lines[row] = lines[row].replace("-999", "-9x9", 1)
+    assert lines != lines_of()
+    with pytest.raises(RecordFormatError, match=rf"a:{row + 4}: expected a finite number, found '-9x9"):
+        read_header("a", [*["before"] * 3, *lines], 3, 3 + len(lines))
+
+
+G = STANDARD_GRAVITY
+
+
+@pytest.mark.parametrize(
+    ("unit", "code"), [("g.", "(04)"), ("counts", "(02)"), ("volts", "(51)"), ("g.", "(99)"), ("furlong", "")]
+)
+def test_a_unit_that_name_and_code_do_not_agree_on(write, unit, code):
+    with pytest.raises(UnitError, match=r"record.txt:45: .*unit"):
+        read(write(cosmos(pulse(), unit=unit, code=code)))
+
+
+def channels_of_three(*numbers: int) -> bytes:
+    directions = {1: ("360 deg", 360), 2: ("Up", 400), 3: (" 90 deg", 90)}
+    return b"".join(
+        cosmos(pulse(), number=number, component=directions[number][0], azimuth=directions[number][1])
+        for number in numbers
+    )
+
+
+@pytest.mark.parametrize(("numbers", "lacking"), [((1, 2, 3), False), ((1, 2), True), ((1, 3), True), ((2,), False)])
+def test_channels_that_the_header_counts_and_the_file_lacks(write, numbers, lacking):
+    for record in read(write(channels_of_three(*numbers))):
+        assert any("the header counts 3 channels of this recorder" in note for note in record.warnings) is lacking
+
+
+def test_a_file_of_one_channel_without_its_last_line_says_so(write):
+    content = channels_of_three(1)
+    (record,) = read(write(content[: content.index(b"End-of-data")]))
+    assert "the file holds 1; it may be truncated" in record.warnings[0]
+
+
+def test_a_channel_of_one_number_with_other_samples_is_damage(write):
+    with pytest.raises(
+        RecordFormatError, match=r"record.txt:97: expected another channel, found that of line 1 a second"
+    ):
+        read(write(channels_of_three(1) + cosmos(pulse(peak=0.2), number=1, component="360 deg", azimuth=360)))
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "warned"),
+    [
+        (b"units=g.     (02)", b"units=cm/s2. (04)", True),
+        (b"units=g.     (02)", b"units=mg.    (11)", True),
+        (b"units=g.     (02)", b"units=g.     (02)", False),
+    ],
+)
+def test_the_peak_of_the_text_has_a_unit_of_its_own(write, old, new, warned):
+    content = cosmos(pulse())
+    assert old in content
+    (record,) = read(write(content.replace(old, new)))
+    assert any("the header states a peak of 0.3 g" in note for note in record.warnings) is warned
+
+
+@pytest.mark.parametrize(
+    ("component", "azimuth", "orientation", "sign", "told"),
+    [
+        ("0 Deg", 0, "vertical", 1.0, "an azimuth of 0 degrees"),
+        ("Up", 0, "vertical", 1.0, "'Up' and 0 (integer header 54)"),
+        ("0 Deg", 401, "vertical", -1.0, "'0 Deg' and 401 (integer header 54)"),
+        ("Up", 401, "unknown", 1.0, ""),
+        ("Up", 400, "vertical", 1.0, ""),
+    ],
+)
+def test_a_channel_code_of_seed_decides_between_vertical_and_horizontal(
+    write, component, azimuth, orientation, sign, told
+):
+    content = cosmos(pulse(), component=component, azimuth=azimuth, comments=("<SCNL>AKBMR.BNZ.AK.--",))
+    (record,) = read(write(content))
+    strongest = np.argmax(np.abs(pulse()))
+    assert (record.orientation, record.channel) == (orientation, "BNZ")
+    assert np.sign(record.acceleration[strongest]) == sign * np.sign(pulse()[strongest])
+    said = [warning for warning in record.warnings if "the channel code BNZ says vertical, the header " in warning]
+    assert len(said) == bool(told)
+    assert told in " ".join(said)
+
+
+def test_recorders_are_told_apart_by_their_words(write):
+    one = cosmos(pulse(), number=1, recorder="Etna   s/n 1193 ( 1 Chns of   2 at Sta)")
+    other = cosmos(pulse(), number=2, recorder="Etna   s/n 1194 ( 1 Chns of   2 at Sta)")
+    for record in read(write(one + other)):
+        assert not any("the header counts" in note for note in record.warnings)
+    with pytest.raises(RecordFormatError, match="expected another channel"):
+        read(write(one + cosmos(2.0 * pulse(), number=1, recorder="Etna   s/n 1193 ( 1 Chns of   2 at Sta)")))
+    other = cosmos(pulse(), number=1, recorder="Etna   s/n 1194 ( 1 Chns of   2 at Sta)", place="Roof")
+    assert len(read(write(one + other))) == 2
+
+
+def test_the_last_number_of_a_header_is_read_and_none_beyond_it():
+    header = Header("", [], np.array([7.0, 8.0]), np.array([0.5, 1.5]), -999.0, [], 0, 0)
+    assert [header.integer(number) for number in (1, 2, 3)] == [7, 8, None]
+    assert [header.real(number) for number in (1, 2)] == [0.5, 1.5]
+    assert np.isnan(header.real(3))
+
+
+STRONGEST = np.where(np.arange(1000) == 500, -2.0, 0.5)  # 10 s, the peak at 5 s
+LENGTH = "Raw record length ={:8.3f} sec, Uncor max = 0.3 g, at {:8.3f} sec."
+PEAK = "Processed: CGS . Max = 0.3 g at {:8.3f} sec"
+
+
+@pytest.mark.parametrize(
+    ("about", "length", "uncorrected", "peak", "real", "raw", "corrected"),
+    [
+        ("10", 10.0, 5.0, 5.0, 5.0, 0, 0),
+        ("10.1", 10.06, 5.02, 4.98, 5.01, 0, 0),
+        ("10.5", 10.0, 5.0, 5.0, 5.0, 1, 1),
+        ("11", 10.0, 5.0, 5.0, 5.0, 1, 1),
+        ("9", 10.0, 5.0, 5.0, np.nan, 1, 1),
+        ("10", 10.5, 5.0, 5.0, 5.0, 1, 0),
+        ("10", 10.0, 8.0, 5.0, 5.0, 1, 0),
+        ("10", 10.0, 5.0, 8.0, 5.0, 1, 1),
+        ("10", 10.0, 5.0, 5.0, 8.0, 1, 1),
+        ("10", 10.0, 5.0, 8.0, 8.0, 1, 1),  # told once
+        ("10", 10.0, 5.0, 7.0, 8.0, 2, 2),
+        ("11", 10.5, 7.0, 8.0, 9.0, 5, 3),
+    ],
+)
+def test_length_and_peak_of_a_series(about, length, uncorrected, peak, real, raw, corrected):
+    text = ["words"] * 8 + [PEAK.format(1.0), LENGTH.format(length, uncorrected), PEAK.format(peak), PEAK.format(1.0)]
+    reals = np.full(100, np.nan)
+    reals[64] = real
+    for kind, count in (("Raw acceleration", raw), ("Uncorrected", raw), ("CORRECTED acceleration", corrected)):
+        header = Header(kind, text, np.full(100, np.nan), reals, -999.0, [], 0, 0)
+        heading = f"1000 acceleration pts, approx {about} secs, units=g"
+        for words in (heading, heading.upper()):
+            assert len(held_series(header, words, 0.01, STRONGEST)) == count

@@ -1,0 +1,340 @@
+"""Times that a header writes out, with and without the zone of their clock.
+
+What headers state about earthquake and site: what cannot be true is left out, every format tells what it can.
+"""
+
+import math
+from dataclasses import fields
+from datetime import UTC, datetime, timedelta
+
+import numpy as np
+import obspy
+import pytest
+
+from rockpulse.readers import read
+from rockpulse.readers.kit.facts import (
+    NOTHING,
+    Facts,
+    clock_fault,
+    coordinates,
+    instant,
+    later,
+    magnitudes,
+    near_event,
+    preferred,
+    stated,
+    written,
+)
+from rockpulse.record.record import Record
+
+TICK = timedelta(microseconds=1)
+
+
+@pytest.mark.parametrize(
+    ("behind", "hour"),
+    [
+        *(
+            ("", 12),
+            (" UTC", 12),
+            (" UT", 12),
+            ("Z", 12),
+            (" gmt", 12),
+            (" PST", 20),
+            (" PDT", 19),
+            (" pst", 20),
+            (" GMT", 12),
+        ),
+        *((" ML 5.8", 12), (", Mw 6.3", 12), (" at depth", 12), (" km", 12)),
+        *(("+01:00", 11), ("-0230", 14.5), ("+05:15", 6.75), ("+10:30", 1.5), (".5+09:00", 3)),
+    ],
+)
+@pytest.mark.parametrize("date", ["2009-04-06 ", "2009-04-06T", "04/06/2009, "])
+def test_a_time_is_read_with_its_zone_and_whatever_else_stands_behind_it(date, behind, hour):
+    found = written(f"Origin: {date}12:32:39{behind}")
+    minute, second = 32 + round(60 * (hour % 1)), 39
+    expected = datetime(2009, 4, 6, int(hour) + minute // 60, minute % 60, second, tzinfo=UTC)
+    assert found.replace(microsecond=0) == expected
+
+
+@pytest.mark.parametrize("zone", ["JST", "EST", "NZST", "LT", "PM"])
+def test_a_time_of_a_clock_that_is_not_known_is_left_out(zone):
+    assert written(f"2009-04-06 01:32:39 {zone}") is None
+
+
+@pytest.mark.parametrize("time", [(24, 0, 0), (-1, 0, 0), (23, 60, 0), (23, -1, 0), (23, 50, 61), (23, 50, -0.1)])
+def test_a_time_that_no_day_has_is_none(time):
+    assert instant((2018, 2, 6), time) is None
+
+
+def test_a_leap_second_is_a_time():
+    assert instant((2016, 12, 31), (23, 59, 60)) == datetime(2017, 1, 1, tzinfo=UTC)
+
+
+@pytest.mark.parametrize("time", [(0, 0, 0), (0, 0, 0.25), (23, 59, 60.75)])
+def test_the_first_and_the_last_time_of_a_day(time):
+    hour, minute, second = time
+    midnight = datetime(2018, 2, 6, tzinfo=UTC)
+    assert instant((2018, 2, 6), time) == midnight + timedelta(seconds=3600 * hour + 60 * minute + second)
+
+
+@pytest.mark.parametrize("day", [(2018, 13, 1), (2018, 2, 30), (0, 1, 1), (float("inf"), 1, 1), (9999, 12, 31)])
+def test_a_day_that_the_calendar_does_not_have_is_none(day):
+    assert instant(day, (23, 0, 0), zone_hours=-8.0) is None
+
+
+@pytest.mark.parametrize(
+    ("date", "year"),
+    [("6/2/30", 1930), ("6/2/29", 2029), ("6/2/00", 2000), ("6/2/99", 1999), ("0099/6/2", 1999), ("0100/6/2", 100)],
+)
+def test_years_of_two_digits_begin_in_1930(date, year):
+    assert written(f"{date} 1:2:3.5") == datetime(year, 6, 2, 1, 2, 3, 500000, tzinfo=UTC)
+
+
+@pytest.mark.parametrize("origin", [(1970, 1, 1), (1980, 1, 1), (1980, 1, 6)])
+def test_a_clock_that_was_never_set_is_known_within_its_first_hour(origin):
+    start = datetime(*origin, tzinfo=UTC)
+    hour = timedelta(hours=1)
+    assert [bool(clock_fault(start + shift)) for shift in (-TICK, 0 * TICK, hour - TICK, hour)] == [0, 1, 1, 0]
+    assert "is that of a clock that was never set" in clock_fault(start)
+
+
+def test_accelerograms_begin_in_1933():
+    first = datetime(1933, 1, 1, tzinfo=UTC)
+    assert clock_fault(first) == ""
+    assert "before the first accelerograms" in clock_fault(first - TICK)
+
+
+def test_a_start_is_at_most_an_hour_from_its_earthquake():
+    origin = datetime(2011, 3, 11, 5, 46, tzinfo=UTC)
+    for side in (-1, 1):
+        start = origin + side * timedelta(hours=1)
+        assert near_event(start, origin) == (start, [])
+        kept, (words,) = near_event(start + side * TICK, origin)
+        assert kept is None
+        assert "lies 1.0 h from the earthquake of 2011-03-11 05:46:00; it was left out" in words
+    assert near_event(None, origin) == (None, [])
+    assert near_event(origin, None) == (origin, [])
+
+
+def test_a_later_time_ends_with_the_calendar():
+    start = datetime(2011, 3, 11, tzinfo=UTC)
+    assert later(start, 1.5) == start + timedelta(seconds=1.5)
+    assert later(None, 1.5) is None
+    assert later(start, 1e15) is None
+
+
+NAN = math.nan
+
+
+def when(*moment):
+    return datetime(*moment, tzinfo=UTC)
+
+
+def known(record):
+    """The facts that a record knows, by their names."""
+    values = {field.name: getattr(record, field.name) for field in fields(Facts)}
+    return {name: value for name, value in values.items() if value not in ("", None) and value == value}
+
+
+def test_facts_are_fields_of_a_record_with_the_same_defaults():
+    of_record = {field.name: field for field in fields(Record)}
+    for field in fields(Facts):
+        assert of_record[field.name].type == field.type
+        assert str(of_record[field.name].default) == str(field.default)
+
+
+@pytest.mark.parametrize(
+    ("told", "found"),
+    [
+        ({"magnitude": ("7.7", "MW")}, {"magnitude": 7.7, "magnitude_type": "Mw"}),
+        ({"magnitude": (4.6, "Ml")}, {"magnitude": 4.6, "magnitude_type": "ML"}),
+        ({"magnitude": ("5.9", "M")}, {"magnitude": 5.9}),
+        ({"magnitude": ("5.1", "mbLg")}, {"magnitude": 5.1, "magnitude_type": "mbLg"}),
+        ({"magnitude": ("-0.4", "ML")}, {"magnitude": -0.4, "magnitude_type": "ML"}),
+        ({"magnitude": ("0.00", "ML")}, {}),
+        ({"magnitude": (-999.0, "Mw")}, {}),
+        ({"magnitude": ("10.1", "")}, {}),
+        ({"magnitude": (10.0, "")}, {"magnitude": 10.0}),
+        ({"magnitude": (-1.0, "ML")}, {"magnitude": -1.0, "magnitude_type": "ML"}),
+        ({"magnitude": (-1.1, "ML")}, {}),
+        ({"magnitude": (1.0, " mb ")}, {"magnitude": 1.0, "magnitude_type": "mb"}),
+        ({"magnitude": ("unknown", "Mw")}, {}),
+        ({"hypocentre": ("37.288", "37.043")}, {"hypocentre_latitude": 37.288, "hypocentre_longitude": 37.043}),
+        ({"hypocentre": (37.0, 200.0)}, {"hypocentre_latitude": 37.0, "hypocentre_longitude": -160.0}),
+        ({"hypocentre": (37.0, -359.5)}, {"hypocentre_latitude": 37.0, "hypocentre_longitude": 0.5}),
+        ({"hypocentre": (37.0, 360.0)}, {"hypocentre_latitude": 37.0, "hypocentre_longitude": 0.0}),
+        ({"hypocentre": (37.0, 180.0)}, {"hypocentre_latitude": 37.0, "hypocentre_longitude": 180.0}),
+        ({"hypocentre": (37.0, 180.5)}, {"hypocentre_latitude": 37.0, "hypocentre_longitude": -179.5}),
+        ({"hypocentre": (37.0, -180.0)}, {"hypocentre_latitude": 37.0, "hypocentre_longitude": -180.0}),
+        ({"hypocentre": (37.0, -360.0)}, {"hypocentre_latitude": 37.0, "hypocentre_longitude": 0.0}),
+        ({"hypocentre": (37.0, 360.5)}, {}),
+        ({"hypocentre": (37.0, -360.5)}, {}),
+        ({"hypocentre": (90.0, 0.0)}, {"hypocentre_latitude": 90.0, "hypocentre_longitude": 0.0}),
+        ({"hypocentre": (90.5, 20.0)}, {}),
+        ({"hypocentre": (-90.5, 20.0)}, {}),
+        ({"hypocentre": (1.0, 1.0)}, {"hypocentre_latitude": 1.0, "hypocentre_longitude": 1.0}),
+        ({"hypocentre": (-90.0, 20.0)}, {"hypocentre_latitude": -90.0, "hypocentre_longitude": 20.0}),
+        ({"hypocentre": ("91", "37"), "depth_km": "5"}, {"hypocentre_depth": 5000.0}),
+        ({"hypocentre": (-999.0, -999.0)}, {}),
+        ({"hypocentre": ("0.000", "0.000"), "depth_km": "0.0"}, {}),
+        (
+            {"hypocentre": (37.0, 37.0), "depth_km": "0.0"},
+            {"hypocentre_latitude": 37.0, "hypocentre_longitude": 37.0, "hypocentre_depth": 0.0},
+        ),
+        ({"depth_km": "-3"}, {}),
+        ({"depth_km": 800.5}, {}),
+        ({"depth_km": 800.0}, {"hypocentre_depth": 800_000.0}),
+        ({"depth_km": 0.5}, {"hypocentre_depth": 500.0}),
+        ({"depth_km": -0.5}, {}),
+        ({"distance_km": 0.5}, {"epicentral_distance": 500.0}),
+        ({"distance_km": 1.0}, {"epicentral_distance": 1000.0}),
+        ({"distance_km": -0.5}, {}),
+        ({"distance_km": 20_040.0}, {"epicentral_distance": 20_040_000.0}),
+        ({"distance_km": 20_040.5}, {}),
+        ({"distance_km": "120.12"}, {"epicentral_distance": 120120.0}),
+        ({"distance_km": "0."}, {}),
+        ({"distance_km": -999.0}, {}),
+        ({"station": ("37.76121", "")}, {}),
+        ({"station": (0.0, 9.5)}, {"station_latitude": 0.0, "station_longitude": 9.5}),
+        ({"vs30": "391"}, {"vs30": 391.0}),
+        ({"vs30": "0"}, {}),
+        ({"vs30": 30.0}, {"vs30": 30.0}),
+        ({"vs30": 29.5}, {}),
+        ({"vs30": "5000"}, {"vs30": 5000.0}),
+        ({"vs30": 5000.5}, {}),
+        ({"vs30": "1e999"}, {}),
+        ({"site_class": " B "}, {"site_class": "B"}),
+        ({"site_class": "N/A", "event_id": "---"}, {}),
+        ({"origin_time": when(1980, 1, 1)}, {}),
+        ({"origin_time": when(2009, 4, 6, 1, 32, 39)}, {"origin_time": when(2009, 4, 6, 1, 32, 39)}),
+    ],
+)
+def test_what_cannot_be_true_is_left_out(told, found):
+    assert (
+        known(stated(**told)) == pytest.approx(found)
+        if "epicentral_distance" in found
+        else known(stated(**told)) == found
+    )
+
+
+def test_nothing_stated_is_nothing_known():
+    assert known(NOTHING) == known(stated()) == {}
+
+
+@pytest.mark.parametrize(
+    ("text", "place"),
+    [
+        ("STATION NO. 14403   33.929N, 118.260W     SMA-1  S/N 3492", (33.929, -118.26)),
+        ("HYPOCENTER(CIT/USGS): 34.201N,116.826W, H=7KM.     MS=6.6(NEIC), MW=6.4(CIT)", (34.201, -116.826)),
+        ("36.91980N-27.44350E", (36.9198, 27.4435)),
+        ("Ahar                      Station   38.474 N 47.059 E   Altitude 1360m", (38.474, 47.059)),
+        ("19.33024 LAT. N 99.181076 LONG. W", (19.33024, -99.181076)),
+        ("EPICENTER -   34 03 29N, 118 04 30W", (34.058056, -118.075)),
+        ("Site HSES      42 31 24S  172 49 50E     Basalt file:  20161113", (-42.523333, 172.830556)),
+        ("Hypocenter:  To be determined.               ML:  To be determined.", (NAN, NAN)),
+        ("12.5 NEAR 13.5 WEST", (NAN, NAN)),
+        ("33.5n 118.25w, 40.0S 100.0E", (33.5, -118.25)),
+        ("34 03 36s, 118 04 30e, 12 00 00N", (-34.06, 118.075)),
+        ("33.5N", (33.5, NAN)),
+    ],
+)
+def test_places_in_headers(text, place):
+    np.testing.assert_array_equal(coordinates(text), place)
+
+
+@pytest.mark.parametrize(
+    ("text", "found"),
+    [
+        ("Hypocenter: 34.0580  -117.0110  H= 12km(SCSN) ML=4.9, Mw=4.8(CIT), Ms=4.2(NEIC)", (4.8, "Mw")),
+        ("Hypocenter: To be determined    H=   km       ML=     Mw=", (NAN, "")),
+        ("Epicenter 38.520 N 46.860 E   FD 12 Km mb      Ms      Mw6.1   M        ML   (BHRC   )", (6.1, "Mw")),
+        ("/Mb=5.2/Ms=5.8/Mc=5.0/Ma=5.6/Me=5.7", (5.8, "Ms")),
+        ("Depth    8km M  5.70", (5.7, "")),
+        ("HYPOCENTER:   0.000N    0.000E  H=   0.0KM   ML= 0.00", (NAN, "")),
+        ("H=12 KM. M=123.4", (NAN, "")),
+    ],
+)
+def test_magnitudes_in_headers(text, found):
+    np.testing.assert_equal(magnitudes(text), found)
+
+
+def test_one_magnitude_of_several():
+    assert preferred([("6.5", "ML"), ("-999", "Mw"), ("6.6", "Ms")]) == (6.6, "Ms")
+    assert preferred([("5.0", "Md"), ("5.1", "Mc")]) == (5.0, "Md")
+    order = [("5.3", "Md"), ("5.4", "mb"), ("5.5", "ML"), ("5.6", "Ms"), ("5.7", "Mw")]
+    for count in range(1, 6):
+        assert preferred(order[:count]) == (float(order[count - 1][0]), order[count - 1][1])
+    assert preferred([("5.0", "m"), ("0.0", "Mw")]) == (5.0, "")
+    np.testing.assert_equal(preferred([]), (NAN, ""))
+
+
+#: Origin time, magnitude and depth [km] of real records, as their headers state them. Public catalogues agree to their
+#: digits: M 7.8 Kaikoura 2016-11-13 11:02:56, M 6.7 Northridge 1994-01-17 12:30:55, M 7.1 Anchorage 2018-11-30
+#: 17:29:29, M 6.6 Kos 2017-07-20 22:31:09, M 6.4 Hualien 2018-02-06 15:50:42, M 6.5 Ahar 2012-08-11 12:23, M 7.8
+#: Kahramanmaras 2023-02-06 01:17:34, M 6.3 L'Aquila 2009-04-06 01:32:39.
+REAL = {
+    "dyna_asc/20101114230825_3104_ap_RawAcc_E.asc": (when(2010, 11, 14, 23, 8, 25, 750000), 5.1, "ML", 24.17),
+    "dyna_asc_afad/20230206011732_0201_ap_AAD_Acc_E.asc": (when(2023, 2, 6, 1, 17, 32), 7.7, "Mw", 8.6),
+    "sigma_itaca/16837_H2.cor.acc": (when(2009, 4, 6, 1, 32, 39), NAN, "", NAN),
+    "afad_nsmn/20170720223109_0921.txt": (when(2017, 7, 20, 22, 31, 9), 6.5, "Mw", 19.44),
+    "geonet/20161113_110300_HSES_20.V1A": (when(2016, 11, 13, 11, 2, 56), 7.82, "Mw", 15.0),
+    "cosmos/NP8040-n.1000hyfh.HNE.01.V0c": (when(2018, 11, 30, 17, 29, 29), 7.0, "Mw", 46.7),
+    "csmip_v1/LA116TH.RAW": (when(1994, 1, 17, 12, 30, 55, 400000), 6.7, "Mw", 18.0),
+    "csmip_v2/ce36456p_CE36456.V2": (when(1983, 5, 2, 23, 42, 38, 500000), 6.5, "ML", 9.0),
+    "smc/2516b_a.smc": (when(2011, 8, 23, 17, 51), 5.8, "Mw", 6.0),
+    "usc_v1/017m30lw.e0a": (when(1994, 1, 17, 12, 30), 6.7, "", 18.4),
+    "bhrc/5520-1.V1": (when(2012, 8, 11, 12, 23, 16), 6.1, "Mw", 12.0),
+    "cwb/2-EGF.dat": (when(2018, 2, 6, 15, 50, 42), 6.0, "ML", 10.0),
+    "unam_asa/CUP50401.012": (when(2004, 1, 1, 23, 58, 2, 700000), 5.8, "Ms", 14.0),
+}
+#: The earthquake is not known yet, was never stated, or stands for unknown.
+UNKNOWN = {
+    "cosmos/CE23837.V1C": {"station_latitude", "station_longitude"},
+    "csmip_v2/CE58667.V2": {"station_latitude", "station_longitude"},
+    "renadic/cuya0911131.v1": set(),
+    "renadic/curico1002271parte1.v1": set(),  # an origin of 03:54:54 by its own clock; the earthquake was at 06:34:11
+    "at2/NIS090.AT2": set(),
+}
+
+
+@pytest.mark.parametrize("name", REAL)
+def test_facts_of_real_records(records_folder, name):
+    one = read(records_folder / name)[0]
+    origin, *numbers = REAL[name]
+    assert one.origin_time == origin
+    np.testing.assert_equal([one.magnitude, one.magnitude_type, one.hypocentre_depth / 1e3], numbers)
+
+
+@pytest.mark.parametrize("name", UNKNOWN)
+def test_what_real_records_do_not_state_is_unknown(records_folder, name):
+    assert {fact for record in read(records_folder / name) for fact in known(record)} == UNKNOWN[name]
+
+
+STATION = {"station_latitude": 35.81574, "station_longitude": -117.59751}
+
+
+def sac(tmp_path, **header):
+    """A SAC file of 20 samples from 03:20 on, with words of its header."""
+    path = tmp_path / "one.sac"
+    trace = obspy.Trace(np.ones(20, dtype=np.float32), {"delta": 0.01, "station": "CLC", "channel": "HNE"})
+    trace.stats.starttime = obspy.UTCDateTime(2019, 7, 6, 3, 20)
+    trace.stats.sac = {"b": 0.0, **header}
+    trace.write(str(path), format="SAC")
+    return known(read(path, units="g")[0])
+
+
+def test_facts_of_sac(tmp_path):
+    place = {"stla": 35.816, "stlo": -117.598, "evla": 35.77, "evlo": -117.599, "lcalda": 0}
+    found = sac(tmp_path, o=-6.96, evdp=8.0, mag=7.1, dist=5.1, **place)
+    assert found == {
+        "origin_time": when(2019, 7, 6, 3, 19, 53, 40000),
+        "magnitude": 7.1,
+        "hypocentre_latitude": 35.77,
+        "hypocentre_longitude": -117.599,
+        "hypocentre_depth": 8000.0,
+        "epicentral_distance": 5100.0,
+        "station_latitude": 35.816,
+        "station_longitude": -117.598,
+    }
+    # Nobody has set O where it is the first sample; a depth of 8000 km is one in metres, of which nobody says so.
+    assert sac(tmp_path, o=0.0, evdp=8000.0) == {}

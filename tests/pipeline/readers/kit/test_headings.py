@@ -1,0 +1,486 @@
+"""Words in the prose above plain columns: the motions, units, intervals and counts that they state.
+
+What the header of plain columns says: it is believed, and held against what the caller says.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import math
+import time
+
+import numpy as np
+import pytest
+from record_writers import pulse
+from record_writers.columns import columns
+
+from rockpulse.errors import RecordFormatError, RockpulseError, UnitError
+from rockpulse.readers import read
+from rockpulse.readers.format import ReadOptions
+from rockpulse.readers.formats.columns import is_columns, read_columns
+from rockpulse.readers.kit.headings import (
+    Heading,
+    _are_headings,
+    column_headings,
+    kinds_of,
+    stated_counts,
+    stated_kinds,
+    stated_steps,
+    stated_units,
+)
+from rockpulse.readers.kit.table import Layout
+from rockpulse.readers.source import NotAcceleration, SourceFile
+
+
+@pytest.mark.parametrize(
+    ("line", "kinds", "units", "steps", "counts"),
+    [
+        ("# velocity (cm/s)", ["velocity"], [], [], []),
+        ("accelerogram of the main shock, spectrally matched", [], [], [], []),
+        ("shear wave velocity 360 m/s", [], [], [], []),
+        ("Acceleration in g, dt = 0.02, N = 400", ["acceleration"], ["g"], [0.02], [400]),
+        ("Beschleunigung in mm/s², 100 Hz", ["acceleration"], ["mm/s2"], [0.01], []),
+        *[(f"dt = 5 {unit}", [], [], [0.005], []) for unit in ("ms", "msec", "millisec", "milliseconds")],
+        ("dt = 500 us", [], [], [5e-4], []),
+        *[(f"dt = 2 {unit}", [], [], [120.0], []) for unit in ("min", "minutes")],
+        ("500 Hz filter, 2000 samples per second", [], [], [], []),
+        ("with 2 numbers", [], [], [], []),
+        ("response spectrum", ["spectrum"], [], [], []),
+        ("target spectrum", [], [], [], []),
+        ("time of the velocity", ["velocity"], [], [], []),
+        ("dt (ms) = 3/4", [], [], [7.5e-4], []),
+        ("dt = 2.5e-2 s", [], [], [0.025], []),
+        ("dt = 0,25e+1", [], [], [2.5], []),
+        ("sampling rate: 0", [], [], [math.inf], []),
+        ("sampling rate 250, dt = 0.02, 500 hz", [], [], [0.02, 0.004], []),
+        ("300 points and 40 values", [], [], [], [300, 40]),
+    ],
+)
+def test_words_of_a_header(line, kinds, units, steps, counts):
+    assert list(stated_kinds([line])) == kinds
+    assert sorted({unit.wording for unit in stated_units([line])}) == units
+    assert [step.value for step in stated_steps([line])] == pytest.approx(steps)
+    assert [count.value for count in stated_counts([line])] == counts
+
+
+def test_statements_tell_their_lines_and_words():
+    header = ["Station", "Acceleration", "Velocity [cm/s]", "acceleration [Gal]", "sampling rate = 50", "NPTS = 7"]
+    assert stated_kinds(header) == {"acceleration": 2, "velocity": 3}
+    assert {(one.line, one.wording, one.value) for one in stated_units(header)} == {(4, "Gal", 0.0)}
+    assert [(one.line, one.wording, one.value) for one in stated_steps(header)] == [(5, "sampling rate = 50", 0.02)]
+    assert [(one.line, one.wording, one.value) for one in stated_counts(header)] == [(6, "npts = 7", 7.0)]
+    (bare,) = stated_steps(["x", "recorded with 40 hz"])
+    assert (bare.line, bare.wording, bare.value) == (2, "40 hz", 0.025)
+    (named,) = stated_steps(["resampled to dt = 0.5", "dt = 0.25"])
+    assert (named.line, named.wording, named.value) == (2, "dt = 0.25", 0.25)
+
+
+@pytest.mark.parametrize(
+    ("line", "quantities"),
+    [
+        *[
+            (line, ["acceleration"])
+            for line in ("in g", "units: (g)", "unit = g(980)", "# g", "[g]", "values of 3 as gal")
+        ],
+        *[(line, ["velocity"]) for line in ("in kine", "cm/s", "[m/s]")],
+        *[(line, ["displacement"]) for line in ("# cm", "units: cm")],
+        *[(line, []) for line in ("in cm", "[cm]", "units: s", "# ms", "peak [g]", "converted, in g")],
+        *[(line, []) for line in ("trigger=3 gal", "trigger 3(gal", "٣gal")],
+    ],
+)
+def test_units_of_prose(line, quantities):
+    assert list(stated_kinds([line])) == quantities
+    assert bool(stated_units([line])) == ("acceleration" in quantities)
+
+
+def test_kinds_of_motion_come_before_acceleration_and_time():
+    assert kinds_of("Time, Acc, PSA, Disp, VEL") == ["velocity", "displacement", "spectrum", "acceleration", "time"]
+    assert kinds_of("Acceleration, target spectrum") == ["acceleration"]
+    assert kinds_of("Ivme, Hız") == ["velocity", "acceleration"]
+
+
+@pytest.mark.parametrize(("length", "counts"), [(1000, [12.0]), (1001, [])])
+def test_a_line_is_looked_at_up_to_its_thousandth_letter(length, counts):
+    words = " 12 points"
+    assert [one.value for one in stated_counts(["x" * (length - len(words)) + words])] == counts
+
+
+COUNT, STEP = 1000, 0.005
+TIMES = np.arange(COUNT) * STEP
+VALUES = np.round(pulse(COUNT, peak=3.0) + 0.01 * np.sin(300.0 * TIMES), 6)
+VELOCITY = np.cumsum(VALUES) * STEP
+PAIR = np.column_stack([TIMES, VALUES])
+JMA = """SITE CODE= 62501,KUMAMOTO
+ LAT.= 32.8
+ LON.= 130.7
+ SAMPLING RATE= 100Hz
+ UNIT  = gal(cm/s/s)
+ INITIAL TIME = 2016 04 16 01 25 00
+ NS,EW,UD
+"""
+
+
+def series(header: str, *more: np.ndarray, separator: str = " ") -> bytes:
+    """Time, acceleration and more columns below a header."""
+    return columns(np.column_stack([TIMES, VALUES, *more]), header, separator)
+
+
+@pytest.mark.parametrize(
+    ("header", "separator"),
+    [
+        ("Time [sec]\tAcceleration [cm/sec2]\tVelocity [cm/sec]\tDisplacement [cm]\n", "\t"),
+        ("Time [sec] Acceleration [cm/sec2] Velocity [cm/sec] Displacement [cm]\n", " "),
+        ("# Time (s)   Acc. NS (cm/s2)   Velocity NS (cm/s)   Displ. NS (cm)\n", " "),
+        ("t a v d\n", "\t"),
+        ("Tiempo (s), Aceleración, Velocidad, Desplazamiento\n", ","),
+        ("Zeit;Beschleunigung;Geschwindigkeit;Verschiebung\n", ";"),
+        ("Temps\tAccélération\tVitesse\tDéplacement\n", "\t"),
+        ("Tempo,Accelerazione,Velocità,Spostamento\n", ","),
+        ("Zaman,İvme,Hız,Deplasman\n", ","),
+        ("Tempo;Aceleração;Velocidade;Deslocamento\n", ";"),
+        ("Time,Acc,Vel,Disp\ns,cm/s2,cm/s,cm\n", ","),
+        ("Time,x,y,z\n(s),(cm/s2),(cm/s),(cm)\n", ","),
+    ],
+)
+def test_velocity_and_displacement_are_known_by_their_headings(write, header, separator):
+    (record,) = read(write(series(header, VELOCITY, np.cumsum(VELOCITY), separator=separator)), units="cm/s2")
+    assert record.acceleration == pytest.approx(VALUES / 100.0, abs=1e-12)
+    assert "columns left out, no acceleration: " in record.warnings[0]
+
+
+@pytest.mark.parametrize("units", ["g", None])
+@pytest.mark.parametrize(
+    "header",
+    [
+        "Time [sec]\tAcceleration [cm/sec2]\n",
+        "Time (s) Acc NS (cm/s2)\n",
+        "Time,Acc\ns,cm/s2\n",
+        "time\tacc_cm_s2\n",
+        "time,acceleration in gal\n",
+        "time,Acceleration cm/s^2\n",
+        "time,Acceleration cm s-2\n",
+    ],
+)
+def test_the_unit_of_a_heading_is_believed_and_held_against_the_caller(write, header, units):
+    path = write(series(header, separator="\t" if "\t" in header else ","))
+    if units is None:
+        assert read(path)[0].acceleration == pytest.approx(VALUES / 100.0, abs=1e-12)
+        return
+    with pytest.raises(UnitError, match=r"column '.*' is headed (cm/s2|gal), the option units says g"):
+        read(path, units=units)
+
+
+@pytest.mark.parametrize(
+    "header",
+    [
+        "# units: cm/s2\n# t a\n",
+        "UNIT  = gal(cm/s/s)\n",
+        "Accelerations in cm/s²\n",
+        "# [Gal]\n",
+        "# cm/sec**2\n",
+        "Unidades: cm/s2\nt,a\n",
+    ],
+)
+def test_the_unit_of_the_prose_has_to_agree_but_does_not_spare_the_question(write, header):
+    path = write(series(header))
+    with pytest.raises(
+        UnitError,
+        match=r"record.txt:1: the header says '.*', the option units says g; correct .* convert FILE --units g ",
+    ):
+        read(path, units="g")
+    with pytest.raises(UnitError, match="do not state their unit; line 1 of its header speaks of"):
+        read(path)
+    assert read(path, units="gal")[0].acceleration == pytest.approx(VALUES / 100.0, abs=1e-12)
+
+
+@pytest.mark.parametrize("header", ["t [s],a [mg]\n", "t,a\ns,%g\n", "units: mg\n", "t,a (furlong/s2)\n"])
+def test_a_unit_that_is_not_read_is_refused(write, header):
+    with pytest.raises(UnitError, match="unknown unit of acceleration"):
+        read(write(series(header, separator=",")), units="g")
+
+
+@pytest.mark.parametrize(
+    "header", ["PGA = 300 cm/s2\n", "Peak acceleration (cm/s2): 300\n", "Vs30 = 360 m/s\n", "a (raw)\n"]
+)
+def test_units_of_something_else_are_none_of_the_columns(write, header):
+    assert read(write(series(header)), units="g")[0].npts == COUNT
+
+
+def test_jma_file(write):
+    path = write(columns(np.column_stack([VALUES] * 3), JMA, ","), "jma.csv")
+    records = read(path, units="gal")
+    assert [(record.dt, record.channel) for record in records] == [(0.01, "NS"), (0.01, "EW"), (0.01, "UD")]
+    with pytest.raises(UnitError, match=r"jma.csv:5: the header says 'gal', the option units says g"):
+        read(path, units="g")
+    with pytest.raises(RecordFormatError, match=r"disagree: 0.01 s \(line 4: 'sampling rate= 100'\), 0.005 s \(option"):
+        read(path, units="gal", dt=0.005)
+
+
+@pytest.mark.parametrize(
+    ("header", "step"),
+    [
+        ("# dt = 0.005 s, 200 Hz\n", 0.005),
+        ("dt= .005 SEC\n", 0.005),
+        ("DT(ms) = 5\n", 0.005),
+        ("dt = 1/200 s\n", 0.005),
+        ("sampling interval: 5 ms\n", 0.005),
+        ("Intervalo de muestreo: 0,005\n", 0.005),
+        ("SAMPLING RATE= 200Hz\n", 0.005),
+        ("Sampling frequency (Hz): 200\n", 0.005),
+        ("200 Hz, NS\n", 0.005),
+        ("200 samples per second\n", 0.005),
+        ("band-pass 0.1-25 Hz\n", None),
+        ("M 5 at 25 km\n", None),
+    ],
+)
+def test_the_interval_of_the_header_is_believed_and_held_against_the_caller(write, header, step):
+    path = write(columns(VALUES[:, None], header))
+    if step is None:
+        assert read(path, units="g", dt=0.01)[0].dt == 0.01
+        return
+    assert read(path, units="g")[0].dt == pytest.approx(step, rel=1e-12)
+    with pytest.raises(RecordFormatError, match=r"intervals disagree: 0.005 s \(line 1: .*, 0.01 s \(option dt\)"):
+        read(path, units="g", dt=0.01)
+
+
+@pytest.mark.parametrize(
+    ("heading", "per_second"),
+    [
+        *[(heading, 1 / 60) for heading in ("Time (min)", "Tiempo [minutes]")],
+        *[(heading, 1e3) for heading in ("t_ms", "time in ms", "t [msec]", "t [millisec]", "time (milliseconds)")],
+        ("t [us]", 1e6),
+    ],
+)
+def test_times_in_other_units(write, heading, per_second):
+    table = np.column_stack([TIMES * per_second, VALUES])
+    (record,) = read(write(columns(table, f"{heading},acc\n", ",", field="{:.9f}")), units="m/s2")
+    assert record.dt == pytest.approx(STEP, rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("lines", "step"), [("1000\n0.005\n", 0.005), ("1000\n", None), ("0.005\n1000\n", 0.005), (" 0.005 1000\n", 0.005)]
+)
+def test_a_count_on_a_line_of_its_own_is_no_sample(write, lines, step):
+    (record,) = read(write(columns(VALUES[:, None], lines)), units="mm/s2", dt=None if step else 0.005)
+    assert (record.npts, record.dt) == (COUNT, 0.005)
+    assert record.acceleration == pytest.approx(VALUES / 1000.0, abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    "header",
+    [
+        "# Accelerograph station ABC\n# velocity (cm/s)\n",
+        "time,velocidad_NS\n",
+        "Zeit,Geschwindigkeit\n",
+        "time,hız\n",
+        "time,v\n",
+        "Period(s),PSA(g)\n",
+        "period [s],SA [g]\n",
+        "T,Sa\n",
+        "# response spectrum 5% damping\nT [s],SA [g]\n",
+        "T [s],Sd [cm]\n",
+        "Freq (Hz),acc NS (cm/s2)\n",
+        "Frequency (Hz),FAS\n",
+        "# PGV 12 cm/s\n# cm/s\n",
+        "# velocity (cm/s)\nt,NS\n",
+        "t [s],NS [cm]\n",
+        "units: cm/s\n",
+    ],
+)
+def test_what_is_no_acceleration_is_refused(write, header):
+    with pytest.raises(NotAcceleration, match=r"record.txt:\d: expected .*acceleration"):
+        read(write(series(header, separator=",")), units="cm/s2")
+
+
+@pytest.mark.parametrize(
+    "header",
+    ["Acceleration and velocity of the same site\n", "Response spectrum\n", "Velocity from acceleration\nt,NS\n"],
+)
+def test_a_header_that_names_more_than_one_motion_asks_for_headings(write, header):
+    with pytest.raises(RecordFormatError, match=r"record.txt:1: expected to know which columns .* name the columns"):
+        read(write(series(header)), units="g")
+
+
+def test_unnamed_columns_of_acceleration_velocity_and_displacement_are_refused(write):
+    content = series("", VELOCITY, np.cumsum(VELOCITY))
+    with pytest.raises(RecordFormatError, match=r"column 3 is the integral of column 2, .* name the columns"):
+        read(write(content), units="g")
+    assert len(read(write(series("", VALUES[::-1], -VALUES)), units="g")) == 3
+    with pytest.raises(RecordFormatError, match="found 4 columns of numbers"):
+        read(write(series("", VALUES[::-1], -VALUES, VALUES[::-1])), units="g")
+
+
+def test_a_column_that_is_headed_as_time_is_time_wherever_it_stands(write):
+    (record,) = read(write(columns(PAIR[:, ::-1], "acc,time\n", ",")), units="m/s2")
+    assert (record.dt, record.channel) == (STEP, "acc")
+    with pytest.raises(RecordFormatError, match="column 2 runs like time; write the times as the first column"):
+        read(write(columns(PAIR[:, ::-1])), units="m/s2", dt=STEP)
+
+
+def test_a_column_that_is_headed_as_acceleration_and_runs_like_time_is_refused(write):
+    with pytest.raises(
+        RecordFormatError, match="expected acceleration in the column 'acc', found that it runs like time"
+    ):
+        read(write(series("acc,acc EW\n", separator=",")), units="m/s2")
+
+
+@pytest.mark.parametrize(
+    "unit", [b"1", b"a", b" ", b"(", b"1 ", b"1.", b"[g] ", b"1,", b"cm/s ", b"dt=", b";", b'"', b"in "]
+)
+def test_hostile_lines_cost_no_more_than_their_length(unit):
+    rows = columns(PAIR)
+    long, short = unit * (1_000_000 // len(unit)) + b"x\n", unit * (900 // len(unit)) + b"x\n"
+    for content in (long, long + rows, rows + long + rows, short * 50 + rows, short * 2000, rows + short * 2000):
+        began = time.process_time()
+        is_columns(content[:65536], "a.txt")
+        with contextlib.suppress(RockpulseError):
+            read_columns(SourceFile("a.txt", content[:65536], lambda content=content: content), ReadOptions("g", 0.005))
+        assert time.process_time() - began < 2.0
+
+
+@pytest.mark.parametrize(("words", "count"), [("time 360 90", 2), ("time 361 90", 0)])
+def test_numbers_up_to_360_are_headings_that_name_directions(write, words, count):
+    table = columns(np.column_stack([TIMES, VALUES, VALUES[::-1]])).decode()
+    records = read(write(f"{words}\n{table}".encode()), units="g")
+    assert sum(record.orientation == "horizontal" for record in records) == count
+
+
+def test_words_that_say_nothing_are_headings_where_each_stands_alone():
+    one, two = Heading("alpha"), Heading("beta")
+    assert _are_headings([one, two], own=True)
+    assert not _are_headings([Heading("the first"), two], own=True)
+
+
+def test_a_column_without_a_heading_in_front_of_tabs_keeps_its_place(write):
+    table = np.column_stack([np.arange(COUNT), 1e3 * TIMES, VALUES])
+    (record,) = read(write(columns(table, "\tTime [ms]\tAcc [m/s2]\n", "\t", field="{:.9g}")), units="m/s2")
+    assert record.acceleration == pytest.approx(VALUES)
+    assert record.dt == pytest.approx(STEP)
+    (record,) = read(write(columns(PAIR, "# Time [s], Acc [m/s2] #\n", ",")), units="m/s2")
+    assert record.acceleration == pytest.approx(VALUES)
+
+
+A, V, D, T = "acceleration", "velocity", "displacement", "time"
+
+
+@pytest.mark.parametrize(
+    ("header", "delimiter", "width", "found", "above"),
+    [
+        # letters that are motions, and letters that are directions
+        (["t a v d"], None, 4, [("t", T, ""), ("a", A, ""), ("v", V, ""), ("d", D, "")], 0),
+        (["prose of a kind", "t v u"], None, 3, [("t", T, ""), ("v", V, ""), ("u", D, "")], 1),
+        (["t,x,d"], ",", 3, [("t", T, ""), ("x", "", ""), ("d", "", "")], 0),
+        (["t,a,n,v"], ",", 4, [("t", T, ""), ("a", "", ""), ("n", "", ""), ("v", "", "")], 0),
+        (["e,v"], ",", 2, [("e", "", ""), ("v", "", "")], 0),
+        (["time,acc,V"], ",", 3, [("time", T, ""), ("acc", A, ""), ("V", V, "")], 0),
+        (["v"], None, 1, [("v", "", "")], 0),
+        # units in a row of their own, in brackets, in words
+        (["x", "t,a", "[s],(g)"], ",", 2, [("t", T, "s"), ("a", A, "g")], 1),
+        (["What is known of it", "s, g"], ",", 2, [("", T, "s"), ("", A, "g")], 1),
+        (["t\ta", "s\tg"], None, 2, [("t", T, "s"), ("a", A, "g")], 0),
+        (["t,vel of acc"], ",", 2, [("t", T, ""), ("vel of acc", V, "")], 0),
+        (["x, acc"], None, 1, [("x, acc", A, "")], 0),
+        (["t,a", "s,s"], ",", 2, [("s", "", ""), ("s", "", "")], 1),
+        (["t,a", "s,g,g"], ",", 2, [], 2),
+        (
+            ["t [ms],a (x1) [g],v (furlong) (x1) (y2)"],
+            ",",
+            3,
+            [("t [ms]", T, "ms"), ("a (x1) [g]", A, "g"), ("v (furlong) (x1) (y2)", V, "x1")],
+            0,
+        ),
+        (
+            ["t,a (main shock),a (12),a (up)"],
+            ",",
+            4,
+            [("t", T, ""), *((f"a ({x})", A, "") for x in ("main shock", "12", "up"))],
+            0,
+        ),
+        (
+            ["t,a (of main),a (volt),a (raw)"],
+            ",",
+            4,
+            [("t", T, ""), *((f"a ({x})", A, x) for x in ("of main", "volt", "raw"))],
+            0,
+        ),
+        (
+            ["t_us,acc_cm_s2,acc g,ch g,x [Hz]"],
+            ",",
+            5,
+            [
+                ("t_us", T, "us"),
+                ("acc_cm_s2", A, "cm_s2"),
+                ("acc g", A, "g"),
+                ("ch g", "", ""),
+                ("x [Hz]", "spectrum", "Hz"),
+            ],
+            0,
+        ),
+        # ways to split a line
+        (['time,"acc, NS","acc, EW"'], ",", 3, [("time", T, ""), ("acc  NS", A, ""), ("acc  EW", A, "")], 0),
+        (["Time (s) Acc NS (g)"], None, 2, [("Time (s)", T, "s"), ("Acc NS (g)", A, "g")], 0),
+        (
+            ["t acc (m / s2) vel (cm/s)"],
+            None,
+            3,
+            [("t", T, ""), ("acc (m / s2)", A, "m / s2"), ("vel (cm/s)", V, "cm/s")],
+            0,
+        ),
+        (["Time of it  Acc of it"], None, 2, [("Time of it", T, ""), ("Acc of it", A, "")], 0),
+        (["\tTime\tAcc"], "\t", 2, [("Time", T, ""), ("Acc", A, "")], 0),
+        (["\tTime\tAcc"], "\t", 3, [("", "", ""), ("Time", T, ""), ("Acc", A, "")], 0),
+        (["# Time;Acc"], None, 2, [("Time", T, ""), ("Acc", A, "")], 0),
+        # prose
+        (["acc NS (g)"], None, 1, [("acc NS (g)", A, "g")], 0),
+        (["acc of NS"], None, 1, [("acc of NS", A, "")], 0),
+        (["acc of main NS"], None, 1, [], 1),
+        (["motion [g]"], None, 1, [("motion [g]", A, "g")], 0),
+        (["motion [cm/s]"], None, 1, [], 1),
+        (["acc: NS"], None, 1, [], 1),
+        (["dt=0.01"], None, 1, [], 1),
+        (["NPTS=5,acc"], ",", 2, [("NPTS=5", "", ""), ("acc", A, "")], 0),
+        (["time NPTS=5"], None, 2, [], 1),
+        (["time a1 b2 c3 d4 e5 f6 ; x"], ",", 2, [], 1),
+        (["acc time"], None, 2, [("acc", A, ""), ("time", T, "")], 0),
+        (["acc nothing"], None, 2, [], 1),
+        (["nothing time"], None, 2, [], 1),
+        (["time nothing"], None, 2, [("time", T, ""), ("nothing", "", "")], 0),
+        (["ch 1  ch 2"], None, 2, [("ch 1", "", ""), ("ch 2", "", "")], 0),
+        (["time of one or more days  acc"], None, 2, [("time of one or more days", T, ""), ("acc", A, "")], 0),
+        (["time of one or even more days  acc"], None, 2, [], 1),
+        (["t a", "12 13", "-----"], None, 2, [("t", T, ""), ("a", A, "")], 0),
+        (["12 13", "----"], None, 2, [], 2),
+        ([], None, 2, [], 0),
+    ],
+)
+def test_the_headings_of_columns(header, delimiter, width, found, above):
+    headings, lines = column_headings(header, Layout(len(header), delimiter, ".", width))
+    assert [(heading.name, heading.kind, heading.unit) for heading in headings] == found
+    assert lines == above
+
+
+@pytest.mark.parametrize(("length", "count"), [(10_000, 2), (10_001, 0)])
+def test_a_line_of_headings_is_no_longer_than_a_row_may_be(length, count):
+    line = "time" + " " * (length - 7) + "acc"
+    assert len(column_headings([line], Layout(1, None, ".", 2))[0]) == count
+
+
+def test_a_heading_is_looked_at_up_to_its_eightieth_letter():
+    (_, one), _ = column_headings(["t," + "x" * 77 + " acc"], Layout(1, ",", ".", 2))
+    assert (len(one.name), one.kind) == (80, "")
+    (_, one), _ = column_headings(["t," + "x" * 76 + " acc"], Layout(1, ",", ".", 2))
+    assert (len(one.name), one.kind) == (80, "acceleration")
+
+
+@pytest.mark.parametrize(
+    ("heading", "known"),
+    [
+        *[(Heading(name), True) for name in ("one two N", "ch 3", "x1234", "station_2", "h")],
+        *[(Heading(name), False) for name in ("one two three N", "one", "x12345", "")],
+        (Heading("one", "time"), True),
+        (Heading("one", unit="g"), True),
+        (Heading("one", unit="furlong"), False),
+    ],
+)
+def test_what_is_known_of_a_heading(heading, known):
+    assert heading.known is known

@@ -1,0 +1,414 @@
+"""The sensitivity of an instrument: its unit, its sign, and the gains of the stages.
+
+Removal of an instrument's response against answers that are known without it.
+"""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from obspy.core.inventory.response import InstrumentSensitivity, PolynomialResponseStage, Response
+from scipy.signal import lsim
+
+from rockpulse.errors import RecordFormatError, RecordRefused
+from rockpulse.readers import read
+from rockpulse.readers.kit.response import (
+    _disagreement,
+    _gain,
+    first_stage,
+    measured,
+    pass_band,
+    sensitivity_factor,
+    sensitivity_notes,
+    turned,
+    without_response,
+)
+from rockpulse.readers.source import NotAcceleration
+from rockpulse.record.record import STANDARD_GRAVITY
+
+
+def response(value, unit="M/S**2", gains=(), first="M/S**2"):
+    """Stages of some gains, the last first, as a file may hold them."""
+    stages = [
+        SimpleNamespace(stage_gain=gain, stage_sequence_number=number, input_units=first if number == 1 else "V")
+        for number, gain in enumerate(gains, 1)
+    ]
+    whole = SimpleNamespace(value=value, input_units=unit)
+    return SimpleNamespace(instrument_sensitivity=whole, response_stages=stages[::-1] or None)
+
+
+@pytest.mark.parametrize(
+    ("unit", "expected"),
+    [
+        ("M", ("displacement", 1.0)),
+        ("cm", ("displacement", 0.01)),
+        ("MM", ("displacement", 0.001)),
+        ("UM/S", ("velocity", 1e-6)),
+        ("nm/sec", ("velocity", 1e-9)),
+        ("M/SECOND", ("velocity", 1.0)),
+        ("m s-1", ("velocity", 1.0)),
+        ("MM/S**2", ("acceleration", 0.001)),
+        ("M/S/S", ("acceleration", 1.0)),
+        ("cm s-2", ("acceleration", 0.01)),
+        ("(M/S^2)", ("acceleration", 1.0)),
+        ("g", ("acceleration", STANDARD_GRAVITY)),
+        ("Gal", ("acceleration", 0.01)),
+        ("gals", ("acceleration", 0.01)),
+    ],
+)
+def test_units_of_motion_in_any_spelling(unit, expected):
+    quantity, scale = measured("x", unit)
+    assert (quantity, scale) == (expected[0], pytest.approx(expected[1], rel=1e-12))
+    if quantity == "acceleration":
+        assert sensitivity_factor("x", response(-50.0, unit)) == pytest.approx(-scale / 50.0, rel=1e-12)
+
+
+def test_sensitivities_of_no_acceleration_are_refused():
+    for value in (None, 0.0):
+        with pytest.raises(RecordRefused, match=r"^x is in counts and its response states no sensitivity"):
+            sensitivity_factor("x", response(value))
+    with pytest.raises(RecordRefused, match="states no sensitivity"):
+        sensitivity_factor("x", SimpleNamespace(instrument_sensitivity=None))
+    for value in (float("inf"), float("nan")):
+        with pytest.raises(
+            RecordFormatError, match=rf"^x: expected a finite sensitivity of the instrument, found {value}"
+        ):
+            sensitivity_factor("x", response(value))
+    with pytest.raises(NotAcceleration, match=r"^x records CM/S, expected an acceleration"):
+        sensitivity_factor("x", response(2.0, "CM/S"))
+    with pytest.raises(NotAcceleration, match=r"^x records hPa, expected ground motion"):
+        measured("x", "hPa")
+    with pytest.raises(RecordRefused, match="unknown input unit None"):
+        measured("x", None)
+
+
+@pytest.mark.parametrize(
+    ("value", "unit", "gains", "first", "told"),
+    [
+        (600.0, "M/S**2", (2.0, 300.0), "M/S**2", ""),
+        (600.0, "M/S**2", (2.0, None, 300.0), "M/S**2", ""),
+        (600.0, "M/S**2", (None,), "M/S**2", ""),
+        (600.0, "M/S**2", (), "M/S**2", ""),
+        (600.0, "M/S**2", (2.0, 314.0), "M/S**2", ""),
+        (600.0, "M/S**2", (2.0, 320.0), "M/S**2", "differ from its sensitivity by 6.67 %"),
+        (600.0, "M/S**2", (2.0, 286.0), "M/S**2", ""),
+        (600.0, "M/S**2", (2.0, 270.0), "M/S**2", "differ from its sensitivity by -10 %"),
+        (6.0, "CM/S**2", (2.0, 300.0), "M/S**2", ""),
+        (600.0, "M/S**2", (2.0, 3.0), "CM/S**2", ""),
+        (
+            600.0,
+            "M/S",
+            (2.0, 300.0),
+            "M/S**2",
+            "stated for velocity, the stages of the response begin with acceleration",
+        ),
+        (600.0, "COUNTS", (2.0, 300.0), "CM/S**2", ""),
+        (600.0, "CM/S**2", (2.0, 300.0), "PA", ""),
+        (600.0, "M/S**2", (2.0, float("nan")), "M/S**2", "by nan %"),
+    ],
+)
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_sensitivity_against_the_gains_of_the_stages(value, unit, gains, first, told, sign):
+    signed = tuple(gain and gain * (sign if number == 0 else 1.0) for number, gain in enumerate(gains))
+    notes = sensitivity_notes(response(sign * value, unit, signed, first))
+    assert notes[: len(notes) - bool(told)] == (
+        [f"the sensitivity is negative, {-value:g}: a sign is turned"] if sign < 0.0 else []
+    )
+    assert not told or notes[-1].endswith(told)
+
+
+def test_the_first_stage_is_that_of_the_lowest_number():
+    assert first_stage(response(1.0, gains=(7.0, 8.0, 9.0))).stage_gain == 7.0
+    assert turned(SimpleNamespace(value=-0.5)) == ["the sensitivity is negative, -0.5: a sign is turned"]
+    assert turned(SimpleNamespace(value=0.0)) == turned(SimpleNamespace(value=3.0)) == []
+
+
+pytestmark = pytest.mark.filterwarnings("ignore:ObsPy can not map unit", "ignore:The unit .* is not known to ObsPy")
+
+DT, COUNT = 0.01, 4000
+TIME = DT * np.arange(COUNT)
+#: Corner [rad/s], damping and counts per unit of the sensors.
+CORNER, DAMPING, GAIN = 2.0 * np.pi, 0.7, 5.0e4
+POLES = [CORNER * (-DAMPING + sign * 1j * np.sqrt(1.0 - DAMPING**2)) for sign in (1.0, -1.0)]
+
+
+def wavelet(time, frequency, centre):
+    """An acceleration that begins and ends at rest, without a net velocity, and has a band of its own."""
+    phase = (np.pi * frequency * (time - centre)) ** 2
+    return (1.0 - 2.0 * phase) * np.exp(-phase)
+
+
+def paz(zeros, poles, unit, frequency=5.0):
+    response = Response.from_paz(
+        zeros, poles, GAIN, frequency, input_units=unit, output_units="COUNTS", normalization_frequency=frequency
+    )
+    at = 2j * np.pi * frequency
+    answer = np.prod([at - zero for zero in zeros]) / np.prod([at - pole for pole in poles])
+    response.response_stages[0].normalization_factor = 1.0 / abs(answer)
+    response.instrument_sensitivity.value = GAIN
+    return response
+
+
+def test_a_velocity_sensor_gives_back_the_acceleration():
+    fine = DT / 20.0 * np.arange(20 * COUNT)
+    truth = wavelet(TIME, 2.0, 15.0)
+    # Seismometer: velocity in, gain s^2 / (s^2 + 2 h w s + w^2); from acceleration one s less. In the time domain.
+    system = ([1.0, 0.0], [1.0, 2.0 * DAMPING * CORNER, CORNER**2])
+    _, output, _ = lsim(system, wavelet(fine, 2.0, 15.0), fine)
+    scale = GAIN / abs((10j * np.pi) ** 2 / np.polyval(system[1], 10j * np.pi))  # GAIN holds at 5 Hz
+    removed = without_response("test", scale * output[::20], DT, paz([0.0, 0.0], POLES, "M/S"))
+    # The pass band begins at 0.1 Hz, where the answer has fallen to a hundredth.
+    assert removed.samples * removed.factor == pytest.approx(truth, abs=1e-3)
+    assert "M/S to m/s2" in removed.processing[0]
+    assert removed.warnings == (
+        "a sensor of velocity, differentiated: check that it was not driven to its limit",
+        "the pass band begins at 0.101 Hz: impulses longer than about 2 s are damped; use an accelerometer for "
+        "near-fault pulses",
+    )
+
+
+def test_the_impulses_that_a_geophone_damps_are_those_the_warning_names():
+    sensor = paz([0.0, 0.0], POLES, "M/S")
+    band = pass_band(sensor, DT, COUNT)
+    longest = 0.2 / band[1]
+    shares = []
+    for duration in (0.5 * longest, longest, 2.0 * longest):
+        # One cycle of a sine from rest, as counts of the geophone: two half-waves of the duration.
+        motion = np.where(np.abs(TIME - 20.0) < duration, np.sin(np.pi * (TIME - 20.0) / duration), 0.0)
+        frequency = np.fft.rfftfreq(COUNT, DT)
+        answer = sensor.get_evalresp_response_for_frequencies(frequency, output="ACC")
+        counts = np.fft.irfft(np.fft.rfft(motion) * np.nan_to_num(answer), COUNT)
+        removed = without_response("test", counts, DT, sensor)
+        back = removed.samples * removed.factor
+        half = motion > 0.0
+        shares.append(np.sum(back[half]) / np.sum(motion[half]))
+        assert "impulses longer than about 2 s are damped" in removed.warnings[-1]
+    assert shares[0] > 0.98
+    assert 0.9 < shares[1] < 0.98
+    assert shares[2] < 0.9
+
+
+@pytest.mark.parametrize(
+    ("unit", "scale"),
+    [
+        ("CM/S**2", 0.01),
+        ("MM/S**2", 1e-3),
+        ("NM/S**2", 1e-9),
+        ("CM/SEC**2", 0.01),
+        ("M/S^2", 1.0),
+        ("M/S2", 1.0),
+        ("GAL", 0.01),
+        ("G", STANDARD_GRAVITY),
+    ],
+)
+def test_a_response_in_any_unit_of_acceleration_is_removed_without_a_false_warning(unit, scale):
+    corner = 2.0 * np.pi * 200.0
+    poles = [corner * (-DAMPING + sign * 1j * np.sqrt(1.0 - DAMPING**2)) for sign in (1.0, -1.0)]
+    counts = GAIN / scale * wavelet(TIME - 2.0 * DAMPING / corner, 1.0, 20.0)
+    removed = without_response("test", counts, DT, paz([], poles, unit, 1.0))
+    assert removed.warnings == ()
+    assert removed.samples * removed.factor == pytest.approx(wavelet(TIME, 1.0, 20.0), abs=2e-3)
+    assert removed.factor == pytest.approx(scale / GAIN, rel=1e-3)
+    assert f"{unit} to m/s2" in removed.processing[0]
+
+
+@pytest.mark.parametrize(("unit", "scale"), [("CM/S", 0.01), ("MM/S", 1e-3), ("NM/S", 1e-9), ("NM", 1e-9)])
+def test_a_sensor_of_velocity_or_displacement_in_any_unit(unit, scale):
+    zeros = [0.0, 0.0] if unit.endswith("/S") else [0.0, 0.0, 0.0]
+    plain, scaled = (
+        without_response("test", 1e4 * wavelet(TIME, 2.0, 15.0), DT, paz(zeros, POLES, word))
+        for word in (unit[1:], unit)
+    )
+    assert scaled.samples * scaled.factor == pytest.approx(scale * plain.samples * plain.factor, rel=1e-9)
+    assert not any("differ" in warning and "stages" in warning for warning in (*plain.warnings, *scaled.warnings))
+
+
+def test_a_first_stage_without_a_unit_has_that_of_the_sensitivity():
+    response = paz([], POLES, "CM/S**2", 0.2)
+    response.response_stages[0].input_units = None
+    assert "CM/S**2 to m/s2" in without_response("test", 1e4 * wavelet(TIME, 1.0, 20.0), DT, response).processing[0]
+
+
+def test_the_response_that_was_given_stays_as_it_is():
+    response = paz([], POLES, "MM/S**2", 0.2)
+    without_response("test", 1e4 * wavelet(TIME, 1.0, 20.0), DT, response)
+    assert response.response_stages[0].input_units == "MM/S**2"
+
+
+@pytest.mark.parametrize("frequency", [0.05, 0.3, 5.0], ids="{} Hz".format)
+def test_an_accelerometer_keeps_pulses_of_any_length(frequency):
+    motion = wavelet(TIME, frequency, 20.0)
+    # Second-order accelerometer at 200 Hz: its answer to these pulses is a delay of 2 h / w = 1.1 ms.
+    corner = 2.0 * np.pi * 200.0
+    poles = [corner * (-DAMPING + sign * 1j * np.sqrt(1.0 - DAMPING**2)) for sign in (1.0, -1.0)]
+    counts = GAIN * wavelet(TIME - 2.0 * DAMPING / corner, frequency, 20.0)
+    removed = without_response("test", counts, DT, paz([], poles, "M/S**2", 1.0))
+    back = removed.samples * removed.factor
+    assert back == pytest.approx(motion - motion.mean(), abs=2e-3)
+    assert "pass band from 0 Hz to 40 Hz" in removed.processing[0]
+    assert removed.warnings == ()
+    assert removed.factor == pytest.approx(1.0 / GAIN, rel=1e-3)
+
+
+def test_the_pass_band_follows_sensor_and_record():
+    sensor, accelerometer = paz([0.0, 0.0], POLES, "M/S"), paz([], POLES, "M/S**2", 0.2)
+    assert pass_band(sensor, DT, COUNT) == pytest.approx((0.05, 0.1, 40.0, 47.5), rel=0.03)
+    assert pass_band(sensor, DT, 500)[:2] == pytest.approx((0.1, 0.2))  # one cycle in 5 s
+    assert pass_band(accelerometer, DT, COUNT)[0] < 0.0
+    # This one falls to a hundredth at 10 Hz.
+    assert pass_band(accelerometer, DT, COUNT)[2:] == pytest.approx((8.0, 9.5), rel=0.03)
+
+
+def answering(answer, **sensitivity):
+    """A response with a given answer at each frequency."""
+    return SimpleNamespace(
+        get_evalresp_response_for_frequencies=answer,
+        instrument_sensitivity=SimpleNamespace(**sensitivity) if sensitivity else None,
+    )
+
+
+@pytest.mark.parametrize("largest", [1.0, 8.0])
+def test_the_pass_band_ends_where_the_answer_falls_below_a_hundredth(largest):
+    def within(frequency, output):
+        assert output == "DEF"
+        return largest * np.where((frequency >= 0.5) & (frequency <= 20.0), -1.0, 0.009)
+
+    first, second, third, fourth = pass_band(answering(within), DT, COUNT)
+    grid = 20000.0 ** (1.0 / 399.0)  # from a tenth of a cycle in 40 s to 50 Hz
+    assert 0.5 <= second <= 0.5 * grid
+    assert 20.0 / grid <= third / 0.8 <= 20.0
+    assert (first, fourth) == pytest.approx((0.5 * second, third * 0.95 / 0.8), rel=1e-12)
+    # A hundredth is an answer, also at zero frequency.
+    flat = answering(lambda frequency, output: largest * np.where(frequency >= 0.5, 1.0, 0.01))
+    assert pass_band(flat, DT, COUNT) == pytest.approx((-2.0, -1.0, 40.0, 47.5), rel=1e-12)
+
+
+@pytest.mark.parametrize(("dt", "count"), [(0.01, 4000), (0.01, 4), (0.005, 300)])
+def test_a_sensor_without_an_answer_at_zero_frequency_keeps_one_cycle_in_the_record(dt, count):
+    def answer(frequency, output):
+        return np.where(frequency == 0.0, np.nan, 3.0j)
+
+    cycle, nyquist = 1.0 / (count * dt), 0.5 / dt
+    expected = (0.5 * cycle, cycle, 0.8 * nyquist, 0.95 * nyquist)
+    assert pass_band(answering(answer), dt, count) == pytest.approx(expected, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("begin", "sensitivity", "at", "stated"),
+    [
+        (-1.0, {"frequency": 0.0, "value": 2.0}, 0.0, True),
+        (-1.0, {"frequency": None, "value": 2.0}, 0.0, True),
+        (-1.0, {"frequency": 40.0, "value": 2.0}, 40.0, True),
+        (-1.0, {"frequency": 40.1, "value": 2.0}, 4.0, False),  # between 1 % of the end of the band and the end
+        (0.1, {"frequency": 0.1, "value": 2.0}, 0.1, True),
+        (0.1, {"frequency": 0.09, "value": 2.0}, 4.0, False),
+        (0.1, {"frequency": None, "value": 2.0}, 4.0, False),
+        (1.6, {}, 8.0, False),
+        (1.6, {"frequency": 5.0, "value": 0.0}, 8.0, False),
+    ],
+)
+def test_the_gain_is_that_at_the_frequency_of_the_sensitivity_where_the_pass_band_holds_it(
+    begin, sensitivity, at, stated
+):
+    response = answering(
+        lambda frequency, output: -1j * (frequency + {"ACC": 0.0, "DEF": 1000.0}[output]), **sensitivity
+    )
+    gain, size = _gain(response, (0.5 * begin, begin, 40.0, 47.5))
+    assert gain == pytest.approx(at, rel=1e-12)
+    assert size == pytest.approx(1000.0 + at if stated else np.nan, rel=1e-12, nan_ok=True)
+
+
+@pytest.mark.parametrize(
+    ("size", "scale", "value", "unit", "notes"),
+    [
+        (104.0, 1.0, 100.0, "M/S**2", []),
+        (96.0, 1.0, 100.0, "M/S**2", []),
+        (106.0, 1.0, 100.0, "M/S**2", ["the stages of the response differ from its sensitivity by 6 %"]),
+        (94.0, 1.0, 100.0, "M/S**2", ["the stages of the response differ from its sensitivity by -6 %"]),
+        (1.06, 0.01, 100.0, "M/S**2", ["the stages of the response differ from its sensitivity by 6 %"]),
+        (106.0, 1.0, 1.0, "CM/S**2", ["the stages of the response differ from its sensitivity by 6 %"]),
+        (1.0, 0.01, 100.0, "M/S**2", []),
+        (5.0, 0.01, 5.0, None, []),
+        (106.0, 1.0, 100.0, "M/S", ["the sensitivity is stated for velocity, the stages of the response begin with "]),
+        (100.0, 1.0, -100.0, "M/S**2", ["the sensitivity is negative, -100: a sign is turned"]),
+        (110.0, 1.0, -100.0, "M/S**2", ["the sensitivity is negative, -100: a sign is turned", "the stages of the "]),
+        (np.nan, 1.0, -100.0, "M/S", []),
+    ],
+)
+def test_the_stages_against_the_stated_sensitivity(size, scale, value, unit, notes):
+    response = answering(None, value=value, input_units=unit)
+    found = _disagreement("test", response, size, "acceleration", scale)
+    assert len(found) == len(notes)
+    assert all(one.startswith(note) for one, note in zip(found, notes, strict=True))
+
+
+def test_a_seismometer_of_long_periods_damps_no_pulse():
+    corner = 2.0 * np.pi * 0.001
+    poles = [corner * (-DAMPING + sign * 1j * np.sqrt(1.0 - DAMPING**2)) for sign in (1.0, -1.0)]
+    removed = without_response("test", 1e4 * wavelet(TIME, 2.0, 15.0), DT, paz([0.0, 0.0], poles, "M/S"))
+    assert "pass band from 0.025 Hz (nothing below 0.0125 Hz) to 40 Hz (nothing above 47.5 Hz)" in removed.processing[0]
+    assert removed.warnings == ("a sensor of velocity, differentiated: check that it was not driven to its limit",)
+
+
+def test_a_pass_band_that_begins_above_a_twentieth_of_a_hertz_is_told():
+    corner = 2.0 * np.pi * 0.001
+    poles = [corner * (-DAMPING + sign * 1j * np.sqrt(1.0 - DAMPING**2)) for sign in (1.0, -1.0)]
+    counts = 1e4 * wavelet(TIME[:1500], 2.0, 7.0)
+    removed = without_response("test", counts, DT, paz([0.0, 0.0], poles, "M/S"))
+    assert removed.warnings[1].startswith(
+        "the pass band begins at 0.0667 Hz: impulses longer than about 3 s are damped"
+    )
+
+
+def test_a_response_that_does_not_serve_is_refused():
+    counts = 1e4 * wavelet(TIME, 1.0, 20.0)
+    sensitivity = InstrumentSensitivity(GAIN, 1.0, input_units="M/S**2", output_units="COUNTS")
+    with pytest.raises(RecordRefused, match="no stages of the response"):
+        without_response("test", counts, DT, Response(instrument_sensitivity=sensitivity))
+    with pytest.raises(NotAcceleration, match="test records PA, expected ground motion"):
+        without_response("test", counts, DT, paz([], POLES, "PA"))
+    with pytest.raises(RecordRefused, match="unknown input unit 'V' of the response; expected M, M/S"):
+        without_response("test", counts, DT, paz([], POLES, "V"))
+    stage = PolynomialResponseStage(1, 1.0, 1.0, "M/S**2", "V", 0.0, 1.0, 0.0, 1.0, 0.0, [0.0, 2.0])
+    with pytest.raises(RecordRefused, match="polynomial"):
+        without_response("test", counts, DT, Response(instrument_sensitivity=sensitivity, response_stages=[stage]))
+    with pytest.raises(RecordRefused, match="2 samples are too few to remove the response"):
+        without_response("test", counts[:2], DT, paz([0.0, 0.0], POLES, "M/S"))
+    broken = paz([], POLES, "M/S**2")
+    broken.response_stages[0].normalization_factor = None
+    with pytest.raises(RecordFormatError, match="obspy cannot evaluate the response"):
+        without_response("test", counts, DT, broken)
+
+
+@pytest.mark.parametrize(("channel", "share"), [("HNE", 0.04), ("HNN", 0.01)])
+def test_a_real_accelerometer_with_and_without_its_response(records_folder, channel, share):
+    path = records_folder / "mseed_xml" / f"CI.WCS2..{channel}.mseed"
+    (plain,), (removed,) = read(path), read(path, response="remove")
+    motion = plain.acceleration - plain.acceleration.mean()
+    # The response is that of an EpiSensor: 1 % above its sensitivity at 10 Hz, and late by 2 ms.
+    assert removed.pga == pytest.approx(np.max(np.abs(motion)), rel=share)
+    spectra = [np.fft.rfft(values) for values in (motion, removed.acceleration)]
+    frequency = np.fft.rfftfreq(plain.npts, plain.dt)
+    for low, high, tolerance in ((0.01, 0.1, 1e-3), (0.1, 1.0, 0.008), (1.0, 5.0, 0.04)):
+        band = (frequency >= low) & (frequency < high)
+        gap = np.linalg.norm(spectra[1][band] - spectra[0][band]) / np.linalg.norm(spectra[0][band])
+        assert gap < tolerance, (low, high)
+    velocities = [np.max(np.abs(np.cumsum(values))) * plain.dt for values in (motion, removed.acceleration)]
+    assert velocities[1] == pytest.approx(velocities[0], rel=3e-3)
+    assert removed.processing[0].startswith("instrument response removed, M/S**2 to m/s2: mean removed, pass band")
+    assert removed.unit_factor == pytest.approx(plain.unit_factor, rel=1e-4)
+
+
+def test_a_real_velocity_channel_becomes_acceleration_where_asked_for(records_folder):
+    (record,) = read(next((records_folder / "mseed_xml").glob("AV.CKT*.mseed")), response="remove")
+    assert (record.npts, record.dt) == (45001, 0.01)
+    assert "pass band from 0.104 Hz" in record.processing[0]
+    assert any("a sensor of velocity" in warning for warning in record.warnings)
+
+
+def test_what_the_c_library_prints_becomes_a_warning_of_the_record(records_folder, capfd):
+    (record,) = read(next((records_folder / "mseed_xml").glob("AV.CKT*.mseed")), response="remove")
+    assert capfd.readouterr().err == ""
+    assert [warning for warning in record.warnings if "FIR normalized" in warning]

@@ -1,0 +1,196 @@
+"""The file that is put together from parts is the one that save writes of the whole tree."""
+
+import os
+import re
+import shutil
+import sys
+from dataclasses import replace
+
+import h5py
+import numpy as np
+import pytest
+from file_contents import assert_contents, contents
+
+from rockpulse.assessment.assessment import Assessment
+from rockpulse.assessment.tree import build_tree, template
+from rockpulse.config.configuration import load_config
+from rockpulse.errors import Failure, ResultsError
+from rockpulse.motions.directions import plan_motions, swept_directions
+from rockpulse.run import assembly
+from rockpulse.run.analysis import worked
+from rockpulse.run.assembly import JournalParts, assemble, run_of
+from rockpulse.run.frames import pack
+from rockpulse.run.journal import Done, Journal
+from rockpulse.storage.hdf5.results_file import save
+from rockpulse.storage.hdf5.verification import verify
+
+BLOCKS = '[[block]]\nname = "wall"\nwidth = 0.5\nheight = 4.0\n[[block]]\nname = "pier"\nwidth = 0.3\nheight = 1.5\n'
+CASES = BLOCKS.replace("width", "restitution = [0.9, 0.95]\nwidth")
+QUICKLY = "[search]\nintervals = true\npoints = 16\nstep = 1.2"
+FAST = f'use = ["resonance", "sequence", "linear"]\n{QUICKLY}'
+CONFIGURATIONS = {
+    "plain": f"[models]\n{FAST}\n{BLOCKS}",
+    "no records": f'[models]\n{FAST}\n[records]\nstore = "none"\n{BLOCKS}',
+    "half-waves": f'[models]\n{FAST}\n[records]\nstore = "half_waves"\n{BLOCKS}',
+    "histories": f'[models]\nuse = ["sequence", "linear"]\nhistories = true\n{QUICKLY}\n{CASES}',
+    "cases and demands": f'[models]\n{FAST}\n[[demand]]\nname = "SLV"\nacceleration = 2.0\n{CASES}',
+    "sweep": f'[models]\n{FAST}\n[records]\ncomponents = "sweep"\nazimuth_step = 60\n{BLOCKS}',
+    "probability": '[models]\nuse = ["nonlinear"]\n[records]\ncomponents = "sweep"\nazimuth_step = 90\n'
+    f"[uncertainty]\nazimuth = true\n{CASES}",
+}
+FAILURES = [
+    Failure("a.txt", "read", "a.txt: no record", "skipped"),
+    Failure(os.fsdecode(b"\xe9"), "read", "x", "failed"),
+]
+
+
+@pytest.fixture(scope="module")
+def assessed(ridgecrest, tmp_path_factory):
+    """By name of the configuration: parts, bodies, configuration, directions of the sweep."""
+    cut = [replace(record, acceleration=record.acceleration[2500:3500]) for record in ridgecrest]
+
+    def made(name):
+        if name not in found:
+            path = tmp_path_factory.mktemp("site") / "site.toml"
+            path.write_text(CONFIGURATIONS[name])
+            config = load_config(path)
+            analysis = Assessment(config)
+            planned, _ = plan_motions(cut, config)
+            done = [part for one in planned for part in worked(one, analysis.work, analysis.name, config)]
+            assert not any(isinstance(part, Failure) for part in done)
+            done = [analysis.of_event(part, "Ridgecrest") for part in done]
+            found[name] = done, analysis.bodies, config, swept_directions(planned, config)
+        return found[name]
+
+    found = {}
+    return made
+
+
+@pytest.mark.parametrize(
+    ("name", "chunk"),
+    [
+        ("plain", 60_000),
+        pytest.param("histories", 60_000, marks=pytest.mark.sweep),
+        *(pytest.param(name, 1, marks=pytest.mark.sweep) for name in ("cases and demands", "sweep", "probability")),
+        *(pytest.param(name, assembly.CHUNK, marks=pytest.mark.slow) for name in CONFIGURATIONS),
+    ],
+)
+def test_the_assembled_file_is_the_saved_one(assessed, tmp_path, name, chunk):
+    done, bodies, config, swept = assessed(name)
+    if swept is not None:
+        done = done[1:-1]  # not all directions are there
+        swept = {**swept, "of nothing": ["never"] * 3}
+    save(build_tree(done, bodies, config, FAILURES, swept), tmp_path / "saved.h5")
+    count = assemble(
+        tmp_path / "made.h5", template(bodies, config), done, FAILURES, swept, run={"run_id": "r" * 32}, chunk=chunk
+    )
+    assert count == len(done) > 3
+    assert_contents(tmp_path / "made.h5", contents(tmp_path / "saved.h5"))
+    assert verify(tmp_path / "made.h5", inputs=False).differences == ()
+
+
+def test_no_record_gives_the_empty_tree(assessed, tmp_path):
+    _, bodies, config, swept = assessed("plain")
+    save(build_tree([], bodies, config, FAILURES, swept), tmp_path / "saved.h5")
+    assert assemble(tmp_path / "made.h5", template(bodies, config), [], FAILURES, swept) == 0
+    assert_contents(tmp_path / "made.h5", contents(tmp_path / "saved.h5"))
+
+
+def test_parts_from_a_journal_stand_in_the_order_of_the_keys(assessed, tmp_path):
+    done, bodies, config, _ = assessed("plain")
+    target = tmp_path / "results.h5"
+    with Journal.open(target) as journal:
+        for number in (3, 0, 2, 1):
+            parts = (pack(done[number]),)
+            journal.add(Done(f"record {number}", "f", parts))
+        keys = [f"record {number}" for number in range(4)]
+        parts = JournalParts(journal, Assessment(config), keys, dict.fromkeys(keys, "Ridgecrest"))
+        assemble(target, template(bodies, config), parts, run={"run_id": journal.run_id})
+        assert run_of(target)[0] == journal.run_id
+    save(build_tree(done[:4], bodies, config, []), tmp_path / "saved.h5")
+    assert_contents(target, contents(tmp_path / "saved.h5"))
+
+
+def test_records_with_little_in_them_are_put_together_in_as_little_memory_as_others(assessed, tmp_path, monkeypatch):
+    """An array of one number takes as much memory as one of sixty: what is put together at once counts both."""
+    done, bodies, config, _ = assessed("no records")
+    together, joined = [], assembly.joined_parts
+
+    def watched(gathered, before):
+        together.append(sum(len(part) for part in gathered))
+        return joined(gathered, before)
+
+    monkeypatch.setattr(assembly, "joined_parts", watched)
+    many = [done[number % len(done)] for number in range(200)]
+    chunk = 500_000
+    assemble(tmp_path / "made.h5", template(bodies, config), many, chunk=chunk)
+    assert sum(together) == sum(len(part) for part in many)
+    assert max(together) <= chunk / sys.getsizeof(np.zeros(1)[:]) / 2  # arrays alone, the rest is for their values
+
+
+def test_parts_that_can_be_gone_through_once_are_refused(assessed, tmp_path):
+    done, bodies, config, _ = assessed("plain")
+    with pytest.raises(TypeError, match="iterated twice"):
+        assemble(tmp_path / "x.h5", template(bodies, config), (part for part in done))
+
+
+def test_a_run_knows_its_own_file_only(tmp_path):
+    path = tmp_path / "results.h5"
+    assert run_of(path) == ("", "")
+    path.write_text("a text")
+    assert run_of(path) == ("", "")
+    with h5py.File(path, "w") as file:
+        file.attrs["run_id"] = "another"
+    assert run_of(path) == ("another", "")
+
+
+def test_too_little_room_is_known_before_anything_is_written(assessed, tmp_path, monkeypatch):
+    done, bodies, config, _ = assessed("plain")
+    usage = shutil.disk_usage(tmp_path)
+    monkeypatch.setattr("shutil.disk_usage", lambda path: usage._replace(free=1_000_000))
+    with pytest.raises(ResultsError, match=r"the results take \d+ MB, 1 MB are free .* make room there"):
+        assemble(
+            tmp_path / "results.h5",
+            template(bodies, config),
+            done,
+            run={"run_id": "mine"},
+        )
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_the_size_that_is_expected_is_that_of_the_file(assessed, tmp_path, monkeypatch):
+    done, bodies, config, _ = assessed("histories")
+    replacing, sizes = assembly.replacing, []
+    monkeypatch.setattr(assembly, "replacing", lambda *given: sizes.append(given[3]) or replacing(*given))
+    assemble(tmp_path / "results.h5", template(bodies, config), done)
+    (expected,) = sizes
+    assert expected < (tmp_path / "results.h5").stat().st_size < expected + 500_000
+
+
+def test_a_disk_that_fills_up_meanwhile_leaves_the_old_file_and_the_journal(assessed, tmp_path, monkeypatch):
+    done, bodies, config, _ = assessed("plain")
+    target = tmp_path / "results.h5"
+    save(build_tree(done[:1], bodies, config, []), target)
+    old = target.read_bytes()
+
+    def fail(self, path, values):
+        raise OSError("Can't write (errno = 28, error message = 'No space left on device', buf = 0x0)")
+
+    monkeypatch.setattr(assembly.TreeWriter, "append", fail)
+    with Journal.open(target) as journal:
+        journal.add(Done("a", "f", (pack(done[0]),)))
+        parts = JournalParts(journal, Assessment(config), ["a"], {"a": ""})
+        with pytest.raises(ResultsError, match=re.escape(f"{target}: cannot write the results: No space left on dev")):
+            assemble(target, template(bodies, config), parts, overwrite=True, run={"run_id": "mine"})
+        assert journal.finished() == {"a": "f"}
+    assert target.read_bytes() == old
+    assert not list(tmp_path.glob("*.part"))
+
+
+def test_parts_of_another_layout_are_refused(assessed, tmp_path):
+    done, bodies, config, _ = assessed("plain")
+    parts = list(done)
+    parts[1] = {**parts[1], "/summary/pga": np.zeros(2)}
+    with pytest.raises(ValueError, match=r"/summary/pga: expected values for \(6,\) from 0 on, was given \(7,\)"):
+        assemble(tmp_path / "results.h5", template(bodies, config), parts)
+    assert list(tmp_path.iterdir()) == []

@@ -1,0 +1,260 @@
+"""A batch in Python: its file is the tree of the in-memory route, whoever does the work."""
+
+from __future__ import annotations
+
+import logging
+import zipfile
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from file_contents import assert_contents, contents
+from nominal import Config, ida
+from record_writers import at2, pulse
+from record_writers.geonet import geonet
+
+import rockpulse as rp
+from rockpulse import (
+    BlockSettings,
+    CalibrationSettings,
+    ModelSettings,
+    RecordSettings,
+    SearchSettings,
+)
+from rockpulse.assessment import assessment
+from rockpulse.errors import ConfigError, RecordRefused, ResultsError, StoppedAtFailure
+from rockpulse.readers.folders import read_all
+from rockpulse.run import batch as run
+from rockpulse.run.batch import assess_files, calibrate_files, fragility_files
+from rockpulse.run.options import BatchOptions
+
+CONFIG = Config(
+    models=ModelSettings(use=("sequence", "linear")),
+    search=SearchSettings(models=("sequence",), points=16),
+    blocks=(
+        BlockSettings(name="wall", width=0.4, height=3.0),
+        BlockSettings(name="pier", width=1.0, height=3.0),
+    ),
+)
+SITE = Config(
+    calibration=CalibrationSettings(method="statistics", bootstrap=100),
+    fragility=ida(limit_states=("uplift", 0.4, "overturning"), measures=("pga", "velocity_ratio")),
+    search=SearchSettings(points=16),
+    blocks=CONFIG.blocks,
+)
+
+
+def three(number):
+    """Two horizontal channels and a vertical one [mm/s2]."""
+    return [pulse(300 + number, peak * (1.0 + 0.1 * number)) for peak in (3000.0, -2000.0, 1500.0)]
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """Two instruments of three channels, three single channels, one of them twice, and a damaged file."""
+    folder = tmp_path_factory.mktemp("records")
+    for number in range(2):
+        (folder / f"g{number}.V1A").write_bytes(geonet(three(number), site=f"ST{number}"))
+    for number in range(3):
+        content = at2(pulse(400, 0.25 + 0.1 * number), title=f"Event {'ABC'[number]}, 1/2/2003, Station {number}, 090")
+        (folder / f"r{number}.AT2").write_bytes(content)
+    (folder / "again.AT2").write_bytes((folder / "r1.AT2").read_bytes())
+    (folder / "cut.AT2").write_bytes((folder / "r0.AT2").read_bytes()[:900])
+    return folder
+
+
+def saved(tree, path):
+    rp.save(tree, path)
+    return contents(path)
+
+
+def test_the_file_of_an_assessment_is_the_tree_in_memory(folder, tmp_path):
+    config = replace(CONFIG, records=RecordSettings(components="sweep", azimuth_step=60.0))
+    records, failures = read_all(folder)
+    expected = saved(rp.assess(records, config, failures=failures), tmp_path / "memory.h5")
+    report = assess_files(folder, config, tmp_path / "batch.h5", BatchOptions(workers=1))
+    assert report.records == len(expected["summary/record"]["values"]) > 4
+    assert_contents(report.path, expected)
+
+
+#: The other analyses by their verbs, each in memory and of files.
+OTHERS = {"calibrate": (rp.calibrate_site, calibrate_files), "fragility": (rp.fragility_curves, fragility_files)}
+
+
+@pytest.mark.sweep
+@pytest.mark.parametrize("verb", OTHERS)
+@pytest.mark.parametrize("components", ["horizontal", pytest.param("sweep", marks=pytest.mark.slow)])
+def test_the_file_of_a_site_and_of_fragility_is_the_tree_in_memory(folder, tmp_path, verb, components):
+    config = replace(SITE, records=RecordSettings(components=components, azimuth_step=60.0))
+    in_memory, of_files = OTHERS[verb]
+    records, failures = read_all(folder)
+    expected = saved(in_memory(records, config, failures=failures), tmp_path / "memory.h5")
+    report = of_files([folder], config, tmp_path / "batch.h5", BatchOptions(workers=1))
+    assert report.records == (7 if components == "horizontal" else 6)
+    assert_contents(tmp_path / "batch.h5", expected)
+
+
+@pytest.fixture(scope="module")
+def in_memory(folder, tmp_path_factory):
+    """What the records give in memory."""
+    records, failures = read_all(folder)
+    return saved(rp.assess(records, CONFIG, failures=failures), tmp_path_factory.mktemp("one") / "results.h5")
+
+
+@pytest.mark.parametrize(
+    "workers", [1, pytest.param(2, marks=pytest.mark.slow), pytest.param(4, marks=pytest.mark.slow)]
+)
+def test_any_number_of_workers_gives_the_same(folder, in_memory, tmp_path, workers):
+    assess_files(folder, CONFIG, tmp_path / "results.h5", BatchOptions(workers=workers))
+    assert_contents(tmp_path / "results.h5", in_memory)
+
+
+def test_any_executor_gives_the_same_and_stays_the_callers(folder, in_memory, tmp_path):
+    with ThreadPoolExecutor(3) as threads:
+        assess_files(folder, CONFIG, tmp_path / "results.h5", BatchOptions(executor=threads))
+        assert threads.submit(abs, -1).result() == 1
+    assert_contents(tmp_path / "results.h5", in_memory)
+
+
+@pytest.mark.parametrize(
+    "verb", [pytest.param("calibrate", marks=pytest.mark.slow), pytest.param("fragility", marks=pytest.mark.sweep)]
+)
+def test_two_workers_give_the_same_site_and_the_same_curves(folder, tmp_path, verb):
+    for workers in (1, 2):
+        OTHERS[verb][1](folder, SITE, tmp_path / f"{workers}.h5", BatchOptions(workers=workers))
+    assert_contents(tmp_path / "1.h5", contents(tmp_path / "2.h5"))
+
+
+@pytest.mark.sweep
+def test_the_number_of_workers_is_that_of_the_configuration(folder, tmp_path, monkeypatch):
+    hired = []
+    monkeypatch.setattr(run.Crew, "local", lambda workers: hired.append(workers) or run.Crew(None, lambda: workers))
+    for workers in (1, 3):
+        config = replace(CONFIG, run=replace(CONFIG.run, workers=workers))
+        assess_files(folder / "r0.AT2", config, tmp_path / f"{workers}.h5")
+    assess_files(folder / "r0.AT2", config, tmp_path / "two.h5", BatchOptions(workers=2))
+    assess_files(folder / "r0.AT2", config, tmp_path / "all.h5", BatchOptions(workers="all"))  # one file: no process
+    assert hired == [3, 2]
+
+
+@pytest.mark.sweep
+def test_the_records_of_an_archive_are_worked_on_by_as_many_processes_as_those_of_a_folder(tmp_path, monkeypatch):
+    hired = []
+    monkeypatch.setattr(run, "available_cores", lambda: 2)
+    monkeypatch.setattr(run, "warm_up", lambda *args, **kwargs: None)
+    monkeypatch.setattr(run.Crew, "local", lambda workers: hired.append(workers) or run.Crew(None, lambda: workers))
+    members = {f"r{number}.AT2": at2(pulse(400, 0.2 + 0.01 * number)) for number in range(16)}
+    (tmp_path / "folder").mkdir()
+    with zipfile.ZipFile(tmp_path / "all.zip", "w") as archive:
+        for name, content in members.items():
+            archive.writestr(name, content)
+            (tmp_path / "folder" / name).write_bytes(content)
+    report = assess_files(tmp_path / "all.zip", CONFIG, tmp_path / "a.h5")
+    assert (hired, report.records) == ([2], 16)  # for the work; one file is read by this process
+    assess_files(tmp_path / "folder", CONFIG, tmp_path / "b.h5")
+    assert hired == [2, 2]  # one crew reads and works
+
+
+class Bars:
+    """Progress bars that remember."""
+
+    def __init__(self):
+        self.seen = []
+
+    def __call__(self, **given):
+        self.seen.append({**given, "done": 0})
+        return self
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *error):
+        self.seen[-1]["closed"] = True
+
+    def update(self, n):
+        self.seen[-1]["done"] += n
+
+
+def test_progress_is_told_file_by_file_and_record_by_record(folder, tmp_path):
+    bars = Bars()
+    assess_files(folder, CONFIG, tmp_path / "results.h5", BatchOptions(workers=1, bar=bars))
+    assert bars.seen == [
+        {"total": 7, "initial": 0, "desc": "reading", "unit": " files", "done": 7, "closed": True},
+        {"total": 7, "initial": 0, "desc": "assessing", "unit": " records", "done": 7, "closed": True},
+    ]
+
+
+def test_the_report_says_what_was_done(folder, tmp_path, caplog):
+    caplog.set_level(logging.INFO, "rockpulse")
+    report = assess_files([folder / "cut.AT2", folder], CONFIG, tmp_path / "results.h5", BatchOptions(workers=1))
+    assert (report.path, report.records, report.resumed) == (tmp_path / "results.h5", 7, 0)
+    assert sorted(report.seconds) == ["condition", "pack", "read", "solve"]
+    assert all(seconds > 0.0 for seconds in report.seconds.values())
+    rows = [(row.file.rpartition("/")[2], row.stage, row.kind) for row in report.failures]
+    assert rows == [
+        ("cut.AT2", "read", "failed"),
+        ("r1.AT2", "read", "duplicate"),
+        ("g0.V1A", "select", "vertical"),
+        ("g1.V1A", "select", "vertical"),
+    ]
+    assert f"{report.path}: 7 records; left out: duplicate 1, failed 1, vertical 2" in caplog.text
+    assert [entry.message for entry in caplog.records if "cut.AT2" in entry.message and entry.levelname == "ERROR"]
+    assert caplog.text.count("the format does not say whether the record is processed") <= 7
+
+
+def test_nothing_assessed_writes_nothing_and_leaves_nothing(folder, tmp_path, caplog):
+    caplog.set_level(logging.INFO, "rockpulse")
+    output = tmp_path / "results.h5"
+    report = assess_files([folder / "cut.AT2", tmp_path / "gone"], CONFIG, output, BatchOptions(workers=1))
+    assert (report.path, report.records) == (None, 0)
+    assert [row.stage for row in report.failures] == ["read", "find"]
+    assert f"{output}: nothing was written; left out: failed 2" in caplog.text
+    with pytest.raises(RecordRefused, match="not one record could be calibrated"):
+        calibrate_files(folder / "cut.AT2", SITE, output, BatchOptions(workers=1))
+    assert fragility_files(folder / "cut.AT2", SITE, output, BatchOptions(workers=1)).path is None
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_fault_of_the_program_is_a_row_and_the_rest_goes_on(folder, tmp_path, monkeypatch, caplog):
+    def broken(record, config, vertical):
+        if record.id.startswith("r1"):
+            raise ZeroDivisionError("a fault")
+        return original(record, config, vertical)
+
+    original = assessment.extract
+    monkeypatch.setattr(assessment, "extract", broken)
+    report = assess_files(sorted(folder.glob("r*")), CONFIG, tmp_path / "results.h5", BatchOptions(workers=1))
+    (row,) = report.failures
+    assert report.records == 2
+    assert (row.stage, row.kind) == ("assess", "failed")
+    assert "unexpected ZeroDivisionError: a fault; please report it" in row.reason
+    assert "Traceback" in caplog.text
+
+
+def test_strict_stops_at_the_first_failure_and_says_what_is_kept(folder, tmp_path, monkeypatch):
+    output = tmp_path / "results.h5"
+    with pytest.raises(StoppedAtFailure, match=r"\(--strict\): .*cut.AT2:\d+: .*; nothing was finished yet"):
+        assess_files(folder, CONFIG, output, BatchOptions(workers=1, strict=True))
+    assert list(tmp_path.iterdir()) == []
+
+    (tmp_path / "still.AT2").write_bytes(at2(np.zeros(400)))
+    paths = [folder / "r0.AT2", tmp_path / "still.AT2"]
+    said = r"still.*; 2 finished records are kept in .*journal: .*--resume.*, past this failure without --strict"
+    for resume in (False, True):  # resumed, it stops where it stopped
+        with pytest.raises(StoppedAtFailure, match=said):
+            assess_files(paths, CONFIG, output, BatchOptions(workers=1, strict=True, resume=resume))
+    report = assess_files(paths, CONFIG, output, BatchOptions(workers=1, resume=True))
+    assert (report.records, report.resumed, len(report.failures)) == (1, 2, 1)
+
+
+def test_what_cannot_be_is_refused_before_anything_is_read(folder, tmp_path, monkeypatch):
+    monkeypatch.setattr(run, "survey_file", None)
+    with pytest.raises(ConfigError, match="block"):
+        assess_files(folder, replace(CONFIG, blocks=()), tmp_path / "results.h5")
+    with pytest.raises(ResultsError, match="there is no folder"):
+        assess_files(folder, CONFIG, tmp_path / "gone" / "results.h5")
+    (tmp_path / "there.h5").write_text("a text")
+    with pytest.raises(ResultsError, match="the file exists"):
+        assess_files(folder, CONFIG, tmp_path / "there.h5")
+    assert [path.name for path in tmp_path.iterdir()] == ["there.h5"]

@@ -1,0 +1,296 @@
+"""The crew: every item answered once, whoever works and whoever dies; nobody left behind."""
+
+import os
+import pickle
+import signal
+import subprocess
+import sys
+import time
+from concurrent.futures import Executor, Future, ThreadPoolExecutor
+from pathlib import Path
+
+import crew_functions as toys
+import pytest
+
+from rockpulse.run import processes
+from rockpulse.run.crew import Crew, WorkerLost
+from rockpulse.run.processes import ALGEBRA, WorkerProcesses
+
+#: How long a busy machine may take for what it does at once when it is idle [s].
+PATIENCE = 300.0
+
+
+@pytest.fixture(scope="module")
+def pair():
+    """Two worker processes for several tests: what one test kills is there again for the next."""
+    with Crew.local(2) as crew:
+        yield crew
+
+
+def alive(process):
+    """Whether the process runs, or is a dead child of this one that was not collected (a zombie)."""
+    try:
+        # After the name in brackets: state, parent.
+        state, parent = Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[:2]
+    except (FileNotFoundError, ProcessLookupError):
+        return False
+    return state != "Z" or int(parent) == os.getpid()
+
+
+def group_runs(group):
+    """Whether any process of the group is left, and be it a helper of Python's own."""
+    try:
+        os.killpg(group, 0)
+    except ProcessLookupError:
+        return False
+    return True
+
+
+def wait_for(condition, seconds):
+    end = time.monotonic() + seconds
+    while not condition() and time.monotonic() < end:
+        time.sleep(0.02)
+    return condition()
+
+
+@pytest.mark.parametrize("workers", [0, 2])
+def test_every_item_is_answered_once_whoever_works(workers):
+    with Crew.local(workers) if workers else Crew.inline() as crew:
+        assert crew.size == max(workers, 1)
+        answers = list(crew.run(toys.square, range(23)))
+        assert list(crew.run(toys.square, [])) == []
+    assert sorted(answers) == [(number, number**2) for number in range(23)]
+
+
+def test_results_come_in_order_of_completion(pair, tmp_path):
+    go = tmp_path / "go"
+    results = pair.run(toys.wait_for_file, [(0, go), (1, None), (2, None)])
+    assert {next(results)[1], next(results)[1]} == {1, 2}  # either first, where both are ready at once
+    go.touch()
+    assert [number for _, number in results] == [0]
+
+
+def test_items_are_taken_a_few_ahead_only(pair):
+    taken = 0
+
+    def endless():
+        nonlocal taken
+        while True:
+            taken += 1
+            yield taken
+
+    results = pair.run(toys.square, endless())
+    for done in range(1, 20):
+        next(results)
+        assert taken - done < 2 * 2 + 1
+    results.close()
+
+
+def test_a_worker_that_is_killed_costs_its_item_a_second_try(pair, tmp_path):
+    jobs = [(number, tmp_path) for number in range(10)]
+    answers = list(pair.run(toys.killed_once, jobs))
+    assert sorted(answers) == [(job, job[0]) for job in jobs]
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["0", "3", "6", "9"]
+
+
+@pytest.mark.parametrize(
+    ("function", "reason"),
+    [(toys.kill_itself, "killed by signal 9 (Killed)"), (toys.leave, "ended itself with exit code 7")],
+)
+def test_an_item_that_always_kills_its_worker_is_lost_and_no_other(pair, function, reason):
+    answers = dict(pair.run(function, range(8)))
+    lost = answers.pop(3)
+    assert isinstance(lost, WorkerLost)
+    assert reason in lost.reason
+    assert answers == {number: number for number in range(8) if number != 3}
+
+
+def test_a_worker_that_is_killed_half_way_through_its_answer_holds_up_nobody(pair):
+    answers = dict(pair.run(toys.killed_while_answering, range(8)))
+    assert isinstance(answers.pop(3), WorkerLost)
+    assert answers == {number: bytes(20_000) for number in range(8) if number != 3}
+
+
+def test_a_worker_that_is_killed_from_outside_while_idle_changes_nothing(pair):
+    victims = {process for _, process in pair.run(toys.process_id, range(6))}
+    for victim in victims:
+        os.kill(victim, signal.SIGKILL)
+    assert dict(pair.run(toys.square, range(6))) == {number: number**2 for number in range(6)}
+    assert not victims & {process for _, process in pair.run(toys.process_id, range(6))}
+
+
+def test_what_the_function_raises_is_raised_with_the_traceback_of_the_worker(pair):
+    with pytest.raises(KeyError, match="three") as caught:
+        list(pair.run(toys.refuse, range(8)))
+    assert "crew_functions.py" in caught.value.__notes__[0]
+    assert "in refuse" in caught.value.__notes__[0]
+    assert dict(pair.run(toys.square, [5])) == {5: 25}
+
+
+def test_exceptions_and_results_that_do_not_pickle_are_told_all_the_same(pair):
+    with pytest.raises(RuntimeError, match="Awkward: 1 and 2") as caught:
+        list(pair.run(toys.refuse_awkwardly, [1]))
+    assert "in refuse_awkwardly" in caught.value.__notes__[0]
+    with pytest.raises(SystemExit, match="enough"):
+        list(pair.run(toys.stop_the_interpreter, [1]))
+    with pytest.raises((pickle.PicklingError, AttributeError), match="lambda"):
+        list(pair.run(toys.unpicklable, [1]))
+    with pytest.raises((pickle.PicklingError, AttributeError), match="lambda"):
+        list(pair.run(lambda item: item, [1]))
+
+
+def test_workers_run_kernels_on_one_thread_and_this_process_on_all(pair):
+    assert list(pair.run(toys.kernel_threads, [0])) == [(0, 1)]
+    with Crew.inline() as crew:
+        assert list(crew.run(toys.kernel_threads, [0])) == [(0, 6)]
+
+
+def test_a_worker_is_light_until_it_has_work(pair):
+    ((_, loaded),) = pair.run(toys.modules, [0])
+    assert not loaded & {"numba", "xarray", "obspy", "scipy", "pandas", "distributed"}
+
+
+def numbers_of(folder, count):
+    """The processes that have left their number in the folder."""
+    assert wait_for(lambda: len(list(folder.iterdir())) == count, PATIENCE), "the workers do not start"
+    return [int(path.name) for path in folder.iterdir()]
+
+
+def test_leaving_by_an_error_ends_busy_workers_at_once(tmp_path):
+    def interrupted_with_two_at_work():
+        yield from [tmp_path, tmp_path]
+        numbers_of(tmp_path, 2)
+        interrupted.append(time.monotonic())
+        raise KeyboardInterrupt
+
+    interrupted = []
+    with pytest.raises(KeyboardInterrupt), Crew.local(2) as crew:
+        list(crew.run(toys.report_and_doze, interrupted_with_two_at_work()))
+    assert time.monotonic() - interrupted[0] < 30.0  # of the minute that they would have slept
+    assert not any(alive(process) for process in numbers_of(tmp_path, 2))
+
+
+SCRIPT = """
+import signal
+import sys
+from pathlib import Path
+from crew_functions import report_and_doze
+from rockpulse.run.crew import Crew
+
+if __name__ == "__main__":
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # tests in the background of a shell have it ignored
+    Path(sys.argv[2]).touch()
+    with Crew.local(2) as crew:
+        list(crew.run(report_and_doze, [sys.argv[1]] * 6))
+"""
+
+
+@pytest.fixture
+def batch(tmp_path):
+    """A process of its own with two workers, and the folder where they leave their numbers."""
+    script, folder, begun = tmp_path / "batch.py", tmp_path / "workers", tmp_path / "begun"
+    script.write_text(SCRIPT)
+    folder.mkdir()
+    places = filter(None, (str(Path(toys.__file__).parent), os.environ.get("PYTHONPATH")))
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(places)}
+    process = subprocess.Popen(
+        [sys.executable, script, folder, begun],
+        env=environment,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+    )
+    assert wait_for(begun.exists, PATIENCE)
+    yield process, folder
+    process.kill()
+    process.communicate()
+
+
+def test_no_worker_outlives_a_parent_that_is_killed(batch):
+    process, folder = batch
+    workers = numbers_of(folder, 2)
+    assert all(alive(worker) for worker in workers)
+    process.kill()
+    process.wait()
+    assert wait_for(lambda: not any(alive(worker) for worker in workers), PATIENCE)
+
+
+@pytest.mark.sweep
+@pytest.mark.parametrize("moment", ["starting", "working"])
+def test_an_interrupt_from_the_keyboard_ends_all_and_only_the_parent_says_so(batch, moment):
+    process, folder = batch
+    workers = numbers_of(folder, 2) if moment == "working" else []
+    if not workers:
+        time.sleep(0.1)  # the workers are importing
+    os.killpg(process.pid, signal.SIGINT)
+    _, said = process.communicate(timeout=PATIENCE)
+    assert process.returncode == -signal.SIGINT
+    assert said.count("Traceback") == 1, said
+    assert said.rstrip().endswith("KeyboardInterrupt")
+    assert not any(alive(worker) for worker in workers)
+    assert wait_for(lambda: not group_runs(process.pid), PATIENCE)
+
+
+def test_a_worker_that_is_killed_while_it_starts_is_started_again(monkeypatch, tmp_path):
+    monkeypatch.setenv("CREW_TEST_FILE", str(tmp_path / "seen"))
+    monkeypatch.setattr(processes, "serve", toys.serve_at_the_second_start)
+    with Crew.local(1) as crew:
+        assert list(crew.run(toys.square, [3])) == [(3, 9)]
+    assert (tmp_path / "seen").exists()
+
+
+@pytest.mark.parametrize(
+    ("start", "message"),
+    [
+        (toys.stop_the_interpreter, r"exit code 1 while it started.*__main__"),
+        (toys.always_killed, r"killed by signal 9 \(Killed\) while it started, 2 times; .*memory"),
+    ],
+)
+def test_a_worker_that_cannot_start_is_an_error_that_says_what_to_do(monkeypatch, start, message):
+    monkeypatch.setattr(processes, "serve", start)
+    monkeypatch.setattr(processes, "STARTS", 2)
+    with pytest.raises(ChildProcessError, match=message), Crew.local(1) as crew:
+        list(crew.run(toys.square, [3]))
+
+
+def test_any_executor_will_do_and_stays_open():
+    with ThreadPoolExecutor(2) as pool:
+        with Crew.through(pool, size=2) as crew:
+            assert crew.size == 2
+            assert sorted(crew.run(toys.square, range(5))) == [(number, number**2) for number in range(5)]
+            with pytest.raises(KeyError, match="three"):
+                list(crew.run(toys.refuse, range(5)))
+        assert pool.submit(toys.square, 4).result() == 16
+
+
+class GoneAway(Executor):
+    """An executor whose other end has gone."""
+
+    def submit(self, fn, /, *args, **kwargs):
+        future = Future()
+        future.cancel()
+        future.set_running_or_notify_cancel()
+        return future
+
+
+def test_work_that_is_cancelled_from_outside_is_a_lost_connection():
+    with pytest.raises(ConnectionError, match="cancelled"), Crew.through(GoneAway()) as crew:
+        list(crew.run(toys.square, [1]))
+
+
+def test_a_crew_has_at_least_one_worker():
+    with pytest.raises(ValueError, match="workers"):
+        Crew.local(0)
+
+
+@pytest.mark.parametrize("own", [None, "3"])
+def test_workers_do_linear_algebra_on_one_thread_unless_the_user_says_otherwise(monkeypatch, own):
+    for name in ALGEBRA:
+        monkeypatch.delenv(name, raising=False)
+    if own is not None:
+        monkeypatch.setenv("OPENBLAS_NUM_THREADS", own)
+    before = dict(os.environ)
+    with WorkerProcesses(1) as pool:
+        found = {name: pool.submit(os.getenv, name).result() for name in ALGEBRA}
+    assert found == dict.fromkeys(ALGEBRA, "1") | ({} if own is None else {"OPENBLAS_NUM_THREADS": own})
+    assert dict(os.environ) == before

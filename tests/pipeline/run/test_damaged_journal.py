@@ -1,0 +1,143 @@
+"""Journals that were damaged or forged: what was in them is done again, and nothing else."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from batch_runs import CONFIG, SITE, four_records
+from file_contents import assert_contents, contents
+from record_writers import pulse
+
+import rockpulse as rp
+from rockpulse import (
+    BlockSettings,
+    CalibrationSettings,
+    FragilitySettings,
+    ModelSettings,
+)
+from rockpulse.assessment import assessment
+from rockpulse.assessment.assessment import Assessment
+from rockpulse.config.study_settings import DATA
+from rockpulse.record.record import STANDARD_GRAVITY
+from rockpulse.run.analysis import worked
+from rockpulse.run.batch import assess_files
+from rockpulse.run.frames import pack, unpack
+from rockpulse.run.journal import Done, Journal, journal_path
+from rockpulse.run.options import BatchOptions
+from rockpulse.studies.fragility.analysis import FragilityAnalysis
+from rockpulse.studies.site.calibration import SiteCalibration
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    return four_records(tmp_path_factory.mktemp("records"))
+
+
+def stopped_at_the_last(folder, output, monkeypatch):
+    """A run that has two of three records in its journal."""
+    original = assessment.extract
+
+    def interrupted(record, config, vertical):
+        if record.id.startswith("r2"):
+            raise KeyboardInterrupt
+        return original(record, config, vertical)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(assessment, "extract", interrupted)
+        with pytest.raises(KeyboardInterrupt):
+            assess_files(sorted(folder.glob("r*")), CONFIG, output, BatchOptions(workers=1))
+
+
+def test_a_result_that_was_damaged_in_the_journal_is_done_again_and_the_others_are_not(folder, tmp_path, monkeypatch):
+    paths, output, told = sorted(folder.glob("r*")), tmp_path / "results.h5", []
+    stopped_at_the_last(folder, output, monkeypatch)
+    with Journal.open(output, resume=True) as journal:
+        key = next(one for one in journal.finished() if one.startswith("r1"))
+        place = journal._kept[key].body + 1000
+    content = bytearray(journal_path(output).read_bytes())
+    content[place] ^= 4
+    journal_path(output).write_bytes(content)
+    report = assess_files(paths, CONFIG, output, BatchOptions(workers=1, resume=True, tell=told.append))
+    assert (report.records, report.resumed, report.failures) == (3, 1, [])
+    assert told == [
+        f"{journal_path(output)} is damaged: the results of {key} cannot be used; what is missing is done again",
+        "1 of 3 records were finished before",
+    ]
+    assess_files(paths, CONFIG, tmp_path / "alone.h5", BatchOptions(workers=1))
+    assert_contents(output, contents(tmp_path / "alone.h5"))
+
+
+def headed(text):
+    """The packed arrays of a header, without a value."""
+    return b"RPA1" + len(text).to_bytes(8, "little") + text.encode()
+
+
+def without(name, part):
+    return pack({path: values for path, values in part.items() if path != name})
+
+
+#: What somebody may put in the place of a part, with a checksum that fits.
+FORGED = {
+    "no part": lambda part: (),
+    "no bytes": lambda part: (b"",),
+    "no arrays": lambda part: (headed(""),),
+    "no shape": lambda part: (headed('[["a", 3]]'),),
+    "a hundred terabytes of texts without a letter": lambda part: (headed('[["a", "U0", [100000000000000]]]'),),
+    "an array fewer": lambda part: (without("/summary/pga", part),),
+    "an array more": lambda part: (pack({**part, "/summary/more": np.zeros(1)}),),
+    "a row more in one array": lambda part: (pack({**part, "/summary/pga": np.zeros(2)}),),
+    "another shape": lambda part: (pack({**part, "/summary/peak_rotation_ratio": np.zeros((1, 7, 7))}),),
+    "a number as such": lambda part: (pack({**part, "/summary/pga": np.array(1.0)}),),
+    "texts for numbers": lambda part: (pack({**part, "/summary/pga": np.array(["1"])}),),
+    "numbers for texts": lambda part: (pack({**part, "/summary/source": np.array([1.0])}),),
+    "a sound and a wrong one": lambda part: (pack(part), without("/summary/pga", part)),
+}
+
+
+def test_what_somebody_has_put_into_the_journal_as_a_result_is_done_again(folder, tmp_path, monkeypatch):
+    paths, output = sorted(folder.glob("r*")), tmp_path / "results.h5"
+    assess_files(paths, CONFIG, output, BatchOptions(workers=1))
+    expected = contents(output)
+    output.unlink()
+    stopped_at_the_last(folder, output, monkeypatch)
+    sound = journal_path(output).read_bytes()
+    for forged, change in FORGED.items():
+        journal_path(output).write_bytes(sound)
+        with Journal.open(output, resume=True) as journal:
+            key, fingerprint = next(one for one in journal.finished().items() if one[0].startswith("r1"))
+            journal.add(Done(key, fingerprint, change(unpack(*journal.parts(key)))))
+        told = []
+        resume = BatchOptions(workers=1, resume=True, overwrite=True, tell=told.append)
+        assert assess_files(paths, CONFIG, output, resume).resumed == 1, forged
+        assert f"is damaged: the results of {key} cannot be used; what is missing is done again" in told[0], forged
+        assert_contents(output, expected)
+
+
+def test_results_of_other_options_are_no_damage(folder, tmp_path, monkeypatch):
+    """Their arrays have other shapes."""
+    output, told = tmp_path / "results.h5", []
+    stopped_at_the_last(folder, output, monkeypatch)
+    two = replace(CONFIG, blocks=(*CONFIG.blocks, BlockSettings(name="wide", width=0.5, height=3.0)))
+    report = assess_files(sorted(folder.glob("r*")), two, output, BatchOptions(1, resume=True, tell=told.append))
+    assert (report.records, report.resumed) == (3, 0)
+    assert len(told) == 1
+    assert "0 of 3 records were finished before; 2 are done again" in told[0]
+
+
+EVERY = {
+    "assess": Assessment(replace(CONFIG, models=ModelSettings(use=("sequence", "nonlinear")))),
+    "statistics": SiteCalibration(SITE),
+    "spectrum": SiteCalibration(replace(SITE, calibration=CalibrationSettings(bootstrap=100))),
+    **{data: FragilityAnalysis(replace(CONFIG, fragility=FragilitySettings(data=data))) for data in DATA},
+}
+
+
+@pytest.mark.parametrize("name", EVERY)
+def test_a_part_fits_the_analysis_that_makes_it_and_no_other(name):
+    record = rp.Record(pulse(400, 0.4) * STANDARD_GRAVITY, dt=0.01, id="r", processed=True)
+    (planned,) = EVERY[name].prepare([record]).planned
+    (part,) = worked(planned, EVERY[name].work, name, EVERY[name].config)
+    back = unpack(pack(part))
+    assert [one for one, analysis in EVERY.items() if analysis.fits(back)] == [name]

@@ -1,0 +1,245 @@
+"""Runs that are killed, interrupted or cut off, and resumed: the results are those of an undisturbed run."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+from file_contents import assert_contents, contents
+from record_writers import at2, pulse
+
+from rockpulse.cli import main
+from rockpulse.run.journal import journal_path
+
+TESTS = Path(__file__).parents[2]
+RECORDS = 6
+CONFIGURATION = """
+[models]
+use = ["sequence", "linear"]
+[search]
+models = ["sequence"]
+points = 16
+[[block]]
+name = "wall"
+width = 0.4
+height = 3.0
+[[block]]
+name = "pier"
+width = 1.0
+height = 3.0
+"""
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """Six good records, a damaged one, and a configuration."""
+    folder = tmp_path_factory.mktemp("killed")
+    for number in range(RECORDS):
+        peak = 0.2 + 0.05 * number
+        (folder / f"r{number}.at2").write_bytes(at2(pulse(400, peak), title=f"Event, 1/2/2003, Station {number}, 090"))
+    (folder / "cut.at2").write_bytes(at2(pulse(400, 0.3), title="Event, 1/2/2003, Cut, 090")[:900])
+    (folder / "site.toml").write_text(CONFIGURATION)
+    return folder
+
+
+@pytest.fixture(scope="module")
+def undisturbed(folder, tmp_path_factory):
+    """What comes of an assessment when nothing happens."""
+    target = tmp_path_factory.mktemp("undisturbed") / "results.h5"
+    assert main(command(folder, target, "--workers", "1")) == 1  # one file is damaged
+    return contents(target)
+
+
+def command(folder, target, *options):
+    return ["assess", str(folder), "--config", str(folder / "site.toml"), "-o", str(target), "--quiet", *options]
+
+
+def start(folder, target, point, number, *options):
+    """The run in a process group of its own, as a terminal starts one."""
+    given = command(folder, target, *options)
+    arguments = [sys.executable, TESTS / "killed_run.py", point, str(number), *given]
+    return subprocess.Popen(arguments, start_new_session=True, text=True, stderr=subprocess.PIPE)
+
+
+def members(group: int) -> list[int]:
+    """Process ids of a group that live, other than zombies."""
+    found = []
+    for stat in Path("/proc").glob("[0-9]*/stat"):
+        try:
+            text = stat.read_text()
+        except (FileNotFoundError, ProcessLookupError):
+            continue  # it has ended meanwhile
+        state, _, pgrp = text.rpartition(")")[2].split()[:3]
+        if int(pgrp) == group and state != "Z":
+            found.append(int(stat.parent.name))
+    return found
+
+
+def assert_nobody_is_left(group, seconds=300.0):
+    end = time.monotonic() + seconds
+    while members(group) and time.monotonic() < end:
+        time.sleep(0.05)
+    assert members(group) == []
+
+
+def assert_resumed(folder, target, undisturbed, *options):
+    """The same command with --resume completes the run and leaves the results alone in their folder."""
+    assert main(command(folder, target, "--resume", *options)) == 1
+    assert_contents(target, undisturbed)
+    assert [path.name for path in target.parent.iterdir()] == [target.name]
+
+
+@pytest.mark.sweep
+@pytest.mark.parametrize("workers", [1, pytest.param(2, marks=pytest.mark.slow)])
+def test_a_run_killed_between_two_records_goes_on_with_what_is_missing(folder, tmp_path, undisturbed, workers):
+    target, log = tmp_path / "out" / "results.h5", tmp_path / "log"
+    target.parent.mkdir()
+    process = start(folder, target, "record", 3, "--workers", str(workers))
+    assert process.wait(300) == -signal.SIGKILL
+    process.stderr.close()
+    assert_nobody_is_left(process.pid)
+    assert not target.exists()
+    assert_resumed(folder, target, undisturbed, "--workers", "1", "--log-file", str(log))
+    assert "assessing 3 records; finished before: 3, of another state: 0" in log.read_text()
+
+
+# A kill in the middle of the assembly itself: test_assembly.py.
+POINTS = [
+    pytest.param("rename", 1, marks=pytest.mark.sweep),
+    pytest.param("assembly", 40, marks=pytest.mark.slow),
+    pytest.param("renamed", 1, marks=pytest.mark.slow),
+]
+
+
+@pytest.mark.parametrize(("point", "number"), POINTS)
+def test_a_run_killed_while_it_writes_the_results_goes_on(folder, tmp_path, undisturbed, point, number):
+    target = tmp_path / "results.h5"
+    process = start(folder, target, point, number, "--workers", "1")
+    assert process.wait(300) == -signal.SIGKILL
+    process.stderr.close()
+    assert journal_path(target).exists()
+    assert target.exists() == (point == "renamed")
+    assert_resumed(folder, target, undisturbed, "--workers", "1")
+
+
+INTERRUPTIONS = [
+    pytest.param("interrupt", 1, marks=pytest.mark.sweep),
+    pytest.param("interrupt", 2, marks=pytest.mark.slow),
+    pytest.param("terminate", 1, marks=pytest.mark.slow),
+]
+
+
+@pytest.mark.parametrize(("point", "workers"), INTERRUPTIONS)
+def test_an_interrupted_run_says_how_to_go_on(folder, tmp_path, undisturbed, point, workers):
+    target = tmp_path / "results.h5"
+    process = start(folder, target, point, 2, "--workers", str(workers))
+    assert process.wait(300) == 130
+    said = process.stderr.read()
+    process.stderr.close()
+    assert re.fullmatch(
+        r"rockpulse: interrupted; [2-6] finished records are kept in .*results.h5.journal: the same command with "
+        r"--resume goes on from there\n",
+        said,
+    )
+    assert_nobody_is_left(process.pid)
+    assert not target.exists()
+    assert_resumed(folder, target, undisturbed, "--workers", "1")
+
+
+def kill_a_worker(folder, target, seconds):
+    """Run with two workers, one of which is killed when it has worked so long on records; whether it came to that."""
+    log = target.with_suffix(".log")
+    process = start(folder, target, "record", 1000, "--workers", "2", "--log-file", str(log))
+    while process.poll() is None and not (log.is_file() and "INFO assessing" in log.read_text()):
+        time.sleep(0.01)
+    begun = {one: spent(one) for one in members(process.pid) if is_worker(one)}
+    busy = []
+    while process.poll() is None and not busy:
+        busy = [one for one, before in begun.items() if spent(one) - before >= seconds]
+        time.sleep(0.01)
+    if busy and process.poll() is None:
+        os.kill(busy[0], signal.SIGKILL)
+    code = process.wait(300)
+    process.stderr.close()
+    assert code == 1  # as ever: one file is damaged
+    return bool(busy)
+
+
+def is_worker(process):
+    try:
+        return "spawn_main" in Path(f"/proc/{process}/cmdline").read_text()
+    except (FileNotFoundError, ProcessLookupError):
+        return False
+
+
+def spent(process):
+    """Time of the processor that a process has had [s]; none when it has ended."""
+    try:
+        fields = Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()
+    except (FileNotFoundError, ProcessLookupError):
+        return 0.0
+    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+
+
+@pytest.mark.sweep
+def test_a_worker_that_is_killed_at_work_changes_nothing(folder, tmp_path, undisturbed):
+    target = tmp_path / "results.h5"
+    assert kill_a_worker(folder, target, 0.1)
+    assert_contents(target, undisturbed)
+
+
+@pytest.fixture(scope="module")
+def faults(tmp_path_factory):
+    """The library that strikes at a step of input and output."""
+    if shutil.which("cc") is None or not sys.platform.startswith("linux"):
+        pytest.skip("needs Linux and a C compiler")
+    library = tmp_path_factory.mktemp("faults") / "io_faults.so"
+    subprocess.run(["cc", "-shared", "-fPIC", "-o", library, TESTS / "io_faults.c", "-ldl"], check=True)
+    return library
+
+
+@pytest.fixture
+def ten_records(tmp_path):
+    """A folder of ten records and a configuration."""
+    records = tmp_path / "records"
+    records.mkdir()
+    for number in range(10):
+        title = f"Event, 1/2/2003, Station {number}, 090"
+        (records / f"r{number}.at2").write_bytes(at2(pulse(400, 0.2 + 0.03 * number), title=title))
+    (records / "site.toml").write_text(CONFIGURATION)
+    return records
+
+
+@pytest.mark.parametrize(
+    ("first", "every"), [pytest.param(7, 40, marks=pytest.mark.sweep), pytest.param(1, 1, marks=pytest.mark.slow)]
+)
+def test_a_run_struck_at_a_step_of_input_or_output_resumes_to_the_same_file(
+    faults, ten_records, tmp_path, first, every
+):
+    """Killed at each of them, and with each of them failing as on a full disk, for a run of ten records."""
+    arguments = [
+        sys.executable,
+        TESTS / "io_fault_runs.py",
+        faults,
+        ten_records,
+        tmp_path / "runs",
+        str(first),
+        str(every),
+    ]
+    done = subprocess.run(
+        arguments, env=os.environ | {"LD_PRELOAD": str(faults)}, capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stderr
+    found = json.loads(done.stdout)
+    print(f"{found['cases']} runs of {found['steps']} steps")
+    assert found["steps"] > 100
+    assert found["cases"] == 2 * len(range(first, found["steps"] + 1, every))
+    assert found["wrong"] == [], done.stderr[-3000:]

@@ -1,0 +1,309 @@
+"""Tasks are what the assessment in memory would do, and their fingerprints change with their answers."""
+
+from __future__ import annotations
+
+import pickle
+import shutil
+from dataclasses import replace
+
+import pytest
+from record_writers import at2, pulse
+
+from rockpulse import (
+    BlockSettings,
+    CalibrationSettings,
+    CheckSettings,
+    ConditioningSettings,
+    DemandSettings,
+    FileSettings,
+    FragilitySettings,
+    HalfWaveSettings,
+    HazardSettings,
+    IntensePhaseSettings,
+    ModelSettings,
+    RecordSettings,
+    RunSettings,
+    SearchSettings,
+    SequenceSettings,
+    SiteSettings,
+    UncertaintySettings,
+)
+from rockpulse.assessment.assessment import Assessment
+from rockpulse.config.configuration import Config
+from rockpulse.motions.directions import conditioned_motions, planned_ids
+from rockpulse.readers.folders import find_files, read_all
+from rockpulse.run.survey import gather, survey_file
+from rockpulse.run.tasks import configuration_fingerprint, digest_of, read_options, tasks_of
+from rockpulse.studies.fragility.analysis import FragilityAnalysis
+from rockpulse.studies.site.calibration import SiteCalibration
+
+WALL = BlockSettings(name="wall", width=0.4, height=3.0)
+WAYS = {
+    "horizontal": {},
+    "vertical": {"include_vertical": True},
+    "azimuth": {"components": "azimuth", "azimuth": 30.0},
+    "sweep": {"components": "sweep", "azimuth_step": 45.0, "include_vertical": True},
+    "structural": {"structural": True},
+}
+
+
+def config(**records):
+    return Config(blocks=(WALL,), records=RecordSettings(**records))
+
+
+def planned(paths, options=None, analysis=Assessment):
+    """The tasks of a run, and what is prepared for it."""
+    one = analysis(options or config())
+    found, failures = find_files(paths)
+    surveys = [(file, survey_file(file, read_options(one.config))) for file in found]
+    located, rows = gather(found, surveys, failures)
+    prepared = one.prepare([record.record for record in located], rows)
+    return tasks_of(prepared.planned, located, one.config, one.name), prepared
+
+
+@pytest.mark.parametrize("way", WAYS)
+def test_the_tasks_are_the_motions_of_the_assessment_in_memory(samples, way):
+    options = config(**WAYS[way])
+    records, failures = read_all(samples)
+    expected = Assessment(options).prepare(records, failures)
+    tasks, found = planned(samples, options)
+    assert found.failures == expected.failures
+    assert found.events == expected.events
+    assert [task.key for task in tasks] == [one.name for one in expected.planned]
+    for task, one in zip(tasks, expected.planned, strict=True):
+        assert [channel.id for channel in task.planned.channels] == [channel.id for channel in one.channels]
+        assert (task.planned.vertical and task.planned.vertical.id) == (one.vertical and one.vertical.id)
+        motions = conditioned_motions(one, options)
+        assert task.source == motions[0].record.source
+        assert planned_ids(task.planned, options) == [motion.record.id for motion in motions]
+
+
+def test_a_task_is_small(samples):
+    sizes = [len(pickle.dumps(task)) for task in planned(samples, config(**WAYS["sweep"]))[0]]
+    assert max(sizes) < 8000
+
+
+def test_what_a_task_reads_is_what_was_planned(samples):
+    options = config(**WAYS["sweep"])
+    (record,) = (one for one in read_all(samples)[0] if one.id.startswith("CI.CLC..Up"))
+    task = next(task for task in planned(samples, options)[0] if "CLC" in task.key)
+    full = task.read(read_options(options))
+    assert [one.npts for one in full.channels] == [one.npts for one in task.planned.channels]
+    assert full.vertical is not None
+    assert full.vertical.acceleration.tolist() == record.acceleration.tolist()
+    assert all(one.pga > 0.0 for one in full.channels)
+
+
+def test_tasks_of_a_site_and_of_fragility_are_in_the_order_of_the_ids(tmp_path):
+    for name in ("b", "a"):
+        folder = tmp_path / ("1" if name == "b" else "2")
+        folder.mkdir()
+        (folder / f"{name}.AT2").write_bytes(at2(pulse(peak=0.1 if name == "a" else 0.2)))
+    assert [task.key for task in planned(tmp_path)[0]] == ["b.090", "a.090"]
+    for analysis in (SiteCalibration, FragilityAnalysis):
+        assert [task.key for task in planned(tmp_path, analysis=analysis)[0]] == ["a.090", "b.090"]
+
+
+def fingerprints(paths, options=None):
+    return {task.key: task.fingerprint for task in planned(paths, options)[0]}
+
+
+def test_a_fingerprint_is_the_same_in_every_run_and_another_for_every_record(samples):
+    first = fingerprints(samples)
+    assert fingerprints(samples) == first
+    assert len(set(first.values())) == len(first) == 7
+
+
+def test_a_fingerprint_changes_with_the_samples_and_with_what_is_known_of_the_record(tmp_path):
+    path = tmp_path / "a.AT2"
+    seen = []
+    for content in (at2(pulse()), at2(pulse(peak=0.31)), at2(pulse(), title="Elsewhere, 1/2/2003, Station One, 090")):
+        path.write_bytes(content)
+        seen.append(fingerprints(path)["a.090"])
+    path.rename(tmp_path / "b.AT2")
+    seen.append(fingerprints(tmp_path / "b.AT2")["b.090"])
+    assert len(set(seen)) == 4
+
+
+def test_a_fingerprint_changes_with_the_vertical_channel(samples, tmp_path):
+    for name in ("CICLC.v1", "CICCC.RAW"):
+        shutil.copy(samples / name, tmp_path / name)
+    options = config(include_vertical=True)
+    before = fingerprints(tmp_path, options)
+    text = (tmp_path / "CICLC.v1").read_bytes()
+    lines = text.split(b"\n")
+    # A number of the last block of data, which is that of the vertical channel.
+    at = max(number for number, line in enumerate(lines) if line.count(b".") == 8)
+    lines[at] = lines[at].replace(lines[at][:9], b" 0.012345", 1)
+    (tmp_path / "CICLC.v1").write_bytes(b"\n".join(lines))
+    after = fingerprints(tmp_path, options)
+    assert list(after) == list(before)
+    assert {name for name in before if before[name] != after[name]} == {name for name in before if "CLC" in name}
+
+
+#: The method by which the response of each record is matched.
+MATCHED = CalibrationSettings(method="response")
+
+#: Every section with a change, and the verbs whose numbers it changes.
+CHANGES = [
+    ({"site": SiteSettings(name="x")}, ""),
+    ({"records": RecordSettings(paths=("x",))}, ""),
+    ({"records": RecordSettings(events="x.csv")}, ""),
+    ({"run": RunSettings(workers=3)}, ""),
+    ({"fragility": FragilitySettings(pga_min=0.5)}, "fragility"),
+    ({"fragility": FragilitySettings(data="cloud")}, "fragility"),
+    ({"fragility": FragilitySettings(confidence=0.8, model="logistic", overturning_model="lognormal")}, ""),
+    ({"records": RecordSettings(store="none")}, "assess calibrate fragility"),
+    ({"records": RecordSettings(include_vertical=True)}, "assess calibrate fragility"),
+    # Told by the records that are read with them, and by each task.
+    ({"records": RecordSettings(units="g", dt=0.02, files=(FileSettings(match="*", units="g"),))}, ""),
+    ({"records": RecordSettings(confirm=("*",))}, ""),
+    ({"run": RunSettings(seed=3)}, "assess calibrate"),
+    ({"uncertainty": UncertaintySettings(factor=0.2)}, "assess"),
+    ({"conditioning": ConditioningSettings(highpass_hz=0.1)}, "assess calibrate fragility"),
+    ({"half_waves": HalfWaveSettings(merge=False)}, "assess calibrate fragility"),
+    ({"intense_phase": IntensePhaseSettings(method="D5-75")}, "assess calibrate fragility"),
+    ({"sequence": SequenceSettings(spacing="middle")}, "assess calibrate fragility"),
+    ({"blocks": ()}, "assess calibrate fragility"),
+    ({"blocks": (replace(WALL, restitution=0.9),)}, "assess calibrate fragility"),
+    ({"models": ModelSettings(use=("linear",))}, "assess"),
+    ({"search": SearchSettings(factor_max=5.0)}, "assess fragility"),
+    ({"search": SearchSettings(intervals=True)}, "assess"),
+    ({"demands": (DemandSettings(name="x", acceleration=1.0),)}, "assess calibrate fragility"),
+    ({"calibration": CalibrationSettings(method="statistics")}, "calibrate"),
+    ({"calibration": replace(MATCHED, confidence=0.8)}, "calibrate"),
+    ({"calibration": replace(MATCHED, family="blocks")}, "calibrate"),
+    ({"calibration": replace(MATCHED, scale_to="pga", target=3.0)}, "calibrate"),
+    ({"calibration": replace(MATCHED, quantile=0.5)}, ""),
+    ({"calibration": replace(MATCHED, bootstrap=200)}, ""),
+    ({"calibration": replace(MATCHED, weights="w.csv")}, ""),
+    ({"calibration": replace(MATCHED, design="parameters")}, ""),
+]
+
+
+@pytest.mark.parametrize("verb", ["assess", "calibrate", "fragility"])
+def test_the_fingerprint_of_the_configuration_changes_with_what_changes_numbers(verb):
+    start = replace(config(), calibration=MATCHED)
+    plain = configuration_fingerprint(start, verb)
+    changed = [change for change, _ in CHANGES if configuration_fingerprint(replace(start, **change), verb) != plain]
+    assert changed == [change for change, verbs in CHANGES if verb in verbs]
+
+
+@pytest.mark.parametrize("method", ["spectrum", "statistics"])
+def test_seed_and_confidence_count_only_where_a_response_is_matched(method):
+    plain = CalibrationSettings(method=method)
+    before = configuration_fingerprint(replace(config(), calibration=plain), "calibrate")
+    for change in ({"run": RunSettings(seed=3)}, {"calibration": replace(plain, confidence=0.8, family="blocks")}):
+        changed = replace(config(), calibration=plain)
+        assert configuration_fingerprint(replace(changed, **change), "calibrate") == before
+
+
+def test_the_seed_counts_in_an_assessment_only_where_there_is_a_probability():
+    off = replace(config(), uncertainty=UncertaintySettings(probability=False))
+    for plain, same in ((config(), False), (off, True)):
+        seeded = replace(plain, run=RunSettings(seed=3))
+        assert (configuration_fingerprint(plain, "assess") == configuration_fingerprint(seeded, "assess")) is same
+
+
+def test_the_mean_over_directions_is_taken_when_all_records_are_done():
+    swept = replace(config(), records=RecordSettings(components="sweep"))
+    mean = replace(swept, uncertainty=UncertaintySettings(azimuth=True))
+    assert configuration_fingerprint(swept, "assess") == configuration_fingerprint(mean, "assess")
+
+
+def test_the_fingerprint_of_the_configuration_knows_verb_version_program_and_schema(monkeypatch):
+    from rockpulse.run import tasks as module
+
+    seen = {configuration_fingerprint(config(), verb) for verb in ("assess", "calibrate", "fragility")}
+    monkeypatch.setattr(module, "__version__", "x")
+    seen.add(configuration_fingerprint(config(), "assess"))
+    monkeypatch.setattr(module, "SCHEMA_VERSION", "x")
+    seen.add(configuration_fingerprint(config(), "assess"))
+    monkeypatch.setattr(module, "program_digest", lambda: "x")
+    seen.add(configuration_fingerprint(config(), "assess"))
+    assert len(seen) == 6
+
+
+def test_a_body_is_the_same_whether_its_size_was_confirmed_or_not():
+    wall = BlockSettings(name="wall", width=0.3, height=2.4)
+    one, other = (
+        configuration_fingerprint(Config(blocks=(body,)), "assess") for body in (wall, replace(wall, confirm_size=True))
+    )
+    assert one == other
+
+
+@pytest.mark.parametrize("package", ["rocking", "rockpulse"])
+def test_the_program_is_known_by_its_sources(monkeypatch, tmp_path, package):
+    from rockpulse.run import tasks as module
+
+    for name in ("rocking/kernels/march.py", "rockpulse/run/tasks.py", "rocking/__init__.py", "rockpulse/__init__.py"):
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / name).write_text("x = 1\n")
+    monkeypatch.setattr(module.rocking, "__file__", str(tmp_path / "rocking" / "__init__.py"))
+    monkeypatch.setattr(module, "__file__", str(tmp_path / "rockpulse" / "batch" / "plan.py"))
+    digest = module.program_digest.__wrapped__
+    seen = {digest()}
+    for changed in ((tmp_path / package).glob("*/*.py"), (tmp_path / package).glob("*.py")):
+        next(changed).write_text("x = 2\n")
+        seen.add(digest())
+    (tmp_path / package / "__init__.py").rename(tmp_path / package / "other.py")
+    seen.add(digest())
+    assert len(seen) == 4
+    (tmp_path / "other.py").write_text("x = 3\n")
+    assert digest() in seen
+
+
+def test_unit_and_interval_of_some_files_change_the_fingerprints_of_these_only(tmp_path):
+    for name in ("a.g3", "b.g3", "c.txt"):
+        (tmp_path / name).write_text("\n".join(f"{value:.6f}" for value in pulse(peak=0.3 + 0.1 * ord(name[0]))))
+    rows = (FileSettings(match="*", units="g", dt=0.01), FileSettings(match="b.*", units="cm/s2"))
+    before, units = (fingerprints(tmp_path, config(files=rows[:count])) for count in (1, 2))
+    assert fingerprints(tmp_path, config(units="g", dt=0.01)) == before
+    assert {name for name in before if before[name] != units[name]} == {"b.1"}
+    dt = fingerprints(tmp_path, config(files=(*rows, FileSettings(match="*.g3", dt=0.02))))
+    assert {name for name in units if units[name] != dt[name]} == {"a.1", "b.1"}
+
+
+def test_what_is_confirmed_changes_the_fingerprints_of_the_tasks_that_it_names(samples):
+    plain = fingerprints(samples, config(include_vertical=True))
+    named = fingerprints(samples, config(include_vertical=True, confirm=("CI.CLC*Up*", "*CCC*90@*")))
+    changed = {name.partition("@")[0] for name in plain if plain[name] != named[name]}
+    assert changed == {"CI.CLC..360", "CI.CLC..90", "CI.CCC..90"}
+
+
+def test_what_a_run_is_asked_for_is_every_record_the_earthquake_of_each_and_the_whole_configuration(samples, tmp_path):
+    weighted = replace(config(), calibration=CalibrationSettings(weights="w.csv"), folder=tmp_path)
+    (tmp_path / "w.csv").write_text("record,weight\na,1\n")
+    tasks, _ = planned(samples, weighted)
+    events = dict.fromkeys((task.key for task in tasks), "one")
+    plain = digest_of(tasks, events, weighted, "assess")
+    assert digest_of(tasks[::-1], events, weighted, "assess") == plain
+    assert digest_of(tasks, events, replace(weighted, run=RunSettings(workers=3)), "assess") == plain
+    last = tasks[-1]
+    seen = {
+        plain,
+        digest_of(tasks, events, weighted, "fragility"),
+        digest_of(tasks, events, replace(weighted, site=SiteSettings(name="x")), "assess"),
+        digest_of(tasks, events, replace(weighted, run=RunSettings(seed=3)), "assess"),
+        digest_of(tasks[:-1], events, weighted, "assess"),
+        digest_of(tasks, {**events, last.key: "other"}, weighted, "assess"),
+        digest_of([*tasks[:-1], replace(last, fingerprint="x")], events, weighted, "assess"),
+        digest_of([*tasks[:-1], replace(last, planned=replace(last.planned, name="x"))], events, weighted, "assess"),
+    }
+    (tmp_path / "w.csv").write_text("record,weight\na,2\n")
+    seen.add(digest_of(tasks, events, weighted, "assess"))
+    assert len(seen) == 9
+
+
+def test_another_selection_of_records_is_another_task(tmp_path):
+    chosen = replace(config(), fragility=FragilitySettings(selection="chosen.csv"), folder=tmp_path)
+    seen = set()
+    for text in ("record,factor\na,1\n", "record,factor\na,2\n", "record,factor,weight\na,2,3\n"):
+        (tmp_path / "chosen.csv").write_text(text)
+        seen.add(configuration_fingerprint(chosen, "fragility"))
+    assert len(seen) == 3
+    # Whatever is asked of the results afterwards changes no record.
+    for change in ({"hazard": HazardSettings(k0=1e-4, k=2.0)}, {"check": CheckSettings(spectrum="en_1998_1", ag=0.2)}):
+        for verb in ("assess", "calibrate", "fragility"):
+            plain, changed = (configuration_fingerprint(one, verb) for one in (config(), replace(config(), **change)))
+            assert plain == changed

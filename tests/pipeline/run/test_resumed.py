@@ -1,0 +1,265 @@
+"""Batches that broke off, in part or as a whole: what they leave, what they say, and what resuming makes of it."""
+
+from __future__ import annotations
+
+import pickle
+from contextlib import AbstractContextManager
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from batch_runs import CONFIG, SITE, four_records
+from file_contents import assert_contents, contents
+
+import rockpulse as rp
+from rockpulse import (
+    BlockSettings,
+    FloorSettings,
+    ModelSettings,
+    PedestalSettings,
+    SiteSettings,
+    TieSettings,
+)
+from rockpulse.assessment import assessment
+from rockpulse.errors import ResultsError
+from rockpulse.readers.folders import read_all
+from rockpulse.run import batch as run
+from rockpulse.run import survey
+from rockpulse.run.batch import assess_files, calibrate_files
+from rockpulse.run.journal import JournalError, journal_path
+from rockpulse.run.options import BatchOptions, BatchReport
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    return four_records(tmp_path_factory.mktemp("records"))
+
+
+def test_a_lost_worker_is_a_row_of_its_record(folder, tmp_path, monkeypatch):
+    class Losing(run.Crew):
+        def run(self, function, items):
+            for item, result in super().run(function, items):
+                lost = getattr(item, "key", "").startswith("r1")
+                yield item, run.WorkerLost("the worker process was killed by signal 9 (Killed)") if lost else result
+
+    paths, output = sorted(folder.glob("r*")), tmp_path / "results.h5"
+    with monkeypatch.context() as patch:
+        patch.setattr(run.Crew, "inline", classmethod(lambda cls: Losing(None, lambda: 1)))
+        report: BatchReport = assess_files(paths, CONFIG, output, BatchOptions(workers=1))
+    (row,) = report.failures
+    assert (report.records, report.broken_off) == (2, 1)
+    assert (row.file, row.stage, row.kind) == (str(folder / "r1.AT2"), "assess", "failed")
+    assert "r1.090: the worker process was killed by signal 9 (Killed), each time it was tried" in row.reason
+    assert_completed(paths, output)
+
+
+def assert_completed(paths, output):
+    """The same command with --resume does what broke off, in place of the file that lacks it, and ends the journal."""
+    with pytest.raises(ResultsError, match=r"the file exists; .*--overwrite together with --resume goes on"):
+        assess_files(paths, CONFIG, output, BatchOptions(workers=1))
+    report = assess_files(paths, CONFIG, output, BatchOptions(workers=1, resume=True))
+    assert (report.records, report.resumed, report.failures, report.broken_off) == (3, 2, [], 0)
+    assert len(contents(output)["summary/record"]["values"]) == 3
+    assert not journal_path(output).exists()
+
+
+def test_what_broke_off_is_done_by_a_run_that_resumes(folder, tmp_path, monkeypatch):
+    told, original = [], assessment.extract
+
+    def out_of_memory(record, config, vertical):
+        if record.id.startswith("r1"):
+            raise MemoryError
+        return original(record, config, vertical)
+
+    paths, output = sorted(folder.glob("r*")), tmp_path / "results.h5"
+    with monkeypatch.context() as patch:
+        patch.setattr(assessment, "extract", out_of_memory)
+        report = assess_files(paths, CONFIG, output, BatchOptions(workers=1, tell=told.append))
+    assert (report.records, report.broken_off) == (2, 1)
+    again = f"the same command with --resume tries them again, for which {output}.journal is kept"
+    assert told == [f"1 file or record broke off: {again}"]
+    assert_completed(paths, output)
+
+
+def test_a_file_that_could_not_be_read_is_read_by_a_run_that_resumes(folder, tmp_path, monkeypatch):
+    original = survey.read_opened
+
+    def gone(opened, options):
+        if opened.name.endswith("r1.AT2"):
+            raise OSError(5, "Input/output error", opened.name)
+        return original(opened, options)
+
+    paths, output = sorted(folder.glob("r*")), tmp_path / "results.h5"
+    with monkeypatch.context() as patch:
+        patch.setattr(survey, "read_opened", gone)
+        report = assess_files(paths, CONFIG, output, BatchOptions(workers=1))
+    assert (report.records, report.broken_off, [row.stage for row in report.failures]) == (2, 1, ["read"])
+    assert_completed(paths, output)
+
+
+@pytest.mark.sweep
+def test_a_run_that_resumes_has_the_same_probabilities_and_so_have_two_workers(folder, tmp_path, monkeypatch):
+    """A wall that is read from the spectrum, a chest that has lanes of its own, and the bodies that practice has."""
+    others = (
+        BlockSettings(name="chest", width=0.4, height=0.9),
+        BlockSettings(name="façade", width=0.4, height=3.0, one_sided=True),
+        BlockSettings(name="tied", width=0.3, height=3.0, mass=1e3, ties=(TieSettings(height=2.0, stiffness=1e5),)),
+        BlockSettings(name="aloft", width=0.4, height=3.0, floors=(FloorSettings(period=0.4),), friction=0.3),
+        BlockSettings(
+            name="statue",
+            width=0.4,
+            height=2.0,
+            mass=8e2,
+            pedestals=(PedestalSettings(width=0.6, height=1.0, mass=1e3),),
+        ),
+    )
+    config = replace(CONFIG, models=ModelSettings(use=("nonlinear",)), blocks=(*CONFIG.blocks, *others))
+    paths, original = sorted(folder.glob("r*")), assessment.extract
+
+    def out_of_memory(record, config, vertical):
+        if record.id.startswith("r1"):
+            raise MemoryError
+        return original(record, config, vertical)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(assessment, "extract", out_of_memory)
+        assess_files(paths, config, tmp_path / "resumed.h5", BatchOptions(workers=1))
+    report = assess_files(paths, config, tmp_path / "resumed.h5", BatchOptions(workers=1, resume=True))
+    assert (report.records, report.resumed) == (3, 2)
+    resumed = contents(tmp_path / "resumed.h5")
+    for workers in (1, 2):
+        assess_files(paths, config, tmp_path / f"{workers}.h5", BatchOptions(workers=workers))
+        assert_contents(tmp_path / f"{workers}.h5", resumed)
+    assert np.all((resumed["summary/factor_50"]["values"] > 0.5) & (resumed["summary/factor_50"]["values"] < 10.0))
+
+
+def stopped_after_writing(paths, output, monkeypatch):
+    """Killed when the file had its name and its journal was still there."""
+
+    def killed(self):
+        raise SystemExit
+
+    with monkeypatch.context() as patch:
+        patch.setattr(run.Journal, "remove", killed)
+        with pytest.raises(SystemExit):
+            assess_files(paths, CONFIG, output, BatchOptions(workers=1))
+
+
+def test_a_run_that_ended_is_not_done_again_by_the_same_command(folder, tmp_path, monkeypatch):
+    """As after a kill between the end of the journal and that of the process."""
+    paths, output, told = sorted(folder.glob("r*")), tmp_path / "results.h5", []
+    assess_files(paths, CONFIG, output, BatchOptions(workers=1))
+    written = output.read_bytes()
+
+    def done_again(*given):
+        raise AssertionError
+
+    resume = BatchOptions(workers=1, resume=True, tell=told.append)
+    with monkeypatch.context() as patch:
+        patch.setattr(run, "write_results", done_again)
+        patch.setattr(assessment, "extract", done_again)
+        report = assess_files(paths, CONFIG, output, resume)
+    assert (report.path, report.records, report.resumed, report.failures) == (output, 3, 3, [])
+    assert told == [f"{output}: the run had ended before, nothing was left to do"]
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["results.h5"]
+    wider = replace(CONFIG, blocks=(BlockSettings(name="wide", width=0.5, height=3.0),))
+    for asked in ((paths[:2], CONFIG), (paths, wider), (paths, replace(CONFIG, site=SiteSettings(name="other")))):
+        with pytest.raises(ResultsError, match="the file exists"):
+            assess_files(*asked, output, resume)
+    assert output.read_bytes() == written
+
+
+@pytest.mark.sweep
+def test_resuming_a_run_that_had_only_its_journal_left_does_what_is_asked_for(folder, tmp_path, monkeypatch):
+    paths, output = sorted(folder.glob("r*")), tmp_path / "results.h5"
+    resume = BatchOptions(workers=1, resume=True)
+    stopped_after_writing(paths, output, monkeypatch)
+    report = assess_files(paths, CONFIG, output, resume)
+    assert (report.path, report.records, report.resumed, report.failures) == (output, 3, 3, [])
+    assert not journal_path(output).exists()
+
+    output.unlink()
+    stopped_after_writing(paths, output, monkeypatch)
+    wider = replace(CONFIG, blocks=(BlockSettings(name="wide", width=0.5, height=3.0),))
+    assert assess_files(paths[:2], wider, output, resume).resumed == 0
+    found = contents(output)
+    assert (len(found["summary/record"]["values"]), found["summary/block"]["values"].tolist()) == (2, [b"wide"])
+
+
+def test_the_results_of_another_run_are_not_replaced_by_resuming(folder, tmp_path, monkeypatch):
+    paths, output = sorted(folder.glob("r*"))[:2], tmp_path / "results.h5"
+    with monkeypatch.context() as patch:
+        patch.setattr(run, "write_results", interrupted)
+        with pytest.raises(run.Interrupted, match="2 finished records are kept"):
+            assess_files(paths, CONFIG, output, BatchOptions(workers=1))
+    rp.save(rp.assess(read_all(paths)[0], CONFIG), output)
+    before = output.read_bytes()
+    with pytest.raises(ResultsError, match="--overwrite together with --resume"):
+        assess_files(paths, CONFIG, output, BatchOptions(workers=1, resume=True))
+    assert output.read_bytes() == before
+    output.write_bytes(before[: len(before) // 2])  # damaged
+    with pytest.raises(ResultsError, match=r"damaged .*--overwrite together with --resume"):
+        assess_files(paths, CONFIG, output, BatchOptions(workers=1, resume=True))
+    assert assess_files(paths, CONFIG, output, BatchOptions(workers=1, resume=True, overwrite=True)).resumed == 2
+
+
+def test_what_killed_writers_have_left_is_swept_up(folder, tmp_path):
+    (tmp_path / ".results.h5.0123abcd.part").write_text("half")
+    assess_files(folder / "r0.AT2", CONFIG, tmp_path / "results.h5", BatchOptions(workers=1))
+    assert [path.name for path in tmp_path.iterdir()] == ["results.h5"]
+
+
+def test_a_journal_that_is_removed_under_a_run_stops_it_and_nothing_is_claimed(folder, tmp_path, caplog):
+    output = tmp_path / "results.h5"
+
+    class Removing(AbstractContextManager):
+        def __init__(self, desc, **given):
+            self.desc = desc
+
+        def __exit__(self, *error):
+            pass
+
+        def update(self, n):
+            if self.desc == "assessing":
+                journal_path(output).unlink()
+
+    with pytest.raises(ResultsError, match="removed while the run was at work, and what was finished with it"):
+        assess_files(sorted(folder.glob("r*")), CONFIG, output, BatchOptions(workers=1, bar=Removing))
+    assert "; nothing is kept, for " in caplog.text
+    assert not output.exists()
+
+
+def test_only_what_the_plan_can_use_is_counted_as_kept(folder, tmp_path, monkeypatch):
+    paths, output = sorted(folder.glob("r*")), tmp_path / "results.h5"
+    with monkeypatch.context() as patch:
+        patch.setattr(run, "write_results", interrupted)
+        with pytest.raises(run.Interrupted, match="3 finished records are kept"):
+            assess_files(paths, CONFIG, output, BatchOptions(workers=1))
+        wider = replace(CONFIG, blocks=(BlockSettings(name="wide", width=0.5, height=3.0),))
+        with pytest.raises(run.Interrupted, match="1 finished record is kept"):
+            assess_files(paths[:1], wider, output, BatchOptions(workers=1, resume=True))
+        patch.setattr(run._Batch, "work", interrupted)
+        with pytest.raises(run.Interrupted, match=r"nothing of this run was finished yet; .* keeps 3 records of other"):
+            assess_files(folder / "other.AT2", CONFIG, output, BatchOptions(workers=1, resume=True))
+
+
+def test_a_site_that_cannot_be_written_keeps_what_is_finished(folder, tmp_path, monkeypatch):
+    def full(*args):
+        raise ResultsError("the results take 3 MB, 1 MB are free; make room there")
+
+    monkeypatch.setattr(run, "write_results", full)
+    with pytest.raises(ResultsError, match=r"make room there; 3 finished records are kept in .*--resume goes on"):
+        calibrate_files(sorted(folder.glob("r*")), SITE, tmp_path / "site.h5", BatchOptions(workers=1))
+
+
+@pytest.mark.parametrize(
+    "error", [ResultsError("full"), ResultsError("there", tells_resume=True), JournalError("gone")]
+)
+def test_whether_a_message_tells_of_resuming_survives_pickling(error):
+    back = pickle.loads(pickle.dumps(error))
+    assert (type(back), str(back), back.tells_resume) == (type(error), str(error), error.tells_resume)
+    assert error.tells_resume == (str(error) != "full")
+
+
+def interrupted(*args):
+    raise KeyboardInterrupt

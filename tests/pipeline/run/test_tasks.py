@@ -1,0 +1,218 @@
+"""Tasks carried out one by one give what the assessment in memory gives, and whatever goes wrong is a row."""
+
+from __future__ import annotations
+
+import logging
+import pickle
+from dataclasses import replace
+from functools import partial
+
+import numpy as np
+import pytest
+from nominal import Config, ida
+from record_writers import at2, pulse
+
+from rockpulse import (
+    BlockSettings,
+    CalibrationSettings,
+    ConditioningSettings,
+    DemandSettings,
+    IntensePhaseSettings,
+    ModelSettings,
+    RecordSettings,
+    SearchSettings,
+)
+from rockpulse.assessment import assessment
+from rockpulse.assessment.assessment import Assessment, assess
+from rockpulse.assessment.tree import joined_parts
+from rockpulse.readers.folders import find_files, read_all
+from rockpulse.run.analysis import run
+from rockpulse.run.frames import unpack
+from rockpulse.run.journal import UNFINISHED, Done
+from rockpulse.run.survey import gather, survey_file
+from rockpulse.run.tasks import carry_out, read_options, tasks_of
+from rockpulse.studies.fragility.analysis import FragilityAnalysis
+from rockpulse.studies.site.calibration import SiteCalibration
+
+WALL = BlockSettings(name="wall", width=0.4, height=3.0)
+TOWER = BlockSettings(name="tower", width=1.0, height=5.0, restitution=(0.9, 0.95))
+CHEAP = Config(
+    blocks=(WALL, replace(TOWER, restitution="housner")),
+    models=ModelSettings(use=("sequence", "impulsive", "linear")),
+    search=SearchSettings(models=()),
+)
+CONFIGURATIONS = {
+    "horizontal": CHEAP,
+    "cases": replace(
+        CHEAP,
+        blocks=(replace(WALL, restitution=(0.91, 0.96)), TOWER),
+        demands=(DemandSettings(name="damage", acceleration=1.0),),
+    ),
+    "vertical": replace(
+        CHEAP,
+        records=RecordSettings(include_vertical=True, store="half_waves"),
+        models=ModelSettings(use=("nonlinear",), histories=True),
+    ),
+    "sweep": replace(
+        CHEAP, records=RecordSettings(components="sweep", azimuth_step=45.0, include_vertical=True, store="none")
+    ),
+    # Not every direction exceeds the bracket.
+    "failing": replace(
+        CHEAP,
+        records=RecordSettings(components="sweep", azimuth_step=20.0),
+        intense_phase=IntensePhaseSettings(method="bracketed", level=3.7),
+    ),
+}
+
+
+def planned(paths, analysis):
+    """The tasks of an analysis, and what is prepared for it."""
+    found, failures = find_files(paths)
+    surveys = [(one, survey_file(one, read_options(analysis.config))) for one in found]
+    located, rows = gather(found, surveys, failures)
+    prepared = analysis.prepare([one.record for one in located], rows)
+    return tasks_of(prepared.planned, located, analysis.config, analysis.name), prepared
+
+
+def function_of(analysis):
+    """What is sent to a worker."""
+    function = partial(carry_out, work=analysis.work, stage=analysis.name, config=analysis.config)
+    return pickle.loads(pickle.dumps(function))
+
+
+def carried_out(paths, analysis) -> tuple[list[tuple[str, Done]], list, list]:
+    """Every task as another process would do it, with its earthquake; what was planned, and all rows."""
+    tasks, prepared = planned(paths, analysis)
+    function = function_of(analysis)
+    done = [pickle.loads(pickle.dumps(function(pickle.loads(pickle.dumps(task))))) for task in tasks]
+    assert [(one.key, one.fingerprint) for one in done] == [(task.key, task.fingerprint) for task in tasks]
+    rows = [*prepared.failures, *(row for one in done for row in one.failures)]
+    return [(prepared.events[one.key], one) for one in done], prepared.planned, rows
+
+
+@pytest.mark.parametrize("name", CONFIGURATIONS)
+def test_tasks_one_by_one_give_the_arrays_of_the_assessment_in_memory(samples, name):
+    config = CONFIGURATIONS[name]
+    done, _, rows = carried_out(samples, Assessment(config))
+    records, failures = read_all(samples)
+    tree = assess(records, config, failures=failures)
+    arrays = joined_parts([unpack(part) for _, one in done for part in one.parts])
+    assert len(arrays["/summary/record"]) == tree["summary"].sizes["record"] > 0
+    assert len(arrays) > 50
+    assert "/summary/event" not in arrays  # all records together tell it
+    for path, values in arrays.items():
+        np.testing.assert_array_equal(values, tree[path].values, strict=True, err_msg=path)
+    told = zip(*(tree["failures"][key].values.tolist() for key in ("file", "stage", "reason", "kind")), strict=True)
+    assert [(row.file, row.stage, row.reason, row.kind) for row in rows] == list(told)
+    if name == "failing":
+        assert any(row.stage == "assess" for row in rows)
+
+
+def test_a_pair_that_cannot_be_rotated_is_rows_of_its_task(samples):
+    # Filtering needs corners below the Nyquist frequency, 50 or 100 Hz here.
+    config = replace(
+        CHEAP,
+        records=RecordSettings(components="azimuth", azimuth=30.0),
+        conditioning=ConditioningSettings(lowpass_hz=80.0),
+    )
+    done, _, rows = carried_out(samples, Assessment(config))
+    records, failures = read_all(samples)
+    tree = assess(records, config, failures=failures)
+    assert [row.reason for row in rows] == tree["failures"]["reason"].values.tolist()
+    lost = [one for _, one in done if not one.parts]
+    assert lost
+    assert all([row.stage for row in one.failures] == ["rotate", "rotate"] for one in lost)
+
+
+@pytest.mark.parametrize(("components", "analysis"), [("horizontal", FragilityAnalysis), ("sweep", SiteCalibration)])
+def test_the_tasks_of_any_order_give_the_tree_in_memory(samples, components, analysis):
+    asked = analysis(
+        Config(
+            blocks=CHEAP.blocks,
+            calibration=CalibrationSettings(method="statistics", bootstrap=100),
+            fragility=ida(limit_states=("uplift", 0.4), measures=("pga", "demand_cubic"), pga_min=2.0),
+            search=SearchSettings(points=16),
+            records=RecordSettings(components=components, azimuth_step=90.0, include_vertical=True),
+        )
+    )
+    done, motions, rows = carried_out(samples, asked)
+    packed = [(event, part) for event, one in reversed(done) for part in one.parts]
+    assert max(len(part) for _, part in packed) < 8000  # no samples
+    assert all(part[:4] == b"RPA1" for _, part in packed)  # no pickle
+    found = asked.collect([asked.of_event(unpack(part), event) for event, part in packed], motions, rows)
+    records, failures = read_all(samples)
+    expected = run(asked, records, failures)
+    assert found.groups == expected.groups
+    for group in expected.groups:
+        assert found[group].to_dataset().identical(expected[group].to_dataset()), group
+
+
+@pytest.fixture
+def one_task(tmp_path):
+    """A record of its own and the work on it."""
+    path = tmp_path / "a.AT2"
+    path.write_bytes(at2(pulse()))
+    analysis = Assessment(CHEAP)
+    ((task,), _) = planned(path, analysis)
+    return path, task, function_of(analysis)
+
+
+def test_a_file_that_changed_since_the_survey_is_a_row(one_task):
+    path, task, function = one_task
+    path.write_bytes(at2(pulse(peak=0.2)))
+    done = function(task)
+    assert done.parts == ()
+    assert done.fingerprint == UNFINISHED != task.fingerprint  # tried again when the run is resumed
+    (row,) = done.failures
+    assert (row.file, row.stage, row.kind) == (str(path), "read", "failed")
+    assert "has changed since" in row.reason
+
+
+def test_a_file_that_vanished_is_a_row(one_task):
+    path, task, function = one_task
+    path.unlink()
+    (row,) = function(task).failures
+    assert (row.stage, row.kind) == ("read", "failed")
+    assert "No such file" in row.reason
+
+
+@pytest.mark.parametrize(
+    ("fault", "reason"),
+    [
+        (KeyError("x"), "a.090: unexpected KeyError: 'x'; please report"),
+        (ZeroDivisionError("nothing"), "a.090: unexpected ZeroDivisionError: nothing; please report"),
+        (MemoryError(), "a.090: out of memory; use fewer workers"),
+    ],
+)
+def test_a_fault_of_the_program_is_a_row_with_its_traceback_in_the_log(one_task, monkeypatch, fault, reason):
+    path, task, function = one_task
+
+    def faulty(*given):
+        raise fault
+
+    monkeypatch.setattr(assessment, "record_part", faulty)
+    done = function(task)
+    assert (done.fingerprint, done.parts) == (UNFINISHED, ())
+    (row,) = done.failures
+    assert (row.file, row.stage, row.kind) == (str(path), "assess", "failed")
+    assert reason in row.reason
+    assert any(level == logging.ERROR and "Traceback" in text for level, text in done.messages)
+
+
+def test_what_a_task_logs_comes_back_and_goes_nowhere_else(one_task, caplog):
+    path = one_task[0]
+    path.write_bytes(at2(pulse() + 0.05))  # the velocity drifts
+    analysis = Assessment(replace(CHEAP, conditioning=ConditioningSettings(baseline="none")))
+    ((task,), _) = planned(path, analysis)
+    done = function_of(analysis)(task)
+    assert [(level, "baseline drift" in text) for level, text in done.messages] == [(logging.WARNING, True)]
+    assert caplog.records == []
+    logging.getLogger("rockpulse").warning("heard again")
+    assert [record.message for record in caplog.records] == ["heard again"]
+
+
+def test_the_steps_are_timed(one_task):
+    _, task, function = one_task
+    seconds = function(task).seconds
+    assert list(seconds) == ["read", "condition", "solve", "pack"]
+    assert all(value > 0.0 for value in seconds.values())

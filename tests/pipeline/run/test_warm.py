@@ -1,0 +1,84 @@
+"""Warming up: afterwards neither the samples nor a rotated pair needs a kernel that is not there."""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+#: In a process of its own: here, other tests have loaded kernels already.
+SCRIPT = """
+import json
+import sys
+from importlib import import_module
+from pathlib import Path
+
+import rockpulse as rp
+from rockpulse import ModelSettings, RecordSettings, SearchSettings
+from rockpulse.assessment.assessment import Assessment
+from rockpulse.run.tasks import warm_up
+from rockpulse.run.analysis import run
+from rockpulse.studies.fragility.assessment import FragilityAnalysis
+from rockpulse.studies.site.calibration import SiteCalibration
+
+KERNELS = [path.stem for path in Path(import_module("rocking").__file__).parent.glob("[a-z]*.py")]
+BLOCKS = [rp.models.Block(half_width=0.2 + 0.2 * i, half_height=1.0 + i) for i in range(3)]
+
+
+def compiled():
+    found = {}
+    for module in KERNELS:
+        for name, value in vars(import_module(f"rocking.{module}")).items():
+            if hasattr(value, "nopython_signatures"):
+                found[name] = len(value.signatures)
+    return found
+
+
+def work(kind):
+    records = [channel for name in ("CICCC.RAW", "CITOW2.RAW") for channel in rp.read(Path(sys.argv[1]) / name)]
+    blocks = dict(zip("abc", BLOCKS))
+    if kind in ("calibrate", "fragility"):
+        analysis = {"calibrate": SiteCalibration, "fragility": FragilityAnalysis}[kind](rp.Config(), blocks)
+        warm_up(analysis)
+        yield
+        run(analysis, records[:1] if kind == "calibrate" else records)
+        return
+    everything = ("resonance", "sequence", "balanced", "conservative", "impulsive", "linear", "nonlinear")
+    config = rp.Config()
+    if kind == "everything":
+        config = rp.Config(
+            records=RecordSettings(include_vertical=True, components="strongest"),
+            models=ModelSettings(use=everything, histories=True),
+            search=SearchSettings(models=everything, intervals=True, points=16, step=1.2),
+        )
+    warm_up(Assessment(config, blocks))
+    yield
+    rp.assess(records, config, blocks=blocks)
+    rp.assess(records[:1], config, blocks={"a": rp.models.Block(half_width=0.3, half_height=2.0)})
+
+
+stages = work(sys.argv[2])
+next(stages)
+warm = compiled()
+next(stages, None)
+print(json.dumps([warm, compiled()]))
+"""
+
+
+@pytest.mark.parametrize(
+    "kind",
+    [pytest.param(kind, marks=pytest.mark.sweep) for kind in ("default", "calibrate", "fragility", "everything")],
+)
+def test_nothing_is_compiled_after_warming_up(kind, samples):
+    run = subprocess.run(
+        [sys.executable, "-c", SCRIPT, samples, kind],
+        cwd=Path(__file__).parent,
+        capture_output=True,
+        text=True,
+        timeout=300,
+    )
+    assert run.returncode == 0, run.stderr
+    warm, after = json.loads(run.stdout.splitlines()[-1])
+    assert sum(warm.values()) > 0
+    assert after == warm

@@ -1,0 +1,102 @@
+"""The check of the bodies of a configuration: worse senses, bodies that a code cannot take, tables that end."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import rockpulse as rp
+from rockpulse.config.study_settings import CODES, CheckSettings
+from rockpulse.errors import ConfigError
+from rockpulse.studies.check.bodies import code_check
+
+
+def config(**more):
+    wall = rp.BlockSettings(name="wall", width=0.4, height=4.0)
+    return rp.Config(blocks=(wall,), check=CheckSettings(spectrum="en_1998_1", ag=0.25, ground="C", **more))
+
+
+def test_a_dataset_holds_all_codes_with_their_units():
+    found = code_check(config())
+    assert found["code"].values.tolist() == list(CODES)
+    assert found["activation"].attrs["units"] == "m s-2"
+    assert found["activation_ratio"].sel(block="wall", code="circolare_2009").item() == pytest.approx(
+        0.1 / 1.35 / 0.14375
+    )
+    assert "probability" not in found
+    assert code_check(config(), ["en_1998"]).sizes["code"] == 1
+
+
+def test_a_body_that_a_check_cannot_take_is_told_and_the_others_stand():
+    held = rp.BlockSettings(
+        name="held", width=0.4, height=4.0, mass=1e3, ties=(rp.TieSettings(height=3.0, stiffness=1e6, side="both"),)
+    )
+    wall = config().blocks[0]
+    found = code_check(rp.Config(blocks=(held, wall), check=config().check))
+    assert np.isnan(found["multiplier"].values[0])
+    assert "tie without yield_force" in found["statement"].values[0, 0]
+    assert found["multiplier"].values[1] == pytest.approx(0.1)
+
+
+def test_what_cannot_be_checked_at_all_is_an_error():
+    with pytest.raises(ConfigError, match="no body to check"):
+        code_check(rp.Config(check=config().check))
+    with pytest.raises(ConfigError, match="expected the demand of the code"):
+        code_check(rp.Config(blocks=config().blocks))
+    with pytest.raises(ConfigError, match="expected some of circolare_2009"):
+        code_check(config(), ["asce"])
+
+
+@pytest.mark.parametrize(
+    ("given", "told"),
+    [
+        ({"ag": 0.2}, "f0: ntc needs it beside ag"),
+        ({"f0": 2.4, "tc_star": 0.3}, "ag: ntc needs it beside f0, tc_star"),
+        ({"spectrum": "en_1998_1", "ag": 0.2, "f0": 2.4}, 'f0: it belongs to spectrum = "ntc"'),
+        ({"spectrum": "en_1998_2", "ag": 0.2, "topography": "T2"}, "put its factor into ag"),
+        ({"spectrum": "table", "ag": 0.2}, "are in its file; drop it"),
+        ({"ag": 0.2, "file": "s.csv"}, 'file: it belongs to spectrum = "table"'),
+        ({"ag": 25.0}, "ag: expected a number in g > 0 and <= 5, found 25.0"),
+        ({"confidence_factor": 0.9}, "confidence_factor: expected a number >= 1"),
+        ({"q": 0.5}, "q: expected a number >= 1"),
+        ({"ground": "F"}, "ground: expected one of"),
+    ],
+)
+def test_wrong_parameters_are_told(given, told):
+    with pytest.raises(ConfigError, match=told):
+        CheckSettings(**given)
+
+
+def test_of_two_senses_the_worse_acceleration_and_the_worse_displacement_count():
+    """0.8 x 4 m, 0.12 m off its middle, 6 t, under type 1, ground B, 0.3 g; a tie of 5 kN at 3.5 m breaks after 3 cm.
+
+    Towards theta > 0 alpha_0 = 0.28/2 + 17.5/117.68 = 0.2887 and d_0 = 0.28 m (the tie is broken by then), towards
+    theta < 0 alpha_0 = 0.52/2 = 0.26 and d_0 = 0.52 m: the first to open is not the one that falls first.
+    """
+    tie = rp.TieSettings(height=3.5, stiffness=1e6, yield_force=5e3, ultimate=0.03)
+    body = rp.BlockSettings(name="a", width=0.8, height=4.0, offset=0.12, mass=6000.0, ties=(tie,))
+    settings = CheckSettings(spectrum="en_1998_1", ag=0.3, ground="B", confidence_factor=1.0)
+    found = code_check(rp.Config(blocks=(body,), check=settings))
+    assert found["multiplier"].item() == pytest.approx(0.26)
+    assert found["activation_sense"].values.tolist() == [["negative"] * 3]
+    assert found["displacement_sense"].values.tolist() == [["positive", "positive", ""]]
+    assert found["displacement"].values[0, :2] == pytest.approx([0.112, 0.112])
+    assert np.all(found["displacement_ratio"].values[0, :2] < 0.9)
+    free = replace(body, ties=(replace(tie, side="negative"),))
+    other = code_check(rp.Config(blocks=(free,), check=settings))
+    # The tie on the other side leaves theta > 0 at alpha_0 = 0.14, and its displacement as it was.
+    assert other["multiplier"].item() == pytest.approx(0.14)
+    assert other["displacement"].values[0, :2] == pytest.approx([0.112, 0.112])
+
+
+def test_a_table_that_ends_early_costs_only_what_it_does_not_reach(tmp_path):
+    (tmp_path / "short.csv").write_text("period [s],Sa [g]\n0,0.3\n0.2,0.7\n1,0.3\n")
+    settings = CheckSettings(spectrum="table", file="short.csv", confidence_factor=1.0)
+    wall = rp.BlockSettings(name="wall", width=0.4, height=4.0)
+    found = code_check(rp.Config(blocks=(wall,), check=settings, folder=tmp_path))
+    assert found["activation_ratio"].values[0] == pytest.approx([0.1 / 0.15, 0.1 / 0.15, 0.1 / 0.3])
+    assert np.isnan(found["displacement_ratio"].values).all()
+    told = found["statement"].values[0].tolist()
+    assert "the table ends at 1 s, and 1.24 s are asked for; continue it" in told[0]
+    assert "1.95 s are asked for" in told[1]
+    assert told[2] == ""

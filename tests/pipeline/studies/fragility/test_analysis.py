@@ -1,0 +1,523 @@
+"""From records to the tree of fragility curves."""
+
+import re
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+from nominal import ida
+
+import rockpulse as rp
+from rocking.body.block import Block
+from rocking.march.recorded import recorded_response
+from rockpulse import FragilitySettings
+from rockpulse.assessment.scene import prepare
+from rockpulse.config.configuration import Config, SearchSettings
+from rockpulse.errors import ConfigError
+from rockpulse.record.components import Pair
+from rockpulse.record.rotation import rotate
+from rockpulse.studies.fragility.analysis import _grid
+from rockpulse.studies.fragility.capacity import reached_at, scale_capacities
+from rockpulse.studies.fragility.curves import fit_capacities
+from rockpulse.studies.fragility.ensemble import Ensemble, Fits, fit_ensemble, stored_ensemble
+from rockpulse.studies.fragility.likelihood import ABOVE, EXACT, NOT_ABOVE
+
+BLOCKS = {"wall": Block(half_width=0.3, half_height=1.5), "pier": Block(half_width=0.5, half_height=1.9365)}
+STATES = ("uplift", 0.4, "overturning")
+SCHEMA = Path(__file__).parents[4] / "docs" / "schema.md"
+
+
+def pulse(number, event, size=2.0):
+    """A wave packet with a period and a length of its own."""
+    t = np.arange(0.0, 6.0, 0.02)
+    period = 0.9 + 0.15 * number
+    ground = size * np.sin(2.0 * np.pi * t / period) * np.exp(-(((t - 3.0) / (0.7 + 0.1 * (number % 3))) ** 2))
+    return rp.Record(ground, dt=0.02, id=f"packet.{number}", event=event, processed=True)
+
+
+def options(**fragility):
+    known = {"limit_states": STATES, "measures": ("pga", "velocity_ratio")}
+    return Config(fragility=ida(**{**known, **fragility}), search=SearchSettings(factor_max=30.0, points=32))
+
+
+@pytest.fixture(scope="module")
+def records():
+    return [pulse(number, event) for number, event in enumerate(["Kobe", "Kobe", "Maule", "Maule", "Izmit", "Duzce"])]
+
+
+@pytest.fixture(scope="module")
+def tree(records):
+    return rp.fragility_curves(records, options(), BLOCKS)
+
+
+def test_the_facts_of_each_record_are_stored():
+    known = {"magnitude": 6.3, "epicentral_distance": 5300.0, "vs30": 717.0, "event_id": "IT-2009-0009"}
+    shaken = [replace(pulse(0, "Kobe"), **known), pulse(1, "Maule")]
+    found = rp.fragility_curves(shaken, options(data="cloud"), BLOCKS)["capacities"].to_dataset()
+    assert {name: found[name].values[0].item() for name in known} == known
+    assert np.isnan(found["epicentral_distance"].values[1])
+    assert found["event_id"].values[1] == ""
+
+
+def test_capacity_is_tested_to_depend_on_what_the_files_state(records, tree):
+    magnitudes = {"Kobe": 6.9, "Maule": 8.8, "Izmit": 7.6, "Duzce": np.nan}
+    stated = [replace(record, magnitude=magnitudes[record.event], vs30=300.0) for record in records]
+    found = rp.fragility_curves(stated, options(), BLOCKS)["efficiency"].to_dataset()
+    qualities = ["duration", "period", "strong_half_waves", "strength", "magnitude", "epicentral_distance", "vs30"]
+    assert found["quality"].values.tolist() == qualities
+    assert found["quality_records"].values.tolist() == [6, 6, 6, 6, 5, 0, 6]
+    assert found["quality_events"].values.tolist() == [4, 4, 4, 4, 3, 0, 4]
+    known = np.isfinite(found["pooled_p_value"].sel(limit_state="0.4", measure="velocity_ratio"))
+    assert dict(zip(qualities[4:], known.values[4:].tolist(), strict=True)) == {
+        "magnitude": True,
+        "epicentral_distance": False,  # nobody states it
+        "vs30": False,  # the same for all
+    }
+    others = {"quality": qualities[:4]}
+    before = tree["efficiency"].to_dataset().sel(others)
+    xr.testing.assert_equal(found.sel(others), before)  # a fact of some records changes nothing else
+
+
+def test_the_curve_of_a_measure_is_the_fit_of_factor_times_measure(tree):
+    own = {"block": "wall", "limit_state": "0.4"}
+    factor = tree["capacities"]["factor"].sel(own).values
+    value = tree["capacities"]["measure_value"].sel(block="wall", measure="velocity_ratio").values
+    fit = rp.fit_capacities(factor * value, tree["capacities"]["event"].values)
+    found = tree["fragility"].to_dataset().sel({**own, "measure": "velocity_ratio"})
+    assert float(found["median"]) == pytest.approx(fit.median, rel=1e-12)
+    assert (float(found["beta_low"]), float(found["beta_high"])) == pytest.approx((fit.beta_low, fit.beta_high))
+    assert int(found["extrapolated"]) == 0
+    assert (int(found["records"]), int(found["events"]), int(found["reached"])) == (6, 4, 6)
+    np.testing.assert_allclose(found["probability_high"], fit.probability(found["level"].values)[2])
+
+
+def test_a_body_in_a_direction_of_its_own_is_shaken_in_it():
+    pair = [
+        replace(pulse(number, "Kobe"), id=f"S.{name}", network="N", station="S", channel=name, azimuth=azimuth)
+        for number, (name, azimuth) in enumerate([("HNE", 90.0), ("HNN", 0.0)])
+    ]
+    own = {"others": {}, "own": {"azimuth": 30.0}}
+    blocks = tuple(rp.BlockSettings(name=name, width=0.6, height=3.0, **known) for name, known in own.items())
+    config = replace(options(), blocks=blocks, records=rp.RecordSettings(components="azimuth", azimuth=75.0))
+    found = rp.fragility_curves(pair, config)["capacities"]["measure_value"].sel(measure="pga").isel(record=0)
+    assert found.values.tolist() == pytest.approx([rotate(Pair(*pair), azimuth).pga for azimuth in (75.0, 30.0)])
+
+
+def test_capacities_ascend_with_the_limit_state_and_uplift_is_exact(tree):
+    factor = tree["capacities"]["factor"]
+    assert bool((factor.diff("limit_state") > 0.0).all())
+    wall = BLOCKS["wall"]
+    uplift = wall.gravity * np.tan(wall.alpha_c) / tree["capacities"]["measure_value"].sel(block="wall", measure="pga")
+    np.testing.assert_allclose(factor.sel(block="wall", limit_state="uplift"), uplift)
+    step = tree["fragility"].to_dataset().sel(block="wall", limit_state="uplift", measure="pga")
+    assert float(step["median"]) == pytest.approx(wall.gravity * np.tan(wall.alpha_c))
+    assert "a step at 1.96" in str(step["statement"].values)
+    assert str(tree["efficiency"]["most_efficient"].sel(block="wall", limit_state="uplift").values) == "pga"
+
+
+@pytest.mark.parametrize("equation", ["nonlinear", "linear"])
+def test_a_capacity_is_where_the_response_reaches_the_limit_state(records, equation):
+    block = Block.stack(list(BLOCKS.values()))
+    motion = prepare(records[0], Config())
+    factors, _ = scale_capacities(motion, block, STATES, equation, 30.0, 64)
+    for state, factor in enumerate(factors):
+        around = np.stack([factor * (1.0 - 1e-5), factor * (1.0 + 1e-5)])
+        assert reached_at(motion, block, STATES, equation, around)[state].tolist() == [[0, 0], [1, 1]]
+
+
+def test_a_capacity_above_the_search_is_not_known(records):
+    """Uplift, known in closed form, ends with the search as the others do."""
+    block = Block.stack(list(BLOCKS.values()))
+    motion = prepare(records[0], Config())
+    (lifted,), step = scale_capacities(motion, block, ["uplift"], "nonlinear", 1e6, 8)
+    assert np.all(np.isfinite(lifted))
+    assert np.all(step == 1.0)  # a closed form misses nothing
+    between = float(np.mean(lifted))
+    factors, step = scale_capacities(motion, block, STATES, "nonlinear", between, 8)
+    reached = lifted <= between
+    assert sorted(reached.tolist()) == [False, True]
+    np.testing.assert_array_equal(factors[0], np.where(reached, lifted, np.inf))
+    assert np.all(np.isinf(factors[-1]))
+    np.testing.assert_allclose(step, np.where(reached, (between / lifted) ** (1 / 7), 1.0))
+
+
+def test_the_file_says_how_the_capacities_were_searched(records):
+    few = options(limit_states=["uplift", "overturning"], measures=["pga"]).fragility
+    site = rp.SiteSettings(name="Tower", description="A tower.")
+    coarse = Config(site=site, fragility=few, search=SearchSettings(factor_max=25.0, points=9))
+    found = rp.fragility_curves(records[:2], coarse, BLOCKS)
+    assert (found.attrs["title"], found.attrs["site_description"]) == ("Tower", "A tower.")
+    capacities = found["capacities"].to_dataset()
+    assert (capacities.attrs["points"], capacities.attrs["factor_max"]) == (9, 25.0)
+    start = capacities["factor"].sel(limit_state="uplift")
+    np.testing.assert_allclose(capacities["search_step"], (25.0 / start) ** (1 / 8), rtol=1e-9)
+
+
+def test_one_record_that_overturns_several_bodies_is_one_record(records):
+    """All bodies put together hold three capacities, of one record."""
+    block = {f"wall {size:g}": Block(half_width=0.3 * size, half_height=1.5 * size) for size in (1.0, 1.02, 1.04)}
+    strong = rp.Record(30.0 * records[0].acceleration, dt=0.02, id="strong", event="Kobe", processed=True)
+    search = SearchSettings(factor_max=1.0, points=16)
+    confirmed = rp.RecordSettings(confirm=("strong",))  # its peak is 6 g
+    config = Config(fragility=options(measures=["velocity_ratio"]).fragility, search=search, records=confirmed)
+    found = rp.fragility_curves([strong, *records[1:]], config, block)
+    assert int((found["capacities"]["reached"].sel(limit_state="overturning") == 1).sum()) == 3
+    pooled = found["efficiency"].to_dataset().sel(limit_state="overturning", measure="velocity_ratio")
+    assert np.isnan(float(pooled["pooled_median"]))
+    assert "one record only reached the limit state" in str(pooled["pooled_statement"].values)
+
+
+def test_the_order_of_the_records_does_not_matter(tree, records):
+    xr.testing.assert_identical(rp.fragility_curves(records[::-1], options(), BLOCKS), tree)
+
+
+@pytest.mark.parametrize("data", ["stripes", "cloud"])
+def test_stripes_and_clouds_count_what_is_reached(records, data):
+    levels = (0.4, 0.7, 1.2)
+    found = rp.fragility_curves(records, options(data=data, stripe_levels=levels), BLOCKS)
+    capacities = found["capacities"].to_dataset()
+    value = capacities["measure_value"].sel(measure="velocity_ratio")
+    if data == "stripes":
+        np.testing.assert_allclose(
+            (capacities["factor"] * value).transpose("stripe", ...).mean(["record", "block"]), levels
+        )
+    else:
+        assert bool((capacities["factor"] == 1.0).all())
+    curve = found["fragility"].to_dataset().sel(block="pier", limit_state="0.4", measure="velocity_ratio")
+    reached = capacities["reached"].sel(block="pier", limit_state="0.4")
+    assert int(curve["reached"]) == int(reached.sum())
+    fit = rp.fit_stripes(
+        (capacities["factor"] * value).sel(block="pier").values.ravel(),
+        reached.values.ravel() == 1,
+        np.repeat(capacities["event"].values, reached.sizes["stripe"]),
+        np.repeat(capacities["record"].values, reached.sizes["stripe"]),
+    )
+    np.testing.assert_equal(float(curve["median"]), fit.median)
+    assert str(curve["statement"].values) == fit.statement
+
+
+def test_all_bodies_together_are_clustered_by_event(tree):
+    capacities = tree["capacities"].to_dataset().sel(limit_state="overturning", measure="velocity_ratio")
+    product = capacities["factor"] * capacities["measure_value"]
+    event = capacities["event"].broadcast_like(product)
+    fit = rp.fit_capacities(product.values.ravel(), event.values.ravel(), model="logistic")
+    found = tree["efficiency"].to_dataset().sel(limit_state="overturning", measure="velocity_ratio")
+    assert float(found["pooled_beta"]) == pytest.approx(fit.beta, rel=1e-9)
+    assert (float(found["pooled_median_low"]), float(found["pooled_median_high"])) == pytest.approx(
+        (fit.median_low, fit.median_high)
+    )
+    assert np.isnan(tree["efficiency"]["pooled_beta"].sel(measure="pga")).all()  # no common scale
+
+
+def test_the_acceleration_that_lifts_a_body_is_told_where_the_ground_does_it_alone(tree, records):
+    capacity = [block.gravity * np.tan(block.alpha_c) for block in BLOCKS.values()]
+    assert tree["fragility"]["uplift_acceleration"].values == pytest.approx(capacity, rel=1e-12)
+    floors = {"ground": (), "aloft": (rp.FloorSettings(period=0.5),)}
+    bodies = tuple(rp.BlockSettings(name=name, width=0.6, height=3.0, floors=own) for name, own in floors.items())
+    few = options(limit_states=["uplift"], measures=["pga"])
+    for vertical, known in ((False, [True, False]), (True, [False, False])):
+        config = replace(few, blocks=bodies, records=rp.RecordSettings(include_vertical=vertical))
+        found = rp.fragility_curves(records[:2], config)["fragility"]["uplift_acceleration"].values
+        assert np.isfinite(found).tolist() == known
+
+
+def test_a_tree_of_no_motion_has_every_variable_and_no_row():
+    shapes = {}
+    for data in ("ida", "stripes", "cloud"):
+        config = options(data=data, stripe_levels=(0.4, 0.7))
+        silent = rp.Record(np.zeros(100), dt=0.02, id="silent", processed=True)
+        found = rp.fragility_curves([silent], config, BLOCKS)
+        table = found["capacities"].to_dataset()
+        assert table.sizes["record"] == 0
+        shapes[data] = dict(table.sizes)
+        assert set(found["fragility"]["statement"].values.ravel()) == {"no curve: no record"}
+        assert set(found["efficiency"]["most_efficient"].values.ravel()) == {""}
+        assert found.attrs["title"] == "Fragility of rigid blocks under recorded ground motions"
+    usual = {"record": 0, "block": 2, "measure": 2, "limit_state": 3}
+    assert shapes == {"ida": usual, "stripes": usual | {"stripe": 2}, "cloud": usual | {"stripe": 1}}
+
+
+def of_two(number):
+    """A record of a peak of 2 m/s2."""
+    one = pulse(number, f"event {number}")
+    return replace(one, acceleration=2.0 * one.acceleration / one.pga)
+
+
+def test_a_record_is_scaled_within_the_factors_and_both_ends_belong_to_them():
+    chosen = {"limit_states": ["uplift", 0.2], "measures": ["pga"], "factors": (0.5, 2.0), "pga_min": 2.0}
+    stripes = {"stripe_measure": "pga", "stripe_levels": (0.99, 1.0, 3.0, 4.0, 4.01)}
+    weaker = replace(of_two(1), acceleration=0.999 * of_two(1).acceleration, id="weaker")
+    found = rp.fragility_curves([of_two(0), weaker], options(data="stripes", **chosen, **stripes), BLOCKS)
+    table = found["capacities"].to_dataset()
+    assert table["record"].values.tolist() == ["packet.0"]  # as strong as pga_min
+    assert table["factor"].sel(block="wall").values.ravel() == pytest.approx([0.495, 0.5, 1.5, 2.0, 2.005])
+    reached = table["reached"].sel(block="wall").isel(record=0).transpose("limit_state", "stripe").values
+    assert (reached != -1).tolist() == [[False, True, True, True, False]] * 2
+    lifting = BLOCKS["wall"].gravity * np.tan(BLOCKS["wall"].alpha_c)
+    assert reached[0, 1:4].tolist() == [int(level > lifting) for level in (1.0, 3.0, 4.0)]
+    # A cloud takes each record as it is, whatever the factors are.
+    cloud = rp.fragility_curves([of_two(0)], options(data="cloud", **chosen | {"factors": (3.0, 5.0)}), BLOCKS)
+    table = cloud["capacities"].to_dataset()
+    assert np.all(table["reached"].values != -1)
+    assert np.all(table["factor"].values == 1.0)
+    assert table["weight"].values.tolist() == [[1.0]]
+    # An incremental analysis ends at the factor or at the search, whichever is less.
+    for end, most in ((1.5, 30.0), (20.0, 1.5)):
+        config = options(**chosen | {"factors": (0.5, end)})
+        config = replace(config, search=SearchSettings(factor_max=most, points=32))
+        table = rp.fragility_curves([of_two(0)], config, BLOCKS)["capacities"].to_dataset()
+        start = table["factor"].sel(block="wall", limit_state="uplift").item()
+        assert start == pytest.approx(lifting / 2.0)
+        assert table["search_step"].sel(block="wall").item() == pytest.approx((1.5 / start) ** (1 / 31))
+
+
+def test_uplift_at_the_very_factor_is_none_and_a_peak_of_the_very_state_is_one(records):
+    block, motion = Block.stack(list(BLOCKS.values())), prepare(records[0], Config())
+    lifting = block.gravity * np.tan(block.alpha_c) / motion.record.pga
+    lifted = scale_capacities(motion, block, ["uplift"], "nonlinear", 1e6, 8)[0][0]
+    assert lifted == pytest.approx(lifting, rel=1e-12)
+    assert reached_at(motion, block, ["uplift"], "nonlinear", lifted[np.newaxis])[0].tolist() == [[0, 0]]
+    peaks = recorded_response(block, motion.record.acceleration, motion.record.dt, block_scale=1.5).peak_rotation_ratio
+    states = [float(peaks[0]), float(peaks[1])]
+    reached = reached_at(motion, block, states, "nonlinear", np.full((1, 2), 1.5))
+    assert reached[:, 0].tolist() == [[int(peak >= state) for peak in peaks] for state in states]
+    assert reached[0, 0, 0] == reached[1, 0, 1] == 1
+
+
+def test_the_vertical_acceleration_belongs_to_the_nonlinear_equation(records):
+    block, motion = Block.stack(list(BLOCKS.values())), prepare(records[0], Config())
+    shaken = replace(motion, vertical=np.full(motion.record.npts, -3.0))  # all is lighter by 3 m/s2
+    for equation, same in (("nonlinear", False), ("linear", True)):
+        one, other = (scale_capacities(scene, block, STATES, equation, 30.0, 32)[0] for scene in (motion, shaken))
+        assert np.array_equal(one, other) is same
+        one, other = (
+            reached_at(scene, block, STATES, equation, np.array([[0.9, 0.9], [1.4, 1.4]])) for scene in (motion, shaken)
+        )
+        assert np.array_equal(one, other) is same
+
+
+def by_hand(kind, **known):
+    """Capacities of three records and two lanes, in two measures, for two limit states."""
+    facts = {name: np.full(3, np.nan) for name in ("magnitude", "epicentral_distance", "vs30")}
+    facts["magnitude"] = np.array([6.0, np.nan, 7.0])
+    facts["vs30"] = np.array([300.0, 0.0, 500.0])
+    measures = np.array([[[2.0, 3.0], [20.0, 30.0]], [[4.0, 5.0], [40.0, 50.0]], [[6.0, 7.0], [60.0, 70.0]]])
+    qualities = np.array([[1.0, 2.0, 3.0], [4.0, 5.0, 6.0], [7.0, 8.0, np.nan]])
+    step, reached, weight = np.full((3, 2), 1.1), None, None
+    return Ensemble(
+        **{
+            "ids": ["a", "b", "c"],
+            "clusters": ["x", "y", "x"],
+            "sources": ["", "", ""],
+            "measures": measures,
+            "qualities": qualities,
+            "facts": facts,
+            "step": step,
+            "reached": reached,
+            "weight": weight,
+            "config": options(data=kind, factors=(0.5, 8.0)),
+        }
+        | known
+    )
+
+
+def rows_of(found):
+    kinds = {EXACT: "=", ABOVE: ">", NOT_ABOVE: "<"}
+    return {
+        (found.events[cluster], record, round(level, 9)): kinds[kind]
+        for level, kind, cluster, record in zip(found.level, found.kind, found.cluster, found.record, strict=True)
+    }
+
+
+def test_rows_of_an_incremental_analysis_end_with_the_search():
+    """Below the least factor a capacity is not above it, and what is not reached is above the largest."""
+    factors = np.array([[[0.5, 9.0], [2.0, 3.0]], [[0.4, 1.0], [5.0, 6.0]], [[np.inf, 7.0], [8.0, np.inf]]])
+    ensemble = by_hand("ida", factors=factors)
+    found = ensemble.observations(0, 0, [0])
+    assert rows_of(found) == {("x", 0, 1.0): "=", ("y", 1, 2.0): "<", ("x", 2, 48.0): ">"}
+    assert found.weight.tolist() == [1.0] * 3
+    found = ensemble.observations(1, 1, [1, 0])
+    assert rows_of(found) == {
+        ("x", 0, 40.0): "=",
+        ("x", 0, 90.0): "=",
+        ("y", 1, 200.0): "=",
+        ("y", 1, 300.0): "=",
+        ("x", 2, 480.0): "=",
+        ("x", 2, 560.0): ">",
+    }
+    # Qualities, the measure of the record as it is, and what the files state, a magnitude as its exponential.
+    first = found.qualities[found.level.tolist().index(40.0)]
+    assert first.tolist() == pytest.approx([1.0, 2.0, 3.0, 20.0, np.exp(6.0), np.nan, 300.0], nan_ok=True)
+    last = found.qualities[-1]
+    assert last.tolist() == pytest.approx([7.0, 8.0, np.nan, 70.0, np.exp(7.0), np.nan, 500.0], nan_ok=True)
+    assert ensemble.told_by() == ([3, 3, 2, 3, 2, 0, 2], [2, 2, 2, 2, 1, 0, 1])
+    assert ensemble.observations(0, 0, []).level.size == 0
+    short = replace(ensemble, config=replace(ensemble.config, search=SearchSettings(factor_max=6.0)))
+    assert rows_of(short.observations(0, 0, [0]))["x", 2, 36.0] == ">"
+
+
+def test_rows_of_stripes_are_those_that_were_looked_at():
+    factors = np.array([[[1.0, 2.0], [3.0, 4.0]], [[1.5, 2.5], [0.0, 4.5]], [[1.2, 2.2], [np.nan, 4.2]]])
+    reached = np.zeros((3, 2, 2, 2), dtype=int)
+    reached[0, 0, 1, 0], reached[1, 0, 0, 0], reached[0, 1, 0, 1], reached[2, 0, 0, 0] = 1, -1, 1, 1
+    weight = np.array([[1.0, 3.0], [1.0, 1.0], [2.0, 0.0]])
+    ensemble = by_hand("stripes", factors=factors, reached=reached, weight=weight, step=None)
+    found = ensemble.observations(0, 0, [0])
+    # Records are numbered as they have rows; an event of none is none.
+    assert found.events == ("x",)
+    assert rows_of(found) == {("x", 0, 2.0): ">", ("x", 0, 6.0): "<", ("x", 1, 7.2): "<"}
+    assert found.weight.tolist() == [0.5, 1.5, 1.0]
+    assert rows_of(ensemble.observations(1, 1, [1])) == {
+        ("x", 0, 60.0): "<",
+        ("x", 0, 120.0): ">",
+        ("y", 1, 125.0): ">",
+        ("y", 1, 225.0): ">",
+        ("x", 2, 154.0): ">",
+        ("x", 2, 294.0): ">",
+    }
+
+
+def test_common_levels_reach_beyond_the_medians_of_all_states_and_stay_numbers():
+    rng = np.random.default_rng(2)
+    events = np.repeat(list("abcd"), 3)
+    narrow, wide = (
+        fit_capacities(np.exp(rng.normal(mean, beta, 12)), events) for mean, beta in ((1.0, 0.2), (0.0, 0.5))
+    )
+    flat, none = fit_capacities(np.exp(rng.normal(0.0, 300.0, 12)), events), fit_capacities([])
+    table = np.array([[[none, narrow, none], [none, none, none], [none, wide, flat]]], dtype=object)
+    level, (probability, low, high) = _grid(Fits(table, None, None))
+    assert level.shape == (1, 3, 41)
+    assert probability.shape == low.shape == high.shape == (1, 3, 3, 41)
+    assert np.isnan(level[0, 0]).all()
+    level, probability, low, high = level[:, 1:], probability[:, :, 1:], low[:, :, 1:], high[:, :, 1:]
+    ends = [np.log(one.median) + side * 3.0 * one.beta for one in (narrow, wide) for side in (-1, 1)]
+    assert np.log(level[0, 0]) == pytest.approx(np.linspace(min(ends), max(ends), 41))
+    for state, one in ((0, narrow), (2, wide)):
+        for found, expected in zip((probability, low, high), one.probability(level[0, 0]), strict=True):
+            assert np.array_equal(found[0, state, 0], expected)
+    assert np.isnan(probability[0, 1]).all()
+    assert np.isfinite(low[0, 2, 0]).all()
+    assert np.log(level[0, 1][[0, -1]]) == pytest.approx([-600.0, 600.0])
+    assert np.isfinite(probability[0, 2, 1]).all()
+
+
+def test_dispersions_are_compared_with_that_of_the_velocity_ratio(tree):
+    curves = tree["fragility"].to_dataset()
+    found = tree["efficiency"].to_dataset()
+    ratio = found["beta_ratio"].transpose(*curves["beta"].dims)
+    own = {"limit_state": "0.4"}
+    expected = curves["beta"].sel(own) / curves["beta"].sel(own | {"measure": "velocity_ratio"})
+    np.testing.assert_allclose(ratio.sel(own).values, expected.values, rtol=1e-9)
+    one = found.sel(own | {"block": "pier"})
+    assert float(one["beta_ratio_low"].sel(measure="pga")) < float(one["beta_ratio"].sel(measure="pga"))
+    for name in ("beta_ratio", "beta_ratio_low", "beta_ratio_high"):
+        assert float(one[name].sel(measure="velocity_ratio")) == 1.0
+        assert np.isnan(
+            found[name].sel(limit_state="uplift", measure="pga")
+        ).all()  # a step has no dispersion to divide
+    for block in BLOCKS:
+        for state in ("0.4", "overturning"):
+            beta = curves["beta"].sel(block=block, limit_state=state)
+            best = str(beta["measure"].values[np.argmin(beta.values)])
+            assert str(found["most_efficient"].sel(block=block, limit_state=state).values) == best
+    assert {name: tree.attrs[name] for name in ("kind", "data", "confidence")} == {
+        "kind": "fragility",
+        "data": "ida",
+        "confidence": 0.9,
+    }
+
+
+@pytest.mark.parametrize("data", ["ida", "stripes"])
+def test_the_curves_come_again_from_the_capacities_of_a_file(records, data):
+    settings = options(data=data, stripe_levels=(0.4, 0.7, 1.2), measures=["pga", "velocity_ratio", "pgv"])
+    found = rp.fragility_curves(records, settings, BLOCKS)
+    stored = stored_ensemble(found)
+    again = fit_ensemble(stored, [[0], [1]])
+    for name in ("median", "beta_high"):
+        expected = found["fragility"][name].transpose("block", "limit_state", "measure").values
+        np.testing.assert_array_equal(again.of(name).astype(float), expected)
+    slope = found["efficiency"]["slope"].transpose("block", "limit_state", "measure", "quality").values
+    np.testing.assert_array_equal(again.slope, slope)
+    assert stored.sources == [record.source for record in records]
+
+
+def test_weak_records_and_bad_ones_are_left_out_and_told(records):
+    silent = rp.Record(np.zeros(100), dt=0.02, id="silent", processed=True)
+    weak = pulse(9, "weak", size=0.2)
+    found = rp.fragility_curves([*records, weak, silent], options(pga_min=1.0, limit_states=["uplift"]), BLOCKS)
+    assert found["capacities"].sizes["record"] == 6
+    failures = found["failures"].to_dataset().to_dataframe()
+    assert sorted(failures["kind"]) == ["failed", "skipped"]
+    assert failures["reason"].str.contains(re.escape("is below [fragility] pga_min = 1 m/s2")).sum() == 1
+
+
+def test_a_list_of_restitutions_makes_bodies_of_their_own(records):
+    several = {"wall": Block(half_width=0.3, half_height=1.5, restitution=[0.85, 0.9])}
+    found = rp.fragility_curves(records, options(limit_states=["overturning"], measures=["pga"]), several)
+    assert found["fragility"]["block"].values.tolist() == ["wall C 0.85", "wall C 0.9"]
+
+
+def test_it_comes_back_from_the_file_the_same(tree, tmp_path):
+    rp.save(tree, tmp_path / "f.h5")
+    again = rp.load(tmp_path / "f.h5")
+    for group in ("fragility", "capacities", "efficiency", "failures"):
+        xr.testing.assert_equal(again[group].to_dataset(), tree[group].to_dataset())
+
+
+def test_the_schema_names_every_variable(tree, records):
+    text = SCHEMA.read_text(encoding="utf-8").partition("## The fragility file")[2].partition("\n## ")[0]
+    cloud = rp.fragility_curves(records[:2], options(data="cloud", limit_states=["uplift"]), BLOCKS)
+    for one in (tree, cloud):
+        for group in ("fragility", "capacities", "efficiency"):
+            for name in one[group].to_dataset().variables:
+                assert f"`{name}`" in text, (group, name)
+
+
+@pytest.mark.parametrize(
+    ("values", "message"),
+    [
+        ({"limit_states": ["uplifts"]}, 'found .*did you mean "uplift"'),
+        ({"limit_states": []}, "expected a list"),
+        ({"limit_states": [0.1, 0.1]}, "each once"),
+        ({"limit_states": [1.5]}, r"numbers in \(0, 1\]"),
+        ({"limit_states": [True]}, r"numbers in \(0, 1\]"),
+        ({"stripe_levels": [1.0, 0.5]}, "positive numbers that ascend"),
+        ({"measures": ["PGA"]}, "did you mean|expected a list"),
+        ({"data": "msa"}, "expected one of"),
+        ({"confidence": 0.2}, "0.5"),
+    ],
+)
+def test_the_section_is_strict(values, message):
+    with pytest.raises(ConfigError, match=message):
+        FragilitySettings(**values)
+
+
+def test_limit_states_are_kept_in_the_order_of_severity():
+    assert FragilitySettings(limit_states=["overturning", 1, 0.1, "uplift"]).limit_states == (
+        "uplift",
+        0.1,
+        1.0,
+        "overturning",
+    )
+
+
+@pytest.mark.slow
+def test_the_lobes_of_the_impulse_on_the_time_scale_of_the_block_are_efficient_on_real_records(records_folder):
+    from rockpulse.config.configuration import ConditioningSettings
+    from rockpulse.readers.folders import read_all
+
+    strong, _ = read_all([str(records_folder / name) for name in ("at2", "csmip_v1", "geonet", "csmip_v2", "renadic")])
+    config = Config(
+        conditioning=ConditioningSettings(baseline="mean", highpass_hz=0.1, lowpass_hz=24.0),
+        fragility=ida(pga_min=1.471, factors=(0.001, 1000.0), limit_states=[0.4, "overturning"]),
+    )
+    alpha = np.arctan(1.0 / np.array([4.0, 8.0]))
+    bodies = {f"{a:.3f} R {r:g}": Block(r * np.sin(a), r * np.cos(a)) for a in alpha for r in (1.0, 4.0)}
+    efficiency = rp.fragility_curves(strong, config, bodies)["efficiency"].to_dataset()
+    ratio = efficiency["pooled_beta_ratio"].sel(limit_state="overturning")
+    print(ratio.to_series())
+    assert float(ratio.sel(measure="demand_build_up")) < 0.85
+    assert float(ratio.sel(measure="uplift_ratio")) > 1.2
+    assert float(ratio.sel(measure="impulse_ratio")) == pytest.approx(1.0, abs=0.2)

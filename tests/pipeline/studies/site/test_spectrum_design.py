@@ -1,0 +1,239 @@
+"""Quantiles over earthquakes and their intervals.
+
+The overturning spectrum of one motion of a site.
+
+The site file by the spectrum, of given spectra.
+"""
+
+import numpy as np
+import pytest
+from site_spectra import BASE, BLOCKS, base_at, site_of, usual_site
+
+import rockpulse as rp
+from rocking.body.limits import RATES
+from rockpulse import CalibrationSettings
+from rockpulse.assessment.overturning import LANES
+from rockpulse.earthquakes import bootstrap_interval, draw_earthquakes, weighted_quantile
+from rockpulse.errors import ResultsError
+from rockpulse.models import Block, ImpulseSequence
+from rockpulse.storage.variables.probability import RESTITUTIONS
+from rockpulse.storage.variables.site import SITE_GROUPS
+from rockpulse.studies.site.spectrum_design import QuantileSample, fewest_events
+
+EVENTS = np.array([0, 0, 0, 1, 2, 2, 3, 4, 5, 6, 6, 7])
+WEIGHTS = 1.0 / np.bincount(EVENTS)[EVENTS]
+VALUES = np.exp(np.random.default_rng(2).standard_normal((12, 2, 3)))
+
+
+def sample(events=EVENTS, weights=WEIGHTS, resamples=150):
+    return QuantileSample(weights, events, draw_earthquakes(int(events.max()) + 1, resamples, 0), 0.9)
+
+
+@pytest.mark.parametrize("logarithmic", [True, False])
+def test_quantiles_and_intervals_are_those_of_the_resamples_one_by_one(logarithmic):
+    one = sample()
+    found = one.quantiles(VALUES, [0.5, 0.84], logarithmic)
+    change, back = (np.log, np.exp) if logarithmic else (np.array, np.array)
+    for level, quantiles in zip((0.5, 0.84), found, strict=True):
+        assert quantiles.value.shape == (2, 3)
+        for place in np.ndindex(2, 3):
+            of = VALUES[(slice(None), *place)]
+            value = weighted_quantile(of, level, WEIGHTS)
+            assert quantiles.value[place] == value
+            # Every resample with its records written out as often as their event was drawn.
+            drawn = []
+            for times in one.draws:
+                rows = np.repeat(np.arange(12), times[EVENTS])
+                drawn.append(weighted_quantile(of[rows], level, WEIGHTS[rows]))
+            ends = bootstrap_interval(change(value), change(drawn), np.ones(8), 0.9)
+            np.testing.assert_allclose((quantiles.lower[place], quantiles.upper[place]), back(ends), rtol=1e-12)
+
+
+def test_more_records_of_an_earthquake_count_no_more_than_one():
+    twice = np.concatenate([EVENTS, EVENTS[:3]])
+    values = np.concatenate([VALUES, VALUES[:3]])
+    weights = 1.0 / np.bincount(twice)[twice]
+    (alone,), (more,) = (
+        one.quantiles(of, [0.84], logarithmic=True)
+        for one, of in ((sample(), VALUES), (sample(twice, weights), values))
+    )
+    for name in ("value", "lower", "upper"):
+        np.testing.assert_allclose(getattr(alone, name), getattr(more, name), rtol=1e-12)
+
+
+def test_a_single_earthquake_has_no_interval():
+    (found,) = sample(np.zeros(12, dtype=int), np.ones(12)).quantiles(VALUES, [0.5], logarithmic=True)
+    assert np.isfinite(found.value).all()
+    assert np.isnan(found.lower).all()
+    assert np.isnan(found.upper).all()
+
+
+@pytest.mark.parametrize(("quantile", "least"), [(0.5, 5), (0.8, 5), (0.84, 7), (0.9, 10), (0.95, 20), (0.1, 10)])
+def test_one_earthquake_lies_beyond_a_stated_quantile(quantile, least):
+    assert fewest_events(quantile) == least
+
+
+TIME = 0.01 * np.arange(400)
+MOTION = 4.0 * np.sin(2.0 * np.pi * 1.2 * TIME) * np.exp(-(((TIME - 2.0) / 0.8) ** 2))
+
+
+def record(size=1.0, number=0):
+    return rp.Record(size * MOTION, dt=0.01, id=f"burst{number}", event=f"Earthquake {number}", processed=True)
+
+
+def spectra(word, *records, **calibration):
+    config = rp.Config(calibration=CalibrationSettings(spectrum=word, bootstrap=100, **calibration))
+    return rp.calibrate_site(records, config)["spectra"]
+
+
+def test_every_word_of_the_configuration_has_a_spectrum():
+    assert set(LANES) == set(CalibrationSettings.__dataclass_fields__["spectrum"].metadata["values"].words)
+
+
+@pytest.fixture(scope="module")
+def by_rule():
+    return spectra("rule", record(), record(2.0, 1))
+
+
+def test_the_rule_overturns_where_its_demand_does(by_rule):
+    found = by_rule["spectrum"].sel(record="burst0").values
+    p, c = (values.ravel() for values in np.meshgrid(RATES[[4, 8, 12]], RESTITUTIONS[[1, 4]], indexing="ij"))
+    own = found[[4, 8, 12]][:, [1, 4]].ravel()
+    # At higher p uplift decides: there the spectrum folds the uncertainty in, and the demand ends at PGA.
+    waves = rp.half_waves(record())
+    for slenderness in (4.0, 12.0):  # S is one for bodies of any slenderness
+        blocks = Block.from_parameters(p=p, alpha=np.arctan(1.0 / slenderness), restitution=c, log=False)
+        speed = blocks.gravity * np.tan(blocks.alpha_c) / p
+        np.testing.assert_allclose(rp.load_rule().demand(waves, blocks), own / speed, rtol=1e-6)
+
+
+def test_the_spectrum_is_proportional_to_the_record(by_rule):
+    # But for the fixed levels of x on which the probability is known.
+    np.testing.assert_allclose(by_rule["spectrum"][1], 2.0 * by_rule["spectrum"][0], rtol=1e-4)
+    assert (by_rule["record_main_count"][1] == by_rule["record_main_count"][0]).all()
+    np.testing.assert_allclose(by_rule["record_ratio"][1], by_rule["record_ratio"][0])
+
+
+def test_the_site_reads_the_spectrum_that_python_gives(by_rule):
+    own = rp.overturning_spectrum(record(), restitution=RESTITUTIONS, method="rule")["spectrum"]
+    np.testing.assert_allclose(by_rule["spectrum"][0], own, rtol=1e-12)
+
+
+def test_number_and_ratio_are_those_of_the_rule(by_rule):
+    block = Block.from_parameters(p=RATES[[6, 18]], alpha=0.1, restitution=0.9, log=False)
+    sequence = rp.load_rule().sequence(rp.half_waves(record()), block)
+    assert by_rule["record_main_count"].values[0, [6, 18]].tolist() == sequence.main_count.tolist()
+    np.testing.assert_allclose(by_rule["record_ratio"].values[0, [6, 18]], sequence.secondary / sequence.main)
+
+
+@pytest.mark.sweep
+def test_the_nonlinear_spectrum_is_that_of_the_record_scaled_to_the_target():
+    found = spectra("nonlinear", record(), scale_to="pga", target=2.0 * record().pga)["spectrum"]
+    own = rp.overturning_spectrum(record(2.0))["spectrum"]
+    np.testing.assert_allclose(found[0], own, rtol=1e-6)
+
+
+def test_a_record_of_zeros_is_left_out_with_its_reason():
+    still = rp.Record(np.zeros(400), dt=0.01, id="still", event="Earthquake Z", processed=True)
+    tree = rp.calibrate_site([record(), still], rp.Config(calibration=CalibrationSettings(bootstrap=100)))
+    assert tree["site"]["record"].values.tolist() == ["burst0"]
+    assert "still" in str(tree["failures"]["reason"].values)
+
+
+STRENGTHS = np.linspace(0.5, 1.4, 10)
+WALL, PIER = BLOCKS["wall"], BLOCKS["pier"]
+
+
+def speed(block):
+    return block.gravity * np.tan(block.alpha_c) / block.p
+
+
+def test_the_quantiles_are_those_of_the_records():
+    spectra = usual_site()["spectra"]
+    for name, strength in (("spectrum_50", 0.9), ("spectrum_84", 1.3), ("spectrum_design", 1.3)):
+        np.testing.assert_allclose(spectra[name], strength * BASE, rtol=1e-12)
+        assert (spectra[f"{name}_lower"] < spectra[name]).all()
+        assert (spectra[name] < spectra[f"{name}_upper"]).all()
+    assert (spectra["main_count"] == 6).all()
+    np.testing.assert_allclose(spectra["ratio"], np.linspace(0.1, 0.5, 10)[4])
+
+
+def test_every_body_has_its_effective_impulse_and_a_sequence_of_that_effect():
+    site = usual_site()["site"].to_dataset()
+    for name, block in (("wall", WALL), ("pier", PIER)):
+        one = site.sel(block=name)
+        assert float(one["effective_impulse"]) == pytest.approx(1.3 * base_at(block), rel=1e-12)
+        assert float(one["design_factor"]) == pytest.approx(speed(block) / (1.3 * base_at(block)), rel=1e-12)
+        main, ratio = float(one["main"]), float(one["ratio"])
+        sequence = ImpulseSequence(main, ratio * main, np.nan, np.inf, int(one["main_count"]), spacing="continuous")
+        critical = block.critical_impulse / sequence.effective_impulse(block.restitution)
+        assert critical == pytest.approx(float(one["design_factor"]), rel=1e-12)
+        overturned = np.mean(STRENGTHS * base_at(block) >= speed(block))
+        assert float(one["overturned_share"]) == pytest.approx(overturned)
+
+
+def test_a_stronger_effect_is_a_smaller_factor_and_the_ends_go_together():
+    site = usual_site()["site"].sel(block=["wall", "pier"])
+    for end, opposite in (("lower", "upper"), ("upper", "lower")):
+        both = site[f"effective_impulse_{end}"] * site[f"design_factor_{opposite}"]
+        np.testing.assert_allclose(both, site["effective_impulse"] * site["design_factor"], rtol=1e-12)
+        kept = site[f"main_{end}"] / site[f"effective_impulse_{end}"]
+        np.testing.assert_allclose(kept, site["main"] / site["effective_impulse"], rtol=1e-12)
+        assert (site[f"main_count_{end}"] % 1.0 == 0.0).all()
+
+
+def test_a_body_outside_the_spectrum_has_no_design_and_is_named():
+    site = usual_site()["site"].to_dataset()
+    assert str(site["remarks"].item()) == "outside the spectrum, and without a design: chest"
+    chest = site.sel(block="chest")
+    assert np.isnan([chest[name] for name in ("effective_impulse", "design_factor", "main", "overturned_share")]).all()
+    assert float(chest["p"]) == BLOCKS["chest"].p
+
+
+def test_earthquakes_are_alike_by_default_and_records_where_asked():
+    events = [0] * 6 + [1, 2, 3, 4, 5, 6]
+    strengths = np.arange(1.0, 13.0)
+    alike = 1.0 / np.array([6.0] * 6 + [1.0] * 6)
+    for weights, expected in ((None, alike), ("equal", np.ones(12))):
+        tree = site_of(strengths, events, weights=weights, quantile=0.6)
+        value = weighted_quantile(strengths, 0.6, expected)
+        np.testing.assert_allclose(tree["spectra"]["spectrum_design"], value * BASE, rtol=1e-12)
+    assert tree["site"].attrs["weights"] == "equal"
+
+
+def test_too_few_earthquakes_are_said_in_one_line_and_give_no_number():
+    tree = site_of(STRENGTHS, [0, 1, 2, 3, 4, 5] + [5] * 4)
+    site, spectra = tree["site"].to_dataset(), tree["spectra"].to_dataset()
+    assert str(site["remarks"].item()) == "not enough earthquakes (6; at least 7 for the quantile 0.84)"
+    for name, one in {**site.data_vars, **spectra.data_vars}.items():
+        if one.dims in (("block",), ("p",), ("p", "restitution")) and name not in (
+            *("alpha_c", "p", "restitution", "critical_impulse"),
+        ):
+            assert np.isnan(one).all(), name
+    np.testing.assert_allclose(spectra["spectrum"].isel(record=3), STRENGTHS[3] * BASE)
+
+
+def test_without_bodies_the_spectrum_stands_alone():
+    tree = site_of(STRENGTHS, blocks=None)
+    assert tree["site"].sizes["block"] == 0
+    np.testing.assert_allclose(tree["spectra"]["spectrum_design"], 1.3 * BASE, rtol=1e-12)
+
+
+def test_the_file_holds_what_is_declared_and_nothing_else():
+    tree = usual_site()
+    for group in ("site", "spectra"):
+        declared = SITE_GROUPS[f"/{group}, by the spectrum"]
+        stored = tree[group].to_dataset(inherit=False).variables
+        assert set(stored) == set(declared), group
+        for name, one in stored.items():
+            assert one.dims == declared[name].dims, name
+            assert one.attrs["units"] == declared[name].units
+
+
+def test_the_stored_design_is_the_one_that_bodies_are_assessed_under(tmp_path):
+    rp.save(usual_site(), tmp_path / "site.h5")
+    design = rp.load_design(tmp_path / "site.h5")
+    np.testing.assert_allclose(design.effective_impulse(WALL), 1.3 * base_at(WALL), rtol=1e-12)
+    rp.save(site_of(STRENGTHS[:3]), tmp_path / "few.h5")
+    with pytest.raises(ResultsError, match=r"few.h5: no design: not enough earthquakes \(3; at least 7"):
+        rp.load_design(tmp_path / "few.h5")
