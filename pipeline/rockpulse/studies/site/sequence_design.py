@@ -87,7 +87,7 @@ def coverage_of(
 
 
 def unjudged_events(found: Coverage, sample: SiteSample) -> dict[int, str]:
-    """Events of a weight above zero on which the coverage of standing blocks does not rest, and why, a code of a remark."""
+    """Events of a weight above zero on which the coverage of standing blocks does not rest, and why (a code)."""
     rests, lifts, counted = judged(found.covered, sample).any(axis=1), ~np.isnan(sample.peaks), sample.weights > 0.0
     reasons = {}
     for event in np.unique(sample.events[counted & ~np.isin(sample.events, sample.events[rests])]).tolist():
