@@ -235,7 +235,7 @@ def test_events_that_are_not_judged_are_told_with_the_reason():
     assert not judged(found.covered, sample)[[0, 3]].any()
     lone = sample_of(MAINS[:2], peaks=np.vstack([np.full(3, np.nan), rotations(MAINS[1:2])]))
     reasons = unjudged_events(leave_one_event_out(lone, 0.5, "response"), lone)
-    assert reasons == {0: "lifts no block", 1: "no_design"}
+    assert reasons == {0: "unlifted", 1: "no_design"}
 
 
 @pytest.mark.slow
