@@ -19,9 +19,8 @@ from rockpulse.assessment.answers import Answers, Body
 from rockpulse.assessment.overturning import overturning_curve
 from rockpulse.errors import ResultsError
 from rockpulse.model_table import FOLLOWING
-from rockpulse.views.plots.model_histories import histories
-from rockpulse.views.plots.motion import stored_record
-from rockpulse.views.plots.recomputed import recomputed
+from rockpulse.views.plots.ground_motion import stored_record
+from rockpulse.views.plots.model_histories import histories, recomputed
 from rockpulse.views.plots.selection import block_of, plain_bodies
 from rockpulse.views.report.explorer_choice import (
     SHARES,

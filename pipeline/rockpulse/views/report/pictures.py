@@ -15,7 +15,7 @@ from rockpulse.assessment.answers import Answers, answers_of, fullest_model
 from rockpulse.errors import ResultsError
 from rockpulse.model_table import DRAWN
 from rockpulse.views.plots.selection import plain_bodies
-from rockpulse.views.plots.words import wrapped
+from rockpulse.views.plots.style import wrapped
 from rockpulse.views.report.record_strip import strip
 from rockpulse.views.report.wording import Words
 
@@ -86,8 +86,7 @@ class Pictures:
         """The accelerogram with half-waves and impulses; None for a record that is shown as a strip."""
         if self._stored is None or record not in self._in_full:
             return None
-        from rockpulse.views.plots.ground_motion import accelerogram
-        from rockpulse.views.plots.motion import stored_motion
+        from rockpulse.views.plots.ground_motion import accelerogram, stored_motion
 
         name = str(self._summary["record"].values[record])
         return self._drawn(
@@ -204,7 +203,7 @@ class Pictures:
 
 def _spectra(words: Words, tree: xr.DataTree, spectra: xr.Dataset) -> Axes:
     """The stored spectra at the C of most bodies; straight between the bodies where only these were marched."""
-    from rockpulse.views.plots.overturning_curves import spectra_of_results
+    from rockpulse.views.plots.spectra import spectra_of_results
 
     ax = spectra_of_results(tree, spectra)
     ax.set_xlabel(words("picture.spectra_x"))
