@@ -1,4 +1,4 @@
-"""A figure as a file, with the same bytes on every run and ids of its own in every SVG; and one for a notebook's cell."""
+"""A figure as a file, the same bytes on every run and its own ids in every SVG, and a figure for a notebook's cell."""
 
 from __future__ import annotations
 
