@@ -28,12 +28,15 @@ from rockpulse.sequences.design_spectrum import DesignSpectrum
 if TYPE_CHECKING:
     import xarray as xr
 
+#: The name of a design sequence in place of the id of a record, unless it is given another.
+NAME = "design sequence"
+
 
 def assess_sequence(
     sequence: ImpulseSequence | DesignSpectrum,
     config: Config | None = None,
     blocks: Blocks | None = None,
-    name: str = "design sequence",
+    name: str = NAME,
     source: str = "",
 ) -> xr.DataTree:
     """Assess bodies under the design of a site: one sequence of impulses for all of them, or one for each.

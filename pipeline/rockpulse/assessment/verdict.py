@@ -134,13 +134,13 @@ def standings(answers: Answers) -> np.ndarray:
 
 
 def why_unknown(answers: Answers) -> np.ndarray:
-    """(records, bodies) why an answer is not known, or not to be relied on; empty where there is no doubt."""
+    """(records, bodies) why an answer is not known, or not to be relied on, by a code; empty without a doubt."""
     found = np.full(answers["outcome"].shape, "", dtype=object)
-    for doubtful, words in _doubts(answers):
-        found[doubtful] = words
+    for doubtful, why in _doubts(answers):
+        found[doubtful] = why
     for code in Reason:
         named = (answers["outcome"] == Outcome.UNRESOLVED) & (answers["reason"] == code)
-        found[named] = "unresolved" if code == Reason.NONE else code.name.lower().replace("_", " ")
+        found[named] = "unresolved" if code == Reason.NONE else code.name.lower()
     return found.astype(str)
 
 
@@ -228,11 +228,11 @@ def _overturns_at(answers: Answers, demand: str) -> np.ndarray:
 
 
 def _doubts(answers: Answers) -> list[tuple[np.ndarray, str]]:
-    """Reasons not to rely on an answer, the gravest last."""
+    """Reasons not to rely on an answer by their codes, the gravest last."""
     weaker = (answers["safety_factor"] < 1.0) & (answers["factor_resolved"] == 0)
     return [
-        (weaker, "a weaker copy may overturn it, no answer from there on"),
-        (answers["applicable"] == 0, "outside the range of the model"),
+        (weaker, "weaker"),
+        (answers["applicable"] == 0, "outside"),
         (answers["outcome"] == Outcome.UNRESOLVED, "unresolved"),
     ]
 

@@ -80,7 +80,7 @@ def rotate(pair: Pair, azimuth: float) -> Record:
         acceleration=one * first.acceleration + other * second.acceleration,
         id=rotated_id(first, azimuth),
         channel=_code(azimuth),
-        component=f"{azimuth:g} degrees, rotated",
+        component=rotated_component(azimuth),
         azimuth=float(azimuth),
         orientation="structural" if first.orientation == "structural" else "horizontal",
         source=_joined(first.source, second.source),
@@ -157,6 +157,17 @@ def strongest_azimuth(
     largest = max(found.values())
     # Equal directions differ in their last digits.
     return min(azimuth for azimuth, value in found.items() if value >= largest * (1.0 - 1e-12)), largest
+
+
+def rotated_component(azimuth: float) -> str:
+    """The component of a record that was turned to an azimuth [degrees].
+
+    Examples
+    --------
+    >>> rotated_component(45.0)
+    '45 degrees, rotated'
+    """
+    return f"{azimuth:g} degrees, rotated"
 
 
 def _weights(first: float, second: float, azimuth: float) -> tuple[float, float]:

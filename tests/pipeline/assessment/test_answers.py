@@ -11,7 +11,7 @@ from results_tree import results_tree
 from rocking.response import Outcome
 from rockpulse.assessment.answers import Answers, answers_of, bodies_of, searched_up_to
 from rockpulse.storage.variables.probability import MEAN
-from rockpulse.views.shared.verdict_notes import counted
+from rockpulse.views.shared.notes import counted_motions as counted
 
 INF, NAN = math.inf, math.nan
 

@@ -18,7 +18,7 @@ from rockpulse.run import survey
 from rockpulse.run.journal import journal_path
 from rockpulse.run.options import BatchOptions
 from rockpulse.run.tasks import configuration_fingerprint
-from rockpulse.views.report.statements import of_unknown_event
+from rockpulse.views.report.verdict import of_unknown_event
 
 CONFIG = Config(
     blocks=(BlockSettings(name="wall", width=0.3, height=2.4),),

@@ -32,7 +32,7 @@ from rockpulse.record.conditioning import condition
 from rockpulse.record.half_wave import half_waves
 from rockpulse.remark import code_of
 from rockpulse.views.shared.files_used import failure_rows, files_used
-from rockpulse.views.text.directions import direction_table
+from rockpulse.views.text.margins import direction_table
 
 
 @pytest.fixture(scope="module")

@@ -43,7 +43,7 @@ from rockpulse.views.plots.style import (
     title,
     wrapped,
 )
-from rockpulse.views.shared.answer_cells import TITLES
+from rockpulse.views.shared.notes import factor_name
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -64,8 +64,7 @@ _NONE = 1.09
 #: Place of the arrow beside a mark, as a ratio of it.
 _ARROW = 1.06
 
-#: The factor that is shown of a probability, and the ends of its interval.
-TEN = TITLES["factor_10"]
+#: The ends of the interval of the factor that is shown of a probability.
 _ENDS = ("factor_10_low", "factor_10_high")
 
 _SEARCH = "assess again with the model in [search] models, and intervals = true for a model that is searched by runs"
@@ -151,7 +150,12 @@ def overturning_map(
         _bars(ax, place, _intervals(summary, table, one, body, case, model), begin, end, at_end)
     if name == "factor_10":
         whiskers(ax, *(np.clip(ends[one], begin, end) for one in _ENDS))
-    _smallest(ax, factors, bound & (name == "safety_factor"), "smallest factor" if name == "safety_factor" else TEN)
+    _smallest(
+        ax,
+        factors,
+        bound & (name == "safety_factor"),
+        "smallest factor" if name == "safety_factor" else factor_name(name),
+    )
     demand_ticks(ax, needed)
     factor_axis(ax, names, begin, end)
     ax.set_xlabel(f"factor on the {_input(model)} [-]")

@@ -25,7 +25,7 @@ from rockpulse.views.plots.style import (
     title,
     wrapped,
 )
-from rockpulse.views.text.fragility import shown_measure
+from rockpulse.views.text.fragility import shown_measure, statement
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -171,8 +171,8 @@ def _panel(
     remarks: dict[str, list[str]] = {}
     for state, style in zip(states, looks([_named(state) for state in states]), strict=True):
         one = own.sel(limit_state=state)
-        if str(one["statement"].item()):
-            remarks.setdefault(str(one["statement"].item()), []).append(style.label)
+        if said := statement(one):
+            remarks.setdefault(said, []).append(style.label)
         if not bool(one["probability"].notnull().any()):
             ax.plot([], [], color=style.color, ls=style.line, label=style.label + ": no curve" * alone)
             continue

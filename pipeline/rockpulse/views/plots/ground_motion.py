@@ -37,7 +37,7 @@ from rockpulse.views.plots.style import (
     title,
     wrapped,
 )
-from rockpulse.views.shared.facts import Known, record_words
+from rockpulse.views.shared.facts import Known, RecordFacts
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -153,7 +153,7 @@ def motion_of_record(
         }
     )
     motion.attrs["record"] = record.id
-    motion.attrs["words"] = record_words(lambda name: getattr(record, _FIELDS.get(name, name)))
+    motion.attrs["words"] = RecordFacts(lambda name: getattr(record, _FIELDS.get(name, name))).described
     return motion
 
 

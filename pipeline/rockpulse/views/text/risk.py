@@ -1,4 +1,4 @@
-"""The annual frequency of a limit state as text, and the warnings that belong to it."""
+"""The annual frequency of a limit state as text and as tables to be written, and the warnings that belong to it."""
 
 from __future__ import annotations
 
@@ -8,15 +8,15 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from rockpulse.storage.variables.risk import INVENTORY, RISK, STANDING, RiskStatus
 from rockpulse.studies.risk.frequency import OUTSIDE
 from rockpulse.studies.risk.integral import LEAST_EVENTS
 from rockpulse.views.shared.table import Cell, Heading, Mark, Table, lines
 from rockpulse.views.shared.terminal import ABSENT, figure, paragraph, several
 
 if TYPE_CHECKING:
+    import pandas as pd
     import xarray as xr
-
-__all__ = ["inventory_overview", "inventory_warnings", "risk_overview", "risk_warnings", "standing_overview"]
 
 #: Bodies of an inventory that are shown.
 SHOWN = 10
@@ -25,7 +25,7 @@ SHOWN = 10
 ENDS = (0.05, 0.95)
 
 #: Of a frequency that comes for more than a tenth from levels that nothing was looked at.
-TAIL = Mark("!", "")
+TAIL = Mark(sign="!")
 
 
 def risk_overview(risk: xr.Dataset) -> str:
@@ -228,3 +228,31 @@ def _levels(one: xr.Dataset, unit: float) -> str:
     edges = np.log(np.concatenate([one["bin_low"].values, one["bin_high"].values[-1:]]) / unit)
     low, high = np.exp(np.interp(ENDS, np.concatenate([[0.0], np.cumsum(share)]) / np.sum(share), edges)).tolist()
     return f"{figure(low)} to {figure(high)}"
+
+
+def risk_table(risk: xr.Dataset, standing: xr.Dataset | None = None) -> pd.DataFrame:
+    """A row for each body, without the contributions of levels."""
+    names = [name for name, variable in RISK.items() if variable.dims == ("block",)]
+    return _table(risk[names], "block", names, standing)
+
+
+def levels_table(risk: xr.Dataset) -> pd.DataFrame:
+    """A row for each body and range of levels, in the unit of the hazard, with its share of the frequency."""
+    table = risk[["bin_low", "bin_high", "share"]].to_dataframe().reset_index()
+    table[["bin_low", "bin_high"]] /= float(risk.attrs["unit_in_si"])
+    return table.assign(measure=risk.attrs["measure"], unit=risk.attrs["unit"])[
+        ["block", "measure", "unit", "bin_low", "bin_high", "share"]
+    ]
+
+
+def inventory_table(risk: xr.Dataset, standing: xr.Dataset | None = None) -> pd.DataFrame:
+    """A row for each body of an inventory, the median in the unit of the hazard."""
+    table = _table(risk[[*INVENTORY]], "body", [*INVENTORY], standing)
+    return table.assign(median=table["median"] / float(risk.attrs["unit_in_si"]), unit=risk.attrs["unit"])
+
+
+def _table(risk: xr.Dataset, dim: str, names: list[str], standing: xr.Dataset | None) -> pd.DataFrame:
+    if standing is not None:
+        risk, names = risk.merge(standing[[*STANDING]]), [*names, *STANDING]
+    table = risk.to_dataframe().reset_index()[[dim, *names]]
+    return table.assign(status=[RiskStatus(code).name.lower() for code in table["status"]])

@@ -8,7 +8,7 @@ import pytest
 from results_tree import results_tree
 
 from rockpulse.errors import ResultsError
-from rockpulse.views.report import printing
+from rockpulse.views.report import writing as printing
 from rockpulse.views.report.writing import PDF_MARK, write_report
 
 

@@ -1,22 +1,29 @@
 """Files that do not belong together: a curve of another body is never shown, other ground motions are named."""
 
+import html
 from dataclasses import replace
 
 import numpy as np
 import pytest
+import xarray as xr
 from nominal import ida
-from report_cases import WORDS
 from site_spectra import BLOCKS, usual_site
 from site_spectra import site_of as spectrum_site
 
 import rockpulse as rp
 from rockpulse import CalibrationSettings, ConditioningSettings, SearchSettings
-from rockpulse.errors import ResultsError
+from rockpulse.errors import Failure, ResultsError
 from rockpulse.models import Block
+from rockpulse.remark import Remark, as_stored
+from rockpulse.storage.variables import failure_table
 from rockpulse.studies.site.calibration import design_of
+from rockpulse.views.report.beside import Paired, describe_fragility, paired
 from rockpulse.views.report.content import gather
-from rockpulse.views.report.pairing import paired
-from rockpulse.views.report.writing import report_page
+from rockpulse.views.report.writing import report_page, typeset
+from rockpulse.views.shared.table import text
+from rockpulse.views.shared.terminal import shortened
+from rockpulse.views.text.fragility import BEYOND, fragility_overview, median_table, sufficiency_tables
+from rockpulse.views.text.site import site_overview, site_tables
 
 CURVES = rp.Config(search=SearchSettings(points=24), fragility=ida(limit_states=("uplift",), measures=("pga",)))
 
@@ -33,12 +40,12 @@ def changed(tree, group, **values):
 
 def curves_of(results, fragility):
     """What the section on fragility says."""
-    return gather(WORDS, results, fragility=paired(results, fragility, "fragility", "it")).fragility
+    return gather(results, fragility=paired(results, fragility, "fragility", "it")).fragility
 
 
 def site_of(results, site):
     """What the section on the site says."""
-    return gather(WORDS, results, paired(results, site, "site calibration", "it")).site
+    return gather(results, paired(results, site, "site calibration", "it")).site
 
 
 @pytest.mark.parametrize("number", ["p", "alpha_c", "restitution"])
@@ -102,7 +109,7 @@ def test_curves_of_other_ground_motions_say_so(results, bursts, bodies, fragilit
     stronger = changed(results, "summary", pga=1.1)
     found = paired(stronger, fragility, "fragility", "it")
     assert (found.same, found.changed) == (3, ("burst0",))
-    assert found.other_motions(WORDS, "fragility", 4) == [
+    assert found.other_motions("fragility", 4) == [
         "Another motion here than there, by its PGA, under the same name: burst0."
     ]
 
@@ -167,3 +174,84 @@ def test_a_site_by_the_spectrum_is_shown_beside_its_design_and_another_is_refuse
     assert "Records of the site, scaled as they were calibrated, overturn" not in page  # none overturns the pier
     with pytest.raises(ResultsError, match="is not that of this site: the factor of wall is "):
         site_of(rp.assess_sequence(design_of(spectrum_site(np.linspace(0.6, 1.5, 10))), blocks=bodies), usual_site())
+
+
+@pytest.fixture
+def curves(fragility):
+    """A copy of the node /fragility, to be changed."""
+    return fragility["fragility"].to_dataset().copy(deep=True)
+
+
+def with_curves(fragility, curves):
+    tree = fragility.copy()
+    tree["fragility"] = type(tree)(curves)
+    return tree
+
+
+def test_the_page_and_the_terminal_show_the_same_cells(whole_page, site, fragility):
+    page = html.unescape(whole_page)
+    of_site = site["site"].to_dataset()
+    tables = {
+        site_overview(site): site_tables(of_site),
+        fragility_overview(fragility): (median_table(fragility),),
+    }
+    for shown, of_file in tables.items():
+        for table in of_file:
+            assert f'<table id="{table.key}">' in page
+            for row in table.rows:
+                for cell, heading in zip(row, table.headings, strict=True):
+                    assert f">{cell.marked}<" in page
+                    told = shortened(cell.text, heading.width or 100)
+                    assert (told.upper() if cell.grade == "bad" else told) in shown
+
+
+def test_a_median_beyond_every_level_is_marked_and_explained_only_where_there_is_one(fragility, curves):
+    curves["extrapolated"][:] = 0
+    assert BEYOND.note not in text(median_table(with_curves(fragility, curves)))
+    curves["extrapolated"][:] = 1
+    curves["median"][:] = 0.5
+    curves["median"].loc[{"limit_state": "overturning"}] = np.nan
+    table = median_table(with_curves(fragility, curves))
+    by_state = {row[1].text: row[2].marked for row in table.rows}
+    assert by_state.pop("overturning") == "-"  # nothing is extrapolated where there is no median
+    assert set(by_state.values()) == {"0.50!"}
+    assert table.notes[-1] == BEYOND.note
+
+
+def test_a_band_is_shown_with_both_ends(fragility, curves):
+    curves["median_low"][:], curves["median_high"][:] = 0.3, np.inf
+    table = median_table(with_curves(fragility, curves))
+    assert {(row[3].text, row[4].text) for row in table.rows} == {("0.30", "no limit")}
+    assert [(one.title, one.note) for one in table.headings[3:5]] == [("low", "90 %"), ("high", "90 %")]
+
+
+def test_a_limit_state_of_rotation_is_named_in_both_tables(fragility, curves):
+    curves = curves.assign_coords(limit_state=["0.4", "overturning"])
+    curves["statement_values"][:] = as_stored([Remark("no_maximum")])
+    of = Paired(with_curves(fragility, curves), (), (), 0, 0, (), ())
+    medians, said, depends = describe_fragility(of, 0, "nonlinear").tables
+    assert {row[1].text for row in medians.rows} == {"θ_max/α_c ≥ 0.4", "overturning"}
+    assert {row[1].text for row in said.rows} == {"θ_max/α_c ≥ 0.4, overturning"}
+    assert depends == sufficiency_tables(fragility["efficiency"].to_dataset())[0]
+
+
+def test_small_print_of_the_headings_is_a_note_on_the_terminal(site, fragility, whole_page):
+    page, of_site = html.unescape(whole_page), site["site"].to_dataset()
+    tables = {
+        site_overview(site): site_tables(of_site),
+        fragility_overview(fragility): (median_table(fragility),),
+    }
+    for shown, of_file in tables.items():
+        told = " ".join(shown.split())
+        for heading in (one for table in of_file for one in table.headings if one.note):
+            assert f"<small>{typeset(heading.note)}</small>" in page
+            assert f": {heading.note}." in told
+    assert "dispersion, low, high: of the logarithm." in " ".join(site_overview(site).split())
+
+
+def test_the_files_that_curves_do_not_rest_on_are_said_before_them(fragility, curves):
+    tree = with_curves(fragility, curves)
+    tree["failures"] = xr.DataTree(failure_table([Failure("a.asc", "read", "a.asc: no reader", "failed")]))
+    files = tree["capacities"].sizes["record"]
+    first, *_ = describe_fragility(Paired(tree, (), (), 0, 0, (), ()), 0, "nonlinear").remarks
+    assert first == f"{files} of {files + 1} files used, 1 not: no reader (a.asc)."

@@ -1,6 +1,7 @@
-"""A body as a small drawing in SVG: sizes, wall, pedestal, ties, loads, thrusts, floor.
+"""Drawings in SVG without matplotlib: a body with what holds it, and a record as a strip.
 
-The drawing is to scale, seen along the base, theta > 0 to the right; a body is fitted into a square.
+A body is to scale, seen along the base, theta > 0 to the right, fitted into a square. A strip is an accelerogram in a
+few kilobytes, by the extremes in each column of pixels.
 """
 
 from __future__ import annotations
@@ -10,15 +11,31 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from rocking.body.outline import Outline, TieLine
+import numpy as np
 
-__all__ = ["Support", "drawing"]
+from rocking.body.outline import Outline, TieLine
+from rocking.pictures import thinned
+from rockpulse.record.record import STANDARD_GRAVITY
+from rockpulse.views.shared.terminal import figure
+from rockpulse.views.shared.words import say
 
 #: Size of the drawing, and the room around the body for its sizes and for what holds it.
 SIDE, MARGIN = 150.0, 28.0
 
 #: Where the middle of the body is drawn: left of that of the drawing, for its height is written on its right.
 MIDDLE = 66.0
+
+#: Size of a strip in its own units, about the pixels that it is shown in.
+WIDTH, HEIGHT = 700, 110
+
+#: Room for the numbers below and beside a strip.
+LEFT, BOTTOM, TOP = 52, 20, 8
+
+_STRIP = """<svg viewBox="0 0 {width} {height}" class="strip" role="img" aria-label="{label}">
+{shade}<path class="axis" d="M{left} {middle}H{width}"/><path class="trace" d="{path}"/>
+<text x="{text}" y="{upper}" text-anchor="end">{peak}</text>
+<text x="{text}" y="{lower}" text-anchor="end">−{peak}</text>
+<text x="{left}" y="{foot}">0</text><text x="{width}" y="{foot}" text-anchor="end">{end}</text></svg>"""
 
 
 @dataclass(frozen=True)
@@ -96,3 +113,36 @@ def _arrow(x0: float, y0: float, x1: float, y1: float, kind: str) -> str:
     ends = [(x1 - along[0] + sign * across[0], y1 - along[1] + sign * across[1]) for sign in (1, -1)]
     head = "L".join(f"{a:.1f} {b:.1f}" for a, b in (ends[0], (x1, y1), ends[1]))
     return f'<path class="{kind}" d="M{x0:.1f} {y0:.1f}L{x1:.1f} {y1:.1f}M{head}"/>'
+
+
+def strip(acceleration: np.ndarray, dt: float, intense: tuple[float, float]) -> str:
+    """An element `<svg>` of the accelerogram [m/s2], the intense phase (start and end [s], or NaN) shaded.
+
+    The vertical scale is that of the record's own PGA.
+    """
+    peak = float(np.max(np.abs(acceleration)))
+    end = dt * (acceleration.size - 1)
+    span, high = WIDTH - LEFT, HEIGHT - BOTTOM - TOP
+    middle = TOP + high / 2
+    x, y = thinned(np.linspace(0.0, span, acceleration.size), acceleration, span)
+    down = middle - y / (peak or 1.0) * high / 2
+    points = [f"{LEFT + place:.0f} {level:.1f}" for place, level in zip(x, down, strict=True)]
+    shade = ""
+    if np.all(np.isfinite(intense)):
+        start, stop = (LEFT + span * min(max(instant / end, 0.0), 1.0) for instant in intense)
+        shade = f'<rect class="intense" x="{start:.1f}" y="{TOP}" width="{stop - start:.1f}" height="{high}"/>\n'
+    return _STRIP.format(
+        width=WIDTH,
+        height=HEIGHT,
+        left=LEFT,
+        text=LEFT - 6,
+        shade=shade,
+        middle=f"{middle:.1f}",
+        upper=TOP + 9,
+        lower=TOP + high,
+        foot=HEIGHT - 4,
+        path="M" + "L".join(points),
+        peak=figure(peak / STANDARD_GRAVITY, "g"),
+        end=figure(end, "s"),
+        label=say("picture.label"),
+    )

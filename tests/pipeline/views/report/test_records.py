@@ -1,12 +1,11 @@
-"""The table of earthquakes: what the files state of each, in columns that are there where one states something."""
+"""The earthquakes and files that a report rests on: columns are there where a file states something."""
 
 import numpy as np
 import pytest
-from report_cases import WORDS
 from results_tree import results_tree
 
 from rockpulse.assessment.answers import Answers
-from rockpulse.views.report.bodies import event_table
+from rockpulse.views.report.records import event_table, input_table
 
 
 @pytest.fixture
@@ -16,7 +15,7 @@ def summary():
 
 
 def table(summary, **stated):
-    found = event_table(WORDS, Answers(summary.assign({name: ("record", values) for name, values in stated.items()})))
+    found = event_table(Answers(summary.assign({name: ("record", values) for name, values in stated.items()})))
     titles = [heading.title for heading in found.headings]
     return [dict(zip(titles, (cell.text for cell in row), strict=True)) for row in found.rows]
 
@@ -44,3 +43,21 @@ def test_the_magnitudes_of_several_agencies_stand_side_by_side(summary):
     }
     ridgecrest, _ = table(summary, **stated)
     assert (ridgecrest["magnitude"], ridgecrest["date"]) == ("Mw 7.1, ML 6.9", "2019-07-05")
+
+
+def test_a_file_is_told_with_the_earthquake_and_station_of_its_channels():
+    summary = results_tree()["summary"].to_dataset().assign(magnitude=("record", [7.1, 7.1, 5.0]))
+    table = input_table(summary)
+    assert table.headings[-1].title == "earthquake, station"
+    assert [row[-1].text for row in table.rows] == ["Ridgecrest 2019-07-06, CCC", ""]
+    assert [row[3].text for row in table.rows] == ["2", "1"]
+
+
+def test_files_of_which_nothing_is_known_have_no_such_column():
+    summary = results_tree()["summary"].to_dataset().isel(record=[2])
+    assert [heading.title for heading in input_table(summary).headings] == [
+        "file",
+        "SHA-256",
+        "format",
+        "records",
+    ]

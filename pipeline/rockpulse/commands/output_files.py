@@ -13,8 +13,6 @@ from rockpulse.storage.export.table_file import safe_texts
 if TYPE_CHECKING:
     import pandas as pd
 
-__all__ = ["PICTURES", "check_file", "csv_bytes", "csv_files", "write_files"]
-
 #: Suffixes of pictures, which choose the format.
 PICTURES = (".svg", ".png", ".pdf")
 

@@ -1,9 +1,11 @@
-"""Whether the files of a report belong together: a curve of another body is never shown as this body's."""
+"""Whether the files of a report belong together: a curve of another body is never shown as this body's.
+
+The parts of a report on a site calibration and on fragility curves that are shown beside the verdict.
+"""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -12,17 +14,27 @@ import numpy as np
 from rockpulse.assessment.answers import Answers, Body, bodies_of
 from rockpulse.config.configuration import stored_sections
 from rockpulse.errors import ResultsError, some
-from rockpulse.model_table import MODELS
+from rockpulse.model_table import MODELS, SEQUENCE_MODELS
 from rockpulse.record.measures import PGA
 from rockpulse.storage.hdf5.netcdf4 import flag_words
 from rockpulse.storage.variables.fragility import FRAGILITY
 from rockpulse.storage.variables.site import SITE_KIND
-from rockpulse.views.report.wording import Words
+from rockpulse.views.shared.files_used import files_used
+from rockpulse.views.shared.table import Cell, Heading, Table, number
+from rockpulse.views.shared.terminal import share
+from rockpulse.views.shared.words import counted, listed, say
+from rockpulse.views.text.fragility import (
+    median_table,
+    records_words,
+    shown_measure,
+    state_words,
+    statement,
+    sufficiency_tables,
+)
+from rockpulse.views.text.site import about_records, coverage, design, site_remarks, site_tables
 
 if TYPE_CHECKING:
     import xarray as xr
-
-__all__ = ["Paired", "listed", "paired"]
 
 #: The same configuration gives the same numbers to the last digit; a body written down with other digits is another.
 TOLERANCE = 1e-6
@@ -58,7 +70,7 @@ class Paired:
     changed: tuple[str, ...]  # records of one id whose PGA differs
     settings: tuple[str, ...]  # settings of the motions that differ: "[conditioning] order = 2, here 4"
 
-    def other_motions(self, words: Words, subject: str, assessed: int) -> list[str]:
+    def other_motions(self, subject: str, assessed: int) -> list[str]:
         """Sentences on motions that are not in common, with those of site or curves; none for a design sequence."""
         if not assessed:
             return []
@@ -68,8 +80,8 @@ class Paired:
             "beside.changed": self.changed,
             "beside.settings": self.settings,
         }
-        fields = {"records": words.listed([*self.changed]), "settings": "; ".join(self.settings)}
-        return [words(key, **fields) for key, there in told.items() if there]
+        fields = {"records": listed(self.changed), "settings": "; ".join(self.settings)}
+        return [say(key, **fields) for key, there in told.items() if there]
 
 
 def paired(results: xr.DataTree, other: xr.DataTree, kind: str, name: str) -> Paired:
@@ -93,8 +105,8 @@ def paired(results: xr.DataTree, other: xr.DataTree, kind: str, name: str) -> Pa
     else:
         if not kept:
             raise ResultsError(
-                f"{name}: none of its bodies ({listed(foreign)}) is a body of the results ({listed(missing)}); run "
-                "'rockpulse fragility' with the configuration of these results"
+                f"{name}: none of its bodies ({some(foreign, NAMED)}) is a body of the results "
+                f"({some(missing, NAMED)}); run 'rockpulse fragility' with the configuration of these results"
             )
         groups = {place: node.to_dataset() for place, node in other.children.items()}
         own = {place: one.isel(block=kept) if "block" in one.dims else one for place, one in groups.items()}
@@ -106,17 +118,6 @@ def paired(results: xr.DataTree, other: xr.DataTree, kind: str, name: str) -> Pa
     unchecked = sum(np.isnan(peak) for peak in common.values())
     settings = _other_settings(results, other)
     return Paired(other, missing, foreign, len(common) - len(changed), unchecked, changed, settings)
-
-
-def listed(names: Iterable[str]) -> str:
-    """Names in a sentence: the first ones, and how many more.
-
-    Examples
-    --------
-    >>> listed("abcdefgh")
-    'a, b, c, d, e, f and 2 more'
-    """
-    return some(list(names), NAMED)
 
 
 def _bodies(
@@ -132,7 +133,7 @@ def _bodies(
         named = None if own else _WITH_RESTITUTION.fullmatch(label)
         if named:
             own = [body for body in bodies if body.block == named["block"]]
-        every = {body: _numbers(summary, body) for body in own}
+        every = {body: _body_numbers(summary, body) for body in own}
         same = [body for body in own if _close(every[body], numbers)]
         if same:
             found.setdefault(same[0], place)
@@ -208,7 +209,7 @@ def _other_settings(results: xr.DataTree, other: xr.DataTree) -> tuple[str, ...]
     return tuple(said)
 
 
-def _numbers(summary: xr.Dataset, body: Body) -> tuple[float, float, float]:
+def _body_numbers(summary: xr.Dataset, body: Body) -> tuple[float, float, float]:
     p, alpha = (float(summary[name].values[body.place]) for name in ("p", "alpha_c"))
     return p, alpha, body.restitution
 
@@ -230,3 +231,120 @@ def _sequence(values: list[float], spacing: str) -> str:
 
 def _set(value: Any) -> str:
     return "not set" if value is None else str(value)
+
+
+@dataclass(frozen=True)
+class Part:
+    """A section of the report: loud remarks, sentences, tables.
+
+    ``blocks`` names the bodies that have curves; ``banded`` says whether any of these has a confidence band.
+    """
+
+    remarks: tuple[str, ...]
+    statements: tuple[str, ...]
+    tables: tuple[Table, ...]
+    blocks: tuple[str, ...] = ()
+    banded: bool = True
+
+
+def describe_site(of: Paired, assessed: int) -> Part:
+    """The section on the site; no record is assessed where its design sequence stands for them."""
+    site = of.tree["site"].to_dataset()
+    said, tables = [coverage(site)], site_tables(site)
+    if site.attrs["method"] != "spectrum":
+        said, tables = [design(site), *said], [*tables, _events(site), _every_record(site)]
+    common = [say("site.common" if assessed else "site.judged_here", same=of.same, assessed=assessed)]
+    if of.foreign:
+        bodies, names = counted(site.sizes["block"], "body"), listed(of.foreign)
+        common.append(say("site.foreign", bodies=bodies, count=len(of.foreign), names=names))
+    remarks = (*_not_used(of), *of.other_motions("site", assessed), *site_remarks(site))
+    return Part(remarks, (*about_records(site), *common, *said), tuple(tables))
+
+
+def _not_used(of: Paired) -> list[str]:
+    """A sentence on the files that were not used for the site or the curves; none where all were."""
+    files = files_used(of.tree)
+    return [f"{files.counted or say('remark.files.none')}: {files.reasons}."] if files.line else []
+
+
+def _events(site: xr.Dataset) -> Table:
+    headings = (
+        Heading(say("head.earthquake")),
+        Heading(say("head.records")),
+        Heading(say("site.coverage_head"), note=say("site.without_it")),
+    )
+    columns = (site[name].values.tolist() for name in ("site_event", "event_records", "event_coverage"))
+    rows = tuple(
+        (Cell(name), number(count, str), number(covered, share)) for name, count, covered in zip(*columns, strict=True)
+    )
+    return Table("site-events", say("site.earthquakes"), headings, rows)
+
+
+def _every_record(site: xr.Dataset) -> Table:
+    headings = (
+        *(Heading(say(key)) for key in ("head.record", "head.earthquake", "site.weight", "site.factor")),
+        *(Heading(name, unit) for name, unit in (("PGA", "m/s2"), ("PGV", "m/s"), ("I", "m/s"), ("I_s/I", ""))),
+        Heading("dT", "s"),
+        Heading(say("site.main_impulses")),
+        Heading(say("site.duration"), "s"),
+        Heading(say("site.misfit"), note="ln, rms"),
+        Heading(say("site.below"), note=say("site.of_blocks")),
+    )
+    rows = []
+    for place, name in enumerate(site["record"].values.tolist()):
+        one = site.isel(record=place)
+        rows.append(
+            (
+                Cell(name),
+                Cell(one["event"].item()),
+                *(number(float(one[key])) for key in ("weight", "scale_factor", "pga", "pgv")),
+                *map(number, one["value"].transpose("parameter").values.tolist()),
+                number(float(one["misfit"])),
+                number(float(one["unsafe_share"]), share),
+            )
+        )
+    return Table("site-records", say("site.caption.records"), headings, tuple(rows))
+
+
+def describe_fragility(of: Paired, assessed: int, model: str) -> Part:
+    """The section on fragility beside a verdict by a model; no record is assessed where a sequence stands for them."""
+    tree = of.tree
+    curves = tree["fragility"].to_dataset()
+    own = curves.sel(measure=shown_measure(curves))
+    said = say(
+        "fragility.from",
+        records=records_words(tree),
+        common=say("fragility.common" if assessed else "fragility.sequence", same=of.same, assessed=assessed),
+        data=say(f"fragility.{tree.attrs['data']}"),
+    )
+    tables = [median_table(tree), _remark_table(own), *sufficiency_tables(tree["efficiency"].to_dataset())]
+    return Part(
+        (*_not_used(of), *_differences(of, assessed, model)),
+        (said,),
+        tuple(table for table in tables if table.rows),
+        tuple(own["block"].values.tolist()),
+        bool(own["median_low"].notnull().any()),
+    )
+
+
+def _differences(of: Paired, assessed: int, model: str) -> list[str]:
+    """Sentences on the things in which the curves and the verdict differ."""
+    said = of.other_motions("fragility", assessed)
+    equation = stored_sections(str(of.tree.attrs.get("configuration", ""))).get("fragility", {}).get("equation", model)
+    if equation != model and model not in SEQUENCE_MODELS:
+        said.append(say("fragility.equation", equation=say(f"models.{equation}"), model=say(f"models.{model}")))
+    named = {"missing": of.missing, "foreign": of.foreign}
+    return [*said, *(say(f"fragility.{key}", names=listed(names)) for key, names in named.items() if names)]
+
+
+def _remark_table(own: xr.Dataset) -> Table:
+    """Every remark on the curves of a body, with the limit states that it is on."""
+    rows = []
+    for block in own["block"].values.tolist():
+        found: dict[str, list[str]] = {}
+        for state in own["limit_state"].values.tolist():
+            if said := statement(own.sel(block=block, limit_state=state)):
+                found.setdefault(said, []).append(state_words(state))
+        rows += [(Cell(block), Cell(", ".join(states)), Cell(said)) for said, states in found.items()]
+    headings = tuple(Heading(say(key)) for key in ("head.body", "fragility.limit_states", "fragility.remark"))
+    return Table("fragility-remarks", say("fragility.remarks"), headings, tuple(rows))
