@@ -12,7 +12,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from glob import escape, has_magic
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 from rockpulse.config.block_settings import BlockSettings, require_pairs
 from rockpulse.config.settings import (
@@ -142,7 +142,9 @@ class Config:
 
 #: Sections by their name in the file, in the order of the template.
 SECTIONS: dict[str, type[Section]] = {
-    item.name: item.default_factory for item in dataclasses.fields(Config) if isinstance(item.default_factory, type)
+    item.name: cast("type[Section]", item.default_factory)
+    for item in dataclasses.fields(Config)
+    if isinstance(item.default_factory, type)
 }
 
 
