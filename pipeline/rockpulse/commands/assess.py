@@ -60,7 +60,7 @@ def _of_sequence(args: argparse.Namespace) -> int:
     check_target(args.output, args.overwrite)
     sequence = load_design(args.sequence)
 
-    from rockpulse.assessment.design_sequence import assess_sequence
+    from rockpulse.assessment.assessment import assess_sequence
 
     quantile = float(load(args.sequence)["site"]["quantile"])
     name = f"design sequence {quantile:g}"
