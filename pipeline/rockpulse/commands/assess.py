@@ -56,7 +56,7 @@ def _under_sequence(args: argparse.Namespace, config: Config) -> xr.DataTree:
     check_target(args.output, args.overwrite)
     sequence = load_design(args.sequence)
 
-    from rockpulse.assessment.design_sequence import assess_sequence
+    from rockpulse.assessment.assessment import assess_sequence
 
     quantile = float(load(args.sequence)["site"]["quantile"])
     tree = assess_sequence(sequence, config, name=f"design sequence {quantile:g}", source=str(args.sequence))

@@ -7,9 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rockpulse.assessment.overturning import overturning_spectrum
-from rockpulse.assessment.spectrum import ALPHAS, P
-from rockpulse.assessment.spectrum import rocking_spectrum as compute_spectrum
+from rockpulse.assessment.spectra import ALPHAS, P, overturning_spectrum
+from rockpulse.assessment.spectra import rocking_spectrum as compute_spectrum
 from rockpulse.config.study_settings import UncertaintySettings
 from rockpulse.errors import ConfigError, ResultsError
 from rockpulse.views.plots.critical_factors import critical_scale, overturning_map

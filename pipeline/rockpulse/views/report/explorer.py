@@ -16,7 +16,7 @@ import numpy as np
 from rocking.body.block import Block
 from rocking.body.outline import Outline
 from rockpulse.assessment.answers import Answers, Body
-from rockpulse.assessment.overturning import overturning_curve
+from rockpulse.assessment.spectra import overturning_curve
 from rockpulse.errors import ResultsError
 from rockpulse.model_table import FOLLOWING
 from rockpulse.views.plots.ground_motion import stored_record
