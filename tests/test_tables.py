@@ -42,7 +42,7 @@ NO_MODEL = {
         ("rockpulse.studies.selftest.baseline", "nonlinear"),
     },
     "the method of an overturning spectrum": {
-        ("rockpulse.assessment.overturning", "nonlinear"),
+        ("rockpulse.assessment.spectra", "nonlinear"),
         ("rockpulse.config.settings", "nonlinear"),
     },
 }

@@ -21,7 +21,7 @@ from rocking.spectrum.lanes import LEAST_RESTITUTION, REBOUNDS, neighbours, spec
 from rocking.spectrum.overturning import OverturningFactors, OverturningSpectrum, covered
 from rocking.spectrum.probability import Uncertainty
 from rockpulse.assessment.demand import FARTHEST, demand_factors
-from rockpulse.assessment.senses import senses
+from rockpulse.assessment.scene import senses
 from rockpulse.config.bodies import Bodies
 from rockpulse.config.configuration import Config
 from rockpulse.model_row import Scene

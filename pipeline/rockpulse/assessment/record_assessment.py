@@ -14,7 +14,7 @@ from rocking.impulses.impulse_sequence import ImpulseSequence
 from rocking.response import Response
 from rocking.search.factors import ScaleIntervals
 from rocking.spectrum.overturning import OverturningSpectrum
-from rockpulse.assessment.overturning import spectrum_values
+from rockpulse.assessment.spectra import spectrum_values
 from rockpulse.config.bodies import Bodies
 from rockpulse.config.configuration import Config
 from rockpulse.model_row import Scene

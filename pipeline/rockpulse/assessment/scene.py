@@ -1,20 +1,37 @@
-"""One record made ready for the models."""
+"""One record made ready for the models: for all bodies, for those on floors or turned, and for those before a wall.
+
+.. note:: A body that leans on a wall falls away from it only. Where the azimuths of the record and of the body's fall
+   are known and lie within SAME_DIRECTION of each other, or of opposite ones, the sense is known; otherwise the record
+   is taken in both, and the worse answer counts.
+"""
 
 from __future__ import annotations
 
-from dataclasses import replace
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
+import numpy as np
+
+from rocking.body.block import Block
+from rocking.body.supports import floor_motion
+from rocking.response import Outcome, Response
+from rocking.search.factors import ScaleIntervals
+from rockpulse.config.block_settings import FloorSettings
+from rockpulse.config.bodies import Bodies, Place
 from rockpulse.config.configuration import Config
 from rockpulse.errors import RecordRefused
 from rockpulse.model_row import Scene
 from rockpulse.model_table import MODELS, RULE_POINT
-from rockpulse.record.components import align, uncovered
+from rockpulse.record.components import Pair, align, uncovered
 from rockpulse.record.conditioning import condition
 from rockpulse.record.half_wave import half_waves
 from rockpulse.record.intensity import intense_phase
-from rockpulse.record.record import Record
+from rockpulse.record.record import STANDARD_GRAVITY, Record
+from rockpulse.record.rotation import rotate
 from rockpulse.remark import Remark
+from rockpulse.selection.directions import FACING_WITHIN
 from rockpulse.sequences.estimators import calibrate
 
 
@@ -83,3 +100,151 @@ def matched(scene: Scene, config: Config) -> Scene:
     for remark in found.remarks:
         record = record.with_note(remark)
     return replace(scene, record=record, sequence=found.sequence)
+
+
+#: The oscillations of a floor are followed until they are below so much of gravity: a thousandth of the uplift of a
+#: body of slenderness 10.
+QUIET = 1e-4
+
+
+def places_of(bodies: Bodies, record: Record, pair: Pair | None, config: Config) -> list[tuple[Place, np.ndarray]]:
+    """The different motions that bodies feel under a record, each with the numbers of its bodies.
+
+    `pair` are the channels that the record was rotated from; with `components = "horizontal"` nothing is rotated. A
+    RecordRefused where a body asks for a direction that a channel without a partner does not face.
+    """
+    if config.records.components == "horizontal":
+        return bodies.places(None)
+    azimuth = math.nan if record.azimuth is None else float(record.azimuth)
+    found = bodies.places(azimuth, 1e-6 if pair is not None else FACING_WITHIN)
+    others = [place for place, _ in found if place.azimuth is not None]
+    if others and pair is None:
+        raise RecordRefused(
+            f"{record.id}: no other channel goes with it, and it faces {azimuth:g} degrees: it cannot be taken in the "
+            f"direction {others[0].azimuth:g} of a body"
+        )
+    return found
+
+
+def turned(scene: Scene, place: Place, pair: Pair | None, config: Config) -> Scene:
+    """The scene in the direction of a place, from the channels that its record was rotated from."""
+    if place.azimuth is None:
+        return scene
+    assert pair is not None
+    return replace(extract(rotate(pair, place.azimuth), config), vertical=scene.vertical)
+
+
+def aloft(scene: Scene, place: Place, config: Config) -> Scene:
+    """The scene on the floor of a place: its motion, half-waves and sequence; the vertical is that of the ground."""
+    if not place.floors:
+        return scene
+    record, found = scene.record, floor_record(scene.record, place.floors)
+    there = extract(found, config)
+    if scene.vertical is None:
+        return there
+    times = found.dt * np.arange(found.npts)
+    lift = np.interp(times, record.dt * np.arange(scene.vertical.size), scene.vertical, right=0.0)
+    return replace(there, vertical=lift)
+
+
+def floor_record(record: Record, floors: Sequence[FloorSettings]) -> Record:
+    """The motion of a floor under a conditioned record, by the modes of its building."""
+    found = floor_motion(
+        record.acceleration,
+        record.dt,
+        [one.period for one in floors],
+        [one.damping for one in floors],
+        [one.participation for one in floors],
+        quiet=QUIET * STANDARD_GRAVITY,
+    )
+    return replace(record, acceleration=found.acceleration, dt=found.dt)
+
+
+def joined_responses(
+    parts: Sequence[Response], lanes: Sequence[np.ndarray], samples: int, steps: Sequence[int]
+) -> Response:
+    """Responses of some lanes each, at their places, as one; histories at the (n,) samples of the ground.
+
+    `steps` are the samples of the motion of each part in one interval of the ground's; it may last longer.
+    """
+    whole = []
+    for part, step in zip(parts, steps, strict=True):
+        motion = {"rotation": part.rotation, "velocity": part.velocity}
+        motion = {name: None if one is None else one[:, ::step][:, :samples] for name, one in motion.items()}
+        whole.append(part.changed(time=None, **motion))
+    return Response.join(whole, lanes, sum(places.size for places in lanes))
+
+
+#: Degrees between the azimuths of a record and of a body's fall up to which the record tells the sense.
+SAME_DIRECTION = 30.0
+
+
+@dataclass(frozen=True, eq=False)
+class Senses:
+    """Lanes (m,) of bodies, each in the sense of the record, with a second lane where that is not known.
+
+    ``block`` holds the m lanes and, after them, the other sense of those at the places ``both``.
+    """
+
+    block: Block
+    both: np.ndarray
+
+    @property
+    def count(self) -> int:
+        """Number of lanes, m."""
+        return int(self.block.shape[0] - self.both.size)
+
+    def worse(self, response: Response) -> Response:
+        """The worse of both answers of each lane: overturning, no answer, then the larger rotation."""
+        return response if self.both.size == 0 else response.take(self.worst(response))
+
+    def worst(self, response: Response) -> np.ndarray:
+        """Places in ``block``, of each lane, of the worse of both answers."""
+        rank = np.where(response.outcome == Outcome.OVERTURNS, np.inf, response.peak_rotation_ratio)
+        return self._chosen(np.where(response.outcome == Outcome.UNRESOLVED, np.finfo(float).max, rank))
+
+    def smaller(self, found: ScaleIntervals) -> ScaleIntervals:
+        """The intervals of the sense with the smaller factor."""
+        if self.both.size == 0:
+            return found
+        places = self._chosen(-np.where(np.isnan(found.safety_factor), np.inf, found.safety_factor))
+        return found.take(places)
+
+    def likelier(self, probability: np.ndarray, factor: np.ndarray) -> np.ndarray:
+        """Places in ``block``, of each lane, of the higher probability; of two alike that of the smaller factor."""
+        order = np.lexsort((-factor, probability))
+        rank = np.empty(order.size)
+        rank[order] = np.arange(order.size)
+        return self._chosen(rank)
+
+    def _chosen(self, rank: np.ndarray) -> np.ndarray:
+        """Of each lane the one of its two, by place in ``block``, whose rank is higher."""
+        places = np.arange(self.count)
+        second = self.count + np.arange(self.both.size)
+        places[self.both] = np.where(rank[second] > rank[self.both], second, self.both)
+        return places
+
+
+def acting(azimuth: float, facing: float) -> tuple[int, ...]:
+    """The senses in which a record may act on a body before a wall, by both azimuths [degrees]; NaN if not known.
+
+    1 where it acts towards the fall, -1 against it, both where that is not known.
+    """
+    along, least = math.cos(math.radians(azimuth - facing)), math.cos(math.radians(SAME_DIRECTION))
+    return (1,) if along >= least else (-1,) if along <= -least else (1, -1)
+
+
+def senses(bodies: Bodies, record: Record, step: int = 1) -> Senses:
+    """The lanes of bodies in the senses of a record; every `step`-th lane only."""
+    lanes = bodies.lanes.take(slice(None, None, step))
+    leaning = np.asarray(lanes.side) != 0
+    if not np.any(leaning):
+        return Senses(lanes, np.zeros(0, dtype=np.int64))
+    azimuth = np.nan if record.azimuth is None else float(record.azimuth)
+    every = [acting(azimuth, facing) for facing in np.repeat(bodies.facing, bodies.cases)[::step].tolist()]
+    against = leaning & np.array([found == (-1,) for found in every])
+    both = np.flatnonzero(leaning & np.array([len(found) > 1 for found in every]))
+    mirror = lanes.mirrored()
+    own = [mirror.lane(place) if turned else lanes.lane(place) for place, turned in enumerate(against)]
+    first = Block.stack(own) if np.any(against) else lanes
+    return Senses(Block.stack([first, mirror.take(both)]) if both.size else first, both)

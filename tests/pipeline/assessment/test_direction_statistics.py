@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from rockpulse.assessment.direction_statistics import (
+from rockpulse.assessment.tree import (
     MEAN,
     direction_statistics,
     largest_over,

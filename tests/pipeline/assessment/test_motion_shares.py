@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from rockpulse.assessment.motion_shares import Motions
-from rockpulse.motions.events import UNKNOWN
+from rockpulse.assessment.answers import Motions
+from rockpulse.selection.events import UNKNOWN
 
 NAN = np.nan
 #: Three motions of two directions from five records; of the last one a direction was not assessed.

@@ -8,7 +8,7 @@ import xarray as xr
 
 import rockpulse as rp
 from rocking import Block, OverturningSpectrum, spectrum_lanes
-from rockpulse.assessment.overturning import (
+from rockpulse.assessment.spectra import (
     LANES,
     overturning_curve,
     overturning_factors,

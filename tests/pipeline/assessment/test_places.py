@@ -11,8 +11,7 @@ from rocking.search.factors import ScaleIntervals
 from rockpulse import models
 from rockpulse.assessment import assessment
 from rockpulse.assessment.assessment import assess_scene
-from rockpulse.assessment.places import aloft, floor_record, joined_responses, places_of
-from rockpulse.assessment.scene import extract
+from rockpulse.assessment.scene import aloft, extract, floor_record, joined_responses, places_of
 from rockpulse.config.bodies import Place, gather_bodies
 from rockpulse.record.components import Pair
 from rockpulse.record.intensity import pgv

@@ -12,9 +12,9 @@ from numpy.testing import assert_allclose, assert_array_equal
 import rockpulse as rp
 from rocking.body.limits import RATES
 from rockpulse.assessment.assessment import assess, assess_scene
-from rockpulse.assessment.overturning import spectrum_values
 from rockpulse.assessment.probability import record_probability
 from rockpulse.assessment.scene import prepare
+from rockpulse.assessment.spectra import spectrum_values
 from rockpulse.config.bodies import gather_bodies
 from rockpulse.models import Block, OverturningSpectrum, Uncertainty, overturning_probability, spectrum_lanes
 from rockpulse.storage.variables.probability import PROBABILITY, READ, SOURCES

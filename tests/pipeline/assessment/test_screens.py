@@ -5,8 +5,7 @@ import pytest
 import xarray as xr
 from report_cases import answers, probable
 
-from rockpulse.assessment.screens import Sliding, sliding, worse_screens
-from rockpulse.assessment.verdict import verdicts
+from rockpulse.assessment.verdict import Sliding, sliding, verdicts, worse_screens
 
 NAN = np.nan
 NAMES = ["chest", "statue", "statue with pedestal", "lone with pedestal"]

@@ -10,7 +10,7 @@ import rockpulse as rp
 from rocking import Block
 from rocking.search.factors import ScaleIntervals
 from rockpulse import models
-from rockpulse.assessment.senses import Senses, acting, senses
+from rockpulse.assessment.scene import Senses, acting, senses
 from rockpulse.config.bodies import gather_bodies
 from rockpulse.views.shared.facts import Known
 

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from rockpulse.assessment import spectrum as module
-from rockpulse.assessment.spectrum import rocking_spectrum
+from rockpulse.assessment import spectra as module
+from rockpulse.assessment.spectra import rocking_spectrum
 from rockpulse.models import Block, Outcome, recorded_response
 from rockpulse.record.record import Record
 

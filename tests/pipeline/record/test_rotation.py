@@ -12,9 +12,8 @@ from rockpulse.record.components import Pair
 from rockpulse.record.conditioning import condition
 from rockpulse.record.half_wave import half_waves
 from rockpulse.record.intensity import arias_intensity
-from rockpulse.record.pair_conditioning import condition_pair
 from rockpulse.record.record import Record
-from rockpulse.record.rotation import pair_id, rotate, strongest_azimuth
+from rockpulse.record.rotation import condition_pair, pair_id, rotate, strongest_azimuth
 
 START = datetime(2019, 7, 6, 3, 19, 53, tzinfo=UTC)
 DT = 0.01

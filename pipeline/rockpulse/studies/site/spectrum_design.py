@@ -19,14 +19,14 @@ from rocking.body.block import Block
 from rocking.body.limits import RATES
 from rocking.spectrum.half_waves import lobe_shapes
 from rocking.spectrum.overturning import OverturningSpectrum
-from rockpulse.assessment.overturning import LANES
+from rockpulse.assessment.spectra import LANES
 from rockpulse.config.configuration import Config
 from rockpulse.earthquakes import ROUNDING, bootstrap_interval, draw_earthquakes
 from rockpulse.errors import RecordRefused
-from rockpulse.motions.directions import Motion
 from rockpulse.record.half_wave import half_waves
 from rockpulse.remark import Remark, as_stored
 from rockpulse.run.analysis import Part, Watch
+from rockpulse.selection.directions import Motion
 from rockpulse.sequences.design_spectrum import DesignSpectrum
 from rockpulse.storage.variables import with_values
 from rockpulse.storage.variables.probability import RESTITUTIONS

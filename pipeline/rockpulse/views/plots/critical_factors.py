@@ -10,9 +10,23 @@ import numpy as np
 from rockpulse.assessment.answers import fullest_model
 from rockpulse.errors import ResultsError
 from rockpulse.model_table import SEQUENCE_MODELS, UPPER_BOUND, SearchSettings, is_full, is_upper_bound
-from rockpulse.views.plots.demand_marks import demand_ticks, factors_to_demands, least, tick_notes
-from rockpulse.views.plots.factor_rows import ROW, ROWS, asked_of, factor_axis, legend_once, shown_rows
-from rockpulse.views.plots.probability_bars import HALF, bar, none_up_to, probability_bars, whiskers
+from rockpulse.views.plots.factor_rows import (
+    HALF,
+    ROW,
+    ROWS,
+    asked_of,
+    bar,
+    demand_ticks,
+    factor_axis,
+    factors_to_demands,
+    least,
+    legend_once,
+    none_up_to,
+    probability_bars,
+    shown_rows,
+    tick_notes,
+    whiskers,
+)
 from rockpulse.views.plots.selection import chosen_case, named_body, one_name, setting
 from rockpulse.views.plots.style import (
     BLACK,
@@ -21,18 +35,19 @@ from rockpulse.views.plots.style import (
     RED,
     SMALL,
     caption,
+    counted,
+    label,
     look,
     one_axes,
+    plain,
     title,
+    wrapped,
 )
-from rockpulse.views.plots.words import counted, label, plain, wrapped
 from rockpulse.views.shared.notes import factor_name
 
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
-
-__all__ = ["critical_scale", "overturning_map"]
 
 #: A window in which the block stands again: hatched, and light in grey where it is too narrow for that.
 _AGAIN: dict[str, Any] = {"fc": "#BBDDF3", "ec": BLACK, "lw": 0.0, "hatch": "////", "hatch_linewidth": 0.6}

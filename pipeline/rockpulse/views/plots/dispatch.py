@@ -17,19 +17,15 @@ from rockpulse.storage.hdf5.atomic import ASSESSMENT, named
 from rockpulse.storage.hdf5.results_file import load
 from rockpulse.storage.variables.fragility import FRAGILITY
 from rockpulse.storage.variables.site import SITE_KIND
-from rockpulse.views.plots.ground_motion import accelerogram
+from rockpulse.views.plots.ground_motion import accelerogram, motion_of_record
 from rockpulse.views.plots.impulse_sequences import limit_accelerogram
 from rockpulse.views.plots.kinds import KINDS, draw
-from rockpulse.views.plots.motion import motion_of_record
 from rockpulse.views.plots.objects import block_outlines, half_wave_impulses, response, two_half_cycles
-from rockpulse.views.plots.overturning_curves import overturning_spectra
-from rockpulse.views.plots.spectrum_map import rocking_spectrum
+from rockpulse.views.plots.spectra import overturning_spectra, rocking_spectrum
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-
-__all__ = ["plot"]
 
 #: What is drawn of results where no kind is asked for, by the kind of their file.
 FIRST: dict[str, tuple[str, ...]] = {

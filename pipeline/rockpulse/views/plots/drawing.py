@@ -7,33 +7,28 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rockpulse.assessment.overturning import overturning_spectrum
-from rockpulse.assessment.spectrum import ALPHAS, P
-from rockpulse.assessment.spectrum import rocking_spectrum as compute_spectrum
+from rockpulse.assessment.spectra import ALPHAS, P, overturning_spectrum
+from rockpulse.assessment.spectra import rocking_spectrum as compute_spectrum
 from rockpulse.config.study_settings import UncertaintySettings
 from rockpulse.errors import ConfigError, ResultsError
-from rockpulse.views.plots.bodies import bodies
 from rockpulse.views.plots.critical_factors import critical_scale, overturning_map
 from rockpulse.views.plots.fragility_curves import fragility_panels
-from rockpulse.views.plots.ground_motion import accelerogram
+from rockpulse.views.plots.ground_motion import accelerogram, had_vertical, stored_motion, stored_record
 from rockpulse.views.plots.impulse_sequences import limit_accelerogram
 from rockpulse.views.plots.model_histories import histories
-from rockpulse.views.plots.motion import had_vertical, stored_motion, stored_record
-from rockpulse.views.plots.overturning_curves import spectra_of_results
+from rockpulse.views.plots.objects import bodies
 from rockpulse.views.plots.probability_map import probability_map
 from rockpulse.views.plots.rotation import rotation_history
 from rockpulse.views.plots.selection import block_of, named_body, one_name, plain_bodies, ragged, sequence_of, setting
 from rockpulse.views.plots.site import calibration
-from rockpulse.views.plots.spectrum_map import rocking_spectrum
-from rockpulse.views.plots.words import plain
+from rockpulse.views.plots.spectra import rocking_spectrum, spectra_of_results
+from rockpulse.views.plots.style import plain
 from rockpulse.views.shared.facts import Known
 
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-
-__all__ = ["DRAWERS"]
 
 #: Most records whose spectra are marched again for a picture, some seconds in all.
 MARCHED = 12

@@ -1,22 +1,20 @@
-"""The rows of a picture of factors: which are drawn, their names, the axis of the factors and the legend above them."""
+"""The rows of a picture of factors: which are drawn, the axis of the factors, ticks of demands, bars of probability."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from rockpulse.assessment.demand import stored_demands
 from rockpulse.views.plots.selection import named_body
-from rockpulse.views.plots.style import BLACK, GREY, PALE, SMALL, legend_above
-from rockpulse.views.plots.words import counted, plain
+from rockpulse.views.plots.style import BLACK, BLUE, GREEN, GREY, PALE, RED, SMALL, counted, legend_above, plain
 from rockpulse.views.shared.terminal import shortened
 
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
-
-__all__ = ["NAME", "ROW", "ROWS", "asked_of", "factor_axis", "legend_once", "shown_rows"]
 
 #: Rows on a page; of more the lowest factors are shown.
 ROWS = 60
@@ -97,3 +95,93 @@ def legend_once(ax: Axes, columns: int) -> int:
     names = sorted(found, key=ax.get_legend_handles_labels()[1].index)
     legend_above(ax, columns, across=True, handles=[found[name] for name in names], labels=names)
     return -(-len(names) // columns)
+
+
+#: Longest name of a demand in the legend.
+_NAME = 24
+
+
+def factors_to_demands(
+    summary: xr.Dataset, records: Sequence[str], blocks: Sequence[str] | str, end: float
+) -> dict[str, np.ndarray]:
+    """Factors that bring the record of each row to each demand, for the body of the row or of all: (rows,) by demand.
+
+    NaN stands for a factor beyond the end of the search. Empty where the results have no demand.
+    """
+    bodies = [blocks] * len(records) if isinstance(blocks, str) else list(blocks)
+    places = list(zip(records, bodies, strict=True))
+    found = {}
+    for name in stored_demands(summary):
+        stored = summary["demand_factor"].sel(demand=name)
+        stored = stored.isel(case=0) if "case" in stored.dims else stored
+        factor = np.array([float(stored.sel(record=one, block=body)) for one, body in places])
+        found[name] = np.where(factor <= end, factor, np.nan)
+    return found
+
+
+def least(needed: dict[str, np.ndarray], otherwise: float) -> float:
+    """The smallest of the factors of :func:`factors_to_demands` and of the number `otherwise`."""
+    return min([otherwise, *(float(np.nanmin(factors, initial=otherwise)) for factors in needed.values())])
+
+
+def demand_ticks(ax: Axes, needed: dict[str, np.ndarray]) -> None:
+    """Draw the factors of :func:`factors_to_demands` as ticks in the rows 0, 1, ..., shorter with every demand."""
+    for place, (name, factors) in enumerate(needed.items()):
+        ax.plot(
+            factors,
+            np.arange(factors.size),
+            ls="none",
+            marker="|",
+            ms=9 - 2 * min(place, 2),
+            mew=1.6,
+            color=BLACK,
+            zorder=4,
+            label=f"to the demand: {plain(shortened(name, _NAME))}",
+        )
+
+
+def tick_notes(needed: dict[str, np.ndarray]) -> list[str]:
+    """The meaning of the ticks, for the caption."""
+    if not needed:
+        return []
+    words = ["Tick: brings the record to the demand; with its factor right of the tick the block stands there."]
+    if any(np.isnan(factors).any() for factors in needed.values()):
+        words.append("No tick: the demand lies beyond the search.")
+    return words
+
+
+#: Half the height of a bar.
+HALF = 0.33
+
+#: Words of the bars of a probability of overturning, from its lower end on, and how they look.
+_LEVELS: tuple[tuple[str, dict[str, Any]], ...] = (
+    ("P below 10 %", {"fc": "#E8F3EF", "ec": GREEN, "lw": 0.4}),
+    ("10 to 50 %", {"fc": "#BBDDF3", "ec": BLUE, "lw": 0.4}),
+    ("above 50 %", {"fc": RED, "ec": RED, "lw": 0.4}),
+)
+
+
+def probability_bars(ax: Axes, place: int, factors: Sequence[float], begin: float, end: float, at_end: bool) -> None:
+    """Bars up to the factor of 10 %, from there to that of 50 %, and beyond, as far as they are within the search."""
+    edges = [begin, *np.clip(factors, begin, end), end]
+    for low, high, (words, style) in zip(edges[:-1], edges[1:], _LEVELS, strict=True):
+        if high > low:
+            bar(ax, place, low, high, words, **style)
+    if np.isinf(factors[0]):
+        none_up_to(ax, place, end, at_end)
+
+
+def whiskers(ax: Axes, low: np.ndarray, high: np.ndarray) -> None:
+    """A line in every row for the interval of a factor."""
+    ax.hlines(np.arange(low.size), low, high, color=BLACK, lw=0.9, zorder=2.5)
+
+
+def none_up_to(ax: Axes, place: int, end: float, at_end: bool) -> None:
+    """The words in a row without a factor, at the end of the search or beside the line at 1."""
+    words, (where, side) = f"  none up to {end:g}  ", (end, "right") if at_end else (1.0, "left")
+    ax.text(where, place, words, fontsize=SMALL - 0.5, color=BLACK, ha=side, va="center")
+
+
+def bar(ax: Axes, place: int, low: float, high: float, words: str, **style: Any) -> None:
+    """A bar in a row, between two factors."""
+    ax.barh(place, high - low, left=low, height=2.0 * HALF, label=words, **style)

@@ -15,20 +15,21 @@ from rockpulse.views.plots.style import (
     Look,
     Panels,
     caption,
+    label,
     legend_above,
     looks,
+    plain,
     plain_ticks,
+    readable,
     several_axes,
     title,
+    wrapped,
 )
-from rockpulse.views.plots.words import label, plain, readable, wrapped
 from rockpulse.views.text.fragility import shown_measure, statement
 
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
-
-__all__ = ["fragility", "fragility_panels"]
 
 #: Probabilities below this, and above one less it, are not looked at when the range of the axis is chosen.
 _TAIL = 0.002

@@ -27,8 +27,6 @@ from rockpulse.views.plots.style import (
     title,
 )
 
-__all__ = ["LIMIT_PANELS", "limit_accelerogram"]
-
 #: Number of panels of :func:`limit_accelerogram`.
 LIMIT_PANELS = 2
 

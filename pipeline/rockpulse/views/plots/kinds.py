@@ -15,8 +15,6 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 
-__all__ = ["KINDS", "PictureKind", "draw", "kind_list"]
-
 
 @dataclass(frozen=True)
 class PictureKind:

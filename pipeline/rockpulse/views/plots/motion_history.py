@@ -14,8 +14,6 @@ import numpy as np
 
 from rocking.impulses.half_cycle import CRITICAL_TOLERANCE, state
 
-__all__ = ["HalfCycle", "rotation_history", "secondary_impulses"]
-
 #: phi of t_k = (k - phi) dT; for "open" the count of intervals is n + 1.
 _PHASE = {"end": 0.0, "middle": 0.5, "start": 1.0, "open": 0.0}
 

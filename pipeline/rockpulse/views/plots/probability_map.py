@@ -11,15 +11,24 @@ from rockpulse.assessment.verdict import chances, too_far
 from rockpulse.errors import ResultsError
 from rockpulse.views.plots.factor_rows import NAME, ROW
 from rockpulse.views.plots.selection import one_name
-from rockpulse.views.plots.style import BLACK, FONT, GREY, SMALL, caption, legend_above, look, one_axes, title
-from rockpulse.views.plots.words import plain, wrapped
+from rockpulse.views.plots.style import (
+    BLACK,
+    FONT,
+    GREY,
+    SMALL,
+    caption,
+    legend_above,
+    look,
+    one_axes,
+    plain,
+    title,
+    wrapped,
+)
 from rockpulse.views.shared.terminal import ratio, shortened
 
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
-
-__all__ = ["probability_map"]
 
 #: Records and bodies on a page; of more the likeliest to overturn are shown.
 ROWS, COLUMNS = 50, 30

@@ -25,8 +25,6 @@ from rockpulse.views.plots.style import (
 )
 from rockpulse.views.plots.style import title as titled
 
-__all__ = ["moving_stretch", "rotation_history"]
-
 #: Motions that stay below this [-] are not looked at when the stretch of time is chosen.
 _MOVES = 0.02
 

@@ -21,19 +21,6 @@ from rockpulse.views.shared.terminal import restitution
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = [
-    "block_of",
-    "chosen_case",
-    "gain_of",
-    "named_body",
-    "one_name",
-    "plain_bodies",
-    "ragged",
-    "sequence_of",
-    "setting",
-    "table_of_pair",
-]
-
 #: Names listed in a message.
 LISTED = 20
 

@@ -1,53 +1,25 @@
-"""One look for all pictures: sizes for a page of A4, and colours that hold for colour-blind eyes and in grey.
+"""One look for all pictures: sizes for a page of A4, colours that hold for colour-blind eyes and in grey, and words.
 
 Nothing here touches matplotlib's global settings: every size is set on the artist itself, so that pictures drawn side
-by side in one process, or in a user's own session, do not change each other.
+by side in one process, or in a user's own session, do not change each other. Names given by users are plain text.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import re
+import textwrap
+from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 import numpy as np
 
+from rockpulse.foreign_text import escaped
 from rockpulse.model_table import MODELS
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.axis import Axis
     from matplotlib.figure import Figure
-
-__all__ = [
-    "BLACK",
-    "BLUE",
-    "FONT",
-    "GREEN",
-    "GREY",
-    "INSTANTS",
-    "ORANGE",
-    "PALE",
-    "PURPLE",
-    "RED",
-    "SKY",
-    "SMALL",
-    "WIDTH",
-    "Look",
-    "Panels",
-    "caption",
-    "dressed",
-    "figure_of",
-    "legend",
-    "legend_above",
-    "look",
-    "looks",
-    "one_axes",
-    "panel_title",
-    "plain_ticks",
-    "ramp",
-    "several_axes",
-    "title",
-]
 
 #: Width of a picture: that of the text on a page of A4 with margins of 25 mm [in].
 WIDTH = 6.3
@@ -134,7 +106,7 @@ def ramp(names: Sequence[str]) -> list[Look]:
 
 def figure_of(width: float = WIDTH, height: float = 3.4) -> Figure:
     """A figure of some size [in] that belongs to no window and no global list."""
-    from rockpulse.views.plots.notebook_figure import NotebookFigure
+    from rockpulse.views.plots.picture import NotebookFigure
 
     figure = NotebookFigure(figsize=(width, height), layout="constrained")
     figure.set_label(_OURS)
@@ -210,10 +182,8 @@ def title(ax: Axes, words: str, rows: int = 0, width: int = 74) -> None:
     """The title of a picture: above a figure of our own, else above its uppermost Axes and their own title.
 
     `rows` is the number of rows of a legend that stands above the Axes, `width` the longest line. Names of the user's
-    stand in `words` as :func:`~rockpulse.views.plots.words.plain` gives them.
+    stand in `words` as :func:`~rockpulse.views.plots.style.plain` gives them.
     """
-    from rockpulse.views.plots.words import wrapped
-
     figure = ax.get_figure(root=True)
     if words and figure is not None and figure.get_label() == _OURS:
         figure.suptitle(wrapped(words, width), x=0.01, ha="left", fontsize=FONT)
@@ -223,8 +193,6 @@ def title(ax: Axes, words: str, rows: int = 0, width: int = 74) -> None:
 
 def panel_title(ax: Axes, words: str, rows: int = 0, width: int = 92) -> None:
     """The line above one of several panels, over `rows` rows of a legend; `width` is the longest line."""
-    from rockpulse.views.plots.words import wrapped
-
     ax.set_title(wrapped(words, width), loc="left", fontsize=FONT, pad=4.0 + 12.0 * rows)
 
 
@@ -233,8 +201,6 @@ def caption(ax: Axes, words: str, width: int = 106) -> None:
 
     `width` is the longest line on a figure of our own.
     """
-    from rockpulse.views.plots.words import wrapped
-
     figure = ax.get_figure(root=True)
     if not words or figure is None:
         return
@@ -256,3 +222,110 @@ def plain_ticks(axis: Axis) -> None:
     axis.set_major_locator(LogLocator(subs=(1.0,) if high / low > 200.0 else (1.0, 2.0, 5.0)))
     axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
     axis.set_minor_formatter(NullFormatter())
+
+
+#: CF units of the results as an engineer writes them.
+_UNITS = {"m s-2": "m/s²", "m s-1": "m/s", "s-1": "1/s", "rad s-1": "rad/s", "degree": "°", "1": "-"}
+
+#: Symbols of the long names as mathematics; of those that begin alike the longer one first.
+_SYMBOLS = {
+    "theta_max/alpha_c": r"$\theta_{max}/\alpha_c$",
+    "theta/alpha_c": r"$\theta/\alpha_c$",
+    "alpha_c": r"$\alpha_c$",
+    "I_s/I": "$I_s/I$",
+    "I/I_1c": "$I/I_{1c}$",
+    "I_1c": "$I_{1c}$",
+    "I_2c": "$I_{2c}$",
+    "I_s": "$I_s$",
+    "dT": r"$\Delta T$",
+}
+_SYMBOL = re.compile(rf"\b({'|'.join(map(re.escape, _SYMBOLS))})\b")
+
+#: Mathematics of matplotlib: between dollars that are not escaped.
+_MATHEMATICS = re.compile(r"(?<!\\)\$[^$]+(?<!\\)\$")
+
+#: First of the letters that no text has.
+_PRIVATE = 0xE000
+
+
+def unit(units: str) -> str:
+    """The printed form of a unit in the results (attribute `units`, CF).
+
+    Examples
+    --------
+    >>> unit("m s-2"), unit("s"), unit("1")
+    ('m/s²', 's', '-')
+    """
+    return _UNITS.get(units, units)
+
+
+def readable(long_name: str) -> str:
+    r"""A long name with its symbols as mathematics, without the remarks that follow a semicolon.
+
+    Examples
+    --------
+    >>> readable("largest rotation over alpha_c; inf where the block overturns, 0 at rest")
+    'largest rotation over $\\alpha_c$'
+    """
+    return _SYMBOL.sub(lambda found: _SYMBOLS[found.group()], long_name.split(";")[0].strip())
+
+
+def label(attrs: Mapping[Any, Any], units: str | None = None, symbol: str = "") -> str:
+    """Text of an axis from the attributes `long_name` and `units`, with the letter of the quantity after its name.
+
+    The argument `units`, if given, replaces the attribute, where that points elsewhere.
+
+    Examples
+    --------
+    >>> label({"long_name": "main impulse I of the calibrated sequence", "units": "m s-1"})
+    'main impulse I of the calibrated sequence [m/s]'
+    """
+    name = f"{readable(str(attrs['long_name']))} {symbol}".rstrip()
+    return f"{name} [{unit(str(attrs['units']) if units is None else units)}]"
+
+
+def plain(name: object) -> str:
+    r"""A name given by the user (record, block, title), escaped so that it cannot start mathematics.
+
+    Examples
+    --------
+    >>> plain("wall $1$")
+    'wall \\$1\\$'
+    """
+    return escaped(str(name)).replace("$", r"\$")
+
+
+def wrapped(words: str, width: int) -> str:
+    r"""Text broken into lines by its drawn length: mathematics counts as long as it is drawn, and is never broken.
+
+    `width` is the longest line in characters; longer words are cut, so that no id leaves the picture. Line breaks in
+    the text stay.
+
+    Examples
+    --------
+    >>> wrapped("a row of $\\alpha_c$ and so on", 13)
+    'a row of $\\alpha_c$\nand so on'
+    """
+    pieces = _MATHEMATICS.findall(words)
+    # Each piece is replaced by as many letters of its own as it shows.
+    for place, piece in enumerate(pieces):
+        shown = re.sub(r"\\[A-Za-z]+", "x", piece[1:-1])
+        words = words.replace(piece, chr(_PRIVATE + place) * max(len(re.sub(r"[{}_^ ]", "", shown)), 1), 1)
+    text = "\n".join(textwrap.fill(line, width, break_on_hyphens=False) for line in words.split("\n"))
+    for place, piece in enumerate(pieces):
+        letter = chr(_PRIVATE + place)
+        text = re.sub(f"{letter}(\n?{letter})*", piece.replace("\\", r"\\"), text)
+    return text
+
+
+def counted(names: Iterable[object], most: int = 3) -> str:
+    """The first few names, and the number of the others.
+
+    Examples
+    --------
+    >>> counted(["a", "b", "c", "d", "e"])
+    'a, b, c and 2 more'
+    """
+    listed = [str(name) for name in names]
+    more = len(listed) - most
+    return ", ".join(listed) if more <= 0 else f"{', '.join(listed[:most])} and {more} more"

@@ -16,12 +16,11 @@ import numpy as np
 from rocking.body.block import Block
 from rocking.body.outline import Outline
 from rockpulse.assessment.answers import Answers, Body
-from rockpulse.assessment.overturning import overturning_curve
+from rockpulse.assessment.spectra import overturning_curve
 from rockpulse.errors import ResultsError
 from rockpulse.model_table import FOLLOWING
-from rockpulse.views.plots.model_histories import histories
-from rockpulse.views.plots.motion import stored_record
-from rockpulse.views.plots.recomputed import recomputed
+from rockpulse.views.plots.ground_motion import stored_record
+from rockpulse.views.plots.model_histories import histories, recomputed
 from rockpulse.views.plots.selection import block_of, plain_bodies
 from rockpulse.views.report.explorer_choice import (
     COLUMNS,

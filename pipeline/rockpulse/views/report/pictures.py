@@ -15,7 +15,7 @@ from rockpulse.assessment.answers import Answers, answers_of, fullest_model
 from rockpulse.errors import ResultsError
 from rockpulse.model_table import DRAWN
 from rockpulse.views.plots.selection import plain_bodies
-from rockpulse.views.plots.words import wrapped
+from rockpulse.views.plots.style import wrapped
 from rockpulse.views.report.drawings import strip
 from rockpulse.views.report.picture_words import in_language
 from rockpulse.views.shared.terminal import figure
@@ -84,8 +84,7 @@ class Pictures:
         """The accelerogram with half-waves and impulses; None for a record that is shown as a strip."""
         if self._stored is None or record not in self._in_full:
             return None
-        from rockpulse.views.plots.ground_motion import accelerogram
-        from rockpulse.views.plots.motion import stored_motion
+        from rockpulse.views.plots.ground_motion import accelerogram, stored_motion
 
         name = str(self._summary["record"].values[record])
         return self._drawn(
@@ -202,7 +201,7 @@ class Pictures:
 
 def _spectra(tree: xr.DataTree, spectra: xr.Dataset) -> Axes:
     """The stored spectra at the C of most bodies; straight between the bodies where only these were marched."""
-    from rockpulse.views.plots.overturning_curves import spectra_of_results
+    from rockpulse.views.plots.spectra import spectra_of_results
 
     ax = spectra_of_results(tree, spectra)
     ax.set_xlabel(say("picture.spectra_x"))

@@ -12,11 +12,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rockpulse.assessment.answers import Answers
-from rockpulse.assessment.design_sequence import NAME
+from rockpulse.assessment.assessment import NAME
 from rockpulse.errors import alike
-from rockpulse.motions.events import UNKNOWN
 from rockpulse.record.measures import PGA
 from rockpulse.record.record import STANDARD_GRAVITY
+from rockpulse.selection.events import UNKNOWN
 from rockpulse.views.shared.facts import Known
 from rockpulse.views.shared.files_used import reasons_of
 from rockpulse.views.shared.table import Cell, Fact, Heading, Table, number

@@ -10,8 +10,7 @@ import numpy as np
 
 from rockpulse.assessment.answers import Answers, Motions
 from rockpulse.assessment.demand import FARTHEST
-from rockpulse.assessment.screens import sliding, worse_screens
-from rockpulse.assessment.verdict import FEWEST_AT_DEMAND, MAY_OVERTURN, BodyVerdict, Grade
+from rockpulse.assessment.verdict import FEWEST_AT_DEMAND, MAY_OVERTURN, BodyVerdict, Grade, sliding, worse_screens
 from rockpulse.earthquakes import CONFIDENCE, FEWEST_EVENTS, probability_interval
 from rockpulse.model_table import is_full, is_upper_bound
 from rockpulse.remark import remarked

@@ -17,8 +17,8 @@ from rockpulse.config.configuration import config_from_text
 from rockpulse.earthquakes import CONFIDENCE
 from rockpulse.errors import ResultsError
 from rockpulse.model_table import is_upper_bound
-from rockpulse.motions.events import UNKNOWN
 from rockpulse.record.record import STANDARD_GRAVITY
+from rockpulse.selection.events import UNKNOWN
 from rockpulse.views.plots.selection import block_of
 from rockpulse.views.report.drawings import Support, drawing
 from rockpulse.views.report.records import record_named

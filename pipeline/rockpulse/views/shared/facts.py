@@ -9,10 +9,9 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 from rocking.body.limits import radius_of_rectangle
-from rockpulse.motions.event_pairs import names_earthquake
-from rockpulse.motions.events import UNKNOWN
 from rockpulse.record.record import STANDARD_GRAVITY
 from rockpulse.record.rotation import rotated_component
+from rockpulse.selection.events import UNKNOWN, names_earthquake
 from rockpulse.views.shared.terminal import ABSENT, figure, general
 from rockpulse.views.shared.words import counted, numerals, say
 

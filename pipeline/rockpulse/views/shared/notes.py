@@ -9,8 +9,7 @@ import numpy as np
 
 from rocking.response import Outcome, Reason
 from rockpulse.assessment.answers import Answers, Motions, searched_up_to
-from rockpulse.assessment.screens import sliding, worse_screens
-from rockpulse.assessment.verdict import BodyVerdict
+from rockpulse.assessment.verdict import BodyVerdict, sliding, worse_screens
 from rockpulse.model_table import MODELS, UPPER_BOUND, is_upper_bound
 from rockpulse.views.shared.columns import (
     NONE_UP_TO,

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rockpulse.motions.events import UNKNOWN
 from rockpulse.record.measures import REFERENCE
+from rockpulse.selection.events import UNKNOWN
 from rockpulse.storage.variables.fragility import STATED, STRENGTH
 from rockpulse.views.shared.files_used import files_used
 from rockpulse.views.shared.table import Cell, Heading, Mark, Table, number, text

@@ -6,8 +6,7 @@ import pytest
 import rockpulse as rp
 from rockpulse.errors import ResultsError
 from rockpulse.record.record import Record
-from rockpulse.views.plots.ground_motion import accelerogram
-from rockpulse.views.plots.motion import motion_of_record, stored_motion
+from rockpulse.views.plots.ground_motion import accelerogram, motion_of_record, stored_motion
 
 
 @pytest.fixture(scope="module")

@@ -13,8 +13,8 @@ from rockpulse.errors import ConfigError, ResultsError
 from rockpulse.storage.hdf5.atomic import ASSESSMENT
 from rockpulse.storage.variables.probability import SPECTRUM, SPECTRUM_AXES
 from rockpulse.views.plots.drawing import DRAWERS
+from rockpulse.views.plots.ground_motion import stored_record
 from rockpulse.views.plots.kinds import KINDS, OPTIONS, draw, kind_list
-from rockpulse.views.plots.motion import stored_record
 from rockpulse.views.plots.picture import svg
 from rockpulse.views.plots.selection import one_name
 

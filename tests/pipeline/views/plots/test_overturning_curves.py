@@ -7,7 +7,7 @@ import pytest
 import xarray as xr
 
 from rockpulse.storage.variables.probability import SPECTRUM, SPECTRUM_AXES
-from rockpulse.views.plots.overturning_curves import overturning_spectra
+from rockpulse.views.plots.spectra import overturning_spectra
 
 P, C = np.array([1.0, 2.0, 4.0]), np.array([0.85, 0.95])
 

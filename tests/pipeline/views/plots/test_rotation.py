@@ -181,7 +181,7 @@ def test_nothing_that_moves_is_drawn_too(changed, assessed, first):
 
 def test_a_factor_on_the_record_is_the_motion_of_the_stronger_record(assessed, first):
     from rockpulse.models import recorded_response
-    from rockpulse.views.plots.motion import stored_record
+    from rockpulse.views.plots.ground_motion import stored_record
     from rockpulse.views.plots.selection import block_of
 
     (found,) = histories(assessed, first, COLUMN, ["nonlinear"], factor=0.7)

@@ -5,8 +5,7 @@ import pytest
 from site_spectra import BLOCKS, base_at, site_of, usual_site
 
 from rocking.body.limits import RATES
-from rockpulse.views.plots.site import calibration
-from rockpulse.views.plots.site_spectrum import site_spectrum
+from rockpulse.views.plots.site import calibration, site_spectrum
 
 
 @pytest.fixture(scope="module")

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from matplotlib.colors import same_color
 
-from rockpulse.assessment.spectrum import rocking_spectrum as computed
+from rockpulse.assessment.spectra import rocking_spectrum as computed
 from rockpulse.record.record import Record
-from rockpulse.views.plots.spectrum_map import rocking_spectrum
+from rockpulse.views.plots.spectra import rocking_spectrum
 
 
 @pytest.fixture(scope="module")

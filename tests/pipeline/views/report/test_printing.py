@@ -52,6 +52,7 @@ def test_a_browser_that_prints_nothing_or_never_ends_is_an_error_in_words(monkey
         printing.printed("<p>")
 
 
+@pytest.mark.sweep
 @pytest.mark.skipif(shutil.which("chromium") is None, reason="no browser: apt-get install chromium")
 def test_only_a_pdf_of_ours_is_replaced(tmp_path):
     target = tmp_path / "report.pdf"

@@ -11,7 +11,7 @@ from results_tree import results_tree
 from rocking.response import Outcome
 from rockpulse.assessment.verdict import Grade
 from rockpulse.errors import ResultsError
-from rockpulse.motions.events import UNKNOWN
+from rockpulse.selection.events import UNKNOWN
 from rockpulse.storage.variables.summary import SUMMARY
 from rockpulse.views.report.verdict import (
     TO,

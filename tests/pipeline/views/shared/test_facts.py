@@ -5,7 +5,7 @@ import math
 import pytest
 from results_tree import RECORDS, results_tree
 
-from rockpulse.motions.events import UNKNOWN
+from rockpulse.selection.events import UNKNOWN
 from rockpulse.views.shared.facts import Known, RecordFacts
 
 KNOWN = {

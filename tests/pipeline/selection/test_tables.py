@@ -5,7 +5,7 @@ import pytest
 from rockpulse.config.configuration import Config
 from rockpulse.config.study_settings import FragilitySettings
 from rockpulse.errors import ConfigError
-from rockpulse.motions.tables import Selection, read_selection_table, selection_of
+from rockpulse.selection.tables import Selection, read_selection_table, selection_of
 
 
 def read(tmp_path, text):

@@ -9,9 +9,9 @@ import pytest
 
 from rockpulse.config.settings import RecordSettings
 from rockpulse.errors import ConfigError, Failure
-from rockpulse.motions.votes import one_vote_each, unmatched_patterns
 from rockpulse.record.record import Record
 from rockpulse.remark import Remark
+from rockpulse.selection.votes import one_vote_each, unmatched_patterns
 
 START = datetime(2016, 11, 13, 11, 2, 20, tzinfo=UTC)
 NAN = float("nan")

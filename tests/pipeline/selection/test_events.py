@@ -9,16 +9,18 @@ import pytest
 
 from rockpulse.config.configuration import Config, load_config
 from rockpulse.errors import ConfigError, Failure
-from rockpulse.motions.event_pairs import _agree, _of_one_name, _that_may_agree
-from rockpulse.motions.events import (
+from rockpulse.readers.folders import read_all
+from rockpulse.record.record import Record
+from rockpulse.selection.events import (
     JOINED_WITHIN_S,
     UNKNOWN,
+    _agree,
+    _of_one_name,
+    _that_may_agree,
     event_table,
     events_by_id,
     group_events,
 )
-from rockpulse.readers.folders import read_all
-from rockpulse.record.record import Record
 
 NOON = datetime(2016, 10, 30, 6, 40, tzinfo=UTC)
 

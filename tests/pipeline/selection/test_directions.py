@@ -27,10 +27,10 @@ from rockpulse import (
 )
 from rockpulse.assessment.assessment import assess
 from rockpulse.models import Outcome
-from rockpulse.motions.directions import conditioned_motions, plan_motions, planned_ids, sweep_azimuths
 from rockpulse.record.conditioning import condition
 from rockpulse.record.half_wave import half_waves
 from rockpulse.remark import code_of
+from rockpulse.selection.directions import conditioned_motions, plan_motions, planned_ids, sweep_azimuths
 from rockpulse.views.shared.files_used import failure_rows, files_used
 from rockpulse.views.text.margins import direction_table
 
