@@ -134,8 +134,8 @@ def test_the_remarks_of_the_readers_are_marked():
     wave = 0.3 * np.round(1000.0 * np.sin(0.2 * np.arange(100))) / 1000.0
     for samples, header, expected in (
         (wave, {}, ""),
-        (wave, {"header_peak": 0.4 * 9.80665}, ""),
-        (wave, {"header_peak": 0.5 * 9.80665}, " (peak?)"),
+        (wave, {"header_peak": (0.4 * 9.80665, 0.0)}, ""),
+        (wave, {"header_peak": (0.5 * 9.80665, 0.0)}, " (peak?)"),
         (np.minimum(wave, 0.21), {}, " (clipped?)"),
         (1000.0 * wave, {}, " (peak?)"),
         (1e-7 * wave, {}, " (peak?)"),
