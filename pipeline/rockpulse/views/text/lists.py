@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rocking.response import Outcome
-from rockpulse.assessment.answers import Answers, bodies_of, fullest_model
+from rockpulse.assessment.answers import Answers, Of, bodies_of, fullest_model
 from rockpulse.record.measures import PGA, STORED
 from rockpulse.storage.export.selection import Selection, rows
 from rockpulse.storage.hdf5.netcdf4 import flag_words, pointwise
@@ -125,7 +125,7 @@ def record_list(summary: xr.Dataset, selection: Selection) -> str:
     answers, selection = _selected(summary, selection)
     summary = answers.summary
     names = [name for name in RECORD if name not in STATED or (name in summary and summary[name].notnull().any())]
-    return _of_motions(answers, selection, "record", names, "blocks", ID_WIDTH)
+    return _of_motions(answers, selection, "record", names)
 
 
 def block_list(summary: xr.Dataset, selection: Selection) -> str:
@@ -134,14 +134,15 @@ def block_list(summary: xr.Dataset, selection: Selection) -> str:
     A condition on an answer has to hold for one of the records. Raises ResultsError for a name or variable that is not
     there.
     """
-    return _of_motions(*_selected(summary, selection), "block", BLOCK, "records", NAME_WIDTH)
+    return _of_motions(*_selected(summary, selection), "block", BLOCK)
 
 
-def _of_motions(answers: Answers, selection: Selection, dim: str, names: Sequence[str], others: str, width: int) -> str:
+def _of_motions(answers: Answers, selection: Selection, dim: str, names: Sequence[str]) -> str:
     """A list of the records or blocks: columns of their own, how many of the others overturn, the smallest factor."""
     summary, of_records = answers.summary, dim == "record"
     places, found = rows(summary, [dim], selection)
-    at, of = places[dim].tolist(), "motion" if of_records else "block"
+    at = places[dim].tolist()
+    of: Of = "motion" if of_records else "block"
     fallen, margins = answers.overturnings(of), answers.margins(of)
     opposite = answers.blocks if of_records else answers.records
     own = [[body.restitution for body in answers.bodies if body.place == place] for place in range(len(answers.blocks))]
