@@ -255,7 +255,9 @@ COLUMNS = {
         Column("source", ("source",), lambda word: Cell(word.replace("_", " "))),
         Column("safety_factor", _SEARCHED, _searched),
         Column(
-            "safety_intervals", (*_SEARCHED, "interval_count"), lambda *one: factor_cell(*one[:2], one[2] == 0, one[3])
+            "safety_intervals",
+            (*_SEARCHED, "interval_count"),
+            lambda factor, limit, resolved, count: factor_cell(factor, limit, resolved == 0, count),
         ),
         Column(
             "capacity_pga",

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rocking.response import Outcome
-from rockpulse.assessment.answers import Answers, bodies_of, fullest_model
+from rockpulse.assessment.answers import Answers, Of, bodies_of, fullest_model
 from rockpulse.record.measures import PGA, STORED
 from rockpulse.storage.export.selection import Selection, rows
 from rockpulse.storage.hdf5.netcdf4 import flag_words, pointwise
@@ -141,7 +141,8 @@ def _of_motions(answers: Answers, selection: Selection, dim: str, names: Sequenc
     """A list of the records or blocks: columns of their own, how many of the others overturn, the smallest factor."""
     summary, of_records = answers.summary, dim == "record"
     places, found = rows(summary, [dim], selection)
-    at, of = places[dim].tolist(), "motion" if of_records else "block"
+    at = places[dim].tolist()
+    of: Of = "motion" if of_records else "block"
     fallen, margins = answers.overturnings(of), answers.margins(of)
     opposite = answers.blocks if of_records else answers.records
     own = [[body.restitution for body in answers.bodies if body.place == place] for place in range(len(answers.blocks))]
