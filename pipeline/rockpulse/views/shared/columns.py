@@ -196,10 +196,6 @@ def _searched(factor: float, limit: float, resolved: int) -> Cell:
     return factor_cell(factor, limit, resolved == 0)
 
 
-def _intervals(factor: float, limit: float, resolved: int, count: int) -> Cell:
-    return factor_cell(factor, limit, resolved == 0, count)
-
-
 def _probability(value: float, low: float, high: float) -> Cell:
     return Cell(ratio(value) if math.isnan(low) else f"{ratio(value)} ({between(low, high, ratio)})", value)
 
@@ -258,7 +254,11 @@ COLUMNS = {
         Column("capacity_mean", ("capacity_mean", "capacity_mean_low"), factor_cell),
         Column("source", ("source",), lambda word: Cell(word.replace("_", " "))),
         Column("safety_factor", _SEARCHED, _searched),
-        Column("safety_intervals", (*_SEARCHED, "interval_count"), _intervals),
+        Column(
+            "safety_intervals",
+            (*_SEARCHED, "interval_count"),
+            lambda factor, limit, resolved, count: factor_cell(factor, limit, resolved == 0, count),
+        ),
         Column(
             "capacity_pga",
             ("capacity_pga", "safe_up_to", PGA),
