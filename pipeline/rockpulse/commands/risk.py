@@ -11,14 +11,13 @@ from rockpulse.commands.arguments import QUIET
 from rockpulse.commands.parser import Verb
 from rockpulse.commands.terminal import tell
 from rockpulse.errors import ConfigError
-from rockpulse.studies.risk.frequency import standing_test
 
 
 def _run(args: argparse.Namespace) -> int:
     from rockpulse.commands.output_files import check_file, csv_bytes, write_files
     from rockpulse.config.configuration import config_from_text, load_config
     from rockpulse.storage.hdf5.results_file import load
-    from rockpulse.studies.risk.frequency import annual_frequency
+    from rockpulse.studies.risk.frequency import annual_frequency, standing_test
     from rockpulse.studies.risk.hazard_files import hazard_of, site_hazards_of
     from rockpulse.studies.risk.inventory import inventory_frequency, read_inventory
     from rockpulse.views.text import risk as text
