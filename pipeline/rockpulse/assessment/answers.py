@@ -80,10 +80,7 @@ class Motions:
         return np.asarray(self.over(so, missing).any(axis=1))
 
     def mean(self, values: np.ndarray) -> np.ndarray:
-        """Mean over the earthquakes, which weigh alike, of the mean over the motions of each: (...) of (motions, ...).
-
-        Motions that are NaN are left out; without any other it is NaN.
-        """
+        """Mean over the earthquakes, which weigh alike, of the mean over the motions of each that are not NaN."""
         own = members(np.array(self.events, dtype=str)).astype(float)
         known = ~np.isnan(values)
         counts, sums = (np.tensordot(own, table, 1) for table in (known, np.where(known, values, 0.0)))
@@ -207,11 +204,11 @@ class Answers:
 
     def to_demand(self, demand: str) -> np.ndarray:
         """(records, bodies) factor on each record that brings it to a demand."""
-        return np.asarray(self["demand_factor"][..., [*self.demands].index(demand)])
+        return self._of_demand("demand_factor", demand)
 
     def at_demand(self, demand: str) -> np.ndarray:
         """(records, bodies) probability of overturning under each record brought to a demand; NaN where not known."""
-        return np.asarray(self["demand_probability"][..., [*self.demands].index(demand)])
+        return self._of_demand("demand_probability", demand)
 
     @cached_property
     def source(self) -> np.ndarray:
@@ -263,16 +260,18 @@ class Answers:
         """(records, bodies) up to which factor, or up to how much of a demand, the search found no overturning."""
         factor = self[self.factor]
         reached = np.where(np.isinf(factor), self["factor_10_low"], factor) if self.probable else self["safe_up_to"]
-        return self._over(reached, demand)
+        return reached if demand is None else reached / self.to_demand(demand)
 
     def ratios(self, demand: str | None = None) -> np.ndarray:
         """(records, bodies) factors, or capacities over a demand: over the factor that brings the record to it."""
-        if self.probable or demand is None:
-            return self._over(self[self.factor], demand)
-        return np.asarray(self["capacity_ratio"][..., [*self.demands].index(demand)])
+        if demand is None:
+            return self[self.factor]
+        if self.probable:
+            return np.asarray(self[self.factor] / self.to_demand(demand))
+        return self._of_demand("capacity_ratio", demand)
 
-    def _over(self, factor: np.ndarray, demand: str | None) -> np.ndarray:
-        return factor if demand is None else factor / self.to_demand(demand)
+    def _of_demand(self, name: str, demand: str) -> np.ndarray:
+        return np.asarray(self[name][..., [*self.demands].index(demand)])
 
     @property
     def least_over_direction(self) -> tuple[np.ndarray, np.ndarray]:
@@ -311,9 +310,8 @@ class Answers:
 def answers_of(tree: xr.DataTree) -> Answers:
     """The answers of the fullest model under the motions of a tree of results."""
     summary = tree["summary"].to_dataset()
-    return (
-        swept_answers(summary, tree["directions"].to_dataset()) if "directions" in tree.children else Answers(summary)
-    )
+    swept = "directions" in tree.children
+    return swept_answers(summary, tree["directions"].to_dataset()) if swept else Answers(summary)
 
 
 def swept_answers(summary: xr.Dataset, directions: xr.Dataset) -> Answers:
@@ -362,13 +360,7 @@ def fullest_model(summary: xr.Dataset) -> str:
 
 
 def searched_up_to(factor: np.ndarray, proven: np.ndarray) -> float:
-    """The smallest of how far was searched where no overturning was found; NaN where one was found everywhere.
-
-    Examples
-    --------
-    >>> searched_up_to(np.array([1.3, math.inf]), np.array([1.3, 10.0]))
-    10.0
-    """
+    """The smallest of how far was searched where no overturning was found; NaN where one was found everywhere."""
     none = np.isinf(factor)
     return float(np.min(proven[none])) if none.any() else math.nan
 
@@ -390,8 +382,7 @@ def _margins(least: np.ndarray, most: np.ndarray, reached: np.ndarray, partial: 
     columns = (
         smallest,
         median,
-        at_most > smallest,
-        median_at_most > median,
+        np.stack([at_most > smallest, median_at_most > median], axis=-1),
         (partial & (shown == smallest)).any(axis=0),
         limit,
         np.where(np.isnan(smallest), -1, place),
@@ -399,10 +390,8 @@ def _margins(least: np.ndarray, most: np.ndarray, reached: np.ndarray, partial: 
         (known & partial).sum(axis=0),
         weak.sum(axis=0),
     )
-    return [
-        Margin(low, middle, (low_bound, middle_bound), *others)
-        for low, middle, low_bound, middle_bound, *others in zip(*(one.tolist() for one in columns), strict=True)
-    ]
+    rows = zip(*(one.tolist() for one in columns), strict=True)
+    return [Margin(low, middle, (below, above), *others) for low, middle, (below, above), *others in rows]
 
 
 def _median(values: np.ndarray) -> np.ndarray:

@@ -123,8 +123,8 @@ class BodyVerdict:
 def standings(answers: Answers) -> np.ndarray:
     """The :class:`Standing` of every body under every record, (records, bodies).
 
-    Overturning is overturning; a safety factor below 1 at which the model answers is overturning by a weaker record.
-    Unresolved, outside the range of the model, or a factor below 1 at which the model cannot answer: not known.
+    A safety factor below 1 at which the model answers is overturning by a weaker record. Unresolved, outside the range
+    of the model, or a factor below 1 at which the model cannot answer: not known.
     """
     factor = answers["safety_factor"]
     found = np.full(factor.shape, Standing.STANDS, dtype=np.int8)
@@ -149,31 +149,26 @@ def why_unknown(answers: Answers) -> np.ndarray:
 def verdicts(answers: Answers) -> list[BodyVerdict]:
     """The verdict on every body over the motions of the answers."""
     motions, single = answers.motions, standings(answers)
-    at_rest = ~motions.anywhere(answers["outcome"] != Outcome.AT_REST, missing=True)
-    lifted = (
-        ~(answers["uplift_probability"] < NEVER_LIFTED) if answers.probable else answers["outcome"] != Outcome.AT_REST
-    )
+    moved = answers["outcome"] != Outcome.AT_REST
+    lifted = ~(answers["uplift_probability"] < NEVER_LIFTED) if answers.probable else moved
     lifted = motions.anywhere(lifted, missing=True)
     stays = np.full(len(answers.bodies), bool(motions.names)) & ~lifted.any(axis=0)
     of_demands = [_demand_verdicts(answers, demand) for demand in answers.demands]
-    fallen, resting = answers.overturnings(), at_rest.sum(axis=0).tolist()
-    found = []
-    for lane, (body, margin, share) in enumerate(
-        zip(answers.bodies, answers.margins(), motions.shares(chances(answers)), strict=True)
-    ):
-        found.append(
-            BodyVerdict(
-                body=body,
-                grade=Grade.STAYS if stays[lane] else _grade(share, is_upper_bound(answers.model)),
-                share=share,
-                overturned=fallen[lane],
-                at_rest=resting[lane],
-                margin=margin,
-                governing=_governing(answers[answers.factor][:, lane], single[:, lane]),
-                demands=tuple(every[lane] for every in of_demands),
-            )
+    fallen, resting = answers.overturnings(), (~motions.anywhere(moved, missing=True)).sum(axis=0).tolist()
+    shares = motions.shares(chances(answers))
+    return [
+        BodyVerdict(
+            body=body,
+            grade=Grade.STAYS if stays[lane] else _grade(shares[lane], is_upper_bound(answers.model)),
+            share=shares[lane],
+            overturned=fallen[lane],
+            at_rest=resting[lane],
+            margin=margin,
+            governing=_governing(answers[answers.factor][:, lane], single[:, lane]),
+            demands=tuple(every[lane] for every in of_demands),
         )
-    return found
+        for lane, (body, margin) in enumerate(zip(answers.bodies, answers.margins(), strict=True))
+    ]
 
 
 def _grade(share: Share, bound: bool) -> Grade:
