@@ -157,9 +157,7 @@ def planned_ids(planned: PlannedMotion, config: Config) -> list[str]:
 
 def swept_directions(planned: Iterable[PlannedMotion], config: Config) -> dict[str, list[str]] | None:
     """Name of each pair of a sweep over direction, and the ids of its motions; None where there is no sweep."""
-    if config.records.components != "sweep":
-        return None
-    return {one.name: planned_ids(one, config) for one in planned}
+    return {one.name: planned_ids(one, config) for one in planned} if config.records.components == "sweep" else None
 
 
 def _facing(record: Record, azimuth: float | None) -> PlannedMotion | None:

@@ -72,11 +72,7 @@ def pairs_of_one_event(records: Sequence[Record], free: Sequence[int]) -> Iterat
             if _may_be_one(records[one], records[other]):
                 yield one, other
     for members in _grouped(free, lambda index: name_of(records[index].event) or None):
-        groups = _by_day(records, members)
-        yield from chain.from_iterable(map(pairwise, groups))
-        for one, other in _that_may_agree(records, _ends(groups)):
-            if _agree(records[one], records[other]):
-                yield one, other
+        yield from _of_one_name(records, members)
 
 
 def _grouped(members: Iterable[int], key: Callable[[int], Hashable]) -> list[list[int]]:
@@ -103,6 +99,15 @@ def _near(
             if agree(records[other], records[index]):
                 yield other, index
         last[records[index].origin_time, repr(records[index].magnitude)] = (moment, index)
+
+
+def _of_one_name(records: Sequence[Record], members: Iterable[int]) -> Iterator[tuple[int, int]]:
+    """Pairs of records of one name that agree, enough of them to connect each group."""
+    groups = _by_day(records, members)
+    yield from chain.from_iterable(map(pairwise, groups))
+    for one, other in _that_may_agree(records, _ends(groups)):
+        if _agree(records[one], records[other]):
+            yield one, other
 
 
 def _ends(groups: Iterable[Sequence[int]]) -> list[int]:
@@ -289,12 +294,14 @@ def events_by_id(
     ids = [record.id for record in records]
     unknown = sorted(set(named) - set(ids)) if unread(failures) else []
     labels = group_events(records, {name: label for name, label in named.items() if name not in unknown})
+    found = dict(zip(ids, labels, strict=True))
+    if not unknown:
+        return found, []
     reason = (
         f"[records] events names records that were not read: {some(unknown, 5)}; the records read are such as "
         f"{some(ids, 3)}: if these are no records of the files that failed, correct the names"
     )
-    rows = [Failure("[records] events", "events", reason, "failed")] if unknown else []
-    return dict(zip(ids, labels, strict=True)), rows
+    return found, [Failure("[records] events", "events", reason, "failed")]
 
 
 def _distinct(groups: Mapping[int, Sequence[Record]]) -> dict[int, str]:

@@ -11,8 +11,9 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 import rockpulse as rp
 from rocking.body.limits import RATES
-from rockpulse.assessment.assessment import assess, assess_scene
+from rockpulse.assessment.assessment import assess
 from rockpulse.assessment.probability import record_probability
+from rockpulse.assessment.record_assessment import assess_scene
 from rockpulse.assessment.scene import prepare
 from rockpulse.assessment.spectra import spectrum_values
 from rockpulse.config.bodies import gather_bodies
