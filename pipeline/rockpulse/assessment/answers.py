@@ -30,33 +30,26 @@ class Share(NamedTuple):
     """The probability that a motion overturns a body, over earthquakes that weigh alike, with its interval of 90 % [-].
 
     Where results hold no probability it is the share of earthquakes whose motions overturn the body, as they are or
-    weaker. ``least`` and ``most`` are what it is if the motions that are not known never overturn the body, or always;
-    ``low`` and ``high`` the ends of the interval for other earthquakes like these, ``unknown`` the motions that are not
-    known.
+    weaker.
     """
 
     value: float
-    low: float
+    low: float  # ends of the interval, for other earthquakes like these
     high: float
-    least: float
+    least: float  # what it is if the motions that are not known never overturn the body, or always
     most: float
-    unknown: int
+    unknown: int  # motions that are not known
 
 
 @dataclass(frozen=True, eq=False)
 class Motions:
-    """The ground motions of the results: ids of records or names of pairs, and the rows of /summary of each.
+    """The ground motions of the results, and their probabilities over the earthquakes."""
 
-    ``index`` is (motions, directions), -1 where a direction was not assessed; ``events`` are the earthquakes of the
-    motions; ``kind`` is "record", "pair" or "sequence". ``any_azimuth`` says that the direction of the bodies is not
-    known: the probability of a pair is then the mean over its directions, not that of the worst.
-    """
-
-    names: list[str]
-    index: np.ndarray
-    events: list[str]
-    kind: str
-    any_azimuth: bool = False
+    names: list[str]  # ids of records or names of pairs
+    index: np.ndarray  # (motions, directions) rows of /summary, -1 where a direction was not assessed
+    events: list[str]  # earthquakes of the motions
+    kind: str  # "record", "pair" or "sequence"
+    any_azimuth: bool = False  # whether bodies face anywhere: a pair then counts by its mean, not its worst direction
 
     @property
     def event_count(self) -> int:
@@ -143,22 +136,18 @@ class Margin(NamedTuple):
     """The smallest and the median of some factors or capacities over demand [-]: inf: none found, NaN: not known.
 
     The smallest is over what is known of the motions, the median over the motions of which all directions are known.
-    Motions that are too weak for the search to reach 1 are left out, unless all are. ``bounds`` says whether the
-    smallest and the median may be larger, for the model cannot answer there; ``open`` whether the smallest may be
-    smaller, for a direction of that motion has no answer; ``limit`` how far was searched where none was found, NaN
-    where something was found everywhere. ``place`` is that of the motion of the smallest, -1 without one. The last
-    three count the motions that are not known at all, of which a direction is not known, and that are too weak.
+    Motions that are too weak for the search to reach 1 are left out, unless all are.
     """
 
     smallest: float
     median: float
-    bounds: tuple[bool, bool]
-    open: bool
-    limit: float
-    place: int
-    unknown: int
-    partial: int
-    weak: int
+    bounds: tuple[bool, bool]  # whether each may be larger, for the model cannot answer there
+    open: bool  # whether the smallest may be smaller, for a direction of that motion has no answer
+    limit: float  # how far was searched where none was found; NaN where something was found everywhere
+    place: int  # of the motion of the smallest, -1 without one
+    unknown: int  # motions that are not known at all,
+    partial: int  # of which a direction is not known,
+    weak: int  # and that are too weak
 
 
 class Answers:
@@ -339,8 +328,7 @@ def lanes(dataset: xr.Dataset, name: str, bodies: list[Body], model: str) -> np.
     if "block" not in dims:
         return values
     places, cases = ([getattr(body, which) for body in bodies] for which in ("place", "case"))
-    found: np.ndarray = values[:, places, cases] if "case" in dims else values[:, places]
-    return found
+    return np.asarray(values[:, places, cases] if "case" in dims else values[:, places])
 
 
 def bodies_of(summary: xr.Dataset) -> list[Body]:

@@ -143,9 +143,7 @@ def assess_scene(
 ) -> RecordAssessment:
     """Assess all bodies under one record that was made ready; a ValueError says that a model refuses its numbers.
 
-    `channels` are the conditioned ones whose strengths are brought to the demands, as for :func:`record_probability`.
-    Bodies on a floor are assessed under its motion, those with a direction of their own in that of the `pair` that the
-    record was rotated from.
+    `channels` are as for :func:`record_probability`, `pair` those that the record was rotated from.
     """
     places = places_of(bodies, scene.record, pair, config)
     if len(places) == 1 and places[0][0] == RECORD_ITSELF:

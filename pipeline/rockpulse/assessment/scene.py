@@ -103,10 +103,9 @@ QUIET = 1e-4
 
 
 def places_of(bodies: Bodies, record: Record, pair: Pair | None, config: Config) -> list[tuple[Place, np.ndarray]]:
-    """The different motions that bodies feel under a record, each with the numbers of its bodies.
+    """The different motions that bodies feel under a record, rotated from a pair, each with the numbers of its bodies.
 
-    `pair` are the channels that the record was rotated from; with `components = "horizontal"` nothing is rotated. A
-    RecordRefused where a body asks for a direction that a channel without a partner does not face.
+    A RecordRefused where a body asks for a direction that a channel without a partner does not face.
     """
     if config.records.components == "horizontal":
         return bodies.places(None)
@@ -152,10 +151,7 @@ def floor_record(record: Record, floors: Sequence[FloorSettings]) -> Record:
 def joined_responses(
     parts: Sequence[Response], lanes: Sequence[np.ndarray], samples: int, steps: Sequence[int]
 ) -> Response:
-    """Responses of some lanes each, at their places, as one; histories at the (n,) samples of the ground.
-
-    `steps` are the samples of the motion of each part in one interval of the ground's; it may last longer.
-    """
+    """Responses of some lanes each, at their places, as one; a part has `steps` samples for each of the ground."""
     whole = []
     for part, step in zip(parts, steps, strict=True):
         motion = (None if one is None else one[:, ::step][:, :samples] for one in (part.rotation, part.velocity))
@@ -169,13 +165,10 @@ SAME_DIRECTION = 30.0
 
 @dataclass(frozen=True, eq=False)
 class Senses:
-    """Lanes (m,) of bodies, each in the sense of the record, with a second lane where that is not known.
+    """Lanes (m,) of bodies, each in the sense of the record, with a second lane where that is not known."""
 
-    ``block`` holds the m lanes and, after them, the other sense of those at the places ``both``.
-    """
-
-    block: Block
-    both: np.ndarray
+    block: Block  # the m lanes and, after them, the other sense of
+    both: np.ndarray  # those at these places
 
     @property
     def count(self) -> int:
@@ -208,10 +201,7 @@ class Senses:
 
 
 def acting(azimuth: float, facing: float) -> tuple[int, ...]:
-    """The senses in which a record may act on a body before a wall, by both azimuths [degrees]; NaN if not known.
-
-    1 where it acts towards the fall, -1 against it, both where that is not known.
-    """
+    """1 where a record acts towards the fall of a body, -1 against it, both where an azimuth [degrees] is NaN."""
     along, least = math.cos(math.radians(azimuth - facing)), math.cos(math.radians(SAME_DIRECTION))
     return (1,) if along >= least else (-1,) if along <= -least else (1, -1)
 
