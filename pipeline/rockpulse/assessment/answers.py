@@ -30,33 +30,26 @@ class Share(NamedTuple):
     """The probability that a motion overturns a body, over earthquakes that weigh alike, with its interval of 90 % [-].
 
     Where results hold no probability it is the share of earthquakes whose motions overturn the body, as they are or
-    weaker. ``least`` and ``most`` are what it is if the motions that are not known never overturn the body, or always;
-    ``low`` and ``high`` the ends of the interval for other earthquakes like these, ``unknown`` the motions that are not
-    known.
+    weaker.
     """
 
     value: float
-    low: float
+    low: float  # ends of the interval, for other earthquakes like these
     high: float
-    least: float
+    least: float  # what it is if the motions that are not known never overturn the body, or always
     most: float
-    unknown: int
+    unknown: int  # motions that are not known
 
 
 @dataclass(frozen=True, eq=False)
 class Motions:
-    """The ground motions of the results: ids of records or names of pairs, and the rows of /summary of each.
+    """The ground motions of the results, and their probabilities over the earthquakes."""
 
-    ``index`` is (motions, directions), -1 where a direction was not assessed; ``events`` are the earthquakes of the
-    motions; ``kind`` is "record", "pair" or "sequence". ``any_azimuth`` says that the direction of the bodies is not
-    known: the probability of a pair is then the mean over its directions, not that of the worst.
-    """
-
-    names: list[str]
-    index: np.ndarray
-    events: list[str]
-    kind: str
-    any_azimuth: bool = False
+    names: list[str]  # ids of records or names of pairs
+    index: np.ndarray  # (motions, directions) rows of /summary, -1 where a direction was not assessed
+    events: list[str]  # earthquakes of the motions
+    kind: str  # "record", "pair" or "sequence"
+    any_azimuth: bool = False  # whether bodies face anywhere: a pair then counts by its mean, not its worst direction
 
     @property
     def event_count(self) -> int:
@@ -80,10 +73,7 @@ class Motions:
         return np.asarray(self.over(so, missing).any(axis=1))
 
     def mean(self, values: np.ndarray) -> np.ndarray:
-        """Mean over the earthquakes, which weigh alike, of the mean over the motions of each: (...) of (motions, ...).
-
-        Motions that are NaN are left out; without any other it is NaN.
-        """
+        """Mean over the earthquakes, which weigh alike, of the mean over the motions of each that are not NaN."""
         own = members(np.array(self.events, dtype=str)).astype(float)
         known = ~np.isnan(values)
         counts, sums = (np.tensordot(own, table, 1) for table in (known, np.where(known, values, 0.0)))
@@ -146,22 +136,18 @@ class Margin(NamedTuple):
     """The smallest and the median of some factors or capacities over demand [-]: inf: none found, NaN: not known.
 
     The smallest is over what is known of the motions, the median over the motions of which all directions are known.
-    Motions that are too weak for the search to reach 1 are left out, unless all are. ``bounds`` says whether the
-    smallest and the median may be larger, for the model cannot answer there; ``open`` whether the smallest may be
-    smaller, for a direction of that motion has no answer; ``limit`` how far was searched where none was found, NaN
-    where something was found everywhere. ``place`` is that of the motion of the smallest, -1 without one. The last
-    three count the motions that are not known at all, of which a direction is not known, and that are too weak.
+    Motions that are too weak for the search to reach 1 are left out, unless all are.
     """
 
     smallest: float
     median: float
-    bounds: tuple[bool, bool]
-    open: bool
-    limit: float
-    place: int
-    unknown: int
-    partial: int
-    weak: int
+    bounds: tuple[bool, bool]  # whether each may be larger, for the model cannot answer there
+    open: bool  # whether the smallest may be smaller, for a direction of that motion has no answer
+    limit: float  # how far was searched where none was found; NaN where something was found everywhere
+    place: int  # of the motion of the smallest, -1 without one
+    unknown: int  # motions that are not known at all,
+    partial: int  # of which a direction is not known,
+    weak: int  # and that are too weak
 
 
 class Answers:
@@ -207,11 +193,11 @@ class Answers:
 
     def to_demand(self, demand: str) -> np.ndarray:
         """(records, bodies) factor on each record that brings it to a demand."""
-        return np.asarray(self["demand_factor"][..., [*self.demands].index(demand)])
+        return self._of_demand("demand_factor", demand)
 
     def at_demand(self, demand: str) -> np.ndarray:
         """(records, bodies) probability of overturning under each record brought to a demand; NaN where not known."""
-        return np.asarray(self["demand_probability"][..., [*self.demands].index(demand)])
+        return self._of_demand("demand_probability", demand)
 
     @cached_property
     def source(self) -> np.ndarray:
@@ -263,16 +249,18 @@ class Answers:
         """(records, bodies) up to which factor, or up to how much of a demand, the search found no overturning."""
         factor = self[self.factor]
         reached = np.where(np.isinf(factor), self["factor_10_low"], factor) if self.probable else self["safe_up_to"]
-        return self._over(reached, demand)
+        return reached if demand is None else reached / self.to_demand(demand)
 
     def ratios(self, demand: str | None = None) -> np.ndarray:
         """(records, bodies) factors, or capacities over a demand: over the factor that brings the record to it."""
-        if self.probable or demand is None:
-            return self._over(self[self.factor], demand)
-        return np.asarray(self["capacity_ratio"][..., [*self.demands].index(demand)])
+        if demand is None:
+            return self[self.factor]
+        if self.probable:
+            return np.asarray(self[self.factor] / self.to_demand(demand))
+        return self._of_demand("capacity_ratio", demand)
 
-    def _over(self, factor: np.ndarray, demand: str | None) -> np.ndarray:
-        return factor if demand is None else factor / self.to_demand(demand)
+    def _of_demand(self, name: str, demand: str) -> np.ndarray:
+        return np.asarray(self[name][..., [*self.demands].index(demand)])
 
     @property
     def least_over_direction(self) -> tuple[np.ndarray, np.ndarray]:
@@ -311,9 +299,8 @@ class Answers:
 def answers_of(tree: xr.DataTree) -> Answers:
     """The answers of the fullest model under the motions of a tree of results."""
     summary = tree["summary"].to_dataset()
-    return (
-        swept_answers(summary, tree["directions"].to_dataset()) if "directions" in tree.children else Answers(summary)
-    )
+    swept = "directions" in tree.children
+    return swept_answers(summary, tree["directions"].to_dataset()) if swept else Answers(summary)
 
 
 def swept_answers(summary: xr.Dataset, directions: xr.Dataset) -> Answers:
@@ -341,8 +328,7 @@ def lanes(dataset: xr.Dataset, name: str, bodies: list[Body], model: str) -> np.
     if "block" not in dims:
         return values
     places, cases = ([getattr(body, which) for body in bodies] for which in ("place", "case"))
-    found: np.ndarray = values[:, places, cases] if "case" in dims else values[:, places]
-    return found
+    return np.asarray(values[:, places, cases] if "case" in dims else values[:, places])
 
 
 def bodies_of(summary: xr.Dataset) -> list[Body]:
@@ -362,13 +348,7 @@ def fullest_model(summary: xr.Dataset) -> str:
 
 
 def searched_up_to(factor: np.ndarray, proven: np.ndarray) -> float:
-    """The smallest of how far was searched where no overturning was found; NaN where one was found everywhere.
-
-    Examples
-    --------
-    >>> searched_up_to(np.array([1.3, math.inf]), np.array([1.3, 10.0]))
-    10.0
-    """
+    """The smallest of how far was searched where no overturning was found; NaN where one was found everywhere."""
     none = np.isinf(factor)
     return float(np.min(proven[none])) if none.any() else math.nan
 
@@ -390,8 +370,7 @@ def _margins(least: np.ndarray, most: np.ndarray, reached: np.ndarray, partial: 
     columns = (
         smallest,
         median,
-        at_most > smallest,
-        median_at_most > median,
+        np.stack([at_most > smallest, median_at_most > median], axis=-1),
         (partial & (shown == smallest)).any(axis=0),
         limit,
         np.where(np.isnan(smallest), -1, place),
@@ -399,10 +378,8 @@ def _margins(least: np.ndarray, most: np.ndarray, reached: np.ndarray, partial: 
         (known & partial).sum(axis=0),
         weak.sum(axis=0),
     )
-    return [
-        Margin(low, middle, (low_bound, middle_bound), *others)
-        for low, middle, low_bound, middle_bound, *others in zip(*(one.tolist() for one in columns), strict=True)
-    ]
+    rows = zip(*(one.tolist() for one in columns), strict=True)
+    return [Margin(low, middle, (below, above), *others) for low, middle, (below, above), *others in rows]
 
 
 def _median(values: np.ndarray) -> np.ndarray:

@@ -36,11 +36,10 @@ from rockpulse.sequences.estimators import calibrate
 
 
 def prepare(record: Record, config: Config, vertical: Record | None = None) -> Scene:
-    """Condition a record as it was read, extract its half-waves and calibrate its sequence.
+    """A record as it was read, and its vertical channel, conditioned, with its half-waves and its sequence.
 
-    The vertical channel that belongs to it, as read too, is conditioned in the same way. A RockpulseError where the
-    record cannot be conditioned or has no intense phase. Too few half-waves for a sequence are not an error: the
-    record carries a warning then.
+    A RockpulseError where the record cannot be conditioned or has no intense phase. Too few half-waves for a sequence
+    are not an error: the record carries a warning then.
     """
     up = None if vertical is None else condition(vertical, **config.conditioning)
     return extract(condition(record, **config.conditioning), config, up)
@@ -51,9 +50,8 @@ def extract(conditioned: Record, config: Config, up: Record | None = None) -> Sc
     lift = None
     if up is not None:
         lift = align(up, conditioned)
-        conditioned = conditioned.with_note(Remark("vertical_acceleration", record=up.id))
-        for warning in up.warnings:
-            conditioned = conditioned.with_warning(Remark("of_vertical", remark=warning))
+        warnings = (*conditioned.warnings, *(Remark("of_vertical", remark=warning) for warning in up.warnings))
+        conditioned = replace(conditioned, warnings=warnings).with_note(Remark("vertical_acceleration", record=up.id))
         if (missing := uncovered(up, conditioned)) > up.dt:
             conditioned = conditioned.with_warning(Remark("vertical_short", missing=missing))
     waves = half_waves(conditioned, **config.half_waves)
@@ -70,13 +68,12 @@ def extract(conditioned: Record, config: Config, up: Record | None = None) -> Sc
 def solver_options(config: Config) -> dict[str, Any]:
     """The options of a scene that the configuration has for all models."""
     models, search = config.models, config.search
-    return {name: getattr(models, name) for name in ("gain", "histories")} | {
-        name: getattr(search, name) for name in ("factor_max", "points", "step")
-    }
+    own = {"gain": models.gain, "histories": models.histories}
+    return own | {"factor_max": search.factor_max, "points": search.points, "step": search.step}
 
 
 def matched(scene: Scene, config: Config) -> Scene:
-    """The scene with the sequence that its record is assessed by: with the method "response" one that is matched to it.
+    """The scene with the sequence that its record is assessed by: with the method "response" one matched to it.
 
     A record that moves too few bodies for that has no sequence, and a warning that says so.
     """
@@ -96,9 +93,7 @@ def matched(scene: Scene, config: Config) -> Scene:
     except RecordRefused as error:
         record = scene.record.with_warning(Remark("no_sequence", reason=str(error)))
         return replace(scene, record=record, sequence=None)
-    record = scene.record
-    for remark in found.remarks:
-        record = record.with_note(remark)
+    record = replace(scene.record, processing=(*scene.record.processing, *found.remarks))
     return replace(scene, record=record, sequence=found.sequence)
 
 
@@ -108,10 +103,9 @@ QUIET = 1e-4
 
 
 def places_of(bodies: Bodies, record: Record, pair: Pair | None, config: Config) -> list[tuple[Place, np.ndarray]]:
-    """The different motions that bodies feel under a record, each with the numbers of its bodies.
+    """The different motions that bodies feel under a record, rotated from a pair, each with the numbers of its bodies.
 
-    `pair` are the channels that the record was rotated from; with `components = "horizontal"` nothing is rotated. A
-    RecordRefused where a body asks for a direction that a channel without a partner does not face.
+    A RecordRefused where a body asks for a direction that a channel without a partner does not face.
     """
     if config.records.components == "horizontal":
         return bodies.places(None)
@@ -135,7 +129,7 @@ def turned(scene: Scene, place: Place, pair: Pair | None, config: Config) -> Sce
 
 
 def aloft(scene: Scene, place: Place, config: Config) -> Scene:
-    """The scene on the floor of a place: its motion, half-waves and sequence; the vertical is that of the ground."""
+    """The scene on the floor of a place; the vertical motion is that of the ground."""
     if not place.floors:
         return scene
     record, found = scene.record, floor_record(scene.record, place.floors)
@@ -149,29 +143,19 @@ def aloft(scene: Scene, place: Place, config: Config) -> Scene:
 
 def floor_record(record: Record, floors: Sequence[FloorSettings]) -> Record:
     """The motion of a floor under a conditioned record, by the modes of its building."""
-    found = floor_motion(
-        record.acceleration,
-        record.dt,
-        [one.period for one in floors],
-        [one.damping for one in floors],
-        [one.participation for one in floors],
-        quiet=QUIET * STANDARD_GRAVITY,
-    )
+    modes = ([getattr(one, name) for one in floors] for name in ("period", "damping", "participation"))
+    found = floor_motion(record.acceleration, record.dt, *modes, quiet=QUIET * STANDARD_GRAVITY)
     return replace(record, acceleration=found.acceleration, dt=found.dt)
 
 
 def joined_responses(
     parts: Sequence[Response], lanes: Sequence[np.ndarray], samples: int, steps: Sequence[int]
 ) -> Response:
-    """Responses of some lanes each, at their places, as one; histories at the (n,) samples of the ground.
-
-    `steps` are the samples of the motion of each part in one interval of the ground's; it may last longer.
-    """
+    """Responses of some lanes each, at their places, as one; a part has `steps` samples for each of the ground."""
     whole = []
     for part, step in zip(parts, steps, strict=True):
-        motion = {"rotation": part.rotation, "velocity": part.velocity}
-        motion = {name: None if one is None else one[:, ::step][:, :samples] for name, one in motion.items()}
-        whole.append(part.changed(time=None, **motion))
+        motion = (None if one is None else one[:, ::step][:, :samples] for one in (part.rotation, part.velocity))
+        whole.append(part.changed(time=None, **dict(zip(("rotation", "velocity"), motion, strict=True))))
     return Response.join(whole, lanes, sum(places.size for places in lanes))
 
 
@@ -181,13 +165,10 @@ SAME_DIRECTION = 30.0
 
 @dataclass(frozen=True, eq=False)
 class Senses:
-    """Lanes (m,) of bodies, each in the sense of the record, with a second lane where that is not known.
+    """Lanes (m,) of bodies, each in the sense of the record, with a second lane where that is not known."""
 
-    ``block`` holds the m lanes and, after them, the other sense of those at the places ``both``.
-    """
-
-    block: Block
-    both: np.ndarray
+    block: Block  # the m lanes and, after them, the other sense of
+    both: np.ndarray  # those at these places
 
     @property
     def count(self) -> int:
@@ -196,26 +177,20 @@ class Senses:
 
     def worse(self, response: Response) -> Response:
         """The worse of both answers of each lane: overturning, no answer, then the larger rotation."""
-        return response if self.both.size == 0 else response.take(self.worst(response))
-
-    def worst(self, response: Response) -> np.ndarray:
-        """Places in ``block``, of each lane, of the worse of both answers."""
+        if self.both.size == 0:
+            return response
         rank = np.where(response.outcome == Outcome.OVERTURNS, np.inf, response.peak_rotation_ratio)
-        return self._chosen(np.where(response.outcome == Outcome.UNRESOLVED, np.finfo(float).max, rank))
+        rank = np.where(response.outcome == Outcome.UNRESOLVED, np.finfo(float).max, rank)
+        return response.take(self._chosen(rank))
 
     def smaller(self, found: ScaleIntervals) -> ScaleIntervals:
         """The intervals of the sense with the smaller factor."""
-        if self.both.size == 0:
-            return found
-        places = self._chosen(-np.where(np.isnan(found.safety_factor), np.inf, found.safety_factor))
-        return found.take(places)
+        rank = -np.where(np.isnan(found.safety_factor), np.inf, found.safety_factor)
+        return found if self.both.size == 0 else found.take(self._chosen(rank))
 
     def likelier(self, probability: np.ndarray, factor: np.ndarray) -> np.ndarray:
         """Places in ``block``, of each lane, of the higher probability; of two alike that of the smaller factor."""
-        order = np.lexsort((-factor, probability))
-        rank = np.empty(order.size)
-        rank[order] = np.arange(order.size)
-        return self._chosen(rank)
+        return self._chosen(np.argsort(np.lexsort((-factor, probability))))
 
     def _chosen(self, rank: np.ndarray) -> np.ndarray:
         """Of each lane the one of its two, by place in ``block``, whose rank is higher."""
@@ -226,10 +201,7 @@ class Senses:
 
 
 def acting(azimuth: float, facing: float) -> tuple[int, ...]:
-    """The senses in which a record may act on a body before a wall, by both azimuths [degrees]; NaN if not known.
-
-    1 where it acts towards the fall, -1 against it, both where that is not known.
-    """
+    """1 where a record acts towards the fall of a body, -1 against it, both where an azimuth [degrees] is NaN."""
     along, least = math.cos(math.radians(azimuth - facing)), math.cos(math.radians(SAME_DIRECTION))
     return (1,) if along >= least else (-1,) if along <= -least else (1, -1)
 
@@ -245,6 +217,6 @@ def senses(bodies: Bodies, record: Record, step: int = 1) -> Senses:
     against = leaning & np.array([found == (-1,) for found in every])
     both = np.flatnonzero(leaning & np.array([len(found) > 1 for found in every]))
     mirror = lanes.mirrored()
-    own = [mirror.lane(place) if turned else lanes.lane(place) for place, turned in enumerate(against)]
+    own = [(mirror if turned else lanes).lane(place) for place, turned in enumerate(against)]
     first = Block.stack(own) if np.any(against) else lanes
     return Senses(Block.stack([first, mirror.take(both)]) if both.size else first, both)

@@ -9,8 +9,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, Literal
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
@@ -21,11 +21,10 @@ from rocking.march.recorded import recorded_response
 from rocking.spectrum.lanes import SpectrumLanes, spectrum_lanes
 from rocking.spectrum.overturning import LEAST_SLENDERNESS, OverturningSpectrum, covered_range
 from rocking.spectrum.probability import Uncertainty, factor_at
-from rockpulse.record.half_wave import HalfWaves, half_waves
+from rockpulse.record.half_wave import half_waves
 from rockpulse.record.record import STANDARD_GRAVITY, Record
 from rockpulse.sequences.design_spectrum import at_blocks, within
 from rockpulse.sequences.rule import load_rule
-from rockpulse.storage.variables import StoredVariable
 from rockpulse.storage.variables.bodies import BLOCK, CASE
 from rockpulse.storage.variables.probability import AXIS_SIZES, LEVELS, RESTITUTIONS, ROTATIONS, SPECTRUM, SPECTRUM_AXES
 from rockpulse.storage.variables.summary import ANSWER
@@ -37,20 +36,15 @@ if TYPE_CHECKING:
 ALPHA = 0.1
 
 
-def _of_rule(
-    record: Record, rates: np.ndarray = RATES, threads: int | None = None, waves: HalfWaves | None = None
-) -> SpectrumLanes:
-    return load_rule().spectrum_lanes(waves or half_waves(record), rates, threads)
-
-
-def _of_record(
-    record: Record, rates: np.ndarray = RATES, threads: int | None = None, waves: HalfWaves | None = None
-) -> SpectrumLanes:
-    return spectrum_lanes(record.acceleration, record.dt, rates, threads)
-
-
 #: What marches the lanes of a record, by the words of `method`; the rule takes half-waves that are there already.
-LANES = {"nonlinear": _of_record, "rule": _of_rule}
+LANES: dict[str, Callable[..., SpectrumLanes]] = {
+    "nonlinear": lambda record, rates=RATES, threads=None, waves=None: spectrum_lanes(
+        record.acceleration, record.dt, rates, threads
+    ),
+    "rule": lambda record, rates=RATES, threads=None, waves=None: load_rule().spectrum_lanes(
+        waves or half_waves(record), rates, threads
+    ),
+}
 
 
 def overturning_spectrum(
@@ -125,41 +119,30 @@ def spectrum_values(spectrum: OverturningSpectrum, restitution: np.ndarray = RES
     least, most = (share * restitution for share in spectrum.uncertainty.restitution)
     if np.any(outside := ~covered_range(least, most, spectrum.lanes.between)):
         # The lanes do not reach down to wide ranges of a low nominal C, and are not dense enough for narrow ones.
-        inner = spectrum_values(spectrum, restitution[~outside]) if not np.all(outside) else {}
-        return {
-            name: _with_gaps(variable, inner.get(name), outside, spectrum.p.size) for name, variable in SPECTRUM.items()
-        }
+        sizes = {**AXIS_SIZES, "p": spectrum.p.size, "restitution": restitution.size}
+        found = {name: np.full([sizes[dim] for dim in one.dims], np.nan) for name, one in SPECTRUM.items()}
+        if not np.all(outside):
+            for name, inner in spectrum_values(spectrum, restitution[~outside]).items():
+                axis = SPECTRUM[name].dims.index("restitution")
+                np.moveaxis(found[name], axis, 0)[~outside] = np.moveaxis(inner, axis, 0)
+        return found
+    shape = (spectrum.p.size, restitution.size)
     rates, nominal = (values.ravel() for values in np.meshgrid(spectrum.p, restitution, indexing="ij"))
     blocks = Block.from_parameters(p=rates, alpha=ALPHA, restitution=nominal, log=False)
     speed = blocks.gravity * np.tan(ALPHA) / rates
     read = spectrum.factors(blocks)
-    shape = (spectrum.p.size, restitution.size)
     capacity = (speed / read.capacity_mean).reshape(shape)
-    probability = spectrum.probability(restitution)
+    levels = zip(capacity.ravel(), spectrum.probability(restitution).reshape(-1, spectrum.level.size), strict=True)
     logs, relative = np.log(spectrum.level), np.log(LEVELS)
     return {
         "spectrum": capacity,
         "spectrum_low": (speed / read.capacity_mean_high).reshape(shape),
         "spectrum_high": (speed / read.capacity_mean_low).reshape(shape),
         "rotation_spectrum": np.stack([spectrum.spectrum(restitution, one) for one in ROTATIONS]),
-        "probability": np.array(
-            [
-                [np.interp(relative - np.log(value), logs, row) for value, row in zip(*one, strict=True)]
-                for one in zip(capacity, probability, strict=True)
-            ]
+        "probability": np.reshape(
+            [np.interp(relative - np.log(value), logs, row) for value, row in levels], (*shape, LEVELS.size)
         ),
     }
-
-
-def _with_gaps(variable: StoredVariable, inner: np.ndarray | None, outside: np.ndarray, rates: int) -> np.ndarray:
-    """The values of a variable at the restitutions that the lanes reach, NaN at the others."""
-    sizes = {**AXIS_SIZES, "p": rates, "restitution": outside.size}
-    found = np.full([sizes[dim] for dim in variable.dims], np.nan)
-    if inner is not None:
-        place: list[Any] = [slice(None)] * found.ndim
-        place[variable.dims.index("restitution")] = ~outside
-        found[tuple(place)] = inner
-    return found
 
 
 def overturning_factors(spectrum: xr.Dataset, block: Block) -> dict[str, np.ndarray]:
@@ -207,10 +190,7 @@ def overturning_factors(spectrum: xr.Dataset, block: Block) -> dict[str, np.ndar
 
 
 def overturning_curve(spectrum: xr.Dataset, block: Block) -> tuple[np.ndarray, np.ndarray]:
-    """Factors on a record, (l,), and the probability at each that one block overturns, read from its spectrum.
-
-    The spectrum and the block are those of :func:`overturning_factors`; NaN where the spectrum has gaps.
-    """
+    """Factors on a record, (l,), and the probability at each that a block overturns; NaN in gaps."""
     capacity, probability = _at_blocks(spectrum, block)
     return capacity[0] * spectrum["level"].values, probability[0]
 

@@ -3,9 +3,10 @@
 The rows that one record adds are a part (:func:`record_part`); the tree is the parts one after the other, with the
 earthquakes, which all records together tell, and the variables that do not depend on the records.
 
-.. note:: Median and largest over direction are as RotD50 and RotD100 of response spectra (Boore 2010). A direction
-   without an answer (unresolved, or not assessed) may stand for any value from 0 to overturning. A median that it could
-   change, and a largest or smallest value that it could exceed, is NaN.
+.. note:: Median and largest over direction are as RotD50 and RotD100 of response spectra (Boore 2010,
+   doi:10.1785/0120090400). A direction without an answer (unresolved, or not assessed) may stand
+   for any value from 0 to overturning. A median that it could change, and a largest or smallest value that it could
+   exceed, is NaN.
 """
 
 from __future__ import annotations
@@ -44,11 +45,6 @@ def direction_statistics(
     `azimuths` are the d directions of the sweep [degrees]; `pairs` has the name of each pair, and the ids of its
     records in the d directions. A pair is left out if none of them is a record. `with_probability` adds the mean over
     direction of the probability of overturning.
-
-    References
-    ----------
-    Boore, D. M. (2010), Orientation-independent, nongeometric-mean measures of seismic intensity from two horizontal
-    components of motion, Bull. Seismol. Soc. Am. 100(4), 1830-1835, doi:10.1785/0120090400.
     """
     place = {str(record): number for number, record in enumerate(summary["record"].values)}
     pairs = {pair: records for pair, records in pairs.items() if any(record in place for record in records)}
@@ -70,9 +66,8 @@ def direction_statistics(
     peaks, factors = swept("peak_rotation_ratio"), swept("safety_factor")
     over = swept("outcome") == Outcome.OVERTURNS
     # Of several directions that overturn the one that does it first.
-    largest, at = largest_over(
-        peaks, first=np.where(over, np.nan_to_num(swept("overturning_time"), nan=np.inf), np.inf)
-    )
+    first = np.where(over, np.nan_to_num(swept("overturning_time"), nan=np.inf), np.inf)
+    largest, at = largest_over(peaks, first)
     smallest, factor_at = smallest_over(factors)
     answers = {
         "median_rotation_ratio": median_over(peaks),
@@ -93,16 +88,7 @@ def direction_statistics(
 
 
 def median_over(values: np.ndarray) -> np.ndarray:
-    """Median over the second of the dimensions (a, d, ...); inf where half of the directions overturn.
-
-    The values are not negative, inf where the block overturns, NaN where there is no answer; the median is NaN where
-    the missing answers could change it.
-
-    Examples
-    --------
-    >>> median_over(np.array([[0.1, 0.2, 0.3], [0.1, 0.2, np.nan], [0.2, 0.2, np.nan], [0.2, np.inf, np.inf]])).tolist()
-    [0.2, nan, 0.2, inf]
-    """
+    """Median over the second of the dimensions (a, d, ...) of values from 0 to inf; NaN where missing ones decide."""
     unknown = np.isnan(values)
     low, high = (np.median(np.where(unknown, bound, values), axis=1) for bound in (0.0, np.inf))
     return np.where(low == high, low, np.nan)
@@ -123,10 +109,7 @@ def largest_over(values: np.ndarray, first: np.ndarray | None = None) -> tuple[n
 
 
 def smallest_over(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Smallest value over the second of the dimensions (a, d, ...), and its place: -1 where it is NaN or inf.
-
-    The values are inf where the search found none, NaN where there is no answer; the smallest is NaN where one is.
-    """
+    """Smallest value over the second of the dimensions (a, d, ...), NaN where one is, and its place or -1."""
     smallest = values.min(axis=1)
     return smallest, np.where(np.isfinite(smallest), np.argmin(values, axis=1), -1)
 
@@ -154,10 +137,9 @@ def build_tree(
     The parts are what each record adds (:func:`record_part`) and its earthquake, in the order of the rows; `swept` has
     the name of each pair of channels that was swept over direction, and the ids of its directions.
     """
-    variables = _variables(config)
     arrays = joined_parts([nothing(bodies, config), *parts])
     groups: dict[str, dict[str, xr.Variable]] = defaultdict(dict)
-    for path, variable in variables.items():
+    for path, variable in _variables(config).items():
         group, _, name = path.rpartition("/")
         if path not in arrays:
             arrays[path] = _in_dims(variable, np.asarray(_take(variable)(bodies, config)), bodies)
@@ -184,14 +166,7 @@ def template(bodies: Bodies, config: Config) -> xr.DataTree:
 
 def nothing(bodies: Bodies, config: Config) -> dict[str, np.ndarray]:
     """Every variable that grows with the records, without a row, by its path."""
-    growing = {path: one for path, one in _variables(config).items() if one.dims[0] in GROWING}
-    return {path: _absent(one, 0, bodies, config) for path, one in growing.items()}
-
-
-def dimension_of(path: str) -> str:
-    """The first dimension of a variable."""
-    group, _, name = path.rpartition("/")
-    return ASSESSMENT_GROUPS[group][name].dims[0]
+    return {path: _absent(one, 0, bodies, config) for path, one in _variables(config).items() if one.dims[0] in GROWING}
 
 
 def joined_parts(parts: Sequence[Mapping[str, np.ndarray]], records_before: int = 0) -> dict[str, np.ndarray]:
@@ -212,10 +187,9 @@ def joined_parts(parts: Sequence[Mapping[str, np.ndarray]], records_before: int 
 
 
 def record_part(one: RecordAssessment) -> dict[str, np.ndarray]:
-    """The rows that one record adds to the results, but for its earthquake.
+    """The rows that one record adds to the results, but for its earthquake, by their paths ("/summary/pga").
 
-    By its path in the file ("/summary/pga") the values of every variable that grows with the records, in the type of
-    the file; the first dimension is the one that grows. Variables that count records hold 0.
+    The first dimension of each is the one that grows. Variables that count records hold 0.
     """
     return {
         path: _of_record(variable, one)
@@ -234,7 +208,7 @@ def _of_record(variable: StoredVariable, one: RecordAssessment) -> np.ndarray:
 
 
 def _variables(config: Config) -> dict[str, StoredVariable]:
-    """The variables that an assessment by a configuration has, less those of /failures and /directions, by path."""
+    """The variables of an assessment, less those of /failures and /directions, by path."""
     return {
         f"{group}/{name}": variable
         for group in ("/summary", "/half_cycles", "/overturning_intervals", "/spectra", "/records")
@@ -249,18 +223,17 @@ def _take(variable: StoredVariable) -> Callable[..., Any]:
 
 
 def _dims(variable: StoredVariable, bodies: Bodies) -> tuple[str, ...]:
-    """The dimensions in the file: a restitution range adds one; without it there is a single case and none for it."""
+    """The dimensions in the file, of which a single restitution has none."""
     return variable.dims if bodies.cases > 1 else tuple(dim for dim in variable.dims if dim != "case")
 
 
 def _in_dims(variable: StoredVariable, values: np.ndarray, bodies: Bodies) -> np.ndarray:
-    one_case = bodies.cases == 1 and "case" in variable.dims
-    return values.squeeze(axis=variable.dims.index("case")) if one_case else values
+    return values.squeeze(axis=variable.dims.index("case")) if _dims(variable, bodies) != variable.dims else values
 
 
 def _absent(variable: StoredVariable, rows: int, bodies: Bodies, config: Config) -> np.ndarray:
     """So many rows without a value."""
-    sizes = {"block": len(bodies.names), "case": bodies.cases, "model": len(config.models.use)}
-    sizes |= {"demand": len(config.demands), **AXIS_SIZES}
+    own = {"block": len(bodies.names), "case": bodies.cases}
+    sizes = own | {"model": len(config.models.use), "demand": len(config.demands), **AXIS_SIZES}
     shape = (rows, *(sizes[dim] for dim in _dims(variable, bodies)[1:]))
     return np.full(shape, variable.absent, dtype=variable.kind)

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from datetime import timedelta
+from datetime import datetime, timedelta
 from itertools import pairwise
 from typing import Any
 
@@ -21,7 +21,7 @@ import numpy as np
 
 from rockpulse.errors import RecordRefused
 from rockpulse.record.components import Pair, offset
-from rockpulse.record.conditioning import QUIET_LENGTH, condition, quiet_length
+from rockpulse.record.conditioning import QUIET_LENGTH, condition, quiet_samples
 from rockpulse.record.half_wave import half_waves
 from rockpulse.record.record import BETWEEN, Record, record_id
 from rockpulse.remark import Remark, code_of, remarked
@@ -81,12 +81,12 @@ def rotate(pair: Pair, azimuth: float) -> Record:
         first,
         acceleration=one * first.acceleration + other * second.acceleration,
         id=rotated_id(first, azimuth),
-        channel=_code(azimuth),
+        channel=f"H{math.floor(azimuth + 0.5):03d}",
         component=rotated_component(azimuth),
         azimuth=float(azimuth),
         orientation="structural" if first.orientation == "structural" else "horizontal",
-        source=_joined(first.source, second.source),
-        source_sha256=_joined(first.source_sha256, second.source_sha256),
+        source=BETWEEN.join(dict.fromkeys(filter(None, (first.source, second.source)))),
+        source_sha256=BETWEEN.join(dict.fromkeys(filter(None, (first.source_sha256, second.source_sha256)))),
         source_unit=first.source_unit if same_unit else "",
         unit_factor=first.unit_factor if same_unit else float("nan"),
         header_peak=float("nan"),
@@ -106,7 +106,7 @@ def pair_id(pair: Pair) -> str:
 
 def rotated_id(record: Record, azimuth: float) -> str:
     """Id of the motion of a pair in one direction, clockwise from north [degrees], from its first channel."""
-    return _name(record, _code(azimuth))
+    return _name(record, f"H{math.floor(azimuth + 0.5):03d}")
 
 
 def strongest_azimuth(
@@ -143,8 +143,7 @@ def strongest_azimuth(
         if azimuth not in found:
             one, other = _weights(first.azimuth, second.azimuth, azimuth)
             turned = Record(one * first.acceleration + other * second.acceleration, first.dt, id=first.id)
-            waves = half_waves(turned, threshold, min_duration_s, merge)
-            found[azimuth] = float(np.max(np.abs(waves.impulse), initial=0.0))
+            found[azimuth] = half_waves(turned, threshold, min_duration_s, merge).largest
         return found[azimuth]
 
     coarse = np.arange(0.0, 180.0, STEPS[0])
@@ -185,10 +184,7 @@ def _sine(degrees: float) -> float:
 
 
 def check_angle(pair: Pair) -> None:
-    """Refuse channels that face almost the same way, or whose azimuth is not known.
-
-    Raises RecordRefused where the sine of the angle between them is below 0.17.
-    """
+    """Raise RecordRefused for channels that face almost the same way, or whose azimuth is not known."""
     first, second = pair.channels
     if not abs(_sine(second.azimuth - first.azimuth)) >= SMALLEST_SINE:
         raise RecordRefused(
@@ -198,17 +194,9 @@ def check_angle(pair: Pair) -> None:
         )
 
 
-def _code(azimuth: float) -> str:
-    return f"H{math.floor(azimuth + 0.5):03d}"
-
-
 def _name(record: Record, code: str) -> str:
     stem = record.id.removesuffix(f".{record.channel}")
     return record_id(record.network, record.station, record.location, code, record.start_time, stem, 0)
-
-
-def _joined(first: str, second: str) -> str:
-    return BETWEEN.join(dict.fromkeys(text for text in (first, second) if text))
 
 
 def _of_both(first: Record, second: Record, what: str) -> tuple[str, ...]:
@@ -298,8 +286,7 @@ def _cut(channel: Record, other: Record) -> Record:
         for length, place in ((begin * channel.dt, "start"), (channel.duration - end * channel.dt, "end"))
         if length > 0.0
     ]
-    moved = None if channel.start_time is None else channel.start_time + timedelta(seconds=begin * channel.dt)
-    cut = replace(channel, acceleration=channel.acceleration[begin : end + 1], start_time=moved)
+    cut = replace(channel, acceleration=channel.acceleration[begin : end + 1], start_time=_after(channel, begin))
     return cut.with_warning(f"cut to the time in common with {other.id}: {' and '.join(lost)} left out")
 
 
@@ -309,11 +296,15 @@ def _with_common_window(pair: Pair, options: dict[str, Any]) -> tuple[dict[str, 
     searched = baseline == "pre-event" or (baseline == "auto" and pair.first.processed is False)
     if not searched or options.get("pre_event_s") is not None:
         return options, ""
-    quiet = min(quiet_length(channel) for channel in pair.channels)
+    quiet = min((quiet_samples(channel) - 1) * channel.dt for channel in pair.channels)
     if quiet >= QUIET_LENGTH:
         return {**options, "pre_event_s": quiet}, f"pre-event window of both channels: 0 to {quiet:.4g} s"
     note = f"pre-event window of both channels: {quiet:.4g} s only (needed: {QUIET_LENGTH:g} s), the mean instead"
     return {**options, "baseline": "mean"}, note
+
+
+def _after(record: Record, samples: float) -> datetime | None:
+    return None if record.start_time is None else record.start_time + timedelta(seconds=samples * record.dt)
 
 
 def _same_samples(first: Record, second: Record) -> tuple[Record, Record]:
@@ -325,14 +316,13 @@ def _same_samples(first: Record, second: Record) -> tuple[Record, Record]:
     place = kept - start
     if kept.size == first.npts == second.npts and whole:
         return first, replace(second, start_time=first.start_time)
-    moved = None if first.start_time is None else first.start_time + timedelta(seconds=float(kept[0]) * first.dt)
+    moved = _after(first, float(kept[0]))
     if whole:
         values = second.acceleration[place.astype(int)]
     else:
         values = np.interp(place, np.arange(second.npts), second.acceleration)
-        second = second.with_note(
-            f"linear between its samples at those of {first.id}, {start % 1.0:.3f} of an interval"
-        )
+        note = f"linear between its samples at those of {first.id}, {start % 1.0:.3f} of an interval"
+        second = second.with_note(note)
     return (
         replace(first, acceleration=first.acceleration[kept], start_time=moved),
         replace(second, acceleration=values, start_time=moved),

@@ -10,8 +10,10 @@ from __future__ import annotations
 import logging
 import math
 from collections import defaultdict
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from itertools import count
+from typing import Any
 
 from rockpulse.config.configuration import Config
 from rockpulse.errors import Failure, RecordRefused, RockpulseError
@@ -21,6 +23,11 @@ from rockpulse.record.conditioning import condition
 from rockpulse.record.record import STANDARD_GRAVITY, Record, id_matches
 from rockpulse.record.rotation import condition_pair, pair_id, rotate, rotated_id, strongest_azimuth
 from rockpulse.remark import Remark
+
+logger = logging.getLogger("rockpulse")
+
+#: No larger peak counts before it is confirmed [m/s2].
+LARGEST = CREDIBLE_PEAK_G[1] * STANDARD_GRAVITY
 
 #: A channel that faces the direction asked for within this stands for it without a partner [degrees].
 FACING_WITHIN = 1.0
@@ -70,10 +77,9 @@ class VerticalRefused(RecordRefused):
 def plan_motions(records: Sequence[Record], config: Config) -> tuple[list[PlannedMotion], list[Failure]]:
     """The channels and pairs to work on, as section [records] asks for them, in the order of the (first) channels.
 
-    The records have different ids; of the samples nothing but their number is asked. With them comes a row for each
-    channel that is no horizontal one, or has no partner where pairs are asked for. One that was recorded within
-    :data:`FACING_WITHIN` of the azimuth asked for, or against it, needs none. Where the site has a demand, a channel
-    gets its partner: a pair is brought to it as one.
+    Of the samples nothing but their number is asked. With them comes a row for each channel that is no horizontal one,
+    or has no partner where pairs are asked for. One within :data:`FACING_WITHIN` of the azimuth asked for, or against
+    it, needs none. Where the site has a demand, a channel gets its partner: a pair is brought to it as one.
     """
     horizontal, failures = select_horizontal(records, config.records.structural)
     if config.records.components == "horizontal":
@@ -90,7 +96,9 @@ def plan_motions(records: Sequence[Record], config: Config) -> tuple[list[Planne
             PlannedMotion(f"{name}~{number}" if number > 1 else name, pair.channels, copy=copy)
             for pair, (name, number), (_, copy) in zip(pairs, names, rotated, strict=True)
         ]
-        planned = _in_order([*planned, *(one for one in facing if one is not None)], horizontal)
+        place = {id(record): number for number, record in enumerate(horizontal)}
+        planned += [one for one in facing if one is not None]
+        planned.sort(key=lambda one: place[id(one.channels[0])])
     if config.demands:
         planned = _with_partners(planned, horizontal)
     if not config.records.include_vertical:
@@ -102,14 +110,18 @@ def plan_motions(records: Sequence[Record], config: Config) -> tuple[list[Planne
 def conditioned_motions(planned: PlannedMotion, config: Config) -> list[Motion]:
     """The conditioned motions to work on: the channel, or the pair in every direction that is asked for.
 
-    Raises RockpulseError where a channel cannot be conditioned, or a pair cannot be rotated; VerticalRefused where that
-    is the vertical channel.
+    VerticalRefused where the vertical channel cannot be conditioned, another RockpulseError for every other one.
     """
     up = _conditioned_vertical(planned, config)
     if not planned.rotated:  # with the remarks first: conditioning adds its own behind them
-        remarked = _remarked(planned.channels[0], planned.remarks)
-        partner, failed = _conditioned_partner(planned, config)
-        conditioned = condition(_remarked(remarked, failed), **config.conditioning)
+        remarks, partner = planned.remarks, None
+        if planned.partner is not None:
+            try:
+                partner = condition(planned.partner, **config.conditioning)
+            except RockpulseError as error:
+                reason = f"the other channel, {planned.partner.id}, fails: {error}"
+                remarks = (*remarks, Remark("scaled_alone", reason=reason))
+        conditioned = condition(_remarked(planned.channels[0], remarks), **config.conditioning)
         return [Motion(conditioned, up, (conditioned,), partner)]
     pair = condition_pair(Pair(*planned.channels), **config.conditioning)
     azimuths = DIRECTIONS[config.records.components](pair, config)
@@ -130,20 +142,8 @@ def _conditioned_vertical(planned: PlannedMotion, config: Config) -> Record | No
         ) from error
 
 
-def _conditioned_partner(planned: PlannedMotion, config: Config) -> tuple[Record | None, list[str]]:
-    """The partner of a channel, and a remark where it cannot be conditioned."""
-    if planned.partner is None:
-        return None, []
-    try:
-        return condition(planned.partner, **config.conditioning), []
-    except RockpulseError as error:
-        return None, [Remark("scaled_alone", reason=f"the other channel, {planned.partner.id}, fails: {error}")]
-
-
 def _remarked(record: Record, remarks: Iterable[str]) -> Record:
-    for remark in remarks:
-        record = record.with_warning(remark)
-    return record
+    return replace(record, warnings=(*record.warnings, *remarks))
 
 
 def planned_ids(planned: PlannedMotion, config: Config) -> list[str]:
@@ -157,13 +157,11 @@ def planned_ids(planned: PlannedMotion, config: Config) -> list[str]:
 
 def swept_directions(planned: Iterable[PlannedMotion], config: Config) -> dict[str, list[str]] | None:
     """Name of each pair of a sweep over direction, and the ids of its motions; None where there is no sweep."""
-    if config.records.components != "sweep":
-        return None
-    return {one.name: planned_ids(one, config) for one in planned}
+    return {one.name: planned_ids(one, config) for one in planned} if config.records.components == "sweep" else None
 
 
 def _facing(record: Record, azimuth: float | None) -> PlannedMotion | None:
-    """A channel without a partner that was recorded in the direction asked for, or against it; else None."""
+    """A channel without a partner that faces the direction asked for, or its opposite; else None."""
     if azimuth is None or not abs(math.remainder(record.azimuth - azimuth, 180.0)) <= FACING_WITHIN:
         return None
     against = abs(math.remainder(record.azimuth - azimuth, 360.0)) > FACING_WITHIN
@@ -178,17 +176,14 @@ def _with_partners(planned: Iterable[PlannedMotion], horizontal: Sequence[Record
         id(one): other for pair in find_pairs(horizontal)[0] for one, other in (pair.channels, pair.channels[::-1])
     }
     alone = Remark("scaled_alone", reason="no other horizontal channel is known to go with it")
-    found = []
-    for one in planned:
-        other = None if one.rotated else partner.get(id(one.channels[0]))
-        remarks = one.remarks if one.rotated or other is not None else (*one.remarks, alone)
-        found.append(replace(one, partner=other, remarks=remarks))
-    return found
-
-
-def _in_order(planned: Sequence[PlannedMotion], horizontal: Sequence[Record]) -> list[PlannedMotion]:
-    place = {id(record): number for number, record in enumerate(horizontal)}
-    return sorted(planned, key=lambda one: place[id(one.channels[0])])
+    return [
+        one
+        if one.rotated
+        else replace(one, partner=partner[id(one.channels[0])])
+        if id(one.channels[0]) in partner
+        else replace(one, remarks=(*one.remarks, alone))
+        for one in planned
+    ]
 
 
 def _with_vertical(planned: PlannedMotion, verticals: Neighbours) -> PlannedMotion:
@@ -208,49 +203,25 @@ def sweep_azimuths(step: float) -> list[float]:
     return [180.0 * number / count for number in range(count)]
 
 
-def _given(pair: Pair | None, config: Config) -> list[float]:
-    assert config.records.azimuth is not None
-    return [config.records.azimuth]
-
-
-def _strongest(pair: Pair | None, config: Config) -> list[float]:
-    assert pair is not None
-    return [strongest_azimuth(pair, **config.half_waves)[0]]
-
-
-def _sweep(pair: Pair | None, config: Config) -> list[float]:
-    return sweep_azimuths(config.records.azimuth_step)
-
-
 #: The directions in which a conditioned pair is assessed, by the word of ``[records] components``; only the strongest
 #: one cannot be told without the pair.
-DIRECTIONS: dict[str, Callable[[Pair | None, Config], list[float]]] = {
-    "azimuth": _given,
-    "strongest": _strongest,
-    "sweep": _sweep,
+DIRECTIONS: dict[str, Callable[[Any, Config], list[Any]]] = {
+    "azimuth": lambda pair, config: [config.records.azimuth],
+    "strongest": lambda pair, config: [strongest_azimuth(pair, **config.half_waves)[0]],
+    "sweep": lambda pair, config: sweep_azimuths(config.records.azimuth_step),
 }
 
 
 def _copies(names: Iterable[str]) -> list[tuple[str, int]]:
     """Each name, and which of those that are the same it is, from 1."""
-    seen: dict[str, int] = defaultdict(int)
-    result = []
-    for name in names:
-        seen[name] += 1
-        result.append((name, seen[name]))
-    return result
-
-
-logger = logging.getLogger("rockpulse")
-
-#: No larger peak counts before it is confirmed [m/s2].
-LARGEST = CREDIBLE_PEAK_G[1] * STANDARD_GRAVITY
+    seen: dict[str, Iterator[int]] = defaultdict(lambda: count(1))
+    return [(name, next(seen[name])) for name in names]
 
 
 def unconfirmed(conditioned: Record, confirm: Iterable[str], configured: bool = True) -> str:
-    """Why a channel does not count, and what to do: its peak lies above 5 g, and no pattern of its id confirms it.
+    """Why a channel does not count, and what to do: an unconfirmed peak above 5 g; empty for every other channel.
 
-    Empty for every other channel. Without a configuration (`configured`) the advice names command-line options alone.
+    Without a configuration (`configured`) the advice names command-line options alone.
     """
     if not conditioned.pga > LARGEST or id_matches(conditioned.id, confirm):
         return ""
@@ -273,13 +244,10 @@ def unconfirmed_peaks(planned: PlannedMotion, motions: Sequence[Motion], config:
     if motions[0].partner is not None:
         acting.append((f"{planned.name}: the other channel of its pair ", motions[0].partner))
     doubted = {id(one): told for _, one in acting if (told := unconfirmed(one, confirm))}
-    rows = [
-        Failure(one.source, stage, f"{whose}{doubted[id(one)]}", "failed")
-        for whose, one in acting
-        if id(one) in doubted
-    ]
-    if doubted:
-        cause = next(one for _, one in acting if id(one) in doubted)
+    causes = [(whose, one) for whose, one in acting if id(one) in doubted]
+    rows = [Failure(one.source, stage, f"{whose}{doubted[id(one)]}", "failed") for whose, one in causes]
+    if causes:
+        cause = causes[0][1]
         peak = f"whose peak of {cause.pga / STANDARD_GRAVITY:.3g} g nobody has confirmed"
         rows += [
             Failure(one.source, stage, f"{of_pair}{one.id}: left out with {cause.id}, {peak}", "failed")

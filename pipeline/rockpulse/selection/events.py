@@ -15,10 +15,10 @@ from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Seq
 from datetime import datetime, timedelta
 from itertools import chain, combinations, pairwise
 
-from rockpulse.config.configuration import Config, located
+from rockpulse.config.configuration import Config
 from rockpulse.errors import ConfigError, Failure, some, unread
 from rockpulse.record.record import Record
-from rockpulse.selection.tables import read_event_table
+from rockpulse.selection.tables import given_table, read_event_table
 
 #: Records that start within this of one another are of one earthquake [s]; so are those of one name, unless their times
 #: are known to lie further apart.
@@ -57,32 +57,31 @@ _NUMBER = re.compile(r"[A-Za-z]-(\d\d)\b")
 
 def pairs_of_one_event(records: Sequence[Record], free: Sequence[int]) -> Iterator[tuple[int, int]]:
     """Pairs of records of one earthquake, enough of them to connect each group."""
-    by_file: dict[str, list[int]] = defaultdict(list)
-    by_id: dict[Hashable, list[int]] = defaultdict(list)
-    by_name: dict[Hashable, list[int]] = defaultdict(list)
-
-    for index in free:
-        record = records[index]
-        if record.source:
-            by_file[record.source].append(index)
-        if record.event_id:
-            by_id[record.format, record.event_id].append(index)
-        if name := name_of(record.event):
-            by_name[name].append(index)
-    for members in by_file.values():
+    for members in _grouped(free, lambda index: records[index].source or None):
         yield from pairwise(members)
     timed = [(moment, index) for index in free if (moment := moment_of(records[index])) is not None]
     yield from _near(records, timed, JOINED_WITHIN_S, _may_be_one)
     told = [(origin, index) for index in free if (origin := records[index].origin_time) is not None]
     yield from _near(records, told, SAME_ORIGIN_S, _alike)
-    for members in by_id.values():
-        groups = _by_origin(records, members)
+    for members in _grouped(
+        free, lambda index: (records[index].format, event) if (event := records[index].event_id) else None
+    ):
+        groups = _grouped(members, lambda index: (records[index].origin_time,))  # all that `_may_be_one` asks for
         yield from chain.from_iterable(map(pairwise, groups))
         for one, other in combinations(_ends(groups), 2):
             if _may_be_one(records[one], records[other]):
                 yield one, other
-    for members in by_name.values():
+    for members in _grouped(free, lambda index: name_of(records[index].event) or None):
         yield from _of_one_name(records, members)
+
+
+def _grouped(members: Iterable[int], key: Callable[[int], Hashable]) -> list[list[int]]:
+    """The members in groups of one key; those whose key is None are left out."""
+    groups: dict[Hashable, list[int]] = defaultdict(list)
+    for index in members:
+        if (found := key(index)) is not None:
+            groups[found].append(index)
+    return list(groups.values())
 
 
 def _near(
@@ -91,11 +90,8 @@ def _near(
     within: float,
     agree: Callable[[Record, Record], bool],
 ) -> Iterator[tuple[int, int]]:
-    """Pairs of records that agree, whose moments lie within so many seconds, enough of them to connect each group.
-
-    Records that state the same origin and magnitude agree with the same others. So a record is held against the latest
-    one of each origin and magnitude alone.
-    """
+    """Pairs of records that agree, whose moments lie within so many seconds, enough of them to connect each group."""
+    # Records of one origin and magnitude agree with the same others: the latest one of each stands for them.
     last: dict[Hashable, tuple[datetime, int]] = {}
     for moment, index in sorted(timed):
         last = {key: one for key, one in last.items() if (moment - one[0]).total_seconds() <= within}
@@ -120,20 +116,17 @@ def _ends(groups: Iterable[Sequence[int]]) -> list[int]:
 
 
 def _that_may_agree(records: Sequence[Record], ends: Sequence[int]) -> Iterator[tuple[int, int]]:
-    """All pairs of records of one name that `_agree` may join, and few others: a name may have thousands of shocks.
-
-    Two that have times lie within `CLOCK_S`. Where one has none, numbers and years decide: those of both share one, or
-    one has none.
-    """
+    """All pairs of records of one name that `_agree` may join, and few others: a name may have thousands of shocks."""
     timed = sorted((moment, index) for index in ends if (moment := moment_of(records[index])) is not None)
     first = 0
     for place, (moment, index) in enumerate(timed):
         while (moment - timed[first][0]).total_seconds() > CLOCK_S:
             first += 1
         yield from ((other, index) for _, other in timed[first:place])
-    marks = {index: (_numbers(records[index]), _years(records[index])) for index in ends}
+    marks = {index: (set(_NUMBER.findall(records[index].event)), _years(records[index])) for index in ends}
     of_number: dict[str, list[int]] = defaultdict(list)
-    # By the year, None for none: of all records, and of those without a number.
+    # By the year, None for none: of all records, and of those without a number. Where one of two has no time, numbers
+    # and years decide: those of both share one, or one has none.
     of_year: dict[bool, dict[int | None, list[int]]] = {False: defaultdict(list), True: defaultdict(list)}
     for index, (numbers, years) in marks.items():
         for number in numbers:
@@ -150,19 +143,8 @@ def _that_may_agree(records: Sequence[Record], ends: Sequence[int]) -> Iterator[
             yield from ((other, index) for other in dict.fromkeys(chain.from_iterable(near)) if other != index)
 
 
-def _by_origin(records: Sequence[Record], members: Iterable[int]) -> list[list[int]]:
-    """The records in groups of one stated origin time, which is all that `_may_be_one` asks for."""
-    groups: dict[datetime | None, list[int]] = defaultdict(list)
-    for index in members:
-        groups[records[index].origin_time].append(index)
-    return list(groups.values())
-
-
 def _by_day(records: Sequence[Record], members: Iterable[int]) -> list[list[int]]:
-    """The records in groups of one title and stated origin time, in the order of their times, `CLOCK_S` long at most.
-
-    So `_agree` holds between those of a group, and what it says of another record it says of the first or the last.
-    """
+    """Groups of one title and origin time, `CLOCK_S` long at most: `_agree` holds between their records."""
     groups: dict[Hashable, list[tuple[datetime | None, int]]] = defaultdict(list)
     for index in members:
         record, moment = records[index], moment_of(records[index])
@@ -202,14 +184,9 @@ def _agree(one: Record, other: Record) -> bool:
     first, second = moment_of(one), moment_of(other)
     if first is not None and second is not None:
         return abs((first - second).total_seconds()) <= CLOCK_S
-    numbers = [_numbers(record) for record in (one, other)]
+    numbers = [set(_NUMBER.findall(record.event)) for record in (one, other)]
     years = [_years(record) for record in (one, other)]
     return all(not mine or not theirs or bool(mine & theirs) for mine, theirs in (numbers, years))
-
-
-def _numbers(record: Record) -> set[str]:
-    """The numbers of a title in a sequence of shocks."""
-    return set(_NUMBER.findall(record.event))
 
 
 def _years(record: Record) -> set[int]:
@@ -223,13 +200,7 @@ def _years(record: Record) -> set[int]:
 
 
 def names_earthquake(title: str) -> bool:
-    """Whether a title has a word that names an earthquake, beside dates, numbers and general words.
-
-    Examples
-    --------
-    >>> names_earthquake("KOBE 01/16/95 2046"), names_earthquake("Rcrd of Fri Jul 5, 2019 20:19:37.0 PDT")
-    (True, False)
-    """
+    """Whether a title has a word that names an earthquake, beside dates, numbers and general words."""
     return bool(words_of(title))
 
 
@@ -254,14 +225,8 @@ def group_events(records: Sequence[Record], named: Mapping[str, str] | None = No
     themselves; those whose group has the same label belong to it. A label is the user's, else the title that most of
     the group have, else its earliest start time, else :data:`UNKNOWN`. Of groups with the same title each has its time
     (or file) behind it.
+    ConfigError where `named` holds an id that no record has, or an empty label.
 
-    Raises
-    ------
-    ConfigError
-        Where `named` holds an id that no record has, or an empty label.
-
-    Notes
-    -----
     Two records are joined when
 
     - they come from one file;
@@ -278,12 +243,6 @@ def group_events(records: Sequence[Record], named: Mapping[str, str] | None = No
     after all: by a title that tells less, as "Imperial Valley" does, or by a record of their name that states no origin
     time. The table of events keeps them apart. Records that state neither a title nor a time, as plain columns do, may
     all be of one earthquake, and are counted so.
-
-    Examples
-    --------
-    >>> at = [Record([0.0, 1.0], dt=0.01, id=name, event=name) for name in ("KOBE 01/16/95 2046", "Kobe", "Maule 2010")]
-    >>> group_events(at)
-    ['KOBE 01/16/95 2046', 'KOBE 01/16/95 2046', 'Maule 2010']
     """
     named = dict(named or {})
     ids = [record.id for record in records]
@@ -310,9 +269,7 @@ def group_events(records: Sequence[Record], named: Mapping[str, str] | None = No
     for index in free:
         groups[root(index)].append(index)
     told = {top: [records[index] for index in members] for top, members in groups.items()}
-    known = {
-        top: members for top, members in told.items() if any(name_of(one.event) or moment_of(one) for one in members)
-    }
+    known = {top: of for top, of in told.items() if any(name_of(one.event) or moment_of(one) for one in of)}
     titles = dict.fromkeys(told, UNKNOWN) | _distinct(known)
     return [named[record.id] if record.id in named else titles[root(index)] for index, record in enumerate(records)]
 
@@ -322,14 +279,8 @@ def event_table(config: Config) -> dict[str, str]:
 
     Raises ConfigError for a file that is not there, or no such table; OSError where it cannot be opened.
     """
-    if config.records.events is None:
-        return {}
-    path = located(config.records.events, config.folder)
-    if not path.exists():
-        raise ConfigError(
-            f"[records] events: {path}: no such file; expected a CSV table with the columns record, event"
-        )
-    return read_event_table(path)
+    where, given = "[records] events", config.records.events
+    return {} if given is None else read_event_table(given_table(given, config, where, "record, event"))
 
 
 def events_by_id(
@@ -343,12 +294,14 @@ def events_by_id(
     ids = [record.id for record in records]
     unknown = sorted(set(named) - set(ids)) if unread(failures) else []
     labels = group_events(records, {name: label for name, label in named.items() if name not in unknown})
+    found = dict(zip(ids, labels, strict=True))
+    if not unknown:
+        return found, []
     reason = (
         f"[records] events names records that were not read: {some(unknown, 5)}; the records read are such as "
         f"{some(ids, 3)}: if these are no records of the files that failed, correct the names"
     )
-    rows = [Failure("[records] events", "events", reason, "failed")] if unknown else []
-    return dict(zip(ids, labels, strict=True)), rows
+    return found, [Failure("[records] events", "events", reason, "failed")]
 
 
 def _distinct(groups: Mapping[int, Sequence[Record]]) -> dict[int, str]:
@@ -356,7 +309,7 @@ def _distinct(groups: Mapping[int, Sequence[Record]]) -> dict[int, str]:
     labels = {top: _title(members) or _time_or_file(members) for top, members in groups.items()}
     often = {label for label, count in Counter(labels.values()).items() if count > 1}
     taken: set[str] = set()
-    for top in sorted(labels, key=lambda top: _order(groups[top])):
+    for top in sorted(labels, key=lambda top: (_time_or_file(groups[top]), min(record.id for record in groups[top]))):
         label = labels[top]
         if label in often:
             label = f"{label} ({_time_or_file(groups[top])})"
@@ -378,7 +331,3 @@ def _time_or_file(members: Sequence[Record]) -> str:
     starts = [record.start_time for record in members if record.start_time is not None]
     starts = starts or [record.origin_time for record in members if record.origin_time is not None]
     return f"{min(starts):%Y-%m-%d %H:%M}" if starts else min(record.source or record.id for record in members)
-
-
-def _order(members: Sequence[Record]) -> tuple[str, str]:
-    return _time_or_file(members), min(record.id for record in members)

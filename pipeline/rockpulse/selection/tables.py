@@ -32,11 +32,8 @@ def read_weight_table(path: Path) -> dict[str, float]:
     """
     weights = {}
     for record, text in _read(path, "weight", "[calibration] weights").items():
-        try:
-            weight = float(text)
-        except ValueError:
-            weight = math.nan
-        if not (math.isfinite(weight) and weight >= 0.0):
+        weight = _number(text)
+        if not weight >= 0.0:
             raise ConfigError(
                 f"[calibration] weights: {path}: record {record}: expected a number from 0 up, found {text!r}"
             )
@@ -48,17 +45,7 @@ def record_weights(ids: Sequence[str], events: Sequence[str], rule: str, table: 
     """Weight (n,) of every record, of mean one.
 
     By the rule "equal" every record weighs the same, by "event" every event, shared by its records; any other rule is
-    the name of the table of weights by id.
-
-    Raises
-    ------
-    ConfigError
-        For a record that is not in the table, or weights that are all zero.
-
-    Examples
-    --------
-    >>> record_weights(["a", "b", "c"], ["Kobe", "Kobe", "Maule"], "event", None).tolist()
-    [0.75, 0.75, 1.5]
+    the name of the table of weights by id. ConfigError for a record that is not in it, or weights that are all zero.
     """
     if rule == "equal":
         weights = np.ones(len(ids))
@@ -80,18 +67,10 @@ def record_weights(ids: Sequence[str], events: Sequence[str], rule: str, table: 
 
 @dataclass(frozen=True)
 class Selection:
-    """Records chosen elsewhere, each at one or several levels.
+    """Records chosen elsewhere, each at one or several levels."""
 
-    Attributes
-    ----------
-    by_factor : bool
-        Whether amounts are factors on the record, or levels of a measure.
-    rows : dict
-        By the id of the record its rows, each an amount and a weight.
-    """
-
-    by_factor: bool
-    rows: dict[str, tuple[tuple[float, float], ...]]
+    by_factor: bool  # whether amounts are factors on the record, or levels of a measure
+    rows: dict[str, tuple[tuple[float, float], ...]]  # by the id of the record its rows, each an amount and a weight
 
     @property
     def most(self) -> int:
@@ -120,11 +99,8 @@ def read_selection_table(path: Path) -> Selection:
         values = []
         for name in (kinds[0], *(("weight",) if "weight" in header else ())):
             text = cells.get(name, "")
-            try:
-                value = float(text)
-            except ValueError:
-                value = math.nan
-            if not (math.isfinite(value) and value > 0.0):
+            value = _number(text)
+            if not value > 0.0:
                 raise ConfigError(f"{where}: {path}: row {line}: {name}: expected a number above 0, found {text!r}")
             values.append(value)
         record = cells.get("record", "")
@@ -144,15 +120,25 @@ def selection_of(config: Config) -> Selection | None:
 
     Raises ConfigError for a file that is not there, or no such table; OSError where it cannot be opened.
     """
-    if config.fragility.selection is None:
-        return None
-    path = located(config.fragility.selection, config.folder)
+    given, columns = config.fragility.selection, "record, factor or level, and perhaps weight"
+    return None if given is None else read_selection_table(given_table(given, config, "[fragility] selection", columns))
+
+
+def given_table(given: str, config: Config, where: str, columns: str) -> Path:
+    """The file of a table that the configuration names; a ConfigError where there is none."""
+    path = located(given, config.folder)
     if not path.exists():
-        raise ConfigError(
-            f"[fragility] selection: {path}: no such file; expected a CSV table with the columns record, factor or "
-            "level, and perhaps weight"
-        )
-    return read_selection_table(path)
+        raise ConfigError(f"{where}: {path}: no such file; expected a CSV table with the columns {columns}")
+    return path
+
+
+def _number(text: str) -> float:
+    """The finite number that a text is, else NaN."""
+    try:
+        value = float(text)
+    except ValueError:
+        return math.nan
+    return value if math.isfinite(value) else math.nan
 
 
 def _read(path: Path, column: str, where: str) -> dict[str, str]:
@@ -170,14 +156,15 @@ def _read(path: Path, column: str, where: str) -> dict[str, str]:
 def _rows(path: Path, columns: Sequence[str], where: str) -> tuple[list[str], list[tuple[int, dict[str, str]]]]:
     """The header of a CSV table that has some columns, and its rows by their lines."""
     named = ", ".join(columns)
-    text = read_text(path, what=f"a CSV table with the columns {named}")
+    expected = f"a CSV table with the columns {named}"
+    text = read_text(path, what=expected)
     try:
         reader = csv.reader(io.StringIO(text, newline=""), skipinitialspace=True, strict=True)
         rows = [(reader.line_num, [cell.strip() for cell in row]) for row in reader if any(map(str.strip, row))]
     except csv.Error as error:
-        raise ConfigError(f"{where}: {path}: expected a CSV table with the columns {named}: {error}") from None
+        raise ConfigError(f"{where}: {path}: expected {expected}: {error}") from None
     if not rows:
-        raise ConfigError(f"{where}: {path}: expected a CSV table with the columns {named}; it is empty")
+        raise ConfigError(f"{where}: {path}: expected {expected}; it is empty")
     header = rows[0][1]
     if missing := [name for name in columns if name not in header]:
         raise ConfigError(

@@ -20,7 +20,7 @@ from collections import Counter, defaultdict
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from operator import attrgetter
+from operator import attrgetter, itemgetter
 from pathlib import PurePath
 
 from rockpulse.config.settings import RecordSettings
@@ -73,10 +73,9 @@ def one_vote_each(
 def unmatched_patterns(
     option: str, patterns: Sequence[str], ids: Sequence[str], failures: Iterable[Failure] = ()
 ) -> list[Failure]:
-    """A row where patterns of an option fit no id and may be meant for files that could not be read.
+    """A row where patterns of an option fit no id, but by the failures of reading files are missing; else ConfigError.
 
-    The option is named as the user gave it, as "[records] keep". Which files could not be read is told by the failures
-    of reading. Where every file was read, ConfigError.
+    The option is named as the user gave it, as "[records] keep".
     """
     idle = [pattern for pattern in patterns if not any(id_matches(name, [pattern]) for name in ids)]
     if not idle:
@@ -90,9 +89,8 @@ def unmatched_patterns(
 
 def _site(record: Record, structural: bool) -> tuple[str, ...] | None:
     """Network, station and, on a structure, the place; None for a record that is of one motion with no other."""
-    if not record.station or record.start_time is None or record.orientation == "unknown":
-        return None
-    if record.orientation != "vertical" and not math.isfinite(record.azimuth):
+    directed = record.orientation == "vertical" or math.isfinite(record.azimuth)
+    if not record.station or record.start_time is None or record.orientation == "unknown" or not directed:
         return None
     if record.orientation != "structural":
         return record.network, record.station
@@ -104,18 +102,14 @@ def _at_once(members: Sequence[Record]) -> Iterator[list[Record]]:
     """The records of a site in stretches between which the station is silent."""
     stretch: list[Record] = []
     end = -math.inf
-    for record in sorted(members, key=_start):
-        if _start(record) >= end and stretch:
+    timed = [(record.start_time.timestamp(), record) for record in members if record.start_time is not None]
+    for start, record in sorted(timed, key=itemgetter(0)):
+        if start >= end and stretch:
             yield stretch
             stretch = []
         stretch.append(record)
-        end = max(end, _start(record) + record.duration)
+        end = max(end, start + record.duration)
     yield stretch
-
-
-def _start(record: Record) -> float:
-    assert record.start_time is not None
-    return record.start_time.timestamp()
 
 
 @dataclass(frozen=True, eq=False)
@@ -127,12 +121,10 @@ class _Volume:
 
     @cached_property
     def horizontal(self) -> list[Record]:
-        """The channels that are assessed."""
         return [one for one in self.channels if one.orientation != "vertical"]
 
     @cached_property
     def vertical(self) -> list[Record]:
-        """The channels that may act beside them."""
         return [one for one in self.channels if one.orientation == "vertical"]
 
     @cached_property
@@ -143,22 +135,19 @@ class _Volume:
 
     @property
     def level(self) -> float:
-        """Depth of the sensor [m], 0 at the surface."""
         return sensor_level(self.channels[0])
 
     @property
     def processed(self) -> bool | None:
-        """State of processing, the same for all channels."""
         return self.channels[0].processed
 
     @cached_property
     def dt(self) -> float:
-        """Longest sampling interval [s], to six digits."""
-        return float(f"{max(one.dt for one in self.channels):.6g}")  # some headers state a rate, others an interval
+        """Longest sampling interval [s], to six digits: some headers state a rate, others an interval."""
+        return float(f"{max(one.dt for one in self.channels):.6g}")
 
     @cached_property
     def duration(self) -> float:
-        """Length of the longest channel [s]."""
         return max(one.duration for one in self.channels)
 
     def rank(self, settings: RecordSettings) -> tuple[object, ...]:
@@ -179,8 +168,7 @@ class _Poll:
     """The vote among the records that a site made at one time."""
 
     def __init__(self, records: Sequence[Record], settings: RecordSettings, advice: str) -> None:
-        self.settings = settings
-        self.advice = advice
+        self.settings, self.advice = settings, advice
         self.outvoted: dict[int, Failure] = {}
         if len(records) == 1:
             return
@@ -191,7 +179,13 @@ class _Poll:
                 for record in volume.horizontal:
                     if bool(_fault(record, settings.confirm)) is yields:
                         self._ask(record, volume)
-        self._verticals()
+        # Vertical channels go with the horizontal ones of their volume; of the others one of each motion stays.
+        stays = {id(volume): any(id(one) not in self.outvoted for one in volume.horizontal) for volume in self.volumes}
+        for following in (True, False):
+            for volume in self.volumes:
+                if stays[id(volume)] is following:
+                    for record in volume.vertical:
+                        self._ask(record, volume, following)
 
     def _ask(self, record: Record, volume: _Volume, following: bool = False) -> None:
         """Let a record vote, or leave it out for the one that has its vote; `following` says that it was not asked."""
@@ -201,15 +195,6 @@ class _Poll:
         elif not id_matches(record.id, self.settings.keep):
             nearest = next((rival for rival in rivals if _one_direction(record, rival[0])), rivals[0])
             self.outvoted[id(record)] = self._row(record, volume, *nearest)
-
-    def _verticals(self) -> None:
-        """Vertical channels go with the horizontal ones of their volume; of the others one of each motion stays."""
-        stays = {id(volume): any(id(one) not in self.outvoted for one in volume.horizontal) for volume in self.volumes}
-        for following in (True, False):
-            for volume in self.volumes:
-                if stays[id(volume)] is following:
-                    for record in volume.vertical:
-                        self._ask(record, volume, following)
 
     def _same(self, record: Record, voter: Record, elected: _Volume, volume: _Volume) -> bool:
         """Whether a record and one that votes, each in its volume, are of one motion."""
@@ -225,8 +210,7 @@ class _Poll:
         how = "the same motion as" if _one_direction(record, voter) else "held by the pair with"
         told = f"{record.id}: {how} {voter.id} of {voter.source}, which is assessed in its place: "
         told += self._why(record, volume, voter, elected)
-        bare = uncovered(voter, record)
-        if bare > 0.5 * record.duration:
+        if (bare := uncovered(voter, record)) > 0.5 * record.duration:
             told += f"; {bare:.0f} of the {record.duration:.0f} s of this one are not in it"
         told += f"; {self.advice}" if self.advice else ""
         return Failure(record.source, "select", told, "depth" if deeper else "duplicate")
@@ -236,10 +220,10 @@ class _Poll:
         confirm = self.settings.confirm
         if (fault := _fault(record, confirm)) and not _fault(voter, confirm):
             return fault
-        if record.orientation == "vertical" and volume.rank(self.settings) < elected.rank(self.settings):
+        own, others = volume.rank(self.settings), elected.rank(self.settings)
+        if record.orientation == "vertical" and own < others:
             return "the horizontal channels of its volume are assessed"
-        ranks = zip(volume.rank(self.settings), elected.rank(self.settings), strict=True)
-        place = next(place for place, (mine, other) in enumerate(ranks) if mine != other)
+        place = next(place for place, pair in enumerate(zip(own, others, strict=True)) if pair[0] != pair[1])
         depth = "at the bottom of a borehole" if math.isinf(volume.level) else f"{volume.level:g} m below the ground"
         rules = (
             f"this one was recorded {depth}, the other {'at' if elected.level == 0.0 else 'nearer to'} the surface",
@@ -263,17 +247,13 @@ def _volumes(records: Sequence[Record], confirm: Sequence[str]) -> list[_Volume]
         folder = str(PurePath(record.source.replace("!", "/")).parent)
         together = record.source if channels[record.source] > 1 else folder
         found = groups[*instrument(record), together]
-        fits = (one for one in found if all(_beside(record, other) for other in one.channels))
-        volume = next(fits, None)
-        if volume is None:
-            found.append(_Volume([record], confirm))
+        for volume in found:
+            if all(concurrent(record, one) and not _one_direction(record, one) for one in volume.channels):
+                volume.channels.append(record)
+                break
         else:
-            volume.channels.append(record)
+            found.append(_Volume([record], confirm))
     return [volume for found in groups.values() for volume in found]
-
-
-def _beside(record: Record, other: Record) -> bool:
-    return concurrent(record, other) and not _one_direction(record, other)
 
 
 def _one_direction(record: Record, other: Record) -> bool:

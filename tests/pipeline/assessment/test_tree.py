@@ -98,30 +98,3 @@ def test_every_body_and_model_has_the_statistics_of_its_own(with_probability):
         assert [cell[name].values[0] for name in names] == pytest.approx(expected)
         assert cell["unanswered_count"].values[1] == 1
         assert np.isnan([cell[name].values[1] for name in names[1:3] + names[5:]]).all()
-
-
-def test_the_statistics_of_a_pair_are_those_of_its_directions():
-    """Two directions of one pair; of another pair one was not assessed, a third has no record at all."""
-    of = ("record", "block", "model")
-    values = {"peak_rotation_ratio": [0.2, 0.6, 0.1], "safety_factor": [3.0, 1.5, 4.0], "outcome": [1, 1, 1]}
-    values |= {"overturning_time": [NAN] * 3}
-    summary = xr.Dataset(
-        {name: (of, np.reshape(own, (3, 1, 1))) for name, own in values.items()}
-        | {"overturning_probability": (("record", "block"), [[0.1], [0.4], [0.0]])}
-        | {"pga": ("record", [1.0, 3.0, 2.0]), "main_impulse": ("record", [0.2, 0.4, 0.3])},
-        {"record": ["a.0", "a.90", "b.0"], "block": ["wall"], "model": ["nonlinear"]},
-    )
-    pairs = {"a": ["a.0", "a.90"], "b": ["b.0", "b.90"], "c": ["c.0", "c.90"]}
-    found = direction_statistics(summary, [0.0, 90.0], pairs, with_probability=True)
-    assert found["pair"].values.tolist() == ["a", "b"]
-    assert found["pga_median"].values.tolist()[0] == 2.0
-    assert (found["pga_largest"].values[0], found["pga_azimuth"].values[0]) == (3.0, 90.0)
-    assert found["median_rotation_ratio"].values[0, 0, 0] == pytest.approx(0.4)
-    assert (found["largest_rotation_ratio"].values[0, 0, 0], found["largest_azimuth"].values[0, 0, 0]) == (0.6, 90.0)
-    assert (found["smallest_safety_factor"].values[0, 0, 0], found["safety_factor_azimuth"].values[0, 0, 0]) == (
-        1.5,
-        90.0,
-    )
-    assert found["unanswered_count"].values[:, 0, 0].tolist() == [0, 1]
-    assert found["overturning_share"].values[:, 0, 0].tolist() == [0.0, 0.0]
-    assert found[MEAN].values[:, 0] == pytest.approx([0.25, NAN], nan_ok=True)
