@@ -89,8 +89,9 @@ def unmatched_patterns(
 
 def _site(record: Record, structural: bool) -> tuple[str, ...] | None:
     """Network, station and, on a structure, the place; None for a record that is of one motion with no other."""
-    directed = record.orientation == "vertical" or math.isfinite(record.azimuth)
-    if not record.station or record.start_time is None or record.orientation == "unknown" or not directed:
+    if not record.station or record.start_time is None or record.orientation == "unknown":
+        return None
+    if record.orientation != "vertical" and not math.isfinite(record.azimuth):
         return None
     if record.orientation != "structural":
         return record.network, record.station

@@ -375,5 +375,5 @@ def test_a_sequence_is_matched_to_the_record_only_where_a_model_takes_it():
     assert scene.sequence is not None
     assert matched(scene, config) is scene
     config = replace(config, models=ModelSettings(use=("sequence",)))
-    without = replace(scene, models=config.models, sequence=None)
+    without = replace(scene, sequence=None)
     assert matched(without, config) is without

@@ -201,6 +201,7 @@ def test_the_sequence_of_a_floor_is_matched_to_its_motion(monkeypatch):
     assert np.array_equal(seen[0].acceleration, floor_record(RECORD, (FLOOR,)).acceleration)
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("restitution", ["housner", (0.9, 0.8)])
 def test_a_body_is_answered_alike_alone_and_among_others(restitution):
     blocks = body("ground", restitution=restitution), body("aloft", floors=(FLOOR,), restitution=restitution)
@@ -262,7 +263,11 @@ def turned(*blocks, records=PAIR, **options):
 
 @pytest.mark.parametrize(
     ("options", "direction"),
-    [({"azimuth": 30.0}, 30.0), (LEANING | {"facing": 210.0}, 210.0), (LEANING | {"facing": 300.0}, 300.0)],
+    [
+        ({"azimuth": 30.0}, 30.0),
+        pytest.param(LEANING | {"facing": 210.0}, 210.0, marks=pytest.mark.sweep),
+        pytest.param(LEANING | {"facing": 300.0}, 300.0, marks=pytest.mark.sweep),
+    ],
 )
 def test_each_body_is_shaken_in_its_own_direction(options, direction):
     blocks = body("others"), body("own", **options)
@@ -323,6 +328,7 @@ def test_histories_of_a_turned_body_are_those_that_are_stored():
             rp.plots.histories(tree, "XX.STA..H075", "own")
 
 
+@pytest.mark.sweep
 def test_fragility_of_each_body_is_that_of_its_place():
     blocks = body("others"), body("own", azimuth=30.0), body("aloft", floors=(FLOOR,))
     records = rp.RecordSettings(components="azimuth", azimuth=75.0)

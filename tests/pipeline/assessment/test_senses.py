@@ -130,6 +130,7 @@ def test_what_is_stored_makes_the_same_body_again(tmp_path):
     assert [ax.get_title() for ax in figure.axes if ax.get_visible()] == ["façade", "corners", "tied"]
 
 
+@pytest.mark.sweep
 def test_fragility_takes_both_senses_of_an_earthquake():
     records = [record(name=f"pulse {number}") for number in range(3)]
     tree = rp.fragility_curves(records, replace(config(settings()), models=rp.ModelSettings()))

@@ -63,17 +63,15 @@ def test_the_standing_of_an_answer(answers, expected):
     ("answers", "words"),
     [
         ({}, ""),
-        ({"outcome": Outcome.UNRESOLVED, "reason": Reason.FREE_FLIGHT}, "free flight"),
+        ({"outcome": Outcome.UNRESOLVED, "reason": Reason.FREE_FLIGHT}, "free_flight"),
         ({"outcome": Outcome.UNRESOLVED}, "unresolved"),
-        ({"applicable": 0}, "outside the range"),
-        ({"safety_factor": 0.9, "factor_resolved": 0}, "a weaker copy may overturn it"),
+        ({"applicable": 0}, "outside"),
+        ({"safety_factor": 0.9, "factor_resolved": 0}, "weaker"),
     ],
 )
 def test_why_it_is_not_known(answers, words):
     summary = one(**answers)
-    found = str(why_unknown(Answers(summary))[0, 0])
-    assert found.startswith(words)
-    assert bool(found) == bool(words)
+    assert str(why_unknown(Answers(summary))[0, 0]) == words
 
 
 @pytest.mark.parametrize(
@@ -116,6 +114,7 @@ def test_the_interval_of_certain_answers_is_that_of_clopper_and_pearson():
     assert binom.sf(1, 8, share.low) == pytest.approx(0.05)
 
 
+@pytest.mark.sweep
 def test_the_interval_covers_the_mean_of_the_earthquakes_it_was_not_given():
     rng = np.random.default_rng(5)
 

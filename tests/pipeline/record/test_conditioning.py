@@ -9,7 +9,6 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from rockpulse.config import settings as configuration
 from rockpulse.errors import ConfigError
 from rockpulse.record import conditioning
 from rockpulse.record.conditioning import BASELINES, condition, quiet_samples
@@ -50,10 +49,6 @@ def amplitude_and_phase(motion, frequency, start=10.0, end=30.0):
         np.column_stack((np.sin(angle), np.cos(angle))), motion.acceleration[inside], rcond=None
     )[0]
     return math.hypot(sine_part, cosine_part), math.atan2(cosine_part, sine_part)
-
-
-def test_baselines_are_those_of_the_configuration():
-    assert set(BASELINES) == set(configuration.BASELINES)
 
 
 @properties
