@@ -222,7 +222,8 @@ def assess_sequence(
     )
     # The ground is at rest: the models in use take the sequence and nothing else.
     rest = Record(np.zeros(2), dt=1.0, id=name, source=source)
-    waves = HalfWaves(*[np.zeros(0)] * 6, dt=rest.dt, record_id=name)
+    none = np.zeros(0)
+    waves = HalfWaves(none, none, none, none, none, none, dt=rest.dt, record_id=name)
     phase = IntensePhase(0.0, float(np.max(sequence.duration)))
     scene = Scene(rest, None, waves, phase, sequence, **solver_options(config))
     done = replace(assess_scene(scene, bodies, config), shaken=False)

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import heapq
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -75,7 +75,7 @@ class HalfWaves(Shown):
     def between(self, start: float, end: float) -> HalfWaves:
         """The waves whose centroid lies from a start to an end [s] from the first sample, both included."""
         inside = (self.centroid >= start) & (self.centroid <= end)
-        return HalfWaves(*(getattr(self, name)[inside] for name in COLUMNS), dt=self.dt, record_id=self.record_id)
+        return replace(self, **{name: getattr(self, name)[inside] for name in COLUMNS})
 
     def _facts(self) -> dict[str, str]:
         facts = {"of": self.record_id} if self.record_id else {}

@@ -176,14 +176,12 @@ def _with_partners(planned: Iterable[PlannedMotion], horizontal: Sequence[Record
         id(one): other for pair in find_pairs(horizontal)[0] for one, other in (pair.channels, pair.channels[::-1])
     }
     alone = Remark("scaled_alone", reason="no other horizontal channel is known to go with it")
-    return [
-        one
-        if one.rotated
-        else replace(one, partner=partner[id(one.channels[0])])
-        if id(one.channels[0]) in partner
-        else replace(one, remarks=(*one.remarks, alone))
-        for one in planned
-    ]
+
+    def partnered(one: PlannedMotion) -> PlannedMotion:
+        other = partner.get(id(one.channels[0]))
+        return replace(one, partner=other, remarks=one.remarks if other is not None else (*one.remarks, alone))
+
+    return [one if one.rotated else partnered(one) for one in planned]
 
 
 def _with_vertical(planned: PlannedMotion, verticals: Neighbours) -> PlannedMotion:
