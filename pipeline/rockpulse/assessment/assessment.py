@@ -13,11 +13,7 @@ import numpy as np
 from rocking.impulses.impulse_sequence import ImpulseSequence
 from rockpulse.assessment.record_assessment import assess_scene
 from rockpulse.assessment.results import registered
-from rockpulse.assessment.scene import (
-    extract,
-    matched,
-    solver_options,
-)
+from rockpulse.assessment.scene import extract, matched, solver_options
 from rockpulse.assessment.tree import EVENT, build_tree, nothing, record_part, template
 from rockpulse.config.bodies import Bodies, gather_bodies, refuse_aloft
 from rockpulse.config.configuration import Config, given_config
