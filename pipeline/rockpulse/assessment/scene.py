@@ -143,8 +143,8 @@ def aloft(scene: Scene, place: Place, config: Config) -> Scene:
 
 def floor_record(record: Record, floors: Sequence[FloorSettings]) -> Record:
     """The motion of a floor under a conditioned record, by the modes of its building."""
-    modes = ([getattr(one, name) for one in floors] for name in ("period", "damping", "participation"))
-    found = floor_motion(record.acceleration, record.dt, *modes, quiet=QUIET * STANDARD_GRAVITY)
+    period, damping, share = ([getattr(one, name) for one in floors] for name in ("period", "damping", "participation"))
+    found = floor_motion(record.acceleration, record.dt, period, damping, share, quiet=QUIET * STANDARD_GRAVITY)
     return replace(record, acceleration=found.acceleration, dt=found.dt)
 
 

@@ -122,10 +122,12 @@ class _Volume:
 
     @cached_property
     def horizontal(self) -> list[Record]:
+        """The channels that are assessed."""
         return [one for one in self.channels if one.orientation != "vertical"]
 
     @cached_property
     def vertical(self) -> list[Record]:
+        """The channels that may act beside them."""
         return [one for one in self.channels if one.orientation == "vertical"]
 
     @cached_property
@@ -136,10 +138,12 @@ class _Volume:
 
     @property
     def level(self) -> float:
+        """Depth of the sensor [m], 0 at the surface."""
         return sensor_level(self.channels[0])
 
     @property
     def processed(self) -> bool | None:
+        """State of processing, the same for all channels."""
         return self.channels[0].processed
 
     @cached_property
@@ -149,6 +153,7 @@ class _Volume:
 
     @cached_property
     def duration(self) -> float:
+        """Length of the longest channel [s]."""
         return max(one.duration for one in self.channels)
 
     def rank(self, settings: RecordSettings) -> tuple[object, ...]:
