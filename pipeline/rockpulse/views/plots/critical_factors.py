@@ -10,6 +10,7 @@ import numpy as np
 from rockpulse.assessment.answers import fullest_model
 from rockpulse.errors import ResultsError
 from rockpulse.model_table import SEQUENCE_MODELS, UPPER_BOUND, SearchSettings, is_full, is_upper_bound
+from rockpulse.views.plots import style
 from rockpulse.views.plots.factor_rows import (
     HALF,
     ROW,
@@ -28,21 +29,7 @@ from rockpulse.views.plots.factor_rows import (
     whiskers,
 )
 from rockpulse.views.plots.selection import chosen_case, named_body, one_name, setting
-from rockpulse.views.plots.style import (
-    BLACK,
-    GREEN,
-    GREY,
-    RED,
-    SMALL,
-    caption,
-    counted,
-    label,
-    look,
-    one_axes,
-    plain,
-    title,
-    wrapped,
-)
+from rockpulse.views.plots.style import BLACK, GREEN, GREY, RED, SMALL
 from rockpulse.views.shared.answer_cells import TITLES
 
 if TYPE_CHECKING:
@@ -135,7 +122,7 @@ def overturning_map(
     asked = factors_to_demands(summary, [one for one, _, _ in rows], [body for _, body, _ in rows], end)
     needed = {name: asked_of(ticks, kept, merged) for name, ticks in asked.items()}
     rows, factors, bound = [rows[place] for place in kept], factors[kept], resolved[kept] == 0
-    ax = one_axes(ax, height=1.5 + ROW * max(len(rows), 3))
+    ax = style.one_axes(ax, height=1.5 + ROW * max(len(rows), 3))
     ends = {one: _of_rows(summary, one, records, blocks, model)[kept] for one in ("factor_50", *_ENDS)}
     lowest = least(needed, float(np.nanmin(np.where(factors > 0.0, factors, np.nan), initial=1.0)))
     begin = _BELOW * lowest
@@ -156,14 +143,14 @@ def overturning_map(
     factor_axis(ax, names, begin, end)
     ax.set_xlabel(f"factor on the {_input(model)} [-]")
     legend_rows = legend_once(ax, columns=4)
-    heading = plain(records[0]) if len(records) == 1 else plain(blocks[0])
-    title(ax, f"{heading}: {look(model).label} model", rows=legend_rows)
+    heading = style.plain(records[0]) if len(records) == 1 else style.plain(blocks[0])
+    style.title(ax, f"{heading}: {style.look(model).label} model", rows=legend_rows)
     if name == "factor_10":
         told = summary[name].attrs.get("comment", "nonlinear model")
         words = f"Dashed: the record as it is. Line: interval of 90 %. P, probability of overturning: {told}."
     else:
         words = _map_notes(model, end, float(np.nanmax(steps, initial=1.0)), outside, bool(np.any(bound)))
-    caption(ax, " ".join([note + words, *tick_notes(asked)]))
+    style.caption(ax, " ".join([note + words, *tick_notes(asked)]))
     return ax
 
 
@@ -218,7 +205,7 @@ def critical_scale(
     factor = own["safety_factor"].sel(model=leading).values
     order = np.argsort(factor, kind="stable")[:ROWS]
     end = float(setting(tree, "search", "factor_max", SearchSettings().factor_max))
-    ax = one_axes(ax, height=1.6 + ROW * max(order.size, 4))
+    ax = style.one_axes(ax, height=1.6 + ROW * max(order.size, 4))
     shown = own.isel(record=order)
     lowest = 1.0
     for place, name in enumerate(searched):
@@ -229,11 +216,13 @@ def critical_scale(
     factor_axis(
         ax, [str(name) for name in shown["record"].values], _BELOW * lowest, end, end * _NONE ** (len(searched) + 1)
     )
-    ax.set_xlabel(wrapped(label(own["safety_factor"].attrs), 64))
+    ax.set_xlabel(style.wrapped(style.label(own["safety_factor"].attrs), 64))
     legend_rows = legend_once(ax, columns=3)
-    title(ax, f"{plain(named_body(summary, block, case))}: critical scale of each record", rows=legend_rows)
-    told = [f"{look(name).label.capitalize()}: factor of 10 % probability." for name in searched if name in probable]
-    caption(ax, " ".join([_scale_notes(own, shown, searched, leading, end), *told, *tick_notes(needed)]))
+    style.title(ax, f"{style.plain(named_body(summary, block, case))}: critical scale of each record", rows=legend_rows)
+    told = [
+        f"{style.look(name).label.capitalize()}: factor of 10 % probability." for name in searched if name in probable
+    ]
+    style.caption(ax, " ".join([_scale_notes(own, shown, searched, leading, end), *told, *tick_notes(needed)]))
     return ax
 
 
@@ -300,17 +289,17 @@ def _smallest(ax: Axes, factors: np.ndarray, bound: np.ndarray, words: str) -> N
 
 def _markers(ax: Axes, answers: xr.Dataset, model: str, none_at: float) -> float:
     """Draw the factors of one model, and return the smallest."""
-    style, factor = look(model), answers["safety_factor"].values
+    appearance, factor = style.look(model), answers["safety_factor"].values
     places = np.arange(factor.size)
     inside, bound = answers["applicable"].values != 0, answers["factor_resolved"].values == 0
     finite, none = np.isfinite(factor), np.isinf(factor)
-    common: dict[str, Any] = {"ls": "none", "color": style.color, "mec": style.color, "mew": 0.9, "zorder": 3}
-    ax.plot([], [], marker=style.marker, ms=4.5, label=style.label, **common)
-    for chosen_rows, face in ((finite & inside, style.color), (finite & ~inside, "white")):
-        ax.plot(factor[chosen_rows], places[chosen_rows], marker=style.marker, ms=4.5, mfc=face, **common)
+    common: dict[str, Any] = {"ls": "none", "color": appearance.color, "mec": appearance.color, "mew": 0.9, "zorder": 3}
+    ax.plot([], [], marker=appearance.marker, ms=4.5, label=appearance.label, **common)
+    for chosen_rows, face in ((finite & inside, appearance.color), (finite & ~inside, "white")):
+        ax.plot(factor[chosen_rows], places[chosen_rows], marker=appearance.marker, ms=4.5, mfc=face, **common)
     arrow = {**common, "mew": 0.2}
     ax.plot(_ARROW * factor[finite & bound], places[finite & bound], marker=r"$\rightarrow$", ms=8, **arrow)
-    ax.plot(np.full(int(none.sum()), none_at), places[none], marker=style.marker, ms=3.2, mfc="none", **common)
+    ax.plot(np.full(int(none.sum()), none_at), places[none], marker=appearance.marker, ms=3.2, mfc="none", **common)
     return float(np.min(factor[finite], initial=1.0))
 
 
@@ -322,7 +311,7 @@ def _map_notes(model: str, end: float, step: float, outside: Sequence[str], boun
     if bound:
         words.append("Hollow: a lower bound, from there on the model cannot answer.")
     if outside:
-        words.append(f"Outside the range of the model: {plain(counted(dict.fromkeys(outside)))}.")
+        words.append(f"Outside the range of the model: {style.plain(style.counted(dict.fromkeys(outside)))}.")
     words += _bounds([model])
     return " ".join(words)
 

@@ -9,22 +9,9 @@ import numpy as np
 
 from rockpulse.config.study_settings import OVERTURNING, UPLIFT, HazardSettings
 from rockpulse.record.measures import PGA
+from rockpulse.views.plots import style
 from rockpulse.views.plots.selection import one_name, setting
-from rockpulse.views.plots.style import (
-    GREY,
-    Look,
-    Panels,
-    caption,
-    label,
-    legend_above,
-    looks,
-    plain,
-    plain_ticks,
-    readable,
-    several_axes,
-    title,
-    wrapped,
-)
+from rockpulse.views.plots.style import GREY, Look, Panels
 from rockpulse.views.text.fragility import shown_measure
 
 if TYPE_CHECKING:
@@ -128,7 +115,7 @@ def fragility_panels(
     curves = tree["fragility"].to_dataset()
     block = one_name(curves, "block", block)
     chosen = [one_name(curves, "measure", name) for name in measures or _usual_measures(tree, curves)]
-    panels = several_axes(axes, 1, len(chosen), height=4.2, sharey=True).ravel()
+    panels = style.several_axes(axes, 1, len(chosen), height=4.2, sharey=True).ravel()
     states = [one_name(curves, "limit_state", str(name)) for name in limit_states or curves["limit_state"].values]
     gravest = [*(state for state in states if state == OVERTURNING), *states[::-1]]
     alone = len(chosen) == 1
@@ -137,18 +124,20 @@ def fragility_panels(
     for ax, measure in zip(panels, chosen, strict=True):
         own = curves.sel(block=block, measure=measure)
         said.append(_panel(ax, tree, own, states, _banded(own, states if limit_states else gravest), alone))
-        ax.set_xlabel(wrapped(ax.get_xlabel(), 90 // len(chosen)))
+        ax.set_xlabel(style.wrapped(ax.get_xlabel(), 90 // len(chosen)))
         found = dict(zip(*ax.get_legend_handles_labels()[::-1], strict=True)) | found
-    panels[0].set_ylabel(wrapped(label(curves["probability"].attrs), 30))  # small print may leave it little height
+    panels[0].set_ylabel(
+        style.wrapped(style.label(curves["probability"].attrs), 30)
+    )  # small print may leave it little height
     names = sorted(found, key=lambda words: words == LIFTS)
-    legend_above(panels[0], 3, across=True, handles=[found[name] for name in names], labels=names)
-    title(panels[0], plain(block), rows=-(-len(names) // 3))
+    style.legend_above(panels[0], 3, across=True, handles=[found[name] for name in names], labels=names)
+    style.title(panels[0], style.plain(block), rows=-(-len(names) // 3))
     words = [one for one in said[0] if all(one in notes for notes in said)]
     for measure, notes in zip(chosen, said, strict=True):
         own_words = " ".join(one for one in notes if one not in words)
-        name = readable(str(curves["measure_long_name"].sel(measure=measure).item()))
+        name = style.readable(str(curves["measure_long_name"].sel(measure=measure).item()))
         words += [f"In {name}: {own_words}"] if own_words else []
-    caption(panels[0], " ".join(words))
+    style.caption(panels[0], " ".join(words))
     return panels
 
 
@@ -169,20 +158,20 @@ def _panel(
     shown = _shown(own.sel(limit_state=list(states)))
     marked = len(states) <= _POINTS and tree.attrs.get("data") == "ida"
     remarks: dict[str, list[str]] = {}
-    for state, style in zip(states, looks([_named(state) for state in states]), strict=True):
+    for state, appearance in zip(states, style.looks([_named(state) for state in states]), strict=True):
         one = own.sel(limit_state=state)
         if str(one["statement"].item()):
-            remarks.setdefault(str(one["statement"].item()), []).append(style.label)
+            remarks.setdefault(str(one["statement"].item()), []).append(appearance.label)
         if not bool(one["probability"].notnull().any()):
-            ax.plot([], [], color=style.color, ls=style.line, label=style.label + ": no curve" * alone)
+            ax.plot([], [], color=appearance.color, ls=appearance.line, label=appearance.label + ": no curve" * alone)
             continue
-        words = style.label + (" (extrapolated)" if alone and int(one["extrapolated"]) else "")
-        ax.plot(*_curve(one, "probability"), color=style.color, ls=style.line, lw=1.4, label=words)
+        words = appearance.label + (" (extrapolated)" if alone and int(one["extrapolated"]) else "")
+        ax.plot(*_curve(one, "probability"), color=appearance.color, ls=appearance.line, lw=1.4, label=words)
         if state == banded and not _says_nothing(one, shown):
-            _band(ax, one, style)
+            _band(ax, one, appearance)
         if marked:
             capacities = tree["capacities"].to_dataset().sel(block=own["block"].item())
-            _capacities(ax, capacities, state, measure, style, float(capacities.attrs["factor_max"]))
+            _capacities(ax, capacities, state, measure, appearance, float(capacities.attrs["factor_max"]))
     ax.set_xscale("log")
     first, last = (float(end(level[shown], initial=np.nan)) for end in (np.fmin.reduce, np.fmax.reduce))
     if first < last:
@@ -194,8 +183,8 @@ def _panel(
         notes.append("The body is never lifted by less than the grey line, whatever a curve says.")
     ax.set_ylim(-0.01, 1.01)
     attrs = {"long_name": str(own["measure_long_name"].item())}
-    ax.set_xlabel(label(attrs, units=str(own["measure_units"].item())))
-    plain_ticks(ax.xaxis)
+    ax.set_xlabel(style.label(attrs, units=str(own["measure_units"].item())))
+    style.plain_ticks(ax.xaxis)
     if _crossing(own.isel(limit_state=own["limit_state"].isin(states)), shown):
         notes.append("Fitted one by one: where a curve lies above that of a milder limit state it says nothing.")
     if marked:
@@ -209,7 +198,7 @@ def _named(state: str) -> str:
     return "overturning" if state == OVERTURNING else rf"$\theta_{{max}}/\alpha_c \geq$ {state}"
 
 
-def _capacities(ax: Axes, own: xr.Dataset, state: str, measure: str, style: Look, end: float) -> None:
+def _capacities(ax: Axes, own: xr.Dataset, state: str, measure: str, appearance: Look, end: float) -> None:
     """Capacity of every record at its share (Kaplan-Meier): one that does not reach the state is known to be above."""
     from scipy.stats import CensoredData, ecdf
 
@@ -224,10 +213,10 @@ def _capacities(ax: Axes, own: xr.Dataset, state: str, measure: str, style: Look
         found.quantiles[risen > 0.0],
         (found.probabilities - 0.5 * risen)[risen > 0.0],
         ls="none",
-        marker=style.marker,
+        marker=appearance.marker,
         ms=3.2,
         mfc="white",
-        mec=style.color,
+        mec=appearance.color,
         mew=0.6,
         zorder=2.5,
     )
@@ -273,11 +262,11 @@ def _says_nothing(one: xr.Dataset, shown: np.ndarray) -> bool:
     return bool(np.median((one["probability_high"] - one["probability_low"]).values[shown]) > _WIDE)
 
 
-def _band(ax: Axes, one: xr.Dataset, style: Look) -> None:
+def _band(ax: Axes, one: xr.Dataset, appearance: Look) -> None:
     (level, low), (_, high) = _curve(one, "probability_low"), _curve(one, "probability_high")
-    ax.fill_between(level, low, high, color=style.color, alpha=0.16, lw=0)
+    ax.fill_between(level, low, high, color=appearance.color, alpha=0.16, lw=0)
     for edge in (low, high):
-        ax.plot(level, edge, color=style.color, ls=style.line, lw=0.5, alpha=0.7)
+        ax.plot(level, edge, color=appearance.color, ls=appearance.line, lw=0.5, alpha=0.7)
 
 
 def _counts(tree: xr.DataTree, own: xr.Dataset) -> str:

@@ -16,27 +16,9 @@ from rockpulse.sequences.estimators import calibrate
 from rockpulse.storage.variables import real
 from rockpulse.storage.variables.assessment import WAVES
 from rockpulse.storage.variables.summary import RECORD
+from rockpulse.views.plots import style
 from rockpulse.views.plots.selection import ragged
-from rockpulse.views.plots.style import (
-    BLACK,
-    BLUE,
-    FONT,
-    GREY,
-    INSTANTS,
-    ORANGE,
-    RED,
-    SKY,
-    Panels,
-    caption,
-    dressed,
-    figure_of,
-    label,
-    legend_above,
-    plain,
-    several_axes,
-    title,
-    wrapped,
-)
+from rockpulse.views.plots.style import BLACK, BLUE, FONT, GREY, INSTANTS, ORANGE, RED, SKY, Panels
 from rockpulse.views.shared.facts import Known, record_words
 
 if TYPE_CHECKING:
@@ -206,12 +188,12 @@ def accelerogram(motion: xr.Dataset, axes: Panels | None = None) -> np.ndarray:
         The record, the intense phase, the impulses.
     """
     if axes is None:
-        figure = figure_of(height=5.6)
+        figure = style.figure_of(height=5.6)
         panels = figure.subplots(3, 1, height_ratios=[0.55, 1.0, 1.0])
         panels[2].sharex(panels[1])
-        panels = np.array([dressed(ax) for ax in panels])
+        panels = np.array([style.dressed(ax) for ax in panels])
     else:
-        panels = several_axes(axes, 3)[:, 0]
+        panels = style.several_axes(axes, 3)[:, 0]
     phase = float(motion["intense_start"]), float(motion["intense_end"])
     around = max(_AROUND * (phase[1] - phase[0]), _LEAST)
     end = float(motion["time"][-1])
@@ -223,11 +205,11 @@ def accelerogram(motion: xr.Dataset, axes: Panels | None = None) -> np.ndarray:
     _half_waves(motion, phase, window, panels[1])
     _impulses(motion, phase, window, panels[2])
     names = [motion.attrs["record"], *([motion.attrs["words"]] if axes is None and motion.attrs["words"] else [])]
-    title(panels[0], "\n".join(map(plain, names)))
+    style.title(panels[0], "\n".join(map(style.plain, names)))
     panels[0].set_xlim(0.0, end)
     for ax in panels[1:]:
         ax.set_xlim(*window)
-    panels[2].set_xlabel(label(motion["time"].attrs))
+    panels[2].set_xlabel(style.label(motion["time"].attrs))
     for ax, words in zip(panels, ("whole record", "intense phase", "impulses"), strict=True):
         ax.set_gid(f"panel-{words.replace(' ', '-')}")
     return panels
@@ -264,8 +246,8 @@ def _half_waves(motion: xr.Dataset, phase: tuple[float, float], window: tuple[fl
         words = "half-waves above half the largest impulse" if first else None
         ax.fill_between(instants, values, color=ORANGE, alpha=0.85, lw=0.4, ec=ORANGE, label=words, zorder=3)
         first = False
-    ax.set_ylabel(wrapped(label(motion["acceleration"].attrs), 24))
-    legend_above(ax, 2)
+    ax.set_ylabel(style.wrapped(style.label(motion["acceleration"].attrs), 24))
+    style.legend_above(ax, 2)
 
 
 def _strong_waves(motion: xr.Dataset, phase: tuple[float, float]) -> tuple[np.ndarray, np.ndarray]:
@@ -284,19 +266,19 @@ def _impulses(motion: xr.Dataset, phase: tuple[float, float], window: tuple[floa
     strong = within & (np.abs(impulse) >= _STRONG * np.max(np.abs(impulse[within]), initial=0.0)) & shown
     if np.any(strong):
         ax.plot(centroid[strong], impulse[strong], "o", color=BLUE, ms=3.0, label="above half the largest")
-    for name, symbol, style in (("main_impulse", "I", "-"), ("secondary_impulse", "I_s", (0, (1.2, 1.2)))):
+    for name, symbol, dashes in (("main_impulse", "I", "-"), ("secondary_impulse", "I_s", (0, (1.2, 1.2)))):
         size = float(motion[name])
         if np.isfinite(size):
-            ax.axhline(size, color=RED, ls=style, lw=1.0, label=rf"$\pm {symbol}$ = {size:.3g} m/s")
-            ax.axhline(-size, color=RED, ls=style, lw=1.0)
+            ax.axhline(size, color=RED, ls=dashes, lw=1.0, label=rf"$\pm {symbol}$ = {size:.3g} m/s")
+            ax.axhline(-size, color=RED, ls=dashes, lw=1.0)
     limit = max(largest, 1e-12) * 1.15
     ax.set_ylim(-limit, limit)
-    ax.set_ylabel(wrapped(label(motion["impulse"].attrs), 24))
+    ax.set_ylabel(style.wrapped(style.label(motion["impulse"].attrs), 24))
     handles, words = ax.get_legend_handles_labels()
     kept = [place for place, word in enumerate(words) if word != "intense phase"]
-    legend_above(ax, 4, handles=[handles[place] for place in kept])
+    style.legend_above(ax, 4, handles=[handles[place] for place in kept])
     if not np.isfinite(float(motion["main_impulse"])):
-        caption(ax, "No impulse sequence was calibrated: the intense phase holds too few half-waves.")
+        style.caption(ax, "No impulse sequence was calibrated: the intense phase holds too few half-waves.")
 
 
 def _stems(places: np.ndarray, heights: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

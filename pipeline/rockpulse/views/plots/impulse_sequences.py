@@ -12,20 +12,8 @@ from rocking.body.block import Block
 from rocking.impulses.impulse_sequence import ImpulseSequence
 from rocking.impulses.sequence import impulse_train, sequence_response
 from rocking.response import Outcome
-from rockpulse.views.plots.style import (
-    BLACK,
-    BLUE,
-    GREY,
-    ORANGE,
-    RED,
-    SMALL,
-    Panels,
-    caption,
-    legend_above,
-    panel_title,
-    several_axes,
-    title,
-)
+from rockpulse.views.plots import style
+from rockpulse.views.plots.style import BLACK, BLUE, GREY, ORANGE, RED, SMALL, Panels
 
 #: Number of panels of :func:`limit_accelerogram`.
 LIMIT_PANELS = 2
@@ -69,7 +57,7 @@ def limit_accelerogram(
     ValueError
         For arrays of blocks or sequences, or a sequence without end.
     """
-    panels = several_axes(axes, LIMIT_PANELS, height=5.0, sharex=True, sharey=True)[:, 0]
+    panels = style.several_axes(axes, LIMIT_PANELS, height=5.0, sharex=True, sharey=True)[:, 0]
     last, cycles = 0.0, []
     for ax, words, own in zip(panels, _TITLES, (replace(sequence, secondary=0.0), sequence), strict=True):
         times, impulses = impulse_train(block, own)
@@ -83,7 +71,7 @@ def limit_accelerogram(
             _secondary(ax, own, times[shown & ~main], impulses[shown & ~main])
         ax.axhline(0.0, color=BLACK, lw=0.6)
         ax.set_ylabel("impulse of the ground [m/s]")
-        panel_title(ax, words, rows=1)
+        style.panel_title(ax, words, rows=1)
         durations, peaks = _half_cycles(block, own, starts.size)
         cycles.append((starts, durations, peaks))
         last = max(last, float(np.max(starts + np.where(np.isfinite(durations), durations, 0.0), initial=0.0)))
@@ -94,11 +82,11 @@ def limit_accelerogram(
     limit = 1.2 * max(float(sequence.main), 1e-12)
     panels[0].set_ylim(-1.12 * limit, limit)
     for ax in panels:
-        legend_above(ax, 3)
+        style.legend_above(ax, 3)
     panels[-1].set_xlabel("time from the first main impulse [s]")
     if name:
-        title(panels[0], name, rows=1)
-    caption(panels[-1], _remarks(block, sequence))
+        style.title(panels[0], name, rows=1)
+    style.caption(panels[-1], _remarks(block, sequence))
     return panels
 
 
@@ -151,8 +139,8 @@ def _bars(ax: Any, low: float, room: float, starts: np.ndarray, durations: np.nd
             _text(ax, words, (start + 0.5 * duration, low), (0, 3), ha="center", va="bottom", color="#333333")
 
 
-def _text(ax: Any, words: str, place: tuple[float, float], offset: tuple[float, float], **style: Any) -> None:
-    ax.annotate(words, place, offset, textcoords="offset points", fontsize=SMALL - 0.5, **style)
+def _text(ax: Any, words: str, place: tuple[float, float], offset: tuple[float, float], **options: Any) -> None:
+    ax.annotate(words, place, offset, textcoords="offset points", fontsize=SMALL - 0.5, **options)
 
 
 def _remarks(block: Block, sequence: ImpulseSequence) -> str:

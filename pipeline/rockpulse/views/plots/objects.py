@@ -15,25 +15,10 @@ from rocking.pictures import thinned
 from rocking.response import Outcome, Response
 from rockpulse.config.block_settings import floors_from_text
 from rockpulse.record.half_wave import STRONG, HalfWaves
+from rockpulse.views.plots import style
 from rockpulse.views.plots.rotation import moving_stretch
 from rockpulse.views.plots.selection import block_of, one_name
-from rockpulse.views.plots.style import (
-    BLACK,
-    BLUE,
-    GREY,
-    INSTANTS,
-    ORANGE,
-    PALE,
-    RED,
-    SMALL,
-    caption,
-    figure_of,
-    legend_above,
-    one_axes,
-    plain,
-    title,
-    wrapped,
-)
+from rockpulse.views.plots.style import BLACK, BLUE, GREY, INSTANTS, ORANGE, PALE, RED, SMALL
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -64,7 +49,7 @@ def half_wave_impulses(waves: HalfWaves, ax: Axes | None = None) -> Axes:
     matplotlib Axes
         Time in s, impulses in m/s.
     """
-    ax = one_axes(ax, height=2.6)
+    ax = style.one_axes(ax, height=2.6)
     size = np.abs(waves.impulse)
     strong = size >= STRONG * np.max(size, initial=0.0)
     for chosen, colour, words in ((~strong, BLUE, "impulses"), (strong, RED, "above half the largest")):
@@ -72,8 +57,8 @@ def half_wave_impulses(waves: HalfWaves, ax: Axes | None = None) -> Axes:
     ax.axhline(0.0, color=BLACK, lw=0.5)
     ax.set_xlabel("time from the first sample [s]")
     ax.set_ylabel("impulse [m/s]")
-    legend_above(ax, 2)
-    title(ax, plain(waves.record_id), rows=1)
+    style.legend_above(ax, 2)
+    style.title(ax, style.plain(waves.record_id), rows=1)
     return ax
 
 
@@ -93,7 +78,7 @@ def two_half_cycles(sequence: ImpulseSequence, ax: Axes | None = None) -> Axes:
     matplotlib Axes
         Intervals dT after the first main impulse, impulses in m/s.
     """
-    ax = one_axes(ax, height=2.6)
+    ax = style.one_axes(ax, height=2.6)
     mains, others = sequence.two_half_cycles()
     secondary = float(np.ravel(sequence.secondary)[0])
     ax.vlines(mains[:, 0], 0.0, mains[:, 1], color=RED, lw=2.0, label=f"main impulses, $I$ = {mains[0, 1]:.3g} m/s")
@@ -105,9 +90,9 @@ def two_half_cycles(sequence: ImpulseSequence, ax: Axes | None = None) -> Axes:
     ax.axhline(0.0, color=BLACK, lw=0.5)
     ax.set_xlabel(r"intervals $\Delta T$ after the first main impulse [-]")
     ax.set_ylabel("impulse of the ground [m/s]")
-    legend_above(ax, 2)
+    style.legend_above(ax, 2)
     if sequence.intermediate_count is None:
-        caption(ax, "How many secondary impulses there are in a half-cycle depends on the block; drawn are four.")
+        style.caption(ax, "How many secondary impulses there are in a half-cycle depends on the block; drawn are four.")
     return ax
 
 
@@ -143,7 +128,7 @@ def response(answer: Response, ax: Axes | None = None) -> Axes:
     matplotlib Axes
         Rotation in rad over time in s, or theta_max/alpha_c over the number of the lane.
     """
-    ax = one_axes(ax)
+    ax = style.one_axes(ax)
     codes, peaks = np.ravel(answer.outcome), np.ravel(answer.peak_rotation_ratio)
     if answer.time is None or answer.rotation is None:
         ax.axhline(1.0, color=BLACK, lw=0.8, ls=(0, (6, 3)))
@@ -155,8 +140,8 @@ def response(answer: Response, ax: Axes | None = None) -> Axes:
         ax.set_xlabel("lane")
         ax.set_ylabel(r"peak $\theta_{max}/\alpha_c$ [-]")
         ax.set_ylim(0.0, 1.3)
-        legend_above(ax, 4)
-        caption(ax, "Dashed: alpha_c. A bar that reaches beyond it overturns.")
+        style.legend_above(ax, 4)
+        style.caption(ax, "Dashed: alpha_c. A bar that reaches beyond it overturns.")
         return ax
     lanes = answer.rotation.reshape(-1, answer.time.size)
     ax.axhline(0.0, color=PALE, lw=0.8)
@@ -169,9 +154,9 @@ def response(answer: Response, ax: Axes | None = None) -> Axes:
         ax.plot(*thinned(answer.time[shown], rotation[shown], INSTANTS), lw=1.0, label=words)
     ax.set_xlabel("time [s]")
     ax.set_ylabel(r"rotation $\theta$ [rad]")
-    legend_above(ax, 3)
+    style.legend_above(ax, 3)
     if len(lanes) > LANES:
-        caption(ax, f"Drawn are the first {LANES} of {len(lanes)} lanes.")
+        style.caption(ax, f"Drawn are the first {LANES} of {len(lanes)} lanes.")
     return ax
 
 
@@ -212,7 +197,7 @@ def outlines(drawn: Sequence[tuple[str, Block, list[float]]]) -> Figure:
     """The first eight of some bodies, by their names, blocks and the periods of the floors that they stand on [s]."""
     drawn = drawn[:MOST]
     rows = math.ceil(len(drawn) / IN_ROW)
-    figure = figure_of(height=3.2 * rows)
+    figure = style.figure_of(height=3.2 * rows)
     panels = figure.subplots(rows, IN_ROW, squeeze=False)
     for ax, (name, body, periods) in zip(panels.flat, drawn, strict=False):
         _draw(ax, body, name, periods)
@@ -254,7 +239,7 @@ def _draw(ax: Axes, block: Block, name: str, periods: list[float]) -> None:
     ax.set_xlim(left - 0.25 * height, body.right + 0.45 * height)
     ax.set_ylim(-0.28 * height, 1.2 * height)
     ax.axis("off")
-    ax.set_title(wrapped(plain(name), 20), fontsize=SMALL)
+    ax.set_title(style.wrapped(style.plain(name), 20), fontsize=SMALL)
 
 
 def _polygon(points: list[tuple[float, float]], hatch: str = "") -> Polygon:

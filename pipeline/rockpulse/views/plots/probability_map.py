@@ -9,21 +9,10 @@ import numpy as np
 from rockpulse.assessment.answers import Answers, answers_of
 from rockpulse.assessment.verdict import chances, too_far
 from rockpulse.errors import ResultsError
+from rockpulse.views.plots import style
 from rockpulse.views.plots.factor_rows import NAME, ROW
 from rockpulse.views.plots.selection import one_name
-from rockpulse.views.plots.style import (
-    BLACK,
-    FONT,
-    GREY,
-    SMALL,
-    caption,
-    legend_above,
-    look,
-    one_axes,
-    plain,
-    title,
-    wrapped,
-)
+from rockpulse.views.plots.style import BLACK, FONT, GREY, SMALL
 from rockpulse.views.shared.terminal import ratio, shortened
 
 if TYPE_CHECKING:
@@ -86,7 +75,7 @@ def probability_map(tree: xr.DataTree, demand: str | None = None, ax: Axes | Non
     columns = np.sort(np.argsort(-likely.mean(axis=0), kind="stable")[:COLUMNS])
     shown = values[np.ix_(rows, columns)]
     upright = columns.size <= UPRIGHT
-    ax = one_axes(ax, height=(1.9 if upright else 3.2) + ROW * max(rows.size, 4))
+    ax = style.one_axes(ax, height=(1.9 if upright else 3.2) + ROW * max(rows.size, 4))
     colours = colormaps["cividis_r"].with_extremes(bad="white")
     norm = BoundaryNorm(LEVELS, colours.N)
     mesh = ax.pcolormesh(np.ma.masked_invalid(shown), cmap=colours, norm=norm, ec="white", lw=0.6)
@@ -94,9 +83,9 @@ def probability_map(tree: xr.DataTree, demand: str | None = None, ax: Axes | Non
     ax.spines[:].set_visible(False)
     ax.tick_params(length=0)
     ax.set_ylim(rows.size, 0)
-    ax.set_yticks(np.arange(rows.size) + 0.5, [plain(shortened(motions.names[row], NAME)) for row in rows])
-    names = [plain(shortened(answers.bodies[column].name, NAME)) for column in columns]
-    names = [wrapped(name, 60 // columns.size) for name in names] if upright else names
+    ax.set_yticks(np.arange(rows.size) + 0.5, [style.plain(shortened(motions.names[row], NAME)) for row in rows])
+    names = [style.plain(shortened(answers.bodies[column].name, NAME)) for column in columns]
+    names = [style.wrapped(name, 60 // columns.size) for name in names] if upright else names
     # Room for the names, of which a letter is a good half as wide as it is high.
     lift = 6.0 + SMALL * (1.4 * max(name.count("\n") + 1 for name in names) if upright else 0.6 * max(map(len, names)))
     ax.set_xticks(np.arange(columns.size) + 0.5, names, rotation=0 if upright else 90)
@@ -110,15 +99,15 @@ def probability_map(tree: xr.DataTree, demand: str | None = None, ax: Axes | Non
         bar.set_label("probability P [-]", fontsize=FONT)
         if columns.size <= WRITTEN:
             for (row, column), value in np.ndenumerate(shown):
-                style: dict[str, Any] = {"color": "white" if value > 0.5 else BLACK, "ha": "center", "va": "center"}
-                ax.text(column + 0.5, row + 0.5, ratio(value), fontsize=SMALL - 1.0, **style)
+                options: dict[str, Any] = {"color": "white" if value > 0.5 else BLACK, "ha": "center", "va": "center"}
+                ax.text(column + 0.5, row + 0.5, ratio(value), fontsize=SMALL - 1.0, **options)
     else:
         handles += [Patch(fc=colours(norm(one)), label=words) for one, words in ((0.99, "overturns"), (0.0, "stands"))]
     if np.isnan(shown).any():
         handles.append(Patch(fc="white", ec=GREY, lw=0.5, label="not known"))
-    legend_above(ax, 3, across=True, lift=lift, handles=handles)
-    title(ax, f"Overturning under the {MOTIONS[motions.kind]}{_at(demand)}")
-    caption(ax, " ".join(_notes(answers, rows.size, columns.size)))
+    style.legend_above(ax, 3, across=True, lift=lift, handles=handles)
+    style.title(ax, f"Overturning under the {MOTIONS[motions.kind]}{_at(demand)}")
+    style.caption(ax, " ".join(_notes(answers, rows.size, columns.size)))
     return ax
 
 
@@ -130,7 +119,7 @@ def _demand(answers: Answers, demand: str) -> str:
 
 
 def _at(demand: str | None) -> str:
-    return " as they are" if demand is None else f", brought to the demand {plain(demand)}"
+    return " as they are" if demand is None else f", brought to the demand {style.plain(demand)}"
 
 
 def _notes(answers: Answers, rows: int, columns: int) -> list[str]:
@@ -144,5 +133,7 @@ def _notes(answers: Answers, rows: int, columns: int) -> list[str]:
     if answers.probable:
         notes.append(f"P: {answers.summary['overturning_probability'].attrs.get('comment', 'nonlinear model')}.")
     else:
-        notes.append(f"No probability is known: whether the {look(answers.model).label} model overturns the body.")
+        notes.append(
+            f"No probability is known: whether the {style.look(answers.model).label} model overturns the body."
+        )
     return notes

@@ -9,21 +9,9 @@ import numpy as np
 
 from rocking.pictures import thinned
 from rockpulse.model_table import SEQUENCE_MODELS, is_full
+from rockpulse.views.plots import style
 from rockpulse.views.plots.model_histories import History
-from rockpulse.views.plots.style import (
-    BLACK,
-    FONT,
-    INSTANTS,
-    SMALL,
-    Panels,
-    caption,
-    dressed,
-    figure_of,
-    legend_above,
-    look,
-    several_axes,
-)
-from rockpulse.views.plots.style import title as titled
+from rockpulse.views.plots.style import BLACK, FONT, INSTANTS, SMALL, Panels
 
 #: Motions that stay below this [-] are not looked at when the stretch of time is chosen.
 _MOVES = 0.02
@@ -51,23 +39,23 @@ def rotation_history(histories: Sequence[History], axes: Panels | None = None, t
     """
     if axes is None:
         rows = 0.35 + 0.17 * len(histories)
-        figure = figure_of(height=3.4 + rows)
-        panels = np.array([dressed(ax) for ax in figure.subplots(2, 1, sharex=True, height_ratios=[2.9, rows])])
+        figure = style.figure_of(height=3.4 + rows)
+        panels = np.array([style.dressed(ax) for ax in figure.subplots(2, 1, sharex=True, height_ratios=[2.9, rows])])
     else:
-        panels = several_axes(axes, 2)[:, 0]
+        panels = style.several_axes(axes, 2)[:, 0]
     moving, below = panels
     moving.axhline(0.0, color=BLACK, lw=0.5)
     for level in (-1.0, 1.0):
         moving.axhline(level, color=BLACK, lw=0.8, ls=(0, (6, 3)))
     first, last = moving_stretch([(history.time, history.rotation) for history in histories])
     for place, history in enumerate(histories):
-        style = look(history.model)
-        words = f"{style.label}: {_answer(history)}"
+        appearance = style.look(history.model)
+        words = f"{appearance.label}: {_answer(history)}"
         shown = (history.time >= first) & (history.time <= last)
         curve = thinned(history.time[shown], history.rotation[shown], INSTANTS)
         # The one to judge the others by is the thickest and on top.
         width, above = (1.7, 3.0) if is_full(history.model) else (1.0, 2.0)
-        moving.plot(*curve, color=style.color, ls=style.line, lw=width, zorder=above, label=words)
+        moving.plot(*curve, color=appearance.color, ls=appearance.line, lw=width, zorder=above, label=words)
         if np.isfinite(history.overturning):
             _mark_overturning(moving, history)
         below.plot(
@@ -77,7 +65,7 @@ def rotation_history(histories: Sequence[History], axes: Panels | None = None, t
             marker="|",
             ms=7,
             mew=0.7,
-            color=style.color,
+            color=appearance.color,
         )
     if {history.peak for history in histories} == {0.0}:
         moving.text(0.5, 0.55, "at rest", transform=moving.transAxes, fontsize=FONT, ha="center")
@@ -94,9 +82,9 @@ def rotation_history(histories: Sequence[History], axes: Panels | None = None, t
     moving.set_xlim(first, last)
     moving.set_ylim(*_limits(histories))
     moving.yaxis.set_major_formatter(lambda value, _: f"{value:g}")  # of small ones too, no power beside the axis
-    legend_above(moving, 2, across=True, lift=4.0)
-    titled(moving, title, rows=(len(histories) + 1) // 2)
-    caption(below, _remarks(histories))
+    style.legend_above(moving, 2, across=True, lift=4.0)
+    style.title(moving, title, rows=(len(histories) + 1) // 2)
+    style.caption(below, _remarks(histories))
     return panels
 
 
@@ -109,7 +97,7 @@ def _answer(history: History) -> str:
 
 
 def _mark_overturning(ax: Any, history: History) -> None:
-    style, seen = look(history.model), np.flatnonzero(np.isfinite(history.rotation))
+    appearance, seen = style.look(history.model), np.flatnonzero(np.isfinite(history.rotation))
     # The last instant before the rotation leaves the picture.
     inside = seen[np.abs(history.rotation[seen]) <= _TOP] if seen.size else seen
     at = inside[-1] if inside.size else None
@@ -119,7 +107,7 @@ def _mark_overturning(ax: Any, history: History) -> None:
             history.rotation[at],
             marker="X",
             ms=8,
-            color=style.color,
+            color=appearance.color,
             mec="white",
             mew=0.8,
             ls="none",

@@ -9,26 +9,9 @@ import numpy as np
 from scipy.special import ndtr
 
 from rockpulse.record.record import STANDARD_GRAVITY
+from rockpulse.views.plots import style
 from rockpulse.views.plots.spectra import below_the_picture, record_lines, spectrum_axes
-from rockpulse.views.plots.style import (
-    BLACK,
-    BLUE,
-    GREY,
-    ORANGE,
-    PALE,
-    RED,
-    SKY,
-    SMALL,
-    Panels,
-    caption,
-    one_axes,
-    panel_title,
-    plain,
-    readable,
-    several_axes,
-    title,
-    unit,
-)
+from rockpulse.views.plots.style import BLACK, BLUE, GREY, ORANGE, PALE, RED, SKY, SMALL, Panels
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -67,7 +50,7 @@ def calibration(tree: xr.DataTree, axes: Panels | None = None) -> np.ndarray:
     site = tree["site"].to_dataset()
     if site.attrs["method"] == "spectrum":
         return np.array([site_spectrum(tree, None if axes is None else np.ravel(np.array(axes, dtype=object))[0])])
-    panels = several_axes(axes, *SITE_PANELS, height=7.2).ravel()
+    panels = style.several_axes(axes, *SITE_PANELS, height=7.2).ravel()
     names = [str(name) for name in site["parameter"].values]
     for ax, name in zip(panels, names, strict=False):
         _parameter(ax, site.sel(parameter=name), site["weight"].values, float(site["confidence"]))
@@ -80,8 +63,8 @@ def calibration(tree: xr.DataTree, axes: Panels | None = None) -> np.ndarray:
     records, events = int(site["record_count"]), int(site["event_count"])
     heading = str(tree.attrs.get("title", ""))
     counts = f"{records} record{'s' * (records != 1)} of {events} earthquake{'s' * (events != 1)}"
-    title(panels[0], f"{plain(heading)}: {counts}, by {tree['site'].attrs['method']}")
-    caption(panels[len(panels) - 2], _remarks(site))
+    style.title(panels[0], f"{style.plain(heading)}: {counts}, by {tree['site'].attrs['method']}")
+    style.caption(panels[len(panels) - 2], _remarks(site))
     return panels
 
 
@@ -89,8 +72,8 @@ def _parameter(ax: Axes, own: xr.Dataset, weight: np.ndarray, confidence: float)
     value = own["value"].values
     known = np.isfinite(value) & (weight > 0.0)
     units = str(own["parameter_unit"].item())
-    panel_title(ax, readable(str(own["parameter_name"].item())).replace(", $I_s/I$", ""), width=52)
-    ax.set_xlabel(f"{_SYMBOLS.get(str(own['parameter'].item()), '')} [{unit(units)}]".strip())
+    style.panel_title(ax, style.readable(str(own["parameter_name"].item())).replace(", $I_s/I$", ""), width=52)
+    ax.set_xlabel(f"{_SYMBOLS.get(str(own['parameter'].item()), '')} [{style.unit(units)}]".strip())
     ax.set_ylim(0.0, 1.02)
     ax.set_xscale("log")
     if not np.any(known):
@@ -173,7 +156,7 @@ def _remarks(site: xr.Dataset) -> str:
     remarks = [line for line in str(site["remarks"].item()).splitlines() if line]
     if remarks:
         first = textwrap.shorten(remarks[0][:1].upper() + remarks[0][1:], _REMARK, placeholder=" …")
-        words.append(plain(first if first.endswith("…") else f"{first}."))
+        words.append(style.plain(first if first.endswith("…") else f"{first}."))
     if len(remarks) > 1:
         words.append(f"{len(remarks) - 1} more remarks in the file.")
     return " ".join(words)
@@ -198,7 +181,7 @@ def site_spectrum(tree: xr.DataTree, ax: Axes | None = None) -> Axes:
     matplotlib Axes
         Logarithmic in p and S.
     """
-    ax = one_axes(ax, height=4.4)
+    ax = style.one_axes(ax, height=4.4)
     site, spectra = tree["site"].to_dataset(), tree["spectra"].to_dataset()
     restitution = float(np.median(site["restitution"])) if site.sizes["block"] else _RESTITUTION
     grid = spectra["restitution"].values
@@ -229,9 +212,9 @@ def site_spectrum(tree: xr.DataTree, ax: Axes | None = None) -> Axes:
     speeds = (site["critical_impulse"].values * np.sin(alpha) / alpha).tolist()
     points = dict(zip(map(str, site["block"].values), zip(rates, speeds, strict=True), strict=True))
     rows = spectrum_axes(ax, spectra["p"], points, STANDARD_GRAVITY, columns=2)
-    title(ax, f"{plain(tree.attrs.get('title', ''))}, $C$ = {restitution:.3g}", rows=rows)
+    style.title(ax, f"{style.plain(tree.attrs.get('title', ''))}, $C$ = {restitution:.3g}", rows=rows)
     said = ["A body overturns under the design where the middle of its bar lies above its point."]
     remarks = [line[:1].upper() + line[1:] for line in str(site["remarks"].item()).splitlines() if line]
-    said = [*said[: known.sizes["block"]], *(f"{plain(one)}." for one in remarks[:1])]
-    caption(ax, " ".join([*said, *below_the_picture(ax, curves["spectrum"])]))
+    said = [*said[: known.sizes["block"]], *(f"{style.plain(one)}." for one in remarks[:1])]
+    style.caption(ax, " ".join([*said, *below_the_picture(ax, curves["spectrum"])]))
     return ax

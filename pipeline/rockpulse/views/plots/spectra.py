@@ -9,24 +9,10 @@ import numpy as np
 
 from rocking.response import Outcome
 from rockpulse.earthquakes import FEWEST_EVENTS, weighted_quantile
+from rockpulse.views.plots import style
 from rockpulse.views.plots.factor_rows import factors_to_demands
 from rockpulse.views.plots.selection import plain_bodies
-from rockpulse.views.plots.style import (
-    BLACK,
-    BLUE,
-    FONT,
-    GREY,
-    PALE,
-    RED,
-    SMALL,
-    caption,
-    label,
-    legend_above,
-    one_axes,
-    plain,
-    plain_ticks,
-    title,
-)
+from rockpulse.views.plots.style import BLACK, BLUE, FONT, GREY, PALE, RED, SMALL
 from rockpulse.views.shared.terminal import shortened
 
 if TYPE_CHECKING:
@@ -72,7 +58,7 @@ def rocking_spectrum(
     from matplotlib.patches import Patch, PathPatch
     from matplotlib.path import Path
 
-    ax = one_axes(ax, height=4.4)
+    ax = style.one_axes(ax, height=4.4)
     outcome = spectrum["outcome"].transpose("alpha_c", "p").values
     peak = spectrum["peak_rotation_ratio"].transpose("alpha_c", "p").values
     # Darker is worse, in grey as well, and rest is white. What overturns is hatched, in a colour of no rotation.
@@ -97,7 +83,7 @@ def rocking_spectrum(
     assert figure is not None
     bar = figure.colorbar(mesh, ax=ax, ticks=levels[::2], pad=0.02, fraction=0.05)
     bar.ax.tick_params(labelsize=SMALL, width=0.6)
-    bar.set_label(label(spectrum["peak_rotation_ratio"].attrs), fontsize=FONT)
+    bar.set_label(style.label(spectrum["peak_rotation_ratio"].attrs), fontsize=FONT)
     handles: list[Any] = []
     if np.any(fallen):
         handles.append(Patch(**_FALLEN, lw=0.5, label="overturns"))
@@ -110,14 +96,14 @@ def rocking_spectrum(
     handles += body_marks(ax, dict(bodies or {}))
     ax.set_xlim(_edges(p))
     ax.set_ylim(_edges(alpha))
-    ax.set_xlabel(label(spectrum["p"].attrs, symbol="$p$"))
-    ax.set_ylabel(label(spectrum["alpha_c"].attrs, symbol=r"$\alpha_c$"))
+    ax.set_xlabel(style.label(spectrum["p"].attrs, symbol="$p$"))
+    ax.set_ylabel(style.label(spectrum["alpha_c"].attrs, symbol=r"$\alpha_c$"))
     size_scale(ax, float(spectrum.attrs["gravity"]))
     columns = 3
-    legend_above(ax, columns, across=True, lift=32.0, handles=handles)
+    style.legend_above(ax, columns, across=True, lift=32.0, handles=handles)
     factor = float(spectrum.attrs["scale"])
-    words = plain(spectrum.attrs["record"]) + ("" if factor == 1.0 else f", times {factor:g}")
-    title(ax, words, rows=3 - (-len(handles) // columns))
+    words = style.plain(spectrum.attrs["record"]) + ("" if factor == 1.0 else f", times {factor:g}")
+    style.title(ax, words, rows=3 - (-len(handles) // columns))
     c = spectrum["restitution"].values
     span = f"{c.min():.3f}" if np.ptp(c) == 0.0 else f"{c.min():.3f} to {c.max():.3f}, with $\\alpha_c$ (Housner)"
     remarks = [f"Nonlinear equation, $C$ = {span}."]
@@ -125,7 +111,7 @@ def rocking_spectrum(
         remarks.append("Every block stays at rest.")
     if bodies:
         remarks.append("Bodies with another $C$ rock differently from the blocks of the map.")
-    caption(ax, " ".join([*remarks, note]).strip())
+    style.caption(ax, " ".join([*remarks, note]).strip())
     return ax
 
 
@@ -142,7 +128,7 @@ def body_marks(ax: Axes, bodies: dict[str, tuple[float, float]]) -> list[Any]:
         ax.plot(p, alpha, ls="none", marker="o", ms=9, mfc="white", mec=BLACK, mew=0.8)
         ax.plot(p, alpha, ls="none", marker=mark, ms=5, color=BLACK, mew=0.2)
         handles.append(
-            Line2D([], [], ls="none", marker=mark, ms=5, color=BLACK, mew=0.2, label=plain(shortened(name, 24)))
+            Line2D([], [], ls="none", marker=mark, ms=5, color=BLACK, mew=0.2, label=style.plain(shortened(name, 24)))
         )
     if len(bodies) > _NAMED:
         handles.append(
@@ -228,7 +214,7 @@ def overturning_spectra(
     matplotlib Axes
         Logarithmic in p and S.
     """
-    ax = one_axes(ax, height=4.4)
+    ax = style.one_axes(ax, height=4.4)
     several = spectra if "record" in spectra.dims else spectra.expand_dims("record")
     grid = several["restitution"].values
     chosen = int(np.argmin(np.abs(grid - (grid[-1] if restitution is None else restitution))))
@@ -253,23 +239,23 @@ def overturning_spectra(
             ax.plot(p, _quantile(curves, level, weights), color=BLUE, ls=dashes, lw=1.8, label=name)
         for place, (name, factors) in enumerate((demands or {}).items() if not few else ()):
             scaled = curves * np.asarray(factors, dtype=float)[known, np.newaxis]
-            style = ((0, (1.2, 1.2)), (0, (6, 1.5, 1, 1.5)))[place % 2]
-            words = f"median at the demand {plain(name)}"
-            ax.plot(p, _quantile(scaled, 0.5, weights), color=RED, ls=style, lw=1.8, label=words)
+            dashes = ((0, (1.2, 1.2)), (0, (6, 1.5, 1, 1.5)))[place % 2]
+            words = f"median at the demand {style.plain(name)}"
+            ax.plot(p, _quantile(scaled, 0.5, weights), color=RED, ls=dashes, lw=1.8, label=words)
         if few:
             left_out += f" Fewer than {FEWEST_EVENTS} earthquakes have no median."
     points = {name: (rate, gravity * np.tan(alpha) / rate) for name, (rate, alpha) in (bodies or {}).items()}
     rows = spectrum_axes(ax, several["p"], points, gravity, columns=3)
     names = several["record"].values if "record" in several.coords else [several.attrs.get("record", "")]
-    words = plain(names[known[0]]) if known.size == 1 else f"{known.size} records"
+    words = style.plain(names[known[0]]) if known.size == 1 else f"{known.size} records"
     if known.size < len(names):
         left_out += f" {len(names) - known.size} of {len(names)} records have no spectrum."
-    title(ax, f"{words}, $C$ = {grid[chosen]:g}", rows=rows)
+    style.title(ax, f"{words}, $C$ = {grid[chosen]:g}", rows=rows)
     remarks = ["A body overturns, at its mean capacity, under a record whose curve lies above its point."]
     remarks += below_the_picture(ax, curves)
     if bodies:
         remarks.append("A body with a larger C falls under a higher curve, one with a smaller C under a lower one.")
-    caption(ax, " ".join(remarks) + ("" if known.size else " No spectrum was stored.") + left_out)
+    style.caption(ax, " ".join(remarks) + ("" if known.size else " No spectrum was stored.") + left_out)
     return ax
 
 
@@ -328,11 +314,11 @@ def spectrum_axes(
     ax.minorticks_off()
     low, high = ax.get_ylim()
     ax.set_ylim(max(low, _DEEPEST * min((speed for _, speed in points.values()), default=0.0)), high)
-    plain_ticks(ax.yaxis)
-    ax.set_xlabel(label(p.attrs, symbol="$p$"))
+    style.plain_ticks(ax.yaxis)
+    ax.set_xlabel(style.label(p.attrs, symbol="$p$"))
     ax.set_ylabel(r"effective impulse $S$, or $g\,\tan\alpha_c/p$ of a body [m/s]")
     size_scale(ax, gravity)
-    legend_above(ax, columns, across=True, lift=32.0, handles=handles)
+    style.legend_above(ax, columns, across=True, lift=32.0, handles=handles)
     return 3 - (-len(handles) // columns)
 
 
