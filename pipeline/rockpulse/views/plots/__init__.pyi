@@ -1,6 +1,6 @@
 from .critical_factors import critical_scale as critical_scale
 from .critical_factors import overturning_map as overturning_map
-from .dispatch import plot as plot
+from .drawing import plot as plot
 from .fragility_curves import fragility as fragility
 from .fragility_curves import fragility_panels as fragility_panels
 from .ground_motion import accelerogram as accelerogram

@@ -24,20 +24,15 @@ _TAIL = 0.002
 #: Limit states whose single capacities are drawn beside the curves: more of them hide each other.
 _POINTS = 3
 
-#: A band that is wider than this [-] at most of the levels of the picture says nothing.
-_WIDE = 0.8
-
-#: A curve that lies above that of a milder limit state by more than this [-] is told of.
-_ABOVE = 0.01
+#: A band that is wider than this [-] at most of the levels says nothing; a curve that lies by more than this [-] above
+#: that of a milder limit state is told of.
+_WIDE, _ABOVE = 0.8, 0.01
 
 #: The line at the acceleration that lifts a body.
 LIFTS = "lifts from here on"
 
-#: Points of a curve between two levels of the file.
-_BETWEEN = 8
-
-#: Remarks that are given one by one.
-_REMARKS = 4
+#: Points of a curve between two levels of the file, and remarks that are given one by one.
+_BETWEEN, _REMARKS = 8, 4
 
 
 def fragility(
@@ -68,11 +63,6 @@ def fragility(
     matplotlib Axes
         A line for every fitted curve, one filled band unless it spans practically 0 to 1, and, of up to three limit
         states, the single capacities (a mark each) where every record was scaled.
-
-    Raises
-    ------
-    ResultsError
-        For a name that is not there.
     """
     measure = measure or shown_measure(tree["fragility"].to_dataset())
     found: Axes = fragility_panels(tree, block, [measure], limit_states, ax)[0]
@@ -106,11 +96,6 @@ def fragility_panels(
     -------
     ndarray of matplotlib Axes
         One for each measure, as :func:`fragility` returns it.
-
-    Raises
-    ------
-    ResultsError
-        For a name that is not there.
     """
     curves = tree["fragility"].to_dataset()
     block = one_name(curves, "block", block)
@@ -118,12 +103,13 @@ def fragility_panels(
     panels = style.several_axes(axes, 1, len(chosen), height=4.2, sharey=True).ravel()
     states = [one_name(curves, "limit_state", str(name)) for name in limit_states or curves["limit_state"].values]
     gravest = [*(state for state in states if state == OVERTURNING), *states[::-1]]
-    alone = len(chosen) == 1
     said: list[list[str]] = []
     found: dict[str, Any] = {}
     for ax, measure in zip(panels, chosen, strict=True):
         own = curves.sel(block=block, measure=measure)
-        said.append(_panel(ax, tree, own, states, _banded(own, states if limit_states else gravest), alone))
+        there = own["probability_low"].notnull().any("point")
+        with_band = (state for state in (states if limit_states else gravest) if bool(there.sel(limit_state=state)))
+        said.append(_panel(ax, tree, own, states, next(with_band, None), len(chosen) == 1))
         ax.set_xlabel(style.wrapped(ax.get_xlabel(), 90 // len(chosen)))
         found = dict(zip(*ax.get_legend_handles_labels()[::-1], strict=True)) | found
     panels[0].set_ylabel(
@@ -142,7 +128,6 @@ def fragility_panels(
 
 
 def _usual_measures(tree: xr.DataTree, curves: xr.Dataset) -> list[str]:
-    """The measure that is shown, and beside it that of the hazard, as far as the file has it."""
     first, second = shown_measure(curves), str(setting(tree, "hazard", "measure", HazardSettings().measure))
     return [first, second] if second in curves["measure"].values and second != first else [first]
 
@@ -150,10 +135,7 @@ def _usual_measures(tree: xr.DataTree, curves: xr.Dataset) -> list[str]:
 def _panel(
     ax: Axes, tree: xr.DataTree, own: xr.Dataset, states: Sequence[str], banded: str | None, alone: bool
 ) -> list[str]:
-    """Draw the curves of one body over one measure, and return what has to be said of them.
-
-    Of a panel that is not `alone` the legend is that of all, so that what a curve lacks is in the words only.
-    """
+    """Draw curves over one measure, and return what has to be said; `alone` the legend tells what a curve lacks."""
     level, measure = own["level"].values, str(own["measure"].item())
     shown = _shown(own.sel(limit_state=list(states)))
     marked = len(states) <= _POINTS and tree.attrs.get("data") == "ida"
@@ -168,7 +150,10 @@ def _panel(
         words = appearance.label + (" (extrapolated)" if alone and int(one["extrapolated"]) else "")
         ax.plot(*_curve(one, "probability"), color=appearance.color, ls=appearance.line, lw=1.4, label=words)
         if state == banded and not _says_nothing(one, shown):
-            _band(ax, one, appearance)
+            (levels, low), (_, high) = _curve(one, "probability_low"), _curve(one, "probability_high")
+            ax.fill_between(levels, low, high, color=appearance.color, alpha=0.16, lw=0)
+            for edge in (low, high):
+                ax.plot(levels, edge, color=appearance.color, ls=appearance.line, lw=0.5, alpha=0.7)
         if marked:
             capacities = tree["capacities"].to_dataset().sel(block=own["block"].item())
             _capacities(ax, capacities, state, measure, appearance, float(capacities.attrs["factor_max"]))
@@ -176,7 +161,8 @@ def _panel(
     first, last = (float(end(level[shown], initial=np.nan)) for end in (np.fmin.reduce, np.fmax.reduce))
     if first < last:
         ax.set_xlim(first, last)
-    notes = [_counts(tree, own), *_band_notes(tree, own, banded, shown)]
+    counts = style.counts(int(own["records"].max()), int(own["events"].max()))
+    notes = [f"{counts}, data: {tree.attrs['data']}.", *_band_notes(tree, own, banded, shown)]
     lifted = float(own["uplift_acceleration"]) if measure == PGA else np.nan
     if lifted > ax.get_xlim()[0]:
         ax.axvline(lifted, color=GREY, lw=0.9, label=LIFTS)
@@ -193,9 +179,7 @@ def _panel(
 
 
 def _named(state: str) -> str:
-    if state == UPLIFT:
-        return "uplift"
-    return "overturning" if state == OVERTURNING else rf"$\theta_{{max}}/\alpha_c \geq$ {state}"
+    return {UPLIFT: "uplift", OVERTURNING: "overturning"}.get(state, rf"$\theta_{{max}}/\alpha_c \geq$ {state}")
 
 
 def _capacities(ax: Axes, own: xr.Dataset, state: str, measure: str, appearance: Look, end: float) -> None:
@@ -209,23 +193,9 @@ def _capacities(ax: Axes, own: xr.Dataset, state: str, measure: str, appearance:
         return
     found = ecdf(CensoredData(uncensored=(factor * value)[reached], right=end * value[~reached])).cdf
     risen = np.diff(found.probabilities, prepend=0.0)
-    ax.plot(
-        found.quantiles[risen > 0.0],
-        (found.probabilities - 0.5 * risen)[risen > 0.0],
-        ls="none",
-        marker=appearance.marker,
-        ms=3.2,
-        mfc="white",
-        mec=appearance.color,
-        mew=0.6,
-        zorder=2.5,
-    )
-
-
-def _banded(own: xr.Dataset, states: Sequence[str]) -> str | None:
-    """The first of some limit states that has a band."""
-    there = own["probability_low"].notnull().any("point")
-    return next((state for state in states if bool(there.sel(limit_state=state))), None)
+    marks: dict[str, Any] = {"ls": "none", "ms": 3.2, "mfc": "white", "mew": 0.6, "zorder": 2.5}
+    values, shares = found.quantiles[risen > 0.0], (found.probabilities - 0.5 * risen)[risen > 0.0]
+    ax.plot(values, shares, marker=appearance.marker, mec=appearance.color, **marks)
 
 
 def _shown(own: xr.Dataset) -> np.ndarray:
@@ -262,31 +232,14 @@ def _says_nothing(one: xr.Dataset, shown: np.ndarray) -> bool:
     return bool(np.median((one["probability_high"] - one["probability_low"]).values[shown]) > _WIDE)
 
 
-def _band(ax: Axes, one: xr.Dataset, appearance: Look) -> None:
-    (level, low), (_, high) = _curve(one, "probability_low"), _curve(one, "probability_high")
-    ax.fill_between(level, low, high, color=appearance.color, alpha=0.16, lw=0)
-    for edge in (low, high):
-        ax.plot(level, edge, color=appearance.color, ls=appearance.line, lw=0.5, alpha=0.7)
-
-
-def _counts(tree: xr.DataTree, own: xr.Dataset) -> str:
-    records, events = int(own["records"].max()), int(own["events"].max())
-    found = f"{records} record{'s' * (records != 1)} of {events} earthquake{'s' * (events != 1)}"
-    return f"{found}, data: {tree.attrs['data']}."
-
-
 def _band_notes(tree: xr.DataTree, own: xr.Dataset, banded: str | None, shown: np.ndarray) -> list[str]:
     if banded is None:
         return []
     one = own.sel(limit_state=banded)
+    told = f"{100.0 * float(tree.attrs['confidence']):g} %, over earthquakes, at each level."
     if _says_nothing(one, shown):
-        events = int(one["events"])
-        return [
-            f"Band of the curve of {_named(banded)}: nearly 0 to 1 at most levels, not drawn ({events} earthquakes are "
-            "too few)."
-        ]
-    confidence = 100.0 * float(tree.attrs["confidence"])
-    return [f"Band of the curve of {_named(banded)}: {confidence:g} %, over earthquakes, at each level."]
+        told = f"nearly 0 to 1 at most levels, not drawn ({int(one['events'])} earthquakes are too few)."
+    return [f"Band of the curve of {_named(banded)}: {told}"]
 
 
 def _told(remarks: dict[str, list[str]], states: int) -> list[str]:

@@ -24,7 +24,6 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-    from matplotlib.patches import Polygon
 
 #: Colours of the outcomes, and lanes of a response whose histories are drawn.
 COLOURS = {Outcome.AT_REST: GREY, Outcome.ROCKS: BLUE, Outcome.OVERTURNS: RED, Outcome.UNRESOLVED: BLACK}
@@ -43,11 +42,6 @@ def half_wave_impulses(waves: HalfWaves, ax: Axes | None = None) -> Axes:
         Of one record.
     ax : matplotlib Axes, optional
         Where to draw; by default on a figure of its own.
-
-    Returns
-    -------
-    matplotlib Axes
-        Time in s, impulses in m/s.
     """
     ax = style.one_axes(ax, height=2.6)
     size = np.abs(waves.impulse)
@@ -63,7 +57,7 @@ def half_wave_impulses(waves: HalfWaves, ax: Axes | None = None) -> Axes:
 
 
 def two_half_cycles(sequence: ImpulseSequence, ax: Axes | None = None) -> Axes:
-    """Two half-cycles of an impulse sequence, the first of several, without the times that a block would give them.
+    """Two half-cycles of an impulse sequence, the first of several, in intervals dT instead of the times of a block.
 
     Parameters
     ----------
@@ -72,11 +66,6 @@ def two_half_cycles(sequence: ImpulseSequence, ax: Axes | None = None) -> Axes:
         half-cycles last, see :func:`limit_accelerogram`.
     ax : matplotlib Axes, optional
         Where to draw; by default on a figure of its own.
-
-    Returns
-    -------
-    matplotlib Axes
-        Intervals dT after the first main impulse, impulses in m/s.
     """
     ax = style.one_axes(ax, height=2.6)
     mains, others = sequence.two_half_cycles()
@@ -97,20 +86,12 @@ def two_half_cycles(sequence: ImpulseSequence, ax: Axes | None = None) -> Axes:
 
 
 def block_outlines(block: Block) -> Figure:
-    """A block, or the first eight of several, with their sizes and what holds them.
+    """A block, or the first eight of several (m,), with their sizes and what holds them, each to a scale of its own.
 
-    Parameters
-    ----------
-    block : Block
-        One block, or (m,).
-
-    Returns
-    -------
-    matplotlib Figure
-        Seen along the base, theta > 0 to the right; each to a scale of its own.
+    Seen along the base, theta > 0 to the right.
     """
     count = block.shape[0] if block.shape else 0
-    return outlines([(f"block {lane + 1}", block.lane(lane), []) for lane in range(count)] or [("", block, [])])
+    return _outlines([(f"block {lane + 1}", block.lane(lane), []) for lane in range(count)] or [("", block, [])])
 
 
 def response(answer: Response, ax: Axes | None = None) -> Axes:
@@ -122,11 +103,6 @@ def response(answer: Response, ax: Axes | None = None) -> Axes:
         Of any model; with a history where `history=True` was asked for.
     ax : matplotlib Axes, optional
         Where to draw; by default on a figure of its own.
-
-    Returns
-    -------
-    matplotlib Axes
-        Rotation in rad over time in s, or theta_max/alpha_c over the number of the lane.
     """
     ax = style.one_axes(ax)
     codes, peaks = np.ravel(answer.outcome), np.ravel(answer.peak_rotation_ratio)
@@ -165,24 +141,9 @@ MOST, IN_ROW = 8, 4
 
 
 def bodies(tree: xr.DataTree, block: str | None = None) -> Figure:
-    """Draw bodies from the numbers that a results file holds of them.
+    """Draw the first eight bodies, or one, from the numbers that results of an assessment hold of them.
 
-    Parameters
-    ----------
-    tree : xarray.DataTree
-        Of :func:`rockpulse.assess`.
-    block : str, optional
-        One body; the first eight without.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        Seen along the base, theta > 0 to the right; each to a scale of its own.
-
-    Raises
-    ------
-    ResultsError
-        For a body that is not in the file.
+    Seen along the base, theta > 0 to the right; each to a scale of its own.
     """
     summary = tree["summary"].to_dataset()
     names = [one_name(summary, "block", block)] if block else [str(name) for name in summary["block"].values[:MOST]]
@@ -190,27 +151,29 @@ def bodies(tree: xr.DataTree, block: str | None = None) -> Figure:
     for name in names:
         told = str(summary["floors"].sel(block=name).values)
         drawn.append((name, block_of(summary, name), [one.period for one in floors_from_text(told)]))
-    return outlines(drawn)
+    return _outlines(drawn)
 
 
-def outlines(drawn: Sequence[tuple[str, Block, list[float]]]) -> Figure:
+def _outlines(drawn: Sequence[tuple[str, Block, list[float]]]) -> Figure:
     """The first eight of some bodies, by their names, blocks and the periods of the floors that they stand on [s]."""
     drawn = drawn[:MOST]
     rows = math.ceil(len(drawn) / IN_ROW)
     figure = style.figure_of(height=3.2 * rows)
-    panels = figure.subplots(rows, IN_ROW, squeeze=False)
-    for ax, (name, body, periods) in zip(panels.flat, drawn, strict=False):
-        _draw(ax, body, name, periods)
-    for ax in panels.flat[len(drawn) :]:
+    panels = figure.subplots(rows, IN_ROW, squeeze=False).ravel()
+    for ax, one in zip(panels, drawn, strict=False):
+        _draw(ax, *one)
+    for ax in panels[len(drawn) :]:
         ax.set_visible(False)
     return figure
 
 
-def _draw(ax: Axes, block: Block, name: str, periods: list[float]) -> None:
+def _draw(ax: Axes, name: str, block: Block, periods: list[float]) -> None:
+    from matplotlib.patches import Polygon
+
     body = Outline.of(block)
     height = body.height if math.isfinite(body.height) else 2.0 * body.centre
     middle = 0.5 * (body.right - body.left)
-    ax.add_patch(_polygon(body.corners))
+    ax.add_patch(Polygon(np.array(body.corners), closed=True, fc=PALE, ec=BLACK, lw=0.8))
     if math.isfinite(body.height):
         ax.plot([body.right + 0.08 * height] * 2, [0.0, height], color=GREY, lw=0.6, marker="_", ms=4)
         ax.text(body.right + 0.11 * height, 0.5 * height, f"{height:g} m", fontsize=SMALL, va="center")
@@ -221,7 +184,8 @@ def _draw(ax: Axes, block: Block, name: str, periods: list[float]) -> None:
     ax.plot([0.0], [body.centre], "o", ms=3, color=BLACK)
     left = -body.left - 0.12 * height
     if body.side:
-        ax.add_patch(_polygon([(left, 0), (-body.left, 0), (-body.left, height), (left, height)], hatch="////"))
+        wall = [(left, 0), (-body.left, 0), (-body.left, height), (left, height)]
+        ax.add_patch(Polygon(np.array(wall), closed=True, fc="white", ec=GREY, lw=0.8, hatch="////"))
     ground = -0.16 * height
     ax.plot([left - 0.1 * height, body.right + 0.35 * height], [0.0, 0.0], color=BLACK, lw=1.2)
     if periods:
@@ -231,25 +195,12 @@ def _draw(ax: Axes, block: Block, name: str, periods: list[float]) -> None:
         end = tie.edge + tie.outward * 0.3 * height
         ax.plot([tie.attached, end], [tie.height] * 2, color=BLUE, lw=1.4)
         ax.plot([end], [tie.height], "s", ms=4, color=BLUE)
-    for at, up in body.loads:
-        _arrow(ax, (at, up + 0.14 * height), (at, up), ORANGE)
-    for at, up, force in body.thrusts:
-        _arrow(ax, (at - math.copysign(0.25 * height, force), up), (at, up), RED)
+    arrows = [((at, up), (at, up + 0.14 * height), ORANGE) for at, up in body.loads]
+    arrows += [((at, up), (at - math.copysign(0.25 * height, force), up), RED) for at, up, force in body.thrusts]
+    for tip, tail, colour in arrows:
+        ax.annotate("", tip, tail, arrowprops={"arrowstyle": "-|>", "color": colour, "lw": 1.2})
     ax.set_aspect("equal")
     ax.set_xlim(left - 0.25 * height, body.right + 0.45 * height)
     ax.set_ylim(-0.28 * height, 1.2 * height)
     ax.axis("off")
     ax.set_title(style.wrapped(style.plain(name), 20), fontsize=SMALL)
-
-
-def _polygon(points: list[tuple[float, float]], hatch: str = "") -> Polygon:
-    from matplotlib.patches import Polygon
-
-    colour = "white" if hatch else PALE
-    return Polygon(
-        np.array(points), closed=True, facecolor=colour, edgecolor=GREY if hatch else BLACK, lw=0.8, hatch=hatch
-    )
-
-
-def _arrow(ax: Axes, start: tuple[float, float], end: tuple[float, float], colour: str) -> None:
-    ax.annotate("", xy=end, xytext=start, arrowprops={"arrowstyle": "-|>", "color": colour, "lw": 1.2})

@@ -12,7 +12,7 @@ from rockpulse.errors import ResultsError
 from rockpulse.views.plots import style
 from rockpulse.views.plots.factor_rows import NAME, ROW
 from rockpulse.views.plots.selection import one_name
-from rockpulse.views.plots.style import BLACK, FONT, GREY, SMALL
+from rockpulse.views.plots.style import BLACK, GREY, SMALL
 from rockpulse.views.shared.terminal import ratio, shortened
 
 if TYPE_CHECKING:
@@ -51,11 +51,6 @@ def probability_map(tree: xr.DataTree, demand: str | None = None, ax: Axes | Non
     matplotlib Axes
         A row for every record, the likeliest to overturn a body on top; of a sweep for every pair of channels, in its
         worst direction. A column for every body. Its first collection is the map.
-
-    Raises
-    ------
-    ResultsError
-        For a demand that is not there, or results that hold neither.
     """
     from matplotlib import colormaps
     from matplotlib.colors import BoundaryNorm
@@ -63,13 +58,16 @@ def probability_map(tree: xr.DataTree, demand: str | None = None, ax: Axes | Non
 
     answers = answers_of(tree)
     motions, known = answers.motions, answers.probable
-    demand = None if demand is None else _demand(answers, demand)
+    if demand is not None and not answers.demands:
+        raise ResultsError(f'demand: expected results with a [[demand]], found none; there is no "{demand}"')
+    demand = None if demand is None else one_name(answers.summary, "demand", demand)
     of_records = np.asarray(chances(answers, demand), dtype=float)
     if demand is not None:
         of_records = np.where(too_far(answers, demand), np.nan, of_records)
     values = np.fmax.reduce(motions.over(of_records, np.nan), axis=1)
+    at = " as they are" if demand is None else f", brought to the demand {style.plain(demand)}"
     if np.isnan(values).all():
-        raise ResultsError(f"probability: what overturns{_at(demand)} is not known in these results")
+        raise ResultsError(f"probability: what overturns{at} is not known in these results")
     likely = np.nan_to_num(values)
     rows = np.argsort(-likely.mean(axis=1), kind="stable")[:ROWS]
     columns = np.sort(np.argsort(-likely.mean(axis=0), kind="stable")[:COLUMNS])
@@ -92,11 +90,7 @@ def probability_map(tree: xr.DataTree, demand: str | None = None, ax: Axes | Non
     ax.xaxis.tick_top()
     handles: list[Any] = []
     if known:
-        figure = ax.get_figure()
-        assert figure is not None
-        bar = figure.colorbar(mesh, ax=ax, ticks=LEVELS, format="%g", pad=0.02, fraction=0.05, spacing="uniform")
-        bar.ax.tick_params(labelsize=SMALL, width=0.6)
-        bar.set_label("probability P [-]", fontsize=FONT)
+        style.colour_bar(mesh, LEVELS, "probability P [-]", format="%g", spacing="uniform")
         if columns.size <= WRITTEN:
             for (row, column), value in np.ndenumerate(shown):
                 options: dict[str, Any] = {"color": "white" if value > 0.5 else BLACK, "ha": "center", "va": "center"}
@@ -106,20 +100,9 @@ def probability_map(tree: xr.DataTree, demand: str | None = None, ax: Axes | Non
     if np.isnan(shown).any():
         handles.append(Patch(fc="white", ec=GREY, lw=0.5, label="not known"))
     style.legend_above(ax, 3, across=True, lift=lift, handles=handles)
-    style.title(ax, f"Overturning under the {MOTIONS[motions.kind]}{_at(demand)}")
+    style.title(ax, f"Overturning under the {MOTIONS[motions.kind]}{at}")
     style.caption(ax, " ".join(_notes(answers, rows.size, columns.size)))
     return ax
-
-
-def _demand(answers: Answers, demand: str) -> str:
-    """The name of a demand; ResultsError where the results have none."""
-    if not answers.demands:
-        raise ResultsError(f'demand: expected results with a [[demand]], found none; there is no "{demand}"')
-    return one_name(answers.summary, "demand", demand)
-
-
-def _at(demand: str | None) -> str:
-    return " as they are" if demand is None else f", brought to the demand {style.plain(demand)}"
 
 
 def _notes(answers: Answers, rows: int, columns: int) -> list[str]:

@@ -17,17 +17,14 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
 
-#: Rows and columns of :func:`calibration`: one panel for each parameter, and the legend.
-SITE_PANELS = (3, 2)
-
-#: Range of the fitted curve, in dispersions on both sides of the median.
-_REACH = 2.6
-
 #: Largest ratio to the range of the records up to which the axis follows an interval or the design.
 _NEAR = 3.0
 
 #: A remark longer than this is cut [characters].
 _REMARK = 230
+
+#: Letters of the parameters.
+_SYMBOLS = {"main": "$I$", "ratio": "$I_s/I$", "interval": r"$\Delta T$", "main_count": "number", "duration": "time"}
 
 
 def calibration(tree: xr.DataTree, axes: Panels | None = None) -> np.ndarray:
@@ -45,12 +42,12 @@ def calibration(tree: xr.DataTree, axes: Panels | None = None) -> np.ndarray:
     (6,) ndarray of Axes
         Main impulse, I_s/I, interval, number of main impulses, duration; the last one holds the legend. Each step of a
         distribution is a record, as high as its weight; where a record's own calibration gave an interval it is a
-        horizontal line. (1,) for a site by the spectrum: :func:`~rockpulse.views.plots.site.site_spectrum`.
+        horizontal line. (1,) for a site by the spectrum.
     """
     site = tree["site"].to_dataset()
     if site.attrs["method"] == "spectrum":
         return np.array([site_spectrum(tree, None if axes is None else np.ravel(np.array(axes, dtype=object))[0])])
-    panels = style.several_axes(axes, *SITE_PANELS, height=7.2).ravel()
+    panels = style.several_axes(axes, 3, 2, height=7.2).ravel()
     names = [str(name) for name in site["parameter"].values]
     for ax, name in zip(panels, names, strict=False):
         _parameter(ax, site.sel(parameter=name), site["weight"].values, float(site["confidence"]))
@@ -60,11 +57,9 @@ def calibration(tree: xr.DataTree, axes: Panels | None = None) -> np.ndarray:
     last.set_axis_off()
     handles, words = panels[0].get_legend_handles_labels()
     last.legend(handles, words, loc="center left", fontsize=SMALL, frameon=False, handlelength=2.4, labelspacing=0.8)
-    records, events = int(site["record_count"]), int(site["event_count"])
-    heading = str(tree.attrs.get("title", ""))
-    counts = f"{records} record{'s' * (records != 1)} of {events} earthquake{'s' * (events != 1)}"
-    style.title(panels[0], f"{style.plain(heading)}: {counts}, by {tree['site'].attrs['method']}")
-    style.caption(panels[len(panels) - 2], _remarks(site))
+    counts = style.counts(int(site["record_count"]), int(site["event_count"]))
+    style.title(panels[0], f"{style.plain(tree.attrs.get('title', ''))}: {counts}, by {site.attrs['method']}")
+    style.caption(panels[-2], _remarks(site))
     return panels
 
 
@@ -92,9 +87,8 @@ def _parameter(ax: Axes, own: xr.Dataset, weight: np.ndarray, confidence: float)
     if np.isfinite(design):
         ax.axvline(design, color=RED, lw=1.3, ls=(0, (5, 1.5)), label="design sequence")
         if np.isfinite(low) and np.isfinite(high):
-            ax.axvspan(
-                low, high, color=RED, alpha=0.13, lw=0, label=f"its {100.0 * confidence:g} % interval ($I$ alone)"
-            )
+            words = f"its {100.0 * confidence:g} % interval ($I$ alone)"
+            ax.axvspan(low, high, color=RED, alpha=0.13, lw=0, label=words)
     ax.set_xlim(_range(ordered, np.r_[lower[bounded], upper[bounded], design]))
     _ticks(ax, whole=str(own["parameter"].item()) == "main_count")
     missing = int(np.count_nonzero(~np.isfinite(value) & (weight > 0.0)))
@@ -113,23 +107,13 @@ def _range(values: np.ndarray, others: np.ndarray) -> tuple[float, float]:
     return low / room, high * room
 
 
-#: Letters of the parameters.
-_SYMBOLS = {"main": "$I$", "ratio": "$I_s/I$", "interval": r"$\Delta T$", "main_count": "number", "duration": "time"}
-
-
 def _fit(ax: Axes, own: xr.Dataset, confidence: float) -> None:
     """Draw the lognormal curve and the interval of its median."""
     median, dispersion = float(own["median"]), float(own["dispersion"])
     if np.isfinite(median) and np.isfinite(dispersion) and dispersion > 0.0:
-        values = median * np.exp(np.linspace(-_REACH, _REACH, 101) * dispersion)
-        ax.plot(
-            values,
-            ndtr(np.log(values / median) / dispersion),
-            color=BLUE,
-            lw=1.2,
-            ls=(0, (1.2, 1.2)),
-            label="lognormal fit",
-        )
+        values = median * np.exp(np.linspace(-2.6, 2.6, 101) * dispersion)
+        shares = ndtr(np.log(values / median) / dispersion)
+        ax.plot(values, shares, color=BLUE, lw=1.2, ls=(0, (1.2, 1.2)), label="lognormal fit")
     low, high = float(own["median_lower"]), float(own["median_upper"])
     if np.isfinite(low) and np.isfinite(high):
         words = f"{100.0 * confidence:g} % interval of the median"
@@ -167,20 +151,7 @@ _RESTITUTION = 0.9
 
 
 def site_spectrum(tree: xr.DataTree, ax: Axes | None = None) -> Axes:
-    """Median and 84 % spectrum of a site at the median C of its bodies, and the design of each body beside its point.
-
-    Parameters
-    ----------
-    tree : xarray.DataTree
-        As :func:`rockpulse.calibrate_site` returns it with the method "spectrum".
-    ax : matplotlib Axes, optional
-        Where to draw; by default on a figure of its own.
-
-    Returns
-    -------
-    matplotlib Axes
-        Logarithmic in p and S.
-    """
+    """Median and 84 % spectrum of a site at the median C of its bodies, and the design of each body by its point."""
     ax = style.one_axes(ax, height=4.4)
     site, spectra = tree["site"].to_dataset(), tree["spectra"].to_dataset()
     restitution = float(np.median(site["restitution"])) if site.sizes["block"] else _RESTITUTION
@@ -194,8 +165,7 @@ def site_spectrum(tree: xr.DataTree, ax: Axes | None = None) -> Axes:
     p = spectra["p"].values
     record_lines(ax, p, curves["spectrum"])
     quantile, confidence = (100.0 * float(site[name]) for name in ("quantile", "confidence"))
-    designed = bool(np.all(np.isfinite(curves["spectrum_design"])))
-    if designed:
+    if np.all(np.isfinite(curves["spectrum_design"])):
         words = f"{confidence:g} % interval of the 84 % spectrum"
         ax.fill_between(p, curves["spectrum_84_lower"], curves["spectrum_84_upper"], color=PALE, lw=0, label=words)
         ax.plot(p, curves["spectrum_50"], color=BLUE, lw=1.8, label="median over earthquakes")
@@ -203,10 +173,8 @@ def site_spectrum(tree: xr.DataTree, ax: Axes | None = None) -> Axes:
     known = site.isel(block=np.flatnonzero(np.isfinite(site["effective_impulse"].values)))
     if known.sizes["block"]:
         middle, low, high = (known[f"effective_impulse{end}"].values for end in ("", "_lower", "_upper"))
-        words = f"$I_{{eff}}$ of the design ({quantile:g} %) at the body's own C"
-        ax.errorbar(
-            known["p"].values, middle, yerr=(middle - low, high - middle), fmt="_", ms=9, color=RED, lw=1.2, label=words
-        )
+        words, ends = f"$I_{{eff}}$ of the design ({quantile:g} %) at the body's own C", (middle - low, high - middle)
+        ax.errorbar(known["p"].values, middle, yerr=ends, fmt="_", ms=9, color=RED, lw=1.2, label=words)
     # g tan(alpha)/p from I_1c = g alpha/(p cos alpha).
     alpha, rates = site["alpha_c"].values, site["p"].values.tolist()
     speeds = (site["critical_impulse"].values * np.sin(alpha) / alpha).tolist()
