@@ -11,23 +11,7 @@ import numpy as np
 from rockpulse.assessment.answers import fullest_model
 from rockpulse.errors import ResultsError
 from rockpulse.model_table import SEQUENCE_MODELS, UPPER_BOUND, SearchSettings, is_full, is_upper_bound
-from rockpulse.views.plots import style
-from rockpulse.views.plots.factor_rows import (
-    HALF,
-    ROW,
-    ROWS,
-    asked_of,
-    bar,
-    demand_ticks,
-    factor_axis,
-    factors_to_demands,
-    least,
-    legend_once,
-    none_up_to,
-    probability_bars,
-    shown_rows,
-    tick_notes,
-)
+from rockpulse.views.plots import factor_rows, style
 from rockpulse.views.plots.selection import chosen_case, named_body, one_name, setting, table_of_pair
 from rockpulse.views.plots.style import BLACK, GREEN, GREY, RED, SMALL
 from rockpulse.views.shared.answer_cells import TITLES
@@ -38,6 +22,10 @@ if TYPE_CHECKING:
 
 #: A window in which the block stands again: hatched, and light in grey where it is too narrow for that.
 _AGAIN: dict[str, Any] = {"fc": "#BBDDF3", "ec": BLACK, "lw": 0.0, "hatch": "////", "hatch_linewidth": 0.6}
+
+#: An interval of overturning, and one in which the model cannot answer.
+_OVERTURNS: dict[str, Any] = {"fc": RED, "ec": RED}
+_UNKNOWN: dict[str, Any] = {"fc": "white", "ec": GREY, "hatch": "xxxx"}
 
 #: Narrower intervals of overturning are drawn this wide [pt], over the windows beside them, because they matter.
 _THINNEST = 1.0
@@ -55,12 +43,13 @@ def overturning_map(
     block: str | None = None,
     model: str | None = None,
     ax: Axes | None = None,
-    most: int = ROWS,
+    most: int = factor_rows.ROWS,
 ) -> Axes:
     """Factors on the input at which blocks overturn, and the windows between them in which they stand.
 
     Where intervals of overturning were not searched, the factors at which its probability is 10 and 50 %. Two and more
-    rows without a factor are one row with their number.
+    rows without a factor are one row with their number. A line stands at factor 1, and a tick at what each demand asks
+    of the record.
 
     Parameters
     ----------
@@ -75,17 +64,6 @@ def overturning_map(
         Where to draw; by default on a figure of its own, as high as its rows.
     most : int
         Rows; of more those of the smallest factors are shown.
-
-    Returns
-    -------
-    matplotlib Axes
-        Bars, each interval of overturning at least a point wide; a dot at the smallest factor or that of 10 %, the
-        latter with its interval of 90 %; a line at factor 1 and a tick at what each demand asks of the record.
-
-    Raises
-    ------
-    ResultsError
-        For a name that is not there, or a model without factors and without a probability.
     """
     summary = tree["summary"].to_dataset()
     model = fullest_model(summary) if model is None else one_name(summary, "model", model)
@@ -100,17 +78,17 @@ def overturning_map(
     )
     if np.all(np.isnan(factors)):
         raise ResultsError(f"{model}: no factors in these results: {_SEARCH}")
-    kept, merged, names, note = shown_rows(summary, rows, factors, most)
+    kept, merged, names, note = factor_rows.shown_rows(summary, rows, factors, most)
     outside = [body for (_, body, _), within in zip(rows, inside, strict=True) if within == 0]
     end = float(setting(tree, "search", "factor_max", SearchSettings().factor_max))
-    asked = factors_to_demands(summary, [one for one, _, _ in rows], [body for _, body, _ in rows], end)
-    needed = {demand: asked_of(ticks, kept, merged) for demand, ticks in asked.items()}
+    asked = factor_rows.factors_to_demands(summary, [one for one, _, _ in rows], [body for _, body, _ in rows], end)
+    needed = {demand: factor_rows.asked_of(ticks, kept, merged) for demand, ticks in asked.items()}
     rows, factors, bound = [rows[place] for place in kept], factors[kept], resolved[kept] == 0
-    ax = style.one_axes(ax, height=1.5 + ROW * max(len(rows), 3))
+    ax = style.one_axes(ax, height=1.5 + factor_rows.ROW * max(len(rows), 3))
     half, *ends = (
         _of_rows(summary, one, records, blocks, model)[kept] for one in ("factor_50", "factor_10_low", "factor_10_high")
     )
-    lowest = least(needed, float(np.nanmin(np.where(factors > 0.0, factors, np.nan), initial=1.0)))
+    lowest = factor_rows.least(needed, float(np.nanmin(np.where(factors > 0.0, factors, np.nan), initial=1.0)))
     begin = _BELOW * lowest
     for place, (one, body, case) in enumerate(rows):
         if np.isnan(factors[place]):
@@ -121,15 +99,15 @@ def overturning_map(
             found = table_of_pair(tree, "overturning_intervals", one, body, model, case)
             _bars(ax, place, found, begin, end, at_end)
         else:
-            probability_bars(ax, place, [factors[place], half[place]], begin, end, at_end)
+            factor_rows.probability_bars(ax, place, [factors[place], half[place]], begin, end, at_end)
     if not searched:  # the interval of each factor
         low, high = (np.clip(one, begin, end) for one in ends)
         ax.hlines(np.arange(low.size), low, high, color=BLACK, lw=0.9, zorder=2.5)
     _smallest(ax, factors, bound & searched, "smallest factor" if searched else TITLES["factor_10"])
-    demand_ticks(ax, needed)
-    factor_axis(ax, names, begin, end)
+    factor_rows.demand_ticks(ax, needed)
+    factor_rows.factor_axis(ax, names, begin, end)
     ax.set_xlabel(f"factor on the {'impulses of the sequence' if model in SEQUENCE_MODELS else 'record'} [-]")
-    legend_rows = legend_once(ax, columns=4)
+    legend_rows = factor_rows.legend_once(ax, columns=4)
     heading = style.plain(records[0]) if len(records) == 1 else style.plain(blocks[0])
     style.title(ax, f"{heading}: {style.look(model).label} model", rows=legend_rows)
     if not searched:
@@ -137,7 +115,7 @@ def overturning_map(
         words = f"Dashed: the record as it is. Line: interval of 90 %. P, probability of overturning: {told}."
     else:
         words = _map_notes(model, end, float(np.nanmax(steps, initial=1.0)), outside, bool(np.any(bound)))
-    style.caption(ax, " ".join([note + words, *tick_notes(asked)]))
+    style.caption(ax, " ".join([note + words, *factor_rows.tick_notes(asked)]))
     return ax
 
 
@@ -150,7 +128,8 @@ def critical_scale(
 ) -> Axes:
     """The smallest factor on every record at which a block overturns, by each model.
 
-    Of the nonlinear model that at which the probability of overturning is 10 %, where its factors were not searched.
+    Of the nonlinear model that at which the probability of overturning is 10 %, where its factors were not searched. A
+    row for every record, in the order of the fullest model, the weakest for the block on top.
 
     Parameters
     ----------
@@ -164,17 +143,6 @@ def critical_scale(
         Number of the restitution, from 1.
     ax : matplotlib Axes, optional
         Where to draw; by default on a figure of its own, as high as its rows.
-
-    Returns
-    -------
-    matplotlib Axes
-        A row for every record, the weakest for the block on top, in the order of the fullest model; markers of each
-        model; a line at factor 1 and, where the results have a demand, what it asks of each record.
-
-    Raises
-    ------
-    ResultsError
-        For a name that is not there, or where no model was searched.
     """
     summary = tree["summary"].to_dataset()
     block = one_name(summary, "block", block)
@@ -188,23 +156,24 @@ def critical_scale(
         raise ResultsError(f"{block}: no factors in these results: {_SEARCH}")
     full = fullest_model(summary)
     leading = full if full in searched else searched[-1]
-    order = np.argsort(own["safety_factor"].sel(model=leading).values, kind="stable")[:ROWS]
+    order = np.argsort(own["safety_factor"].sel(model=leading).values, kind="stable")[: factor_rows.ROWS]
     end = float(setting(tree, "search", "factor_max", SearchSettings().factor_max))
-    ax = style.one_axes(ax, height=1.6 + ROW * max(order.size, 4))
+    ax = style.one_axes(ax, height=1.6 + factor_rows.ROW * max(order.size, 4))
     shown = own.isel(record=order)
     records = [str(name) for name in shown["record"].values]
     none_at = [end * _NONE ** (1 + place) for place in range(len(searched) + 1)]
     lowest = [_markers(ax, shown.sel(model=name), name, at) for name, at in zip(searched, none_at, strict=False)]
-    needed = factors_to_demands(summary, records, block, end)
-    demand_ticks(ax, needed)
-    factor_axis(ax, records, _BELOW * least(needed, min([1.0, *lowest])), end, none_at[-1])
+    needed = factor_rows.factors_to_demands(summary, records, block, end)
+    factor_rows.demand_ticks(ax, needed)
+    factor_rows.factor_axis(ax, records, _BELOW * factor_rows.least(needed, min([1.0, *lowest])), end, none_at[-1])
     ax.set_xlabel(style.wrapped(style.label(own["safety_factor"].attrs), 64))
-    legend_rows = legend_once(ax, columns=3)
+    legend_rows = factor_rows.legend_once(ax, columns=3)
     style.title(ax, f"{style.plain(named_body(summary, block, case))}: critical scale of each record", rows=legend_rows)
     told = [
         f"{style.look(name).label.capitalize()}: factor of 10 % probability." for name in searched if name in probable
     ]
-    style.caption(ax, " ".join([_scale_notes(own, shown, searched, leading, end), *told, *tick_notes(needed)]))
+    notes = _scale_notes(own, shown, searched, leading, end)
+    style.caption(ax, " ".join([notes, *told, *factor_rows.tick_notes(needed)]))
     return ax
 
 
@@ -222,20 +191,18 @@ def _of_rows(summary: xr.Dataset, name: str, records: list[str], blocks: list[st
 def _bars(ax: Axes, place: int, found: dict[str, np.ndarray], begin: float, end: float, at_end: bool) -> None:
     lower, upper = found["lower"], found["upper"]
     first = float(lower[0]) if lower.size else end
-    bar(ax, place, begin, first, "stands", fc="#E8F3EF", ec=GREEN, lw=0.4)
+    factor_rows.bar(ax, place, begin, first, "stands", fc="#E8F3EF", ec=GREEN, lw=0.4)
     if not lower.size:
-        none_up_to(ax, place, end, at_end)
+        factor_rows.none_up_to(ax, place, end, at_end)
     for low, high, resolved in zip(lower, upper, found["resolved"], strict=True):
-        if resolved:
-            bar(ax, place, low, high, "overturns", fc=RED, ec=RED, lw=0.4)
-        else:
-            bar(ax, place, low, high, "cannot answer: counts as overturning", fc="white", ec=GREY, lw=0.4, hatch="xxxx")
+        words = "overturns" if resolved else "cannot answer: counts as overturning"
+        factor_rows.bar(ax, place, low, high, words, lw=0.4, **(_OVERTURNS if resolved else _UNKNOWN))
     for answered, color in ((found["resolved"] != 0, RED), (found["resolved"] == 0, GREY)):
         middle = np.sqrt(lower * upper)[answered]
-        ax.vlines(middle, place - HALF, place + HALF, color=color, lw=_THINNEST, zorder=1.5)
+        ax.vlines(middle, place - factor_rows.HALF, place + factor_rows.HALF, color=color, lw=_THINNEST, zorder=1.5)
     for low, high in zip(upper, [*lower[1:], end], strict=False):
         if low < end:
-            bar(ax, place, low, high, "stands again", **_AGAIN)
+            factor_rows.bar(ax, place, low, high, "stands again", **_AGAIN)
 
 
 def _smallest(ax: Axes, factors: np.ndarray, bound: np.ndarray, words: str) -> None:

@@ -23,16 +23,9 @@ from rockpulse.storage.hdf5.atomic import ASSESSMENT, named
 from rockpulse.storage.hdf5.results_file import load
 from rockpulse.storage.variables.fragility import FRAGILITY
 from rockpulse.storage.variables.site import SITE_KIND
-from rockpulse.views.plots import style
+from rockpulse.views.plots import ground_motion, style
 from rockpulse.views.plots.critical_factors import critical_scale, overturning_map
 from rockpulse.views.plots.fragility_curves import fragility_panels
-from rockpulse.views.plots.ground_motion import (
-    accelerogram,
-    had_vertical,
-    motion_of_record,
-    stored_motion,
-    stored_record,
-)
 from rockpulse.views.plots.impulse_sequences import limit_accelerogram
 from rockpulse.views.plots.kinds import KINDS, draw
 from rockpulse.views.plots.model_histories import histories
@@ -99,9 +92,9 @@ def _rocking_spectrum(tree: xr.DataTree, record: str | None = None, restitution:
         raise ConfigError(f'restitution: expected a number from 0 to 1 or "housner", got {restitution}')
     c: Any = restitution if restitution == "housner" else float(restitution)
     gravity = float(summary["gravity"][0])
-    spectrum = compute_spectrum(stored_record(tree, record), p, alpha, restitution=c, gravity=gravity)
+    spectrum = compute_spectrum(ground_motion.stored_record(tree, record), p, alpha, restitution=c, gravity=gravity)
     note = "Without the vertical channel, which acted on the verdicts of the file and is not stored."
-    return rocking_spectrum(spectrum, bodies=marked, note=note if had_vertical(summary, record) else "")
+    return rocking_spectrum(spectrum, bodies=marked, note=note if ground_motion.had_vertical(summary, record) else "")
 
 
 def _reaching(values: Sequence[float], marked: Sequence[float]) -> list[float]:
@@ -131,7 +124,7 @@ def _whole(tree: xr.DataTree, spectra: xr.Dataset, restitution: float) -> xr.Dat
     stated = {name: setting(tree, "uncertainty", name, value) for name, value in dict(**UncertaintySettings()).items()}
     uncertainty = UncertaintySettings(**stated).of_draws()
     whole = [
-        overturning_spectrum(stored_record(tree, record), restitution=[nearest], uncertainty=uncertainty)
+        overturning_spectrum(ground_motion.stored_record(tree, record), restitution=[nearest], uncertainty=uncertainty)
         for record in records
     ]
     return xr.concat(whole, xr.Variable("record", records), combine_attrs="drop_conflicts")
@@ -147,8 +140,8 @@ def _overturning_map(
 
 #: By the names of :data:`rockpulse.views.plots.kinds.KINDS`: functions of a tree and what is chosen of it.
 DRAWERS: dict[str, Callable[..., Figure | Axes | np.ndarray]] = {
-    "accelerogram": lambda tree, record=None: accelerogram(
-        stored_motion(tree, one_name(tree["summary"].to_dataset(), "record", record))
+    "accelerogram": lambda tree, record=None: ground_motion.accelerogram(
+        ground_motion.stored_motion(tree, one_name(tree["summary"].to_dataset(), "record", record))
     ),
     "bodies": bodies,
     "limit-accelerogram": _limit_accelerogram,
@@ -251,7 +244,7 @@ def _first(tree: xr.DataTree) -> str:
 
 #: Functions of an object, by its type.
 _BY_TYPE: dict[type, Callable[[Any], Figure | Axes | np.ndarray]] = {
-    Record: lambda record: accelerogram(motion_of_record(record)),
+    Record: lambda record: ground_motion.accelerogram(ground_motion.motion_of_record(record)),
     HalfWaves: half_wave_impulses,
     ImpulseSequence: two_half_cycles,
     Block: block_outlines,

@@ -91,11 +91,6 @@ def fragility_panels(
         As of :func:`fragility`.
     axes : matplotlib Axes, optional
         One for each measure; by default on a figure of their own.
-
-    Returns
-    -------
-    ndarray of matplotlib Axes
-        One for each measure, as :func:`fragility` returns it.
     """
     curves = tree["fragility"].to_dataset()
     block = one_name(curves, "block", block)

@@ -68,7 +68,7 @@ def motion_of_record(
     phase: IntensePhase | None = None,
     sequence: ImpulseSequence | None = None,
 ) -> xr.Dataset:
-    """The same of a record that was read and conditioned.
+    """The ground motion of a record that was read and conditioned, with what a picture shows of it.
 
     Parameters
     ----------
@@ -154,11 +154,6 @@ def accelerogram(motion: xr.Dataset, axes: Panels | None = None) -> np.ndarray:
         As :func:`~rockpulse.plots.stored_motion` or :func:`~rockpulse.plots.motion_of_record` returns it.
     axes : array_like of three matplotlib Axes, optional
         Where to draw; by default on a figure of their own.
-
-    Returns
-    -------
-    (3,) ndarray of Axes
-        The record, the intense phase, the impulses.
     """
     panels = style.several_axes(axes, 3, height=5.6, height_ratios=[0.55, 1.0, 1.0])[:, 0]
     if axes is None:

@@ -37,10 +37,8 @@ def limit_accelerogram(
 
     Parameters
     ----------
-    block : Block
-        One block: its half-cycles set the times of the main impulses.
-    sequence : ImpulseSequence
-        One sequence that ends.
+    block, sequence : Block, ImpulseSequence
+        One block, whose half-cycles set the times of the main impulses, and one sequence that ends.
     axes : array_like of two matplotlib Axes, optional
         Where to draw; by default on a figure of their own, with a common time.
     name : str
@@ -51,11 +49,6 @@ def limit_accelerogram(
     (2,) ndarray of Axes
         The main sequence alone (Figure 1 of the paper), and with the secondary one (Figure 2). The last of ``lines``
         of each is the half-cycles of the block, abs(theta)/alpha_c at their peaks.
-
-    Raises
-    ------
-    ValueError
-        For arrays of blocks or sequences, or a sequence without end.
     """
     panels = style.several_axes(axes, 2, height=5.0, sharex=True, sharey=True)[:, 0]
     last, cycles = 0.0, []

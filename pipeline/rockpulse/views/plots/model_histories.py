@@ -76,16 +76,11 @@ def histories(
         Names; none where there is one only.
     models : sequence of str, optional
         Some of nonlinear, linear, impulsive, sequence and resonance; by default those of the results that follow the
-        record, the first three.
+        record, the first three. One that could not say (UNRESOLVED) has an empty history and a remark.
     case : int
         Number of the restitution, from 1.
     factor : float
         On the record, positive [-]; another one than 1 is for the models that follow the record.
-
-    Returns
-    -------
-    list of History
-        A model that could not say (UNRESOLVED) is there with an empty history and its remark.
 
     Notes
     -----
@@ -159,13 +154,10 @@ def stored_history(
     if "records" not in tree.children or "rotation" not in tree["records"]:
         return None
     summary, kept = tree["summary"].to_dataset(), tree["records"].to_dataset()
-    place = [str(name) for name in summary["block"].values].index(block)
-    lane = place * summary.sizes.get("case", 1) + case - 1
-    rows = np.flatnonzero(
-        (kept["history_record_index"].values == summary.get_index("record").get_loc(record))
-        & (kept["history_lane_index"].values == lane)
-        & (kept["history_model_index"].values == summary.get_index("model").get_loc(model))
-    )
+    place = {"record": record, "lane": block, "model": model}
+    at = {one: summary.get_index(one if one != "lane" else "block").get_loc(name) for one, name in place.items()}
+    at["lane"] = at["lane"] * summary.sizes.get("case", 1) + case - 1
+    rows = np.flatnonzero(np.all([kept[f"history_{one}_index"].values == own for one, own in at.items()], axis=0))
     if rows.size == 0:
         return None
     first, last = np.cumsum([0, *kept["history_row_size"].values])[rows[0] : rows[0] + 2]

@@ -29,6 +29,9 @@ if TYPE_CHECKING:
 COLOURS = {Outcome.AT_REST: GREY, Outcome.ROCKS: BLUE, Outcome.OVERTURNS: RED, Outcome.UNRESOLVED: BLACK}
 LANES = 6
 
+#: Bodies in a picture, and in a row of it.
+MOST, IN_ROW = 8, 4
+
 #: Height of the bar of a body that overturns, in the units of alpha_c of all others [-].
 TOP = 1.2
 
@@ -134,10 +137,6 @@ def response(answer: Response, ax: Axes | None = None) -> Axes:
     if len(lanes) > LANES:
         style.caption(ax, f"Drawn are the first {LANES} of {len(lanes)} lanes.")
     return ax
-
-
-#: Bodies in a picture, and in a row of it.
-MOST, IN_ROW = 8, 4
 
 
 def bodies(tree: xr.DataTree, block: str | None = None) -> Figure:

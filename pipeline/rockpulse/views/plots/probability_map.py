@@ -35,7 +35,8 @@ LEVELS = np.array([0.0, 0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0])
 def probability_map(tree: xr.DataTree, demand: str | None = None, ax: Axes | None = None) -> Axes:
     """The probability that each record overturns each body: the darker, the likelier.
 
-    Where it was not computed, whether the record overturns the body by the fullest model of the results.
+    Where it was not computed, whether the record overturns the body by the fullest model of the results. A row for
+    every record, the likeliest on top; of a sweep for every pair of channels, in its worst direction.
 
     Parameters
     ----------
@@ -45,12 +46,6 @@ def probability_map(tree: xr.DataTree, demand: str | None = None, ax: Axes | Non
         Name of a demand, to which every record is brought; by default the records are taken as they are.
     ax : matplotlib Axes, optional
         Where to draw; by default on a figure of its own, as high as its rows.
-
-    Returns
-    -------
-    matplotlib Axes
-        A row for every record, the likeliest to overturn a body on top; of a sweep for every pair of channels, in its
-        worst direction. A column for every body. Its first collection is the map.
     """
     from matplotlib import colormaps
     from matplotlib.colors import BoundaryNorm
@@ -106,17 +101,14 @@ def probability_map(tree: xr.DataTree, demand: str | None = None, ax: Axes | Non
 
 
 def _notes(answers: Answers, rows: int, columns: int) -> list[str]:
-    notes = []
-    if rows < len(answers.motions.names):
-        notes.append(f"The {rows} likeliest of {len(answers.motions.names)} {MOTIONS[answers.motions.kind]}.")
-    if columns < len(answers.bodies):
-        notes.append(f"The {columns} likeliest of {len(answers.bodies)} bodies.")
-    if answers.motions.kind == "pair":
-        notes.append("Of a pair of channels the direction that is the likeliest to overturn the body.")
+    motions, bodies, model = answers.motions, len(answers.bodies), style.look(answers.model).label
+    told = f"No probability is known: whether the {model} model overturns the body."
     if answers.probable:
-        notes.append(f"P: {answers.summary['overturning_probability'].attrs.get('comment', 'nonlinear model')}.")
-    else:
-        notes.append(
-            f"No probability is known: whether the {style.look(answers.model).label} model overturns the body."
-        )
-    return notes
+        told = f"P: {answers.summary['overturning_probability'].attrs.get('comment', 'nonlinear model')}."
+    notes = {
+        f"The {rows} likeliest of {len(motions.names)} {MOTIONS[motions.kind]}.": rows < len(motions.names),
+        f"The {columns} likeliest of {bodies} bodies.": columns < bodies,
+        "Of a pair of channels the direction that is the likeliest to overturn the body.": motions.kind == "pair",
+        told: True,
+    }
+    return [words for words, holds in notes.items() if holds]

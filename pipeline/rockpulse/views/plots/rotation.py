@@ -97,10 +97,8 @@ def _limits(histories: Sequence[History]) -> tuple[float, float]:
 
 def moving_stretch(motions: Sequence[tuple[np.ndarray, np.ndarray]]) -> tuple[float, float]:
     """Limits of the time axis [s] about the first and the last motion, of times and rotations one after the other."""
-    found = []
-    for time, rotation in motions:
-        largest = min(np.nanmax(np.abs(rotation), initial=0.0), 1.0)
-        found.append(time[np.abs(rotation) > _MOVES * largest])
+    largest = [min(np.nanmax(np.abs(rotation), initial=0.0), 1.0) for _, rotation in motions]
+    found = [time[np.abs(one) > _MOVES * most] for (time, one), most in zip(motions, largest, strict=True)]
     moving = np.concatenate([np.zeros(0), *found])
     if moving.size == 0:
         ends = [float(time[-1]) for time, _ in motions if time.size]

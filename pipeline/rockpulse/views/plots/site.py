@@ -122,39 +122,36 @@ def _fit(ax: Axes, own: xr.Dataset, confidence: float) -> None:
 
 def _ticks(ax: Axes, whole: bool) -> None:
     """Label the ticks with plain numbers, whole ones for counts."""
-    from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullFormatter, NullLocator
+    from matplotlib.ticker import MaxNLocator, NullLocator
 
     low, high = ax.get_xlim()
+    style.plain_ticks(ax.xaxis, 100.0)
     if high / low < 6.0:  # within less than a decade the usual round numbers
         ax.xaxis.set_major_locator(MaxNLocator(5, integer=whole))
         ax.xaxis.set_minor_locator(NullLocator())
-    else:
-        ax.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0) if high / low < 100.0 else (1.0,)))
-    ax.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-    ax.xaxis.set_minor_formatter(NullFormatter())
 
 
 def _remarks(site: xr.Dataset) -> str:
     """The gravest remark, which comes first."""
     words = [f"Design: quantile {float(site['quantile']):g} by {site.attrs['design']}."]
-    remarks = [line for line in str(site["remarks"].item()).splitlines() if line]
-    if remarks:
-        first = textwrap.shorten(remarks[0][:1].upper() + remarks[0][1:], _REMARK, placeholder=" …")
+    remarks = _sentences(site)
+    for one in remarks[:1]:
+        first = textwrap.shorten(one, _REMARK, placeholder=" …")
         words.append(style.plain(first if first.endswith("…") else f"{first}."))
     if len(remarks) > 1:
         words.append(f"{len(remarks) - 1} more remarks in the file.")
     return " ".join(words)
 
 
-#: C at which the spectrum is drawn without bodies.
-_RESTITUTION = 0.9
+def _sentences(site: xr.Dataset) -> list[str]:
+    return [line[:1].upper() + line[1:] for line in str(site["remarks"].item()).splitlines() if line]
 
 
 def site_spectrum(tree: xr.DataTree, ax: Axes | None = None) -> Axes:
     """Median and 84 % spectrum of a site at the median C of its bodies, and the design of each body by its point."""
     ax = style.one_axes(ax, height=4.4)
     site, spectra = tree["site"].to_dataset(), tree["spectra"].to_dataset()
-    restitution = float(np.median(site["restitution"])) if site.sizes["block"] else _RESTITUTION
+    restitution = float(np.median(site["restitution"])) if site.sizes["block"] else 0.9
     grid = spectra["restitution"].values
     nearest = float(np.clip(restitution, grid[0], grid[-1]))
     curves = {
@@ -182,7 +179,6 @@ def site_spectrum(tree: xr.DataTree, ax: Axes | None = None) -> Axes:
     rows = spectrum_axes(ax, spectra["p"], points, STANDARD_GRAVITY, columns=2)
     style.title(ax, f"{style.plain(tree.attrs.get('title', ''))}, $C$ = {restitution:.3g}", rows=rows)
     said = ["A body overturns under the design where the middle of its bar lies above its point."]
-    remarks = [line[:1].upper() + line[1:] for line in str(site["remarks"].item()).splitlines() if line]
-    said = [*said[: known.sizes["block"]], *(f"{style.plain(one)}." for one in remarks[:1])]
+    said = [*said[: known.sizes["block"]], *(f"{style.plain(one)}." for one in _sentences(site)[:1])]
     style.caption(ax, " ".join([*said, *below_the_picture(ax, curves["spectrum"])]))
     return ax

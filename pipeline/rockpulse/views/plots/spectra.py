@@ -47,11 +47,6 @@ def rocking_spectrum(
         p [1/s] and alpha_c [rad] of bodies, by their names.
     note : str
         Further words for the small print.
-
-    Returns
-    -------
-    matplotlib Axes
-        Its first collection is the map, its first patch the hatching of what overturns.
     """
     from matplotlib import colormaps
     from matplotlib.colors import BoundaryNorm

@@ -213,12 +213,12 @@ def caption(ax: Axes, words: str, width: int = 106) -> None:
         ax.annotate(wrapped(words, width), (0.0, 0.0), (0.0, -5.0), below, "offset points", **options)
 
 
-def plain_ticks(axis: Axis) -> None:
-    """Label the ticks of a logarithmic axis with plain numbers, not powers of ten, and set enough of them."""
+def plain_ticks(axis: Axis, wide: float = 200.0) -> None:
+    """Label the ticks of a logarithmic axis with plain numbers, not powers of ten; only these on a `wide` one."""
     from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
     low, high = axis.get_view_interval()
-    axis.set_major_locator(LogLocator(subs=(1.0,) if high / low > 200.0 else (1.0, 2.0, 5.0)))
+    axis.set_major_locator(LogLocator(subs=(1.0,) if high / low >= wide else (1.0, 2.0, 5.0)))
     axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
     axis.set_minor_formatter(NullFormatter())
 
