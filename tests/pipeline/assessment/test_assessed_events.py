@@ -12,13 +12,13 @@ from rockpulse import BlockSettings, ModelSettings, RecordSettings
 from rockpulse.assessment.answers import answers_of
 from rockpulse.cli import main
 from rockpulse.errors import ConfigError
-from rockpulse.motions.events import UNKNOWN
 from rockpulse.readers.folders import read_all
 from rockpulse.run import survey
 from rockpulse.run.journal import journal_path
 from rockpulse.run.options import BatchOptions
 from rockpulse.run.tasks import configuration_fingerprint
-from rockpulse.views.report.statements import of_unknown_event
+from rockpulse.selection.events import UNKNOWN
+from rockpulse.views.report.verdict import of_unknown_event
 
 CONFIG = Config(
     blocks=(BlockSettings(name="wall", width=0.3, height=2.4),),

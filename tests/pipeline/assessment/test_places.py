@@ -9,10 +9,9 @@ import rockpulse as rp
 from rocking.response import HalfCycles, Response
 from rocking.search.factors import ScaleIntervals
 from rockpulse import models
-from rockpulse.assessment import assessment
-from rockpulse.assessment.assessment import assess_scene
-from rockpulse.assessment.places import aloft, floor_record, joined_responses, places_of
-from rockpulse.assessment.scene import extract
+from rockpulse.assessment import record_assessment
+from rockpulse.assessment.record_assessment import assess_scene
+from rockpulse.assessment.scene import aloft, extract, floor_record, joined_responses, places_of
 from rockpulse.config.bodies import Place, gather_bodies
 from rockpulse.record.components import Pair
 from rockpulse.record.intensity import pgv
@@ -196,7 +195,7 @@ def test_what_is_told_of_a_floor_is_a_remark_of_the_record_once():
 def test_the_sequence_of_a_floor_is_matched_to_its_motion(monkeypatch):
     asked = config(body("ground"), body("aloft", floors=(FLOOR,)))
     scene, seen = extract(RECORD, asked), []
-    monkeypatch.setattr(assessment, "matched", lambda there, _: seen.append(there.record) or there)
+    monkeypatch.setattr(record_assessment, "matched", lambda there, _: seen.append(there.record) or there)
     assess_scene(scene, gather_bodies(asked.blocks), asked)
     assert [one is scene.record for one in seen] == [False]
     assert np.array_equal(seen[0].acceleration, floor_record(RECORD, (FLOOR,)).acceleration)

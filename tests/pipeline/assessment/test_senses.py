@@ -10,7 +10,7 @@ import rockpulse as rp
 from rocking import Block
 from rocking.search.factors import ScaleIntervals
 from rockpulse import models
-from rockpulse.assessment.senses import Senses, acting, senses
+from rockpulse.assessment.scene import Senses, acting, senses
 from rockpulse.config.bodies import gather_bodies
 from rockpulse.views.shared.facts import Known
 
@@ -200,8 +200,8 @@ def lanes_of(both):
     ],
 )
 def test_overturning_is_worse_than_no_answer_and_that_than_rocking(outcomes, peaks, places):
-    response = SimpleNamespace(outcome=np.array(outcomes), peak_rotation_ratio=np.array(peaks))
-    assert lanes_of([0, 2]).worst(response).tolist() == places
+    response = SimpleNamespace(outcome=np.array(outcomes), peak_rotation_ratio=np.array(peaks), take=np.copy)
+    assert lanes_of([0, 2]).worse(response).tolist() == places
 
 
 def test_the_likelier_sense_is_that_of_the_smaller_factor_where_both_are_alike():

@@ -14,7 +14,7 @@ from rockpulse.model_table import SEQUENCE_MODELS, UPPER_BOUND, SearchSettings, 
 from rockpulse.views.plots import factor_rows, style
 from rockpulse.views.plots.selection import chosen_case, named_body, one_name, setting, table_of_pair
 from rockpulse.views.plots.style import BLACK, GREEN, GREY, RED, SMALL
-from rockpulse.views.shared.answer_cells import TITLES
+from rockpulse.views.shared.notes import factor_name
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -103,7 +103,7 @@ def overturning_map(
     if not searched:  # the interval of each factor
         low, high = (np.clip(one, begin, end) for one in ends)
         ax.hlines(np.arange(low.size), low, high, color=BLACK, lw=0.9, zorder=2.5)
-    _smallest(ax, factors, bound & searched, "smallest factor" if searched else TITLES["factor_10"])
+    _smallest(ax, factors, bound & searched, "smallest factor" if searched else factor_name(name))
     factor_rows.demand_ticks(ax, needed)
     factor_rows.factor_axis(ax, names, begin, end)
     ax.set_xlabel(f"factor on the {'impulses of the sequence' if model in SEQUENCE_MODELS else 'record'} [-]")

@@ -12,9 +12,8 @@ import xarray as xr
 from rocking.body.block import Block
 from rocking.impulses.impulse_sequence import ImpulseSequence
 from rocking.response import Response
-from rockpulse.assessment.overturning import overturning_spectrum
-from rockpulse.assessment.spectrum import ALPHAS, P
-from rockpulse.assessment.spectrum import rocking_spectrum as compute_spectrum
+from rockpulse.assessment.spectra import ALPHAS, P, overturning_spectrum
+from rockpulse.assessment.spectra import rocking_spectrum as compute_spectrum
 from rockpulse.config.study_settings import UncertaintySettings
 from rockpulse.errors import ConfigError, ResultsError
 from rockpulse.record.half_wave import HalfWaves

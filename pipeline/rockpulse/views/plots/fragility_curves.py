@@ -12,7 +12,7 @@ from rockpulse.record.measures import PGA
 from rockpulse.views.plots import style
 from rockpulse.views.plots.selection import one_name, setting
 from rockpulse.views.plots.style import GREY, Look, Panels
-from rockpulse.views.text.fragility import shown_measure
+from rockpulse.views.text.fragility import shown_measure, statement
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -137,8 +137,8 @@ def _panel(
     remarks: dict[str, list[str]] = {}
     for state, appearance in zip(states, style.looks([_named(state) for state in states]), strict=True):
         one = own.sel(limit_state=state)
-        if str(one["statement"].item()):
-            remarks.setdefault(str(one["statement"].item()), []).append(appearance.label)
+        if said := statement(one):
+            remarks.setdefault(said, []).append(appearance.label)
         if not bool(one["probability"].notnull().any()):
             ax.plot([], [], color=appearance.color, ls=appearance.line, label=appearance.label + ": no curve" * alone)
             continue

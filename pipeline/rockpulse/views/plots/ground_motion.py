@@ -19,7 +19,7 @@ from rockpulse.storage.variables.summary import RECORD
 from rockpulse.views.plots import style
 from rockpulse.views.plots.selection import ragged
 from rockpulse.views.plots.style import BLACK, BLUE, FONT, GREY, INSTANTS, ORANGE, RED, SKY, Panels
-from rockpulse.views.shared.facts import Known, record_words
+from rockpulse.views.shared.facts import Known, RecordFacts
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -115,7 +115,7 @@ def motion_of_record(
             **{name: RECORD[name].variable(value, ()) for name, value in scalars.items()},
         }
     )
-    words = record_words(lambda name: getattr(record, _FIELDS.get(name, name)))
+    words = RecordFacts(lambda name: getattr(record, _FIELDS.get(name, name))).described
     return motion.assign_attrs(record=record.id, words=words)
 
 

@@ -10,16 +10,15 @@ import numpy as np
 
 from rocking.body.block import Block
 from rocking.response import IMPACT_CUTOFF, Outcome, Response
-from rockpulse.assessment.places import floor_record
-from rockpulse.assessment.senses import acting
+from rockpulse.assessment.scene import acting, floor_record
 from rockpulse.config.block_settings import floors_from_text
 from rockpulse.errors import ResultsError
 from rockpulse.model_row import Scene
 from rockpulse.model_table import DRAWN, FOLLOWING, MODELS, SEQUENCE_MODELS, ModelSettings
-from rockpulse.motions.directions import FACING_WITHIN
 from rockpulse.record.half_wave import HalfWaves
 from rockpulse.record.intensity import IntensePhase
 from rockpulse.record.record import Record
+from rockpulse.selection.directions import FACING_WITHIN
 from rockpulse.views.plots.ground_motion import STORE, had_vertical, stored_record
 from rockpulse.views.plots.motion_history import HalfCycle, rotation_history
 from rockpulse.views.plots.selection import (

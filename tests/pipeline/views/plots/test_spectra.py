@@ -8,7 +8,7 @@ import xarray as xr
 from drawn import in_legend, small_print
 from matplotlib.colors import same_color
 
-from rockpulse.assessment.spectrum import rocking_spectrum as computed
+from rockpulse.assessment.spectra import rocking_spectrum as computed
 from rockpulse.record.record import Record
 from rockpulse.storage.variables.probability import SPECTRUM, SPECTRUM_AXES
 from rockpulse.views.plots.spectra import overturning_spectra, rocking_spectrum
