@@ -16,6 +16,7 @@ from rockpulse.assessment.spectra import ALPHAS, P, overturning_spectrum
 from rockpulse.assessment.spectra import rocking_spectrum as compute_spectrum
 from rockpulse.config.study_settings import UncertaintySettings
 from rockpulse.errors import ConfigError, ResultsError
+from rockpulse.option import hint
 from rockpulse.record.half_wave import HalfWaves
 from rockpulse.record.record import Record
 from rockpulse.storage.hdf5.atomic import ASSESSMENT, named
@@ -26,7 +27,7 @@ from rockpulse.views.plots import ground_motion, style
 from rockpulse.views.plots.critical_factors import critical_scale, overturning_map
 from rockpulse.views.plots.fragility_curves import fragility_panels
 from rockpulse.views.plots.impulse_sequences import limit_accelerogram
-from rockpulse.views.plots.kinds import KINDS, draw
+from rockpulse.views.plots.kinds import KINDS, OPTIONS
 from rockpulse.views.plots.model_histories import histories
 from rockpulse.views.plots.objects import block_outlines, bodies, half_wave_impulses, response, two_half_cycles
 from rockpulse.views.plots.probability_map import probability_map
@@ -155,6 +156,56 @@ DRAWERS: dict[str, Callable[..., Figure | Axes | np.ndarray]] = {
     ),
     "calibration": calibration,
 }
+
+
+def draw(tree: xr.DataTree, kind: str, **options: Any) -> Figure:
+    """A picture of a results file.
+
+    Parameters
+    ----------
+    tree : xarray.DataTree
+        As :func:`rockpulse.load` reads it, or as the functions that compute it return it.
+    kind : str
+        One of :data:`~rockpulse.plots.KINDS`.
+    **options
+        What is chosen, those of the kind: `record`, `block`, `demand`, `measure` (names), `models`, `limit_states`
+        (sequences of names), `case` (number of the restitution, from 1), `factor` (on the record), `restitution` (a
+        number or "housner"). None stands for the default. A record or a block may be left out where there is one only;
+        for a name of the file a pattern (* and ?) does that no other name meets.
+
+    Returns
+    -------
+    matplotlib Figure
+        Bound to no window; :func:`rockpulse.plots.svg` and ``savefig`` make text and files of it.
+
+    Raises
+    ------
+    ResultsError
+        For an unknown kind, option or name, a file of another kind, or one that does not hold what the picture needs.
+
+    Examples
+    --------
+    >>> import rockpulse as rp
+    >>> record = rp.read("data/samples/records/CICLC.v1")[0]
+    >>> results = rp.assess([record], rp.Config(blocks=[rp.BlockSettings("wall", width=0.5, height=4.0)]))
+    >>> len(rp.plots.draw(results, "bodies").axes)
+    1
+    """
+    if kind not in KINDS:
+        told = f"there are: {', '.join(KINDS)}"
+        raise ResultsError(f'no kind of picture "{kind}"{hint(kind, KINDS, told)}')
+    row = KINDS[kind]
+    found = str(tree.attrs.get("kind", ASSESSMENT))
+    if found != row.file or (row.group and row.group not in tree.children):
+        without = f" without the group {row.group}" if found == row.file else ""
+        raise ResultsError(f"{kind}: expected a file of '{row.command}', found {named(found)} file{without}")
+    given = {name: value for name, value in options.items() if value is not None}
+    for name in given:
+        if name not in row.options:
+            flags = ", ".join(OPTIONS[option] for option in row.options)
+            takes = f"it takes {', '.join(row.options)} ({flags})" if flags else "the picture is always the same"
+            raise ResultsError(f"{kind}: there is no {name} to choose; {takes}")
+    return style.whole_figure(DRAWERS[kind](tree, **given))
 
 
 def plot(

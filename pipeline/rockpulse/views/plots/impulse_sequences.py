@@ -98,7 +98,7 @@ def _main_places(block: Block, sequence: ImpulseSequence, times: np.ndarray) -> 
     main = np.zeros(times.size, dtype=bool)
     at = 0
     while at < times.size:
-        row = min(np.count_nonzero(main), table.impulse_count.size - 1)
+        row = min(int(np.count_nonzero(main)), table.impulse_count.size - 1)
         main[at] = True
         at += 1 + (2 if sequence.spacing == "continuous" else max(int(table.impulse_count[row]), 0))
     return main

@@ -3,24 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
 
-from rockpulse.errors import ResultsError
-from rockpulse.option import hint
-from rockpulse.storage.hdf5.atomic import ASSESSMENT, named
+from rockpulse.storage.hdf5.atomic import ASSESSMENT
 from rockpulse.storage.variables.fragility import FRAGILITY
 from rockpulse.storage.variables.site import SITE_KIND
-
-if TYPE_CHECKING:
-    import xarray as xr
-    from matplotlib.figure import Figure
 
 
 @dataclass(frozen=True)
 class PictureKind:
     """One kind of picture."""
 
-    #: What may be chosen, by the names of the keywords of :func:`draw`.
+    #: What may be chosen, by the names of the keywords of :func:`~rockpulse.plots.draw`.
     options: tuple[str, ...]
     #: What it shows.
     summary: str
@@ -82,64 +75,11 @@ KINDS = {
     ),
 }
 
-#: Options of the command line by the keywords of :func:`draw`, each in the singular.
+#: Options of the command line by the keywords of :func:`~rockpulse.plots.draw`, each in the singular.
 OPTIONS = {
     name: f"--{name.removesuffix('s').replace('_', '-')}"
     for name in ("record", "block", "models", "demand", "case", "factor", "measure", "limit_states", "restitution")
 }
-
-
-def draw(tree: xr.DataTree, kind: str, **options: Any) -> Figure:
-    """A picture of a results file.
-
-    Parameters
-    ----------
-    tree : xarray.DataTree
-        As :func:`rockpulse.load` reads it, or as the functions that compute it return it.
-    kind : str
-        One of :data:`KINDS`.
-    **options
-        What is chosen, those of the kind: `record`, `block`, `demand`, `measure` (names), `models`, `limit_states`
-        (sequences of names), `case` (number of the restitution, from 1), `factor` (on the record), `restitution` (a
-        number or "housner"). None stands for the default. A record or a block may be left out where there is one only;
-        for a name of the file a pattern (* and ?) does that no other name meets.
-
-    Returns
-    -------
-    matplotlib Figure
-        Bound to no window; :func:`rockpulse.plots.svg` and ``savefig`` make text and files of it.
-
-    Raises
-    ------
-    ResultsError
-        For an unknown kind, option or name, a file of another kind, or one that does not hold what the picture needs.
-
-    Examples
-    --------
-    >>> import rockpulse as rp
-    >>> record = rp.read("data/samples/records/CICLC.v1")[0]
-    >>> results = rp.assess([record], rp.Config(blocks=[rp.BlockSettings("wall", width=0.5, height=4.0)]))
-    >>> len(rp.plots.draw(results, "bodies").axes)
-    1
-    """
-    if kind not in KINDS:
-        told = f"there are: {', '.join(KINDS)}"
-        raise ResultsError(f'no kind of picture "{kind}"{hint(kind, KINDS, told)}')
-    row = KINDS[kind]
-    found = str(tree.attrs.get("kind", ASSESSMENT))
-    if found != row.file or (row.group and row.group not in tree.children):
-        without = f" without the group {row.group}" if found == row.file else ""
-        raise ResultsError(f"{kind}: expected a file of '{row.command}', found {named(found)} file{without}")
-    given = {name: value for name, value in options.items() if value is not None}
-    for name in given:
-        if name not in row.options:
-            flags = ", ".join(OPTIONS[option] for option in row.options)
-            takes = f"it takes {', '.join(row.options)} ({flags})" if flags else "the picture is always the same"
-            raise ResultsError(f"{kind}: there is no {name} to choose; {takes}")
-    from rockpulse.views.plots.drawing import DRAWERS
-    from rockpulse.views.plots.style import whole_figure
-
-    return whole_figure(DRAWERS[kind](tree, **given))
 
 
 def kind_list() -> str:

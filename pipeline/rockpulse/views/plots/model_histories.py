@@ -154,7 +154,7 @@ def stored_history(
         return None
     summary, kept = tree["summary"].to_dataset(), tree["records"].to_dataset()
     place = {"record": record, "lane": block, "model": model}
-    at = {one: summary.get_index(one if one != "lane" else "block").get_loc(name) for one, name in place.items()}
+    at = {one: summary[one if one != "lane" else "block"].values.tolist().index(name) for one, name in place.items()}
     at["lane"] = at["lane"] * summary.sizes.get("case", 1) + case - 1
     rows = np.flatnonzero(np.all([kept[f"history_{one}_index"].values == own for one, own in at.items()], axis=0))
     if rows.size == 0:

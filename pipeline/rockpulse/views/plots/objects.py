@@ -29,11 +29,8 @@ if TYPE_CHECKING:
 COLOURS = {Outcome.AT_REST: GREY, Outcome.ROCKS: BLUE, Outcome.OVERTURNS: RED, Outcome.UNRESOLVED: BLACK}
 LANES = 6
 
-#: Bodies in a picture, and in a row of it.
-MOST, IN_ROW = 8, 4
-
-#: Height of the bar of a body that overturns, in the units of alpha_c of all others [-].
-TOP = 1.2
+#: Bodies in a picture, and in a row of it; the height of the bar of one that overturns, where alpha_c is 1 [-].
+MOST, IN_ROW, TOP = 8, 4, 1.2
 
 
 def half_wave_impulses(waves: HalfWaves, ax: Axes | None = None) -> Axes:

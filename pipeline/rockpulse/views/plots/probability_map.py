@@ -85,7 +85,7 @@ def probability_map(tree: xr.DataTree, demand: str | None = None, ax: Axes | Non
     ax.xaxis.tick_top()
     handles: list[Any] = []
     if known:
-        style.colour_bar(mesh, LEVELS, "probability P [-]", format="%g", spacing="uniform")
+        style.colour_bar(ax, mesh, LEVELS, "probability P [-]", format="%g", spacing="uniform")
         if columns.size <= WRITTEN:
             for (row, column), value in np.ndenumerate(shown):
                 options: dict[str, Any] = {"color": "white" if value > 0.5 else BLACK, "ha": "center", "va": "center"}

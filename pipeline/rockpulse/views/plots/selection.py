@@ -106,7 +106,7 @@ def ragged(tree: xr.DataTree, sizes: str, names: Sequence[str], record: str) -> 
     if "records" not in tree.children or any(name not in tree["records"] for name in (sizes, *names)):
         return None
     stored = tree["records"].to_dataset()
-    place = stored.get_index("record").get_loc(record)
+    place = stored["record"].values.tolist().index(record)
     first, last = np.cumsum([0, *stored[sizes].values])[place : place + 2]
     return {name: stored[name].variable[first:last] for name in names}
 

@@ -74,7 +74,7 @@ def rocking_spectrum(
         cells = Path.make_compound_path(*(Path(cell, closed=True) for cell in around))
         ax.add_patch(PathPatch(cells, **_FALLEN | {"fc": "none"}, lw=0.0, rasterized=True))
     ax.grid(visible=False)
-    style.colour_bar(mesh, levels[::2], style.label(spectrum["peak_rotation_ratio"].attrs))
+    style.colour_bar(ax, mesh, levels[::2], style.label(spectrum["peak_rotation_ratio"].attrs))
     handles: list[Any] = []
     if np.any(fallen):
         handles.append(Patch(**_FALLEN, lw=0.5, label="overturns"))

@@ -157,9 +157,9 @@ def dressed(ax: Axes) -> Axes:
     return ax
 
 
-def colour_bar(mesh: QuadMesh, ticks: np.ndarray, words: str, **options: Any) -> None:
+def colour_bar(ax: Axes, mesh: QuadMesh, ticks: np.ndarray, words: str, **options: Any) -> None:
     """Draw the scale of colours of a map beside it."""
-    bar = whole_figure(mesh.axes).colorbar(mesh, ax=mesh.axes, ticks=ticks, pad=0.02, fraction=0.05, **options)
+    bar = whole_figure(ax).colorbar(mesh, ax=ax, ticks=ticks, pad=0.02, fraction=0.05, **options)
     bar.ax.tick_params(labelsize=SMALL, width=0.6)
     bar.set_label(words, fontsize=FONT)
 
@@ -178,8 +178,8 @@ def legend_above(ax: Axes, ncols: int, across: bool = False, lift: float = 0.0, 
     from matplotlib.transforms import ScaledTranslation, blended_transform_factory
 
     figure, beside = whole_figure(ax), across and _ours(ax)
-    place = blended_transform_factory(figure.transFigure if beside else ax.transAxes, ax.transAxes)
-    place += ScaledTranslation(0.0, lift / 72.0, figure.dpi_scale_trans)
+    above = blended_transform_factory(figure.transFigure if beside else ax.transAxes, ax.transAxes)
+    place = above + ScaledTranslation(0.0, lift / 72.0, figure.dpi_scale_trans)
     options |= {"loc": "lower left", "bbox_to_anchor": (0.005 if beside else 0.0, 1.0), "bbox_transform": place}
     options |= {"columnspacing": 1.2, "handlelength": 1.9, "borderaxespad": 0.0, "borderpad": 0.25}
     legend(ax, ncols=ncols, frameon=False, **options)

@@ -11,9 +11,9 @@ import rockpulse as rp
 from rockpulse.errors import ConfigError, ResultsError
 from rockpulse.storage.hdf5.atomic import ASSESSMENT
 from rockpulse.storage.variables.probability import SPECTRUM, SPECTRUM_AXES
-from rockpulse.views.plots.drawing import DRAWERS
+from rockpulse.views.plots.drawing import DRAWERS, draw
 from rockpulse.views.plots.ground_motion import stored_record
-from rockpulse.views.plots.kinds import KINDS, OPTIONS, draw, kind_list
+from rockpulse.views.plots.kinds import KINDS, OPTIONS, kind_list
 from rockpulse.views.plots.selection import one_name
 
 COLUMN = "column of $one$ piece"

@@ -9,7 +9,7 @@ from matplotlib.text import Text
 
 import rockpulse as rp
 from rockpulse.errors import ResultsError
-from rockpulse.views.plots.kinds import draw
+from rockpulse.views.plots.drawing import draw
 from rockpulse.views.plots.model_histories import histories
 from rockpulse.views.plots.rotation import rotation_history
 
