@@ -86,7 +86,7 @@ from .studies.risk.hazard_files import load_site_hazards as load_site_hazards
 from .studies.risk.inventory import inventory_frequency as inventory_frequency
 from .studies.site.calibration import calibrate_site as calibrate_site
 from .studies.site.calibration import load_design as load_design
-from .views.plots.dispatch import plot as plot
+from .views.plots.drawing import plot as plot
 from .views.report.writing import write_report as write_report
 
 __version__: str

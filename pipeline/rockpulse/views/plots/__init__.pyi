@@ -1,6 +1,7 @@
 from .critical_factors import critical_scale as critical_scale
 from .critical_factors import overturning_map as overturning_map
-from .dispatch import plot as plot
+from .drawing import draw as draw
+from .drawing import plot as plot
 from .fragility_curves import fragility as fragility
 from .fragility_curves import fragility_panels as fragility_panels
 from .ground_motion import accelerogram as accelerogram
@@ -8,7 +9,6 @@ from .ground_motion import motion_of_record as motion_of_record
 from .ground_motion import stored_motion as stored_motion
 from .impulse_sequences import limit_accelerogram as limit_accelerogram
 from .kinds import KINDS as KINDS
-from .kinds import draw as draw
 from .model_histories import History as History
 from .model_histories import histories as histories
 from .objects import block_outlines as block_outlines

@@ -16,14 +16,8 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
 
-#: Rows on a page; of more the lowest factors are shown.
-ROWS = 60
-
-#: Height of a row [in]: 60 of them fit on a page.
-ROW = 0.155
-
-#: Longest name beside a row.
-NAME = 34
+#: Rows on a page, of more the lowest factors are shown; the height of a row [in], and the longest name beside it.
+ROWS, ROW, NAME = 60, 0.155, 34
 
 
 def shown_rows(
@@ -31,8 +25,7 @@ def shown_rows(
 ) -> tuple[np.ndarray, list[np.ndarray], list[str], str]:
     """The rows that are drawn, those that each of the last ones stands for, the names of all, and words on them.
 
-    Rows without a factor say one thing only: that nothing overturns in the search, or that it is not known. Two and
-    more of a kind are one row.
+    Two and more rows without a factor of a kind, in which nothing overturns or it is not known, are one row.
     """
     groups = [np.flatnonzero(one) for one in (np.isinf(factors), np.isnan(factors))]
     merged = [group for group in groups if group.size > 1]
@@ -42,7 +35,11 @@ def shown_rows(
         lone = lone[np.argsort(factors[lone], kind="stable")]
     note = f"The {most} smallest factors of {len(rows)}. " if lone.size > most else ""
     lone = lone[:most]
-    every = [_row_name(summary, row, records > 1) for row in rows]
+    every = [named_body(summary, block, case) for _, block, case in rows]
+    if records > 1:
+        # A restitution of several stands at the end: ", C = 0.98".
+        ends = [name.removeprefix(block) for name, (_, block, _) in zip(every, rows, strict=True)]
+        every = [shortened(row[0], NAME - len(c)) + c for row, c in zip(rows, ends, strict=True)]
     names = [every[place] for place in lone]
     noun = "bodies" if records == 1 else "records" if records == len(rows) else "rows"
     for group in merged:
@@ -58,14 +55,6 @@ def asked_of(ticks: np.ndarray, kept: np.ndarray, merged: Sequence[np.ndarray]) 
         if np.unique(ticks[group]).size > 1:
             found[place] = np.nan
     return found
-
-
-def _row_name(summary: xr.Dataset, row: tuple[str, str, int], by_record: bool) -> str:
-    record, block, case = row
-    if not by_record:
-        return named_body(summary, block, case)
-    c = named_body(summary, block, case).removeprefix(block)  # ", C = 0.98" where there are several
-    return shortened(record, NAME - len(c)) + c
 
 
 def factor_axis(ax: Axes, names: Sequence[str], begin: float, end: float, last: float | None = None) -> None:
@@ -89,16 +78,10 @@ def factor_axis(ax: Axes, names: Sequence[str], begin: float, end: float, last: 
 
 def legend_once(ax: Axes, columns: int) -> int:
     """Draw a legend with every label once, and return the number of rows that it takes."""
-    found = dict(
-        zip(reversed(ax.get_legend_handles_labels()[1]), reversed(ax.get_legend_handles_labels()[0]), strict=True)
-    )
-    names = sorted(found, key=ax.get_legend_handles_labels()[1].index)
-    legend_above(ax, columns, across=True, handles=[found[name] for name in names], labels=names)
+    handles, labels = ax.get_legend_handles_labels()
+    names = list(dict.fromkeys(labels))
+    legend_above(ax, columns, across=True, handles=[handles[labels.index(name)] for name in names], labels=names)
     return -(-len(names) // columns)
-
-
-#: Longest name of a demand in the legend.
-_NAME = 24
 
 
 def factors_to_demands(
@@ -108,13 +91,14 @@ def factors_to_demands(
 
     NaN stands for a factor beyond the end of the search. Empty where the results have no demand.
     """
-    bodies = [blocks] * len(records) if isinstance(blocks, str) else list(blocks)
-    places = list(zip(records, bodies, strict=True))
+    import xarray as xr
+
+    bodies = [blocks] * len(records) if isinstance(blocks, str) else blocks
+    at = {name: xr.DataArray(list(values), dims="row") for name, values in (("record", records), ("block", bodies))}
     found = {}
     for name in stored_demands(summary):
-        stored = summary["demand_factor"].sel(demand=name)
-        stored = stored.isel(case=0) if "case" in stored.dims else stored
-        factor = np.array([float(stored.sel(record=one, block=body)) for one, body in places])
+        stored = summary["demand_factor"].sel(at | {"demand": name})
+        factor = (stored.isel(case=0) if "case" in stored.dims else stored).values
         found[name] = np.where(factor <= end, factor, np.nan)
     return found
 
@@ -127,17 +111,9 @@ def least(needed: dict[str, np.ndarray], otherwise: float) -> float:
 def demand_ticks(ax: Axes, needed: dict[str, np.ndarray]) -> None:
     """Draw the factors of :func:`factors_to_demands` as ticks in the rows 0, 1, ..., shorter with every demand."""
     for place, (name, factors) in enumerate(needed.items()):
-        ax.plot(
-            factors,
-            np.arange(factors.size),
-            ls="none",
-            marker="|",
-            ms=9 - 2 * min(place, 2),
-            mew=1.6,
-            color=BLACK,
-            zorder=4,
-            label=f"to the demand: {plain(shortened(name, _NAME))}",
-        )
+        words, size = f"to the demand: {plain(shortened(name, 24))}", 9 - 2 * min(place, 2)
+        marks: dict[str, Any] = {"ls": "none", "marker": "|", "ms": size, "mew": 1.6, "color": BLACK, "zorder": 4}
+        ax.plot(factors, np.arange(factors.size), label=words, **marks)
 
 
 def tick_notes(needed: dict[str, np.ndarray]) -> list[str]:
@@ -169,11 +145,6 @@ def probability_bars(ax: Axes, place: int, factors: Sequence[float], begin: floa
             bar(ax, place, low, high, words, **style)
     if np.isinf(factors[0]):
         none_up_to(ax, place, end, at_end)
-
-
-def whiskers(ax: Axes, low: np.ndarray, high: np.ndarray) -> None:
-    """A line in every row for the interval of a factor."""
-    ax.hlines(np.arange(low.size), low, high, color=BLACK, lw=0.9, zorder=2.5)
 
 
 def none_up_to(ax: Axes, place: int, end: float, at_end: bool) -> None:

@@ -36,19 +36,9 @@ _ID = re.compile(r'(\bid="|\bhref="#|url\(#)')
 
 
 def picture_bytes(figure: Figure, form: str) -> bytes:
-    """The content of a file with the figure.
+    """The content of a file with the figure, as "png", "svg" or "pdf".
 
-    Parameters
-    ----------
-    figure : matplotlib Figure
-        The figure that is drawn.
-    form : {"png", "svg", "pdf"}
-        Format.
-
-    Returns
-    -------
-    bytes
-        The same for the same figure: no time, and in SVG no random ids. Text is text in SVG and PDF.
+    The same bytes for the same figure: no time, and in SVG no random ids. Text is text in SVG and PDF.
     """
     import matplotlib
 
@@ -67,13 +57,8 @@ def svg(figure: Figure, name: str | None = None) -> str:
     figure : matplotlib Figure
         The figure that is drawn.
     name : str, optional
-        Begins every id of the element: letters, digits, "-" and "_"; different for each picture of a page. Without, it
-        is made from the content, so that only pictures that are equal share their ids.
-
-    Returns
-    -------
-    str
-        Without the head of a file. Every id, and every reference to one, begins with the name.
+        Begins every id of the element, and every reference to one: letters, digits, "-" and "_"; different for each
+        picture of a page. Without, it is made from the content, so that only pictures that are equal share their ids.
 
     Raises
     ------

@@ -9,24 +9,10 @@ import numpy as np
 
 from rocking.response import Outcome
 from rockpulse.earthquakes import FEWEST_EVENTS, weighted_quantile
+from rockpulse.views.plots import style
 from rockpulse.views.plots.factor_rows import factors_to_demands
 from rockpulse.views.plots.selection import plain_bodies
-from rockpulse.views.plots.style import (
-    BLACK,
-    BLUE,
-    FONT,
-    GREY,
-    PALE,
-    RED,
-    SMALL,
-    caption,
-    label,
-    legend_above,
-    one_axes,
-    plain,
-    plain_ticks,
-    title,
-)
+from rockpulse.views.plots.style import BLACK, BLUE, FONT, GREY, PALE, RED, SMALL
 from rockpulse.views.shared.terminal import shortened
 
 if TYPE_CHECKING:
@@ -61,18 +47,13 @@ def rocking_spectrum(
         p [1/s] and alpha_c [rad] of bodies, by their names.
     note : str
         Further words for the small print.
-
-    Returns
-    -------
-    matplotlib Axes
-        Its first collection is the map, its first patch the hatching of what overturns.
     """
     from matplotlib import colormaps
     from matplotlib.colors import BoundaryNorm
     from matplotlib.patches import Patch, PathPatch
     from matplotlib.path import Path
 
-    ax = one_axes(ax, height=4.4)
+    ax = style.one_axes(ax, height=4.4)
     outcome = spectrum["outcome"].transpose("alpha_c", "p").values
     peak = spectrum["peak_rotation_ratio"].transpose("alpha_c", "p").values
     # Darker is worse, in grey as well, and rest is white. What overturns is hatched, in a colour of no rotation.
@@ -93,39 +74,32 @@ def rocking_spectrum(
         cells = Path.make_compound_path(*(Path(cell, closed=True) for cell in around))
         ax.add_patch(PathPatch(cells, **_FALLEN | {"fc": "none"}, lw=0.0, rasterized=True))
     ax.grid(visible=False)
-    figure = ax.get_figure()
-    assert figure is not None
-    bar = figure.colorbar(mesh, ax=ax, ticks=levels[::2], pad=0.02, fraction=0.05)
-    bar.ax.tick_params(labelsize=SMALL, width=0.6)
-    bar.set_label(label(spectrum["peak_rotation_ratio"].attrs), fontsize=FONT)
+    style.colour_bar(ax, mesh, levels[::2], style.label(spectrum["peak_rotation_ratio"].attrs))
     handles: list[Any] = []
     if np.any(fallen):
         handles.append(Patch(**_FALLEN, lw=0.5, label="overturns"))
     if np.any(outcome == Outcome.AT_REST):
         handles.append(Patch(fc="white", ec=BLACK, lw=0.5, label="at rest"))
-    if np.any(outcome == Outcome.UNRESOLVED):
-        row, column = np.nonzero(outcome == Outcome.UNRESOLVED)
+    row, column = np.nonzero(outcome == Outcome.UNRESOLVED)
+    if row.size:
         ax.plot(p[column], alpha[row], ls="none", marker="x", ms=3, color=RED, label="unresolved")
         handles += ax.get_legend_handles_labels()[0]
     handles += body_marks(ax, dict(bodies or {}))
     ax.set_xlim(_edges(p))
     ax.set_ylim(_edges(alpha))
-    ax.set_xlabel(label(spectrum["p"].attrs, symbol="$p$"))
-    ax.set_ylabel(label(spectrum["alpha_c"].attrs, symbol=r"$\alpha_c$"))
+    ax.set_xlabel(style.label(spectrum["p"].attrs, symbol="$p$"))
+    ax.set_ylabel(style.label(spectrum["alpha_c"].attrs, symbol=r"$\alpha_c$"))
     size_scale(ax, float(spectrum.attrs["gravity"]))
-    columns = 3
-    legend_above(ax, columns, across=True, lift=32.0, handles=handles)
+    style.legend_above(ax, 3, across=True, lift=32.0, handles=handles)
     factor = float(spectrum.attrs["scale"])
-    words = plain(spectrum.attrs["record"]) + ("" if factor == 1.0 else f", times {factor:g}")
-    title(ax, words, rows=3 - (-len(handles) // columns))
+    words = style.plain(spectrum.attrs["record"]) + ("" if factor == 1.0 else f", times {factor:g}")
+    style.title(ax, words, rows=3 - (-len(handles) // 3))
     c = spectrum["restitution"].values
     span = f"{c.min():.3f}" if np.ptp(c) == 0.0 else f"{c.min():.3f} to {c.max():.3f}, with $\\alpha_c$ (Housner)"
     remarks = [f"Nonlinear equation, $C$ = {span}."]
-    if np.all(outcome == Outcome.AT_REST):
-        remarks.append("Every block stays at rest.")
-    if bodies:
-        remarks.append("Bodies with another $C$ rock differently from the blocks of the map.")
-    caption(ax, " ".join([*remarks, note]).strip())
+    remarks += ["Every block stays at rest."] * bool(np.all(outcome == Outcome.AT_REST))
+    remarks += ["Bodies with another $C$ rock differently from the blocks of the map."] * bool(bodies)
+    style.caption(ax, " ".join([*remarks, note]).strip())
     return ax
 
 
@@ -134,40 +108,33 @@ def body_marks(ax: Axes, bodies: dict[str, tuple[float, float]]) -> list[Any]:
     from matplotlib.lines import Line2D
 
     handles = []
+    ring: dict[str, Any] = {"ls": "none", "marker": "o", "mfc": "white", "mec": BLACK}
     for number, (name, (p, alpha)) in enumerate(bodies.items(), start=1):
+        ax.plot(p, alpha, ms=3 if number > _NAMED else 9, mew=0.8, **ring)
         if number > _NAMED:
-            ax.plot(p, alpha, "o", ms=3, mfc="white", mec=BLACK, mew=0.8)
             continue
-        mark = rf"$\mathbf{{{number}}}$"
-        ax.plot(p, alpha, ls="none", marker="o", ms=9, mfc="white", mec=BLACK, mew=0.8)
-        ax.plot(p, alpha, ls="none", marker=mark, ms=5, color=BLACK, mew=0.2)
-        handles.append(
-            Line2D([], [], ls="none", marker=mark, ms=5, color=BLACK, mew=0.2, label=plain(shortened(name, 24)))
-        )
+        figure: dict[str, Any] = {"marker": rf"$\mathbf{{{number}}}$", "ms": 5, "color": BLACK, "mew": 0.2}
+        ax.plot(p, alpha, ls="none", **figure)
+        handles.append(Line2D([], [], ls="none", **figure, label=style.plain(shortened(name, 24))))
     if len(bodies) > _NAMED:
-        handles.append(
-            Line2D(
-                [], [], ls="none", marker="o", ms=3, mfc="white", mec=BLACK, label=f"{len(bodies) - _NAMED} more bodies"
-            )
-        )
+        handles.append(Line2D([], [], ms=3, **ring, label=f"{len(bodies) - _NAMED} more bodies"))
     return handles
 
 
 def _edges(values: np.ndarray) -> tuple[float, float]:
     """The outer edges of the cells around the first and the last value."""
-    first = values[1] - values[0] if values.size > 1 else 0.1 * values[0]
-    last = values[-1] - values[-2] if values.size > 1 else 0.1 * values[0]
-    return float(values[0] - 0.5 * first), float(values[-1] + 0.5 * last)
+    steps = np.diff(values) if values.size > 1 else 0.1 * values
+    return float(values[0] - 0.5 * steps[0]), float(values[-1] + 0.5 * steps[-1])
 
 
 def size_scale(ax: Axes, gravity: float) -> None:
     """Draw a scale of R of a rectangle along the top: p^2 = 3 g/(4 R)."""
 
-    def swapped(values: Any) -> np.ndarray:
-        return 0.75 * gravity / np.maximum(np.asarray(values, dtype=float), 1e-6) ** 2
+    def swapped(p: Any) -> np.ndarray:
+        return 0.75 * gravity / np.maximum(np.asarray(p, dtype=float), 1e-6) ** 2
 
-    def back(values: Any) -> np.ndarray:
-        return np.sqrt(0.75 * gravity / np.maximum(np.asarray(values, dtype=float), 1e-6))
+    def back(radius: Any) -> np.ndarray:
+        return np.sqrt(0.75 * gravity / np.maximum(np.asarray(radius, dtype=float), 1e-6))
 
     low, high = ax.get_xlim()
     top = ax.secondary_xaxis("top", functions=(swapped, back))
@@ -178,20 +145,14 @@ def size_scale(ax: Axes, gravity: float) -> None:
     top.set_xlabel("half the diagonal R of a rectangle [m]", fontsize=FONT)
 
 
-#: Spectra of single records that are drawn; more are a grey area.
+#: Spectra of single records that are drawn.
 _DRAWN = 200
 
-#: Frequency parameters that are written along p [1/s].
-_TICKS = (0.5, 0.7, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0)
-
-#: Room beside what is drawn, as a ratio of p.
-_ROOM = 1.6
+#: Frequency parameters that are written along p [1/s], and the room beside what is drawn, as a ratio of p.
+_TICKS, _ROOM = (0.5, 0.7, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0), 1.6
 
 #: Curves are followed down to this share of the lowest body.
 _DEEPEST = 0.1
-
-#: The higher of the two quantiles over the records of a site.
-_UPPER = 0.84
 
 
 def overturning_spectra(
@@ -222,13 +183,8 @@ def overturning_spectra(
         Factors on the records that bring each to a demand, by its name: the median spectrum there is drawn as well.
     gravity : float
         At the bodies [m/s2].
-
-    Returns
-    -------
-    matplotlib Axes
-        Logarithmic in p and S.
     """
-    ax = one_axes(ax, height=4.4)
+    ax = style.one_axes(ax, height=4.4)
     several = spectra if "record" in spectra.dims else spectra.expand_dims("record")
     grid = several["restitution"].values
     chosen = int(np.argmin(np.abs(grid - (grid[-1] if restitution is None else restitution))))
@@ -238,9 +194,7 @@ def overturning_spectra(
     p, curves = at["p"].values, at["spectrum"].values
     known = np.flatnonzero(np.all(np.isfinite(curves), axis=1) & (p.size > 0))
     curves = curves[known]
-    left_out = ""
-    if 0 < p.size < several.sizes["p"]:
-        left_out = " Straight where no body lies: [uncertainty] spectrum = all marches the whole curve."
+    straight, few = 0 < p.size < several.sizes["p"], False
     if known.size == 1:
         low, high = (at[name].values[known[0]] for name in ("spectrum_low", "spectrum_high"))
         ax.fill_between(p, low, high, color=PALE, lw=0, label="90 % interval")
@@ -249,27 +203,29 @@ def overturning_spectra(
         record_lines(ax, p, curves)
         labels = None if events is None else [events[int(place)] for place in known]
         weights, few = _alike(labels, known.size), labels is not None and len(set(labels)) < FEWEST_EVENTS
-        for level, dashes, name in ((0.5, "-", "median"), (_UPPER, "--", "84 %")) if not few else ():
-            ax.plot(p, _quantile(curves, level, weights), color=BLUE, ls=dashes, lw=1.8, label=name)
-        for place, (name, factors) in enumerate((demands or {}).items() if not few else ()):
+        drawn: list[Any] = [(curves, 0.5, BLUE, "-", "median"), (curves, 0.84, BLUE, "--", "84 %")]
+        for place, (name, factors) in enumerate((demands or {}).items()):
             scaled = curves * np.asarray(factors, dtype=float)[known, np.newaxis]
-            style = ((0, (1.2, 1.2)), (0, (6, 1.5, 1, 1.5)))[place % 2]
-            words = f"median at the demand {plain(name)}"
-            ax.plot(p, _quantile(scaled, 0.5, weights), color=RED, ls=style, lw=1.8, label=words)
-        if few:
-            left_out += f" Fewer than {FEWEST_EVENTS} earthquakes have no median."
+            dashes = ((0, (1.2, 1.2)), (0, (6, 1.5, 1, 1.5)))[place % 2]
+            drawn.append((scaled, 0.5, RED, dashes, f"median at the demand {style.plain(name)}"))
+        for own, level, color, dashes, words in drawn if not few else ():
+            quantile = [weighted_quantile(column, level, weights) for column in own.T]
+            ax.plot(p, quantile, color=color, ls=dashes, lw=1.8, label=words)
     points = {name: (rate, gravity * np.tan(alpha) / rate) for name, (rate, alpha) in (bodies or {}).items()}
     rows = spectrum_axes(ax, several["p"], points, gravity, columns=3)
     names = several["record"].values if "record" in several.coords else [several.attrs.get("record", "")]
-    words = plain(names[known[0]]) if known.size == 1 else f"{known.size} records"
-    if known.size < len(names):
-        left_out += f" {len(names) - known.size} of {len(names)} records have no spectrum."
-    title(ax, f"{words}, $C$ = {grid[chosen]:g}", rows=rows)
+    words = style.plain(names[known[0]]) if known.size == 1 else f"{known.size} records"
+    style.title(ax, f"{words}, $C$ = {grid[chosen]:g}", rows=rows)
     remarks = ["A body overturns, at its mean capacity, under a record whose curve lies above its point."]
     remarks += below_the_picture(ax, curves)
-    if bodies:
-        remarks.append("A body with a larger C falls under a higher curve, one with a smaller C under a lower one.")
-    caption(ax, " ".join(remarks) + ("" if known.size else " No spectrum was stored.") + left_out)
+    notes = {
+        "A body with a larger C falls under a higher curve, one with a smaller C under a lower one.": bool(bodies),
+        "No spectrum was stored.": not known.size,
+        "Straight where no body lies: [uncertainty] spectrum = all marches the whole curve.": straight,
+        f"Fewer than {FEWEST_EVENTS} earthquakes have no median.": few,
+        f"{len(names) - known.size} of {len(names)} records have no spectrum.": known.size < len(names),
+    }
+    style.caption(ax, " ".join([*remarks, *(words for words, holds in notes.items() if holds)]))
     return ax
 
 
@@ -280,6 +236,7 @@ def spectra_of_results(tree: xr.DataTree, spectra: xr.Dataset, restitution: floa
     """
     summary = tree["summary"].to_dataset()
     own, names = summary.sel(record=spectra["record"].values), plain_bodies(summary)
+    plain = summary.sel(block=names)
     # A factor that differs from body to body moves no spectrum as a whole.
     records, every = own["record"].values.tolist(), names or [str(name) for name in summary["block"].values]
     shared = [factors_to_demands(summary, records, name, np.inf) for name in every]
@@ -287,9 +244,7 @@ def spectra_of_results(tree: xr.DataTree, spectra: xr.Dataset, restitution: floa
     return overturning_spectra(
         spectra,
         restitution=float(summary["restitution"].median()) if restitution is None else restitution,
-        bodies={
-            name: (float(summary["p"].sel(block=name)), float(summary["alpha_c"].sel(block=name))) for name in names
-        },
+        bodies=dict(zip(names, zip(plain["p"].values, plain["alpha_c"].values, strict=True), strict=True)),
         events=[str(event) for event in own["event"].values],
         demands=needed if len(records) > 1 else None,
         gravity=float(summary["gravity"][0]),
@@ -328,11 +283,11 @@ def spectrum_axes(
     ax.minorticks_off()
     low, high = ax.get_ylim()
     ax.set_ylim(max(low, _DEEPEST * min((speed for _, speed in points.values()), default=0.0)), high)
-    plain_ticks(ax.yaxis)
-    ax.set_xlabel(label(p.attrs, symbol="$p$"))
+    style.plain_ticks(ax.yaxis)
+    ax.set_xlabel(style.label(p.attrs, symbol="$p$"))
     ax.set_ylabel(r"effective impulse $S$, or $g\,\tan\alpha_c/p$ of a body [m/s]")
     size_scale(ax, gravity)
-    legend_above(ax, columns, across=True, lift=32.0, handles=handles)
+    style.legend_above(ax, columns, across=True, lift=32.0, handles=handles)
     return 3 - (-len(handles) // columns)
 
 
@@ -342,7 +297,3 @@ def _alike(events: Sequence[str] | None, count: int) -> np.ndarray:
         return np.full(count, 1.0 / count)
     _, place, sizes = np.unique(np.asarray(events, dtype=str), return_inverse=True, return_counts=True)
     return 1.0 / (sizes[place] * sizes.size)
-
-
-def _quantile(curves: np.ndarray, level: float, weights: np.ndarray) -> np.ndarray:
-    return np.array([weighted_quantile(column, level, weights) for column in curves.T])

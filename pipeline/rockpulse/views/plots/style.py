@@ -19,6 +19,7 @@ from rockpulse.model_table import MODELS
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.axis import Axis
+    from matplotlib.collections import QuadMesh
     from matplotlib.figure import Figure
 
 #: Width of a picture: that of the text on a page of A4 with margins of 25 mm [in].
@@ -46,7 +47,6 @@ _OURS = "rockpulse"
 
 #: Columns by which a long history is drawn: more cannot be told apart on the page.
 INSTANTS = 700
-
 
 #: The Axes of a user for a picture of several panels: one, several, or those of ``plt.subplots``.
 Panels: TypeAlias = "Axes | Sequence[Axes] | np.ndarray"
@@ -84,12 +84,9 @@ def look(name: str) -> Look:
 
 def looks(names: Sequence[str]) -> list[Look]:
     """The looks of named things of one family, in order; colours that come again have other lines and markers."""
-    found = []
-    for place, name in enumerate(names):
-        turn, at = divmod(place, len(_CYCLE))
-        _, line, marker = _CYCLE[(at + 2 * turn + 1) % len(_CYCLE)] if turn else _CYCLE[at]
-        found.append(Look(name, _CYCLE[at][0], line, marker))
-    return found
+    turns = [divmod(place, len(_CYCLE)) for place in range(len(names))]
+    other = [_CYCLE[(at + 2 * turn + 1) % len(_CYCLE)] if turn else _CYCLE[at] for turn, at in turns]
+    return [Look(name, _CYCLE[at][0], *one[1:]) for name, (_, at), one in zip(names, turns, other, strict=True)]
 
 
 def ramp(names: Sequence[str]) -> list[Look]:
@@ -98,10 +95,7 @@ def ramp(names: Sequence[str]) -> list[Look]:
     from matplotlib.colors import to_hex
 
     shades = colormaps["cividis"](np.linspace(0.0, 0.88, len(names)))
-    return [
-        Look(name, to_hex(shade), _CYCLE[place % 4][1], _CYCLE[place % 4][2])
-        for place, (name, shade) in enumerate(zip(names, shades, strict=True))
-    ]
+    return [Look(name, to_hex(shades[place]), *_CYCLE[place % 4][1:]) for place, name in enumerate(names)]
 
 
 def figure_of(width: float = WIDTH, height: float = 3.4) -> Figure:
@@ -113,15 +107,30 @@ def figure_of(width: float = WIDTH, height: float = 3.4) -> Figure:
     return figure
 
 
+def whole_figure(what: Figure | Axes | np.ndarray) -> Figure:
+    """The figure of Axes, or of the first of several; a figure is its own."""
+    from matplotlib.figure import Figure
+
+    if isinstance(what, Figure):
+        return what
+    figure: Figure = np.ravel(np.array(what, dtype=object))[0].get_figure(root=True)
+    return figure
+
+
+def _ours(ax: Axes) -> bool:
+    """Whether Axes stand on a figure that was made here, so that its margins are free."""
+    return whole_figure(ax).get_label() == _OURS
+
+
 def one_axes(ax: Axes | None, height: float = 3.4) -> Axes:
     """The Axes that were given, or new ones on a figure of their own of some height [in], dressed."""
     return dressed(figure_of(height=height).subplots() if ax is None else ax)
 
 
 def several_axes(axes: Panels | None, rows: int, columns: int = 1, height: float = 5.0, **options: Any) -> np.ndarray:
-    """As :func:`one_axes` for pictures of rows x columns of panels; the Axes come back in that shape.
+    """As :func:`one_axes` for rows x columns of panels, in that shape; a ValueError for another number of Axes.
 
-    The options are those of :meth:`matplotlib.figure.Figure.subplots`. A ValueError for another number of Axes.
+    The options are those of :meth:`matplotlib.figure.Figure.subplots`.
     """
     if axes is None:
         panels = figure_of(height=height).subplots(rows, columns, squeeze=False, **options)
@@ -148,6 +157,13 @@ def dressed(ax: Axes) -> Axes:
     return ax
 
 
+def colour_bar(ax: Axes, mesh: QuadMesh, ticks: np.ndarray, words: str, **options: Any) -> None:
+    """Draw the scale of colours of a map beside it."""
+    bar = whole_figure(ax).colorbar(mesh, ax=ax, ticks=ticks, pad=0.02, fraction=0.05, **options)
+    bar.ax.tick_params(labelsize=SMALL, width=0.6)
+    bar.set_label(words, fontsize=FONT)
+
+
 def legend(ax: Axes, **options: Any) -> None:
     """The legend of what has a label, if anything has, with the options of :meth:`matplotlib.axes.Axes.legend`."""
     if options.get("handles") or ax.get_legend_handles_labels()[1]:
@@ -157,36 +173,26 @@ def legend(ax: Axes, **options: Any) -> None:
 def legend_above(ax: Axes, ncols: int, across: bool = False, lift: float = 0.0, **options: Any) -> None:
     """The legend in rows of `ncols` entries above the Axes, where it hides nothing.
 
-    With `across` it begins at the left edge of a figure of our own, for Axes that leave room for long names beside
-    them. `lift` moves it further up [pt], over what else stands above the Axes.
+    With `across` it begins at the left edge of a figure of our own, beside long names. `lift` moves it further up [pt].
     """
     from matplotlib.transforms import ScaledTranslation, blended_transform_factory
 
-    figure = ax.get_figure(root=True)
-    assert figure is not None
-    beside = across and figure.get_label() == _OURS
-    place = blended_transform_factory(figure.transFigure if beside else ax.transAxes, ax.transAxes)
-    style = {"frameon": False, "columnspacing": 1.2, "handlelength": 1.9, "borderaxespad": 0.0, "borderpad": 0.25}
-    legend(
-        ax,
-        loc="lower left",
-        bbox_to_anchor=(0.005 if beside else 0.0, 1.0),
-        bbox_transform=place + ScaledTranslation(0.0, lift / 72.0, figure.dpi_scale_trans),
-        ncols=ncols,
-        **style,
-        **options,
-    )
+    figure, beside = whole_figure(ax), across and _ours(ax)
+    above = blended_transform_factory(figure.transFigure if beside else ax.transAxes, ax.transAxes)
+    place = above + ScaledTranslation(0.0, lift / 72.0, figure.dpi_scale_trans)
+    options |= {"loc": "lower left", "bbox_to_anchor": (0.005 if beside else 0.0, 1.0), "bbox_transform": place}
+    options |= {"columnspacing": 1.2, "handlelength": 1.9, "borderaxespad": 0.0, "borderpad": 0.25}
+    legend(ax, ncols=ncols, frameon=False, **options)
 
 
 def title(ax: Axes, words: str, rows: int = 0, width: int = 74) -> None:
     """The title of a picture: above a figure of our own, else above its uppermost Axes and their own title.
 
     `rows` is the number of rows of a legend that stands above the Axes, `width` the longest line. Names of the user's
-    stand in `words` as :func:`~rockpulse.views.plots.style.plain` gives them.
+    stand in `words` as :func:`plain` gives them.
     """
-    figure = ax.get_figure(root=True)
-    if words and figure is not None and figure.get_label() == _OURS:
-        figure.suptitle(wrapped(words, width), x=0.01, ha="left", fontsize=FONT)
+    if words and _ours(ax):
+        whole_figure(ax).suptitle(wrapped(words, width), x=0.01, ha="left", fontsize=FONT)
     else:
         panel_title(ax, "\n".join(line for line in (words, ax.get_title(loc="left")) if line), rows)
 
@@ -197,29 +203,22 @@ def panel_title(ax: Axes, words: str, rows: int = 0, width: int = 92) -> None:
 
 
 def caption(ax: Axes, words: str, width: int = 106) -> None:
-    """Small print below the label of the horizontal axis of the lowest Axes: what is uncertain, what the signs mean.
-
-    `width` is the longest line on a figure of our own.
-    """
-    figure = ax.get_figure(root=True)
-    if not words or figure is None:
-        return
-    style: dict[str, Any] = {"fontsize": SMALL, "color": "#333333", "linespacing": 1.25}
-    if figure.get_label() == _OURS:
-        figure.supxlabel(wrapped(words, width), x=0.01, ha="left", **style)
-    else:  # somebody else's figure: its own labels stay, and there may be other pictures on it
+    """Small print below the label of the horizontal axis of the lowest Axes: what is uncertain, what the signs mean."""
+    options: dict[str, Any] = {"fontsize": SMALL, "color": "#333333", "linespacing": 1.25}
+    if words and _ours(ax):
+        whole_figure(ax).supxlabel(wrapped(words, width), x=0.01, ha="left", **options)
+    elif words:  # somebody else's figure: its own labels stay, and there may be other pictures on it
+        options |= {"va": "top", "in_layout": False}
         below = ("axes fraction", ax.xaxis.label)
-        ax.annotate(
-            wrapped(words, width), (0.0, 0.0), (0.0, -5.0), below, "offset points", va="top", in_layout=False, **style
-        )
+        ax.annotate(wrapped(words, width), (0.0, 0.0), (0.0, -5.0), below, "offset points", **options)
 
 
-def plain_ticks(axis: Axis) -> None:
-    """Label the ticks of a logarithmic axis with plain numbers, not powers of ten, and set enough of them."""
+def plain_ticks(axis: Axis, wide: float = 200.0) -> None:
+    """Label the ticks of a logarithmic axis with plain numbers, not powers of ten; only these on a `wide` one."""
     from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
     low, high = axis.get_view_interval()
-    axis.set_major_locator(LogLocator(subs=(1.0,) if high / low > 200.0 else (1.0, 2.0, 5.0)))
+    axis.set_major_locator(LogLocator(subs=(1.0,) if high / low >= wide else (1.0, 2.0, 5.0)))
     axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
     axis.set_minor_formatter(NullFormatter())
 
@@ -249,13 +248,7 @@ _PRIVATE = 0xE000
 
 
 def unit(units: str) -> str:
-    """The printed form of a unit in the results (attribute `units`, CF).
-
-    Examples
-    --------
-    >>> unit("m s-2"), unit("s"), unit("1")
-    ('m/s²', 's', '-')
-    """
+    """The printed form of a unit in the results (attribute `units`, CF)."""
     return _UNITS.get(units, units)
 
 
@@ -271,9 +264,7 @@ def readable(long_name: str) -> str:
 
 
 def label(attrs: Mapping[Any, Any], units: str | None = None, symbol: str = "") -> str:
-    """Text of an axis from the attributes `long_name` and `units`, with the letter of the quantity after its name.
-
-    The argument `units`, if given, replaces the attribute, where that points elsewhere.
+    """Text of an axis from the attributes `long_name` and `units` (or other units), with the letter of the quantity.
 
     Examples
     --------
@@ -285,13 +276,7 @@ def label(attrs: Mapping[Any, Any], units: str | None = None, symbol: str = "") 
 
 
 def plain(name: object) -> str:
-    r"""A name given by the user (record, block, title), escaped so that it cannot start mathematics.
-
-    Examples
-    --------
-    >>> plain("wall $1$")
-    'wall \\$1\\$'
-    """
+    """A name given by the user (record, block, title), escaped so that it cannot start mathematics."""
     return escaped(str(name)).replace("$", r"\$")
 
 
@@ -318,14 +303,13 @@ def wrapped(words: str, width: int) -> str:
     return text
 
 
-def counted(names: Iterable[object], most: int = 3) -> str:
-    """The first few names, and the number of the others.
+def counts(records: int, events: int) -> str:
+    """The numbers of records and of their earthquakes."""
+    return f"{records} record{'s' * (records != 1)} of {events} earthquake{'s' * (events != 1)}"
 
-    Examples
-    --------
-    >>> counted(["a", "b", "c", "d", "e"])
-    'a, b, c and 2 more'
-    """
+
+def counted(names: Iterable[object], most: int = 3) -> str:
+    """The first few names, and the number of the others: ``a, b, c and 2 more``."""
     listed = [str(name) for name in names]
     more = len(listed) - most
     return ", ".join(listed) if more <= 0 else f"{', '.join(listed[:most])} and {more} more"
