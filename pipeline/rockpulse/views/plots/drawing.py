@@ -188,8 +188,8 @@ def draw(tree: xr.DataTree, kind: str, **options: Any) -> Figure:
     >>> import rockpulse as rp
     >>> record = rp.read("data/samples/records/CICLC.v1")[0]
     >>> results = rp.assess([record], rp.Config(blocks=[rp.BlockSettings("wall", width=0.5, height=4.0)]))
-    >>> len(rp.plots.draw(results, "bodies").axes)
-    1
+    >>> rp.plots.draw(results, "bodies").axes[0].get_title()
+    'wall'
     """
     if kind not in KINDS:
         told = f"there are: {', '.join(KINDS)}"
