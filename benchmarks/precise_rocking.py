@@ -84,7 +84,7 @@ class Scene:
 
     def __post_init__(self) -> None:
         self.threshold = self.alpha if self.linear else numbers.tan(self.alpha)
-        ground = np.array([float(value) for value in self.ground])
+        self.push = ground = np.array([float(value) for value in self.ground])
         self.lift = 1.0 + np.array([float(value) for value in self.vertical or [ZERO] * len(self.ground)])
         self.rough = np.maximum(-ground, 0.0) if self.wall else np.abs(ground)  # what pushes off the ground
         self.left = np.maximum.accumulate(np.abs(ground)[::-1])[::-1]
@@ -229,7 +229,10 @@ def settles(scene: Scene, k: int, passed: Real, speed: Real, peak: Real) -> bool
         return float(np.interp(place, (j := min(int(place), len(values) - 2), j + 1), values[j : j + 2]))
 
     start = k + float(passed / scene.step)
-    now = least(at(scene.rough, start), at(scene.lift, start))
+    def rough(place: float) -> float:  # not between the samples' own: the ground may pass through 0
+        return max(-at(scene.push, place), 0.0) if scene.wall else abs(at(scene.push, place))
+
+    now = least(rough(start), at(scene.lift, start))
     if now <= 0.0:
         return False
     window = 8.0 * w / (now * (1.0 - restitution))
@@ -239,7 +242,7 @@ def settles(scene: Scene, k: int, passed: Real, speed: Real, peak: Real) -> bool
     last = max(math.ceil(end), k + 1)
     changes = (abs(float(scene.ground[j + 1] - scene.ground[j])) for j in range(k, last))
     slope = (max(changes) + float(np.max(np.abs(np.diff(scene.lift[k : last + 1]))))) / step
-    strongest = max(at(scene.rough, start), at(scene.rough, end), *scene.rough[k + 1 : last], 0.0)
+    strongest = max(rough(start), rough(end), *scene.rough[k + 1 : last], 0.0)
     lightest = float(min(scene.lift[k : last + 1]))
     least_left = least(strongest, lightest) * (1.0 - 1e-6)
     if least_left <= 0.0 or w * w / least_left >= CHATTER_HEIGHT * float(peak):

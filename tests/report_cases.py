@@ -7,9 +7,6 @@ from results_tree import completed
 from rocking.response import Outcome
 from rockpulse.assessment.answers import Answers, Motions
 from rockpulse.assessment.verdict import verdicts
-from rockpulse.views.report.wording import words_of
-
-WORDS = words_of("en")
 
 OF = ("record", "block", "model")
 

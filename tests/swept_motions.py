@@ -7,8 +7,8 @@ from nominal import Config
 
 from rockpulse import BlockSettings, ModelSettings, RecordSettings
 from rockpulse.assessment.assessment import assess
-from rockpulse.motions.directions import conditioned_motions, plan_motions
 from rockpulse.record.record import Record
+from rockpulse.selection.directions import conditioned_motions, plan_motions
 
 START = datetime(2019, 7, 6, 3, 19, 53, tzinfo=UTC)
 DT = 0.01

@@ -35,7 +35,7 @@ rockpulse.sequences
 rockpulse.model_row
 rockpulse.model_table
 rockpulse.config
-rockpulse.motions
+rockpulse.selection
 rockpulse.run.analysis
 rockpulse.storage
 rockpulse.assessment

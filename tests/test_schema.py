@@ -20,7 +20,7 @@ from rockpulse import (
 )
 from rockpulse.assessment.tree import EVENT
 from rockpulse.record.synthetic import synthetic_motion
-from rockpulse.remark import TEMPLATES
+from rockpulse.remark import WARNINGS
 
 SCHEMA = (Path(__file__).parents[1] / "docs" / "schema.md").read_text(encoding="utf-8")
 EXAMPLES = re.findall(r"```python\n(.*?)```", SCHEMA, re.DOTALL)
@@ -71,8 +71,8 @@ def test_the_tables_of_the_page_are_the_declarations():
 
 def test_every_code_of_a_warning_is_named():
     elsewhere = {"vertical_acceleration", "scaled_far", "scaled_to_drift"}  # processing, site files
-    named = {code for code in TEMPLATES if f"`{code}`" in SCHEMA or f"`{code}/`" in SCHEMA}
-    assert named == set(TEMPLATES) - elsewhere
+    named = {code for code in WARNINGS if f"`{code}`" in SCHEMA or f"`{code}/`" in SCHEMA}
+    assert named == set(WARNINGS) - elsewhere
 
 
 @pytest.mark.parametrize("components", ["horizontal", "sweep"])

@@ -24,12 +24,10 @@ NO_MODEL = {
     "the kind of the motions: records, pairs or the sequence of a site": {
         ("rockpulse.assessment.answers", "sequence"),
         ("rockpulse.views.plots.probability_map", "sequence"),
-        ("rockpulse.views.shared.verdict_notes", "sequence"),
         ("rockpulse.views.text.verdicts", "sequence"),
     },
-    "a file that holds a sequence, and a fact on a record": {
+    "a file that holds a sequence": {
         ("rockpulse.commands.terminal", "sequence"),
-        ("rockpulse.views.report.pages", "sequence"),
     },
     "a working point of the rule, after which its model is called": {
         ("rockpulse.sequences.rule", "balanced"),
@@ -44,9 +42,8 @@ NO_MODEL = {
         ("rockpulse.studies.selftest.baseline", "nonlinear"),
     },
     "the method of an overturning spectrum": {
-        ("rockpulse.assessment.overturning", "nonlinear"),
+        ("rockpulse.assessment.spectra", "nonlinear"),
         ("rockpulse.config.settings", "nonlinear"),
-        ("rockpulse.views.text.site", "nonlinear"),
     },
 }
 

@@ -18,14 +18,14 @@ import numpy as np
 from rocking.body.block import Block
 from rockpulse.config.settings import RecordSettings
 from rockpulse.errors import ConfigError, Failure, RockpulseError, some
-from rockpulse.motions.doubt import unconfirmed
-from rockpulse.motions.events import group_events
-from rockpulse.motions.tables import read_event_table
-from rockpulse.motions.votes import one_vote_each, unmatched_patterns
 from rockpulse.readers.folders import read_all
 from rockpulse.record.components import select_horizontal
 from rockpulse.record.conditioning import condition
 from rockpulse.record.record import STANDARD_GRAVITY, Record
+from rockpulse.selection.directions import unconfirmed
+from rockpulse.selection.events import group_events
+from rockpulse.selection.tables import read_event_table
+from rockpulse.selection.votes import one_vote_each, unmatched_patterns
 
 __all__ = ["PROCESSING", "StrongMotion", "add_record_arguments", "blocks", "read_strong", "strong_motions"]
 
@@ -85,7 +85,7 @@ def strong_motions(
     `failures` tell of files that could not be read.
 
     `titles` name the earthquake by record id in place of what the file says, such as "Kobe 1995-01-16": records are
-    then grouped by name and year as by :func:`rockpulse.motions.events.group_events`. An id that no record has is a
+    then grouped by name and year as by :func:`rockpulse.selection.events.group_events`. An id that no record has is a
     ConfigError.
     """
     titles = titles or {}

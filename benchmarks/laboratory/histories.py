@@ -24,7 +24,7 @@ from scipy.stats import bootstrap
 
 from laboratory.ensemble import StrongMotion, add_record_arguments, blocks, read_strong
 from laboratory.tables import plain, write_tables
-from rockpulse.assessment.overturning import overturning_factors, overturning_spectrum
+from rockpulse.assessment.spectra import overturning_factors, overturning_spectrum
 from rockpulse.config.study_settings import CheckSettings
 from rockpulse.record.intensity import spectral_acceleration
 from rockpulse.record.record import STANDARD_GRAVITY, Record

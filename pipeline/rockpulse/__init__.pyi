@@ -1,13 +1,13 @@
 from . import models as models
 from . import plots as plots
 from .assessment.assessment import assess as assess
-from .assessment.design_sequence import assess_sequence as assess_sequence
-from .assessment.overturning import overturning_factors as overturning_factors
-from .assessment.overturning import overturning_spectrum as overturning_spectrum
+from .assessment.assessment import assess_sequence as assess_sequence
 from .assessment.results import Results as Results
 from .assessment.results import load as load
 from .assessment.results import open_results as open_results
-from .assessment.spectrum import rocking_spectrum as rocking_spectrum
+from .assessment.spectra import overturning_factors as overturning_factors
+from .assessment.spectra import overturning_spectrum as overturning_spectrum
+from .assessment.spectra import rocking_spectrum as rocking_spectrum
 from .config.block_settings import BlockSettings as BlockSettings
 from .config.block_settings import FloorSettings as FloorSettings
 from .config.block_settings import LoadSettings as LoadSettings
@@ -52,8 +52,8 @@ from .record.conditioning import condition as condition
 from .record.half_wave import HalfWaves as HalfWaves
 from .record.half_wave import half_waves as half_waves
 from .record.intensity import intense_phase as intense_phase
-from .record.pair_conditioning import condition_pair as condition_pair
 from .record.record import Record as Record
+from .record.rotation import condition_pair as condition_pair
 from .record.rotation import rotate as rotate
 from .record.rotation import strongest_azimuth as strongest_azimuth
 from .run.batch import assess_files as assess_files
@@ -86,7 +86,7 @@ from .studies.risk.hazard_files import load_site_hazards as load_site_hazards
 from .studies.risk.inventory import inventory_frequency as inventory_frequency
 from .studies.site.calibration import calibrate_site as calibrate_site
 from .studies.site.calibration import load_design as load_design
-from .views.plots.dispatch import plot as plot
+from .views.plots.drawing import plot as plot
 from .views.report.writing import write_report as write_report
 
 __version__: str

@@ -1,7 +1,20 @@
-"""Numerics of rocking blocks: the package :mod:`rocking` under its public name."""
+"""Numerics of rocking blocks, the public name of the package ``rocking``.
 
-import sys
+The names are those of :mod:`rocking`, which is loaded on first use.
+"""
+
+from typing import Any
 
 import rocking
 
-sys.modules[__name__] = rocking
+__all__ = rocking.__all__
+
+
+def __getattr__(name: str) -> Any:
+    """The public name of :mod:`rocking`; AttributeError where it has none."""
+    return getattr(rocking, name)
+
+
+def __dir__() -> list[str]:
+    """The public names."""
+    return rocking.__dir__()

@@ -1,17 +1,35 @@
-"""Remarks on a record: a code and values, and the English text that is made of both."""
+"""Remarks on records and results: a code and values, and the English text that is made of both."""
 
 from __future__ import annotations
 
+import json
 import re
-from collections.abc import Callable, Iterable
-from functools import cache
-from string import Formatter
+from collections.abc import Iterable
 from typing import Any
 
-__all__ = ["PLAIN", "TEMPLATES", "Remark", "code_of", "find", "recognised", "remarked", "with_codes"]
+__all__ = [
+    "PLAIN",
+    "TEMPLATES",
+    "WARNINGS",
+    "Remark",
+    "as_stored",
+    "code_of",
+    "counted",
+    "find",
+    "remarked",
+    "restored",
+    "with_codes",
+]
 
-#: The text of each code. Texts of before are recognised in this order and by these words: other words, another code.
-TEMPLATES = {
+#: What few earthquakes say of intervals.
+_WIDE = (
+    "the intervals are wide because little is known (those of two or three events may come out narrow by chance), and "
+    "even so they take the parameters for lognormal; correlations of so few mean little; take records of more "
+    "earthquakes"
+)
+
+#: The text of each code of a warning on a record, or of a step of its processing.
+WARNINGS = {
     # a channel as it was read
     "dead_channel": "all samples are zero: a dead channel",
     "clipped": "{count:d} samples in a row at the {end} value: the record may be clipped",
@@ -64,17 +82,134 @@ TEMPLATES = {
     "of_channel": "{channel}: {remark}",
 }
 
+#: The text of each code of a remark on results.
+STATEMENTS = {
+    "plain": "{text}",
+    # parts of a remark
+    "record": "{count:d} record",
+    "records": "{count:d} records",
+    "event": "{count:d} event",
+    "events": "{count:d} events",
+    "interval": "{low:.3g} to {high:.3g}",
+    "and_more": "{names} and {count:d} more",
+    # the calibration of a site
+    "one_event": (
+        "ONE EVENT ({event}): nothing can be left out, so the coverage of other earthquakes is not known, nor is any "
+        "interval clustered by event; the dispersion is that within this event. The design describes these records, "
+        "not the site"
+    ),
+    "few_events": f"FEW EVENTS: {{count:d}}, fewer than {{needed:d}}: {_WIDE}",
+    "few_lifting_events": (
+        "FEW EVENTS: {count:d}, only {lifting:d} with a record that lifts a block, fewer than {needed:d}: " + _WIDE
+    ),
+    "few_records": "FEW RECORDS: {count:d}, fewer than {needed:d}: {tail}",
+    "tail_above": (
+        "about {beyond:.1f} of them lie above the quantile {quantile:g}, which rests on the strongest one or two; take "
+        "more records"
+    ),
+    "tail_below": (
+        "about {beyond:.1f} of them lie below the quantile {quantile:g}, which rests on the weakest one or two; take "
+        "more records"
+    ),
+    "tail_among": (
+        "the quantile {quantile:g} lies among them, and is known no better than its interval says; take more records"
+    ),
+    "unresolved_pairs": (
+        "{share:.1%} of the pairs of record and block are unresolved (a vertical acceleration that cancels gravity, "
+        "for one) and count as overturned, for nothing else is sure to cover them"
+    ),
+    "nothing_standing": (
+        "the design overturns every block that a record sets rocking: no rotation is left to be covered, and the "
+        "design says no more than that; take sturdier blocks or a lower quantile"
+    ),
+    "set_by": (
+        "I is set by the overturning of {name}: just below it the design covers {share:.0%} of the rotations of the "
+        "blocks left standing, and at it {left}; with sturdier blocks in the list I may be larger"
+    ),
+    "left_none": "no block is left",
+    "left_without": "it is no longer among them",
+    "open_interval": (
+        "the interval of I is open: in the resamples I stops where a block overturns, which tells of the block and not "
+        "of the records"
+    ),
+    "coverage_unknown": "the coverage is not known: no event could be judged{without}",
+    "coverage_of_few": (
+        "the coverage ({coverage:.0%}, {interval}{little}) rests on {pairs:d} pairs of record and block of {judged:d} "
+        "of {total:d} events{without}"
+    ),
+    "no_interval": "no interval",
+    "share_interval": "{low:.0%} to {high:.0%}",
+    "hardly_known": ": hardly known",
+    "not_judged": "; not judged: {groups}",
+    "unlifted": "{names} (lifts no block)",
+    "no_design": "{names} (the others alone make no design)",
+    "overturning_design": "{names} (the design of the others overturns all that it lifts)",
+    "falls_short": (
+        "the design falls short: it covers {share:.0%} (at most {most:.0%}) of the rotations of events left out, on "
+        "blocks left standing, instead of {nominal:.0%}: the events differ by more than the others show, or one shape "
+        "cannot serve all blocks"
+    ),
+    "few_lifted": (
+        "only {share:.1%} of the pairs of record and block count, for the other records do not lift the other blocks: "
+        "the design rests on few of them"
+    ),
+    "scaled_far_in_all": (
+        "{count:d} of {total:d} records are scaled by less than {low:g} or more than {high:g} (from {least:.2g} to "
+        "{most:.2g}): their duration and interval are those of earthquakes of another size"
+    ),
+    "too_few_events": "not enough earthquakes ({count:d}; at least {least:d} for the quantile {quantile:g})",
+    "outside_spectrum": "outside the spectrum, and without a design: {names}",
+    "vertical_left_out": ("the vertical acceleration is left out: no spectrum is common to all bodies under it"),
+    # a fragility curve
+    "band_one_event": "no band: without the event {event} there would be no curve",
+    "band_few_events": "no band: the records come from {events}, it needs {needed:d}",
+    "median_above": (
+        "extrapolated: the median, {median:.3g}, lies above every level looked at, up to {level:.3g}; {reached} of "
+        "{records:d} reached the limit state"
+    ),
+    "median_below": (
+        "extrapolated: the median, {median:.3g}, lies below every level looked at, from {level:.3g}; {reached} of "
+        "{records:d} reached the limit state"
+    ),
+    "no_record": "no curve: no record",
+    "one_record_reached": "no curve: one record only, {levels} reached; a dispersion needs several",
+    "one_record_not_reached": "no curve: one record only, {levels} not reached; a dispersion needs several",
+    "nothing_reached": "no curve: none of {records} reached the limit state, looked at up to {level:.3g}",
+    "nothing_reached_between": (
+        "no curve: none of {records} reached the limit state, looked at up to {low:.3g} to {high:.3g}"
+    ),
+    "everything_reached": (
+        "no curve: all of {records} reached the limit state at every level, from {level:.3g}; look at lower levels"
+    ),
+    "one_reached": (
+        "no curve: one record only reached the limit state, at {levels}, of {records:d}; a dispersion needs several"
+    ),
+    "step": "a step at {level:.3g}: all capacities that are known are the same, there is no dispersion",
+    "not_increasing": "no curve: the limit state is not reached more often at higher levels",
+    "no_maximum": "no curve: the likelihood has no maximum that could be found",
+    "one_level": "no curve: all motions are of one level, {level:.3g}; a dispersion needs several",
+    "separated_at": (
+        "no curve: no motion below {level:.3g} and every motion above it reached the limit state; the dispersion "
+        "cannot be told; look at levels nearby"
+    ),
+    "separated": (
+        "no curve: no motion up to {low:.3g} and every motion from {high:.3g} reached the limit state; the median lies "
+        "between them, the dispersion cannot be told"
+    ),
+    "not_stronger": "no curve: the motions that reached the limit state are no stronger than the others",
+}
+
+TEMPLATES = WARNINGS | STATEMENTS
+
 #: In place of a code, of a text that is none of these.
 PLAIN = "plain"
-
-_NUMBER = r"[-+]?(?:\d+(?:\.\d+)?(?:e[-+]?\d+)?|inf|nan)"
 
 
 class Remark(str):
     """A remark as its English text, with the code and the values that the text is made of.
 
     `code` is a key of `TEMPLATES`; of a remark that holds another one both codes, ``of_vertical/clipped``. `values` are
-    the numbers, texts, or the other remark that the text names.
+    the numbers, texts, other remarks, or lists of remarks that the text names.
 
     Examples
     --------
@@ -88,7 +223,8 @@ class Remark(str):
 
     def __new__(cls, code: str, /, **values: Any) -> Remark:
         """The remark of a code, with what its template asks for."""
-        remark = super().__new__(cls, TEMPLATES[code].format_map(values))
+        shown = {name: ", ".join(one) if isinstance(one, list) else one for name, one in values.items()}
+        remark = super().__new__(cls, TEMPLATES[code].format_map(shown))
         remark.code = f"{code}/{code_of(values['remark'])}" if "remark" in values else code
         remark.values = values
         return remark
@@ -118,30 +254,36 @@ def with_codes(remarks: Iterable[str]) -> tuple[str, str]:
     return "\n".join(line for line, _ in lines), " ".join(code for _, code in lines)
 
 
-def recognised(text: str) -> str:
-    """The remark that a text is by its words, with the digits that it shows; a text that is none stays as it is."""
-    if isinstance(text, Remark):
-        return text
-    for code, (pattern, kinds) in _patterns().items():
-        if match := pattern.fullmatch(text):
-            remark = Remark(code, **{name: kinds[name](value) for name, value in match.groupdict().items()})
-            # A name and a colon begin many texts.
-            if remark == text and remark.code != f"of_channel/{PLAIN}":
-                return remark
-    return text
+def counted(count: int, noun: str) -> Remark:
+    """A number and what is counted, "record" or "event", as a part of a remark."""
+    return Remark(noun if count == 1 else f"{noun}s", count=int(count))
 
 
-@cache
-def _patterns() -> dict[str, tuple[re.Pattern[str], dict[str, Callable[[str], Any]]]]:
-    """The pattern of the text of each code, and how its values are read."""
-    found = {}
-    for code, template in TEMPLATES.items():
-        pattern = ""
-        kinds: dict[str, Callable[[str], Any]] = {}
-        for words, name, form, _ in Formatter().parse(template):
-            pattern += re.escape(words)
-            if name:
-                kinds[name] = recognised if name == "remark" else int if form == "d" else float if form else str
-                pattern += f"(?P<{name}>{_NUMBER if form else '.+?'})"
-        found[code] = re.compile(pattern), kinds
-    return found
+def as_stored(remarks: Iterable[str]) -> str:
+    """Remarks by their codes and values, as JSON; another text as one of the code `PLAIN`.
+
+    Examples
+    --------
+    >>> restored(as_stored([Remark("set_by", name="a", share=0.5, left=Remark("left_none"))]))[0].values["left"].code
+    'left_none'
+    """
+    coded = (one if isinstance(one, Remark) else Remark(PLAIN, text=one) for one in remarks)
+    return json.dumps([_packed(one) for one in coded], ensure_ascii=False)
+
+
+def _packed(value: Any) -> Any:
+    if isinstance(value, Remark):
+        return {
+            "code": value.code.partition("/")[0],
+            "values": {name: _packed(one) for name, one in value.values.items()},
+        }
+    return [_packed(one) for one in value] if isinstance(value, list) else value
+
+
+def restored(stored: str) -> list[Remark]:
+    """The remarks that :func:`as_stored` stored; none of an empty text."""
+    return json.loads(stored, object_hook=_unpacked) if stored else []
+
+
+def _unpacked(found: dict[str, Any]) -> Any:
+    return Remark(found["code"], **found["values"]) if set(found) == {"code", "values"} else found

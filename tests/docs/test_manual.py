@@ -47,7 +47,7 @@ def folder(tmp_path):
     return tmp_path
 
 
-@pytest.mark.slow
+@pytest.mark.sweep
 @pytest.mark.parametrize("page", RUN, ids=name)
 def test_a_page_does_what_it_says(page, folder):
     run_page(page, folder)
@@ -164,6 +164,7 @@ def test_no_picture_is_kept_that_no_page_shows():
     assert {path.name for path in (DOCS / "images").glob("*.png")} == shown
 
 
+@pytest.mark.sweep
 def test_an_index_of_a_dotted_letter_stands_beside_it(monkeypatch):
     pytest.importorskip("docutils", reason="no docutils: pip install -e '.[docs]'")
     monkeypatch.syspath_prepend(str(DOCS / "extensions"))

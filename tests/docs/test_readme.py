@@ -38,7 +38,7 @@ def test_the_readme_is_read_at_one_sitting():
     assert len((TOP / "README.md").read_text(encoding="utf-8").splitlines()) <= 130
 
 
-@pytest.mark.slow
+@pytest.mark.sweep
 def test_the_commands_do_what_the_readme_says(tmp_path):
     (tmp_path / "data").symlink_to(TOP / "data", target_is_directory=True)
     records = [TOP / "data/samples/formats/clc_90.v2"]  # one short channel: the commands are many

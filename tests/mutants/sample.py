@@ -28,7 +28,7 @@ HERE = Path(__file__).parent
 MODULES = (
     *(f"pipeline/rockpulse/{room}/**/*.py" for room in ("record", "readers", "calibration", "sequences", "assessment")),
     "pipeline/rockpulse/studies/fragility/**/*.py",
-    "pipeline/rockpulse/views/**/statements.py",
+    "pipeline/rockpulse/views/report/verdict.py",
     "pipeline/rockpulse/run/tasks.py",
     "models/rocking/**/*.py",
 )

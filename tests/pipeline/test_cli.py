@@ -104,7 +104,7 @@ def test_the_module_runs_like_the_command():
     assert "at2" in done.stdout
 
 
-@pytest.mark.parametrize("arguments", [["init-config"], ["plot", "--list"]])
+@pytest.mark.parametrize("arguments", [["init-config"], pytest.param(["plot", "--list"], marks=pytest.mark.sweep)])
 def test_a_reader_that_leaves_early_is_no_error(arguments):
     read, write = os.pipe()
     os.close(read)
@@ -120,7 +120,13 @@ def test_a_reader_that_leaves_early_is_no_error(arguments):
     assert done.returncode == 0
 
 
-@pytest.mark.parametrize("arguments", [["formats"], ["plot", "--list"], ["init-config", "-o", "{new}"], ["--version"]])
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ["init-config", "-o", "{new}"],
+        *(pytest.param(words, marks=pytest.mark.sweep) for words in (["formats"], ["plot", "--list"], ["--version"])),
+    ],
+)
 def test_standard_output_that_is_closed_does_not_stop_the_command(arguments, tmp_path):
     new = tmp_path / "new.toml"
     command = [sys.executable, "-m", "rockpulse", *(argument.format(new=new) for argument in arguments)]
@@ -142,7 +148,7 @@ def test_a_report_and_an_overview_are_made_where_standard_output_is_closed(tmp_p
 
 
 @pytest.mark.skipif(not os.path.exists("/dev/full"), reason="this system has no device that is always full")  # noqa: PTH110
-@pytest.mark.parametrize("arguments", [["formats"], ["plot", "--list"]])
+@pytest.mark.parametrize("arguments", [["formats"], pytest.param(["plot", "--list"], marks=pytest.mark.sweep)])
 def test_standard_output_that_is_full_is_a_message(arguments):
     with open("/dev/full", "w") as full:  # noqa: PTH123
         done = subprocess.run(

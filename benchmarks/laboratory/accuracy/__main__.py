@@ -38,11 +38,11 @@ from laboratory.accuracy.work_precision import (
     work_precision,
 )
 from laboratory.tables import plain, write_tables
-from rockpulse.motions.votes import one_vote_each
 from rockpulse.readers.folders import read_all
 from rockpulse.record.components import select_horizontal
 from rockpulse.record.conditioning import condition
 from rockpulse.record.record import Record
+from rockpulse.selection.votes import one_vote_each
 from rockpulse.views.plots.picture import picture_bytes
 
 #: Bias and dispersion of fewer survivors say nothing about an ensemble.

@@ -46,31 +46,10 @@ def stored_demands(summary: xr.Dataset) -> dict[str, Demand]:
 
 
 def demand_factors(channels: Sequence[Record], blocks: Block, config: Config) -> np.ndarray:
-    """The factor on a motion that brings it to each demand, for each of (m,) blocks.
+    """The factors (m, d) on a motion that bring it to each of d demands, for (m,) blocks [-].
 
-    Parameters
-    ----------
-    channels : sequence of Record
-        The conditioned channels of the motion's shaking: the geometric mean of their strengths is brought to the
-        demand, so that a pair has one factor.
-    blocks : Block
-        (m,) bodies; only some measures depend on them.
-    config : Config
-        With d demands, and the rules for half-waves.
-
-    Returns
-    -------
-    (m, d) ndarray
-        Factors [-].
-
-    Examples
-    --------
-    >>> from rockpulse import DemandSettings, Record
-    >>> pair = [Record([0.0, 1.0, -1.0, 0.0], dt=0.1, id="x"), Record([0.0, 4.0, -4.0, 0.0], dt=0.1, id="y")]
-    >>> body = Block(half_width=[0.2], half_height=[1.0])
-    >>> demanding = Config(demands=(DemandSettings(name="ULS", value=3.0),))
-    >>> demand_factors(pair, body, demanding).tolist()  # geometric mean 2 m/s2
-    [[1.5]]
+    The geometric mean of the strengths of its conditioned `channels` is brought to the demand, so that a pair has one
+    factor. Only some measures depend on the blocks.
     """
     on = [RecordOnBodies.slender(one, partial(half_waves, one, **config.half_waves), blocks) for one in channels]
     found = np.empty((*blocks.shape, len(config.demands)))

@@ -10,7 +10,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from dataclasses import fields
 
 import numpy as np
 
@@ -21,7 +21,7 @@ from rocking.spectrum.lanes import LEAST_RESTITUTION, REBOUNDS, neighbours, spec
 from rocking.spectrum.overturning import OverturningFactors, OverturningSpectrum, covered
 from rocking.spectrum.probability import Uncertainty
 from rockpulse.assessment.demand import FARTHEST, demand_factors
-from rockpulse.assessment.senses import senses
+from rockpulse.assessment.scene import senses
 from rockpulse.config.bodies import Bodies
 from rockpulse.config.configuration import Config
 from rockpulse.model_row import Scene
@@ -38,32 +38,16 @@ NEVER = 1e-6
 SERVED = {0: (LEAST_RESTITUTION, 1.0), 1: REBOUNDS, -1: REBOUNDS}
 
 
-@dataclass(frozen=True, eq=False)
-class RecordProbability:
-    """The variables of :data:`~rockpulse.storage.variables.probability.PROBABILITY` and AT_DEMAND under one record.
-
-    Attributes
-    ----------
-    values : dict of str to (b x c,) ndarray
-        By name, of all lanes of the bodies; those at the demands are (b x c, d).
-    spectrum : OverturningSpectrum or None
-        That of the record; None where no body is read from it.
-    """
-
-    values: dict[str, np.ndarray]
-    spectrum: OverturningSpectrum | None
-
-
 def record_probability(
     scene: Scene, bodies: Bodies, config: Config, channels: Sequence[Record] = ()
-) -> RecordProbability:
-    """The probability of overturning of bodies under a record that was made ready, as it is and brought to each demand.
+) -> tuple[dict[str, np.ndarray], OverturningSpectrum | None]:
+    """The probability of overturning of bodies under a record, as it is and brought to each demand; and its spectrum.
 
-    It is that of the nonlinear model: without ``nonlinear`` among the models, and where the configuration
-    switches it off, every probability is NaN and the source "none". All restitutions of a body have the same.
-
-    `channels` are those whose strengths are brought to the demands; without them it is the record. At a factor beyond
-    FARTHEST, or `[search] factor_max`, the probability is NaN.
+    The variables of PROBABILITY and AT_DEMAND are of all lanes of the bodies, (b x c,) and (b x c, d); the spectrum is
+    None where no body is read from it. The probability is that of the nonlinear model: without ``nonlinear`` among the
+    models, and where the configuration switches it off, it is NaN and the source "none". All restitutions of a body
+    have the same. `channels` are those whose strengths are brought to the demands; without them it is the record. At a
+    factor beyond FARTHEST, or `[search] factor_max`, the probability is NaN.
     """
     count = len(bodies.names)
     values = {name: np.full(count, np.nan) for name in PROBABILITY}
@@ -72,10 +56,8 @@ def record_probability(
         blocks = bodies.lanes.take(slice(None, None, bodies.cases)).weaker
         values["demand_factor"] = demand_factors(channels or [scene.record], blocks, config)
     values["probability_source"] = np.full(count, SOURCES.index("none"))
-    spectrum = None
-    if config.has_probability:
-        spectrum = _fill(values, scene, bodies, config)
-    return RecordProbability({name: np.repeat(own, bodies.cases, axis=0) for name, own in values.items()}, spectrum)
+    spectrum = _fill(values, scene, bodies, config) if config.has_probability else None
+    return {name: np.repeat(own, bodies.cases, axis=0) for name, own in values.items()}, spectrum
 
 
 def _fill(values: dict[str, np.ndarray], scene: Scene, bodies: Bodies, config: Config) -> OverturningSpectrum | None:

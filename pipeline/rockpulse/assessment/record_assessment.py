@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, NamedTuple
 
@@ -11,13 +11,20 @@ import numpy as np
 
 from rocking.body.limits import RATES
 from rocking.impulses.impulse_sequence import ImpulseSequence
+from rocking.march.recorded import sliding_demand
 from rocking.response import Response
+from rocking.search.capacity import uplift_scale
 from rocking.search.factors import ScaleIntervals
 from rocking.spectrum.overturning import OverturningSpectrum
-from rockpulse.assessment.overturning import spectrum_values
-from rockpulse.config.bodies import Bodies
+from rockpulse.assessment.probability import record_probability
+from rockpulse.assessment.scene import aloft, joined_responses, matched, places_of, senses, turned
+from rockpulse.assessment.spectra import spectrum_values
+from rockpulse.config.bodies import Bodies, Place
 from rockpulse.config.configuration import Config
 from rockpulse.model_row import Scene
+from rockpulse.model_table import MODELS
+from rockpulse.record.components import Pair
+from rockpulse.record.measures import STORED_OF_BODIES, RecordOnBodies
 from rockpulse.record.record import Record
 from rockpulse.storage.variables.probability import AXIS_SIZES, SPECTRUM
 
@@ -31,6 +38,10 @@ class Rows(NamedTuple):
     case: np.ndarray
     source: Any  # what the columns are taken from
     cycle: np.ndarray  # in a table of half-cycles the number of each, from 0
+
+
+#: The motion of a body on the ground without a direction of its own.
+RECORD_ITSELF = Place(None, ())
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,9 +76,8 @@ class RecordAssessment:
         if self.spectrum is not None:
             places = np.searchsorted(RATES, self.spectrum.p)
             for name, values in spectrum_values(self.spectrum).items():
-                np.moveaxis(found[name], SPECTRUM[name].dims.index("p"), 0)[places] = np.moveaxis(
-                    values, SPECTRUM[name].dims.index("p"), 0
-                )
+                axis = SPECTRUM[name].dims.index("p")
+                np.moveaxis(found[name], axis, 0)[places] = np.moveaxis(values, axis, 0)
         return found
 
     @property
@@ -112,9 +122,8 @@ class RecordAssessment:
 
     @cached_property
     def _histories(self) -> list[Rows]:
-        lanes = np.arange(len(self.bodies.names) * self.bodies.cases)
         return [
-            self._rows(place, lanes, response)
+            self._rows(place, np.arange(len(self.bodies.names) * self.bodies.cases), response)
             for place, response in enumerate(self.responses.values())
             if response.rotation is not None and response.velocity is not None
         ]
@@ -127,3 +136,119 @@ class RecordAssessment:
 def _joined(parts: Iterable[np.ndarray]) -> np.ndarray:
     found = list(parts)
     return np.concatenate(found) if found else np.zeros(0)
+
+
+def assess_scene(
+    scene: Scene, bodies: Bodies, config: Config, channels: Sequence[Record] = (), pair: Pair | None = None
+) -> RecordAssessment:
+    """Assess all bodies under one record that was made ready; a ValueError says that a model refuses its numbers.
+
+    `channels` are as for :func:`record_probability`, `pair` those that the record was rotated from.
+    """
+    places = places_of(bodies, scene.record, pair, config)
+    if len(places) == 1 and places[0][0] == RECORD_ITSELF:
+        return _assess_at(scene, bodies, config, channels, 1.0)
+    parts, record = [], scene.record
+    for place, numbers in places:
+        below = turned(scene, place, pair, config)
+        there = aloft(below, place, config)
+        stronger = there.record.pga / below.record.pga
+        there = there if there is scene else matched(there, config)
+        parts.append(_assess_at(there, bodies.chosen(numbers), config, channels or [record], stronger))
+    warnings = dict.fromkeys(remark for part in parts for remark in part.record.warnings)
+    record = replace(record, warnings=(*record.warnings, *(one for one in warnings if one not in record.warnings)))
+    steps = [round(record.dt / part.record.dt) for part in parts]
+    lanes = [(one[1][:, np.newaxis] * bodies.cases + np.arange(bodies.cases)).reshape(-1) for one in places]
+
+    def at_lanes(tables: Sequence[dict[str, np.ndarray]]) -> dict[str, np.ndarray]:
+        found = {}
+        for name, first in tables[0].items():
+            found[name] = np.empty((bodies.lanes.shape[0], *first.shape[1:]), dtype=first.dtype)
+            for own, table in zip(lanes, tables, strict=True):
+                found[name][own] = table[name]
+        return found
+
+    return RecordAssessment(
+        scene=replace(scene, record=record),
+        bodies=bodies,
+        config=config,
+        responses={
+            name: joined_responses([part.responses[name] for part in parts], lanes, record.npts, steps)
+            for name in parts[0].responses
+        },
+        scales={
+            name: ScaleIntervals.join([part.scales[name] for part in parts], lanes, bodies.lanes.shape[0])
+            for name in parts[0].scales
+        },
+        applicable=at_lanes([part.applicable for part in parts]),
+        probability=at_lanes([part.probability for part in parts]),
+        strength=at_lanes([part.strength for part in parts]),
+        spectrum=parts[0].spectrum if places[0][0] == RECORD_ITSELF else None,
+    )
+
+
+def _assess_at(
+    scene: Scene, bodies: Bodies, config: Config, channels: Sequence[Record], stronger: float
+) -> RecordAssessment:
+    """Assess bodies that stand on the same ground or floor, whose peak is `stronger` than that of the ground."""
+    lanes = bodies.lanes
+    sides = senses(bodies, scene.record)
+    responses = {name: sides.worse(MODELS[name].response(sides.block, scene)) for name in config.models.use}
+    for model, response in responses.items():
+        contact = response.ground_contact if MODELS[model].paired else None
+        if scene.sequence is not None and contact is not None and np.any(contact):
+            scene = _warned(
+                scene,
+                f"{model}: with spacing {scene.sequence.spacing!r} and this I_s/I, {np.count_nonzero(contact)} of "
+                f"{np.size(contact)} bodies touch the ground inside a half-cycle; take another spacing",
+            )
+    for model in responses:
+        # In the column of the sequence a mark says it, record by record and body by body.
+        rule = MODELS[model].rule(scene) if MODELS[model].fitted else None
+        if rule is not None and (outside := np.count_nonzero(~rule.applicable(lanes))):
+            scene = _warned(
+                scene,
+                f"{model}: {outside} of {np.size(lanes.p)} bodies lie outside the range that the rule was fitted on "
+                f"({rule.range_text}): its rates of error do not hold for them",
+            )
+    probability, spectrum = record_probability(scene, bodies, config, channels)
+    intervals = {
+        name: MODELS[name].intervals(sides.block, scene)
+        if config.search.asks_for(name)
+        else ScaleIntervals.unknown(sides.block.shape)
+        for name in responses
+    }
+    return RecordAssessment(
+        scene=scene,
+        bodies=bodies,
+        config=config,
+        responses=responses,
+        scales={name: sides.smaller(found) for name, found in intervals.items()},
+        applicable={name: MODELS[name].applicable(lanes, scene).astype(np.int8) for name in responses},
+        probability=probability,
+        strength=_strength(scene, bodies, stronger),
+        spectrum=spectrum,
+    )
+
+
+def _warned(scene: Scene, warning: str) -> Scene:
+    return replace(scene, record=scene.record.with_warning(warning))
+
+
+def _strength(scene: Scene, bodies: Bodies, stronger: float) -> dict[str, np.ndarray]:
+    """The strength of the motion that bodies feel, over theirs; and the friction that it asks for."""
+    lanes, record = bodies.lanes.weaker, scene.record
+    on = RecordOnBodies(record, lambda: scene.waves, lanes, uplift_scale(bodies.lanes, np.array([-1.0, 1.0])))
+    found = {measure.name: np.asarray(measure.value(on)) for measure in STORED_OF_BODIES}
+    main = np.nan if scene.sequence is None or scene.sequence.shape else float(scene.sequence.main)
+    found["impulse_ratio"] = np.asarray(main / lanes.critical_impulse)
+    found["floor_amplification"] = np.full(lanes.shape, stronger)
+    friction = np.repeat(bodies.friction, bodies.cases)
+    asked = np.flatnonzero(~np.isnan(friction))
+    found |= {name: np.full(lanes.shape, np.nan) for name in ("friction_required", "friction_share")}
+    if asked.size:
+        demand = sliding_demand(
+            bodies.lanes.take(asked), record.acceleration, record.dt, friction[asked], scene.vertical
+        )
+        found["friction_required"][asked], found["friction_share"][asked] = demand.required, demand.share
+    return found

@@ -135,8 +135,8 @@ class Results(Shown):
 
     @cached_property
     def _answers(self) -> Answers:
-        found = str(self._tree.attrs.get("kind", ASSESSMENT))
-        if found != ASSESSMENT or "summary" not in self._tree.children:
+        if not self._assessed:
+            found = str(self._tree.attrs.get("kind", ASSESSMENT))
             what = named(found) if found != ASSESSMENT else "a tree without the group summary"
             raise ResultsError(f"expected results of rockpulse.assess, found {what}")
         return answers_of(self._tree)
@@ -167,8 +167,7 @@ class Results(Shown):
         shown = self._verdicts[:DRAWN]
         picture = Picture((-0.7, 1.4), (-len(shown), 0.5), height=ROW * len(shown) + 40.0)
         for place, one in enumerate(shown):
-            at, colour = -float(place), COLOURS[one.overall]
-            name = one.body.name
+            at, colour, name = -float(place), COLOURS[one.overall], one.body.name
             picture.words(name if len(name) <= 24 else name[:23] + "…", -0.05, at - 0.2, "end")
             picture.line([0.0, 1.0], [at, at], GREY, 0.3)
             if math.isfinite(one.decides.value):
@@ -203,8 +202,7 @@ def load(path: str | os.PathLike[str]) -> xr.DataTree:
     Raises
     ------
     ResultsError
-        For a file that is no HDF5, is damaged, was not written by rockpulse, or has another
-        major schema version.
+        For a file that is no HDF5, is damaged, was not written by rockpulse, or has another major schema version.
     OSError
         Where the file cannot be opened.
 
@@ -231,10 +229,8 @@ def open_results(path: str | os.PathLike[str]) -> Iterator[xr.DataTree]:
 
     Raises
     ------
-    ResultsError
+    ResultsError, OSError
         As :func:`load`. Damage to numbers shows when they are read, as the OSError of HDF5.
-    OSError
-        Where the file cannot be opened.
 
     Examples
     --------

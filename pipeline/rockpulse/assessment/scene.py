@@ -1,29 +1,45 @@
-"""One record made ready for the models."""
+"""One record made ready for the models: for all bodies, for those on floors or turned, and for those before a wall.
+
+.. note:: A body that leans on a wall falls away from it only. Where the azimuths of the record and of the body's fall
+   are known and lie within SAME_DIRECTION of each other, or of opposite ones, the sense is known; otherwise the record
+   is taken in both, and the worse answer counts.
+"""
 
 from __future__ import annotations
 
-from dataclasses import replace
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
+import numpy as np
+
+from rocking.body.block import Block
+from rocking.body.supports import floor_motion
+from rocking.response import Outcome, Response
+from rocking.search.factors import ScaleIntervals
+from rockpulse.config.block_settings import FloorSettings
+from rockpulse.config.bodies import Bodies, Place
 from rockpulse.config.configuration import Config
 from rockpulse.errors import RecordRefused
 from rockpulse.model_row import Scene
 from rockpulse.model_table import MODELS, RULE_POINT
-from rockpulse.record.components import align, uncovered
+from rockpulse.record.components import Pair, align, uncovered
 from rockpulse.record.conditioning import condition
 from rockpulse.record.half_wave import half_waves
 from rockpulse.record.intensity import intense_phase
-from rockpulse.record.record import Record
+from rockpulse.record.record import STANDARD_GRAVITY, Record
+from rockpulse.record.rotation import rotate
 from rockpulse.remark import Remark
+from rockpulse.selection.directions import FACING_WITHIN
 from rockpulse.sequences.estimators import calibrate
 
 
 def prepare(record: Record, config: Config, vertical: Record | None = None) -> Scene:
-    """Condition a record as it was read, extract its half-waves and calibrate its sequence.
+    """A record as it was read, and its vertical channel, conditioned, with its half-waves and its sequence.
 
-    The vertical channel that belongs to it, as read too, is conditioned in the same way. A RockpulseError where the
-    record cannot be conditioned or has no intense phase. Too few half-waves for a sequence are not an error: the
-    record carries a warning then.
+    A RockpulseError where the record cannot be conditioned or has no intense phase. Too few half-waves for a sequence
+    are not an error: the record carries a warning then.
     """
     up = None if vertical is None else condition(vertical, **config.conditioning)
     return extract(condition(record, **config.conditioning), config, up)
@@ -34,9 +50,8 @@ def extract(conditioned: Record, config: Config, up: Record | None = None) -> Sc
     lift = None
     if up is not None:
         lift = align(up, conditioned)
-        conditioned = conditioned.with_note(Remark("vertical_acceleration", record=up.id))
-        for warning in up.warnings:
-            conditioned = conditioned.with_warning(Remark("of_vertical", remark=warning))
+        warnings = (*conditioned.warnings, *(Remark("of_vertical", remark=warning) for warning in up.warnings))
+        conditioned = replace(conditioned, warnings=warnings).with_note(Remark("vertical_acceleration", record=up.id))
         if (missing := uncovered(up, conditioned)) > up.dt:
             conditioned = conditioned.with_warning(Remark("vertical_short", missing=missing))
     waves = half_waves(conditioned, **config.half_waves)
@@ -53,13 +68,12 @@ def extract(conditioned: Record, config: Config, up: Record | None = None) -> Sc
 def solver_options(config: Config) -> dict[str, Any]:
     """The options of a scene that the configuration has for all models."""
     models, search = config.models, config.search
-    return {name: getattr(models, name) for name in ("gain", "histories")} | {
-        name: getattr(search, name) for name in ("factor_max", "points", "step")
-    }
+    own = {"gain": models.gain, "histories": models.histories}
+    return own | {"factor_max": search.factor_max, "points": search.points, "step": search.step}
 
 
 def matched(scene: Scene, config: Config) -> Scene:
-    """The scene with the sequence that its record is assessed by: with the method "response" one that is matched to it.
+    """The scene with the sequence that its record is assessed by: with the method "response" one matched to it.
 
     A record that moves too few bodies for that has no sequence, and a warning that says so.
     """
@@ -79,7 +93,130 @@ def matched(scene: Scene, config: Config) -> Scene:
     except RecordRefused as error:
         record = scene.record.with_warning(Remark("no_sequence", reason=str(error)))
         return replace(scene, record=record, sequence=None)
-    record = scene.record
-    for remark in found.remarks:
-        record = record.with_note(remark)
+    record = replace(scene.record, processing=(*scene.record.processing, *found.remarks))
     return replace(scene, record=record, sequence=found.sequence)
+
+
+#: The oscillations of a floor are followed until they are below so much of gravity: a thousandth of the uplift of a
+#: body of slenderness 10.
+QUIET = 1e-4
+
+
+def places_of(bodies: Bodies, record: Record, pair: Pair | None, config: Config) -> list[tuple[Place, np.ndarray]]:
+    """The different motions that bodies feel under a record, rotated from a pair, each with the numbers of its bodies.
+
+    A RecordRefused where a body asks for a direction that a channel without a partner does not face.
+    """
+    if config.records.components == "horizontal":
+        return bodies.places(None)
+    azimuth = math.nan if record.azimuth is None else float(record.azimuth)
+    found = bodies.places(azimuth, 1e-6 if pair is not None else FACING_WITHIN)
+    others = [place for place, _ in found if place.azimuth is not None]
+    if others and pair is None:
+        raise RecordRefused(
+            f"{record.id}: no other channel goes with it, and it faces {azimuth:g} degrees: it cannot be taken in the "
+            f"direction {others[0].azimuth:g} of a body"
+        )
+    return found
+
+
+def turned(scene: Scene, place: Place, pair: Pair | None, config: Config) -> Scene:
+    """The scene in the direction of a place, from the channels that its record was rotated from."""
+    if place.azimuth is None:
+        return scene
+    assert pair is not None
+    return replace(extract(rotate(pair, place.azimuth), config), vertical=scene.vertical)
+
+
+def aloft(scene: Scene, place: Place, config: Config) -> Scene:
+    """The scene on the floor of a place; the vertical motion is that of the ground."""
+    if not place.floors:
+        return scene
+    record, found = scene.record, floor_record(scene.record, place.floors)
+    there = extract(found, config)
+    if scene.vertical is None:
+        return there
+    times = found.dt * np.arange(found.npts)
+    lift = np.interp(times, record.dt * np.arange(scene.vertical.size), scene.vertical, right=0.0)
+    return replace(there, vertical=lift)
+
+
+def floor_record(record: Record, floors: Sequence[FloorSettings]) -> Record:
+    """The motion of a floor under a conditioned record, by the modes of its building."""
+    period, damping, share = ([getattr(one, name) for one in floors] for name in ("period", "damping", "participation"))
+    found = floor_motion(record.acceleration, record.dt, period, damping, share, quiet=QUIET * STANDARD_GRAVITY)
+    return replace(record, acceleration=found.acceleration, dt=found.dt)
+
+
+def joined_responses(
+    parts: Sequence[Response], lanes: Sequence[np.ndarray], samples: int, steps: Sequence[int]
+) -> Response:
+    """Responses of some lanes each, at their places, as one; a part has `steps` samples for each of the ground."""
+    whole = []
+    for part, step in zip(parts, steps, strict=True):
+        motion = (None if one is None else one[:, ::step][:, :samples] for one in (part.rotation, part.velocity))
+        whole.append(part.changed(time=None, **dict(zip(("rotation", "velocity"), motion, strict=True))))
+    return Response.join(whole, lanes, sum(places.size for places in lanes))
+
+
+#: Degrees between the azimuths of a record and of a body's fall up to which the record tells the sense.
+SAME_DIRECTION = 30.0
+
+
+@dataclass(frozen=True, eq=False)
+class Senses:
+    """Lanes (m,) of bodies, each in the sense of the record, with a second lane where that is not known."""
+
+    block: Block  # the m lanes and, after them, the other sense of
+    both: np.ndarray  # those at these places
+
+    @property
+    def count(self) -> int:
+        """Number of lanes, m."""
+        return int(self.block.shape[0] - self.both.size)
+
+    def worse(self, response: Response) -> Response:
+        """The worse of both answers of each lane: overturning, no answer, then the larger rotation."""
+        if self.both.size == 0:
+            return response
+        rank = np.where(response.outcome == Outcome.OVERTURNS, np.inf, response.peak_rotation_ratio)
+        rank = np.where(response.outcome == Outcome.UNRESOLVED, np.finfo(float).max, rank)
+        return response.take(self._chosen(rank))
+
+    def smaller(self, found: ScaleIntervals) -> ScaleIntervals:
+        """The intervals of the sense with the smaller factor."""
+        rank = -np.where(np.isnan(found.safety_factor), np.inf, found.safety_factor)
+        return found if self.both.size == 0 else found.take(self._chosen(rank))
+
+    def likelier(self, probability: np.ndarray, factor: np.ndarray) -> np.ndarray:
+        """Places in ``block``, of each lane, of the higher probability; of two alike that of the smaller factor."""
+        return self._chosen(np.argsort(np.lexsort((-factor, probability))))
+
+    def _chosen(self, rank: np.ndarray) -> np.ndarray:
+        """Of each lane the one of its two, by place in ``block``, whose rank is higher."""
+        places = np.arange(self.count)
+        second = self.count + np.arange(self.both.size)
+        places[self.both] = np.where(rank[second] > rank[self.both], second, self.both)
+        return places
+
+
+def acting(azimuth: float, facing: float) -> tuple[int, ...]:
+    """1 where a record acts towards the fall of a body, -1 against it, both where an azimuth [degrees] is NaN."""
+    along, least = math.cos(math.radians(azimuth - facing)), math.cos(math.radians(SAME_DIRECTION))
+    return (1,) if along >= least else (-1,) if along <= -least else (1, -1)
+
+
+def senses(bodies: Bodies, record: Record, step: int = 1) -> Senses:
+    """The lanes of bodies in the senses of a record; every `step`-th lane only."""
+    lanes = bodies.lanes.take(slice(None, None, step))
+    leaning = np.asarray(lanes.side) != 0
+    if not np.any(leaning):
+        return Senses(lanes, np.zeros(0, dtype=np.int64))
+    azimuth = np.nan if record.azimuth is None else float(record.azimuth)
+    every = [acting(azimuth, facing) for facing in np.repeat(bodies.facing, bodies.cases)[::step].tolist()]
+    against = leaning & np.array([found == (-1,) for found in every])
+    both = np.flatnonzero(leaning & np.array([len(found) > 1 for found in every]))
+    mirror = lanes.mirrored()
+    own = [(mirror if turned else lanes).lane(place) for place, turned in enumerate(against)]
+    first = Block.stack(own) if np.any(against) else lanes
+    return Senses(Block.stack([first, mirror.take(both)]) if both.size else first, both)

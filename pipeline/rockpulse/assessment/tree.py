@@ -2,6 +2,11 @@
 
 The rows that one record adds are a part (:func:`record_part`); the tree is the parts one after the other, with the
 earthquakes, which all records together tell, and the variables that do not depend on the records.
+
+.. note:: Median and largest over direction are as RotD50 and RotD100 of response spectra (Boore 2010,
+   doi:10.1785/0120090400). A direction without an answer (unresolved, or not assessed) may stand
+   for any value from 0 to overturning. A median that it could change, and a largest or smallest value that it could
+   exceed, is NaN.
 """
 
 from __future__ import annotations
@@ -14,18 +19,103 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import xarray as xr
 
-from rockpulse.assessment.direction_statistics import direction_statistics
+from rocking.response import Outcome
 from rockpulse.config.bodies import Bodies
 from rockpulse.config.configuration import Config
 from rockpulse.config.study_settings import logo_bytes
 from rockpulse.errors import Failure
-from rockpulse.motions.directions import sweep_azimuths
+from rockpulse.record.measures import PGA
+from rockpulse.selection.directions import sweep_azimuths
 from rockpulse.storage.variables import StoredVariable, failure_table
-from rockpulse.storage.variables.assessment import ASSESSMENT_GROUPS, GROWING
-from rockpulse.storage.variables.probability import AXIS_SIZES
+from rockpulse.storage.variables.assessment import ASSESSMENT_GROUPS, DIRECTIONS, GROWING
+from rockpulse.storage.variables.probability import AXIS_SIZES, MEAN
 
 if TYPE_CHECKING:
     from rockpulse.assessment.record_assessment import RecordAssessment
+
+
+def direction_statistics(
+    summary: xr.Dataset,
+    azimuths: Sequence[float] | np.ndarray,
+    pairs: Mapping[str, Sequence[str]],
+    with_probability: bool = False,
+) -> xr.Dataset:
+    """The node /directions of the results, from /summary, in which the directions are records.
+
+    `azimuths` are the d directions of the sweep [degrees]; `pairs` has the name of each pair, and the ids of its
+    records in the d directions. A pair is left out if none of them is a record. `with_probability` adds the mean over
+    direction of the probability of overturning.
+    """
+    place = {str(record): number for number, record in enumerate(summary["record"].values)}
+    pairs = {pair: records for pair, records in pairs.items() if any(record in place for record in records)}
+    index = np.array([[place.get(record, -1) for record in records] for records in pairs.values()], dtype=int)
+    index = index.reshape(len(pairs), len(azimuths))
+
+    def swept(name: str) -> np.ndarray:
+        """(pair, direction, ...) values; NaN where the direction was not assessed."""
+        values = summary[name].values.astype(float)
+        return np.concatenate([values, np.full((1, *values.shape[1:]), np.nan)])[index]
+
+    directions = np.asarray(azimuths, dtype=float)
+    measures: dict[str, Any] = {"pair": list(pairs), "direction_azimuth": directions, "record_index": index}
+    for name, measure in ((PGA, swept(PGA)), ("main_impulse", swept("main_impulse"))):
+        largest, at = largest_over(measure)
+        measures |= {f"{name}_median": median_over(measure), f"{name}_largest": largest}
+        measures[f"{name}_azimuth"] = _at(directions, at)
+
+    peaks, factors = swept("peak_rotation_ratio"), swept("safety_factor")
+    over = swept("outcome") == Outcome.OVERTURNS
+    # Of several directions that overturn the one that does it first.
+    first = np.where(over, np.nan_to_num(swept("overturning_time"), nan=np.inf), np.inf)
+    largest, at = largest_over(peaks, first)
+    smallest, factor_at = smallest_over(factors)
+    answers = {
+        "median_rotation_ratio": median_over(peaks),
+        "largest_rotation_ratio": largest,
+        "largest_azimuth": _at(directions, at),
+        "overturning_share": over.mean(axis=1),
+        "unanswered_count": np.isnan(peaks).sum(axis=1),
+        "smallest_safety_factor": smallest,
+        "safety_factor_azimuth": _at(directions, factor_at),
+    }
+    dims = dict.fromkeys(answers, ("pair", *(str(dim) for dim in summary["peak_rotation_ratio"].dims[1:])))
+    if with_probability:
+        answers[MEAN] = swept("overturning_probability").mean(axis=1)
+        dims[MEAN] = ("pair", *(str(dim) for dim in summary["overturning_probability"].dims[1:]))
+    values = measures | answers
+    variables = {name: one.variable(values[name], dims.get(name)) for name, one in DIRECTIONS.items() if name in values}
+    return xr.Dataset(variables, {"pair": variables.pop("pair"), "block": summary["block"], "model": summary["model"]})
+
+
+def median_over(values: np.ndarray) -> np.ndarray:
+    """Median over the second of the dimensions (a, d, ...) of values from 0 to inf; NaN where missing ones decide."""
+    unknown = np.isnan(values)
+    low, high = (np.median(np.where(unknown, bound, values), axis=1) for bound in (0.0, np.inf))
+    return np.where(low == high, low, np.nan)
+
+
+def largest_over(values: np.ndarray, first: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray]:
+    """Largest value over the second of the dimensions (a, d, ...), and its place.
+
+    The largest is inf where one is inf, else NaN where an answer is missing, and its place then -1. Of several places
+    with inf it is the one where `first`, of the same shape, is smallest; without `first` it is the first place.
+    """
+    endless = np.isposinf(values)
+    largest = np.where(endless.any(axis=1), np.inf, values.max(axis=1))
+    key = np.where(endless, np.zeros_like(values) if first is None else first, np.inf)
+    among = np.argmax(endless & (key == key.min(axis=1, keepdims=True)), axis=1)
+    place = np.where(endless.any(axis=1), among, np.argmax(values, axis=1))
+    return largest, np.where(np.isnan(largest), -1, place)
+
+
+def smallest_over(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Smallest value over the second of the dimensions (a, d, ...), NaN where one is, and its place or -1."""
+    smallest = values.min(axis=1)
+    return smallest, np.where(np.isfinite(smallest), np.argmin(values, axis=1), -1)
+
+
+def _at(azimuths: np.ndarray, place: np.ndarray) -> np.ndarray:
+    return np.append(azimuths, np.nan)[place]
 
 
 #: The one variable that grows with the records and is in no part: a record alone does not tell it.
@@ -47,10 +137,9 @@ def build_tree(
     The parts are what each record adds (:func:`record_part`) and its earthquake, in the order of the rows; `swept` has
     the name of each pair of channels that was swept over direction, and the ids of its directions.
     """
-    variables = _variables(config)
     arrays = joined_parts([nothing(bodies, config), *parts])
     groups: dict[str, dict[str, xr.Variable]] = defaultdict(dict)
-    for path, variable in variables.items():
+    for path, variable in _variables(config).items():
         group, _, name = path.rpartition("/")
         if path not in arrays:
             arrays[path] = _in_dims(variable, np.asarray(_take(variable)(bodies, config)), bodies)
@@ -77,14 +166,7 @@ def template(bodies: Bodies, config: Config) -> xr.DataTree:
 
 def nothing(bodies: Bodies, config: Config) -> dict[str, np.ndarray]:
     """Every variable that grows with the records, without a row, by its path."""
-    growing = {path: one for path, one in _variables(config).items() if one.dims[0] in GROWING}
-    return {path: _absent(one, 0, bodies, config) for path, one in growing.items()}
-
-
-def dimension_of(path: str) -> str:
-    """The first dimension of a variable."""
-    group, _, name = path.rpartition("/")
-    return ASSESSMENT_GROUPS[group][name].dims[0]
+    return {path: _absent(one, 0, bodies, config) for path, one in _variables(config).items() if one.dims[0] in GROWING}
 
 
 def joined_parts(parts: Sequence[Mapping[str, np.ndarray]], records_before: int = 0) -> dict[str, np.ndarray]:
@@ -105,10 +187,9 @@ def joined_parts(parts: Sequence[Mapping[str, np.ndarray]], records_before: int 
 
 
 def record_part(one: RecordAssessment) -> dict[str, np.ndarray]:
-    """The rows that one record adds to the results, but for its earthquake.
+    """The rows that one record adds to the results, but for its earthquake, by their paths ("/summary/pga").
 
-    By its path in the file ("/summary/pga") the values of every variable that grows with the records, in the type of
-    the file; the first dimension is the one that grows. Variables that count records hold 0.
+    The first dimension of each is the one that grows. Variables that count records hold 0.
     """
     return {
         path: _of_record(variable, one)
@@ -127,7 +208,7 @@ def _of_record(variable: StoredVariable, one: RecordAssessment) -> np.ndarray:
 
 
 def _variables(config: Config) -> dict[str, StoredVariable]:
-    """The variables that an assessment by a configuration has, less those of /failures and /directions, by path."""
+    """The variables of an assessment, less those of /failures and /directions, by path."""
     return {
         f"{group}/{name}": variable
         for group in ("/summary", "/half_cycles", "/overturning_intervals", "/spectra", "/records")
@@ -142,18 +223,17 @@ def _take(variable: StoredVariable) -> Callable[..., Any]:
 
 
 def _dims(variable: StoredVariable, bodies: Bodies) -> tuple[str, ...]:
-    """The dimensions in the file: a restitution range adds one; without it there is a single case and none for it."""
+    """The dimensions in the file, of which a single restitution has none."""
     return variable.dims if bodies.cases > 1 else tuple(dim for dim in variable.dims if dim != "case")
 
 
 def _in_dims(variable: StoredVariable, values: np.ndarray, bodies: Bodies) -> np.ndarray:
-    one_case = bodies.cases == 1 and "case" in variable.dims
-    return values.squeeze(axis=variable.dims.index("case")) if one_case else values
+    return values.squeeze(axis=variable.dims.index("case")) if _dims(variable, bodies) != variable.dims else values
 
 
 def _absent(variable: StoredVariable, rows: int, bodies: Bodies, config: Config) -> np.ndarray:
     """So many rows without a value."""
-    sizes = {"block": len(bodies.names), "case": bodies.cases, "model": len(config.models.use)}
-    sizes |= {"demand": len(config.demands), **AXIS_SIZES}
+    own = {"block": len(bodies.names), "case": bodies.cases}
+    sizes = own | {"model": len(config.models.use), "demand": len(config.demands), **AXIS_SIZES}
     shape = (rows, *(sizes[dim] for dim in _dims(variable, bodies)[1:]))
     return np.full(shape, variable.absent, dtype=variable.kind)

@@ -9,8 +9,10 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from enum import IntEnum, auto
+from typing import NamedTuple
 
 import numpy as np
 
@@ -58,20 +60,14 @@ class Grade(IntEnum):
 
 @dataclass(frozen=True)
 class DemandVerdict:
-    """A body under the motions brought to one demand.
-
-    The grade follows from the probability over the earthquakes of the motions that can be brought to it, its
-    ``share``; it is NOT_KNOWN where these are of fewer than FEWEST_AT_DEMAND ``earthquakes``. ``left_out`` motions lie
-    farther from the demand than a factor of FARTHEST. The margin is in the capacity over the demand: the factor (of
-    10 % probability, else the safety factor) over the one that brings the motion to the demand.
-    """
+    """A body under the motions brought to one demand."""
 
     name: str
-    grade: Grade
-    share: Share
+    grade: Grade  # NOT_KNOWN where the earthquakes are fewer than FEWEST_AT_DEMAND
+    share: Share  # the probability over the earthquakes of the motions that can be brought to the demand
     earthquakes: int
-    left_out: int
-    margin: Margin
+    left_out: int  # motions that lie farther from the demand than a factor of FARTHEST
+    margin: Margin  # in the factor over the one that brings the motion to the demand
 
     @property
     def few(self) -> bool:
@@ -81,20 +77,15 @@ class DemandVerdict:
 
 @dataclass(frozen=True)
 class BodyVerdict:
-    """One body over all motions, by the model that is counted, with its margin in the factor.
-
-    The grade follows from the probability over earthquakes, its ``share``. ``at_rest`` are the motions that do not lift
-    it, ``overturned`` those that overturn it as they are. ``governing`` is the row of /summary with the smallest
-    factor; without a finite one, of the first motion that overturns the body; -1: none.
-    """
+    """One body over all motions, by the model that is counted."""
 
     body: Body
     grade: Grade
-    share: Share
-    overturned: int
-    at_rest: int
-    margin: Margin
-    governing: int
+    share: Share  # the probability over earthquakes, which the grade follows from
+    overturned: int  # motions that overturn it as they are
+    at_rest: int  # motions that do not lift it
+    margin: Margin  # in the factor
+    governing: int  # row of /summary with the smallest factor, else of the first motion that overturns it, else -1
     demands: tuple[DemandVerdict, ...]
 
     @property
@@ -121,8 +112,8 @@ class BodyVerdict:
 def standings(answers: Answers) -> np.ndarray:
     """The :class:`Standing` of every body under every record, (records, bodies).
 
-    Overturning is overturning; a safety factor below 1 at which the model answers is overturning by a weaker record.
-    Unresolved, outside the range of the model, or a factor below 1 at which the model cannot answer: not known.
+    A safety factor below 1 at which the model answers is overturning by a weaker record. Unresolved, outside the range
+    of the model, or a factor below 1 at which the model cannot answer: not known.
     """
     factor = answers["safety_factor"]
     found = np.full(factor.shape, Standing.STANDS, dtype=np.int8)
@@ -134,44 +125,39 @@ def standings(answers: Answers) -> np.ndarray:
 
 
 def why_unknown(answers: Answers) -> np.ndarray:
-    """(records, bodies) why an answer is not known, or not to be relied on; empty where there is no doubt."""
+    """(records, bodies) why an answer is not known, or not to be relied on, by a code; empty without a doubt."""
     found = np.full(answers["outcome"].shape, "", dtype=object)
-    for doubtful, words in _doubts(answers):
-        found[doubtful] = words
+    for doubtful, why in _doubts(answers):
+        found[doubtful] = why
     for code in Reason:
         named = (answers["outcome"] == Outcome.UNRESOLVED) & (answers["reason"] == code)
-        found[named] = "unresolved" if code == Reason.NONE else code.name.lower().replace("_", " ")
+        found[named] = "unresolved" if code == Reason.NONE else code.name.lower()
     return found.astype(str)
 
 
 def verdicts(answers: Answers) -> list[BodyVerdict]:
     """The verdict on every body over the motions of the answers."""
     motions, single = answers.motions, standings(answers)
-    at_rest = ~motions.anywhere(answers["outcome"] != Outcome.AT_REST, missing=True)
-    lifted = (
-        ~(answers["uplift_probability"] < NEVER_LIFTED) if answers.probable else answers["outcome"] != Outcome.AT_REST
-    )
+    moved = answers["outcome"] != Outcome.AT_REST
+    lifted = ~(answers["uplift_probability"] < NEVER_LIFTED) if answers.probable else moved
     lifted = motions.anywhere(lifted, missing=True)
     stays = np.full(len(answers.bodies), bool(motions.names)) & ~lifted.any(axis=0)
     of_demands = [_demand_verdicts(answers, demand) for demand in answers.demands]
-    fallen, resting = answers.overturnings(), at_rest.sum(axis=0).tolist()
-    found = []
-    for lane, (body, margin, share) in enumerate(
-        zip(answers.bodies, answers.margins(), motions.shares(chances(answers)), strict=True)
-    ):
-        found.append(
-            BodyVerdict(
-                body=body,
-                grade=Grade.STAYS if stays[lane] else _grade(share, is_upper_bound(answers.model)),
-                share=share,
-                overturned=fallen[lane],
-                at_rest=resting[lane],
-                margin=margin,
-                governing=_governing(answers[answers.factor][:, lane], single[:, lane]),
-                demands=tuple(every[lane] for every in of_demands),
-            )
+    fallen, resting = answers.overturnings(), (~motions.anywhere(moved, missing=True)).sum(axis=0).tolist()
+    shares = motions.shares(chances(answers))
+    return [
+        BodyVerdict(
+            body=body,
+            grade=Grade.STAYS if stays[lane] else _grade(shares[lane], is_upper_bound(answers.model)),
+            share=shares[lane],
+            overturned=fallen[lane],
+            at_rest=resting[lane],
+            margin=margin,
+            governing=_governing(answers[answers.factor][:, lane], single[:, lane]),
+            demands=tuple(every[lane] for every in of_demands),
         )
-    return found
+        for lane, (body, margin) in enumerate(zip(answers.bodies, answers.margins(), strict=True))
+    ]
 
 
 def _grade(share: Share, bound: bool) -> Grade:
@@ -189,12 +175,12 @@ def _demand_verdicts(answers: Answers, demand: str) -> list[DemandVerdict]:
     motions, left_out = answers.motions, too_far(answers, demand)
     kept = motions.kept(left_out)
     shares, events = motions.shares(chances(answers, demand), left_out), motions.event_counts(kept).tolist()
+    lost = (~kept).sum(axis=0).tolist()
     found = []
     for lane, margin in enumerate(answers.margins(demand=demand)):
         few = events[lane] < FEWEST_AT_DEMAND
         grade = Grade.NOT_KNOWN if few else _grade(shares[lane], is_upper_bound(answers.model))
-        lost = int(np.count_nonzero(~kept[:, lane]))
-        found.append(DemandVerdict(demand, grade, shares[lane], events[lane], lost, margin))
+        found.append(DemandVerdict(demand, grade, shares[lane], events[lane], lost[lane], margin))
     return found
 
 
@@ -207,12 +193,12 @@ def too_far(answers: Answers, demand: str) -> np.ndarray:
 def chances(answers: Answers, demand: str | None = None) -> np.ndarray:
     """(records, bodies) probability that a record, as it is or brought to a demand, overturns a body; NaN: not known.
 
-    Where none is known 1 where it does by the model of the answers, as it is or weaker, and 0 where it does not.
+    Without probabilities 1 where it does by the model of the answers, as it is or weaker, and 0 where it does not.
     """
-    if demand is not None:
-        return answers.at_demand(demand) if answers.probable else _overturns_at(answers, demand)
     if answers.probable:
-        return answers["overturning_probability"]
+        return answers["overturning_probability"] if demand is None else answers.at_demand(demand)
+    if demand is not None:
+        return _overturns_at(answers, demand)
     single = standings(answers)
     return np.where(single == Standing.UNKNOWN, np.nan, single >= Standing.WEAKER_OVERTURNS)
 
@@ -228,11 +214,11 @@ def _overturns_at(answers: Answers, demand: str) -> np.ndarray:
 
 
 def _doubts(answers: Answers) -> list[tuple[np.ndarray, str]]:
-    """Reasons not to rely on an answer, the gravest last."""
+    """Reasons not to rely on an answer by their codes, the gravest last."""
     weaker = (answers["safety_factor"] < 1.0) & (answers["factor_resolved"] == 0)
     return [
-        (weaker, "a weaker copy may overturn it, no answer from there on"),
-        (answers["applicable"] == 0, "outside the range of the model"),
+        (weaker, "weaker"),
+        (answers["applicable"] == 0, "outside"),
         (answers["outcome"] == Outcome.UNRESOLVED, "unresolved"),
     ]
 
@@ -242,3 +228,31 @@ def _governing(factor: np.ndarray, standing: np.ndarray) -> int:
         return int(np.argmin(np.where(np.isnan(factor), np.inf, factor)))
     fallen = np.flatnonzero(standing >= Standing.UNKNOWN)
     return int(fallen[np.argmax(standing[fallen])]) if fallen.size else -1
+
+
+class Sliding(NamedTuple):
+    """A body whose friction does not hold it under `above` of `total` records, of which one asks for `most`."""
+
+    body: Body
+    above: int
+    total: int
+    most: float
+    friction: float
+
+
+def worse_screens(answers: Answers, found: Sequence[BodyVerdict]) -> Iterator[tuple[str, BodyVerdict]]:
+    """Every body on a pedestal that is assessed alone and as one with it: its name, and the worse verdict of both."""
+    whole = answers.summary["pedestal_of"].values.tolist()
+    for alone in dict.fromkeys(filter(None, whole)):
+        screens = [one for one in found if alone in (one.body.block, whole[one.body.place])]
+        if len({one.body.block for one in screens}) > 1:
+            yield alone, max(screens, key=lambda one: (one.overall, one.decides.value))
+
+
+def sliding(answers: Answers) -> Iterator[Sliding]:
+    """Every body that some records ask for more friction than it has."""
+    friction = answers.summary["friction"].values
+    for lane, body in enumerate(answers.bodies):
+        required, own = answers["friction_required"][:, lane], float(friction[body.place])
+        if above := int(np.count_nonzero(required > own)):
+            yield Sliding(body, above, required.size, float(np.nanmax(required)), own)

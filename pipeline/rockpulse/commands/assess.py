@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import argparse
-from functools import partial
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from rockpulse.commands.arguments import BATCH, batch_given, configured, from_records, resolved
 from rockpulse.commands.parser import Verb
 from rockpulse.commands.running import batch_options, nothing_written, recorded, told
+from rockpulse.errors import ConfigError
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -17,23 +18,23 @@ if TYPE_CHECKING:
 
 
 def _run(args: argparse.Namespace) -> int:
-    return _of_records(args) if args.sequence is None else _of_sequence(args)
+    of_records = (("PATHS", args.paths), ("--units", args.units), ("--dt", args.dt), ("--confirm", args.confirm))
+    given = [*(name for name, value in of_records if value), *batch_given(args)]
+    if args.sequence is not None and given:
+        raise ConfigError(f"--sequence takes the place of the records: drop {' and '.join(given)}, or --sequence")
+    config, paths = resolved(args) if args.sequence is None else (configured(args), [])
+    if args.all_models:
+        from rockpulse.model_table import ALL_MODELS
 
+        config = replace(config, models=replace(config.models, use=ALL_MODELS))
 
-def _with_models(args: argparse.Namespace, config: Config) -> Config:
-    """The configuration with every model, where the command line asks for them."""
-    if not args.all_models:
-        return config
-    from dataclasses import replace
+    def overview(tree: xr.DataTree) -> str:
+        from rockpulse.views.text.overview import overview
 
-    from rockpulse.model_table import ALL_MODELS
+        return f"{overview(tree)}\n\nresults: {args.output}"
 
-    return replace(config, models=replace(config.models, use=ALL_MODELS))
-
-
-def _of_records(args: argparse.Namespace) -> int:
-    config, paths = resolved(args)
-    config = _with_models(args, config)
+    if args.sequence is not None:
+        return told(_under_sequence(args, config), args, overview)
 
     from rockpulse.run.batch import assess_files
     from rockpulse.storage.hdf5.results_file import open_results
@@ -43,36 +44,24 @@ def _of_records(args: argparse.Namespace) -> int:
     if report.path is None:
         return nothing_written(report.failures, "assessed", args.quiet)
     with open_results(report.path) as file, file.reading():
-        return told(file.tree("summary", "directions", "failures"), args, partial(_overview, output=args.output))
+        return told(file.tree("summary", "directions", "failures"), args, overview)
 
 
-def _of_sequence(args: argparse.Namespace) -> int:
-    from rockpulse.errors import ConfigError
+def _under_sequence(args: argparse.Namespace, config: Config) -> xr.DataTree:
+    """The results of the bodies under the design sequence of a site file, written."""
     from rockpulse.storage.hdf5.atomic import check_target
     from rockpulse.storage.hdf5.results_file import load, save
     from rockpulse.studies.site.calibration import load_design
 
-    of_records = (("PATHS", args.paths), ("--units", args.units), ("--dt", args.dt), ("--confirm", args.confirm))
-    given = [*(name for name, value in of_records if value), *batch_given(args)]
-    if given:
-        raise ConfigError(f"--sequence takes the place of the records: drop {' and '.join(given)}, or --sequence")
-    config = _with_models(args, configured(args))
     check_target(args.output, args.overwrite)
     sequence = load_design(args.sequence)
 
-    from rockpulse.assessment.design_sequence import assess_sequence
+    from rockpulse.assessment.assessment import assess_sequence
 
     quantile = float(load(args.sequence)["site"]["quantile"])
-    name = f"design sequence {quantile:g}"
-    tree = assess_sequence(sequence, config, name=name, source=str(args.sequence))
+    tree = assess_sequence(sequence, config, name=f"design sequence {quantile:g}", source=str(args.sequence))
     save(tree, args.output, overwrite=args.overwrite)
-    return told(tree, args, partial(_overview, output=args.output))
-
-
-def _overview(tree: xr.DataTree, output: str) -> str:
-    from rockpulse.views.text.overview import overview
-
-    return f"{overview(tree)}\n\nresults: {output}"
+    return tree
 
 
 VERB = Verb(

@@ -13,11 +13,11 @@ from rockpulse.errors import ConfigError, ResultsError
 
 
 def _run(args: argparse.Namespace) -> int:
+    from rockpulse.commands.output_files import check_file, csv_bytes, write_files
     from rockpulse.config.configuration import config_from_text, load_config
     from rockpulse.storage.hdf5.atomic import ASSESSMENT, named
     from rockpulse.storage.hdf5.results_file import load
     from rockpulse.studies.check.bodies import code_check
-    from rockpulse.views.shared.output_files import check_file, csv_bytes, write_files
     from rockpulse.views.text.check import check_overview, check_table
 
     if args.output is not None:

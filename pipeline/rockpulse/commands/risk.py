@@ -11,18 +11,16 @@ from rockpulse.commands.arguments import QUIET
 from rockpulse.commands.parser import Verb
 from rockpulse.commands.terminal import tell
 from rockpulse.errors import ConfigError
-from rockpulse.studies.risk.frequency import standing_test
 
 
 def _run(args: argparse.Namespace) -> int:
+    from rockpulse.commands.output_files import check_file, csv_bytes, write_files
     from rockpulse.config.configuration import config_from_text, load_config
     from rockpulse.storage.hdf5.results_file import load
-    from rockpulse.studies.risk.frequency import annual_frequency
+    from rockpulse.studies.risk.frequency import annual_frequency, standing_test
     from rockpulse.studies.risk.hazard_files import hazard_of, site_hazards_of
     from rockpulse.studies.risk.inventory import inventory_frequency, read_inventory
-    from rockpulse.views.shared.output_files import check_file, csv_bytes, write_files
     from rockpulse.views.text import risk as text
-    from rockpulse.views.text import risk_tables as tables
 
     if args.bodies is not None and (args.limit_state is not None or args.resamples is not None):
         raise ConfigError(
@@ -61,10 +59,10 @@ def _run(args: argparse.Namespace) -> int:
         found = annual_frequency(tree, hazard_of(settings, folder), limit_state, years, resamples=resamples)
     standing = None if args.age is None else standing_test(found, args.age)
     if args.bodies is not None:
-        contents = [tables.inventory_table(found, standing)]
+        contents = [text.inventory_table(found, standing)]
         told, warnings = text.inventory_overview(found), text.inventory_warnings(found)
     else:
-        contents = [tables.risk_table(found, standing), tables.levels_table(found)]
+        contents = [text.risk_table(found, standing), text.levels_table(found)]
         told, warnings = text.risk_overview(found), text.risk_warnings(found)
     write_files({path: csv_bytes(table) for path, table in zip(files, contents, strict=False)})
     if not args.quiet:

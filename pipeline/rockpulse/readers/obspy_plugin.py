@@ -27,7 +27,6 @@ from rockpulse.readers.kit.response import Removed, from_counts
 from rockpulse.readers.kit.text import UNITS, canonical_unit, unexpected
 from rockpulse.readers.source import HEAD, SourceFile, open_source, open_stream
 from rockpulse.record.record import Orientation, Record, record_id
-from rockpulse.remark import recognised
 
 if TYPE_CHECKING:
     import obspy
@@ -174,7 +173,7 @@ def _restored(where: str, trace: Any, kept: Any, azimuth: float | None) -> Recor
     values = {field.name: kept[field.name] for field in _KEPT if field.name in kept}
     same = abs(stats.delta - values["dt"]) <= _SAME_STEP * values["dt"]
     values["dt"] = values["dt"] if same else float(stats.delta)
-    values["warnings"] = tuple(map(recognised, values.get("warnings", ())))
+    values["warnings"] = tuple(values.get("warnings", ()))
     values["processing"] = (*values.get("processing", ()), *_steps(stats))
     start = utc_time(SourceFile(where, b"", bytes), stats.starttime) if kept.get("start_time_known", True) else None
     codes = codes_of(stats)

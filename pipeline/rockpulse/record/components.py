@@ -38,13 +38,7 @@ OVERLAP_SHARE = 0.5
 
 @dataclass(frozen=True, eq=False)
 class Pair:
-    """Two horizontal channels of one instrument.
-
-    Attributes
-    ----------
-    first, second : Record
-        The channels, their azimuths known.
-    """
+    """Two horizontal channels of one instrument, their azimuths known."""
 
     first: Record
     second: Record
@@ -60,13 +54,9 @@ class Neighbours:
 
     def __init__(self, records: Sequence[Record]) -> None:
         self._records = records
-        timed = [
-            (record.start_time.timestamp(), place)
-            for place, record in enumerate(records)
-            if record.start_time is not None
-        ]
-        self._timed = sorted(timed)
-        self._longest = max((records[place].duration for _, place in timed), default=0.0)
+        starts = [(record.start_time, place) for place, record in enumerate(records)]
+        self._timed = sorted((start.timestamp(), place) for start, place in starts if start is not None)
+        self._longest = max((records[place].duration for _, place in self._timed), default=0.0)
         self._of_source: dict[str, list[int]] = defaultdict(list)
         self._of_event: dict[tuple[object, ...], list[int]] = defaultdict(list)
         for place, record in enumerate(records):
@@ -97,8 +87,8 @@ def select_horizontal(
     """Keep the channels that are assessed as horizontal ground motion, in the order given.
 
     Channels of unknown orientation and, if `structural`, those on structures whose azimuth is known are kept with a
-    warning (the others on structures are vertical or may be). Each channel left out gives a row of kind "vertical" or
-    "structural", which names the setting that takes the latter unless there is no configuration (`configured`).
+    warning. Each channel left out gives a row of kind "vertical" or "structural", which names the setting that takes
+    the latter unless there is no configuration (`configured`).
     """
     horizontal, failures = [], []
     for record in records:
@@ -147,16 +137,17 @@ def find_pairs(horizontal: Sequence[Record]) -> tuple[list[Pair], list[Failure]]
     groups: dict[tuple[object, ...], list[Record]] = defaultdict(list)
     for record in horizontal:
         groups[instrument(record)].append(record)
-    known = {id(record): np.isfinite(record.azimuth) for record in horizontal}
     partners = {}
     for group in groups.values():
-        neighbours = Neighbours([record for record in group if known[id(record)]])
+        neighbours = Neighbours([record for record in group if np.isfinite(record.azimuth)])
         for record in group:
-            partners[id(record)] = _partners(record, [one for one in neighbours.of(record) if one is not record])
+            together = [one for one in neighbours.of(record) if one is not record]
+            together = [one for one in together if _together(record, one) and concurrent(record, one)]
+            partners[id(record)] = [one for one in together if one.source == record.source] or together
     pairs, failures = [], []
     taken: set[int] = set()
     for record in horizontal:
-        found = partners[id(record)] if known[id(record)] else []
+        found = partners[id(record)] if np.isfinite(record.azimuth) else []
         mutual = [partners[id(one)] for one in found] == [[record]]
         if not mutual:
             reason = f"{record.id}: {_no_pair(record, found, partners)}; {_INSTEAD}"
@@ -227,24 +218,18 @@ def place_on_structure(record: Record) -> str:
 
 def instrument(record: Record) -> tuple[object, ...]:
     """The properties that the channels of one instrument have in common."""
-    codes = (record.network, record.station, record.location)
+    codes = (record.network, record.station, record.location, record.format, record.processed)
     place = "" if record.station else record.station_name or record.source
     on_structure = record.orientation == "structural"
     if on_structure:
         place = place_on_structure(record) or record.source
-    sensor = (_seed(record), sensor_level(record))
-    return *codes, place, record.format, record.processed, on_structure, *sensor
+    return *codes, place, on_structure, _seed(record), sensor_level(record)
 
 
 def _seed(record: Record) -> tuple[str, str]:
     """Band and instrument of a SEED channel; empty for others."""
     seed = _SEED.fullmatch(record.channel)
     return (seed[1], seed[2]) if seed else ("", "")
-
-
-def _partners(record: Record, others: Sequence[Record]) -> list[Record]:
-    together = [other for other in others if _together(record, other) and concurrent(record, other)]
-    return [other for other in together if other.source == record.source] or together
 
 
 def _no_pair(record: Record, found: Sequence[Record], partners: dict[int, list[Record]]) -> str:
@@ -255,31 +240,23 @@ def _no_pair(record: Record, found: Sequence[Record], partners: dict[int, list[R
         how = f" (files of columns tell neither station nor time: {_BOTH_IN_ONE})" if record.format == "columns" else ""
         return f"no second horizontal channel with a known azimuth was recorded together with it{how}"
     if len(found) == 1:
-        rivals = [other for one in found for other in partners[id(one)] if other is not record]
-        return f"{found[0].id} was recorded together with it, but also with {_listed(rivals)}: which two are a pair?"
-    return f"expected one other horizontal channel recorded together with it, found {len(found)}: {_listed(found)}"
-
-
-def _listed(records: Sequence[Record]) -> str:
-    return some([record.id for record in records], 4)
+        rivals = [other.id for one in found for other in partners[id(one)] if other is not record]
+        return f"{found[0].id} was recorded together with it, but also with {some(rivals, 4)}: which two are a pair?"
+    names = some([one.id for one in found], 4)
+    return f"expected one other horizontal channel recorded together with it, found {len(found)}: {names}"
 
 
 def _together(record: Record, other: Record) -> bool:
-    if _overlap(record, other) <= 0.0 or record.station != other.station:
+    if _overlap(record, other) <= 0.0 or (record.station, sensor_level(record)) != (other.station, sensor_level(other)):
         return False
-    if sensor_level(record) != sensor_level(other):
-        return False
-    codes = (record.network, record.location) == (other.network, other.location)
-    timed = record.start_time is not None and other.start_time is not None
-    by_code = codes and (record.source == other.source or (bool(record.station) and timed))
-    return by_code or _by_name(record, other)
-
-
-def _by_name(record: Record, other: Record) -> bool:
-    """Whether two files that know no time are parts of one recording."""
-    untimed = record.start_time is None and other.start_time is None
+    starts = [one.start_time is not None for one in (record, other)]
+    if (record.network, record.location) == (other.network, other.location) and (
+        record.source == other.source or (record.station and all(starts))
+    ):
+        return True
+    # Two files that know no time may be parts of one recording.
     named = bool(record.event and (record.station or record.station_name))
-    return untimed and named and _occasion(record) == _occasion(other)
+    return not any(starts) and named and _occasion(record) == _occasion(other)
 
 
 def _occasion(record: Record) -> tuple[object, ...]:

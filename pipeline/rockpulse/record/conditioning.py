@@ -128,12 +128,12 @@ def condition(
     """
     _check(record, baseline, highpass_hz, lowpass_hz, order, taper_s, resample_s, pre_event_s)
     record = BASELINES[baseline](record, pre_event_s)
+    corner, unfiltered = highpass_hz or lowpass_hz, record
     if taper_s is None:
-        taper_s = _default_taper(record, highpass_hz, lowpass_hz)
-    unfiltered = record
+        taper_s = 0.0 if corner is None else min(1.0 / corner, TAPER_SHARE * record.duration)
     if taper_s > 0.0:
         record = _taper(record, taper_s)
-    if highpass_hz is not None or lowpass_hz is not None:
+    if corner is not None:
         record = _filter(record, highpass_hz, lowpass_hz, order, unfiltered)
     if resample_s is not None and not math.isclose(resample_s, record.dt, rel_tol=1e-9):
         record = _resample(record, resample_s)
@@ -191,55 +191,45 @@ def _watched(record: Record) -> Record:
     peak = pgv(record)
     warnings = tuple(warning for warning in record.warnings if code_of(warning) != "baseline_drift")
     if abs(final) > DRIFT_SHARE * peak:
-        warning = Remark("baseline_drift", velocity=final, pgv=peak)
-        logger.warning("%s: %s", record.id, warning)
-        warnings = (*warnings, warning)
+        return _warned(replace(record, warnings=warnings), Remark("baseline_drift", velocity=final, pgv=peak))
     return record if warnings == record.warnings else replace(record, warnings=warnings)
+
+
+def _warned(record: Record, warning: Remark) -> Record:
+    logger.warning("%s: %s", record.id, warning)
+    return record.with_warning(warning)
 
 
 def _noted(record: Record, acceleration: np.ndarray, note: str) -> Record:
     return replace(record, acceleration=acceleration, processing=(*record.processing, note))
 
 
-def _untouched(record: Record, pre_event: float | None) -> Record:
-    return record
-
-
-def _polynomial(degree: int, name: str) -> Callable[[Record, float | None], Record]:
-    def subtract(record: Record, pre_event: float | None) -> Record:
-        # On [-1, 1] and in Legendre polynomials the fit is well conditioned for any length of record.
-        place = np.linspace(-1.0, 1.0, record.npts)
-        fitted = np.polynomial.legendre.legfit(place, record.acceleration, min(degree, record.npts - 1))
-        line = np.polynomial.legendre.legval(place, fitted)
-        values = f"{line[0]:.4g} m/s2" if degree == 0 else f"{line[0]:.4g} m/s2 at the start, {line[-1]:.4g} at the end"
-        return _noted(record, record.acceleration - line, f"baseline: {name} of all samples, {values}, subtracted")
-
-    return subtract
+def _polynomial(record: Record, degree: int, name: str) -> Record:
+    # On [-1, 1] and in Legendre polynomials the fit is well conditioned for any length of record.
+    place = np.linspace(-1.0, 1.0, record.npts)
+    fitted = np.polynomial.legendre.legfit(place, record.acceleration, min(degree, record.npts - 1))
+    line = np.polynomial.legendre.legval(place, fitted)
+    values = f"{line[0]:.4g} m/s2" if degree == 0 else f"{line[0]:.4g} m/s2 at the start, {line[-1]:.4g} at the end"
+    return _noted(record, record.acceleration - line, f"baseline: {name} of all samples, {values}, subtracted")
 
 
 def _pre_event(record: Record, pre_event: float | None) -> Record:
-    count = _quiet_samples(record) if pre_event is None else math.floor(pre_event / record.dt * (1.0 + 1e-12)) + 1
+    count = quiet_samples(record) if pre_event is None else math.floor(pre_event / record.dt * (1.0 + 1e-12)) + 1
     length = (count - 1) * record.dt
     if pre_event is None and length < QUIET_LENGTH:
-        conditioned = BASELINES["mean"](record, None)
         note = (
             f"baseline: no pre-event window, the record is quiet for {length:.4g} s only "
             f"(needed: {QUIET_LENGTH:g} s): mean of all samples instead"
         )
-        return replace(conditioned, processing=(*record.processing, note, conditioned.processing[-1]))
+        return _polynomial(record.with_note(note), 0, "mean")
     mean = float(np.mean(record.acceleration[:count]))
     found = "found" if pre_event is None else "given"
     note = f"baseline: mean of the pre-event window 0 to {length:.4g} s ({found}), {mean:.4g} m/s2, subtracted"
     return _noted(record, record.acceleration - mean, note)
 
 
-def quiet_length(record: Record) -> float:
-    """Length of the pre-event window that is found in a record [s]; below `QUIET_LENGTH` it is not used."""
-    return (_quiet_samples(record) - 1) * record.dt
-
-
-def _quiet_samples(record: Record) -> int:
-    """Number of samples of the pre-event window, of which the first is always one."""
+def quiet_samples(record: Record) -> int:
+    """Number of samples of the pre-event window that is found in a record; the first is always one."""
     # From the first sample, not from zero: an offset would drown the energy of the noise.
     shifted = record.acceleration - record.acceleration[0]
     number = np.arange(1, record.npts + 1)
@@ -253,28 +243,19 @@ def _auto(record: Record, pre_event: float | None) -> Record:
         return _noted(record, record.acceleration, "baseline: left as it is, a processed volume")
     if record.processed is False:
         return _pre_event(record, pre_event)
-    record = BASELINES["mean"](record, None)
-    if find(record.warnings, "baseline_guessed"):
-        return record
-    warning = Remark("baseline_guessed")
-    logger.warning("%s: %s", record.id, warning)
-    return record.with_warning(warning)
+    record = _polynomial(record, 0, "mean")
+    return record if find(record.warnings, "baseline_guessed") else _warned(record, Remark("baseline_guessed"))
 
 
 #: Functions that subtract the baseline of a record, by name.
 BASELINES: dict[str, Callable[[Record, float | None], Record]] = {
     "auto": _auto,
-    "none": _untouched,
-    "mean": _polynomial(0, "mean"),
+    "none": lambda record, _: record,
+    "mean": lambda record, _: _polynomial(record, 0, "mean"),
     "pre-event": _pre_event,
-    "linear": _polynomial(1, "line"),
-    "quadratic": _polynomial(2, "parabola"),
+    "linear": lambda record, _: _polynomial(record, 1, "line"),
+    "quadratic": lambda record, _: _polynomial(record, 2, "parabola"),
 }
-
-
-def _default_taper(record: Record, highpass: float | None, lowpass: float | None) -> float:
-    corner = highpass or lowpass
-    return 0.0 if corner is None else min(1.0 / corner, TAPER_SHARE * record.duration)
 
 
 def _taper(record: Record, length: float) -> Record:
@@ -290,13 +271,11 @@ def _filter(record: Record, highpass: float | None, lowpass: float | None, order
     from scipy import signal  # takes as long to import as all else, and by default nothing is filtered
 
     rate = 1.0 / record.dt
-    sections, words = [], []
-    if highpass is not None:
-        sections.append(signal.butter(order, highpass, "highpass", fs=rate, output="sos"))
-        words.append(f"high-pass {highpass:g} Hz")
-    if lowpass is not None:
-        sections.append(signal.butter(order, lowpass, "lowpass", fs=rate, output="sos"))
-        words.append(f"low-pass {lowpass:g} Hz")
+    corners = {kind: corner for kind, corner in (("high-pass", highpass), ("low-pass", lowpass)) if corner is not None}
+    sections = [
+        signal.butter(order, corner, kind.replace("-", ""), fs=rate, output="sos") for kind, corner in corners.items()
+    ]
+    words = [f"{kind} {corner:g} Hz" for kind, corner in corners.items()]
     pad = math.ceil(PAD_PERIODS * order / (highpass or lowpass or rate) * rate)
     if pad > LONGEST_PAD:
         raise ConfigError(
@@ -311,13 +290,9 @@ def _filter(record: Record, highpass: float | None, lowpass: float | None, order
         f"filter: Butterworth {' and '.join(words)}, zero phase, order {order} each way (effective {2 * order}), "
         f"pads of {pad * record.dt:.4g} s cut off again with a velocity of {lead:.3g} m/s; "
         f"PGV {pgv(unfiltered):.4g} -> {pgv(cut):.4g} m/s, "
-        f"largest half-wave impulse {_largest(unfiltered):.4g} -> {_largest(cut):.4g} m/s"
+        f"largest half-wave impulse {half_waves(unfiltered).largest:.4g} -> {half_waves(cut).largest:.4g} m/s"
     )
     return _noted(record, cut.acceleration, note)
-
-
-def _largest(record: Record) -> float:
-    return float(np.max(np.abs(half_waves(record).impulse), initial=0.0))
 
 
 def _resample(record: Record, interval: float) -> Record:
@@ -344,4 +319,4 @@ def _resample(record: Record, interval: float) -> Record:
         f"{0.5 * (1.0 - RESAMPLING_TRANSITION) / max(record.dt, interval):.4g} Hz); "
         f"PGA {record.pga:.4g} -> {changed.pga:.4g} m/s2"
     )
-    return replace(changed, processing=(*record.processing, note))
+    return changed.with_note(note)

@@ -9,13 +9,16 @@ from __future__ import annotations
 
 import heapq
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from rocking.pictures import BLUE, GREY, RED, Picture, Shown, brief
 from rockpulse.errors import ConfigError
 from rockpulse.record.record import Record
+
+#: What half-waves have a value of each for.
+COLUMNS = ("impulse", "centroid", "start", "end", "peak", "lobes")
 
 #: A merged wave keeps at least this share of the absolute impulses of its lobes.
 KEPT_SHARE = 0.5
@@ -56,7 +59,7 @@ class HalfWaves(Shown):
     record_id: str = ""
 
     def __post_init__(self) -> None:
-        for name in ("impulse", "centroid", "start", "end", "peak", "lobes"):
+        for name in COLUMNS:
             values = np.array(getattr(self, name), dtype=np.int64 if name == "lobes" else float)
             values.setflags(write=False)
             object.__setattr__(self, name, values)
@@ -64,31 +67,21 @@ class HalfWaves(Shown):
     def __len__(self) -> int:
         return int(self.impulse.size)
 
-    def between(self, start: float, end: float) -> HalfWaves:
-        """The waves whose centroid lies in [start, end].
+    @property
+    def largest(self) -> float:
+        """Largest absolute impulse [m/s]; 0 without a wave."""
+        return float(np.max(np.abs(self.impulse), initial=0.0))
 
-        Parameters
-        ----------
-        start, end : float
-            Limits, both included [s] from the first sample.
-        """
+    def between(self, start: float, end: float) -> HalfWaves:
+        """The waves whose centroid lies from a start to an end [s] from the first sample, both included."""
         inside = (self.centroid >= start) & (self.centroid <= end)
-        return HalfWaves(
-            impulse=self.impulse[inside],
-            centroid=self.centroid[inside],
-            start=self.start[inside],
-            end=self.end[inside],
-            peak=self.peak[inside],
-            lobes=self.lobes[inside],
-            dt=self.dt,
-            record_id=self.record_id,
-        )
+        return replace(self, **{name: getattr(self, name)[inside] for name in COLUMNS})
 
     def _facts(self) -> dict[str, str]:
         facts = {"of": self.record_id} if self.record_id else {}
         facts["waves"] = str(len(self))
         if len(self):
-            facts["largest impulse"] = brief(np.max(np.abs(self.impulse)), "m/s")
+            facts["largest impulse"] = brief(self.largest, "m/s")
             facts["from"] = f"{self.start[0]:.4g} to {self.end[-1]:.4g} s"
         return facts
 
@@ -96,12 +89,13 @@ class HalfWaves(Shown):
         """The impulses at their centroids, those above half the largest in another colour."""
         if not len(self):
             return None
-        reach = float(np.max(np.abs(self.impulse))) or 1.0
+        reach = self.largest or 1.0
         first, last = float(self.start[0]), float(self.end[-1])
         picture = Picture((first, last), (-reach, reach))
         picture.line([first, last], [0.0, 0.0], GREY, 0.5)
-        strong, seen = np.abs(self.impulse) >= STRONG * reach, np.abs(self.impulse) >= VISIBLE * reach
-        picture.stems(self.centroid[seen & ~strong], self.impulse[seen & ~strong], BLUE)
+        strong = np.abs(self.impulse) >= STRONG * reach
+        weak = (np.abs(self.impulse) >= VISIBLE * reach) & ~strong
+        picture.stems(self.centroid[weak], self.impulse[weak], BLUE)
         picture.stems(self.centroid[strong], self.impulse[strong], RED, 2.0)
         picture.words(f"{reach:.3g} m/s", first, reach, "start")
         picture.words(f"{last:.4g} s", last, -reach, "end")
@@ -195,17 +189,9 @@ def _lobes(record: Record) -> HalfWaves:
     kept = impulse != 0.0  # neither the stretches at zero nor slivers whose impulse underflows
     start = dt * (whole[first][kept] + part[first][kept])
     end = dt * (whole[last][kept] + part[last][kept])
-    centroid = start + dt * (moment[kept] / impulse[kept])
-    return HalfWaves(
-        impulse=dt * impulse[kept],
-        centroid=np.clip(centroid, start, end),  # a sliver may be shorter than the rounding of its time
-        start=start,
-        end=end,
-        peak=peak[kept],
-        lobes=np.ones(start.size),
-        dt=dt,
-        record_id=record.id,
-    )
+    # A sliver may be shorter than the rounding of its time.
+    centroid = np.clip(start + dt * (moment[kept] / impulse[kept]), start, end)
+    return HalfWaves(dt * impulse[kept], centroid, start, end, peak[kept], np.ones(start.size), dt, record.id)
 
 
 def _merge(lobes: HalfWaves, floor: float, min_duration: float) -> HalfWaves:
@@ -258,15 +244,7 @@ def _merge(lobes: HalfWaves, floor: float, min_duration: float) -> HalfWaves:
                 offer(wave)
 
     kept = np.flatnonzero(np.array(stamp) > 0)
-    total_impulse, wave_start = np.array(impulse)[kept], np.array(start)[kept]
-    wave_end = np.array(end)[kept]
-    return HalfWaves(
-        impulse=total_impulse,
-        centroid=np.clip(wave_start + np.array(moment)[kept] / total_impulse, wave_start, wave_end),
-        start=wave_start,
-        end=wave_end,
-        peak=np.array(peak)[kept],
-        lobes=np.array(size)[kept],
-        dt=lobes.dt,
-        record_id=lobes.record_id,
-    )
+    waves = (np.array(own)[kept] for own in (impulse, moment, start, end, peak, size))
+    total_impulse, total_moment, first, last, highest, count_of_lobes = waves
+    centroid = np.clip(first + total_moment / total_impulse, first, last)
+    return HalfWaves(total_impulse, centroid, first, last, highest, count_of_lobes, lobes.dt, lobes.record_id)

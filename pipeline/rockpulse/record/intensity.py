@@ -33,8 +33,8 @@ BRACKET_LEVEL = 0.05 * STANDARD_GRAVITY
 class IntensePhase:
     """The stretch of a record that a calibration looks at, in seconds from the first sample."""
 
-    start: float  # [s]
-    end: float  # [s]
+    start: float
+    end: float
 
     @property
     def duration(self) -> float:
@@ -43,24 +43,12 @@ class IntensePhase:
 
 
 def arias_intensity(record: Record) -> float:
-    """Arias intensity pi/(2 g) times the integral of the squared acceleration [m/s]; g is standard gravity.
-
-    Examples
-    --------
-    >>> round(arias_intensity(Record([0.0, 3.0, 0.0], dt=1.0, id="triangle")), 6)
-    0.96106
-    """
+    """Arias intensity pi/(2 g) times the integral of the squared acceleration [m/s]; g is standard gravity."""
     return float(math.pi / (2.0 * STANDARD_GRAVITY) * _energy(record)[-1])
 
 
 def pgv(record: Record) -> float:
-    """Largest absolute ground velocity [m/s], at a sample or at a zero crossing of the acceleration between two.
-
-    Examples
-    --------
-    >>> pgv(Record([2.0, -2.0], dt=1.0, id="crossing"))     # 0 at both samples
-    0.5
-    """
+    """Largest absolute ground velocity [m/s], at a sample or at a zero crossing of the acceleration between two."""
     left, right = record.acceleration[:-1], record.acceleration[1:]
     velocity = np.concatenate(([0.0], np.cumsum(0.5 * record.dt * (left + right))))
     crossing = np.flatnonzero(np.sign(left) * np.sign(right) < 0.0)
@@ -70,21 +58,7 @@ def pgv(record: Record) -> float:
 
 
 def spectral_acceleration(record: Record, period: float) -> float:
-    """Pseudo-spectral acceleration of 5 % damping, (2 pi/T)^2 times the largest displacement [m/s2].
-
-    Parameters
-    ----------
-    record : Record
-        The motion.
-    period : float
-        T of the oscillator [s], positive.
-
-    Examples
-    --------
-    >>> still = Record([1.0] * 400, dt=0.01, id="step")  # twice the static displacement, less what damping takes
-    >>> round(spectral_acceleration(still, 0.5), 2)
-    1.85
-    """
+    """Pseudo-spectral acceleration of 5 % damping at T [s], (2 pi/T)^2 times the largest displacement [m/s2]."""
     from scipy import signal  # takes as long to import as all else
 
     # At enough instants, and exact there for a ground acceleration that is linear between samples.
@@ -98,41 +72,20 @@ def spectral_acceleration(record: Record, period: float) -> float:
 
 
 def spectrum_intensity(record: Record) -> float:
-    """Housner's intensity as the mean pseudo-velocity of 5 % damping over periods of 0.1 to 2.5 s [m/s].
-
-    Times 2.4 s it is his integral [m].
-
-    Examples
-    --------
-    >>> push = Record([0.0, 100.0] + [0.0] * 400, dt=0.01, id="impulse of 1 m/s")
-    >>> round(spectrum_intensity(push), 2)
-    0.93
-    """
+    """Housner's intensity as the mean pseudo-velocity of 5 % damping over 0.1 to 2.5 s; times 2.4 s his integral."""
     velocities = [period / (2.0 * math.pi) * spectral_acceleration(record, period) for period in PERIODS]
     return float(np.trapezoid(velocities, PERIODS) / (PERIODS[-1] - PERIODS[0]))
 
 
 def largest_change(record: Record, within: float) -> float:
-    """Largest change of the ground velocity over a time [s], to the nearest sample [m/s].
-
-    Examples
-    --------
-    >>> largest_change(Record([2.0, 2.0, -2.0, -2.0], dt=1.0, id="back and forth"), within=1.0)
-    2.0
-    """
+    """Largest change of the ground velocity over a time [s], to the nearest sample [m/s]."""
     velocity = np.append(0.0, np.cumsum(0.5 * (record.acceleration[1:] + record.acceleration[:-1]))) * record.dt
     steps = min(max(round(within / record.dt), 1), velocity.size - 1)
     return float(np.max(np.abs(velocity[steps:] - velocity[:-steps])))
 
 
 def fajfar_index(record: Record) -> float:
-    """PGV t_D^(1/4), t_D the duration D5-95 (Fajfar, Vidic & Fischinger 1990) [m s^-0.75].
-
-    Examples
-    --------
-    >>> round(fajfar_index(Record([2.0, -2.0] * 9, dt=1.0, id="seesaw")), 3)
-    0.986
-    """
+    """PGV t_D^(1/4), t_D the duration D5-95 (Fajfar, Vidic & Fischinger 1990) [m s^-0.75]."""
     return pgv(record) * intense_phase(record).duration ** 0.25
 
 
@@ -229,12 +182,9 @@ def _time_of(record: Record, energy: np.ndarray, level: float) -> float:
     )
 
 
-def _significant(upper: float) -> Callable[..., IntensePhase]:
-    def phase(record: Record, *_: float | None) -> IntensePhase:
-        energy = _nonzero_energy(record)
-        return IntensePhase(*(_time_of(record, energy, share * energy[-1]) for share in (0.05, upper)))
-
-    return phase
+def _significant(record: Record, upper: float) -> IntensePhase:
+    energy = _nonzero_energy(record)
+    return IntensePhase(*(_time_of(record, energy, share * energy[-1]) for share in (0.05, upper)))
 
 
 def _bracketed(record: Record, start_s: float | None, end_s: float | None, level: float | None) -> IntensePhase:
@@ -248,9 +198,9 @@ def _bracketed(record: Record, start_s: float | None, end_s: float | None, level
             f"{record.id}: never exceeds the bracket of {bracket:.4g} m/s2, its PGA is {record.pga:.4g} m/s2; "
             "give a lower level or choose method 'D5-95'"
         )
+    first, last = int(above[0]), int(above[-1])
     return IntensePhase(
-        _bracket_time(record, int(above[0]), int(above[0]) - 1, bracket),
-        _bracket_time(record, int(above[-1]), int(above[-1]) + 1, bracket),
+        _bracket_time(record, first, first - 1, bracket), _bracket_time(record, last, last + 1, bracket)
     )
 
 
@@ -300,8 +250,8 @@ def _strongest_window(record: Record) -> IntensePhase:
 
 #: Methods that find an intense phase, by name.
 INTENSE_PHASES: dict[str, Callable[..., IntensePhase]] = {
-    "D5-95": _significant(0.95),
-    "D5-75": _significant(0.75),
+    "D5-95": lambda record, *_: _significant(record, 0.95),
+    "D5-75": lambda record, *_: _significant(record, 0.75),
     "bracketed": _bracketed,
     "window": _window,
 }

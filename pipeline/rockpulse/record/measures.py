@@ -112,14 +112,8 @@ class Measure:
         """The member of a family at a period [s]; the measure itself where there is none."""
         if period is None:
             return self
-        return replace(
-            self,
-            name=f"{self.name}_{period:g}",
-            title=f"{self.title}({period:g} s)",
-            meaning="",
-            value=partial(self.value, period=period),
-            periods=(),
-        )
+        name, title = f"{self.name}_{period:g}", f"{self.title}({period:g} s)"
+        return replace(self, name=name, title=title, meaning="", value=partial(self.value, period=period), periods=())
 
 
 def _rms_of_lobes(on: RecordOnBodies) -> np.ndarray:
@@ -130,10 +124,6 @@ def _change_ratio(on: RecordOnBodies) -> np.ndarray:
     rates, place = np.unique(on.block.p, return_inverse=True)
     largest = np.array([largest_change(on.record, 2.0 / rate) for rate in rates])[place]
     return np.asarray(on.block.p * largest / on.lifting)
-
-
-def _largest_impulse(on: RecordOnBodies) -> float:
-    return float(np.max(np.abs(on.waves().impulse), initial=0.0))
 
 
 def _ratio(name: str, title: str, value: Callable[[RecordOnBodies], Any], **more: Any) -> Measure:
@@ -210,8 +200,8 @@ _TABLE = (
     ),
     _ratio("si_ratio", "p SI/(g tan alpha_c)", lambda on: on.block.p * spectrum_intensity(on.record) / on.lifting),
     _ratio("change_ratio", "p times the largest change of velocity within 2/p, over g tan alpha_c", _change_ratio),
-    Measure(IMPULSE, "m s-1", "largest half-wave impulse I", _largest_impulse, uses="scaling"),
-    _ratio("impulse_ratio", "I/I_1c", lambda on: _largest_impulse(on) / on.block.critical_impulse),
+    Measure(IMPULSE, "m s-1", "largest half-wave impulse I", lambda on: on.waves().largest, uses="scaling"),
+    _ratio("impulse_ratio", "I/I_1c", lambda on: on.waves().largest / on.block.critical_impulse),
     _ratio("demand_largest", "largest p abs(E)/(g tan alpha_c)", lambda on: on.demand.largest),
     _ratio("demand_rms", "root mean square of the six largest lobes of p abs(E)/(g tan alpha_c)", _rms_of_lobes),
     _ratio(
@@ -244,13 +234,7 @@ STORED_OF_BODIES = tuple(row for row in _TABLE if row.stored is not None and row
 
 
 def units_in_words(names: tuple[str, ...]) -> str:
-    """The units of some rows, and which of these have each.
-
-    Examples
-    --------
-    >>> units_in_words(("pga", "pgv", "impulse"))
-    'm/s2 (pga) or m/s (pgv, impulse)'
-    """
+    """The units of some rows, and which of these have each: "m/s2 (pga) or m/s (pgv, impulse)"."""
     units = dict.fromkeys(ROWS[name].shown_unit for name in names)
     told = [f"{unit or 1} ({', '.join(name for name in names if ROWS[name].shown_unit == unit)})" for unit in units]
     return _either(told)

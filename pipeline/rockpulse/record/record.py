@@ -205,7 +205,6 @@ class Record(Shown):
         return float(np.max(np.abs(self.acceleration)))
 
     def _facts(self) -> dict[str, str]:
-        """The id, what was recorded and where, its strength, and how many remarks there are on it."""
         facts = {"": self.id}
         if self.event or math.isfinite(self.magnitude):
             size = f"{self.magnitude_type or 'M'} {self.magnitude:g}" if math.isfinite(self.magnitude) else ""
@@ -219,7 +218,6 @@ class Record(Shown):
         return facts | ({"warnings": str(len(self.warnings))} if self.warnings else {})
 
     def _picture(self) -> Picture:
-        """The accelerogram, with its largest sample as a point."""
         reach, end = self.pga or 1.0, self.duration
         strongest = int(np.argmax(np.abs(self.acceleration)))
         picture = Picture((0.0, end), (-reach, reach))
@@ -261,33 +259,23 @@ def record_id(
 ) -> str:
     """``NET.STA.LOC.CHA@YYYYMMDDTHHMMSS``, or ``<stem>.<channel>`` where station or time is unknown.
 
-    Letters and digits of any alphabet stay, and ``_ . @ ~ -``; everything else becomes ``_``. All codes but `station`
-    may be empty; `number` of the channel in the file, from 1, stands in for an empty `channel`. The stem is the name of
-    the file without its last extension.
+    Letters and digits of any alphabet stay, and ``_ . @ ~ -``; everything else becomes ``_``. The `number` of the
+    channel in the file, from 1, stands in for an empty `channel`. The stem is the name of the file without its last
+    extension.
     """
+    text = f"{stem}.{channel or number}"
     if station and start_time is not None:
         text = f"{network}.{station}.{location}.{channel or number}@{start_time:%Y%m%dT%H%M%S}"
-    else:
-        text = f"{stem}.{channel or number}"
     return re.sub(r"[^\w.@~-]", "_", normalize("NFC", text))
 
 
 def id_matches(name: str, patterns: Iterable[str]) -> bool:
-    """Whether the id of a record is that of one of some patterns, in which * and ? stand for any letters.
-
-    Examples
-    --------
-    >>> id_matches("CI.CCC..HNE@20190706T031953", ["CI.CLC*", "CI.CCC..HN?@*"])
-    True
-    """
+    """Whether the id of a record is that of one of some patterns, in which * and ? stand for any letters."""
     return any(fnmatchcase(name, pattern) for pattern in patterns)
 
 
 def distinct_ids(records: Sequence[Record]) -> list[Record]:
-    """The records in the same order, those whose id was taken already renamed to ``id~2``, ``id~3``...
-
-    The records are of different content; the first of equal ids keeps it.
-    """
+    """The records in the same order, those whose id was taken already renamed to ``id~2``, ``id~3``..."""
     taken: set[str] = set()
     result = []
     for record in records:

@@ -1,4 +1,4 @@
-"""The motion of a pair of horizontal channels in any direction, and the direction of its largest half-wave impulse.
+"""A pair of horizontal channels on the same samples, its motion in any direction, and its strongest direction.
 
 .. note:: Azimuths are in degrees, clockwise from north. The ground acceleration is a vector x; a channel that faces the
    azimuth z records x . u(z), u = (cos z, sin z) to the north and east. Two channels that are not parallel give x, and
@@ -13,13 +13,15 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from datetime import datetime, timedelta
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 
 from rockpulse.errors import RecordRefused
-from rockpulse.record.components import Pair
-from rockpulse.record.conditioning import condition
+from rockpulse.record.components import Pair, offset
+from rockpulse.record.conditioning import QUIET_LENGTH, condition, quiet_samples
 from rockpulse.record.half_wave import half_waves
 from rockpulse.record.record import BETWEEN, Record, record_id
 from rockpulse.remark import Remark, code_of, remarked
@@ -79,12 +81,12 @@ def rotate(pair: Pair, azimuth: float) -> Record:
         first,
         acceleration=one * first.acceleration + other * second.acceleration,
         id=rotated_id(first, azimuth),
-        channel=_code(azimuth),
-        component=f"{azimuth:g} degrees, rotated",
+        channel=f"H{math.floor(azimuth + 0.5):03d}",
+        component=rotated_component(azimuth),
         azimuth=float(azimuth),
         orientation="structural" if first.orientation == "structural" else "horizontal",
-        source=_joined(first.source, second.source),
-        source_sha256=_joined(first.source_sha256, second.source_sha256),
+        source=BETWEEN.join(dict.fromkeys(filter(None, (first.source, second.source)))),
+        source_sha256=BETWEEN.join(dict.fromkeys(filter(None, (first.source_sha256, second.source_sha256)))),
         source_unit=first.source_unit if same_unit else "",
         unit_factor=first.unit_factor if same_unit else float("nan"),
         header_peak=float("nan"),
@@ -104,7 +106,7 @@ def pair_id(pair: Pair) -> str:
 
 def rotated_id(record: Record, azimuth: float) -> str:
     """Id of the motion of a pair in one direction, clockwise from north [degrees], from its first channel."""
-    return _name(record, _code(azimuth))
+    return _name(record, f"H{math.floor(azimuth + 0.5):03d}")
 
 
 def strongest_azimuth(
@@ -141,8 +143,7 @@ def strongest_azimuth(
         if azimuth not in found:
             one, other = _weights(first.azimuth, second.azimuth, azimuth)
             turned = Record(one * first.acceleration + other * second.acceleration, first.dt, id=first.id)
-            waves = half_waves(turned, threshold, min_duration_s, merge)
-            found[azimuth] = float(np.max(np.abs(waves.impulse), initial=0.0))
+            found[azimuth] = half_waves(turned, threshold, min_duration_s, merge).largest
         return found[azimuth]
 
     coarse = np.arange(0.0, 180.0, STEPS[0])
@@ -159,6 +160,17 @@ def strongest_azimuth(
     return min(azimuth for azimuth, value in found.items() if value >= largest * (1.0 - 1e-12)), largest
 
 
+def rotated_component(azimuth: float) -> str:
+    """The component of a record that was turned to an azimuth [degrees].
+
+    Examples
+    --------
+    >>> rotated_component(45.0)
+    '45 degrees, rotated'
+    """
+    return f"{azimuth:g} degrees, rotated"
+
+
 def _weights(first: float, second: float, azimuth: float) -> tuple[float, float]:
     between = _sine(second - first)
     return _sine(second - azimuth) / between, _sine(azimuth - first) / between
@@ -172,10 +184,7 @@ def _sine(degrees: float) -> float:
 
 
 def check_angle(pair: Pair) -> None:
-    """Refuse channels that face almost the same way, or whose azimuth is not known.
-
-    Raises RecordRefused where the sine of the angle between them is below 0.17.
-    """
+    """Raise RecordRefused for channels that face almost the same way, or whose azimuth is not known."""
     first, second = pair.channels
     if not abs(_sine(second.azimuth - first.azimuth)) >= SMALLEST_SINE:
         raise RecordRefused(
@@ -185,17 +194,9 @@ def check_angle(pair: Pair) -> None:
         )
 
 
-def _code(azimuth: float) -> str:
-    return f"H{math.floor(azimuth + 0.5):03d}"
-
-
 def _name(record: Record, code: str) -> str:
     stem = record.id.removesuffix(f".{record.channel}")
     return record_id(record.network, record.station, record.location, code, record.start_time, stem, 0)
-
-
-def _joined(first: str, second: str) -> str:
-    return BETWEEN.join(dict.fromkeys(text for text in (first, second) if text))
 
 
 def _of_both(first: Record, second: Record, what: str) -> tuple[str, ...]:
@@ -206,4 +207,123 @@ def _of_both(first: Record, second: Record, what: str) -> tuple[str, ...]:
         for record, texts in ((first, mine), (second, others))
         for text in texts
         if record is first or text not in mine
+    )
+
+
+#: Starts that differ from whole sampling intervals by less than this share of one are taken as whole.
+CLOCK_SHARE = 1e-3
+
+
+def condition_pair(pair: Pair, **options: Any) -> Pair:
+    """Both channels conditioned alike on the time that they have in common, with the same samples.
+
+    Parameters
+    ----------
+    pair : Pair
+        As read.
+    **options
+        Those of :func:`rockpulse.condition`.
+
+    Returns
+    -------
+    Pair
+        Each channel cut to the common time, conditioned, and brought to the samples of the first: as they are where
+        those of the second fall on them, else linear between them. What was cut is a warning.
+
+    Raises
+    ------
+    RecordRefused
+        For channels that face almost the same way, share fewer than two samples, or differ in their interval after the
+        conditioning.
+    ConfigError
+        For options that :func:`rockpulse.condition` refuses.
+
+    Notes
+    -----
+    Every step of the conditioning is linear in the samples but the search for the pre-event window. Both channels get
+    the shorter one of the two that are found, or the mean where that is below 1 s, so that the channels may be
+    conditioned and then rotated or rotated and then conditioned in this way, with the same result but for rounding.
+    """
+    check_angle(pair)
+    if pair.first.processed != pair.second.processed:
+        raise RecordRefused(
+            f"{pair.first.id}, {pair.second.id}: one of them is a corrected volume and the other is not; "
+            "take both channels from one volume"
+        )
+    cut = Pair(_cut(pair.first, pair.second), _cut(pair.second, pair.first))
+    options, note = _with_common_window(cut, options)
+    noted = [channel.with_note(note) if note else channel for channel in cut.channels]
+    if pair.first.source != pair.second.source and None in (pair.first.start_time, pair.second.start_time):
+        noted = [channel.with_warning(Remark("start_assumed")) for channel in noted]
+    first, second = (condition(channel, **options) for channel in noted)
+    if not math.isclose(first.dt, second.dt, rel_tol=1e-9):
+        raise RecordRefused(
+            f"{first.id}, {second.id}: expected one sampling interval, found {first.dt:g} and {second.dt:g} s; "
+            "give [conditioning] resample_s"
+        )
+    return Pair(*_same_samples(first, second))
+
+
+def _check_overlap(channel: Record, other: Record, samples: int) -> None:
+    if samples < 2:
+        raise RecordRefused(
+            f"{channel.id}, {other.id}: expected two samples or more in the time that both have, found "
+            f"{max(samples, 0)}; they are no pair"
+        )
+
+
+def _cut(channel: Record, other: Record) -> Record:
+    """The channel within the time of the other one, widened to whole samples; a warning names the part left out."""
+    start = offset(channel, other)
+    share = CLOCK_SHARE
+    begin = max(0, math.floor(start / channel.dt + share))
+    end = min(channel.npts - 1, math.ceil((start + other.duration) / channel.dt - share))
+    _check_overlap(channel, other, end - begin + 1)
+    if begin == 0 and end == channel.npts - 1:
+        return channel
+    lost = [
+        f"{length:.4g} s at its {place}"
+        for length, place in ((begin * channel.dt, "start"), (channel.duration - end * channel.dt, "end"))
+        if length > 0.0
+    ]
+    cut = replace(channel, acceleration=channel.acceleration[begin : end + 1], start_time=_after(channel, begin))
+    return cut.with_warning(f"cut to the time in common with {other.id}: {' and '.join(lost)} left out")
+
+
+def _with_common_window(pair: Pair, options: dict[str, Any]) -> tuple[dict[str, Any], str]:
+    """The conditioning options for both channels, and the note on their pre-event window."""
+    baseline = options.get("baseline", "auto")
+    searched = baseline == "pre-event" or (baseline == "auto" and pair.first.processed is False)
+    if not searched or options.get("pre_event_s") is not None:
+        return options, ""
+    quiet = min((quiet_samples(channel) - 1) * channel.dt for channel in pair.channels)
+    if quiet >= QUIET_LENGTH:
+        return {**options, "pre_event_s": quiet}, f"pre-event window of both channels: 0 to {quiet:.4g} s"
+    note = f"pre-event window of both channels: {quiet:.4g} s only (needed: {QUIET_LENGTH:g} s), the mean instead"
+    return {**options, "baseline": "mean"}, note
+
+
+def _after(record: Record, samples: float) -> datetime | None:
+    return None if record.start_time is None else record.start_time + timedelta(seconds=samples * record.dt)
+
+
+def _same_samples(first: Record, second: Record) -> tuple[Record, Record]:
+    start = offset(first, second) / first.dt
+    whole = abs(start - round(start)) < CLOCK_SHARE
+    start = round(start) if whole else start
+    kept = np.arange(max(0, math.ceil(start)), min(first.npts - 1, math.floor(start + second.npts - 1)) + 1)
+    _check_overlap(first, second, kept.size)
+    place = kept - start
+    if kept.size == first.npts == second.npts and whole:
+        return first, replace(second, start_time=first.start_time)
+    moved = _after(first, float(kept[0]))
+    if whole:
+        values = second.acceleration[place.astype(int)]
+    else:
+        values = np.interp(place, np.arange(second.npts), second.acceleration)
+        note = f"linear between its samples at those of {first.id}, {start % 1.0:.3f} of an interval"
+        second = second.with_note(note)
+    return (
+        replace(first, acceleration=first.acceleration[kept], start_time=moved),
+        replace(second, acceleration=values, start_time=moved),
     )

@@ -20,11 +20,17 @@ import numpy as np
 from rockpulse.config.bodies import Blocks
 from rockpulse.config.configuration import Config
 from rockpulse.errors import ConfigError, Failure, TooWeak
-from rockpulse.motions.directions import Motion, PlannedMotion, VerticalRefused, conditioned_motions, plan_motions
-from rockpulse.motions.doubt import unconfirmed_peaks
-from rockpulse.motions.events import event_table, events_by_id
-from rockpulse.motions.votes import one_vote_each, unmatched_patterns
 from rockpulse.record.record import Record
+from rockpulse.selection.directions import (
+    Motion,
+    PlannedMotion,
+    VerticalRefused,
+    conditioned_motions,
+    plan_motions,
+    unconfirmed_peaks,
+)
+from rockpulse.selection.events import event_table, events_by_id
+from rockpulse.selection.votes import one_vote_each, unmatched_patterns
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -13,14 +13,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rockpulse.assessment.assessment import Assessment
-from rockpulse.assessment.direction_statistics import direction_statistics
-from rockpulse.assessment.tree import joined_parts
+from rockpulse.assessment.tree import direction_statistics, joined_parts
 from rockpulse.errors import Failure, ResultsError
-from rockpulse.motions.directions import swept_directions
 from rockpulse.record.measures import PGA
 from rockpulse.run.analysis import Analysis, Part, Prepared
 from rockpulse.run.frames import unpack
 from rockpulse.run.journal import Journal
+from rockpulse.selection.directions import swept_directions
 from rockpulse.storage.hdf5.atomic import replacing
 from rockpulse.storage.hdf5.results_file import check_described, provenance, save
 from rockpulse.storage.hdf5.writer import TreeWriter, add_dataset

@@ -143,12 +143,6 @@ def frames_of(file: FileIO) -> tuple[list[Frame], int, int]:
     return found, end, gaps + (end < size and not cut_off)
 
 
-def is_beginning(file: FileIO) -> bool:
-    """Whether a file without a frame is what a frame begins with, or the first bytes of that."""
-    start = _read(file, 0, len(MARK))
-    return start == MARK[: len(start)]
-
-
 def _frame(file: FileIO, place: int, size: int) -> Frame | None:
     """The frame that begins at a place, if one does and the file holds all of it."""
     start = _read(file, place, START.size)

@@ -21,7 +21,7 @@ from typing import Any, Self
 
 from rockpulse.errors import Failure, ResultsError
 from rockpulse.files import check_regular
-from rockpulse.run.frames import MARK, Frame, append, frames_of, is_beginning
+from rockpulse.run.frames import MARK, Frame, append, frames_of
 from rockpulse.storage.hdf5.atomic import flush, journal_path
 
 __all__ = ["UNFINISHED", "Done", "Journal", "JournalError", "holder", "journal_path", "open_locked"]
@@ -230,9 +230,7 @@ class Journal:
 
     def parts(self, key: str) -> tuple[bytes, ...]:
         """The parts of a finished task in their order; a JournalError where they are not as they were written."""
-        if key not in self._kept:
-            return ()
-        found = self._parts(key)
+        found = self._parts(key) if key in self._kept else ()
         if found is None:
             raise JournalError(
                 f"{self.path}: the result of {key} is not as it was written; the same command with --resume does this "
@@ -252,9 +250,10 @@ class Journal:
 
     def _take_up(self, resume: bool, overwrite: bool) -> None:
         """Go on behind what is kept, or begin anew."""
-        if not self.run_id and not is_beginning(self._file):
-            self._file.seek(0)
-            if self._file.read(4) == MARK[:4]:
+        self._file.seek(0)
+        begins = self._file.read(len(MARK))
+        if not self.run_id and not MARK.startswith(begins):  # nor cut off within its first bytes
+            if begins.startswith(MARK[:4]):
                 raise JournalError(
                     f"{self.path}: the journal of a run of another version of rockpulse; resume the run with that "
                     "version, or remove the file"

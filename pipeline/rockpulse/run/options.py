@@ -8,7 +8,8 @@ from concurrent.futures import Executor
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Protocol
+from types import SimpleNamespace
+from typing import Any
 
 from rockpulse.errors import Failure
 
@@ -17,20 +18,9 @@ class Interrupted(KeyboardInterrupt):
     """Ctrl-C during a batch; the message says what is kept and how to go on."""
 
 
-class Bar(Protocol):
-    """A progress bar, told of every file and record that is done; a ``tqdm.tqdm`` is one."""
-
-    def update(self, n: int) -> object:
-        """So many more are done."""
-
-
-class _NoBar:
-    def update(self, n: int) -> None:
-        """Show nothing."""
-
-
-def _no_bar(**_: Any) -> AbstractContextManager[Bar]:
-    return nullcontext(_NoBar())
+def _no_bar(**_: Any) -> AbstractContextManager[Any]:
+    """A progress bar that shows nothing: told by ``update(n)`` that so many more files or records are done."""
+    return nullcontext(SimpleNamespace(update=int))
 
 
 @dataclass(frozen=True)
@@ -67,7 +57,7 @@ class BatchOptions:
     overwrite: bool = False
     strict: bool = False
     written: tuple[str | os.PathLike[str], ...] = ()
-    bar: Callable[..., AbstractContextManager[Bar]] = _no_bar
+    bar: Callable[..., AbstractContextManager[Any]] = _no_bar
     tell: Callable[[str], object] = str
 
 

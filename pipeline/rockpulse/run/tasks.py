@@ -19,8 +19,6 @@ from rocking.body.block import Block
 from rockpulse.config.configuration import SECTIONS, Config, located
 from rockpulse.config.settings import CalibrationSettings
 from rockpulse.errors import Failure, RockpulseError
-from rockpulse.motions.directions import PlannedMotion, conditioned_motions
-from rockpulse.motions.tables import selection_of
 from rockpulse.readers import ReadOptions
 from rockpulse.record.record import BETWEEN, Record, id_matches
 from rockpulse.record.synthetic import synthetic_motion
@@ -28,6 +26,8 @@ from rockpulse.run.analysis import Analysis, Work, unwatched, worked
 from rockpulse.run.frames import pack
 from rockpulse.run.journal import UNFINISHED, Done
 from rockpulse.run.survey import Located, Place, unexpected
+from rockpulse.selection.directions import PlannedMotion, conditioned_motions
+from rockpulse.selection.tables import selection_of
 from rockpulse.storage.hdf5.results_file import SCHEMA_VERSION
 from rockpulse.version import __version__
 

@@ -1,4 +1,4 @@
-"""The answers of a results file: bodies, motions, and the margins over them."""
+"""The answers of a results file: bodies, motions, and the margins and means over them."""
 
 import math
 
@@ -8,10 +8,9 @@ import xarray as xr
 from report_cases import answers, motions, probable, summary_of
 from results_tree import results_tree
 
-from rocking.response import Outcome
-from rockpulse.assessment.answers import Answers, answers_of, bodies_of, searched_up_to
+from rockpulse.assessment.answers import Answers, Motions, answers_of, bodies_of, searched_up_to
+from rockpulse.selection.events import UNKNOWN
 from rockpulse.storage.variables.probability import MEAN
-from rockpulse.views.shared.verdict_notes import counted
 
 INF, NAN = math.inf, math.nan
 
@@ -37,31 +36,6 @@ def test_bodies_and_lanes_of_restitution_cases():
     assert np.all(answers["interval_count"] == -1)  # results that lack it
     with pytest.raises(KeyError):
         answers["no such variable"]
-
-
-def test_the_least_factor_over_direction_and_the_row_that_has_it():
-    pairs = motions(3, rows=[[0, 1], [2, 3], [4, 5]], kind="pair")
-    found = answers(summary_of([3.0, 1.0, 2.0, NAN, NAN, NAN]), pairs).least_over_direction
-    np.testing.assert_array_equal(found[0], [[1.0], [2.0], [NAN]])
-    assert found[1].tolist() == [[1], [2], [-1]]
-
-
-@pytest.mark.parametrize("count", [1, 2])
-def test_answers_to_given_sequences_are_of_no_records(count):
-    summary = summary_of([2.0] * count).assign(event=("record", ["given"] * count))
-    for npts, kind in ((-1, "sequence"), (400, "record")):
-        assert Answers(summary.assign(npts=("record", [npts] * count))).motions.kind == kind
-
-
-def test_motions_of_a_sweep():
-    summary = summary_of([1.0, 2.0, 3.0]).assign(event=("record", ["Kobe", "Maule", "Kobe"]))
-    directions = xr.Dataset(
-        {"record_index": (("pair", "direction"), np.array([[0, 1], [2, -1], [-1, -1]]))}, {"pair": ["a", "b", "c"]}
-    )
-    found = answers_of(xr.DataTree.from_dict({"/summary": summary, "/directions": directions})).motions
-    assert (found.names, found.kind, found.index.tolist()) == (["a", "b"], "pair", [[0, 1], [2, -1]])
-    assert found.events == ["Kobe", "Kobe"]
-    assert "2 pairs of channels" in counted(found)
 
 
 def least_and_median(values):
@@ -119,13 +93,6 @@ def test_a_block_counts_with_the_worst_of_its_restitutions_and_a_motion_with_the
     assert [margin.partial for margin in found.margins("motion")] == [0, 0, 1]
     assert found.overturnings("block") == [2, 0, 0]
     assert found.overturnings("motion") == [1, 1, 0]
-
-
-def test_a_pair_overturns_a_body_in_one_of_its_directions():
-    outcomes = [Outcome.OVERTURNS, Outcome.ROCKS, Outcome.UNRESOLVED, Outcome.AT_REST]
-    of = motions(4, rows=[[0, 1], [2, 3]], kind="pair")
-    found = answers(summary_of([0.5, 2.0, 3.0, 4.0], outcomes=outcomes), of)
-    assert (found.overturnings(), found.unresolved, found.counts) == ([1], [1], [1, 1, 1, 1])
 
 
 def test_every_model_has_answers_under_the_same_motions():
@@ -256,12 +223,6 @@ def test_motions_too_weak_to_tell_are_left_out_of_a_margin():
     assert (margin.limit, margin.median, margin.open) == (6.0, INF, False)
 
 
-def test_a_margin_is_open_where_a_direction_of_its_motion_is_not_known():
-    of = motions(4, rows=[[0, 1], [2, 3]], missing=[True, False], kind="pair")
-    (margin,) = answers(summary_of([2.5, NAN, 2.0, 3.0]), of).margins()
-    assert (margin.smallest, margin.open, margin.partial, margin.place) == (2.0, False, 1, 1)
-
-
 def test_every_body_and_direction_has_the_least_factor_of_its_own():
     summary = results_tree()["summary"].to_dataset()
     summary["safety_factor"].loc[{"model": "sequence"}] = [[3.0, INF, NAN], [2.0, INF, 4.0], [1.0, INF, INF]]
@@ -285,3 +246,66 @@ def test_outcomes_are_counted_over_records_and_over_motions():
 def test_how_far_was_searched_is_the_smallest_of_those_without_a_factor():
     assert searched_up_to(np.array([INF, 1.3, INF]), np.array([8.0, 1.3, 6.0])) == 6.0
     assert math.isnan(searched_up_to(np.array([1.3, NAN]), np.array([1.3, NAN])))
+
+
+#: Three motions of two directions from five records; of the last one a direction was not assessed.
+INDEX = np.array([[0, 1], [2, 3], [4, -1]])
+PAIRS = Motions(["x", "y", "z"], INDEX, ["a", "b", "a"], "pair")
+
+
+@pytest.mark.parametrize(
+    ("events", "count"), [(["a", "b", "a", UNKNOWN], 2), ([UNKNOWN] * 3, 1), (["a"], 1), ([], 0), ([UNKNOWN, "a"], 1)]
+)
+def test_earthquakes_that_are_known_are_counted_or_one(events, count):
+    assert Motions(["x"] * len(events), np.zeros((len(events), 1), int), events, "record").event_count == count
+
+
+def test_a_motion_is_kept_for_a_body_where_a_direction_is():
+    left_out = np.array([[True, True], [True, False], [False, True], [True, True], [True, False]])
+    kept = PAIRS.kept(left_out)
+    assert kept.tolist() == [[False, True], [True, False], [False, True]]
+    assert PAIRS.event_counts(kept).tolist() == [1, 1]
+    assert PAIRS.event_counts(np.array([[True, True, False], [True, False, False], [False, True, False]])).tolist() == [
+        2,
+        1,
+        0,
+    ]
+
+
+def test_values_are_taken_by_motion_and_direction():
+    values = np.array([1, 2, 3, 4, 5])
+    assert PAIRS.over(values, -9).tolist() == [[1, 2], [3, 4], [5, -9]]
+    over = PAIRS.over(np.stack([values, 10.0 * values], axis=1), NAN)
+    assert over.shape == (3, 2, 2)
+    np.testing.assert_array_equal(over[:, :, 1], [[10.0, 20.0], [30.0, 40.0], [50.0, NAN]])
+
+
+def test_something_is_so_in_one_direction_or_in_a_missing_one():
+    so = np.array([[False, True], [True, True], [False, False], [False, False], [False, True]])
+    assert PAIRS.anywhere(so).tolist() == [[True, True], [False, False], [False, True]]
+    assert PAIRS.anywhere(so, missing=True).tolist() == [[True, True], [False, False], [True, True]]
+
+
+def test_earthquakes_weigh_alike_and_what_is_not_known_is_left_out():
+    values = np.array([[0.2, NAN, NAN], [0.6, 0.5, NAN], [0.4, 0.1, NAN]])
+    assert PAIRS.mean(values) == pytest.approx([(0.3 + 0.6) / 2, (0.1 + 0.5) / 2, NAN], nan_ok=True)
+    assert PAIRS.mean(np.array([NAN, 0.5, NAN])) == pytest.approx(0.5)
+
+
+@pytest.mark.parametrize("any_azimuth", [False, True])
+def test_the_share_of_each_body_is_over_its_motions(any_azimuth):
+    """The worst direction, or the mean over them; a missing one may be 0 or 1."""
+    probability = np.array([[0.2, 1.0], [0.4, 0.5], [0.1, 0.0], [0.3, NAN], [0.6, 1.0]])
+    of = Motions(PAIRS.names, INDEX, PAIRS.events, "pair", any_azimuth)
+    first, second = of.shares(probability)
+    if any_azimuth:  # 0.3, 0.2 and 0.3 to 0.8; 0.75, 0 to 0.5 and 0.5 to 1
+        expected = [((0.3 + 0.2) / 2, (0.3 + 0.2) / 2, (0.55 + 0.2) / 2, 1), (0.75, 0.625 / 2, (0.875 + 0.5) / 2, 2)]
+    else:  # 0.4, 0.3 and 0.6 to 1; 1, 0 to 1 and 1
+        expected = [((0.4 + 0.3) / 2, (0.5 + 0.3) / 2, (0.7 + 0.3) / 2, 1), (1.0, 0.5, 1.0, 1)]
+    for share, (value, least, most, unknown) in zip((first, second), expected, strict=True):
+        assert (share.value, share.least, share.most, share.unknown) == pytest.approx((value, least, most, unknown))
+        assert share.low < share.value <= share.high
+    left_out = np.array([[True, False]] * 2 + [[False, False]] * 3)
+    first, _ = of.shares(probability, left_out)
+    assert first.unknown == 1
+    assert first.least == pytest.approx((0.2 + 0.3) / 2 if any_azimuth else (0.3 + 0.6) / 2)

@@ -5,20 +5,19 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from nominal import Config
-from report_cases import WORDS
 
 import rockpulse as rp
 from rockpulse import BlockSettings, ModelSettings, RecordSettings
 from rockpulse.assessment.answers import answers_of
 from rockpulse.cli import main
 from rockpulse.errors import ConfigError
-from rockpulse.motions.events import UNKNOWN
 from rockpulse.readers.folders import read_all
 from rockpulse.run import survey
 from rockpulse.run.journal import journal_path
 from rockpulse.run.options import BatchOptions
 from rockpulse.run.tasks import configuration_fingerprint
-from rockpulse.views.report.statements import of_unknown_event
+from rockpulse.selection.events import UNKNOWN
+from rockpulse.views.report.verdict import of_unknown_event
 
 CONFIG = Config(
     blocks=(BlockSettings(name="wall", width=0.3, height=2.4),),
@@ -64,7 +63,7 @@ def test_records_are_counted_by_title_and_those_that_tell_nothing_as_one(folder,
     assert tree["summary"]["event_title"].values.tolist() == list(TITLES)
     motions = answers_of(tree).motions
     assert motions.event_count == 1  # those that tell nothing add none
-    assert "2 motions whose earthquake neither" in of_unknown_event(WORDS, motions)
+    assert "2 motions whose earthquake neither" in of_unknown_event(motions)
 
 
 @pytest.mark.sweep
@@ -75,7 +74,7 @@ def test_the_table_decides(folder, tmp_path):
     assert answers_of(rp.load(tmp_path / "told.h5")).motions.event_count == 3
     known = "".join(f"{name},Maule\n" for name in names[2:])
     assert both(folder, with_table(tmp_path, f"record,event\n{known}"), tmp_path / "all.h5")[names[2]] == "Maule"
-    assert of_unknown_event(WORDS, answers_of(rp.load(tmp_path / "all.h5")).motions) == ""
+    assert of_unknown_event(answers_of(rp.load(tmp_path / "all.h5")).motions) == ""
 
 
 def test_a_missing_or_wrong_table_is_refused_before_records_are_read(folder, tmp_path, monkeypatch):

@@ -19,9 +19,9 @@ from rockpulse import (
     SequenceSettings,
     SiteSettings,
 )
-from rockpulse.assessment.assessment import assess
+from rockpulse.assessment.assessment import Assessment, assess
 from rockpulse.assessment.scene import matched, prepare
-from rockpulse.assessment.tree import dimension_of, joined_parts
+from rockpulse.assessment.tree import joined_parts
 from rockpulse.errors import ConfigError, Failure
 from rockpulse.models import Block, Outcome, Reason, recorded_response
 from rockpulse.record.intensity import pgv
@@ -71,7 +71,7 @@ def test_parts_are_joined_with_the_records_counted_on():
     [("/summary/outcome", "record"), ("/summary/p", "block"), ("/half_cycles/peak", "row")],
 )
 def test_the_dimension_along_which_a_variable_grows_is_its_first(path, dimension):
-    assert dimension_of(path) == dimension
+    assert Assessment(Config(blocks=(WALL,))).dimension_of(path) == dimension
 
 
 def test_results_are_named_after_the_site(tree):
@@ -375,5 +375,5 @@ def test_a_sequence_is_matched_to_the_record_only_where_a_model_takes_it():
     assert scene.sequence is not None
     assert matched(scene, config) is scene
     config = replace(config, models=ModelSettings(use=("sequence",)))
-    without = replace(scene, models=config.models, sequence=None)
+    without = replace(scene, sequence=None)
     assert matched(without, config) is without

@@ -100,7 +100,9 @@ def test_a_velocity_ratio_asks_each_body_for_its_own_factor():
     assert found[:, 0] == pytest.approx(expected)
 
 
-@pytest.mark.parametrize("measure", DEMAND)
+@pytest.mark.parametrize(
+    "measure", ["pga", *(pytest.param(one, marks=pytest.mark.sweep) for one in DEMAND if one != "pga")]
+)
 def test_the_verdict_at_a_demand_is_that_of_the_records_scaled_by_hand(measure):
     bodies = dict([*BODIES.items()][:1])  # a velocity ratio asks another factor of another body
     row, period = ROWS[measure], 0.8 if measure in PERIODIC else None

@@ -9,10 +9,9 @@ import rockpulse as rp
 from rocking.response import HalfCycles, Response
 from rocking.search.factors import ScaleIntervals
 from rockpulse import models
-from rockpulse.assessment import assessment
-from rockpulse.assessment.assessment import assess_scene
-from rockpulse.assessment.places import aloft, floor_record, joined_responses, places_of
-from rockpulse.assessment.scene import extract
+from rockpulse.assessment import record_assessment
+from rockpulse.assessment.record_assessment import assess_scene
+from rockpulse.assessment.scene import aloft, extract, floor_record, joined_responses, places_of
 from rockpulse.config.bodies import Place, gather_bodies
 from rockpulse.record.components import Pair
 from rockpulse.record.intensity import pgv
@@ -196,12 +195,13 @@ def test_what_is_told_of_a_floor_is_a_remark_of_the_record_once():
 def test_the_sequence_of_a_floor_is_matched_to_its_motion(monkeypatch):
     asked = config(body("ground"), body("aloft", floors=(FLOOR,)))
     scene, seen = extract(RECORD, asked), []
-    monkeypatch.setattr(assessment, "matched", lambda there, _: seen.append(there.record) or there)
+    monkeypatch.setattr(record_assessment, "matched", lambda there, _: seen.append(there.record) or there)
     assess_scene(scene, gather_bodies(asked.blocks), asked)
     assert [one is scene.record for one in seen] == [False]
     assert np.array_equal(seen[0].acceleration, floor_record(RECORD, (FLOOR,)).acceleration)
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("restitution", ["housner", (0.9, 0.8)])
 def test_a_body_is_answered_alike_alone_and_among_others(restitution):
     blocks = body("ground", restitution=restitution), body("aloft", floors=(FLOOR,), restitution=restitution)
@@ -263,7 +263,11 @@ def turned(*blocks, records=PAIR, **options):
 
 @pytest.mark.parametrize(
     ("options", "direction"),
-    [({"azimuth": 30.0}, 30.0), (LEANING | {"facing": 210.0}, 210.0), (LEANING | {"facing": 300.0}, 300.0)],
+    [
+        ({"azimuth": 30.0}, 30.0),
+        pytest.param(LEANING | {"facing": 210.0}, 210.0, marks=pytest.mark.sweep),
+        pytest.param(LEANING | {"facing": 300.0}, 300.0, marks=pytest.mark.sweep),
+    ],
 )
 def test_each_body_is_shaken_in_its_own_direction(options, direction):
     blocks = body("others"), body("own", **options)
@@ -324,6 +328,7 @@ def test_histories_of_a_turned_body_are_those_that_are_stored():
             rp.plots.histories(tree, "XX.STA..H075", "own")
 
 
+@pytest.mark.sweep
 def test_fragility_of_each_body_is_that_of_its_place():
     blocks = body("others"), body("own", azimuth=30.0), body("aloft", floors=(FLOOR,))
     records = rp.RecordSettings(components="azimuth", azimuth=75.0)

@@ -11,10 +11,11 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 import rockpulse as rp
 from rocking.body.limits import RATES
-from rockpulse.assessment.assessment import assess, assess_scene
-from rockpulse.assessment.overturning import spectrum_values
+from rockpulse.assessment.assessment import assess
 from rockpulse.assessment.probability import record_probability
+from rockpulse.assessment.record_assessment import assess_scene
 from rockpulse.assessment.scene import prepare
+from rockpulse.assessment.spectra import spectrum_values
 from rockpulse.config.bodies import gather_bodies
 from rockpulse.models import Block, OverturningSpectrum, Uncertainty, overturning_probability, spectrum_lanes
 from rockpulse.storage.variables.probability import PROBABILITY, READ, SOURCES
@@ -33,7 +34,7 @@ def configured(*blocks, **sections):
 
 def told(one, config):
     """By name, of all bodies and their restitutions."""
-    return record_probability(prepare(one, config), gather_bodies(config.blocks), config).values
+    return record_probability(prepare(one, config), gather_bodies(config.blocks), config)[0]
 
 
 @cache
@@ -131,17 +132,17 @@ def test_a_factor_beyond_the_search_is_inf_from_the_end_of_the_search_on():
 def test_a_record_that_lifts_nothing_needs_no_spectrum():
     config = configured(WALL, CHEST)
     scene, bodies = prepare(record("one"), config), gather_bodies(config.blocks)
-    assert record_probability(scene, bodies, config).spectrum is not None
+    assert record_probability(scene, bodies, config)[1] is not None
     for strength in (0.0, 1e-3):
         still = replace(scene, record=replace(scene.record, acceleration=strength * motion()))
-        found = record_probability(still, bodies, config)
-        assert found.spectrum is None
-        assert found.values["probability_source"].tolist() == [SPECTRUM, OWN]
-        assert found.values["overturning_probability_high"][0] == 0.0
-        assert found.values["overturning_probability"].tolist() == [0.0, 0.0]
-        assert found.values["uplift_probability"] == pytest.approx([0.0, 0.0], abs=1e-12)
-        assert found.values["factor_10_low"].tolist() == [10.0, 10.0]
-        assert_array_equal([found.values[name] for name in ("factor_10", "factor_50", "capacity_mean")], np.inf)
+        found, spectrum = record_probability(still, bodies, config)
+        assert spectrum is None
+        assert found["probability_source"].tolist() == [SPECTRUM, OWN]
+        assert found["overturning_probability_high"][0] == 0.0
+        assert found["overturning_probability"].tolist() == [0.0, 0.0]
+        assert found["uplift_probability"] == pytest.approx([0.0, 0.0], abs=1e-12)
+        assert found["factor_10_low"].tolist() == [10.0, 10.0]
+        assert_array_equal([found[name] for name in ("factor_10", "factor_50", "capacity_mean")], np.inf)
 
 
 @pytest.mark.parametrize(

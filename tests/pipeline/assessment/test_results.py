@@ -154,6 +154,7 @@ def test_an_error_of_the_user_inside_the_block_stays_what_it_is(path):
         1 / 0  # noqa: B018
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("line", ["tree = rp.load(path)", "with rp.open_results(path) as tree:"])
 def test_the_accessor_is_there_once_results_are(line, path):
     twice = f"{line}\n    print(tree.rockpulse)\n".replace("\n    ", "\n    " if line.endswith(":") else "\n") * 2

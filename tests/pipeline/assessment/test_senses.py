@@ -10,7 +10,7 @@ import rockpulse as rp
 from rocking import Block
 from rocking.search.factors import ScaleIntervals
 from rockpulse import models
-from rockpulse.assessment.senses import Senses, acting, senses
+from rockpulse.assessment.scene import Senses, acting, senses
 from rockpulse.config.bodies import gather_bodies
 from rockpulse.views.shared.facts import Known
 
@@ -130,6 +130,7 @@ def test_what_is_stored_makes_the_same_body_again(tmp_path):
     assert [ax.get_title() for ax in figure.axes if ax.get_visible()] == ["façade", "corners", "tied"]
 
 
+@pytest.mark.sweep
 def test_fragility_takes_both_senses_of_an_earthquake():
     records = [record(name=f"pulse {number}") for number in range(3)]
     tree = rp.fragility_curves(records, replace(config(settings()), models=rp.ModelSettings()))
@@ -200,8 +201,8 @@ def lanes_of(both):
     ],
 )
 def test_overturning_is_worse_than_no_answer_and_that_than_rocking(outcomes, peaks, places):
-    response = SimpleNamespace(outcome=np.array(outcomes), peak_rotation_ratio=np.array(peaks))
-    assert lanes_of([0, 2]).worst(response).tolist() == places
+    response = SimpleNamespace(outcome=np.array(outcomes), peak_rotation_ratio=np.array(peaks), take=np.copy)
+    assert lanes_of([0, 2]).worse(response).tolist() == places
 
 
 def test_the_likelier_sense_is_that_of_the_smaller_factor_where_both_are_alike():

@@ -1,6 +1,8 @@
 """Motions that no reader takes are never lost quietly: exit code, verdict, report, ``inspect``, and one quiet line."""
 
+import io
 import re
+from contextlib import redirect_stderr, redirect_stdout
 
 import numpy as np
 import pytest
@@ -40,8 +42,11 @@ def folder(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def assessed(folder, tmp_path_factory):
+    """The results of a quiet run, which told what failed in one line."""
     target = tmp_path_factory.mktemp("results") / "results.h5"
-    assert main(["assess", str(folder), *BLOCK, "-o", str(target), "--quiet"]) == 1
+    with redirect_stdout(io.StringIO()) as out, redirect_stderr(io.StringIO()) as err:
+        assert main(["assess", str(folder), *BLOCK, "-o", str(target), "--quiet"]) == 1
+    assert (out.getvalue(), err.getvalue()) == ("", f"rockpulse: {COUNT}: {WHY}.\n")
     return target
 
 
@@ -50,7 +55,10 @@ def flat(text):
 
 
 def test_the_count_stands_beside_the_verdict_and_the_reason_is_told_once(folder, tmp_path, capsys):
-    assert main(["assess", str(folder), *BLOCK, "-o", str(tmp_path / "results.h5")]) == 1
+    config = tmp_path / "quick.toml"
+    config.write_text('[models]\nuse = ["sequence"]\n[search]\nmodels = []\n')
+    given = ["--config", str(config), "--block", "statue=0.6x1.9", "-o", str(tmp_path / "results.h5")]
+    assert main(["assess", str(folder), *given]) == 1
     out = capsys.readouterr().out
     told = flat(out)
     assert re.search(rf"! {re.escape(f'{COUNT}: {WHY}')}\. Verdict on each body, 3 records ", told)
@@ -58,11 +66,6 @@ def test_the_count_stands_beside_the_verdict_and_the_reason_is_told_once(folder,
     assert f"failed: 24; records with warnings: 3 {files}" in told
     assert told.count("formats tried") == 1
     assert "not records: list.csv, notes.txt" in out
-
-
-def test_with_quiet_it_is_one_line(folder, tmp_path, capsys):
-    assert main(["assess", str(folder), *BLOCK, "-o", str(tmp_path / "results.h5"), "--quiet"]) == 1
-    assert capsys.readouterr() == ("", f"rockpulse: {COUNT}: {WHY}.\n")
 
 
 def test_inspect_tells_the_count_and_lists_every_file_where_asked_for(assessed, capsys):

@@ -22,7 +22,7 @@ def assessed(samples, tmp_path_factory):
 def test_all_as_it_was(assessed, capsys):
     assert main(["verify", str(assessed / "results.h5")]) == 0
     out = capsys.readouterr().out
-    assert "assessment, schema 1.5, " in out
+    assert "assessment, schema 2.0, " in out
     assert "variables: as it was written" in out
     assert "input files read again: 1, not where they were: 0" in out
 

@@ -27,10 +27,10 @@ def test_python_values_are_checked_like_those_of_a_file():
 
 def test_the_words_are_those_of_the_modules_that_act_on_them():
     from rocking.impulses.impulse_sequence import SPACINGS
-    from rockpulse.motions.directions import DIRECTIONS
     from rockpulse.readers.format import RESPONSES
     from rockpulse.record.conditioning import BASELINES
     from rockpulse.record.intensity import INTENSE_PHASES
+    from rockpulse.selection.directions import DIRECTIONS
     from rockpulse.sequences import estimators
     from rockpulse.studies.site.design import DESIGN
 

@@ -13,7 +13,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 from record_writers import csmip_equal, pulse
-from record_writers.renadic import renadic
 from source_files import ONE, TWO, VELOCITY, ids, kinds, make_zip
 
 from rockpulse.errors import ConfigError, RecordFormatError, UnitError
@@ -200,21 +199,10 @@ def test_journals_of_other_outputs_lie_beside_records_without_a_row(folder):
     assert [item.path for item in find_files(folder)[0]] == before
 
 
-def test_a_file_given_twice_is_read_once(folder):
-    records, failures = read_all([folder / "b.AT2", folder / "b.AT2", folder / "sub" / ".." / "b.AT2"])
-    assert (len(records), failures) == (1, [])
-
-
 @pytest.mark.parametrize(("pattern", "expected"), [("*.AT2", ["b.090"]), ("**/*.AT2", ["b.090", "a.090"])])
 def test_globs(folder, pattern, expected):
     records, _ = read_all([str(folder / pattern)])
     assert ids(records) == expected
-
-
-def test_a_folder_that_a_glob_matches_is_searched_like_a_folder(folder):
-    by_glob, by_name = read_all([str(folder / "*")]), read_all([folder])
-    assert ids(by_glob[0]) == ids(by_name[0])
-    assert by_glob[1] == by_name[1]
 
 
 def test_a_folder_that_cannot_be_listed_is_a_row(folder, monkeypatch):
@@ -300,17 +288,6 @@ def test_one_id_with_other_content_gets_a_number_by_sorted_path(tmp_path):
         ("m.RAW", f"{plain}~2"),
         ("z.RAW", f"{plain}~3"),
     ]
-
-
-def test_parts_of_one_record_are_joined_in_their_place(folder):
-    values = np.round(pulse(400, peak=2.0), 3)
-    for part, cut in enumerate((slice(0, 250), slice(250, 400)), start=1):
-        (folder / f"a_parte{part}.v1").write_bytes(renadic([values[cut]], ["L"], first=0.01 * cut.start))
-    records, failures = read_all(folder)
-    assert ids(records) == ["a.L", "b.090", "a.090"]
-    assert records[0].npts == 400
-    assert records[0].source == f"{folder / 'a_parte1.v1'}; {folder / 'a_parte2.v1'}"
-    assert kinds(failures) == [("notes.txt", "skipped"), ("a.VT2", "skipped")]
 
 
 def test_unreadable_and_empty_files_are_rows(folder):

@@ -87,12 +87,6 @@ def test_gzip_is_read_through(tmp_path):
     assert packed.source_sha256 == plain.source_sha256 == hashlib.sha256(content).hexdigest()
 
 
-def test_bytes_of_any_encoding_in_a_header_do_not_stop_the_reading(tmp_path):
-    title = "İzmit, 17/8/1999, Düzce, 090".encode("iso8859-9")
-    content = at2(pulse()).replace(b"Somewhere, 1/2/2003, Station One, 090", title)
-    assert read(write(tmp_path, content, "a.AT2"))[0].azimuth == 90.0
-
-
 def test_every_real_file_is_read_or_refused_with_its_name(records_folder):
     for path in sorted(path for path in records_folder.rglob("*") if path.is_file()):
         records, message = read_or_message(path, units="cm/s2", dt=0.01)

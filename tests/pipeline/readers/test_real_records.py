@@ -14,7 +14,6 @@ from make_format_samples import SAMPLES
 from rockpulse.errors import RecordFormatError, RecordRefused, UnitError
 from rockpulse.readers import FORMATS, ReadOptions, read, read_source
 from rockpulse.readers.archive import Archive
-from rockpulse.readers.folders import read_all
 from rockpulse.readers.source import HEAD, NotAcceleration
 from rockpulse.record.record import STANDARD_GRAVITY
 
@@ -173,14 +172,6 @@ def test_the_far_field_set_is_read_as_its_own_list_says(records_folder):
         step = PRINTED_STEPS.get(name, float(row["dt_s"]))
         assert (record.npts, record.dt) == (int(row["npts"]), pytest.approx(step, rel=1e-6)), name
         assert record.pga / STANDARD_GRAVITY == pytest.approx(float(row["pga_g"]), rel=2e-3), name
-
-
-def test_the_archive_of_single_channels(records_folder):
-    records, failures = read_all(records_folder / "csmip_v2" / "imperialvalley79_ce01336p.zip")
-    corrected = [record for record in records if record.format == "csmip_v2"]
-    assert len(corrected) == 26
-    assert all("!" in record.source and record.dt > 0.0 for record in records)
-    assert {failure.kind for failure in failures} <= {"skipped"}
 
 
 @pytest.mark.parametrize("name", {name.partition("/")[0]: name for name in RECORDS}.values())

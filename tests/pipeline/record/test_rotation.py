@@ -12,9 +12,8 @@ from rockpulse.record.components import Pair
 from rockpulse.record.conditioning import condition
 from rockpulse.record.half_wave import half_waves
 from rockpulse.record.intensity import arias_intensity
-from rockpulse.record.pair_conditioning import condition_pair
 from rockpulse.record.record import Record
-from rockpulse.record.rotation import pair_id, rotate, strongest_azimuth
+from rockpulse.record.rotation import condition_pair, pair_id, rotate, strongest_azimuth
 
 START = datetime(2019, 7, 6, 3, 19, 53, tzinfo=UTC)
 DT = 0.01
@@ -58,14 +57,6 @@ def test_earthquake_and_site_stay_known():
     assert turned.station_latitude == 35.5
 
 
-def test_a_quarter_turn_of_an_orthogonal_pair_swaps_the_channels_with_a_sign():
-    east, north = noise(0), noise(1)
-    pair = Pair(channel(east, 90.0), channel(north, 0.0))
-    assert np.array_equal(rotate(pair, 90.0).acceleration, east)
-    assert np.array_equal(rotate(pair, 180.0).acceleration, -north)
-    assert np.array_equal(rotate(pair, 270.0).acceleration, -east)
-
-
 @pytest.mark.parametrize(("first", "second"), [(90.0, 0.0), (12.0, 33.0), (200.0, 31.0), (0.0, 169.0)])
 @pytest.mark.parametrize("azimuth", [0.0, 33.3, 90.0, 147.0, 301.0])
 def test_any_angle_between_the_channels_gives_the_ground_motion_in_any_direction(first, second, azimuth):
@@ -73,13 +64,6 @@ def test_any_angle_between_the_channels_gives_the_ground_motion_in_any_direction
     expected = north * np.cos(np.radians(azimuth)) + east * np.sin(np.radians(azimuth))
     turned = rotate(facing(north, east, first, second), azimuth).acceleration
     assert np.max(np.abs(turned - expected)) < 1e-14 * np.max(np.abs(expected)) / np.sin(np.radians(11.0))
-
-
-def test_a_turn_and_back_returns_the_pair():
-    pair = facing(noise(4), noise(5), 25.0, 95.0)
-    turned = Pair(rotate(pair, 62.0), rotate(pair, 140.0))
-    for one in pair.channels:
-        assert rotate(turned, one.azimuth).acceleration == pytest.approx(one.acceleration, abs=1e-13)
 
 
 def test_two_orthogonal_directions_have_the_same_energy_whichever_they_are():
@@ -322,13 +306,15 @@ def brute_force(pair, step=0.1, **options):
     )
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("options", [{}, {"threshold": 0.1, "min_duration_s": 0.05}], ids=["lobes", "merged"])
-@pytest.mark.parametrize("seed", [0, 1, *(pytest.param(seed, marks=pytest.mark.slow) for seed in (2, 3))])
+@pytest.mark.parametrize("seed", range(3))
 def test_the_search_finds_what_a_scan_of_a_tenth_of_a_degree_finds(seed, options):
     pair = facing(noise(20 + seed, 600), noise(40 + seed, 600), 90.0, 0.0)
     assert strongest_azimuth(pair, **options)[1] >= brute_force(pair, **options) * (1.0 - 1e-9)
 
 
+@pytest.mark.sweep
 def test_the_search_is_enough_on_a_recorded_motion(ccc):
     pair = condition_pair(Pair(*(one for one in ccc if one.orientation == "horizontal")))
     short = Pair(*(replace(one, acceleration=one.acceleration[3000:5000]) for one in pair.channels))
@@ -394,14 +380,6 @@ def test_the_surroundings_of_five_maxima_are_looked_into(low, high, azimuth, bas
     assert impulse == pytest.approx(0.02 * size, rel=1e-4)
 
 
-def test_the_highest_of_seven_maxima_is_looked_into():
-    azimuths = np.radians([0.0, 25.0, 51.0, 77.4, 103.0, 129.0, 155.0])
-    strengths = np.array([0.96, 0.97, 0.98, 1.0, 0.98, 0.97, 0.96])
-    pulse = np.array([0.0, 1.0, 1.0, 0.0])
-    north, east = (np.kron(strengths * way(azimuths), pulse) for way in (np.cos, np.sin))
-    assert strongest_azimuth(facing(north, east, 0.0, 90.0))[0] == pytest.approx(77.4)
-
-
 @pytest.mark.parametrize("beyond", [0.31, 1.34, 2.36, 30.0])
 def test_as_far_on_either_side_of_a_channel_its_share_is_the_same_bit_for_bit(beyond):
     pair = Pair(channel(noise(0), 90.0), channel(np.zeros(1000), 0.0))
@@ -418,14 +396,13 @@ def test_options_of_the_half_waves_are_checked():
         strongest_azimuth(Pair(channel(noise(0), 90.0), channel(noise(1), 0.0)), threshold=2.0)
 
 
-@pytest.mark.parametrize("azimuth", [0.0, 37.0, 160.0])
-def test_the_opposite_direction_gives_every_model_the_same_answer(azimuth):
+def test_the_opposite_direction_gives_every_model_the_same_answer():
     """180 degrees of directions are all: a symmetric block answers the negated motion with the mirror image."""
     pair = facing(2.0 * noise(11), 2.0 * noise(12), 90.0, 0.0)
     block = Block(np.array([0.2, 0.4]), np.array([1.2, 3.0]))
 
     def answers(turn):
-        record = rotate(pair, azimuth + turn)
+        record = rotate(pair, 37.0 + turn)
         waves = half_waves(record)
         main = np.max(np.abs(waves.impulse))
         return [

@@ -15,12 +15,12 @@ from rockpulse.assessment.assessment import Assessment
 from rockpulse.assessment.tree import build_tree, template
 from rockpulse.config.configuration import load_config
 from rockpulse.errors import Failure, ResultsError
-from rockpulse.motions.directions import plan_motions, swept_directions
 from rockpulse.run import assembly
 from rockpulse.run.analysis import worked
 from rockpulse.run.assembly import JournalParts, assemble, run_of
 from rockpulse.run.frames import pack
 from rockpulse.run.journal import Done, Journal
+from rockpulse.selection.directions import plan_motions, swept_directions
 from rockpulse.storage.hdf5.results_file import save
 from rockpulse.storage.hdf5.verification import verify
 

@@ -30,10 +30,10 @@ from rockpulse import (
 )
 from rockpulse.assessment.assessment import Assessment
 from rockpulse.config.configuration import Config
-from rockpulse.motions.directions import conditioned_motions, planned_ids
 from rockpulse.readers.folders import find_files, read_all
 from rockpulse.run.survey import gather, survey_file
 from rockpulse.run.tasks import configuration_fingerprint, digest_of, read_options, tasks_of
+from rockpulse.selection.directions import conditioned_motions, planned_ids
 from rockpulse.studies.fragility.analysis import FragilityAnalysis
 from rockpulse.studies.site.calibration import SiteCalibration
 

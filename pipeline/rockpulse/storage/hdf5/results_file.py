@@ -154,9 +154,13 @@ def readable(path: str | os.PathLike[str]) -> Iterator[None]:
         raise ResultsError(f"{path}: the results file is damaged ({error}); run the assessment again") from error
 
 
+#: Between the time and the version in a line of the attribute `history`.
+WRITTEN_BY = " written by rockpulse "
+
+
 def provenance(attrs: Mapping[Any, Any]) -> dict[str, Any]:
     """Attributes of the root of a file that tell its origin; those that are there already, as a title, stay."""
-    stamp = f"{datetime.now(UTC):%Y-%m-%dT%H:%M:%SZ} written by rockpulse {__version__}"
+    stamp = f"{datetime.now(UTC):%Y-%m-%dT%H:%M:%SZ}{WRITTEN_BY}{__version__}"
     before = attrs.get("history")
     return {
         "Conventions": "CF-1.11",

@@ -89,6 +89,7 @@ _FIT: Declared = {
 _JUDGED: Declared = {
     "extrapolated": flag(_words(Extrapolated), "whether the median lies beyond every level looked at"),
     "statement": text("status, band and extrapolation in words where there is something to say"),
+    "statement_values": text("the same by codes and values, as JSON"),
 }
 
 #: Of the fits of each body, limit state and measure, and what they rest on.

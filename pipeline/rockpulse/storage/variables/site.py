@@ -75,6 +75,7 @@ VARIABLES: Declared = {
     "remarks": text(
         "what the numbers of this file do not say by themselves, one remark a line", explanation="the gravest first"
     ),
+    "remark_values": text("the same remarks by their codes and values, as JSON"),
     **along(
         ("parameter",),
         {
@@ -199,7 +200,8 @@ def _with_interval(name: str, units: str, meaning: str, explanation: str = "") -
 #: Of a site by the overturning spectra of its records. What rests on too few earthquakes is NaN, and said in `remarks`.
 SITE: Declared = {
     "quantile": real("1", "share of the weight of the records at or below the design spectrum"),
-    **{name: VARIABLES[name] for name in ("confidence", "resamples", "record_count", "event_count", "remarks")},
+    **{name: VARIABLES[name] for name in ("confidence", "resamples", "record_count", "event_count")},
+    **{name: VARIABLES[name] for name in ("remarks", "remark_values")},
     **OF_RECORDS,
     **{name: VARIABLES[name] for name in ("alpha_c", "p", "restitution", "critical_impulse")},
     **along(

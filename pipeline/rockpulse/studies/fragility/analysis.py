@@ -15,12 +15,12 @@ from rocking.search.capacity import uplift_scale
 from rockpulse.config.bodies import gather_bodies
 from rockpulse.config.configuration import Config, given_config
 from rockpulse.errors import Failure, some
-from rockpulse.motions.directions import PlannedMotion, planned_ids
-from rockpulse.motions.tables import selection_of
-from rockpulse.motions.votes import unmatched_patterns
 from rockpulse.record.measures import MEASURES, REFERENCE
 from rockpulse.record.record import Record
 from rockpulse.run.analysis import Analysis, Blocks, Part, Prepared, Work, run
+from rockpulse.selection.directions import PlannedMotion, planned_ids
+from rockpulse.selection.tables import selection_of
+from rockpulse.selection.votes import unmatched_patterns
 from rockpulse.storage.variables import failure_table, with_values
 from rockpulse.storage.variables.fragility import (
     CAPACITIES,

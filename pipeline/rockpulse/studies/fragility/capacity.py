@@ -13,20 +13,19 @@ from rocking.body.block import Block
 from rocking.march.recorded import recorded_response
 from rocking.response import Outcome
 from rocking.search.capacity import critical_scale, uplift_scale
-from rockpulse.assessment.places import aloft, places_of, turned
-from rockpulse.assessment.scene import extract
+from rockpulse.assessment.scene import aloft, extract, places_of, turned
 from rockpulse.config.bodies import Bodies
 from rockpulse.config.configuration import Config
 from rockpulse.config.study_settings import OVERTURNING, UPLIFT
 from rockpulse.errors import TooWeak
 from rockpulse.model_row import Equation, Scene
 from rockpulse.model_table import MODELS
-from rockpulse.motions.directions import Motion
-from rockpulse.motions.tables import Selection
 from rockpulse.record.components import Pair
 from rockpulse.record.intensity import pgv
 from rockpulse.record.measures import MEASURES, RecordOnBodies
 from rockpulse.run.analysis import Part, Watch
+from rockpulse.selection.directions import Motion
+from rockpulse.selection.tables import Selection
 from rockpulse.storage.variables.fragility import QUALITIES
 from rockpulse.storage.variables.summary import FACTS, facts_of
 

@@ -15,6 +15,7 @@ import numpy as np
 from rocking.arguments import ArrayLike
 from rockpulse.earthquakes import FEWEST_EVENTS, jackknife_half_width
 from rockpulse.errors import ConfigError
+from rockpulse.remark import as_stored
 from rockpulse.storage.variables.fragility import Band, Extrapolated, Status
 from rockpulse.studies.fragility.likelihood import ABOVE, EXACT, FAMILIES, NOT_ABOVE, Family, Observations, maximise
 from rockpulse.studies.fragility.statements import (
@@ -36,7 +37,7 @@ class Curve:
         Whether there is a curve, and a band, and why not.
     extrapolated : Extrapolated
         Whether the median lies beyond every level looked at.
-    statement : str
+    statement, statement_values : str
         The same in words; empty where curve and band are given and the median lies among the levels.
     records, events, observations, reached : int
         Number of records, of events, of rows, and of rows whose capacity is known or not above the level.
@@ -54,6 +55,7 @@ class Curve:
     band: Band
     extrapolated: Extrapolated
     statement: str
+    statement_values: str
     records: int
     events: int
     observations: int
@@ -216,14 +218,15 @@ def fit_curve(rows: Observations, model: str = "lognormal", confidence: float = 
     if status == Status.STEP:
         median = np.array([rows.level[rows.kind == EXACT][0], 0.0])
     if status == Status.FITTED:
-        remarks = [band_statement(band, rows, theta[:, 1]), extrapolation_statement(median[0], rows)]
+        remarks = [*band_statement(band, rows, theta[:, 1]), *extrapolation_statement(median[0], rows)]
     else:
         remarks = [STATEMENTS[status](rows)]
     return Curve(
         status=status,
         band=band,
         extrapolated=extrapolated(median[0], rows) if status == Status.FITTED else Extrapolated.NO,
-        statement="; ".join(remark for remark in remarks if remark),
+        statement="; ".join(remarks),
+        statement_values=as_stored(remarks) if remarks else "",
         records=rows.records,
         events=events,
         observations=rows.level.size,

@@ -18,9 +18,9 @@ from scipy.special import stdtr
 from rockpulse.config.configuration import Config, config_from_text
 from rockpulse.config.study_settings import OVERTURNING
 from rockpulse.earthquakes import FEWEST_EVENTS, jackknife_error, jackknife_half_width
-from rockpulse.motions.tables import Selection
 from rockpulse.record.measures import MEASURES
 from rockpulse.run.analysis import Part, joined
+from rockpulse.selection.tables import Selection
 from rockpulse.storage.variables.fragility import QUALITIES, STATED, TESTED, Status
 from rockpulse.storage.variables.summary import FACTS
 from rockpulse.studies.fragility.capacity import NOT_KNOWN, nothing

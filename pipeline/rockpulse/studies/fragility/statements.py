@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 
 from rockpulse.earthquakes import FEWEST_EVENTS
+from rockpulse.remark import Remark, counted
 from rockpulse.storage.variables.fragility import Band, Extrapolated, Status
 from rockpulse.studies.fragility.likelihood import ABOVE, EXACT, NOT_ABOVE, Observations, has_maximum
 
@@ -37,17 +39,17 @@ def missing(rows: Observations) -> Status:
     return Status.FITTED
 
 
-def band_statement(band: Band, rows: Observations, slopes: np.ndarray) -> str:
-    """The statement on the band of a curve; empty where it is given.
+def band_statement(band: Band, rows: Observations, slopes: np.ndarray) -> list[Remark]:
+    """The statement on the band of a curve; none where it is given.
 
     `slopes` (1 + events,) are b of all rows, then without each event.
     """
     if band == Band.GIVEN:
-        return ""
+        return []
     if band == Band.RESTS_ON_ONE_EVENT:
         alone = [name for name, b in zip(rows.events, slopes[1:], strict=True) if not b > 0.0]
-        return f"no band: without the event {alone[0]} there would be no curve"
-    return f"no band: the records come from {_several(len(rows.events), 'event')}, it needs {FEWEST_EVENTS}"
+        return [Remark("band_one_event", event=str(alone[0]))]
+    return [Remark("band_few_events", events=counted(len(rows.events), "event"), needed=FEWEST_EVENTS)]
 
 
 def extrapolated(median: float, rows: Observations) -> Extrapolated:
@@ -59,68 +61,60 @@ def extrapolated(median: float, rows: Observations) -> Extrapolated:
     return Extrapolated.NO
 
 
-def extrapolation_statement(median: float, rows: Observations) -> str:
-    """The statement on a median beyond the data; empty where it lies among them."""
+def extrapolation_statement(median: float, rows: Observations) -> list[Remark]:
+    """The statement on a median beyond the data; none where it lies among them."""
     side = extrapolated(median, rows)
     if side == Extrapolated.NO:
-        return ""
-    reached = _several(np.unique(rows.record[rows.kind != ABOVE]).size, "record")
-    end = f"above every level looked at, up to {np.max(rows.level):.3g}"
-    if side == Extrapolated.BELOW:
-        end = f"below every level looked at, from {np.min(rows.level):.3g}"
-    return f"extrapolated: the median, {median:.3g}, lies {end}; {reached} of {rows.records} reached the limit state"
-
-
-def _several(number: int, what: str) -> str:
-    return f"{number} {what}{'' if number == 1 else 's'}"
+        return []
+    reached = counted(np.unique(rows.record[rows.kind != ABOVE]).size, "record")
+    level = np.max(rows.level) if side == Extrapolated.ABOVE else np.min(rows.level)
+    code = f"median_{side.name.lower()}"
+    return [Remark(code, median=float(median), level=float(level), reached=reached, records=int(rows.records))]
 
 
 def _range(levels: np.ndarray) -> str:
     low, high = float(np.min(levels)), float(np.max(levels))
-    return f"{low:.3g}" if math.isclose(low, high, rel_tol=1e-3) else f"{low:.3g} to {high:.3g}"
+    return f"{low:.3g}" if math.isclose(low, high, rel_tol=1e-3) else Remark("interval", low=low, high=high)
 
 
-def _separated(rows: Observations) -> str:
-    not_reached, reached = rows.level[rows.kind == ABOVE], rows.level[rows.kind == NOT_ABOVE]
+def _nothing_reached(rows: Observations) -> Remark:
+    records, levels = counted(rows.records, "record"), _range(rows.level)
+    if isinstance(levels, Remark):
+        return Remark("nothing_reached_between", records=records, **levels.values)
+    return Remark("nothing_reached", records=records, level=float(np.min(rows.level)))
+
+
+def _one_record(rows: Observations) -> Remark:
+    reached = "reached" if np.any(rows.kind != ABOVE) else "not_reached"
+    return Remark(f"one_record_{reached}", levels=_range(rows.level))
+
+
+def _separated(rows: Observations) -> Remark:
     if np.ptp(rows.level) == 0.0:
-        return f"no curve: all motions are of one level, {rows.level[0]:.3g}; a dispersion needs several"
-    if np.max(not_reached) == np.min(reached):
-        return (
-            f"no curve: no motion below {np.min(reached):.3g} and every motion above it reached the limit state; the "
-            "dispersion cannot be told; look at levels nearby"
-        )
-    if np.max(not_reached) < np.min(reached):
-        return (
-            f"no curve: no motion up to {np.max(not_reached):.3g} and every motion from {np.min(reached):.3g} reached "
-            "the limit state; the median lies between them, the dispersion cannot be told"
-        )
-    return "no curve: the motions that reached the limit state are no stronger than the others"
+        return Remark("one_level", level=float(rows.level[0]))
+    not_reached, reached = (
+        extreme(rows.level[rows.kind == kind]) for extreme, kind in ((np.max, ABOVE), (np.min, NOT_ABOVE))
+    )
+    if not_reached == reached:
+        return Remark("separated_at", level=float(reached))
+    if not_reached < reached:
+        return Remark("separated", low=float(not_reached), high=float(reached))
+    return Remark("not_stronger")
 
 
 #: The statement where there is no curve, by the status.
-STATEMENTS = {
-    Status.NO_RECORD: lambda rows: "no curve: no record",
-    Status.ONE_RECORD: lambda rows: (
-        f"no curve: one record only, {_range(rows.level)} "
-        f"{'reached' if np.any(rows.kind != ABOVE) else 'not reached'}; a dispersion needs several"
+STATEMENTS: dict[Status, Callable[[Observations], Remark]] = {
+    Status.NO_RECORD: lambda rows: Remark("no_record"),
+    Status.ONE_RECORD: _one_record,
+    Status.NOTHING_REACHED: _nothing_reached,
+    Status.EVERYTHING_REACHED: lambda rows: Remark(
+        "everything_reached", records=counted(rows.records, "record"), level=float(np.min(rows.level))
     ),
-    Status.NOTHING_REACHED: lambda rows: (
-        f"no curve: none of {_several(rows.records, 'record')} reached the limit state, looked at up to "
-        f"{_range(rows.level)}"
+    Status.ONE_REACHED: lambda rows: Remark(
+        "one_reached", levels=_range(rows.level[rows.kind != ABOVE]), records=int(rows.records)
     ),
-    Status.EVERYTHING_REACHED: lambda rows: (
-        f"no curve: all of {_several(rows.records, 'record')} reached the limit state at every level, from "
-        f"{np.min(rows.level):.3g}; look at lower levels"
-    ),
-    Status.ONE_REACHED: lambda rows: (
-        f"no curve: one record only reached the limit state, at {_range(rows.level[rows.kind != ABOVE])}, of "
-        f"{rows.records}; a dispersion needs several"
-    ),
-    Status.STEP: lambda rows: (
-        f"a step at {rows.level[rows.kind == EXACT][0]:.3g}: all capacities that are known are the same, "
-        "there is no dispersion"
-    ),
+    Status.STEP: lambda rows: Remark("step", level=float(rows.level[rows.kind == EXACT][0])),
     Status.SEPARATED: _separated,
-    Status.NOT_INCREASING: lambda rows: "no curve: the limit state is not reached more often at higher levels",
-    Status.NO_MAXIMUM: lambda rows: "no curve: the likelihood has no maximum that could be found",
+    Status.NOT_INCREASING: lambda rows: Remark("not_increasing"),
+    Status.NO_MAXIMUM: lambda rows: Remark("no_maximum"),
 }

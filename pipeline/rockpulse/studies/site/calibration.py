@@ -16,10 +16,10 @@ from rockpulse.config.bodies import gather_bodies, refuse_aloft
 from rockpulse.config.configuration import Config, given_config, located
 from rockpulse.config.settings import WEIGHTS
 from rockpulse.errors import ConfigError, Failure, RecordRefused, ResultsError, alike, told
-from rockpulse.motions.directions import PlannedMotion, planned_ids
-from rockpulse.motions.tables import read_weight_table, record_weights
 from rockpulse.record.record import Record
 from rockpulse.run.analysis import Analysis, Blocks, Part, Prepared, Work, joined, run
+from rockpulse.selection.directions import PlannedMotion, planned_ids
+from rockpulse.selection.tables import read_weight_table, record_weights
 from rockpulse.sequences.design_spectrum import DesignSpectrum
 from rockpulse.sequences.response_targets import block_family
 from rockpulse.storage.hdf5.atomic import ASSESSMENT, named

@@ -19,12 +19,12 @@ from rockpulse.assessment.scene import extract
 from rockpulse.config.configuration import Config
 from rockpulse.errors import RecordRefused, TooWeak
 from rockpulse.model_row import Scene
-from rockpulse.motions.directions import Motion
 from rockpulse.record.half_wave import half_waves
 from rockpulse.record.measures import IMPULSE, MEASURES, STORED_LEVELS, RecordOnBodies
 from rockpulse.record.record import Record
 from rockpulse.remark import Remark, find
 from rockpulse.run.analysis import Part, Watch
+from rockpulse.selection.directions import Motion
 from rockpulse.sequences.response import calibrate_response
 from rockpulse.storage.variables.site import OF_RECORDS
 from rockpulse.storage.variables.summary import facts_of

@@ -15,6 +15,7 @@ from rocking.impulses.sequence import sequence_response
 from rockpulse.config.configuration import Config
 from rockpulse.earthquakes import draw_earthquakes, fit_lognormal, share_interval, weighted_quantile
 from rockpulse.errors import RecordRefused
+from rockpulse.remark import as_stored
 from rockpulse.storage.variables import with_values
 from rockpulse.storage.variables.site import COORDINATES, PARAMETER, VARIABLES
 from rockpulse.studies.site.design import (
@@ -86,17 +87,17 @@ def coverage_of(
 
 
 def unjudged_events(found: Coverage, sample: SiteSample) -> dict[int, str]:
-    """Events of a weight above zero on which the coverage of standing blocks does not rest, and why, by number."""
+    """Events of a weight above zero on which the coverage of standing blocks does not rest, and why (a code)."""
     rests, lifts, counted = judged(found.covered, sample).any(axis=1), ~np.isnan(sample.peaks), sample.weights > 0.0
     reasons = {}
     for event in np.unique(sample.events[counted & ~np.isin(sample.events, sample.events[rests])]).tolist():
         rows = (sample.events == event) & counted
         if not np.any(lifts[rows]):
-            reasons[event] = "lifts no block"
+            reasons[event] = "unlifted"
         elif np.isnan(found.main[rows]).all():
-            reasons[event] = "the others alone make no design"
+            reasons[event] = "no_design"
         else:
-            reasons[event] = "the design of the others overturns all that it lifts"
+            reasons[event] = "overturning_design"
     return reasons
 
 
@@ -159,7 +160,8 @@ def sequence_design(
     }
     unjudged = {str(names[event]): reason for event, reason in unjudged_events(left_out, sample).items()}
     told = site | {"share_below": below, "design_upper": per_parameter["design_upper"][0]}
-    site["remarks"] = "\n".join([*remarks, *site_remarks(told, done["scale_factor"], done["event"], weights, unjudged)])
+    remarks = [*remarks, *site_remarks(told, done["scale_factor"], done["event"], weights, unjudged)]
+    site |= {"remarks": "\n".join(remarks), "remark_values": as_stored(remarks)}
     of_events = [coverage_of(marks[numbers == one], sample.part(numbers == one), 0.9)[0] for one in range(names.size)]
     columns = {**done, "weight": weights, "left_out_main": left_out.main}
     of_records = [name for name, one in VARIABLES.items() if one.dims in (("record",), ("record", "parameter"))]

@@ -19,13 +19,14 @@ from rocking.body.block import Block
 from rocking.body.limits import RATES
 from rocking.spectrum.half_waves import lobe_shapes
 from rocking.spectrum.overturning import OverturningSpectrum
-from rockpulse.assessment.overturning import LANES
+from rockpulse.assessment.spectra import LANES
 from rockpulse.config.configuration import Config
 from rockpulse.earthquakes import ROUNDING, bootstrap_interval, draw_earthquakes
 from rockpulse.errors import RecordRefused
-from rockpulse.motions.directions import Motion
 from rockpulse.record.half_wave import half_waves
+from rockpulse.remark import Remark, as_stored
 from rockpulse.run.analysis import Part, Watch
+from rockpulse.selection.directions import Motion
 from rockpulse.sequences.design_spectrum import DesignSpectrum
 from rockpulse.storage.variables import with_values
 from rockpulse.storage.variables.probability import RESTITUTIONS
@@ -148,7 +149,7 @@ def spectrum_design(
         own = {name: values[counted] for name, values in spectra.items()}
         spectra |= _interval_tables(sample, own, settings.quantile)
     else:
-        few = f"not enough earthquakes ({count}; at least {least} for the quantile {settings.quantile:g})"
+        few = Remark("too_few_events", count=count, least=int(least), quantile=float(settings.quantile))
         remarks = [few, *remarks]
         sizes = {"p": RATES.size, "restitution": RESTITUTIONS.size}
         others = {name: one.dims for name, one in SPECTRA.items() if name not in spectra}
@@ -157,16 +158,18 @@ def spectrum_design(
     effects = zip(block_names, of_bodies["effective_impulse"].tolist(), strict=True)
     outside = [str(name) for name, effect in effects if enough and math.isnan(effect)]
     if outside:
-        remarks = [*remarks, f"outside the spectrum, and without a design: {', '.join(outside)}"]
+        remarks = [*remarks, Remark("outside_spectrum", names=", ".join(outside))]
     if config.records.include_vertical:
-        remarks = [*remarks, "the vertical acceleration is left out: no spectrum is common to all bodies under it"]
+        remarks = [*remarks, Remark("vertical_left_out")]
+    remarks = [*remarks, *scaled_far(done["scale_factor"])]
     site = {
         "quantile": settings.quantile,
         "confidence": settings.confidence,
         "resamples": settings.bootstrap,
         "record_count": np.count_nonzero(counted),
         "event_count": count,
-        "remarks": "\n".join([*remarks, *scaled_far(done["scale_factor"])]),
+        "remarks": "\n".join(remarks),
+        "remark_values": as_stored(remarks),
         **{name: done[name] for name in OF_RECORDS if name != "weight"},
         "weight": weights,
         "event_records": np.bincount(numbers),

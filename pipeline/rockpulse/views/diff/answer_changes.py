@@ -14,10 +14,9 @@ import xarray as xr
 
 from rockpulse.assessment.answers import Answers, fullest_model
 from rockpulse.views.diff.row_matching import Matched
-from rockpulse.views.shared.answer_cells import TITLES, margin_cells
+from rockpulse.views.shared.columns import margin_cells
+from rockpulse.views.shared.notes import factor_title
 from rockpulse.views.shared.terminal import ratio
-
-__all__ = ["Changes", "Flip", "body_changes", "leading_model"]
 
 #: Variables that the margin of a body is told by.
 MARGIN = (
@@ -112,7 +111,7 @@ def _told(summary: xr.Dataset, names: list[str]) -> dict[str, list[str]]:
         told["P"] = [ratio(value) for value in answers.by_block(np.fmax, np.array([shares]))[0]]
     if answers.factor in names:
         margins = answers.margins("block")
-        told[f"smallest {TITLES[answers.factor]}"] = [margin_cells(margin)[0].marked for margin in margins]
+        told[f"smallest {factor_title(answers.factor)}"] = [margin_cells(margin)[0].marked for margin in margins]
     for demand in answers.demands:
         if answers.probable:
             left_out = np.isnan(answers.at_demand(demand))

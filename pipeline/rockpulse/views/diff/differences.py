@@ -26,8 +26,6 @@ from rockpulse.views.diff.row_matching import Matched, OnlyIn, RowMatcher, add_o
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["Differences", "OnlyIn", "VariableDifference", "compare_results"]
-
 #: Largest part of a variable that is read at once; larger ones are slower, for their memory is new each time.
 PART = 1_000_000
 

@@ -11,8 +11,6 @@ from rockpulse.views.diff.differences import CAPACITY, FACTOR, OUTCOME, SAFETY, 
 from rockpulse.views.shared.table import Cell, Heading, Table, lines, number, text
 from rockpulse.views.shared.terminal import ABSENT, paragraph, shortened
 
-__all__ = ["difference_overview"]
-
 #: Names that are listed of what only one file has, and half of the lines of the configuration and of bodies; and how
 #: many for one screen, which shows as many variables as lines.
 LISTED, ON_SCREEN = 12, 3

@@ -13,8 +13,6 @@ from rockpulse.storage.export.long_table import POINTS_AT
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["Matched", "OnlyIn", "RowMatcher", "add_only"]
-
 
 @dataclass(frozen=True)
 class OnlyIn:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import product
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -10,48 +11,28 @@ import numpy as np
 from rockpulse.assessment.answers import fullest_model
 from rockpulse.errors import ResultsError
 from rockpulse.model_table import SEQUENCE_MODELS, UPPER_BOUND, SearchSettings, is_full, is_upper_bound
-from rockpulse.views.plots.demand_marks import demand_ticks, factors_to_demands, least, tick_notes
-from rockpulse.views.plots.factor_rows import ROW, ROWS, asked_of, factor_axis, legend_once, shown_rows
-from rockpulse.views.plots.probability_bars import HALF, bar, none_up_to, probability_bars, whiskers
-from rockpulse.views.plots.selection import chosen_case, named_body, one_name, setting
-from rockpulse.views.plots.style import (
-    BLACK,
-    GREEN,
-    GREY,
-    RED,
-    SMALL,
-    caption,
-    look,
-    one_axes,
-    title,
-)
-from rockpulse.views.plots.words import counted, label, plain, wrapped
-from rockpulse.views.shared.answer_cells import TITLES
+from rockpulse.views.plots import factor_rows, style
+from rockpulse.views.plots.selection import chosen_case, named_body, one_name, setting, table_of_pair
+from rockpulse.views.plots.style import BLACK, GREEN, GREY, RED, SMALL
+from rockpulse.views.shared.notes import factor_name
 
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
 
-__all__ = ["critical_scale", "overturning_map"]
-
 #: A window in which the block stands again: hatched, and light in grey where it is too narrow for that.
 _AGAIN: dict[str, Any] = {"fc": "#BBDDF3", "ec": BLACK, "lw": 0.0, "hatch": "////", "hatch_linewidth": 0.6}
+
+#: An interval of overturning, and one in which the model cannot answer.
+_OVERTURNS: dict[str, Any] = {"fc": RED, "ec": RED}
+_UNKNOWN: dict[str, Any] = {"fc": "white", "ec": GREY, "hatch": "xxxx"}
 
 #: Narrower intervals of overturning are drawn this wide [pt], over the windows beside them, because they matter.
 _THINNEST = 1.0
 
-#: Factors below the smallest one that is of interest, as a ratio of it.
-_BELOW = 0.7
-
-#: Places of those without a factor beyond the end of the search, one for each model, as a ratio of it.
-_NONE = 1.09
-
-#: Place of the arrow beside a mark, as a ratio of it.
-_ARROW = 1.06
-
-#: The factor that is shown of a probability, and the ends of its interval.
-TEN = TITLES["factor_10"]
-_ENDS = ("factor_10_low", "factor_10_high")
+#: As ratios: the left end of the axis to the smallest factor, and the places of those without a factor, one for each
+#: model, to the end of the search.
+_BELOW, _NONE = 0.7, 1.09
 
 _SEARCH = "assess again with the model in [search] models, and intervals = true for a model that is searched by runs"
 
@@ -62,12 +43,13 @@ def overturning_map(
     block: str | None = None,
     model: str | None = None,
     ax: Axes | None = None,
-    most: int = ROWS,
+    most: int = factor_rows.ROWS,
 ) -> Axes:
     """Factors on the input at which blocks overturn, and the windows between them in which they stand.
 
-    Where intervals of overturning were not searched, the factors at which its probability is 10 and 50 %. Rows without
-    a factor say one thing only, so that two and more of them are one row with their number.
+    Where intervals of overturning were not searched, the factors at which its probability is 10 and 50 %. Two and more
+    rows without a factor are one row with their number. A line stands at factor 1, and a tick at what each demand asks
+    of the record.
 
     Parameters
     ----------
@@ -82,73 +64,58 @@ def overturning_map(
         Where to draw; by default on a figure of its own, as high as its rows.
     most : int
         Rows; of more those of the smallest factors are shown.
-
-    Returns
-    -------
-    matplotlib Axes
-        Bars with the labels "stands", "overturns", "stands again", "cannot answer", each interval at least a point
-        wide, or "P below 10 %", "10 to 50 %", "above 50 %"; a dot with the label "smallest factor" or "factor of 10 %",
-        the latter with its interval of 90 %; a line at factor 1 and, where the results have a demand, a tick at what it
-        asks of each record.
-
-    Raises
-    ------
-    ResultsError
-        For a name that is not there, or a model without factors and without a probability.
     """
     summary = tree["summary"].to_dataset()
     model = fullest_model(summary) if model is None else one_name(summary, "model", model)
-    if record is not None and block is not None:
-        blocks, records = [one_name(summary, "block", block)], [one_name(summary, "record", record)]
-    elif block is not None:
-        blocks, records = [one_name(summary, "block", block)], [str(name) for name in summary["record"].values]
-    else:
-        records, blocks = [one_name(summary, "record", record)], [str(name) for name in summary["block"].values]
-    rows = [
-        (one, body, case) for one in records for body in blocks for case in range(1, summary.sizes.get("case", 1) + 1)
-    ]
-    name = "safety_factor"
-    if is_full(model) and not bool(summary[name].sel(model=model).notnull().any()):
-        name = "factor_10"
-    factors, resolved = (_of_rows(summary, one, records, blocks, model) for one in (name, "factor_resolved"))
+    blocks, records = ([str(name) for name in summary[one].values] for one in ("block", "record"))
+    blocks = blocks if block is None else [one_name(summary, "block", block)]
+    records = records if block is not None and record is None else [one_name(summary, "record", record)]
+    rows = list(product(records, blocks, range(1, summary.sizes.get("case", 1) + 1)))
+    searched = not is_full(model) or bool(summary["safety_factor"].sel(model=model).notnull().any())
+    name = "safety_factor" if searched else "factor_10"
+    factors, resolved, steps, inside = (
+        _of_rows(summary, one, records, blocks, model) for one in (name, "factor_resolved", "search_step", "applicable")
+    )
     if np.all(np.isnan(factors)):
         raise ResultsError(f"{model}: no factors in these results: {_SEARCH}")
-    kept, merged, names, note = shown_rows(summary, rows, factors, most)
-    steps, inside = (_of_rows(summary, name, records, blocks, model) for name in ("search_step", "applicable"))
+    kept, merged, names, note = factor_rows.shown_rows(summary, rows, factors, most)
     outside = [body for (_, body, _), within in zip(rows, inside, strict=True) if within == 0]
     end = float(setting(tree, "search", "factor_max", SearchSettings().factor_max))
-    asked = factors_to_demands(summary, [one for one, _, _ in rows], [body for _, body, _ in rows], end)
-    needed = {name: asked_of(ticks, kept, merged) for name, ticks in asked.items()}
+    asked = factor_rows.factors_to_demands(summary, [one for one, _, _ in rows], [body for _, body, _ in rows], end)
+    needed = {demand: factor_rows.asked_of(ticks, kept, merged) for demand, ticks in asked.items()}
     rows, factors, bound = [rows[place] for place in kept], factors[kept], resolved[kept] == 0
-    ax = one_axes(ax, height=1.5 + ROW * max(len(rows), 3))
-    ends = {one: _of_rows(summary, one, records, blocks, model)[kept] for one in ("factor_50", *_ENDS)}
-    lowest = least(needed, float(np.nanmin(np.where(factors > 0.0, factors, np.nan), initial=1.0)))
+    ax = style.one_axes(ax, height=1.5 + factor_rows.ROW * max(len(rows), 3))
+    half, *ends = (
+        _of_rows(summary, one, records, blocks, model)[kept] for one in ("factor_50", "factor_10_low", "factor_10_high")
+    )
+    lowest = factor_rows.least(needed, float(np.nanmin(np.where(factors > 0.0, factors, np.nan), initial=1.0)))
     begin = _BELOW * lowest
     for place, (one, body, case) in enumerate(rows):
         if np.isnan(factors[place]):
             ax.text(1.0, place, " not known", fontsize=SMALL, color=GREY, va="center")
             continue
         at_end = not any(ticks[place] > np.sqrt(end) for ticks in needed.values())  # else under the words
-        if name == "factor_10":
-            probability_bars(ax, place, [factors[place], ends["factor_50"][place]], begin, end, at_end)
-            continue
-        table = tree["overturning_intervals"].to_dataset()
-        _bars(ax, place, _intervals(summary, table, one, body, case, model), begin, end, at_end)
-    if name == "factor_10":
-        whiskers(ax, *(np.clip(ends[one], begin, end) for one in _ENDS))
-    _smallest(ax, factors, bound & (name == "safety_factor"), "smallest factor" if name == "safety_factor" else TEN)
-    demand_ticks(ax, needed)
-    factor_axis(ax, names, begin, end)
-    ax.set_xlabel(f"factor on the {_input(model)} [-]")
-    legend_rows = legend_once(ax, columns=4)
-    heading = plain(records[0]) if len(records) == 1 else plain(blocks[0])
-    title(ax, f"{heading}: {look(model).label} model", rows=legend_rows)
-    if name == "factor_10":
+        if searched:
+            found = table_of_pair(tree, "overturning_intervals", one, body, model, case)
+            _bars(ax, place, found, begin, end, at_end)
+        else:
+            factor_rows.probability_bars(ax, place, [factors[place], half[place]], begin, end, at_end)
+    if not searched:  # the interval of each factor
+        low, high = (np.clip(one, begin, end) for one in ends)
+        ax.hlines(np.arange(low.size), low, high, color=BLACK, lw=0.9, zorder=2.5)
+    _smallest(ax, factors, bound & searched, "smallest factor" if searched else factor_name(name))
+    factor_rows.demand_ticks(ax, needed)
+    factor_rows.factor_axis(ax, names, begin, end)
+    ax.set_xlabel(f"factor on the {'impulses of the sequence' if model in SEQUENCE_MODELS else 'record'} [-]")
+    legend_rows = factor_rows.legend_once(ax, columns=4)
+    heading = style.plain(records[0]) if len(records) == 1 else style.plain(blocks[0])
+    style.title(ax, f"{heading}: {style.look(model).label} model", rows=legend_rows)
+    if not searched:
         told = summary[name].attrs.get("comment", "nonlinear model")
         words = f"Dashed: the record as it is. Line: interval of 90 %. P, probability of overturning: {told}."
     else:
         words = _map_notes(model, end, float(np.nanmax(steps, initial=1.0)), outside, bool(np.any(bound)))
-    caption(ax, " ".join([note + words, *tick_notes(asked)]))
+    style.caption(ax, " ".join([note + words, *factor_rows.tick_notes(asked)]))
     return ax
 
 
@@ -161,7 +128,8 @@ def critical_scale(
 ) -> Axes:
     """The smallest factor on every record at which a block overturns, by each model.
 
-    Of the nonlinear model that at which the probability of overturning is 10 %, where its factors were not searched.
+    Of the nonlinear model that at which the probability of overturning is 10 %, where its factors were not searched. A
+    row for every record, in the order of the fullest model, the weakest for the block on top.
 
     Parameters
     ----------
@@ -175,17 +143,6 @@ def critical_scale(
         Number of the restitution, from 1.
     ax : matplotlib Axes, optional
         Where to draw; by default on a figure of its own, as high as its rows.
-
-    Returns
-    -------
-    matplotlib Axes
-        A row for every record, the weakest for the block on top, in the order of the fullest model; markers of each
-        model; a line at factor 1 and, where the results have a demand, what it asks of each record.
-
-    Raises
-    ------
-    ResultsError
-        For a name that is not there, or where no model was searched.
     """
     summary = tree["summary"].to_dataset()
     block = one_name(summary, "block", block)
@@ -193,32 +150,30 @@ def critical_scale(
     factors, without = own["safety_factor"], own["safety_factor"].isnull().all("record")
     probable = [name for name in map(str, own["model"].values) if is_full(name) and bool(without.sel(model=name))]
     own["safety_factor"] = factors.where(~own["model"].isin(probable), own["factor_10"])
-    known = [str(name) for name in summary["model"].values]
-    asked = None if models is None else [one_name(summary, "model", name) for name in models]
-    searched = [name for name in asked or known if bool(own["safety_factor"].sel(model=name).notnull().any())]
+    asked = [one_name(summary, "model", str(name)) for name in models or summary["model"].values]
+    searched = [name for name in asked if bool(own["safety_factor"].sel(model=name).notnull().any())]
     if not searched:
         raise ResultsError(f"{block}: no factors in these results: {_SEARCH}")
     full = fullest_model(summary)
     leading = full if full in searched else searched[-1]
-    factor = own["safety_factor"].sel(model=leading).values
-    order = np.argsort(factor, kind="stable")[:ROWS]
+    order = np.argsort(own["safety_factor"].sel(model=leading).values, kind="stable")[: factor_rows.ROWS]
     end = float(setting(tree, "search", "factor_max", SearchSettings().factor_max))
-    ax = one_axes(ax, height=1.6 + ROW * max(order.size, 4))
+    ax = style.one_axes(ax, height=1.6 + factor_rows.ROW * max(order.size, 4))
     shown = own.isel(record=order)
-    lowest = 1.0
-    for place, name in enumerate(searched):
-        lowest = min(lowest, _markers(ax, shown.sel(model=name), name, end * _NONE ** (1 + place)))
-    needed = factors_to_demands(summary, [str(name) for name in shown["record"].values], block, end)
-    demand_ticks(ax, needed)
-    lowest = least(needed, lowest)
-    factor_axis(
-        ax, [str(name) for name in shown["record"].values], _BELOW * lowest, end, end * _NONE ** (len(searched) + 1)
-    )
-    ax.set_xlabel(wrapped(label(own["safety_factor"].attrs), 64))
-    legend_rows = legend_once(ax, columns=3)
-    title(ax, f"{plain(named_body(summary, block, case))}: critical scale of each record", rows=legend_rows)
-    told = [f"{look(name).label.capitalize()}: factor of 10 % probability." for name in searched if name in probable]
-    caption(ax, " ".join([_scale_notes(own, shown, searched, leading, end), *told, *tick_notes(needed)]))
+    records = [str(name) for name in shown["record"].values]
+    none_at = [end * _NONE ** (1 + place) for place in range(len(searched) + 1)]
+    lowest = [_markers(ax, shown.sel(model=name), name, at) for name, at in zip(searched, none_at, strict=False)]
+    needed = factor_rows.factors_to_demands(summary, records, block, end)
+    factor_rows.demand_ticks(ax, needed)
+    factor_rows.factor_axis(ax, records, _BELOW * factor_rows.least(needed, min([1.0, *lowest])), end, none_at[-1])
+    ax.set_xlabel(style.wrapped(style.label(own["safety_factor"].attrs), 64))
+    legend_rows = factor_rows.legend_once(ax, columns=3)
+    style.title(ax, f"{style.plain(named_body(summary, block, case))}: critical scale of each record", rows=legend_rows)
+    told = [
+        f"{style.look(name).label.capitalize()}: factor of 10 % probability." for name in searched if name in probable
+    ]
+    notes = _scale_notes(own, shown, searched, leading, end)
+    style.caption(ax, " ".join([notes, *told, *factor_rows.tick_notes(needed)]))
     return ax
 
 
@@ -233,69 +188,45 @@ def _of_rows(summary: xr.Dataset, name: str, records: list[str], blocks: list[st
     return np.asarray(own.transpose(*order).values.ravel(), dtype=float)
 
 
-def _input(model: str) -> str:
-    return "impulses of the sequence" if model in SEQUENCE_MODELS else "record"
-
-
-def _intervals(
-    summary: xr.Dataset, table: xr.Dataset, record: str, block: str, case: int, model: str
-) -> dict[str, np.ndarray]:
-    rows = table["case_index"].values == case - 1
-    for dimension, name in (("record", record), ("block", block), ("model", model)):
-        rows &= table[f"{dimension}_index"].values == summary.get_index(dimension).get_loc(name)
-    return {name: table[name].values[rows] for name in ("lower", "upper", "open", "resolved")}
-
-
 def _bars(ax: Axes, place: int, found: dict[str, np.ndarray], begin: float, end: float, at_end: bool) -> None:
     lower, upper = found["lower"], found["upper"]
     first = float(lower[0]) if lower.size else end
-    bar(ax, place, begin, first, "stands", fc="#E8F3EF", ec=GREEN, lw=0.4)
+    factor_rows.bar(ax, place, begin, first, "stands", fc="#E8F3EF", ec=GREEN, lw=0.4)
     if not lower.size:
-        none_up_to(ax, place, end, at_end)
+        factor_rows.none_up_to(ax, place, end, at_end)
     for low, high, resolved in zip(lower, upper, found["resolved"], strict=True):
-        if resolved:
-            bar(ax, place, low, high, "overturns", fc=RED, ec=RED, lw=0.4)
-        else:
-            bar(ax, place, low, high, "cannot answer: counts as overturning", fc="white", ec=GREY, lw=0.4, hatch="xxxx")
+        words = "overturns" if resolved else "cannot answer: counts as overturning"
+        factor_rows.bar(ax, place, low, high, words, lw=0.4, **(_OVERTURNS if resolved else _UNKNOWN))
     for answered, color in ((found["resolved"] != 0, RED), (found["resolved"] == 0, GREY)):
         middle = np.sqrt(lower * upper)[answered]
-        ax.vlines(middle, place - HALF, place + HALF, color=color, lw=_THINNEST, zorder=1.5)
-    for low, high in zip(upper[:-1], lower[1:], strict=True):
-        bar(ax, place, low, high, "stands again", **_AGAIN)
-    if lower.size and upper[-1] < end:
-        bar(ax, place, float(upper[-1]), end, "stands again", **_AGAIN)
+        ax.vlines(middle, place - factor_rows.HALF, place + factor_rows.HALF, color=color, lw=_THINNEST, zorder=1.5)
+    for low, high in zip(upper, [*lower[1:], end], strict=False):
+        if low < end:
+            factor_rows.bar(ax, place, low, high, "stands again", **_AGAIN)
 
 
 def _smallest(ax: Axes, factors: np.ndarray, bound: np.ndarray, words: str) -> None:
     """A dot at the factor of every row, hollow where it is a lower bound."""
+    dots: dict[str, Any] = {"ls": "none", "marker": "o", "ms": 3.6, "mec": BLACK, "mew": 0.7, "zorder": 3}
     for rows, face in ((~bound, BLACK), (bound, "white")):
         shown = rows & np.isfinite(factors)
         if np.any(shown):
-            dots: dict[str, Any] = {
-                "ls": "none",
-                "marker": "o",
-                "ms": 3.6,
-                "mfc": face,
-                "mec": BLACK,
-                "mew": 0.7,
-                "zorder": 3,
-            }
-            ax.plot(factors[shown], np.flatnonzero(shown), label=words, **dots)
+            ax.plot(factors[shown], np.flatnonzero(shown), label=words, mfc=face, **dots)
 
 
 def _markers(ax: Axes, answers: xr.Dataset, model: str, none_at: float) -> float:
     """Draw the factors of one model, and return the smallest."""
-    style, factor = look(model), answers["safety_factor"].values
+    appearance, factor = style.look(model), answers["safety_factor"].values
     places = np.arange(factor.size)
     inside, bound = answers["applicable"].values != 0, answers["factor_resolved"].values == 0
     finite, none = np.isfinite(factor), np.isinf(factor)
-    common: dict[str, Any] = {"ls": "none", "color": style.color, "mec": style.color, "mew": 0.9, "zorder": 3}
-    ax.plot([], [], marker=style.marker, ms=4.5, label=style.label, **common)
-    for chosen_rows, face in ((finite & inside, style.color), (finite & ~inside, "white")):
-        ax.plot(factor[chosen_rows], places[chosen_rows], marker=style.marker, ms=4.5, mfc=face, **common)
+    common: dict[str, Any] = {"ls": "none", "color": appearance.color, "mec": appearance.color, "mew": 0.9, "zorder": 3}
+    ax.plot([], [], marker=appearance.marker, ms=4.5, label=appearance.label, **common)
+    for chosen_rows, face in ((finite & inside, appearance.color), (finite & ~inside, "white")):
+        ax.plot(factor[chosen_rows], places[chosen_rows], marker=appearance.marker, ms=4.5, mfc=face, **common)
     arrow = {**common, "mew": 0.2}
-    ax.plot(_ARROW * factor[finite & bound], places[finite & bound], marker=r"$\rightarrow$", ms=8, **arrow)
-    ax.plot(np.full(int(none.sum()), none_at), places[none], marker=style.marker, ms=3.2, mfc="none", **common)
+    ax.plot(1.06 * factor[finite & bound], places[finite & bound], marker=r"$\rightarrow$", ms=8, **arrow)
+    ax.plot(np.full(int(none.sum()), none_at), places[none], marker=appearance.marker, ms=3.2, mfc="none", **common)
     return float(np.min(factor[finite], initial=1.0))
 
 
@@ -304,30 +235,25 @@ def _map_notes(model: str, end: float, step: float, outside: Sequence[str], boun
     missing = f"; intervals narrower than {100.0 * (step - 1.0):.2g} % may be missing" if step > 1.0 else ""
     words = [f"Dashed: the {as_it_is}. Searched up to a factor of {end:g}{missing}."]
     words.append(f"An interval is drawn at least {_THINNEST:g} pt wide.")
-    if bound:
-        words.append("Hollow: a lower bound, from there on the model cannot answer.")
+    words += ["Hollow: a lower bound, from there on the model cannot answer."] * bound
     if outside:
-        words.append(f"Outside the range of the model: {plain(counted(dict.fromkeys(outside)))}.")
-    words += _bounds([model])
-    return " ".join(words)
+        words.append(f"Outside the range of the model: {style.plain(style.counted(dict.fromkeys(outside)))}.")
+    return " ".join([*words, *_bounds([model])])
 
 
 def _scale_notes(own: xr.Dataset, shown: xr.Dataset, searched: Sequence[str], leading: str, end: float) -> str:
-    words = []
-    if shown.sizes["record"] < own.sizes["record"]:
-        words.append(f"The {shown.sizes['record']} smallest factors of {own.sizes['record']} records.")
-    words.append(f"Ordered by the {leading} model. Dashed: the record, or its sequence, as it is.")
-    values = shown["safety_factor"].sel(model=list(searched))
-    if bool(np.isinf(values).any()):
-        words.append(f">{end:g}: none found up to there.")
-    if bool((shown["applicable"].sel(model=list(searched)) == 0).any()):
-        words.append("Hollow: outside the range of the model.")
-    if bool((shown["factor_resolved"].sel(model=list(searched)) == 0).any()):
-        words.append("Arrow: a lower bound, from there on the model cannot answer.")
-    if bool(values.isnull().any()):
-        words.append(f"Without a mark: not computed ({int(values.isnull().sum())}).")
-    words += _bounds(searched)
-    return " ".join(words)
+    rows, every, answers = shown.sizes["record"], own.sizes["record"], shown.sel(model=list(searched))
+    values = answers["safety_factor"].values
+    unknown = np.count_nonzero(np.isnan(values))
+    notes = {
+        f"The {rows} smallest factors of {every} records.": rows < every,
+        f"Ordered by the {leading} model. Dashed: the record, or its sequence, as it is.": True,
+        f">{end:g}: none found up to there.": np.isinf(values).any(),
+        "Hollow: outside the range of the model.": (answers["applicable"].values == 0).any(),
+        "Arrow: a lower bound, from there on the model cannot answer.": (answers["factor_resolved"].values == 0).any(),
+        f"Without a mark: not computed ({unknown}).": unknown > 0,
+    }
+    return " ".join([*(words for words, holds in notes.items() if holds), *_bounds(searched)])
 
 
 def _bounds(models: Sequence[str]) -> list[str]:

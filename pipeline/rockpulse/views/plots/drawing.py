@@ -1,70 +1,69 @@
-"""The figure of each kind of picture, from a results file and the selection of the user."""
+"""The figure of whatever there is: of each kind of picture of a results file, and of an object by its type."""
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+import xarray as xr
 
-from rockpulse.assessment.overturning import overturning_spectrum
-from rockpulse.assessment.spectrum import ALPHAS, P
-from rockpulse.assessment.spectrum import rocking_spectrum as compute_spectrum
+from rocking.body.block import Block
+from rocking.impulses.impulse_sequence import ImpulseSequence
+from rocking.response import Response
+from rockpulse.assessment.spectra import ALPHAS, P, overturning_spectrum
+from rockpulse.assessment.spectra import rocking_spectrum as compute_spectrum
 from rockpulse.config.study_settings import UncertaintySettings
 from rockpulse.errors import ConfigError, ResultsError
-from rockpulse.views.plots.bodies import bodies
+from rockpulse.option import hint
+from rockpulse.record.half_wave import HalfWaves
+from rockpulse.record.record import Record
+from rockpulse.storage.hdf5.atomic import ASSESSMENT, named
+from rockpulse.storage.hdf5.results_file import load
+from rockpulse.storage.variables.fragility import FRAGILITY
+from rockpulse.storage.variables.site import SITE_KIND
+from rockpulse.views.plots import ground_motion, style
 from rockpulse.views.plots.critical_factors import critical_scale, overturning_map
 from rockpulse.views.plots.fragility_curves import fragility_panels
-from rockpulse.views.plots.ground_motion import accelerogram
 from rockpulse.views.plots.impulse_sequences import limit_accelerogram
+from rockpulse.views.plots.kinds import KINDS, OPTIONS
 from rockpulse.views.plots.model_histories import histories
-from rockpulse.views.plots.motion import had_vertical, stored_motion, stored_record
-from rockpulse.views.plots.overturning_curves import spectra_of_results
+from rockpulse.views.plots.objects import block_outlines, bodies, half_wave_impulses, response, two_half_cycles
 from rockpulse.views.plots.probability_map import probability_map
 from rockpulse.views.plots.rotation import rotation_history
 from rockpulse.views.plots.selection import block_of, named_body, one_name, plain_bodies, ragged, sequence_of, setting
 from rockpulse.views.plots.site import calibration
-from rockpulse.views.plots.spectrum_map import rocking_spectrum
-from rockpulse.views.plots.words import plain
+from rockpulse.views.plots.spectra import overturning_spectra, rocking_spectrum, spectra_of_results
 from rockpulse.views.shared.facts import Known
 
 if TYPE_CHECKING:
-    import xarray as xr
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-
-__all__ = ["DRAWERS"]
 
 #: Most records whose spectra are marched again for a picture, some seconds in all.
 MARCHED = 12
 
-
-def _figure(ax: Axes) -> Figure:
-    figure = ax.get_figure(root=True)
-    assert figure is not None
-    return figure
+#: What is drawn of results where no kind is asked for, by the kind of their file.
+FIRST = {ASSESSMENT: ("spectrum", "bodies"), FRAGILITY: ("fragility",), SITE_KIND: ("calibration",)}
 
 
-def _title(summary: xr.Dataset, record: str, body: str) -> str:
-    """Record and body, and in a second line what is known of the record in words."""
-    return "\n".join(filter(None, (f"{plain(record)}, {plain(body)}", plain(Known(summary, record=record).described))))
-
-
-def _accelerogram(tree: xr.DataTree, record: str | None = None) -> Figure:
-    return _figure(accelerogram(stored_motion(tree, one_name(tree["summary"].to_dataset(), "record", record)))[0])
+def _pair(tree: xr.DataTree, record: str | None, block: str | None, case: int) -> tuple[str, str, str]:
+    """A record, a block and their title, which tells in a second line what is known of the record in words."""
+    summary = tree["summary"].to_dataset()
+    record, block = one_name(summary, "record", record), one_name(summary, "block", block)
+    names = f"{style.plain(record)}, {style.plain(named_body(summary, block, case))}"
+    return record, block, f"{names}\n{style.plain(Known(summary, record=record).described)}".rstrip()
 
 
 def _limit_accelerogram(
     tree: xr.DataTree, record: str | None = None, block: str | None = None, case: int = 1
-) -> Figure:
-    summary = tree["summary"].to_dataset()
-    record, block = one_name(summary, "record", record), one_name(summary, "block", block)
-    body = block_of(summary, block, case)
-    name = _title(summary, record, named_body(summary, block, case))
+) -> np.ndarray:
+    record, block, name = _pair(tree, record, block, case)
+    body = block_of(tree["summary"].to_dataset(), block, case)
+    sequence = sequence_of(tree, record)
     try:
-        return _figure(limit_accelerogram(body, sequence_of(tree, record), name=name)[0])
-    except ResultsError:
-        raise
+        return limit_accelerogram(body, sequence, name=name)
     except ValueError as error:
         raise ResultsError(f"{record}, {block}: the sequence has no limit accelerogram: {error}") from error
 
@@ -76,33 +75,26 @@ def _rotation_history(
     models: Sequence[str] | None = None,
     case: int = 1,
     factor: float = 1.0,
-) -> Figure:
-    summary = tree["summary"].to_dataset()
-    record, block = one_name(summary, "record", record), one_name(summary, "block", block)
-    name = _title(summary, record, named_body(summary, block, case))
-    if factor != 1.0:
-        name += f", the record times {factor:g}"
-    return _figure(rotation_history(histories(tree, record, block, models, case, factor), title=name)[0])
+) -> np.ndarray:
+    record, block, name = _pair(tree, record, block, case)
+    name += "" if factor == 1.0 else f", the record times {factor:g}"
+    return rotation_history(histories(tree, record, block, models, case, factor), title=name)
 
 
-def _rocking_spectrum(tree: xr.DataTree, record: str | None = None, restitution: float | str = "housner") -> Figure:
+def _rocking_spectrum(tree: xr.DataTree, record: str | None = None, restitution: float | str = "housner") -> Axes:
     summary = tree["summary"].to_dataset()
     record = one_name(summary, "record", record)
-    names = [str(name) for name in summary["block"].values]
     own = {name: summary.sel(block=name) for name in plain_bodies(summary)}
-    bodies = {name: (float(one["p"]), float(one["alpha_c"])) for name, one in own.items()}
-    p = _reaching(P, [rate for rate, _ in bodies.values()])
-    alpha = _reaching(ALPHAS, [angle for _, angle in bodies.values()])
+    marked = {name: (float(one["p"]), float(one["alpha_c"])) for name, one in own.items()}
+    p = _reaching(P, [rate for rate, _ in marked.values()])
+    alpha = _reaching(ALPHAS, [angle for _, angle in marked.values()])
     if restitution != "housner" and not 0.0 <= float(restitution) <= 1.0:
         raise ConfigError(f'restitution: expected a number from 0 to 1 or "housner", got {restitution}')
     c: Any = restitution if restitution == "housner" else float(restitution)
-    spectrum = compute_spectrum(
-        stored_record(tree, record), p, alpha, restitution=c, gravity=block_of(summary, names[0]).gravity
-    )
-    note = ""
-    if had_vertical(summary, record):
-        note = "Without the vertical channel, which acted on the verdicts of the file and is not stored."
-    return _figure(rocking_spectrum(spectrum, bodies=bodies, note=note))
+    gravity = float(summary["gravity"][0])
+    spectrum = compute_spectrum(ground_motion.stored_record(tree, record), p, alpha, restitution=c, gravity=gravity)
+    note = "Without the vertical channel, which acted on the verdicts of the file and is not stored."
+    return rocking_spectrum(spectrum, bodies=marked, note=note if ground_motion.had_vertical(summary, record) else "")
 
 
 def _reaching(values: Sequence[float], marked: Sequence[float]) -> list[float]:
@@ -111,20 +103,18 @@ def _reaching(values: Sequence[float], marked: Sequence[float]) -> list[float]:
     return np.linspace(low, high, len(values)).tolist()
 
 
-def _spectrum(tree: xr.DataTree, record: str | None = None, restitution: float | str | None = None) -> Figure:
+def _spectrum(tree: xr.DataTree, record: str | None = None, restitution: float | str | None = None) -> Axes:
     summary, spectra = tree["summary"].to_dataset(), tree["spectra"].to_dataset()
     if record is not None:
         spectra = spectra.sel(record=[one_name(summary, "record", record)])
     if restitution == "housner":
         raise ConfigError("restitution: the spectrum is drawn at one C; expected a number from 0.75 to 1")
     c = float(summary["restitution"].median()) if restitution is None else float(restitution)
-    return _figure(spectra_of_results(tree, _whole(tree, spectra, c), c))
+    return spectra_of_results(tree, _whole(tree, spectra, c), c)
 
 
 def _whole(tree: xr.DataTree, spectra: xr.Dataset, restitution: float) -> xr.Dataset:
     """Spectra at the stored C nearest to one: as stored, or of a few records marched again where they have gaps."""
-    import xarray as xr
-
     records, grid = [str(name) for name in spectra["record"].values], spectra["restitution"].values
     nearest = float(grid[np.argmin(np.abs(grid - restitution))])
     there = np.isfinite(spectra["spectrum"].sel(restitution=nearest).transpose("record", "p").values)
@@ -134,7 +124,7 @@ def _whole(tree: xr.DataTree, spectra: xr.Dataset, restitution: float) -> xr.Dat
     stated = {name: setting(tree, "uncertainty", name, value) for name, value in dict(**UncertaintySettings()).items()}
     uncertainty = UncertaintySettings(**stated).of_draws()
     whole = [
-        overturning_spectrum(stored_record(tree, record), restitution=[nearest], uncertainty=uncertainty)
+        overturning_spectrum(ground_motion.stored_record(tree, record), restitution=[nearest], uncertainty=uncertainty)
         for record in records
     ]
     return xr.concat(whole, xr.Variable("record", records), combine_attrs="drop_conflicts")
@@ -142,46 +132,172 @@ def _whole(tree: xr.DataTree, spectra: xr.Dataset, restitution: float) -> xr.Dat
 
 def _overturning_map(
     tree: xr.DataTree, record: str | None = None, block: str | None = None, models: Sequence[str] | None = None
-) -> Figure:
+) -> Axes:
     if models is not None and len(models) != 1:
         raise ResultsError(f"overturning-map: expected one model, got {', '.join(models)}")
-    return _figure(overturning_map(tree, record, block, None if models is None else models[0]))
+    return overturning_map(tree, record, block, None if models is None else models[0])
 
 
-def _probability(tree: xr.DataTree, demand: str | None = None) -> Figure:
-    return _figure(probability_map(tree, demand))
-
-
-def _critical_scale(
-    tree: xr.DataTree, block: str | None = None, models: Sequence[str] | None = None, case: int = 1
-) -> Figure:
-    return _figure(critical_scale(tree, block, models, case))
-
-
-def _fragility(
-    tree: xr.DataTree,
-    block: str | None = None,
-    measure: str | None = None,
-    limit_states: Sequence[str] | None = None,
-) -> Figure:
-    return _figure(fragility_panels(tree, block, None if measure is None else [measure], limit_states)[0])
-
-
-def _calibration(tree: xr.DataTree) -> Figure:
-    return _figure(calibration(tree)[0])
-
-
-#: By the names of :data:`rockpulse.views.plots.kinds.KINDS`.
-DRAWERS: dict[str, Callable[..., Figure]] = {
-    "accelerogram": _accelerogram,
+#: By the names of :data:`rockpulse.views.plots.kinds.KINDS`: functions of a tree and what is chosen of it.
+DRAWERS: dict[str, Callable[..., Figure | Axes | np.ndarray]] = {
+    "accelerogram": lambda tree, record=None: ground_motion.accelerogram(
+        ground_motion.stored_motion(tree, one_name(tree["summary"].to_dataset(), "record", record))
+    ),
     "bodies": bodies,
     "limit-accelerogram": _limit_accelerogram,
     "rotation-history": _rotation_history,
     "rocking-spectrum": _rocking_spectrum,
     "spectrum": _spectrum,
     "overturning-map": _overturning_map,
-    "probability": _probability,
-    "critical-scale": _critical_scale,
-    "fragility": _fragility,
-    "calibration": _calibration,
+    "probability": probability_map,
+    "critical-scale": critical_scale,
+    "fragility": lambda tree, block=None, measure=None, limit_states=None: fragility_panels(
+        tree, block, measure and [measure], limit_states
+    ),
+    "calibration": calibration,
+}
+
+
+def draw(tree: xr.DataTree, kind: str, **options: Any) -> Figure:
+    """A picture of a results file.
+
+    Parameters
+    ----------
+    tree : xarray.DataTree
+        As :func:`rockpulse.load` reads it, or as the functions that compute it return it.
+    kind : str
+        One of :data:`~rockpulse.plots.KINDS`.
+    **options
+        What is chosen, those of the kind: `record`, `block`, `demand`, `measure` (names), `models`, `limit_states`
+        (sequences of names), `case` (number of the restitution, from 1), `factor` (on the record), `restitution` (a
+        number or "housner"). None stands for the default. A record or a block may be left out where there is one only;
+        for a name of the file a pattern (* and ?) does that no other name meets.
+
+    Returns
+    -------
+    matplotlib Figure
+        Bound to no window; :func:`rockpulse.plots.svg` and ``savefig`` make text and files of it.
+
+    Raises
+    ------
+    ResultsError
+        For an unknown kind, option or name, a file of another kind, or one that does not hold what the picture needs.
+
+    Examples
+    --------
+    >>> import rockpulse as rp
+    >>> record = rp.read("data/samples/records/CICLC.v1")[0]
+    >>> results = rp.assess([record], rp.Config(blocks=[rp.BlockSettings("wall", width=0.5, height=4.0)]))
+    >>> rp.plots.draw(results, "bodies").axes[0].get_title()
+    'wall'
+    """
+    if kind not in KINDS:
+        told = f"there are: {', '.join(KINDS)}"
+        raise ResultsError(f'no kind of picture "{kind}"{hint(kind, KINDS, told)}')
+    row = KINDS[kind]
+    found = str(tree.attrs.get("kind", ASSESSMENT))
+    if found != row.file or (row.group and row.group not in tree.children):
+        without = f" without the group {row.group}" if found == row.file else ""
+        raise ResultsError(f"{kind}: expected a file of '{row.command}', found {named(found)} file{without}")
+    given = {name: value for name, value in options.items() if value is not None}
+    for name in given:
+        if name not in row.options:
+            flags = ", ".join(OPTIONS[option] for option in row.options)
+            takes = f"it takes {', '.join(row.options)} ({flags})" if flags else "the picture is always the same"
+            raise ResultsError(f"{kind}: there is no {name} to choose; {takes}")
+    return style.whole_figure(DRAWERS[kind](tree, **given))
+
+
+def plot(
+    what: Record | HalfWaves | ImpulseSequence | Block | Response | xr.Dataset | xr.DataTree | str | os.PathLike[str],
+    kind: str | None = None,
+    *,
+    block: Block | str | None = None,
+    **options: Any,
+) -> Figure:
+    """A picture of an object, by its type.
+
+    Parameters
+    ----------
+    what : Record, HalfWaves, ImpulseSequence, Block, Response, xarray.Dataset, xarray.DataTree, str or Path
+        A record: with its intense phase and half-waves. A sequence: two half-cycles, or with a `block` the limit
+        accelerogram. A response: its history where it has one, else its peaks. A dataset: of
+        :func:`rockpulse.overturning_spectrum` or :func:`rockpulse.rocking_spectrum`. A tree or the path of a file:
+        results of any kind.
+    kind : str, optional
+        Of results: one of :data:`rockpulse.plots.KINDS`; by default the overturning spectrum of an assessment where it
+        has one, else its bodies, and of other files their main picture.
+    block : Block or str, optional
+        Of a sequence: the Block whose half-cycles give it times. Of results: the name of a body.
+    **options
+        Of results: what else is chosen, see :func:`rockpulse.plots.draw`.
+
+    Returns
+    -------
+    matplotlib Figure
+        Bound to no window, so that a notebook shows it once; ``savefig`` writes it. The functions of
+        :mod:`rockpulse.plots` draw on Axes of your own.
+
+    Raises
+    ------
+    TypeError
+        For an object that has no picture, or an option that it has not.
+    ResultsError
+        For results that do not hold what the picture needs.
+
+    Examples
+    --------
+    >>> import rockpulse as rp
+    >>> figure = rp.plot(rp.models.Block(width=0.25, height=2.2))
+    >>> figure.axes[0].texts[0].get_text()
+    '2.2 m'
+    """
+    if isinstance(what, (xr.DataTree, str, os.PathLike)):
+        tree = what if isinstance(what, xr.DataTree) else load(what)
+        return draw(tree, kind or _first(tree), block=block, **options)
+    if not isinstance(what, tuple(_BY_TYPE)):
+        raise TypeError(
+            "plot: expected a Record, HalfWaves, an ImpulseSequence, a Block, a Response, a dataset of a spectrum, a "
+            f"tree of results or the path of a results file, found {type(what).__name__}"
+        )
+    given = {"kind": kind, **options} | ({} if isinstance(what, ImpulseSequence) else {"block": block})
+    unknown = ", ".join(name for name, value in given.items() if value is not None)
+    if unknown:
+        raise TypeError(f"plot: there is nothing to choose of a {type(what).__name__}, found {unknown}")
+    if isinstance(what, ImpulseSequence) and block is not None:
+        if not isinstance(block, Block):
+            raise TypeError(f"plot: expected a Block that gives the sequence its times, found {type(block).__name__}")
+        return style.whole_figure(limit_accelerogram(block, what))
+    drawer = next(draw for kind, draw in _BY_TYPE.items() if isinstance(what, kind))
+    return style.whole_figure(drawer(what))
+
+
+def _of_dataset(spectrum: xr.Dataset) -> Axes:
+    if "spectrum" in spectrum:
+        return overturning_spectra(spectrum)
+    if {"peak_rotation_ratio", "alpha_c", "p"} <= set(spectrum.variables) and "outcome" in spectrum:
+        return rocking_spectrum(spectrum)
+    raise TypeError(
+        "plot: expected a dataset of rockpulse.overturning_spectrum or rockpulse.rocking_spectrum, found one with "
+        f"{', '.join(map(str, spectrum.data_vars)) or 'no variable'}"
+    )
+
+
+def _first(tree: xr.DataTree) -> str:
+    """The kind of picture that results are drawn as where none is asked for."""
+    found = str(tree.attrs.get("kind", ASSESSMENT))
+    for kind in FIRST.get(found, ()):
+        if not KINDS[kind].group or KINDS[kind].group in tree.children:
+            return kind
+    raise ResultsError(f"plot: of {named(found)} there is no picture")
+
+
+#: Functions of an object, by its type.
+_BY_TYPE: dict[type, Callable[[Any], Figure | Axes | np.ndarray]] = {
+    Record: lambda record: ground_motion.accelerogram(ground_motion.motion_of_record(record)),
+    HalfWaves: half_wave_impulses,
+    ImpulseSequence: two_half_cycles,
+    Block: block_outlines,
+    Response: response,
+    xr.Dataset: _of_dataset,
 }

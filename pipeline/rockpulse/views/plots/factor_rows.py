@@ -1,31 +1,23 @@
-"""The rows of a picture of factors: which are drawn, their names, the axis of the factors and the legend above them."""
+"""The rows of a picture of factors: which are drawn, the axis of the factors, ticks of demands, bars of probability."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from rockpulse.assessment.demand import stored_demands
 from rockpulse.views.plots.selection import named_body
-from rockpulse.views.plots.style import BLACK, GREY, PALE, SMALL, legend_above
-from rockpulse.views.plots.words import counted, plain
+from rockpulse.views.plots.style import BLACK, BLUE, GREEN, GREY, PALE, RED, SMALL, counted, legend_above, plain
 from rockpulse.views.shared.terminal import shortened
 
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
 
-__all__ = ["NAME", "ROW", "ROWS", "asked_of", "factor_axis", "legend_once", "shown_rows"]
-
-#: Rows on a page; of more the lowest factors are shown.
-ROWS = 60
-
-#: Height of a row [in]: 60 of them fit on a page.
-ROW = 0.155
-
-#: Longest name beside a row.
-NAME = 34
+#: Rows on a page, of more the lowest factors are shown; the height of a row [in], and the longest name beside it.
+ROWS, ROW, NAME = 60, 0.155, 34
 
 
 def shown_rows(
@@ -33,8 +25,7 @@ def shown_rows(
 ) -> tuple[np.ndarray, list[np.ndarray], list[str], str]:
     """The rows that are drawn, those that each of the last ones stands for, the names of all, and words on them.
 
-    Rows without a factor say one thing only: that nothing overturns in the search, or that it is not known. Two and
-    more of a kind are one row.
+    Two and more rows without a factor of a kind, in which nothing overturns or it is not known, are one row.
     """
     groups = [np.flatnonzero(one) for one in (np.isinf(factors), np.isnan(factors))]
     merged = [group for group in groups if group.size > 1]
@@ -44,7 +35,11 @@ def shown_rows(
         lone = lone[np.argsort(factors[lone], kind="stable")]
     note = f"The {most} smallest factors of {len(rows)}. " if lone.size > most else ""
     lone = lone[:most]
-    every = [_row_name(summary, row, records > 1) for row in rows]
+    every = [named_body(summary, block, case) for _, block, case in rows]
+    if records > 1:
+        # A restitution of several stands at the end: ", C = 0.98".
+        ends = [name.removeprefix(block) for name, (_, block, _) in zip(every, rows, strict=True)]
+        every = [shortened(row[0], NAME - len(c)) + c for row, c in zip(rows, ends, strict=True)]
     names = [every[place] for place in lone]
     noun = "bodies" if records == 1 else "records" if records == len(rows) else "rows"
     for group in merged:
@@ -60,14 +55,6 @@ def asked_of(ticks: np.ndarray, kept: np.ndarray, merged: Sequence[np.ndarray]) 
         if np.unique(ticks[group]).size > 1:
             found[place] = np.nan
     return found
-
-
-def _row_name(summary: xr.Dataset, row: tuple[str, str, int], by_record: bool) -> str:
-    record, block, case = row
-    if not by_record:
-        return named_body(summary, block, case)
-    c = named_body(summary, block, case).removeprefix(block)  # ", C = 0.98" where there are several
-    return shortened(record, NAME - len(c)) + c
 
 
 def factor_axis(ax: Axes, names: Sequence[str], begin: float, end: float, last: float | None = None) -> None:
@@ -91,9 +78,81 @@ def factor_axis(ax: Axes, names: Sequence[str], begin: float, end: float, last: 
 
 def legend_once(ax: Axes, columns: int) -> int:
     """Draw a legend with every label once, and return the number of rows that it takes."""
-    found = dict(
-        zip(reversed(ax.get_legend_handles_labels()[1]), reversed(ax.get_legend_handles_labels()[0]), strict=True)
-    )
-    names = sorted(found, key=ax.get_legend_handles_labels()[1].index)
-    legend_above(ax, columns, across=True, handles=[found[name] for name in names], labels=names)
+    handles, labels = ax.get_legend_handles_labels()
+    names = list(dict.fromkeys(labels))
+    legend_above(ax, columns, across=True, handles=[handles[labels.index(name)] for name in names], labels=names)
     return -(-len(names) // columns)
+
+
+def factors_to_demands(
+    summary: xr.Dataset, records: Sequence[str], blocks: Sequence[str] | str, end: float
+) -> dict[str, np.ndarray]:
+    """Factors that bring the record of each row to each demand, for the body of the row or of all: (rows,) by demand.
+
+    NaN stands for a factor beyond the end of the search. Empty where the results have no demand.
+    """
+    import xarray as xr
+
+    bodies = [blocks] * len(records) if isinstance(blocks, str) else blocks
+    at = {name: xr.DataArray(list(values), dims="row") for name, values in (("record", records), ("block", bodies))}
+    found = {}
+    for name in stored_demands(summary):
+        stored = summary["demand_factor"].sel(at | {"demand": name})
+        factor = (stored.isel(case=0) if "case" in stored.dims else stored).values
+        found[name] = np.where(factor <= end, factor, np.nan)
+    return found
+
+
+def least(needed: dict[str, np.ndarray], otherwise: float) -> float:
+    """The smallest of the factors of :func:`factors_to_demands` and of the number `otherwise`."""
+    return min([otherwise, *(float(np.nanmin(factors, initial=otherwise)) for factors in needed.values())])
+
+
+def demand_ticks(ax: Axes, needed: dict[str, np.ndarray]) -> None:
+    """Draw the factors of :func:`factors_to_demands` as ticks in the rows 0, 1, ..., shorter with every demand."""
+    for place, (name, factors) in enumerate(needed.items()):
+        words, size = f"to the demand: {plain(shortened(name, 24))}", 9 - 2 * min(place, 2)
+        marks: dict[str, Any] = {"ls": "none", "marker": "|", "ms": size, "mew": 1.6, "color": BLACK, "zorder": 4}
+        ax.plot(factors, np.arange(factors.size), label=words, **marks)
+
+
+def tick_notes(needed: dict[str, np.ndarray]) -> list[str]:
+    """The meaning of the ticks, for the caption."""
+    if not needed:
+        return []
+    words = ["Tick: brings the record to the demand; with its factor right of the tick the block stands there."]
+    if any(np.isnan(factors).any() for factors in needed.values()):
+        words.append("No tick: the demand lies beyond the search.")
+    return words
+
+
+#: Half the height of a bar.
+HALF = 0.33
+
+#: Words of the bars of a probability of overturning, from its lower end on, and how they look.
+_LEVELS: tuple[tuple[str, dict[str, Any]], ...] = (
+    ("P below 10 %", {"fc": "#E8F3EF", "ec": GREEN, "lw": 0.4}),
+    ("10 to 50 %", {"fc": "#BBDDF3", "ec": BLUE, "lw": 0.4}),
+    ("above 50 %", {"fc": RED, "ec": RED, "lw": 0.4}),
+)
+
+
+def probability_bars(ax: Axes, place: int, factors: Sequence[float], begin: float, end: float, at_end: bool) -> None:
+    """Bars up to the factor of 10 %, from there to that of 50 %, and beyond, as far as they are within the search."""
+    edges = [begin, *np.clip(factors, begin, end), end]
+    for low, high, (words, style) in zip(edges[:-1], edges[1:], _LEVELS, strict=True):
+        if high > low:
+            bar(ax, place, low, high, words, **style)
+    if np.isinf(factors[0]):
+        none_up_to(ax, place, end, at_end)
+
+
+def none_up_to(ax: Axes, place: int, end: float, at_end: bool) -> None:
+    """The words in a row without a factor, at the end of the search or beside the line at 1."""
+    words, (where, side) = f"  none up to {end:g}  ", (end, "right") if at_end else (1.0, "left")
+    ax.text(where, place, words, fontsize=SMALL - 0.5, color=BLACK, ha=side, va="center")
+
+
+def bar(ax: Axes, place: int, low: float, high: float, words: str, **style: Any) -> None:
+    """A bar in a row, between two factors."""
+    ax.barh(place, high - low, left=low, height=2.0 * HALF, label=words, **style)

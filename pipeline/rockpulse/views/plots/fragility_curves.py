@@ -9,26 +9,14 @@ import numpy as np
 
 from rockpulse.config.study_settings import OVERTURNING, UPLIFT, HazardSettings
 from rockpulse.record.measures import PGA
+from rockpulse.views.plots import style
 from rockpulse.views.plots.selection import one_name, setting
-from rockpulse.views.plots.style import (
-    GREY,
-    Look,
-    Panels,
-    caption,
-    legend_above,
-    looks,
-    plain_ticks,
-    several_axes,
-    title,
-)
-from rockpulse.views.plots.words import label, plain, readable, wrapped
-from rockpulse.views.text.fragility import shown_measure
+from rockpulse.views.plots.style import GREY, Look, Panels
+from rockpulse.views.text.fragility import shown_measure, statement
 
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
-
-__all__ = ["fragility", "fragility_panels"]
 
 #: Probabilities below this, and above one less it, are not looked at when the range of the axis is chosen.
 _TAIL = 0.002
@@ -36,20 +24,15 @@ _TAIL = 0.002
 #: Limit states whose single capacities are drawn beside the curves: more of them hide each other.
 _POINTS = 3
 
-#: A band that is wider than this [-] at most of the levels of the picture says nothing.
-_WIDE = 0.8
-
-#: A curve that lies above that of a milder limit state by more than this [-] is told of.
-_ABOVE = 0.01
+#: A band that is wider than this [-] at most of the levels says nothing; a curve that lies by more than this [-] above
+#: that of a milder limit state is told of.
+_WIDE, _ABOVE = 0.8, 0.01
 
 #: The line at the acceleration that lifts a body.
 LIFTS = "lifts from here on"
 
-#: Points of a curve between two levels of the file.
-_BETWEEN = 8
-
-#: Remarks that are given one by one.
-_REMARKS = 4
+#: Points of a curve between two levels of the file, and remarks that are given one by one.
+_BETWEEN, _REMARKS = 8, 4
 
 
 def fragility(
@@ -80,11 +63,6 @@ def fragility(
     matplotlib Axes
         A line for every fitted curve, one filled band unless it spans practically 0 to 1, and, of up to three limit
         states, the single capacities (a mark each) where every record was scaled.
-
-    Raises
-    ------
-    ResultsError
-        For a name that is not there.
     """
     measure = measure or shown_measure(tree["fragility"].to_dataset())
     found: Axes = fragility_panels(tree, block, [measure], limit_states, ax)[0]
@@ -113,46 +91,38 @@ def fragility_panels(
         As of :func:`fragility`.
     axes : matplotlib Axes, optional
         One for each measure; by default on a figure of their own.
-
-    Returns
-    -------
-    ndarray of matplotlib Axes
-        One for each measure, as :func:`fragility` returns it.
-
-    Raises
-    ------
-    ResultsError
-        For a name that is not there.
     """
     curves = tree["fragility"].to_dataset()
     block = one_name(curves, "block", block)
     chosen = [one_name(curves, "measure", name) for name in measures or _usual_measures(tree, curves)]
-    panels = several_axes(axes, 1, len(chosen), height=4.2, sharey=True).ravel()
+    panels = style.several_axes(axes, 1, len(chosen), height=4.2, sharey=True).ravel()
     states = [one_name(curves, "limit_state", str(name)) for name in limit_states or curves["limit_state"].values]
     gravest = [*(state for state in states if state == OVERTURNING), *states[::-1]]
-    alone = len(chosen) == 1
     said: list[list[str]] = []
     found: dict[str, Any] = {}
     for ax, measure in zip(panels, chosen, strict=True):
         own = curves.sel(block=block, measure=measure)
-        said.append(_panel(ax, tree, own, states, _banded(own, states if limit_states else gravest), alone))
-        ax.set_xlabel(wrapped(ax.get_xlabel(), 90 // len(chosen)))
+        there = own["probability_low"].notnull().any("point")
+        with_band = (state for state in (states if limit_states else gravest) if bool(there.sel(limit_state=state)))
+        said.append(_panel(ax, tree, own, states, next(with_band, None), len(chosen) == 1))
+        ax.set_xlabel(style.wrapped(ax.get_xlabel(), 90 // len(chosen)))
         found = dict(zip(*ax.get_legend_handles_labels()[::-1], strict=True)) | found
-    panels[0].set_ylabel(wrapped(label(curves["probability"].attrs), 30))  # small print may leave it little height
+    panels[0].set_ylabel(
+        style.wrapped(style.label(curves["probability"].attrs), 30)
+    )  # small print may leave it little height
     names = sorted(found, key=lambda words: words == LIFTS)
-    legend_above(panels[0], 3, across=True, handles=[found[name] for name in names], labels=names)
-    title(panels[0], plain(block), rows=-(-len(names) // 3))
+    style.legend_above(panels[0], 3, across=True, handles=[found[name] for name in names], labels=names)
+    style.title(panels[0], style.plain(block), rows=-(-len(names) // 3))
     words = [one for one in said[0] if all(one in notes for notes in said)]
     for measure, notes in zip(chosen, said, strict=True):
         own_words = " ".join(one for one in notes if one not in words)
-        name = readable(str(curves["measure_long_name"].sel(measure=measure).item()))
+        name = style.readable(str(curves["measure_long_name"].sel(measure=measure).item()))
         words += [f"In {name}: {own_words}"] if own_words else []
-    caption(panels[0], " ".join(words))
+    style.caption(panels[0], " ".join(words))
     return panels
 
 
 def _usual_measures(tree: xr.DataTree, curves: xr.Dataset) -> list[str]:
-    """The measure that is shown, and beside it that of the hazard, as far as the file has it."""
     first, second = shown_measure(curves), str(setting(tree, "hazard", "measure", HazardSettings().measure))
     return [first, second] if second in curves["measure"].values and second != first else [first]
 
@@ -160,41 +130,42 @@ def _usual_measures(tree: xr.DataTree, curves: xr.Dataset) -> list[str]:
 def _panel(
     ax: Axes, tree: xr.DataTree, own: xr.Dataset, states: Sequence[str], banded: str | None, alone: bool
 ) -> list[str]:
-    """Draw the curves of one body over one measure, and return what has to be said of them.
-
-    Of a panel that is not `alone` the legend is that of all, so that what a curve lacks is in the words only.
-    """
+    """Draw curves over one measure, and return what has to be said; `alone` the legend tells what a curve lacks."""
     level, measure = own["level"].values, str(own["measure"].item())
     shown = _shown(own.sel(limit_state=list(states)))
     marked = len(states) <= _POINTS and tree.attrs.get("data") == "ida"
     remarks: dict[str, list[str]] = {}
-    for state, style in zip(states, looks([_named(state) for state in states]), strict=True):
+    for state, appearance in zip(states, style.looks([_named(state) for state in states]), strict=True):
         one = own.sel(limit_state=state)
-        if str(one["statement"].item()):
-            remarks.setdefault(str(one["statement"].item()), []).append(style.label)
+        if said := statement(one):
+            remarks.setdefault(said, []).append(appearance.label)
         if not bool(one["probability"].notnull().any()):
-            ax.plot([], [], color=style.color, ls=style.line, label=style.label + ": no curve" * alone)
+            ax.plot([], [], color=appearance.color, ls=appearance.line, label=appearance.label + ": no curve" * alone)
             continue
-        words = style.label + (" (extrapolated)" if alone and int(one["extrapolated"]) else "")
-        ax.plot(*_curve(one, "probability"), color=style.color, ls=style.line, lw=1.4, label=words)
+        words = appearance.label + (" (extrapolated)" if alone and int(one["extrapolated"]) else "")
+        ax.plot(*_curve(one, "probability"), color=appearance.color, ls=appearance.line, lw=1.4, label=words)
         if state == banded and not _says_nothing(one, shown):
-            _band(ax, one, style)
+            (levels, low), (_, high) = _curve(one, "probability_low"), _curve(one, "probability_high")
+            ax.fill_between(levels, low, high, color=appearance.color, alpha=0.16, lw=0)
+            for edge in (low, high):
+                ax.plot(levels, edge, color=appearance.color, ls=appearance.line, lw=0.5, alpha=0.7)
         if marked:
             capacities = tree["capacities"].to_dataset().sel(block=own["block"].item())
-            _capacities(ax, capacities, state, measure, style, float(capacities.attrs["factor_max"]))
+            _capacities(ax, capacities, state, measure, appearance, float(capacities.attrs["factor_max"]))
     ax.set_xscale("log")
     first, last = (float(end(level[shown], initial=np.nan)) for end in (np.fmin.reduce, np.fmax.reduce))
     if first < last:
         ax.set_xlim(first, last)
-    notes = [_counts(tree, own), *_band_notes(tree, own, banded, shown)]
+    counts = style.counts(int(own["records"].max()), int(own["events"].max()))
+    notes = [f"{counts}, data: {tree.attrs['data']}.", *_band_notes(tree, own, banded, shown)]
     lifted = float(own["uplift_acceleration"]) if measure == PGA else np.nan
     if lifted > ax.get_xlim()[0]:
         ax.axvline(lifted, color=GREY, lw=0.9, label=LIFTS)
         notes.append("The body is never lifted by less than the grey line, whatever a curve says.")
     ax.set_ylim(-0.01, 1.01)
     attrs = {"long_name": str(own["measure_long_name"].item())}
-    ax.set_xlabel(label(attrs, units=str(own["measure_units"].item())))
-    plain_ticks(ax.xaxis)
+    ax.set_xlabel(style.label(attrs, units=str(own["measure_units"].item())))
+    style.plain_ticks(ax.xaxis)
     if _crossing(own.isel(limit_state=own["limit_state"].isin(states)), shown):
         notes.append("Fitted one by one: where a curve lies above that of a milder limit state it says nothing.")
     if marked:
@@ -203,12 +174,10 @@ def _panel(
 
 
 def _named(state: str) -> str:
-    if state == UPLIFT:
-        return "uplift"
-    return "overturning" if state == OVERTURNING else rf"$\theta_{{max}}/\alpha_c \geq$ {state}"
+    return {UPLIFT: "uplift", OVERTURNING: "overturning"}.get(state, rf"$\theta_{{max}}/\alpha_c \geq$ {state}")
 
 
-def _capacities(ax: Axes, own: xr.Dataset, state: str, measure: str, style: Look, end: float) -> None:
+def _capacities(ax: Axes, own: xr.Dataset, state: str, measure: str, appearance: Look, end: float) -> None:
     """Capacity of every record at its share (Kaplan-Meier): one that does not reach the state is known to be above."""
     from scipy.stats import CensoredData, ecdf
 
@@ -219,23 +188,9 @@ def _capacities(ax: Axes, own: xr.Dataset, state: str, measure: str, style: Look
         return
     found = ecdf(CensoredData(uncensored=(factor * value)[reached], right=end * value[~reached])).cdf
     risen = np.diff(found.probabilities, prepend=0.0)
-    ax.plot(
-        found.quantiles[risen > 0.0],
-        (found.probabilities - 0.5 * risen)[risen > 0.0],
-        ls="none",
-        marker=style.marker,
-        ms=3.2,
-        mfc="white",
-        mec=style.color,
-        mew=0.6,
-        zorder=2.5,
-    )
-
-
-def _banded(own: xr.Dataset, states: Sequence[str]) -> str | None:
-    """The first of some limit states that has a band."""
-    there = own["probability_low"].notnull().any("point")
-    return next((state for state in states if bool(there.sel(limit_state=state))), None)
+    marks: dict[str, Any] = {"ls": "none", "ms": 3.2, "mfc": "white", "mew": 0.6, "zorder": 2.5}
+    values, shares = found.quantiles[risen > 0.0], (found.probabilities - 0.5 * risen)[risen > 0.0]
+    ax.plot(values, shares, marker=appearance.marker, mec=appearance.color, **marks)
 
 
 def _shown(own: xr.Dataset) -> np.ndarray:
@@ -272,31 +227,14 @@ def _says_nothing(one: xr.Dataset, shown: np.ndarray) -> bool:
     return bool(np.median((one["probability_high"] - one["probability_low"]).values[shown]) > _WIDE)
 
 
-def _band(ax: Axes, one: xr.Dataset, style: Look) -> None:
-    (level, low), (_, high) = _curve(one, "probability_low"), _curve(one, "probability_high")
-    ax.fill_between(level, low, high, color=style.color, alpha=0.16, lw=0)
-    for edge in (low, high):
-        ax.plot(level, edge, color=style.color, ls=style.line, lw=0.5, alpha=0.7)
-
-
-def _counts(tree: xr.DataTree, own: xr.Dataset) -> str:
-    records, events = int(own["records"].max()), int(own["events"].max())
-    found = f"{records} record{'s' * (records != 1)} of {events} earthquake{'s' * (events != 1)}"
-    return f"{found}, data: {tree.attrs['data']}."
-
-
 def _band_notes(tree: xr.DataTree, own: xr.Dataset, banded: str | None, shown: np.ndarray) -> list[str]:
     if banded is None:
         return []
     one = own.sel(limit_state=banded)
+    told = f"{100.0 * float(tree.attrs['confidence']):g} %, over earthquakes, at each level."
     if _says_nothing(one, shown):
-        events = int(one["events"])
-        return [
-            f"Band of the curve of {_named(banded)}: nearly 0 to 1 at most levels, not drawn ({events} earthquakes are "
-            "too few)."
-        ]
-    confidence = 100.0 * float(tree.attrs["confidence"])
-    return [f"Band of the curve of {_named(banded)}: {confidence:g} %, over earthquakes, at each level."]
+        told = f"nearly 0 to 1 at most levels, not drawn ({int(one['events'])} earthquakes are too few)."
+    return [f"Band of the curve of {_named(banded)}: {told}"]
 
 
 def _told(remarks: dict[str, list[str]], states: int) -> list[str]:

@@ -12,31 +12,17 @@ from rocking.body.block import Block
 from rocking.impulses.impulse_sequence import ImpulseSequence
 from rocking.impulses.sequence import impulse_train, sequence_response
 from rocking.response import Outcome
-from rockpulse.views.plots.style import (
-    BLACK,
-    BLUE,
-    GREY,
-    ORANGE,
-    RED,
-    SMALL,
-    Panels,
-    caption,
-    legend_above,
-    panel_title,
-    several_axes,
-    title,
-)
-
-__all__ = ["LIMIT_PANELS", "limit_accelerogram"]
-
-#: Number of panels of :func:`limit_accelerogram`.
-LIMIT_PANELS = 2
+from rockpulse.views.plots import style
+from rockpulse.views.plots.style import BLACK, BLUE, GREY, ORANGE, RED, SMALL, Panels
 
 #: Longest stretch that is shown, in main impulses: more of them are the same again.
 _MAIN_SHOWN = 12
 
 #: Half-cycles shorter than this part of the picture have no room for their peak.
 _NAMED = 0.07
+
+#: Words beside a half-cycle.
+_BESIDE: dict[str, Any] = {"textcoords": "offset points", "fontsize": SMALL - 0.5}
 
 _TITLES = (
     "(a) main impulses $I$ right after each impact (resonance: an upper-bound type input)",
@@ -51,10 +37,8 @@ def limit_accelerogram(
 
     Parameters
     ----------
-    block : Block
-        One block: its half-cycles set the times of the main impulses.
-    sequence : ImpulseSequence
-        One sequence that ends.
+    block, sequence : Block, ImpulseSequence
+        One block, whose half-cycles set the times of the main impulses, and one sequence that ends.
     axes : array_like of two matplotlib Axes, optional
         Where to draw; by default on a figure of their own, with a common time.
     name : str
@@ -65,13 +49,8 @@ def limit_accelerogram(
     (2,) ndarray of Axes
         The main sequence alone (Figure 1 of the paper), and with the secondary one (Figure 2). The last of ``lines``
         of each is the half-cycles of the block, abs(theta)/alpha_c at their peaks.
-
-    Raises
-    ------
-    ValueError
-        For arrays of blocks or sequences, or a sequence without end.
     """
-    panels = several_axes(axes, LIMIT_PANELS, height=5.0, sharex=True, sharey=True)[:, 0]
+    panels = style.several_axes(axes, 2, height=5.0, sharex=True, sharey=True)[:, 0]
     last, cycles = 0.0, []
     for ax, words, own in zip(panels, _TITLES, (replace(sequence, secondary=0.0), sequence), strict=True):
         times, impulses = impulse_train(block, own)
@@ -80,14 +59,22 @@ def limit_accelerogram(
             main = _main_places(block, own, times)
         starts = times[main][:_MAIN_SHOWN]
         shown = times <= (starts[-1] if starts.size else 0.0)
-        _draw(ax, times[shown & main], impulses[shown & main], BLUE, "^", f"main impulses, $I$ = {own.main:.3g} m/s")
+        legend = f"main impulses, $I$ = {own.main:.3g} m/s"
+        _draw(ax, times[shown & main], impulses[shown & main], legend, color=BLUE, lw=1.6, ms=4.5)
         if own.secondary > 0.0:
-            _secondary(ax, own, times[shown & ~main], impulses[shown & ~main])
+            legend = f"secondary impulses, $I_s$ = {own.secondary:.3g} m/s"
+            if own.spacing == "continuous":
+                legend = r"limit of infinitely many secondary impulses: $I_s/2$ at either end"
+            _draw(ax, times[shown & ~main], impulses[shown & ~main], legend, color=ORANGE, lw=1.0, ms=2.8)
         ax.axhline(0.0, color=BLACK, lw=0.6)
         ax.set_ylabel("impulse of the ground [m/s]")
-        panel_title(ax, words, rows=1)
-        durations, peaks = _half_cycles(block, own, starts.size)
-        cycles.append((starts, durations, peaks))
+        style.panel_title(ax, words, rows=1)
+        table = sequence_response(block, own).half_cycles
+        assert table is not None
+        # Where the table ends, its last row repeats itself.
+        rows = np.minimum(np.arange(starts.size), max(table.duration.size - 1, 0))
+        durations = table.duration[rows]
+        cycles.append((starts, durations, table.peak[rows]))
         last = max(last, float(np.max(starts + np.where(np.isfinite(durations), durations, 0.0), initial=0.0)))
     room = max(last, 1.0 / float(block.p))
     panels[0].set_xlim(-0.04 * room, 1.12 * room)
@@ -96,11 +83,11 @@ def limit_accelerogram(
     limit = 1.2 * max(float(sequence.main), 1e-12)
     panels[0].set_ylim(-1.12 * limit, limit)
     for ax in panels:
-        legend_above(ax, 3)
+        style.legend_above(ax, 3)
     panels[-1].set_xlabel("time from the first main impulse [s]")
     if name:
-        title(panels[0], name, rows=1)
-    caption(panels[-1], _remarks(block, sequence))
+        style.title(panels[0], name, rows=1)
+    style.caption(panels[-1], _remarks(block, sequence))
     return panels
 
 
@@ -108,36 +95,20 @@ def _main_places(block: Block, sequence: ImpulseSequence, times: np.ndarray) -> 
     """Places of the main impulses in the train where I_s = I: n secondary ones follow each."""
     table = sequence_response(block, sequence).half_cycles
     assert table is not None
-    places: list[int] = []
+    main = np.zeros(times.size, dtype=bool)
     at = 0
     while at < times.size:
-        row = min(len(places), table.impulse_count.size - 1)
-        places.append(at)
+        row = min(int(np.count_nonzero(main)), table.impulse_count.size - 1)
+        main[at] = True
         at += 1 + (2 if sequence.spacing == "continuous" else max(int(table.impulse_count[row]), 0))
-    return np.isin(np.arange(times.size), places)
+    return main
 
 
-def _draw(ax: Any, times: np.ndarray, sizes: np.ndarray, color: str, marker: str, words: str) -> None:
+def _draw(ax: Any, times: np.ndarray, sizes: np.ndarray, words: str, color: str, lw: float, ms: float) -> None:
     """Impulses as arrows: a line with a head that points away from zero."""
-    ax.vlines(times, 0.0, sizes, color=color, lw=1.6 if marker == "^" else 1.0)
-    up = sizes > 0.0
-    ax.plot(times[up], sizes[up], ls="none", marker="^", ms=4.5 if marker == "^" else 2.8, color=color, label=words)
-    ax.plot(times[~up], sizes[~up], ls="none", marker="v", ms=4.5 if marker == "^" else 2.8, color=color)
-
-
-def _secondary(ax: Any, sequence: ImpulseSequence, times: np.ndarray, sizes: np.ndarray) -> None:
-    words = f"secondary impulses, $I_s$ = {sequence.secondary:.3g} m/s"
-    if sequence.spacing == "continuous":
-        words = r"limit of infinitely many secondary impulses: $I_s/2$ at either end"
-    _draw(ax, times, sizes, ORANGE, "|", words)
-
-
-def _half_cycles(block: Block, sequence: ImpulseSequence, count: int) -> tuple[np.ndarray, np.ndarray]:
-    """Durations and peaks of the first half-cycles; where the table ends, its last row repeats itself."""
-    table = sequence_response(block, sequence).half_cycles
-    assert table is not None
-    rows = np.minimum(np.arange(count), max(table.duration.size - 1, 0))
-    return table.duration[rows], table.peak[rows]
+    ax.vlines(times, 0.0, sizes, color=color, lw=lw)
+    for chosen, marker, label in ((sizes > 0.0, "^", words), (sizes <= 0.0, "v", None)):
+        ax.plot(times[chosen], sizes[chosen], ls="none", marker=marker, ms=ms, color=color, label=label)
 
 
 def _bars(ax: Any, low: float, room: float, starts: np.ndarray, durations: np.ndarray, peaks: np.ndarray) -> None:
@@ -145,16 +116,13 @@ def _bars(ax: Any, low: float, room: float, starts: np.ndarray, durations: np.nd
     for start, duration, peak in zip(starts, durations, peaks, strict=True):
         if not math.isfinite(duration):
             ax.plot(start, low, marker="x", color=RED, ms=5, mew=1.5, ls="none", label="overturning")
-            _text(ax, "overturns", (start, low), (7, 0), ha="left", va="center", color=RED)
+            ax.annotate("overturns", (start, low), (7, 0), ha="left", va="center", color=RED, **_BESIDE)
             continue
         ax.plot([start, start + duration], [low, low], color=GREY, lw=1.0, marker="|", ms=6)
         if duration > _NAMED * room:
             words = f"{peak:.2f}" if peak >= 0.095 else f"{peak:.1g}"
-            _text(ax, words, (start + 0.5 * duration, low), (0, 3), ha="center", va="bottom", color="#333333")
-
-
-def _text(ax: Any, words: str, place: tuple[float, float], offset: tuple[float, float], **style: Any) -> None:
-    ax.annotate(words, place, offset, textcoords="offset points", fontsize=SMALL - 0.5, **style)
+            middle = (start + 0.5 * duration, low)
+            ax.annotate(words, middle, (0, 3), ha="center", va="bottom", color="#333333", **_BESIDE)
 
 
 def _remarks(block: Block, sequence: ImpulseSequence) -> str:

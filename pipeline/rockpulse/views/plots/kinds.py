@@ -3,159 +3,83 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
 
-from rockpulse.errors import ResultsError
-from rockpulse.option import hint
-from rockpulse.storage.hdf5.atomic import ASSESSMENT, named
+from rockpulse.storage.hdf5.atomic import ASSESSMENT
 from rockpulse.storage.variables.fragility import FRAGILITY
 from rockpulse.storage.variables.site import SITE_KIND
-
-if TYPE_CHECKING:
-    import xarray as xr
-    from matplotlib.figure import Figure
-
-__all__ = ["KINDS", "PictureKind", "draw", "kind_list"]
 
 
 @dataclass(frozen=True)
 class PictureKind:
     """One kind of picture."""
 
+    #: What may be chosen, by the names of the keywords of :func:`~rockpulse.plots.draw`.
+    options: tuple[str, ...]
     #: What it shows.
     summary: str
-    #: Kind of the file that it is drawn from, and the command that makes such a file.
-    file: str
-    command: str
-    #: What may be chosen, by the names of the keywords of :func:`draw`.
-    options: tuple[str, ...]
-    #: Group that the file must have, where files of one kind differ.
+    #: The command that makes a file from which it is drawn, the kind of that file, and a group that it must have.
+    command: str = "rockpulse assess"
+    file: str = ASSESSMENT
     group: str = ""
 
 
-_ASSESS, _STORED = "rockpulse assess", 'rockpulse assess with [records] store = "all"'
+_STORED = 'rockpulse assess with [records] store = "all"'
 
 KINDS = {
     "accelerogram": PictureKind(
-        "accelerogram, its half-waves as impulses at their centroids, the intense phase",
-        ASSESSMENT,
-        _STORED,
-        ("record",),
+        ("record",), "accelerogram, its half-waves as impulses at their centroids, the intense phase", _STORED
     ),
     "bodies": PictureKind(
-        "bodies with their sizes, walls, ties, loads and floors, drawn from their numbers",
-        ASSESSMENT,
-        _ASSESS,
-        ("block",),
+        ("block",), "bodies with their sizes, walls, ties, loads and floors, drawn from their numbers"
     ),
     "limit-accelerogram": PictureKind(
-        "limit accelerogram of a block and its secondary sequence (the paper's Figures 1 and 2)",
-        ASSESSMENT,
-        _ASSESS,
         ("record", "block", "case"),
+        "limit accelerogram of a block and its secondary sequence (the paper's Figures 1 and 2)",
     ),
     "rotation-history": PictureKind(
-        "rotation of a block under a record by several models, impacts and overturning",
-        ASSESSMENT,
-        _STORED,
         ("record", "block", "models", "case", "factor"),
+        "rotation of a block under a record by several models, impacts and overturning",
+        _STORED,
     ),
     "rocking-spectrum": PictureKind(
-        "largest rotation under a record over p and alpha_c, with the bodies of the file",
-        ASSESSMENT,
-        _STORED,
         ("record", "restitution"),
+        "largest rotation under a record over p and alpha_c, with the bodies of the file",
+        _STORED,
     ),
     "spectrum": PictureKind(
-        "overturning spectrum of a record, or of all with their median, and the bodies of the file",
-        ASSESSMENT,
-        _ASSESS,
         ("record", "restitution"),
-        "spectra",
+        "overturning spectrum of a record, or of all with their median, and the bodies of the file",
+        group="spectra",
     ),
     "overturning-map": PictureKind(
-        "factors on the input that overturn, of all blocks under a record or all records on a block",
-        ASSESSMENT,
-        _ASSESS,
         ("record", "block", "models"),
+        "factors on the input that overturn, of all blocks under a record or all records on a block",
     ),
     "probability": PictureKind(
-        "probability that each record, as it is or brought to a demand, overturns each body",
-        ASSESSMENT,
-        _ASSESS,
-        ("demand",),
+        ("demand",), "probability that each record, as it is or brought to a demand, overturns each body"
     ),
     "critical-scale": PictureKind(
-        "smallest factor on every record that overturns a block, by each model",
-        ASSESSMENT,
-        _ASSESS,
-        ("block", "models", "case"),
+        ("block", "models", "case"), "smallest factor on every record that overturns a block, by each model"
     ),
     "fragility": PictureKind(
-        "fragility curves of a block, and the band of one of them, in p PGV/(g tan alpha) and PGA",
-        FRAGILITY,
-        "rockpulse fragility",
         ("block", "measure", "limit_states"),
+        "fragility curves of a block, and the band of one of them, in p PGV/(g tan alpha) and PGA",
+        "rockpulse fragility",
+        FRAGILITY,
     ),
     "calibration": PictureKind(
-        "overturning spectrum of a site and its bodies, or the records over the parameters of the design sequence",
-        SITE_KIND,
-        "rockpulse calibrate",
         (),
+        "overturning spectrum of a site and its bodies, or the records over the parameters of the design sequence",
+        "rockpulse calibrate",
+        SITE_KIND,
     ),
 }
 
-
-def draw(tree: xr.DataTree, kind: str, **options: Any) -> Figure:
-    """A picture of a results file.
-
-    Parameters
-    ----------
-    tree : xarray.DataTree
-        As :func:`rockpulse.load` reads it, or as the functions that compute it return it.
-    kind : str
-        One of :data:`KINDS`.
-    **options
-        What is chosen, those of the kind: `record`, `block`, `demand`, `measure` (names), `models`, `limit_states`
-        (sequences of names), `case` (number of the restitution, from 1), `factor` (on the record), `restitution` (a
-        number or "housner"). None stands for the default. A record or a block may be left out where there is one only;
-        for a name of the file a pattern (* and ?) does that no other name meets.
-
-    Returns
-    -------
-    matplotlib Figure
-        Bound to no window; :func:`rockpulse.plots.svg` and ``savefig`` make text and files of it.
-
-    Raises
-    ------
-    ResultsError
-        For an unknown kind, option or name, a file of another kind, or one that does not hold what the picture needs.
-
-    Examples
-    --------
-    >>> import rockpulse as rp
-    >>> record = rp.read("data/samples/records/CICLC.v1")[0]
-    >>> results = rp.assess([record], rp.Config(blocks=[rp.BlockSettings("wall", width=0.5, height=4.0)]))
-    >>> len(rp.plots.draw(results, "bodies").axes)
-    1
-    """
-    if kind not in KINDS:
-        told = f"there are: {', '.join(KINDS)}"
-        raise ResultsError(f'no kind of picture "{kind}"{hint(kind, KINDS, told)}')
-    row = KINDS[kind]
-    found = str(tree.attrs.get("kind", ASSESSMENT))
-    if found != row.file or (row.group and row.group not in tree.children):
-        without = f" without the group {row.group}" if found == row.file else ""
-        raise ResultsError(f"{kind}: expected a file of '{row.command}', found {named(found)} file{without}")
-    given = {name: value for name, value in options.items() if value is not None}
-    for name in given:
-        if name not in row.options:
-            flags = ", ".join(OPTIONS[option] for option in row.options)
-            takes = f"it takes {', '.join(row.options)} ({flags})" if flags else "the picture is always the same"
-            raise ResultsError(f"{kind}: there is no {name} to choose; {takes}")
-    from rockpulse.views.plots.drawing import DRAWERS
-
-    return DRAWERS[kind](tree, **given)
+#: Options of the command line by the keywords of :func:`~rockpulse.plots.draw`, each in the singular.
+OPTIONS = {
+    name: f"--{name.removesuffix('s').replace('_', '-')}"
+    for name in ("record", "block", "models", "demand", "case", "factor", "measure", "limit_states", "restitution")
+}
 
 
 def kind_list() -> str:
@@ -165,26 +89,10 @@ def kind_list() -> str:
     lines = []
     for name, row in KINDS.items():
         options = ", ".join(OPTIONS[option] for option in row.options) or "none"
-        lines += [name, paragraph(row.summary, "    ", "    ")]
-        lines.append(paragraph(f"from: {row.command}; options: {options}", "    ", "    "))
-    lines.append(
-        paragraph(
-            "A record or a block may be left out where the file has one only. Instead of a name a pattern does, with * "
-            "and ? for any letters, if one name only meets it."
-        )
+        told = (row.summary, f"from: {row.command}; options: {options}")
+        lines += [name, *(paragraph(words, "    ", "    ") for words in told)]
+    words = (
+        "A record or a block may be left out where the file has one only. Instead of a name a pattern does, with * "
+        "and ? for any letters, if one name only meets it."
     )
-    return "\n".join(lines)
-
-
-#: Options of the command line by the keywords of :func:`draw`.
-OPTIONS = {
-    "record": "--record",
-    "block": "--block",
-    "models": "--model",
-    "demand": "--demand",
-    "case": "--case",
-    "factor": "--factor",
-    "measure": "--measure",
-    "limit_states": "--limit-state",
-    "restitution": "--restitution",
-}
+    return "\n".join([*lines, paragraph(words)])

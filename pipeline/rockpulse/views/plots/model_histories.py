@@ -1,61 +1,60 @@
-"""Rotation histories of a block under one record by several models, stored in the results or computed from them."""
+"""Rotation histories of a block under one record by several models, stored in the results or computed again."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from rocking.body.block import Block
-from rocking.response import IMPACT_CUTOFF, Outcome
+from rocking.response import IMPACT_CUTOFF, Outcome, Response
+from rockpulse.assessment.scene import acting, floor_record
+from rockpulse.config.block_settings import floors_from_text
 from rockpulse.errors import ResultsError
-from rockpulse.model_table import DRAWN, FOLLOWING, MODELS, SEQUENCE_MODELS
+from rockpulse.model_row import Scene
+from rockpulse.model_table import DRAWN, FOLLOWING, MODELS, SEQUENCE_MODELS, ModelSettings
+from rockpulse.record.half_wave import HalfWaves
+from rockpulse.record.intensity import IntensePhase
+from rockpulse.record.record import Record
+from rockpulse.selection.directions import FACING_WITHIN
+from rockpulse.views.plots.ground_motion import STORE, had_vertical, stored_record
 from rockpulse.views.plots.motion_history import HalfCycle, rotation_history
-from rockpulse.views.plots.recomputed import recomputed
-from rockpulse.views.plots.selection import block_of, chosen_case, one_name, sequence_of, table_of_pair
+from rockpulse.views.plots.selection import (
+    block_of,
+    chosen_case,
+    one_name,
+    ragged,
+    sequence_of,
+    setting,
+    table_of_pair,
+)
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["History", "histories", "stored_history"]
-
 #: Peaks that differ by more than this [-] are said to.
 _SAME = 1e-3
+
+#: Remedies where the file does not hold what acted on a body.
+_AGAIN, _OTHERS = "assess again with [models] histories = true", "draw other models (--model)"
 
 #: Instants of the history of a sequence.
 _INSTANTS = 4000
 
 
 class History(NamedTuple):
-    """The motion of a block by one model.
-
-    Attributes
-    ----------
-    model : str
-        Its name.
-    time, rotation : (n,) ndarray
-        Time [s] from the first sample of the record, and theta/alpha_c [-]; NaN once the block has overturned.
-    impacts : (k,) ndarray
-        Times of the impacts that the history shows [s].
-    impact_count : int
-        Impacts that the model counts; -1 where they never end or are not known.
-    overturning : float
-        Time from which overturning is certain [s]; NaN without.
-    peak : float
-        Stored theta_max/alpha_c [-]; inf where the block overturns, NaN where the model cannot say.
-    remark : str
-        Remark on doubts about the motion; empty without any.
-    """
+    """The motion of a block by one model; without an instant where it could not say."""
 
     model: str
-    time: np.ndarray
-    rotation: np.ndarray
-    impacts: np.ndarray
-    impact_count: int
-    overturning: float
-    peak: float
-    remark: str
+    time: np.ndarray = np.zeros(0)  # (n,) from the first sample of the record [s]
+    rotation: np.ndarray = np.zeros(0)  # (n,) theta/alpha_c [-]; NaN once the block has overturned
+    impacts: np.ndarray = np.zeros(0)  # (k,) times of those that the history shows [s]
+    impact_count: int = -1  # of the model; -1 where they never end or are not known
+    overturning: float = math.nan  # time from which it is certain [s]; NaN without
+    peak: float = math.nan  # theta_max/alpha_c [-]; inf where the block overturns, NaN where the model cannot say
+    remark: str = ""  # doubts about the motion
 
 
 def histories(
@@ -76,21 +75,11 @@ def histories(
         Names; none where there is one only.
     models : sequence of str, optional
         Some of nonlinear, linear, impulsive, sequence and resonance; by default those of the results that follow the
-        record, the first three.
+        record, the first three. One that could not say (UNRESOLVED) has an empty history and a remark.
     case : int
         Number of the restitution, from 1.
     factor : float
         On the record, positive [-]; another one than 1 is for the models that follow the record.
-
-    Returns
-    -------
-    list of History
-        A model that could not say (UNRESOLVED) is there with an empty history and its remark.
-
-    Raises
-    ------
-    ResultsError
-        For a name that is not there, a model without a motion of its own, or where the file lacks what is needed.
 
     Notes
     -----
@@ -125,23 +114,22 @@ def _history(tree: xr.DataTree, record: str, block: str, model: str, case: int) 
     overturning = float(answer["overturning_time"]) if "overturning_time" in answer else np.nan
     count = int(answer["impacts"]) if "impacts" in answer else -1
     remark = [] if "applicable" not in answer or int(answer["applicable"]) else ["outside the range of the model"]
-    nothing = np.zeros(0)
     if outcome == Outcome.UNRESOLVED:
-        return History(model, nothing, nothing, nothing, -1, np.nan, np.nan, "; ".join(["unresolved", *remark]))
+        return History(model, remark="; ".join(["unresolved", *remark]))
     body = block_of(summary, block, case)
     if model in SEQUENCE_MODELS:
         # A design sequence stands for no record: its own time is the only one.
         start = float(np.nan_to_num(summary["intense_start"].sel(record=record)))
-        time, rotation, impacts = _of_sequence(tree, record, block, model, case)
-        return History(
-            model, start + time, rotation, start + impacts, count, start + overturning, peak, "; ".join(remark)
-        )
+        time, rotation, hits = _of_sequence(tree, record, block, model, case)
+        time, hits, overturning = start + time, start + hits, start + overturning
+        return History(model, time, rotation, hits, count, overturning, peak, "; ".join(remark))
     stored = stored_history(tree, record, block, model, case)
     if stored is None:
         motion = recomputed(tree, record, block, body, model, [1.0])
         time, rotation, found = motion.time, motion.rotation[0], float(motion.peak[0])
-        if not _equal(found, peak):
-            remark.append(f"computed again the peak is {_shown(found)}, stored is {_shown(peak)}")
+        if not (found == peak or abs(found - peak) <= _SAME):
+            again, before = ("overturning" if np.isinf(one) else f"{one:.3g}" for one in (found, peak))
+            remark.append(f"computed again the peak is {again}, stored is {before}")
     else:
         time, rotation = stored
     return History(model, time, rotation, _impacts(time, rotation, body), count, overturning, peak, "; ".join(remark))
@@ -153,10 +141,9 @@ def _scaled(tree: xr.DataTree, record: str, block: str, model: str, case: int, f
     time, rotation, *told = recomputed(tree, record, block, body, model, [factor])
     peak, outcome, overturning, count = (values[0] for values in told)
     if outcome == Outcome.UNRESOLVED:
-        nothing = np.zeros(0)
-        return History(model, nothing, nothing, nothing, -1, np.nan, np.nan, "unresolved")
+        return History(model, remark="unresolved")
     hits = _impacts(time, rotation[0], body)
-    return History(model, time, rotation[0], hits, int(count), float(overturning), float(peak), "")
+    return History(model, time, rotation[0], hits, int(count), float(overturning), float(peak))
 
 
 def stored_history(
@@ -166,18 +153,14 @@ def stored_history(
     if "records" not in tree.children or "rotation" not in tree["records"]:
         return None
     summary, kept = tree["summary"].to_dataset(), tree["records"].to_dataset()
-    place = [str(name) for name in summary["block"].values].index(block)
-    lane = place * summary.sizes.get("case", 1) + case - 1
-    rows = np.flatnonzero(
-        (kept["history_record_index"].values == summary.get_index("record").get_loc(record))
-        & (kept["history_lane_index"].values == lane)
-        & (kept["history_model_index"].values == summary.get_index("model").get_loc(model))
-    )
+    place = {"record": record, "lane": block, "model": model}
+    at = {one: summary[one if one != "lane" else "block"].values.tolist().index(name) for one, name in place.items()}
+    at["lane"] = at["lane"] * summary.sizes.get("case", 1) + case - 1
+    rows = np.flatnonzero(np.all([kept[f"history_{one}_index"].values == own for one, own in at.items()], axis=0))
     if rows.size == 0:
         return None
-    sizes = kept["history_row_size"].values
-    first = int(np.sum(sizes[: rows[0]]))
-    rotation = np.asarray(kept["rotation"].values[first : first + int(sizes[rows[0]])])
+    first, last = np.cumsum([0, *kept["history_row_size"].values])[rows[0] : rows[0] + 2]
+    rotation = np.asarray(kept["rotation"].values[first:last])
     dt = float(summary["dt"].sel(record=record))
     return dt * np.arange(rotation.size), block_of(summary, block, case).ratio(rotation)
 
@@ -186,15 +169,12 @@ def _of_sequence(
     tree: xr.DataTree, record: str, block: str, model: str, case: int
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Time from the first main impulse, theta/alpha_c, impacts: from the table of half-cycles."""
-    summary = tree["summary"].to_dataset()
+    own = tree["summary"].to_dataset().sel(block=block)
     table = table_of_pair(tree, "half_cycles", record, block, model, case)
     order = np.argsort(table["half_cycle"])
-    columns = [table[name][order] for name in ("start_velocity", "duration", "impulse_count", "interval")]
-    cycles = [HalfCycle(float(u), float(t), int(n), float(dt)) for u, t, n, dt in zip(*columns, strict=True)]
-    p = float(summary["p"].sel(block=block))
-    sequence = sequence_of(tree, record)
-    critical = float(summary["critical_impulse"].sel(block=block))
-    share = 0.0 if MODELS[model].cycles == "main" else float(sequence.secondary) / critical
+    cycles = [HalfCycle(*one) for one in zip(*(table[name][order].tolist() for name in HalfCycle._fields), strict=True)]
+    p, sequence = float(own["p"]), sequence_of(tree, record)
+    share = 0.0 if MODELS[model].cycles == "main" else float(sequence.secondary) / float(own["critical_impulse"])
     ends = np.cumsum([cycle.duration for cycle in cycles if np.isfinite(cycle.duration)])
     # An overturning half-cycle is followed a while beyond alpha_c, where the history ends by itself.
     last = (float(ends[-1]) if ends.size else 0.0) + (0.0 if np.isfinite(cycles[-1].duration) else 6.0 / p)
@@ -215,9 +195,91 @@ def _impacts(time: np.ndarray, rotation: np.ndarray, body: Block) -> np.ndarray:
     return at[crossed & (speed > IMPACT_CUTOFF)]
 
 
-def _equal(found: float, stored: float) -> bool:
-    return found == stored or abs(found - stored) <= _SAME
+class Recomputed(NamedTuple):
+    """Motions under a record times (q,) factors: ``rotation`` is theta/alpha_c, NaN once the block has overturned."""
+
+    time: np.ndarray  # (n,) from the first sample of the record [s]
+    rotation: np.ndarray  # (q, n)
+    peak: np.ndarray  # (q,) the largest rotation; inf where the block overturns, NaN where the model cannot say
+    outcome: np.ndarray  # (q,) rocking.Outcome
+    overturning: np.ndarray  # (q,) time from which overturning is certain [s]; NaN without
+    impacts: np.ndarray  # (q,) -1 where they never end or are not known
 
 
-def _shown(peak: float) -> str:
-    return "overturning" if np.isinf(peak) else f"{peak:.3g}"
+def recomputed(
+    tree: xr.DataTree, record: str, block: str, body: Block, model: str, factors: Sequence[float]
+) -> Recomputed:
+    """Motions of a block, which is `body`, under a record times some factors, by a model that follows the record.
+
+    A ResultsError where the file does not hold the ground motion that acts on the block.
+    """
+    summary, row = tree["summary"].to_dataset(), MODELS[model]
+    floors = floors_from_text(str(summary["floors"].sel(block=block).values))
+    if not _in_direction(summary, record, block, tree):
+        raise ResultsError(
+            f"{block}: it is shaken in a direction of its own, whose motion is not in the file: {_AGAIN}, or with its "
+            "direction as that of [records]"
+        )
+    if floors and row.takes == "half-waves":
+        raise ResultsError(f"{block}: the half-waves of its floor are not in the file: {_AGAIN}, or {_OTHERS}")
+    if row.takes == "half-waves":
+        return _worse(body, [row.respond(body, _of_half_waves(tree, record, model), np.asarray(factors))])
+    if row.vertical and had_vertical(summary, record):
+        raise ResultsError(f"{record}: the vertical channel acted and is not in the file: {_AGAIN}, or {_OTHERS}")
+    if ragged(tree, "row_size", ["acceleration"], record) is None:
+        raise ResultsError(f"{record}: {STORE}, or with [models] histories = true")
+    motion = stored_record(tree, record)
+    motion = floor_record(motion, floors) if floors else motion
+    # What is stored of a body before a wall is the worse of those senses of the record that may act.
+    facing = float(summary["facing"].sel(block=block))
+    azimuth = float(summary["azimuth"].sel(record=record))
+    scene = _scene(tree, motion, {"impulse": np.zeros(0), "centroid": np.zeros(0)})
+    senses = acting(azimuth, facing) if body.side else (1,)
+    return _worse(
+        body, [row.respond(body if sense > 0 else body.mirrored(), scene, np.asarray(factors)) for sense in senses]
+    )
+
+
+def _of_half_waves(tree: xr.DataTree, record: str, model: str) -> Scene:
+    """The half-waves of a record, which need no accelerogram."""
+    summary = tree["summary"].to_dataset().sel(record=record)
+    waves = ragged(tree, "half_wave_row_size", ["half_wave_centroid", "half_wave_impulse"], record)
+    if waves is None:
+        raise ResultsError(
+            f"{record}: the file does not hold the half-waves, nor histories of {model}: assess again with "
+            '[records] store = "half_waves" or "all"'
+        )
+    still = Record(np.zeros(int(summary["npts"])), dt=float(summary["dt"]), id=record)
+    return _scene(tree, still, {name: waves[f"half_wave_{name}"].values for name in ("impulse", "centroid")})
+
+
+def _scene(tree: xr.DataTree, record: Record, waves: dict[str, np.ndarray]) -> Scene:
+    """What a model that follows a record takes of it."""
+    others = dict.fromkeys(("start", "end", "peak", "lobes"), np.zeros(waves["impulse"].size))
+    return Scene(
+        record=record,
+        vertical=None,
+        waves=HalfWaves(**waves, **others, dt=record.dt, record_id=record.id),
+        phase=IntensePhase(0.0, record.duration),
+        sequence=None,
+        gain=str(setting(tree, "models", "gain", ModelSettings().gain)),
+    )
+
+
+def _worse(body: Block, found: Sequence[Response]) -> Recomputed:
+    """Of each factor the response with the larger peak, one that cannot say counting as the largest."""
+    rank = [np.nan_to_num(one.peak_rotation_ratio, nan=np.finfo(float).max) for one in found]
+    worse = np.argmax(rank, axis=0)
+
+    names = ("rotation", "peak_rotation_ratio", "outcome", "overturning_time", "impacts")
+    every = (np.stack([getattr(one, name) for one in found]) for name in names)
+    rotation, *others = (values[worse, np.arange(worse.size)] for values in every)
+    return Recomputed(np.asarray(found[0].time), body.ratio(rotation), *others)
+
+
+def _in_direction(summary: xr.Dataset, record: str, block: str, tree: xr.DataTree) -> bool:
+    """Whether a record is what shakes a block, which may have a direction of its own."""
+    own = float(summary["body_azimuth"].sel(block=block))
+    turned = setting(tree, "records", "components", "horizontal") != "horizontal"
+    apart = abs(math.remainder(own - float(summary["azimuth"].sel(record=record)), 180.0)) if np.isfinite(own) else 0.0
+    return not turned or apart <= FACING_WITHIN

@@ -14,8 +14,6 @@ import numpy as np
 
 from rocking.impulses.half_cycle import CRITICAL_TOLERANCE, state
 
-__all__ = ["HalfCycle", "rotation_history", "secondary_impulses"]
-
 #: phi of t_k = (k - phi) dT; for "open" the count of intervals is n + 1.
 _PHASE = {"end": 0.0, "middle": 0.5, "start": 1.0, "open": 0.0}
 
@@ -29,19 +27,8 @@ class HalfCycle(NamedTuple):
     interval: float  # dT_i [s]
 
 
-class _Piece(NamedTuple):
-    """Natural motion from an instant on: time [s], x and x' [-], side."""
-
-    start: float
-    rotation: float
-    velocity: float
-    side: float
-
-
 def secondary_impulses(cycle: HalfCycle, secondary: float, spacing: str) -> tuple[np.ndarray, np.ndarray]:
-    """Times after the main impulse [s] and velocity changes [-] of the secondary impulses in a half-cycle.
-
-    The half-cycle is one that comes back.
+    """Times after the main impulse [s] and velocity changes [-] of the secondary impulses in a half-cycle that returns.
 
     `secondary` is a = u_1 I_s/I, the change of velocity of one of them [-]. The changes are of the velocity away from
     the ground; the first one is negative. Infinitely many act like half of one at the start and half of one at the end.
@@ -63,17 +50,18 @@ def rotation_history(
     overturns the main impulse alone is followed, as in :func:`~rocking.impulse_train`, up to alpha_c; NaN from
     there on. A block that was given just the critical velocity creeps up to alpha_c for ever.
     """
-    pieces: list[_Piece] = []
+    # Natural motion from an instant [s] on, with x and x' [-], and its side.
+    pieces: list[tuple[float, float, float, float]] = []
     start, side = 0.0, -1.0
     for cycle in cycles:
-        pieces.append(_Piece(start, 0.0, cycle.start_velocity, side))
+        pieces.append((start, 0.0, cycle.start_velocity, side))
         if not math.isfinite(cycle.duration):
             break
         offsets, changes = secondary_impulses(cycle, secondary, spacing)
         for offset, change in zip(offsets.tolist(), changes.tolist(), strict=True):
-            last = pieces[-1]
-            rotation, velocity = state(last.rotation, last.velocity, p * (start + offset - last.start))
-            pieces.append(_Piece(start + offset, rotation, velocity + change, side))
+            begun, *last, _ = pieces[-1]
+            rotation, velocity = state(*last, p * (start + offset - begun))
+            pieces.append((start + offset, rotation, velocity + change, side))
         start, side = start + cycle.duration, -side
     table = np.array(pieces)
     of = np.searchsorted(table[:, 0], times, side="right") - 1

@@ -1,33 +1,36 @@
-"""Pictures of single objects: half-waves, an impulse sequence, blocks, a response."""
+"""Pictures of single objects: half-waves, an impulse sequence, a response, and bodies drawn from their numbers."""
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from rocking.body.block import Block
+from rocking.body.outline import Outline
 from rocking.impulses.impulse_sequence import ImpulseSequence
 from rocking.pictures import thinned
 from rocking.response import Outcome, Response
+from rockpulse.config.block_settings import floors_from_text
 from rockpulse.record.half_wave import STRONG, HalfWaves
-from rockpulse.views.plots.bodies import outlines
+from rockpulse.views.plots import style
 from rockpulse.views.plots.rotation import moving_stretch
-from rockpulse.views.plots.style import BLACK, BLUE, GREY, INSTANTS, PALE, RED, caption, legend_above, one_axes, title
-from rockpulse.views.plots.words import plain
+from rockpulse.views.plots.selection import block_of, one_name
+from rockpulse.views.plots.style import BLACK, BLUE, GREY, INSTANTS, ORANGE, PALE, RED, SMALL
 
 if TYPE_CHECKING:
+    import xarray as xr
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-
-__all__ = ["block_outlines", "half_wave_impulses", "response", "two_half_cycles"]
 
 #: Colours of the outcomes, and lanes of a response whose histories are drawn.
 COLOURS = {Outcome.AT_REST: GREY, Outcome.ROCKS: BLUE, Outcome.OVERTURNS: RED, Outcome.UNRESOLVED: BLACK}
 LANES = 6
 
-#: Height of the bar of a body that overturns, in the units of alpha_c of all others [-].
-TOP = 1.2
+#: Bodies in a picture, and in a row of it; the height of the bar of one that overturns, where alpha_c is 1 [-].
+MOST, IN_ROW, TOP = 8, 4, 1.2
 
 
 def half_wave_impulses(waves: HalfWaves, ax: Axes | None = None) -> Axes:
@@ -39,13 +42,8 @@ def half_wave_impulses(waves: HalfWaves, ax: Axes | None = None) -> Axes:
         Of one record.
     ax : matplotlib Axes, optional
         Where to draw; by default on a figure of its own.
-
-    Returns
-    -------
-    matplotlib Axes
-        Time in s, impulses in m/s.
     """
-    ax = one_axes(ax, height=2.6)
+    ax = style.one_axes(ax, height=2.6)
     size = np.abs(waves.impulse)
     strong = size >= STRONG * np.max(size, initial=0.0)
     for chosen, colour, words in ((~strong, BLUE, "impulses"), (strong, RED, "above half the largest")):
@@ -53,13 +51,13 @@ def half_wave_impulses(waves: HalfWaves, ax: Axes | None = None) -> Axes:
     ax.axhline(0.0, color=BLACK, lw=0.5)
     ax.set_xlabel("time from the first sample [s]")
     ax.set_ylabel("impulse [m/s]")
-    legend_above(ax, 2)
-    title(ax, plain(waves.record_id), rows=1)
+    style.legend_above(ax, 2)
+    style.title(ax, style.plain(waves.record_id), rows=1)
     return ax
 
 
 def two_half_cycles(sequence: ImpulseSequence, ax: Axes | None = None) -> Axes:
-    """Two half-cycles of an impulse sequence, the first of several, without the times that a block would give them.
+    """Two half-cycles of an impulse sequence, the first of several, in intervals dT instead of the times of a block.
 
     Parameters
     ----------
@@ -68,13 +66,8 @@ def two_half_cycles(sequence: ImpulseSequence, ax: Axes | None = None) -> Axes:
         half-cycles last, see :func:`limit_accelerogram`.
     ax : matplotlib Axes, optional
         Where to draw; by default on a figure of its own.
-
-    Returns
-    -------
-    matplotlib Axes
-        Intervals dT after the first main impulse, impulses in m/s.
     """
-    ax = one_axes(ax, height=2.6)
+    ax = style.one_axes(ax, height=2.6)
     mains, others = sequence.two_half_cycles()
     secondary = float(np.ravel(sequence.secondary)[0])
     ax.vlines(mains[:, 0], 0.0, mains[:, 1], color=RED, lw=2.0, label=f"main impulses, $I$ = {mains[0, 1]:.3g} m/s")
@@ -86,27 +79,19 @@ def two_half_cycles(sequence: ImpulseSequence, ax: Axes | None = None) -> Axes:
     ax.axhline(0.0, color=BLACK, lw=0.5)
     ax.set_xlabel(r"intervals $\Delta T$ after the first main impulse [-]")
     ax.set_ylabel("impulse of the ground [m/s]")
-    legend_above(ax, 2)
+    style.legend_above(ax, 2)
     if sequence.intermediate_count is None:
-        caption(ax, "How many secondary impulses there are in a half-cycle depends on the block; drawn are four.")
+        style.caption(ax, "How many secondary impulses there are in a half-cycle depends on the block; drawn are four.")
     return ax
 
 
 def block_outlines(block: Block) -> Figure:
-    """A block, or the first eight of several, with their sizes and what holds them.
+    """A block, or the first eight of several (m,), with their sizes and what holds them, each to a scale of its own.
 
-    Parameters
-    ----------
-    block : Block
-        One block, or (m,).
-
-    Returns
-    -------
-    matplotlib Figure
-        Seen along the base, theta > 0 to the right; each to a scale of its own.
+    Seen along the base, theta > 0 to the right.
     """
     count = block.shape[0] if block.shape else 0
-    return outlines([(f"block {lane + 1}", block.lane(lane), []) for lane in range(count)] or [("", block, [])])
+    return _outlines([(f"block {lane + 1}", block.lane(lane), []) for lane in range(count)] or [("", block, [])])
 
 
 def response(answer: Response, ax: Axes | None = None) -> Axes:
@@ -118,13 +103,8 @@ def response(answer: Response, ax: Axes | None = None) -> Axes:
         Of any model; with a history where `history=True` was asked for.
     ax : matplotlib Axes, optional
         Where to draw; by default on a figure of its own.
-
-    Returns
-    -------
-    matplotlib Axes
-        Rotation in rad over time in s, or theta_max/alpha_c over the number of the lane.
     """
-    ax = one_axes(ax)
+    ax = style.one_axes(ax)
     codes, peaks = np.ravel(answer.outcome), np.ravel(answer.peak_rotation_ratio)
     if answer.time is None or answer.rotation is None:
         ax.axhline(1.0, color=BLACK, lw=0.8, ls=(0, (6, 3)))
@@ -136,8 +116,8 @@ def response(answer: Response, ax: Axes | None = None) -> Axes:
         ax.set_xlabel("lane")
         ax.set_ylabel(r"peak $\theta_{max}/\alpha_c$ [-]")
         ax.set_ylim(0.0, 1.3)
-        legend_above(ax, 4)
-        caption(ax, "Dashed: alpha_c. A bar that reaches beyond it overturns.")
+        style.legend_above(ax, 4)
+        style.caption(ax, "Dashed: alpha_c. A bar that reaches beyond it overturns.")
         return ax
     lanes = answer.rotation.reshape(-1, answer.time.size)
     ax.axhline(0.0, color=PALE, lw=0.8)
@@ -150,7 +130,73 @@ def response(answer: Response, ax: Axes | None = None) -> Axes:
         ax.plot(*thinned(answer.time[shown], rotation[shown], INSTANTS), lw=1.0, label=words)
     ax.set_xlabel("time [s]")
     ax.set_ylabel(r"rotation $\theta$ [rad]")
-    legend_above(ax, 3)
+    style.legend_above(ax, 3)
     if len(lanes) > LANES:
-        caption(ax, f"Drawn are the first {LANES} of {len(lanes)} lanes.")
+        style.caption(ax, f"Drawn are the first {LANES} of {len(lanes)} lanes.")
     return ax
+
+
+def bodies(tree: xr.DataTree, block: str | None = None) -> Figure:
+    """Draw the first eight bodies, or one, from the numbers that results of an assessment hold of them.
+
+    Seen along the base, theta > 0 to the right; each to a scale of its own.
+    """
+    summary = tree["summary"].to_dataset()
+    names = [one_name(summary, "block", block)] if block else [str(name) for name in summary["block"].values[:MOST]]
+    drawn = []
+    for name in names:
+        told = str(summary["floors"].sel(block=name).values)
+        drawn.append((name, block_of(summary, name), [one.period for one in floors_from_text(told)]))
+    return _outlines(drawn)
+
+
+def _outlines(drawn: Sequence[tuple[str, Block, list[float]]]) -> Figure:
+    """The first eight of some bodies, by their names, blocks and the periods of the floors that they stand on [s]."""
+    drawn = drawn[:MOST]
+    rows = math.ceil(len(drawn) / IN_ROW)
+    figure = style.figure_of(height=3.2 * rows)
+    panels = figure.subplots(rows, IN_ROW, squeeze=False).ravel()
+    for ax, one in zip(panels, drawn, strict=False):
+        _draw(ax, *one)
+    for ax in panels[len(drawn) :]:
+        ax.set_visible(False)
+    return figure
+
+
+def _draw(ax: Axes, name: str, block: Block, periods: list[float]) -> None:
+    from matplotlib.patches import Polygon
+
+    body = Outline.of(block)
+    height = body.height if math.isfinite(body.height) else 2.0 * body.centre
+    middle = 0.5 * (body.right - body.left)
+    ax.add_patch(Polygon(np.array(body.corners), closed=True, fc=PALE, ec=BLACK, lw=0.8))
+    if math.isfinite(body.height):
+        ax.plot([body.right + 0.08 * height] * 2, [0.0, height], color=GREY, lw=0.6, marker="_", ms=4)
+        ax.text(body.right + 0.11 * height, 0.5 * height, f"{height:g} m", fontsize=SMALL, va="center")
+        words = f"{body.width:g} m"
+    else:
+        words = f"b₁ {body.right:.3g} m, b₂ {body.left:.3g} m\nh {body.centre:.3g} m"
+    ax.text(middle, -0.045 * height, words, fontsize=SMALL, ha="center", va="top")
+    ax.plot([0.0], [body.centre], "o", ms=3, color=BLACK)
+    left = -body.left - 0.12 * height
+    if body.side:
+        wall = [(left, 0), (-body.left, 0), (-body.left, height), (left, height)]
+        ax.add_patch(Polygon(np.array(wall), closed=True, fc="white", ec=GREY, lw=0.8, hatch="////"))
+    ground = -0.16 * height
+    ax.plot([left - 0.1 * height, body.right + 0.35 * height], [0.0, 0.0], color=BLACK, lw=1.2)
+    if periods:
+        words = "on a floor, T = " + ", ".join(f"{period:g}" for period in periods) + " s"
+        ax.text(middle, ground, words, fontsize=SMALL, ha="center", va="top", color=BLUE)
+    for tie in body.ties:
+        end = tie.edge + tie.outward * 0.3 * height
+        ax.plot([tie.attached, end], [tie.height] * 2, color=BLUE, lw=1.4)
+        ax.plot([end], [tie.height], "s", ms=4, color=BLUE)
+    arrows = [((at, up), (at, up + 0.14 * height), ORANGE) for at, up in body.loads]
+    arrows += [((at, up), (at - math.copysign(0.25 * height, force), up), RED) for at, up, force in body.thrusts]
+    for tip, tail, colour in arrows:
+        ax.annotate("", tip, tail, arrowprops={"arrowstyle": "-|>", "color": colour, "lw": 1.2})
+    ax.set_aspect("equal")
+    ax.set_xlim(left - 0.25 * height, body.right + 0.45 * height)
+    ax.set_ylim(-0.28 * height, 1.2 * height)
+    ax.axis("off")
+    ax.set_title(style.wrapped(style.plain(name), 20), fontsize=SMALL)

@@ -1,4 +1,4 @@
-"""A figure as a file: the same bytes on every run, text as text, and ids of its own in every SVG."""
+"""A figure as a file, the same bytes on every run and its own ids in every SVG, and a figure for a notebook's cell."""
 
 from __future__ import annotations
 
@@ -6,12 +6,8 @@ import hashlib
 import re
 import threading
 from io import BytesIO
-from typing import TYPE_CHECKING
 
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
-__all__ = ["picture_bytes", "svg"]
+from matplotlib.figure import Figure
 
 #: Dots per inch of a PNG: 300 and more is for photographs.
 RESOLUTION = 200
@@ -40,19 +36,9 @@ _ID = re.compile(r'(\bid="|\bhref="#|url\(#)')
 
 
 def picture_bytes(figure: Figure, form: str) -> bytes:
-    """The content of a file with the figure.
+    """The content of a file with the figure, as "png", "svg" or "pdf".
 
-    Parameters
-    ----------
-    figure : matplotlib Figure
-        The figure that is drawn.
-    form : {"png", "svg", "pdf"}
-        Format.
-
-    Returns
-    -------
-    bytes
-        The same for the same figure: no time, and in SVG no random ids. Text is text in SVG and PDF.
+    The same bytes for the same figure: no time, and in SVG no random ids. Text is text in SVG and PDF.
     """
     import matplotlib
 
@@ -71,13 +57,8 @@ def svg(figure: Figure, name: str | None = None) -> str:
     figure : matplotlib Figure
         The figure that is drawn.
     name : str, optional
-        Begins every id of the element: letters, digits, "-" and "_"; different for each picture of a page. Without, it
-        is made from the content, so that only pictures that are equal share their ids.
-
-    Returns
-    -------
-    str
-        Without the head of a file. Every id, and every reference to one, begins with the name.
+        Begins every id of the element, and every reference to one: letters, digits, "-" and "_"; different for each
+        picture of a page. Without, it is made from the content, so that only pictures that are equal share their ids.
 
     Raises
     ------
@@ -100,3 +81,11 @@ def svg(figure: Figure, name: str | None = None) -> str:
 
 def _rounded(number: re.Match[str]) -> str:
     return f"{float(number.group()):.2f}".rstrip("0").rstrip(".")
+
+
+class NotebookFigure(Figure):
+    """A figure that belongs to no window: pyplot, by which notebooks show all others, does not know it."""
+
+    def _repr_png_(self) -> tuple[bytes, dict[str, int]]:
+        """The picture, and the width at which it has the size of other pictures [px]."""
+        return picture_bytes(self, "png"), {"width": round(self.get_figwidth() * self.get_dpi())}

@@ -9,17 +9,15 @@ import numpy as np
 from rockpulse.assessment.answers import Answers, answers_of
 from rockpulse.assessment.verdict import chances, too_far
 from rockpulse.errors import ResultsError
+from rockpulse.views.plots import style
 from rockpulse.views.plots.factor_rows import NAME, ROW
 from rockpulse.views.plots.selection import one_name
-from rockpulse.views.plots.style import BLACK, FONT, GREY, SMALL, caption, legend_above, look, one_axes, title
-from rockpulse.views.plots.words import plain, wrapped
+from rockpulse.views.plots.style import BLACK, GREY, SMALL
 from rockpulse.views.shared.terminal import ratio, shortened
 
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
-
-__all__ = ["probability_map"]
 
 #: Records and bodies on a page; of more the likeliest to overturn are shown.
 ROWS, COLUMNS = 50, 30
@@ -37,7 +35,8 @@ LEVELS = np.array([0.0, 0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0])
 def probability_map(tree: xr.DataTree, demand: str | None = None, ax: Axes | None = None) -> Axes:
     """The probability that each record overturns each body: the darker, the likelier.
 
-    Where it was not computed, whether the record overturns the body by the fullest model of the results.
+    Where it was not computed, whether the record overturns the body by the fullest model of the results. A row for
+    every record, the likeliest on top; of a sweep for every pair of channels, in its worst direction.
 
     Parameters
     ----------
@@ -47,17 +46,6 @@ def probability_map(tree: xr.DataTree, demand: str | None = None, ax: Axes | Non
         Name of a demand, to which every record is brought; by default the records are taken as they are.
     ax : matplotlib Axes, optional
         Where to draw; by default on a figure of its own, as high as its rows.
-
-    Returns
-    -------
-    matplotlib Axes
-        A row for every record, the likeliest to overturn a body on top; of a sweep for every pair of channels, in its
-        worst direction. A column for every body. Its first collection is the map.
-
-    Raises
-    ------
-    ResultsError
-        For a demand that is not there, or results that hold neither.
     """
     from matplotlib import colormaps
     from matplotlib.colors import BoundaryNorm
@@ -65,19 +53,22 @@ def probability_map(tree: xr.DataTree, demand: str | None = None, ax: Axes | Non
 
     answers = answers_of(tree)
     motions, known = answers.motions, answers.probable
-    demand = None if demand is None else _demand(answers, demand)
+    if demand is not None and not answers.demands:
+        raise ResultsError(f'demand: expected results with a [[demand]], found none; there is no "{demand}"')
+    demand = None if demand is None else one_name(answers.summary, "demand", demand)
     of_records = np.asarray(chances(answers, demand), dtype=float)
     if demand is not None:
         of_records = np.where(too_far(answers, demand), np.nan, of_records)
     values = np.fmax.reduce(motions.over(of_records, np.nan), axis=1)
+    at = " as they are" if demand is None else f", brought to the demand {style.plain(demand)}"
     if np.isnan(values).all():
-        raise ResultsError(f"probability: what overturns{_at(demand)} is not known in these results")
+        raise ResultsError(f"probability: what overturns{at} is not known in these results")
     likely = np.nan_to_num(values)
     rows = np.argsort(-likely.mean(axis=1), kind="stable")[:ROWS]
     columns = np.sort(np.argsort(-likely.mean(axis=0), kind="stable")[:COLUMNS])
     shown = values[np.ix_(rows, columns)]
     upright = columns.size <= UPRIGHT
-    ax = one_axes(ax, height=(1.9 if upright else 3.2) + ROW * max(rows.size, 4))
+    ax = style.one_axes(ax, height=(1.9 if upright else 3.2) + ROW * max(rows.size, 4))
     colours = colormaps["cividis_r"].with_extremes(bad="white")
     norm = BoundaryNorm(LEVELS, colours.N)
     mesh = ax.pcolormesh(np.ma.masked_invalid(shown), cmap=colours, norm=norm, ec="white", lw=0.6)
@@ -85,55 +76,39 @@ def probability_map(tree: xr.DataTree, demand: str | None = None, ax: Axes | Non
     ax.spines[:].set_visible(False)
     ax.tick_params(length=0)
     ax.set_ylim(rows.size, 0)
-    ax.set_yticks(np.arange(rows.size) + 0.5, [plain(shortened(motions.names[row], NAME)) for row in rows])
-    names = [plain(shortened(answers.bodies[column].name, NAME)) for column in columns]
-    names = [wrapped(name, 60 // columns.size) for name in names] if upright else names
+    ax.set_yticks(np.arange(rows.size) + 0.5, [style.plain(shortened(motions.names[row], NAME)) for row in rows])
+    names = [style.plain(shortened(answers.bodies[column].name, NAME)) for column in columns]
+    names = [style.wrapped(name, 60 // columns.size) for name in names] if upright else names
     # Room for the names, of which a letter is a good half as wide as it is high.
     lift = 6.0 + SMALL * (1.4 * max(name.count("\n") + 1 for name in names) if upright else 0.6 * max(map(len, names)))
     ax.set_xticks(np.arange(columns.size) + 0.5, names, rotation=0 if upright else 90)
     ax.xaxis.tick_top()
     handles: list[Any] = []
     if known:
-        figure = ax.get_figure()
-        assert figure is not None
-        bar = figure.colorbar(mesh, ax=ax, ticks=LEVELS, format="%g", pad=0.02, fraction=0.05, spacing="uniform")
-        bar.ax.tick_params(labelsize=SMALL, width=0.6)
-        bar.set_label("probability P [-]", fontsize=FONT)
+        style.colour_bar(ax, mesh, LEVELS, "probability P [-]", format="%g", spacing="uniform")
         if columns.size <= WRITTEN:
             for (row, column), value in np.ndenumerate(shown):
-                style: dict[str, Any] = {"color": "white" if value > 0.5 else BLACK, "ha": "center", "va": "center"}
-                ax.text(column + 0.5, row + 0.5, ratio(value), fontsize=SMALL - 1.0, **style)
+                options: dict[str, Any] = {"color": "white" if value > 0.5 else BLACK, "ha": "center", "va": "center"}
+                ax.text(column + 0.5, row + 0.5, ratio(value), fontsize=SMALL - 1.0, **options)
     else:
         handles += [Patch(fc=colours(norm(one)), label=words) for one, words in ((0.99, "overturns"), (0.0, "stands"))]
     if np.isnan(shown).any():
         handles.append(Patch(fc="white", ec=GREY, lw=0.5, label="not known"))
-    legend_above(ax, 3, across=True, lift=lift, handles=handles)
-    title(ax, f"Overturning under the {MOTIONS[motions.kind]}{_at(demand)}")
-    caption(ax, " ".join(_notes(answers, rows.size, columns.size)))
+    style.legend_above(ax, 3, across=True, lift=lift, handles=handles)
+    style.title(ax, f"Overturning under the {MOTIONS[motions.kind]}{at}")
+    style.caption(ax, " ".join(_notes(answers, rows.size, columns.size)))
     return ax
 
 
-def _demand(answers: Answers, demand: str) -> str:
-    """The name of a demand; ResultsError where the results have none."""
-    if not answers.demands:
-        raise ResultsError(f'demand: expected results with a [[demand]], found none; there is no "{demand}"')
-    return one_name(answers.summary, "demand", demand)
-
-
-def _at(demand: str | None) -> str:
-    return " as they are" if demand is None else f", brought to the demand {plain(demand)}"
-
-
 def _notes(answers: Answers, rows: int, columns: int) -> list[str]:
-    notes = []
-    if rows < len(answers.motions.names):
-        notes.append(f"The {rows} likeliest of {len(answers.motions.names)} {MOTIONS[answers.motions.kind]}.")
-    if columns < len(answers.bodies):
-        notes.append(f"The {columns} likeliest of {len(answers.bodies)} bodies.")
-    if answers.motions.kind == "pair":
-        notes.append("Of a pair of channels the direction that is the likeliest to overturn the body.")
+    motions, bodies, model = answers.motions, len(answers.bodies), style.look(answers.model).label
+    told = f"No probability is known: whether the {model} model overturns the body."
     if answers.probable:
-        notes.append(f"P: {answers.summary['overturning_probability'].attrs.get('comment', 'nonlinear model')}.")
-    else:
-        notes.append(f"No probability is known: whether the {look(answers.model).label} model overturns the body.")
-    return notes
+        told = f"P: {answers.summary['overturning_probability'].attrs.get('comment', 'nonlinear model')}."
+    notes = {
+        f"The {rows} likeliest of {len(motions.names)} {MOTIONS[motions.kind]}.": rows < len(motions.names),
+        f"The {columns} likeliest of {bodies} bodies.": columns < bodies,
+        "Of a pair of channels the direction that is the likeliest to overturn the body.": motions.kind == "pair",
+        told: True,
+    }
+    return [words for words, holds in notes.items() if holds]

@@ -9,29 +9,18 @@ import numpy as np
 
 from rocking.pictures import thinned
 from rockpulse.model_table import SEQUENCE_MODELS, is_full
+from rockpulse.views.plots import style
 from rockpulse.views.plots.model_histories import History
-from rockpulse.views.plots.style import (
-    BLACK,
-    FONT,
-    INSTANTS,
-    SMALL,
-    Panels,
-    caption,
-    dressed,
-    figure_of,
-    legend_above,
-    look,
-    several_axes,
-)
-from rockpulse.views.plots.style import title as titled
-
-__all__ = ["moving_stretch", "rotation_history"]
+from rockpulse.views.plots.style import BLACK, FONT, INSTANTS, SMALL, Panels
 
 #: Motions that stay below this [-] are not looked at when the stretch of time is chosen.
 _MOVES = 0.02
 
 #: Share of the stretch of time that is left free before and after it.
 _AROUND = 0.06
+
+#: Largest rotation that is shown: beyond it the block has fallen.
+_TOP = 1.5
 
 
 def rotation_history(histories: Sequence[History], axes: Panels | None = None, title: str = "") -> np.ndarray:
@@ -45,48 +34,33 @@ def rotation_history(histories: Sequence[History], axes: Panels | None = None, t
         Where to draw; by default on a figure of their own, with a common time.
     title : str
         Stands above.
-
-    Returns
-    -------
-    (2,) ndarray of Axes
-        The rotations, the impacts.
     """
-    if axes is None:
-        rows = 0.35 + 0.17 * len(histories)
-        figure = figure_of(height=3.4 + rows)
-        panels = np.array([dressed(ax) for ax in figure.subplots(2, 1, sharex=True, height_ratios=[2.9, rows])])
-    else:
-        panels = several_axes(axes, 2)[:, 0]
-    moving, below = panels
+    rows = 0.35 + 0.17 * len(histories)
+    moving, below = panels = style.several_axes(
+        axes, 2, height=3.4 + rows, sharex=True, height_ratios=[2.9, rows]
+    ).ravel()
     moving.axhline(0.0, color=BLACK, lw=0.5)
     for level in (-1.0, 1.0):
         moving.axhline(level, color=BLACK, lw=0.8, ls=(0, (6, 3)))
     first, last = moving_stretch([(history.time, history.rotation) for history in histories])
     for place, history in enumerate(histories):
-        style = look(history.model)
-        words = f"{style.label}: {_answer(history)}"
+        appearance = style.look(history.model)
+        color, words = appearance.color, f"{appearance.label}: {_answer(history)}"
         shown = (history.time >= first) & (history.time <= last)
         curve = thinned(history.time[shown], history.rotation[shown], INSTANTS)
         # The one to judge the others by is the thickest and on top.
         width, above = (1.7, 3.0) if is_full(history.model) else (1.0, 2.0)
-        moving.plot(*curve, color=style.color, ls=style.line, lw=width, zorder=above, label=words)
-        if np.isfinite(history.overturning):
-            _mark_overturning(moving, history)
-        below.plot(
-            history.impacts,
-            np.full(history.impacts.size, place),
-            ls="none",
-            marker="|",
-            ms=7,
-            mew=0.7,
-            color=style.color,
-        )
+        moving.plot(*curve, color=color, ls=appearance.line, lw=width, zorder=above, label=words)
+        # The last instant before the rotation leaves the picture.
+        inside = np.flatnonzero(np.abs(history.rotation) <= _TOP)[-1:]
+        if np.isfinite(history.overturning) and inside.size:
+            cross: dict[str, Any] = {"ls": "none", "marker": "X", "ms": 8, "mec": "white", "mew": 0.8, "zorder": 5}
+            moving.plot(history.time[inside], history.rotation[inside], color=color, **cross)
+        row = np.full(history.impacts.size, place)
+        below.plot(history.impacts, row, ls="none", marker="|", ms=7, mew=0.7, color=color)
     if {history.peak for history in histories} == {0.0}:
         moving.text(0.5, 0.55, "at rest", transform=moving.transAxes, fontsize=FONT, ha="center")
-    names = [
-        history.model if history.impact_count < 0 else f"{history.model} ({history.impact_count})"
-        for history in histories
-    ]
+    names = [one.model + (f" ({one.impact_count})" if one.impact_count >= 0 else "") for one in histories]
     below.set_yticks(range(len(histories)), names, fontsize=SMALL)
     below.set_ylim(len(histories) - 0.4, -0.6)
     below.set_ylabel("impacts")
@@ -96,9 +70,9 @@ def rotation_history(histories: Sequence[History], axes: Panels | None = None, t
     moving.set_xlim(first, last)
     moving.set_ylim(*_limits(histories))
     moving.yaxis.set_major_formatter(lambda value, _: f"{value:g}")  # of small ones too, no power beside the axis
-    legend_above(moving, 2, across=True, lift=4.0)
-    titled(moving, title, rows=(len(histories) + 1) // 2)
-    caption(below, _remarks(histories))
+    style.legend_above(moving, 2, across=True, lift=4.0)
+    style.title(moving, title, rows=(len(histories) + 1) // 2)
+    style.caption(below, _remarks(histories))
     return panels
 
 
@@ -108,29 +82,6 @@ def _answer(history: History) -> str:
     if np.isinf(history.peak):
         return "overturns" if np.isnan(history.overturning) else f"overturns by {history.overturning:.1f} s"
     return "at rest" if history.peak == 0.0 else f"peak {history.peak:.3g}"
-
-
-def _mark_overturning(ax: Any, history: History) -> None:
-    style, seen = look(history.model), np.flatnonzero(np.isfinite(history.rotation))
-    # The last instant before the rotation leaves the picture.
-    inside = seen[np.abs(history.rotation[seen]) <= _TOP] if seen.size else seen
-    at = inside[-1] if inside.size else None
-    if at is not None:
-        ax.plot(
-            history.time[at],
-            history.rotation[at],
-            marker="X",
-            ms=8,
-            color=style.color,
-            mec="white",
-            mew=0.8,
-            ls="none",
-            zorder=5,
-        )
-
-
-#: Largest rotation that is shown: beyond it the block has fallen.
-_TOP = 1.5
 
 
 def _limits(histories: Sequence[History]) -> tuple[float, float]:
@@ -146,10 +97,8 @@ def _limits(histories: Sequence[History]) -> tuple[float, float]:
 
 def moving_stretch(motions: Sequence[tuple[np.ndarray, np.ndarray]]) -> tuple[float, float]:
     """Limits of the time axis [s] about the first and the last motion, of times and rotations one after the other."""
-    found = []
-    for time, rotation in motions:
-        largest = min(np.nanmax(np.abs(rotation), initial=0.0), 1.0)
-        found.append(time[np.abs(rotation) > _MOVES * largest])
+    largest = [min(np.nanmax(np.abs(rotation), initial=0.0), 1.0) for _, rotation in motions]
+    found = [time[np.abs(one) > _MOVES * most] for (time, one), most in zip(motions, largest, strict=True)]
     moving = np.concatenate([np.zeros(0), *found])
     if moving.size == 0:
         ends = [float(time[-1]) for time, _ in motions if time.size]

@@ -14,39 +14,20 @@ from rocking.body.restraint import Restraints
 from rocking.impulses.impulse_sequence import ImpulseSequence
 from rockpulse.config.configuration import stored_sections
 from rockpulse.errors import ResultsError
-from rockpulse.model_table import ModelSettings
 from rockpulse.storage.hdf5.netcdf4 import flag_words
 from rockpulse.views.shared.terminal import restitution
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = [
-    "block_of",
-    "chosen_case",
-    "gain_of",
-    "named_body",
-    "one_name",
-    "plain_bodies",
-    "ragged",
-    "sequence_of",
-    "setting",
-    "table_of_pair",
-]
-
 #: Names listed in a message.
 LISTED = 20
-
-#: Names nearest to an unknown one, and how alike they are at least.
-NEAR = 3
-_SIMILAR = 0.4
 
 
 def one_name(dataset: xr.Dataset, dimension: str, name: str | None) -> str:
     """The name along a dimension that was asked for, in full or by a pattern that one name only meets, or the only one.
 
-    A ResultsError for a name that is not there, with the nearest ones, a pattern that several names meet, or no name
-    where there are several.
+    A ResultsError for any other, with the nearest names.
     """
     known = [str(item) for item in dataset[dimension].values]
     if name is None and len(known) == 1:
@@ -63,9 +44,8 @@ def one_name(dataset: xr.Dataset, dimension: str, name: str | None) -> str:
         raise ResultsError(
             f'{dimension}: "{name}" is met by {len(met)} in these results, the picture is of one: {_listed(met)}'
         )
-    near = get_close_matches(name, known, n=NEAR, cutoff=_SIMILAR)
-    nearest = f"the nearest: {_listed(near)}; " if near else ""
-    there = f"there are: {_listed(known)}"
+    near = get_close_matches(name, known, n=3, cutoff=0.4)
+    nearest, there = f"the nearest: {_listed(near)}; " if near else "", f"there are: {_listed(known)}"
     if near and len(known) > LISTED:
         there = f"there are {len(known)} (rockpulse inspect --{dimension}s)"
     raise ResultsError(
@@ -92,17 +72,7 @@ def setting(tree: xr.DataTree, section: str, name: str, otherwise: Any) -> Any:
 
 
 def block_of(summary: xr.Dataset, block: str, case: int = 1) -> Block:
-    """A block of the results as the models take it.
-
-    Parameters
-    ----------
-    summary : xarray.Dataset
-        The node /summary.
-    block : str
-        Its name.
-    case : int
-        Number of its restitution, from 1.
-    """
+    """A block of the node /summary of the results as the models take it, with a restitution by its number from 1."""
     own = summary.sel(block=block).isel(chosen_case(summary, case))
     names = ("alpha_c", "p", "radius", "restitution", "alpha_2", "p_2", "radius_2", "restitution_2", "mass")
     return Block.restored(
@@ -117,20 +87,18 @@ def block_of(summary: xr.Dataset, block: str, case: int = 1) -> Block:
 
 def plain_bodies(summary: xr.Dataset) -> list[str]:
     """The bodies that a spectrum of the records stands for: free, symmetric, on the ground, without a direction."""
-    names = [str(name) for name in summary["block"].values]
     like = (summary["one_sided"].values == 0) & (summary["alpha_2"].values == summary["alpha_c"].values)
     like &= np.isnan(summary["body_azimuth"].values)
-    for name in ("restraints", "floors"):
-        like &= summary[name].values == ""
-    return [name for name, plain in zip(names, like.tolist(), strict=True) if plain]
+    like &= (summary["restraints"].values == "") & (summary["floors"].values == "")
+    return [str(name) for name in summary["block"].values[like]]
 
 
 def named_body(summary: xr.Dataset, block: str, case: int = 1) -> str:
     """The name of a block, with its restitution where it has several, by the number from 1."""
     if "case" not in summary.dims:
         return block
-    c = float(summary["restitution"].sel(block=block).isel(case=case - 1))
-    return f"{block}, C = {restitution(c)}"
+    c = summary["restitution"].sel(block=block).isel(chosen_case(summary, case))
+    return f"{block}, C = {restitution(float(c))}"
 
 
 def ragged(tree: xr.DataTree, sizes: str, names: Sequence[str], record: str) -> dict[str, xr.Variable] | None:
@@ -138,10 +106,9 @@ def ragged(tree: xr.DataTree, sizes: str, names: Sequence[str], record: str) -> 
     if "records" not in tree.children or any(name not in tree["records"] for name in (sizes, *names)):
         return None
     stored = tree["records"].to_dataset()
-    place = stored.get_index("record").get_loc(record)
-    ends = np.cumsum(stored[sizes].values)
-    part = slice(int(ends[place]) - int(stored[sizes].values[place]), int(ends[place]))
-    return {name: stored[name].variable[part] for name in names}
+    place = stored["record"].values.tolist().index(record)
+    first, last = np.cumsum([0, *stored[sizes].values])[place : place + 2]
+    return {name: stored[name].variable[first:last] for name in names}
 
 
 def table_of_pair(
@@ -149,27 +116,14 @@ def table_of_pair(
 ) -> dict[str, np.ndarray]:
     """Rows of /half_cycles or /overturning_intervals of one answer, with one restitution by the number from 1."""
     summary, table = tree["summary"].to_dataset(), tree[group].to_dataset()
-    place = {"record": record, "block": block, "model": model}
     rows = table["case_index"].values == case - 1
-    for dimension, name in place.items():
+    for dimension, name in (("record", record), ("block", block), ("model", model)):
         rows &= table[f"{dimension}_index"].values == summary.get_index(dimension).get_loc(name)
     return {str(name): variable.values[rows] for name, variable in table.data_vars.items()}
 
 
 def sequence_of(tree: xr.DataTree, record: str) -> ImpulseSequence:
-    """The impulse sequence of a record, with the spacing that its half-cycles were computed with.
-
-    Parameters
-    ----------
-    tree : xarray.DataTree
-        Results of an assessment.
-    record : str
-        Name of the record.
-
-    Returns
-    -------
-    ImpulseSequence
-        Impulses in m/s, interval and duration in s.
+    """The impulse sequence of a record [m/s, s], with the spacing that its half-cycles were computed with.
 
     Raises
     ------
@@ -177,15 +131,9 @@ def sequence_of(tree: xr.DataTree, record: str) -> ImpulseSequence:
         Where the record gave no sequence.
     """
     own = tree["summary"].to_dataset().sel(record=record)
-    main, secondary, interval, duration = (
-        float(own[name]) for name in ("main_impulse", "secondary_impulse", "secondary_interval", "sequence_duration")
-    )
+    names = ("main_impulse", "secondary_impulse", "secondary_interval", "sequence_duration")
+    main, secondary, interval, duration = (float(own[name]) for name in names)
     if not np.isfinite(main):
         raise ResultsError(f"{record}: no impulse sequence: the intense phase of the record holds too few half-waves")
     count, spacing = int(own["main_count"]), flag_words(own["spacing"])[int(own["spacing"])]
     return ImpulseSequence(main, secondary, interval, duration, None if count < 0 else count, spacing=spacing)
-
-
-def gain_of(tree: xr.DataTree) -> str:
-    """`[models] gain` of the results."""
-    return str(setting(tree, "models", "gain", ModelSettings().gain))

@@ -1,4 +1,4 @@
-"""The distribution of each parameter of the impulse sequence over the records of a site, and the design sequence."""
+"""The parameters of the impulse sequences of a site and its design sequence, and its overturning spectrum over p."""
 
 from __future__ import annotations
 
@@ -8,40 +8,23 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy.special import ndtr
 
-from rockpulse.views.plots.site_spectrum import site_spectrum
-from rockpulse.views.plots.style import (
-    BLACK,
-    BLUE,
-    GREY,
-    ORANGE,
-    RED,
-    SKY,
-    SMALL,
-    Panels,
-    caption,
-    panel_title,
-    several_axes,
-    title,
-)
-from rockpulse.views.plots.words import plain, readable, unit
+from rockpulse.record.record import STANDARD_GRAVITY
+from rockpulse.views.plots import style
+from rockpulse.views.plots.spectra import below_the_picture, record_lines, spectrum_axes
+from rockpulse.views.plots.style import BLACK, BLUE, GREY, ORANGE, PALE, RED, SKY, SMALL, Panels
 
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
-
-__all__ = ["SITE_PANELS", "calibration"]
-
-#: Rows and columns of :func:`calibration`: one panel for each parameter, and the legend.
-SITE_PANELS = (3, 2)
-
-#: Range of the fitted curve, in dispersions on both sides of the median.
-_REACH = 2.6
 
 #: Largest ratio to the range of the records up to which the axis follows an interval or the design.
 _NEAR = 3.0
 
 #: A remark longer than this is cut [characters].
 _REMARK = 230
+
+#: Letters of the parameters.
+_SYMBOLS = {"main": "$I$", "ratio": "$I_s/I$", "interval": r"$\Delta T$", "main_count": "number", "duration": "time"}
 
 
 def calibration(tree: xr.DataTree, axes: Panels | None = None) -> np.ndarray:
@@ -59,12 +42,12 @@ def calibration(tree: xr.DataTree, axes: Panels | None = None) -> np.ndarray:
     (6,) ndarray of Axes
         Main impulse, I_s/I, interval, number of main impulses, duration; the last one holds the legend. Each step of a
         distribution is a record, as high as its weight; where a record's own calibration gave an interval it is a
-        horizontal line. (1,) for a site by the spectrum: :func:`~rockpulse.views.plots.site_spectrum.site_spectrum`.
+        horizontal line. (1,) for a site by the spectrum.
     """
     site = tree["site"].to_dataset()
     if site.attrs["method"] == "spectrum":
         return np.array([site_spectrum(tree, None if axes is None else np.ravel(np.array(axes, dtype=object))[0])])
-    panels = several_axes(axes, *SITE_PANELS, height=7.2).ravel()
+    panels = style.several_axes(axes, 3, 2, height=7.2).ravel()
     names = [str(name) for name in site["parameter"].values]
     for ax, name in zip(panels, names, strict=False):
         _parameter(ax, site.sel(parameter=name), site["weight"].values, float(site["confidence"]))
@@ -74,11 +57,9 @@ def calibration(tree: xr.DataTree, axes: Panels | None = None) -> np.ndarray:
     last.set_axis_off()
     handles, words = panels[0].get_legend_handles_labels()
     last.legend(handles, words, loc="center left", fontsize=SMALL, frameon=False, handlelength=2.4, labelspacing=0.8)
-    records, events = int(site["record_count"]), int(site["event_count"])
-    heading = str(tree.attrs.get("title", ""))
-    counts = f"{records} record{'s' * (records != 1)} of {events} earthquake{'s' * (events != 1)}"
-    title(panels[0], f"{plain(heading)}: {counts}, by {tree['site'].attrs['method']}")
-    caption(panels[len(panels) - 2], _remarks(site))
+    counts = style.counts(int(site["record_count"]), int(site["event_count"]))
+    style.title(panels[0], f"{style.plain(tree.attrs.get('title', ''))}: {counts}, by {site.attrs['method']}")
+    style.caption(panels[-2], _remarks(site))
     return panels
 
 
@@ -86,8 +67,8 @@ def _parameter(ax: Axes, own: xr.Dataset, weight: np.ndarray, confidence: float)
     value = own["value"].values
     known = np.isfinite(value) & (weight > 0.0)
     units = str(own["parameter_unit"].item())
-    panel_title(ax, readable(str(own["parameter_name"].item())).replace(", $I_s/I$", ""), width=52)
-    ax.set_xlabel(f"{_SYMBOLS.get(str(own['parameter'].item()), '')} [{unit(units)}]".strip())
+    style.panel_title(ax, style.readable(str(own["parameter_name"].item())).replace(", $I_s/I$", ""), width=52)
+    ax.set_xlabel(f"{_SYMBOLS.get(str(own['parameter'].item()), '')} [{style.unit(units)}]".strip())
     ax.set_ylim(0.0, 1.02)
     ax.set_xscale("log")
     if not np.any(known):
@@ -106,9 +87,8 @@ def _parameter(ax: Axes, own: xr.Dataset, weight: np.ndarray, confidence: float)
     if np.isfinite(design):
         ax.axvline(design, color=RED, lw=1.3, ls=(0, (5, 1.5)), label="design sequence")
         if np.isfinite(low) and np.isfinite(high):
-            ax.axvspan(
-                low, high, color=RED, alpha=0.13, lw=0, label=f"its {100.0 * confidence:g} % interval ($I$ alone)"
-            )
+            words = f"its {100.0 * confidence:g} % interval ($I$ alone)"
+            ax.axvspan(low, high, color=RED, alpha=0.13, lw=0, label=words)
     ax.set_xlim(_range(ordered, np.r_[lower[bounded], upper[bounded], design]))
     _ticks(ax, whole=str(own["parameter"].item()) == "main_count")
     missing = int(np.count_nonzero(~np.isfinite(value) & (weight > 0.0)))
@@ -127,23 +107,13 @@ def _range(values: np.ndarray, others: np.ndarray) -> tuple[float, float]:
     return low / room, high * room
 
 
-#: Letters of the parameters.
-_SYMBOLS = {"main": "$I$", "ratio": "$I_s/I$", "interval": r"$\Delta T$", "main_count": "number", "duration": "time"}
-
-
 def _fit(ax: Axes, own: xr.Dataset, confidence: float) -> None:
     """Draw the lognormal curve and the interval of its median."""
     median, dispersion = float(own["median"]), float(own["dispersion"])
     if np.isfinite(median) and np.isfinite(dispersion) and dispersion > 0.0:
-        values = median * np.exp(np.linspace(-_REACH, _REACH, 101) * dispersion)
-        ax.plot(
-            values,
-            ndtr(np.log(values / median) / dispersion),
-            color=BLUE,
-            lw=1.2,
-            ls=(0, (1.2, 1.2)),
-            label="lognormal fit",
-        )
+        values = median * np.exp(np.linspace(-2.6, 2.6, 101) * dispersion)
+        shares = ndtr(np.log(values / median) / dispersion)
+        ax.plot(values, shares, color=BLUE, lw=1.2, ls=(0, (1.2, 1.2)), label="lognormal fit")
     low, high = float(own["median_lower"]), float(own["median_upper"])
     if np.isfinite(low) and np.isfinite(high):
         words = f"{100.0 * confidence:g} % interval of the median"
@@ -152,25 +122,63 @@ def _fit(ax: Axes, own: xr.Dataset, confidence: float) -> None:
 
 def _ticks(ax: Axes, whole: bool) -> None:
     """Label the ticks with plain numbers, whole ones for counts."""
-    from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullFormatter, NullLocator
+    from matplotlib.ticker import MaxNLocator, NullLocator
 
     low, high = ax.get_xlim()
+    style.plain_ticks(ax.xaxis, 100.0)
     if high / low < 6.0:  # within less than a decade the usual round numbers
         ax.xaxis.set_major_locator(MaxNLocator(5, integer=whole))
         ax.xaxis.set_minor_locator(NullLocator())
-    else:
-        ax.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0) if high / low < 100.0 else (1.0,)))
-    ax.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-    ax.xaxis.set_minor_formatter(NullFormatter())
 
 
 def _remarks(site: xr.Dataset) -> str:
     """The gravest remark, which comes first."""
     words = [f"Design: quantile {float(site['quantile']):g} by {site.attrs['design']}."]
-    remarks = [line for line in str(site["remarks"].item()).splitlines() if line]
-    if remarks:
-        first = textwrap.shorten(remarks[0][:1].upper() + remarks[0][1:], _REMARK, placeholder=" …")
-        words.append(plain(first if first.endswith("…") else f"{first}."))
+    remarks = _sentences(site)
+    for one in remarks[:1]:
+        first = textwrap.shorten(one, _REMARK, placeholder=" …")
+        words.append(style.plain(first if first.endswith("…") else f"{first}."))
     if len(remarks) > 1:
         words.append(f"{len(remarks) - 1} more remarks in the file.")
     return " ".join(words)
+
+
+def _sentences(site: xr.Dataset) -> list[str]:
+    return [line[:1].upper() + line[1:] for line in str(site["remarks"].item()).splitlines() if line]
+
+
+def site_spectrum(tree: xr.DataTree, ax: Axes | None = None) -> Axes:
+    """Median and 84 % spectrum of a site at the median C of its bodies, and the design of each body by its point."""
+    ax = style.one_axes(ax, height=4.4)
+    site, spectra = tree["site"].to_dataset(), tree["spectra"].to_dataset()
+    restitution = float(np.median(site["restitution"])) if site.sizes["block"] else 0.9
+    grid = spectra["restitution"].values
+    nearest = float(np.clip(restitution, grid[0], grid[-1]))
+    curves = {
+        str(name): np.exp(one.copy(data=np.log(one.values)).interp(restitution=nearest).transpose(..., "p").values)
+        for name, one in spectra.items()
+        if "restitution" in one.dims
+    }
+    p = spectra["p"].values
+    record_lines(ax, p, curves["spectrum"])
+    quantile, confidence = (100.0 * float(site[name]) for name in ("quantile", "confidence"))
+    if np.all(np.isfinite(curves["spectrum_design"])):
+        words = f"{confidence:g} % interval of the 84 % spectrum"
+        ax.fill_between(p, curves["spectrum_84_lower"], curves["spectrum_84_upper"], color=PALE, lw=0, label=words)
+        ax.plot(p, curves["spectrum_50"], color=BLUE, lw=1.8, label="median over earthquakes")
+        ax.plot(p, curves["spectrum_84"], color=BLUE, lw=1.8, ls="--", label="84 %")
+    known = site.isel(block=np.flatnonzero(np.isfinite(site["effective_impulse"].values)))
+    if known.sizes["block"]:
+        middle, low, high = (known[f"effective_impulse{end}"].values for end in ("", "_lower", "_upper"))
+        words, ends = f"$I_{{eff}}$ of the design ({quantile:g} %) at the body's own C", (middle - low, high - middle)
+        ax.errorbar(known["p"].values, middle, yerr=ends, fmt="_", ms=9, color=RED, lw=1.2, label=words)
+    # g tan(alpha)/p from I_1c = g alpha/(p cos alpha).
+    alpha, rates = site["alpha_c"].values, site["p"].values.tolist()
+    speeds = (site["critical_impulse"].values * np.sin(alpha) / alpha).tolist()
+    points = dict(zip(map(str, site["block"].values), zip(rates, speeds, strict=True), strict=True))
+    rows = spectrum_axes(ax, spectra["p"], points, STANDARD_GRAVITY, columns=2)
+    style.title(ax, f"{style.plain(tree.attrs.get('title', ''))}, $C$ = {restitution:.3g}", rows=rows)
+    said = ["A body overturns under the design where the middle of its bar lies above its point."]
+    said = [*said[: known.sizes["block"]], *(f"{style.plain(one)}." for one in _sentences(site)[:1])]
+    style.caption(ax, " ".join([*said, *below_the_picture(ax, curves["spectrum"])]))
+    return ax

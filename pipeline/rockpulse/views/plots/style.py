@@ -1,53 +1,26 @@
-"""One look for all pictures: sizes for a page of A4, and colours that hold for colour-blind eyes and in grey.
+"""One look for all pictures: sizes for a page of A4, colours that hold for colour-blind eyes and in grey, and words.
 
 Nothing here touches matplotlib's global settings: every size is set on the artist itself, so that pictures drawn side
-by side in one process, or in a user's own session, do not change each other.
+by side in one process, or in a user's own session, do not change each other. Names given by users are plain text.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import re
+import textwrap
+from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 import numpy as np
 
+from rockpulse.foreign_text import escaped
 from rockpulse.model_table import MODELS
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.axis import Axis
+    from matplotlib.collections import QuadMesh
     from matplotlib.figure import Figure
-
-__all__ = [
-    "BLACK",
-    "BLUE",
-    "FONT",
-    "GREEN",
-    "GREY",
-    "INSTANTS",
-    "ORANGE",
-    "PALE",
-    "PURPLE",
-    "RED",
-    "SKY",
-    "SMALL",
-    "WIDTH",
-    "Look",
-    "Panels",
-    "caption",
-    "dressed",
-    "figure_of",
-    "legend",
-    "legend_above",
-    "look",
-    "looks",
-    "one_axes",
-    "panel_title",
-    "plain_ticks",
-    "ramp",
-    "several_axes",
-    "title",
-]
 
 #: Width of a picture: that of the text on a page of A4 with margins of 25 mm [in].
 WIDTH = 6.3
@@ -74,7 +47,6 @@ _OURS = "rockpulse"
 
 #: Columns by which a long history is drawn: more cannot be told apart on the page.
 INSTANTS = 700
-
 
 #: The Axes of a user for a picture of several panels: one, several, or those of ``plt.subplots``.
 Panels: TypeAlias = "Axes | Sequence[Axes] | np.ndarray"
@@ -112,12 +84,9 @@ def look(name: str) -> Look:
 
 def looks(names: Sequence[str]) -> list[Look]:
     """The looks of named things of one family, in order; colours that come again have other lines and markers."""
-    found = []
-    for place, name in enumerate(names):
-        turn, at = divmod(place, len(_CYCLE))
-        _, line, marker = _CYCLE[(at + 2 * turn + 1) % len(_CYCLE)] if turn else _CYCLE[at]
-        found.append(Look(name, _CYCLE[at][0], line, marker))
-    return found
+    turns = [divmod(place, len(_CYCLE)) for place in range(len(names))]
+    other = [_CYCLE[(at + 2 * turn + 1) % len(_CYCLE)] if turn else _CYCLE[at] for turn, at in turns]
+    return [Look(name, _CYCLE[at][0], *one[1:]) for name, (_, at), one in zip(names, turns, other, strict=True)]
 
 
 def ramp(names: Sequence[str]) -> list[Look]:
@@ -126,19 +95,31 @@ def ramp(names: Sequence[str]) -> list[Look]:
     from matplotlib.colors import to_hex
 
     shades = colormaps["cividis"](np.linspace(0.0, 0.88, len(names)))
-    return [
-        Look(name, to_hex(shade), _CYCLE[place % 4][1], _CYCLE[place % 4][2])
-        for place, (name, shade) in enumerate(zip(names, shades, strict=True))
-    ]
+    return [Look(name, to_hex(shades[place]), *_CYCLE[place % 4][1:]) for place, name in enumerate(names)]
 
 
 def figure_of(width: float = WIDTH, height: float = 3.4) -> Figure:
     """A figure of some size [in] that belongs to no window and no global list."""
-    from rockpulse.views.plots.notebook_figure import NotebookFigure
+    from rockpulse.views.plots.picture import NotebookFigure
 
     figure = NotebookFigure(figsize=(width, height), layout="constrained")
     figure.set_label(_OURS)
     return figure
+
+
+def whole_figure(what: Figure | Axes | np.ndarray) -> Figure:
+    """The figure of Axes, or of the first of several; a figure is its own."""
+    from matplotlib.figure import Figure
+
+    if isinstance(what, Figure):
+        return what
+    figure: Figure = np.ravel(np.array(what, dtype=object))[0].get_figure(root=True)
+    return figure
+
+
+def _ours(ax: Axes) -> bool:
+    """Whether Axes stand on a figure that was made here, so that its margins are free."""
+    return whole_figure(ax).get_label() == _OURS
 
 
 def one_axes(ax: Axes | None, height: float = 3.4) -> Axes:
@@ -147,9 +128,9 @@ def one_axes(ax: Axes | None, height: float = 3.4) -> Axes:
 
 
 def several_axes(axes: Panels | None, rows: int, columns: int = 1, height: float = 5.0, **options: Any) -> np.ndarray:
-    """As :func:`one_axes` for pictures of rows x columns of panels; the Axes come back in that shape.
+    """As :func:`one_axes` for rows x columns of panels, in that shape; a ValueError for another number of Axes.
 
-    The options are those of :meth:`matplotlib.figure.Figure.subplots`. A ValueError for another number of Axes.
+    The options are those of :meth:`matplotlib.figure.Figure.subplots`.
     """
     if axes is None:
         panels = figure_of(height=height).subplots(rows, columns, squeeze=False, **options)
@@ -176,6 +157,13 @@ def dressed(ax: Axes) -> Axes:
     return ax
 
 
+def colour_bar(ax: Axes, mesh: QuadMesh, ticks: np.ndarray, words: str, **options: Any) -> None:
+    """Draw the scale of colours of a map beside it."""
+    bar = whole_figure(ax).colorbar(mesh, ax=ax, ticks=ticks, pad=0.02, fraction=0.05, **options)
+    bar.ax.tick_params(labelsize=SMALL, width=0.6)
+    bar.set_label(words, fontsize=FONT)
+
+
 def legend(ax: Axes, **options: Any) -> None:
     """The legend of what has a label, if anything has, with the options of :meth:`matplotlib.axes.Axes.legend`."""
     if options.get("handles") or ax.get_legend_handles_labels()[1]:
@@ -185,74 +173,143 @@ def legend(ax: Axes, **options: Any) -> None:
 def legend_above(ax: Axes, ncols: int, across: bool = False, lift: float = 0.0, **options: Any) -> None:
     """The legend in rows of `ncols` entries above the Axes, where it hides nothing.
 
-    With `across` it begins at the left edge of a figure of our own, for Axes that leave room for long names beside
-    them. `lift` moves it further up [pt], over what else stands above the Axes.
+    With `across` it begins at the left edge of a figure of our own, beside long names. `lift` moves it further up [pt].
     """
     from matplotlib.transforms import ScaledTranslation, blended_transform_factory
 
-    figure = ax.get_figure(root=True)
-    assert figure is not None
-    beside = across and figure.get_label() == _OURS
-    place = blended_transform_factory(figure.transFigure if beside else ax.transAxes, ax.transAxes)
-    style = {"frameon": False, "columnspacing": 1.2, "handlelength": 1.9, "borderaxespad": 0.0, "borderpad": 0.25}
-    legend(
-        ax,
-        loc="lower left",
-        bbox_to_anchor=(0.005 if beside else 0.0, 1.0),
-        bbox_transform=place + ScaledTranslation(0.0, lift / 72.0, figure.dpi_scale_trans),
-        ncols=ncols,
-        **style,
-        **options,
-    )
+    figure, beside = whole_figure(ax), across and _ours(ax)
+    above = blended_transform_factory(figure.transFigure if beside else ax.transAxes, ax.transAxes)
+    place = above + ScaledTranslation(0.0, lift / 72.0, figure.dpi_scale_trans)
+    options |= {"loc": "lower left", "bbox_to_anchor": (0.005 if beside else 0.0, 1.0), "bbox_transform": place}
+    options |= {"columnspacing": 1.2, "handlelength": 1.9, "borderaxespad": 0.0, "borderpad": 0.25}
+    legend(ax, ncols=ncols, frameon=False, **options)
 
 
 def title(ax: Axes, words: str, rows: int = 0, width: int = 74) -> None:
     """The title of a picture: above a figure of our own, else above its uppermost Axes and their own title.
 
     `rows` is the number of rows of a legend that stands above the Axes, `width` the longest line. Names of the user's
-    stand in `words` as :func:`~rockpulse.views.plots.words.plain` gives them.
+    stand in `words` as :func:`plain` gives them.
     """
-    from rockpulse.views.plots.words import wrapped
-
-    figure = ax.get_figure(root=True)
-    if words and figure is not None and figure.get_label() == _OURS:
-        figure.suptitle(wrapped(words, width), x=0.01, ha="left", fontsize=FONT)
+    if words and _ours(ax):
+        whole_figure(ax).suptitle(wrapped(words, width), x=0.01, ha="left", fontsize=FONT)
     else:
         panel_title(ax, "\n".join(line for line in (words, ax.get_title(loc="left")) if line), rows)
 
 
 def panel_title(ax: Axes, words: str, rows: int = 0, width: int = 92) -> None:
     """The line above one of several panels, over `rows` rows of a legend; `width` is the longest line."""
-    from rockpulse.views.plots.words import wrapped
-
     ax.set_title(wrapped(words, width), loc="left", fontsize=FONT, pad=4.0 + 12.0 * rows)
 
 
 def caption(ax: Axes, words: str, width: int = 106) -> None:
-    """Small print below the label of the horizontal axis of the lowest Axes: what is uncertain, what the signs mean.
-
-    `width` is the longest line on a figure of our own.
-    """
-    from rockpulse.views.plots.words import wrapped
-
-    figure = ax.get_figure(root=True)
-    if not words or figure is None:
-        return
-    style: dict[str, Any] = {"fontsize": SMALL, "color": "#333333", "linespacing": 1.25}
-    if figure.get_label() == _OURS:
-        figure.supxlabel(wrapped(words, width), x=0.01, ha="left", **style)
-    else:  # somebody else's figure: its own labels stay, and there may be other pictures on it
+    """Small print below the label of the horizontal axis of the lowest Axes: what is uncertain, what the signs mean."""
+    options: dict[str, Any] = {"fontsize": SMALL, "color": "#333333", "linespacing": 1.25}
+    if words and _ours(ax):
+        whole_figure(ax).supxlabel(wrapped(words, width), x=0.01, ha="left", **options)
+    elif words:  # somebody else's figure: its own labels stay, and there may be other pictures on it
+        options |= {"va": "top", "in_layout": False}
         below = ("axes fraction", ax.xaxis.label)
-        ax.annotate(
-            wrapped(words, width), (0.0, 0.0), (0.0, -5.0), below, "offset points", va="top", in_layout=False, **style
-        )
+        ax.annotate(wrapped(words, width), (0.0, 0.0), (0.0, -5.0), below, "offset points", **options)
 
 
-def plain_ticks(axis: Axis) -> None:
-    """Label the ticks of a logarithmic axis with plain numbers, not powers of ten, and set enough of them."""
+def plain_ticks(axis: Axis, wide: float = 200.0) -> None:
+    """Label the ticks of a logarithmic axis with plain numbers, not powers of ten; only these on a `wide` one."""
     from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
     low, high = axis.get_view_interval()
-    axis.set_major_locator(LogLocator(subs=(1.0,) if high / low > 200.0 else (1.0, 2.0, 5.0)))
+    axis.set_major_locator(LogLocator(subs=(1.0,) if high / low >= wide else (1.0, 2.0, 5.0)))
     axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
     axis.set_minor_formatter(NullFormatter())
+
+
+#: CF units of the results as an engineer writes them.
+_UNITS = {"m s-2": "m/s²", "m s-1": "m/s", "s-1": "1/s", "rad s-1": "rad/s", "degree": "°", "1": "-"}
+
+#: Symbols of the long names as mathematics; of those that begin alike the longer one first.
+_SYMBOLS = {
+    "theta_max/alpha_c": r"$\theta_{max}/\alpha_c$",
+    "theta/alpha_c": r"$\theta/\alpha_c$",
+    "alpha_c": r"$\alpha_c$",
+    "I_s/I": "$I_s/I$",
+    "I/I_1c": "$I/I_{1c}$",
+    "I_1c": "$I_{1c}$",
+    "I_2c": "$I_{2c}$",
+    "I_s": "$I_s$",
+    "dT": r"$\Delta T$",
+}
+_SYMBOL = re.compile(rf"\b({'|'.join(map(re.escape, _SYMBOLS))})\b")
+
+#: Mathematics of matplotlib: between dollars that are not escaped.
+_MATHEMATICS = re.compile(r"(?<!\\)\$[^$]+(?<!\\)\$")
+
+#: First of the letters that no text has.
+_PRIVATE = 0xE000
+
+
+def unit(units: str) -> str:
+    """The printed form of a unit in the results (attribute `units`, CF)."""
+    return _UNITS.get(units, units)
+
+
+def readable(long_name: str) -> str:
+    r"""A long name with its symbols as mathematics, without the remarks that follow a semicolon.
+
+    Examples
+    --------
+    >>> readable("largest rotation over alpha_c; inf where the block overturns, 0 at rest")
+    'largest rotation over $\\alpha_c$'
+    """
+    return _SYMBOL.sub(lambda found: _SYMBOLS[found.group()], long_name.split(";")[0].strip())
+
+
+def label(attrs: Mapping[Any, Any], units: str | None = None, symbol: str = "") -> str:
+    """Text of an axis from the attributes `long_name` and `units` (or other units), with the letter of the quantity.
+
+    Examples
+    --------
+    >>> label({"long_name": "main impulse I of the calibrated sequence", "units": "m s-1"})
+    'main impulse I of the calibrated sequence [m/s]'
+    """
+    name = f"{readable(str(attrs['long_name']))} {symbol}".rstrip()
+    return f"{name} [{unit(str(attrs['units']) if units is None else units)}]"
+
+
+def plain(name: object) -> str:
+    """A name given by the user (record, block, title), escaped so that it cannot start mathematics."""
+    return escaped(str(name)).replace("$", r"\$")
+
+
+def wrapped(words: str, width: int) -> str:
+    r"""Text broken into lines by its drawn length: mathematics counts as long as it is drawn, and is never broken.
+
+    `width` is the longest line in characters; longer words are cut, so that no id leaves the picture. Line breaks in
+    the text stay.
+
+    Examples
+    --------
+    >>> wrapped("a row of $\\alpha_c$ and so on", 13)
+    'a row of $\\alpha_c$\nand so on'
+    """
+    pieces = _MATHEMATICS.findall(words)
+    # Each piece is replaced by as many letters of its own as it shows.
+    for place, piece in enumerate(pieces):
+        shown = re.sub(r"\\[A-Za-z]+", "x", piece[1:-1])
+        words = words.replace(piece, chr(_PRIVATE + place) * max(len(re.sub(r"[{}_^ ]", "", shown)), 1), 1)
+    text = "\n".join(textwrap.fill(line, width, break_on_hyphens=False) for line in words.split("\n"))
+    for place, piece in enumerate(pieces):
+        letter = chr(_PRIVATE + place)
+        text = re.sub(f"{letter}(\n?{letter})*", piece.replace("\\", r"\\"), text)
+    return text
+
+
+def counts(records: int, events: int) -> str:
+    """The numbers of records and of their earthquakes."""
+    return f"{records} record{'s' * (records != 1)} of {events} earthquake{'s' * (events != 1)}"
+
+
+def counted(names: Iterable[object], most: int = 3) -> str:
+    """The first few names, and the number of the others: ``a, b, c and 2 more``."""
+    listed = [str(name) for name in names]
+    more = len(listed) - most
+    return ", ".join(listed) if more <= 0 else f"{', '.join(listed[:most])} and {more} more"

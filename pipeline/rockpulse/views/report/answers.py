@@ -1,31 +1,38 @@
-"""The answers of every model for every record and body, as cells; and how often each body overturns."""
+"""The answers of every model for every record and body, as cells; how often each body overturns; what they mean."""
 
 from __future__ import annotations
+
+from collections.abc import Sequence
 
 import numpy as np
 
 from rocking.response import Outcome
 from rockpulse.assessment.answers import Answers
-from rockpulse.assessment.verdict import Standing, standings, why_unknown
-from rockpulse.model_table import UPPER_BOUND, is_upper_bound
-from rockpulse.views.report.wording import Words
-from rockpulse.views.shared.answer_cells import (
-    NAMES,
-    TITLES,
-    answer_cells,
+from rockpulse.assessment.verdict import BodyVerdict, Standing, standings, why_unknown
+from rockpulse.config.study_settings import UncertaintySettings
+from rockpulse.model_table import is_upper_bound
+from rockpulse.views.report.records import record_label
+from rockpulse.views.shared.columns import (
+    AT_MOST,
+    NO_ANSWER,
+    OUTSIDE,
+    AnswerRows,
+    Column,
+    answer_columns,
+    columns,
+    doubt_notes,
     factor_cell,
-    factor_cells,
+    filled,
+    headed,
+    margin_cells,
     marks_of,
+    record_cells,
     unexplained,
 )
-from rockpulse.views.shared.record_marks import record_cells
-from rockpulse.views.shared.table import Cell, Heading, Mark, Table, number
-from rockpulse.views.shared.terminal import ratio, restitution
-
-__all__ = ["AnswerCells", "answer_table", "count_table", "model_column", "record_table"]
-
-#: Demand of a record on a body.
-DEMANDS = ("uplift_ratio", "velocity_ratio", "impulse_ratio")
+from rockpulse.views.shared.notes import beyond_critical, factor_name, missed_step, none_found
+from rockpulse.views.shared.table import Cell, Heading, Mark, Table
+from rockpulse.views.shared.terminal import ratio, share
+from rockpulse.views.shared.words import numerals, say
 
 #: The grade of the cell with the answer for a body under a record.
 _GRADES = {
@@ -36,9 +43,9 @@ _GRADES = {
 }
 
 
-def model_column(words: Words, model: str) -> Heading:
+def model_heading(model: str) -> Heading:
     """The heading of a column of a model."""
-    return Heading(words.shared(model), note=words.shared(UPPER_BOUND) if is_upper_bound(model) else "")
+    return Heading(say(f"models.{model}"), note=say("upper_bound") if is_upper_bound(model) else "")
 
 
 class AnswerCells:
@@ -47,24 +54,32 @@ class AnswerCells:
     ``names`` are the ids of the records, marked where their peak is doubtful.
     """
 
-    def __init__(self, words: Words, answers: Answers) -> None:
-        self.words, self.answers = words, answers
+    def __init__(self, answers: Answers) -> None:
+        self.answers = answers
         self.standing = standings(answers)
         self._why = why_unknown(answers)
-        self._of_models = {model: answer_cells(one) for model, one in answers.of_models.items()}
-        self._factors = factor_cells(answers)
-        self._capacities = [(answers.ratios(name), answers.proven(name)) for name in answers.demands]
-        self.names = record_cells(answers.summary)
+        self.every = AnswerRows.every(answers)
+        self.of_models = answer_columns(answers)
+        factors = columns("factor_10" if answers.probable else "safety_factor")
+        self._factors = [row[0] for row in filled(factors, self.every)]
+        names = record_cells(answers.summary)
+        self.names = [cell._replace(text=record_label(cell.text)) for cell in names]
+        peak = f"θ_max/α_c, {say(f'models.{answers.model}')}"
+        self._peak = Heading(say("head.peak"), note=peak)
 
     @property
     def marks(self) -> set[Mark]:
         """The marks of the answers of all models, and of the factors of the one that is counted."""
-        tables = (*self._of_models.values(), self._factors)
-        return marks_of(cell for table in tables for row in table for cell in row)
+        return marks_of(cell for table in (*self.of_models.values(), self._factors) for cell in table)
 
     def record(self, record: int) -> Cell:
         """The id of a record, which leads to its part of the page."""
         return unexplained(self.names[record])._replace(link=f"record-{record}")
+
+    def body(self, lane: int) -> Cell:
+        """The name of a body, which leads to its part of the page."""
+        body = self.answers.bodies[lane]
+        return Cell(body.block, link=f"body-{body.place}")
 
     def verdict(self, record: int, lane: int) -> Cell:
         """The probability of overturning under a record, which is a number; else the answer of the model in words.
@@ -72,11 +87,12 @@ class AnswerCells:
         It is sorted from best to worst.
         """
         if self.answers.probable:
-            return number(float(self.answers["overturning_probability"][record, lane]), ratio)
+            (cell,) = self.cells(columns("overturning_probability"), [record], [lane])[0]
+            return cell
         kind = Standing(int(self.standing[record, lane]))
         resting = kind == Standing.STANDS and self.answers["outcome"][record, lane] == Outcome.AT_REST
-        told = self.words(f"standing.{'at_rest' if resting else kind.name.lower()}")
-        why = f": {self.words.shared(self._why[record, lane])}" if kind == Standing.UNKNOWN else ""
+        told = say(f"standing.{'at_rest' if resting else kind.name.lower()}")
+        why = f": {say(f'unknown.{self._why[record, lane]}')}" if kind == Standing.UNKNOWN else ""
         return Cell(told + why, float(kind), grade=_GRADES[kind])
 
     def worst(self, record: int) -> int:
@@ -84,116 +100,124 @@ class AnswerCells:
         table = self.answers["overturning_probability"] if self.answers.probable else self.standing
         return int(np.argmax(np.nan_to_num(table[record])))
 
+    def cells(self, selected: Sequence[Column], records: Sequence[int], lanes: Sequence[int]) -> list[tuple[Cell, ...]]:
+        """The cells of some columns for bodies under records."""
+        return filled(selected, AnswerRows(self.answers, np.array(records, dtype=int), np.array(lanes, dtype=int)))
+
     @property
-    def columns(self) -> tuple[Heading, ...]:
+    def short(self) -> tuple[Heading, ...]:
         """The headings of :meth:`of`."""
-        peak = f"θ_max/α_c, {self.words.shared(self.answers.model)}"
-        return (
-            Heading("a/a_up", note=self.words("head.over_uplift")),
-            Heading(self.words("head.peak"), note=peak),
-            *self.headings,
-        )
+        return (*headed(columns("uplift_ratio")), self._peak, *self.decisive)
 
     def of(self, record: int, lane: int) -> tuple[Cell, ...]:
         """A body under a record in short: demand, peak, answer and factor."""
-        demand, answer = self.demand("uplift_ratio", record, lane), self.answer(record, lane)
-        return demand, answer, self.verdict(record, lane), self.factor(record, lane)
+        (demand,) = self.cells(columns("uplift_ratio"), [record], [lane])[0]
+        return demand, self.answer(record, lane), self.verdict(record, lane), self.factor(record, lane)
 
     @property
-    def headings(self) -> tuple[Heading, Heading]:
-        """Of the columns of :meth:`verdict` and :meth:`factor`."""
-        words, probable, factor = self.words, self.answers.probable, self.answers.factor
-        first = Heading("P", note=words("head.overturning"))
-        if not probable:
-            first = Heading(words("head.answer"), note=words.shared(self.answers.model))
-        note = words("head.of_record") if probable else words.shared(NAMES[factor])
-        return first, Heading(words.shared(TITLES[factor]), note=note)
+    def decisive(self) -> tuple[Heading, Heading]:
+        """The headings of :meth:`verdict` and :meth:`factor`."""
+        probable, factor = self.answers.probable, self.answers.factor
+        (last,) = headed(columns(factor))
+        if probable:
+            return headed(columns("overturning_probability"))[0], last._replace(note=say("head.of_record"))
+        first = Heading(say("head.answer"), note=say(f"models.{self.answers.model}"))
+        return first, last._replace(note=factor_name(factor))
 
     def factor(self, record: int, lane: int) -> Cell:
         """The factor, marked where it is a lower bound."""
-        return unexplained(self._factors[record][lane])
-
-    def capacities(self, record: int, lane: int) -> list[Cell]:
-        """Capacity over every demand; none without a demand."""
-        bound = bool(self.answers.bound[record, lane])
-        at = record, lane
-        found = (factor_cell(float(ratios[at]), float(proven[at]), bound) for ratios, proven in self._capacities)
-        return [*map(unexplained, found)]
-
-    def demand(self, name: str, record: int, lane: int) -> Cell:
-        """One of :data:`DEMANDS`."""
-        return number(float(self.answers[name][record, lane]), ratio)
+        return unexplained(self._factors[record * len(self.answers.bodies) + lane])
 
     def answer(self, record: int, lane: int, model: str = "") -> Cell:
         """The answer of a model, the counted one unless named: the largest rotation over alpha_c, or a word."""
-        return unexplained(self._of_models[model or self.answers.model][record][lane])._replace(grade="")
+        own = self.of_models[model or self.answers.model]
+        return unexplained(own[record * len(self.answers.bodies) + lane])._replace(grade="")
 
 
 def answer_table(cells: AnswerCells) -> Table:
     """Every record, body and model in one table."""
-    words, answers = cells.words, cells.answers
+    answers = cells.answers
+    first, last = columns("restitution"), columns("uplift_ratio", "velocity_ratio", "impulse_ratio")
     headings = (
-        Heading(words("head.record")),
-        Heading(words("head.body")),
-        Heading("C"),
-        *cells.headings,
-        *(Heading(words("head.capacity"), note=name) for name in answers.demands),
-        Heading("a/a_up", note=words("head.over_uplift")),
-        Heading("p PGV/ (g tan α)"),
-        Heading("I/I_1c"),
-        *(model_column(words, model) for model in answers.models),
+        *(Heading(say(f"head.{name}")) for name in ("record", "body")),
+        *(heading._replace(note="") for heading in headed(first)),
+        *cells.decisive,
+        *(Heading(say("head.capacity"), note=name) for name in answers.demands),
+        *headed(last),
+        *map(model_heading, answers.models),
     )
-    rows = tuple(
-        (
-            cells.record(record),
-            Cell(body.block, link=f"body-{body.place}"),
-            number(body.restitution, restitution),
-            cells.verdict(record, lane),
-            cells.factor(record, lane),
-            *cells.capacities(record, lane),
-            *(cells.demand(key, record, lane) for key in DEMANDS),
-            *(cells.answer(record, lane, model) for model in answers.models),
-        )
-        for record in range(len(cells.names))
-        for lane, body in enumerate(answers.bodies)
-    )
-    return Table("answers", words("caption.answers"), headings, rows, searched=0)
+    capacities = [(answers.ratios(name), answers.proven(name)) for name in answers.demands]
+    places = zip(cells.every.records.tolist(), cells.every.lanes.tolist(), strict=True)
+    rows = []
+    for at, own, asked in zip(places, filled(first, cells.every), filled(last, cells.every), strict=True):
+        bound = bool(answers.bound[at])
+        over = (factor_cell(float(values[at]), float(proven[at]), bound) for values, proven in capacities)
+        of_models = (cells.answer(*at, model) for model in answers.models)
+        decisive = (cells.verdict(*at), cells.factor(*at))
+        names = (cells.record(at[0]), cells.body(at[1]))
+        rows.append((*names, *own, *decisive, *map(unexplained, over), *asked, *of_models))
+    return Table("answers", say("caption.answers"), headings, tuple(rows), searched=0)
 
 
-def count_table(words: Words, answers: Answers) -> Table:
+def count_table(answers: Answers) -> Table:
     """Numbers of motions that overturn every body, by every model, as they are, in one of their directions."""
     total = len(answers.motions.names)
     counts = [(one.overturnings(), one.unresolved) for one in answers.of_models.values()]
     rows = tuple(
         (
             Cell(body.name, link=f"body-{body.place}"),
-            *(_count(words, fallen[k], total, silent[k]) for fallen, silent in counts),
+            *(_count(fallen[k], total, silent[k]) for fallen, silent in counts),
         )
         for k, body in enumerate(answers.bodies)
     )
-    headings = (Heading(words("head.body")), *(model_column(words, model) for model in answers.models))
-    return Table("counts", words("caption.counts"), headings, rows)
+    headings = (Heading(say("head.body")), *map(model_heading, answers.models))
+    return Table("counts", say("caption.counts"), headings, rows)
+
+
+def _count(fallen: int, total: int, silent: int) -> Cell:
+    unresolved = say("unresolved", count=silent) if silent else ""
+    return Cell(say("count_of", count=fallen, total=total) + unresolved, float(fallen))
 
 
 def record_table(cells: AnswerCells, record: int) -> Table:
     """Every body under one record, a row of /summary, by the model that is counted."""
-    words = cells.words
-    headings = (
-        Heading(words("head.body")),
-        Heading("C", note=words("head.restitution")),
-        *cells.columns,
-    )
-    rows = tuple(
-        (
-            Cell(body.block, link=f"body-{body.place}"),
-            number(body.restitution, restitution),
-            *cells.of(record, lane),
-        )
-        for lane, body in enumerate(cells.answers.bodies)
-    )
-    return Table(f"record-{record}-bodies", words("caption.of_record"), headings, rows)
+    lanes, c = range(len(cells.answers.bodies)), columns("restitution")
+    own = cells.cells(c, [record] * len(lanes), lanes)
+    rows = tuple((cells.body(lane), *own[lane], *cells.of(record, lane)) for lane in lanes)
+    headings = (Heading(say("head.body")), *headed(c), *cells.short)
+    return Table(f"record-{record}-bodies", say("caption.of_record"), headings, rows)
 
 
-def _count(words: Words, fallen: int, total: int, silent: int) -> Cell:
-    unresolved = words("unresolved", count=silent) if silent else ""
-    return Cell(words("count_of", count=fallen, total=total) + unresolved, float(fallen))
+def table_notes(cells: AnswerCells, found: Sequence[BodyVerdict], uncertainty: UncertaintySettings) -> list[str]:
+    """A line for everything in the tables that does not speak for itself."""
+    answers = cells.answers
+    notes = [say("note.figures"), *([say("note.beyond_critical")] if beyond_critical(answers) else [])]
+    notes += [*_of_factors(answers, uncertainty), *doubt_notes(cells.names)]
+    bounds = (name for name in answers.models if is_upper_bound(name))
+    notes += [say("note.upper_bound", model=say(f"models.{name}")) for name in bounds]
+    margins = [margin for one in found for margin in (one.margin, *(demand.margin for demand in one.demands))]
+    marks = cells.marks | marks_of(margin_cells(margin)[0] for margin in margins)
+    told = [mark.note for mark in (OUTSIDE, AT_MOST, NO_ANSWER) if mark in marks]
+    notes += dict.fromkeys(told)
+    if answers.motions.kind == "pair":
+        notes.append(say("note.pair_mean" if answers.motions.any_azimuth else "note.pair_worst"))
+    return notes
+
+
+def _of_factors(answers: Answers, uncertainty: UncertaintySettings) -> list[str]:
+    """The meaning of the columns that tell how near to overturning a body is; nothing where that is not known."""
+    if not answers.told:
+        return []
+    if answers.probable:
+        low, high = map(ratio, uncertainty.restitution)
+        spread, geometry = share(uncertainty.factor), share(uncertainty.geometry)
+        stated = say("note.uncertainty", factor=spread, low=low, high=high, geometry=geometry)
+        return [f"{say('note.factor_10')} {stated}{none_found(answers)}"]
+    of = say("note.of_sequence" if answers.motions.kind == "sequence" else "note.of_record")
+    notes = [say("note.factor", of=of, model=say(f"models.{answers.model}")) + none_found(answers)]
+    if missed := missed_step(answers):
+        notes.append(say("note.step", step=numerals(f"{missed:.1%}")))
+    rocks = (answers["outcome"] == Outcome.ROCKS) & (answers[answers.factor] < 1.0)
+    if lucky := np.count_nonzero(rocks):
+        notes.append(say("note.lucky", count=lucky))
+    return notes

@@ -16,31 +16,30 @@ import numpy as np
 from rocking.body.block import Block
 from rocking.body.outline import Outline
 from rockpulse.assessment.answers import Answers, Body
-from rockpulse.assessment.overturning import overturning_curve
+from rockpulse.assessment.spectra import overturning_curve
 from rockpulse.errors import ResultsError
 from rockpulse.model_table import FOLLOWING
-from rockpulse.views.plots.model_histories import histories
-from rockpulse.views.plots.motion import stored_record
-from rockpulse.views.plots.recomputed import recomputed
+from rockpulse.views.plots.ground_motion import stored_record
+from rockpulse.views.plots.model_histories import histories, recomputed
 from rockpulse.views.plots.selection import block_of, plain_bodies
 from rockpulse.views.report.explorer_choice import (
+    COLUMNS,
     SHARES,
+    Columns,
     chosen,
     known,
     laid_through,
+    packed,
     points_of,
     probability_at,
     steps_on,
 )
-from rockpulse.views.report.extremes import COLUMNS, Columns, packed
-from rockpulse.views.report.records_used import record_words
-from rockpulse.views.report.wording import Words
+from rockpulse.views.report.records import record_words
 from rockpulse.views.shared.facts import Known
+from rockpulse.views.shared.words import say, section
 
 if TYPE_CHECKING:
     import xarray as xr
-
-__all__ = ["Explorer", "explorer"]
 
 #: Bodies with motions on the page, those of the smallest factors first.
 MOST_BODIES = 20
@@ -65,17 +64,17 @@ class _Motion(NamedTuple):
     overturning: float
 
 
-def explorer(tree: xr.DataTree, words: Words, file: str = "results.h5") -> Explorer | None:
+def explorer(tree: xr.DataTree, file: str = "results.h5") -> Explorer | None:
     """The motions to explore of the results in a file.
 
     None where nothing moves in time: a design sequence, no record, or a model that follows none.
     """
-    answers, told = Answers(tree["summary"].to_dataset()), words.section("explorer")
+    answers, told = Answers(tree["summary"].to_dataset()), section("explorer")
     if answers.model not in FOLLOWING or not answers.bodies or not (answers["npts"] >= 0).any():
         return None
     if not ("records" in tree.children and any(name in tree["records"] for name in ("acceleration", "rotation"))):
-        return Explorer("", words.shared(answers.model))
-    scenes = _Scenes(tree, answers, words, told)
+        return Explorer("", say(f"models.{answers.model}"))
+    scenes = _Scenes(tree, answers, told)
     lowest = np.fmin.reduce(known(answers[answers.factor]), axis=0)
     shown = set(np.argsort(lowest, kind="stable")[:MOST_BODIES].tolist())
     data = {
@@ -83,8 +82,7 @@ def explorer(tree: xr.DataTree, words: Words, file: str = "results.h5") -> Explo
         "model": answers.model,
         "words": told,
         "records": [
-            {"id": record, "words": record_words(words, Known(answers.summary, record=record))}
-            for record in answers.records
+            {"id": record, "words": record_words(Known(answers.summary, record=record))} for record in answers.records
         ],
         "bodies": [
             {
@@ -97,14 +95,14 @@ def explorer(tree: xr.DataTree, words: Words, file: str = "results.h5") -> Explo
             for lane, body in enumerate(answers.bodies)
         ],
     }
-    return Explorer(json.dumps(data, separators=(",", ":"), allow_nan=False), words.shared(answers.model))
+    return Explorer(json.dumps(data, separators=(",", ":"), allow_nan=False), say(f"models.{answers.model}"))
 
 
 class _Scenes:
     """The scenes of the bodies of one file: a body under a record, in time, at each factor."""
 
-    def __init__(self, tree: xr.DataTree, answers: Answers, words: Words, told: Mapping[str, str]) -> None:
-        self._tree, self._answers, self._shared, self._words = tree, answers, words.shared, told
+    def __init__(self, tree: xr.DataTree, answers: Answers, told: Mapping[str, str]) -> None:
+        self._tree, self._answers, self._words = tree, answers, told
         self._plain = set(plain_bodies(answers.summary))
         self._spectra = tree["spectra"].to_dataset() if "spectra" in tree.children else None
 
@@ -150,7 +148,7 @@ class _Scenes:
             "end": round(columns.end, 4),
             "columns": columns.count,
             "whole": round(float(time[-1]), 4),
-            "remark": self._shared(as_it_is.remark),
+            "remark": as_it_is.remark,
             "ground": packed(columns.extremes(time, acceleration)),
             "curve": None if curve is None else [np.round(values, 4).tolist() for values in curve],
             "points": points,

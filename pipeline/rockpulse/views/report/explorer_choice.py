@@ -1,16 +1,19 @@
-"""The records and the factors at which the page shows how a body moves, and the probability of overturning there."""
+"""What the page shows of how a body moves: records, factors, the probability there, and curves as extremes.
+
+A curve in time is shown as the extremes of each of many columns, in numbers of 16 bits for the script of the page.
+"""
 
 from __future__ import annotations
 
+import base64
 import math
 from collections.abc import Mapping
+from dataclasses import dataclass
 
 import numpy as np
 
 from rocking.spectrum.probability import factor_at
 from rockpulse.assessment.answers import Answers
-
-__all__ = ["SHARES", "chosen", "known", "laid_through", "points_of", "probability_at", "steps_on"]
 
 #: Factors on each record.
 STEPS = 5
@@ -23,6 +26,13 @@ SHARES = {0.1: "factor_10", 0.5: "factor_50"}
 
 #: The smallest and the largest factor that is shown.
 SHOWN = (0.05, 20.0)
+
+
+#: Columns of a stretch of time, more than a screen shows.
+COLUMNS = 1500
+
+#: The largest 16-bit number, and the one that stands for no value.
+LARGEST, NONE = 32767, -32768
 
 
 def chosen(answers: Answers, lane: int) -> dict[int, list[str]]:
@@ -105,3 +115,33 @@ def probability_at(
 def known(factor: np.ndarray) -> np.ndarray:
     """Factors, inf where one is not known."""
     return np.where(np.isnan(factor), np.inf, factor)
+
+
+@dataclass(frozen=True)
+class Columns:
+    """A stretch of time from `start` to `end` [s], divided into `count` columns of one width."""
+
+    start: float
+    end: float
+    count: int
+
+    def extremes(self, time: np.ndarray, values: np.ndarray) -> np.ndarray:
+        """(2, count) smallest and largest value of each column; of one without a sample the value before it.
+
+        NaN where all of a column is NaN, and before and after the first and the last value.
+        """
+        edges = np.linspace(self.start, self.end, self.count + 1)
+        first = np.searchsorted(time, edges - 1e-9 * self.end)
+        inside = values[: max(int(first[-1]), 1)]
+        places = np.minimum(first[:-1], inside.size - 1)
+        found = np.stack([one.reduceat(inside, places) for one in (np.fmin, np.fmax)])
+        found[:, edges[:-1] > time[-1]] = np.nan
+        return found
+
+
+def packed(extremes: np.ndarray) -> dict[str, float | str]:
+    """Extremes as JSON: base64 of int16, all minima before all maxima, and the value of one unit."""
+    largest = float(np.nanmax(np.abs(extremes), initial=0.0))
+    scale = largest / LARGEST or 1.0
+    whole = np.where(np.isnan(extremes), NONE, np.rint(extremes / scale))
+    return {"scale": scale, "data": base64.b64encode(whole.astype("<i2").tobytes()).decode("ascii")}

@@ -15,19 +15,19 @@ from rockpulse.assessment.answers import Answers, answers_of, fullest_model
 from rockpulse.errors import ResultsError
 from rockpulse.model_table import DRAWN
 from rockpulse.views.plots.selection import plain_bodies
-from rockpulse.views.plots.words import wrapped
-from rockpulse.views.report.record_strip import strip
-from rockpulse.views.report.wording import Words
+from rockpulse.views.plots.style import wrapped
+from rockpulse.views.report.drawings import strip
+from rockpulse.views.report.picture_words import in_language
+from rockpulse.views.shared.terminal import figure
+from rockpulse.views.shared.words import in_numerals, say
 
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+    from rockpulse.views.report.beside import Paired
     from rockpulse.views.report.content import Content
-    from rockpulse.views.report.pairing import Paired
-
-__all__ = ["Picture", "Pictures"]
 
 #: Records that are drawn with their half-waves and impulses: all, or of more those that govern a body.
 IN_FULL = 20
@@ -50,14 +50,12 @@ class Picture:
 class Pictures:
     """The pictures of one report, by row of /summary and place of the block."""
 
-    def __init__(
-        self, words: Words, tree: xr.DataTree, site: Paired | None, fragility: Paired | None, content: Content
-    ) -> None:
-        self._words, self._tree = words, tree
+    def __init__(self, tree: xr.DataTree, site: Paired | None, fragility: Paired | None, content: Content) -> None:
+        self._tree = tree
         self._site, self._fragility = (None if other is None else other.tree for other in (site, fragility))
         self._summary = tree["summary"].to_dataset()
         names = [str(name) for axis in ("record", "block") for name in self._summary[axis].values]
-        self._names = tuple(name for name in names if words.number(name) != name)
+        self._names = tuple(name for name in names if in_numerals(name) != name)
         stored = tree["records"].to_dataset() if "records" in tree.children else None
         self._stored = None if stored is None or "acceleration" not in stored else stored
         count = self._summary.sizes["record"]
@@ -69,11 +67,11 @@ class Pictures:
         """The accelerogram of a record, small."""
         acceleration = self._acceleration(record)
         if acceleration.size < 2:
-            return Picture(Markup(""), self._words("picture.not_stored"))
+            return Picture(Markup(""), say("picture.not_stored"))
         one = self._summary.isel(record=record)
         phase = float(one["intense_start"]), float(one["intense_end"])
-        drawn = strip(self._words, acceleration, float(one["dt"]), phase)
-        return Picture(Markup(drawn), self._words("picture.strip"))
+        drawn = strip(acceleration, float(one["dt"]), phase)
+        return Picture(Markup(drawn), say("picture.strip"))
 
     def _acceleration(self, record: int) -> np.ndarray:
         """The stored samples of a record; none where they are not stored."""
@@ -86,14 +84,13 @@ class Pictures:
         """The accelerogram with half-waves and impulses; None for a record that is shown as a strip."""
         if self._stored is None or record not in self._in_full:
             return None
-        from rockpulse.views.plots.ground_motion import accelerogram
-        from rockpulse.views.plots.motion import stored_motion
+        from rockpulse.views.plots.ground_motion import accelerogram, stored_motion
 
         name = str(self._summary["record"].values[record])
         return self._drawn(
             lambda: _bare(accelerogram(stored_motion(self._tree, name))[0]),
             f"record{record}",
-            self._words("picture.in_full"),
+            say("picture.in_full"),
         )
 
     def body(self, block: int, name: str = "body") -> Picture:
@@ -102,9 +99,9 @@ class Pictures:
 
         body = str(self._summary["block"].values[block])
         if not Answers(self._summary).probable and "overturning_intervals" not in self._tree.children:
-            return Picture(Markup(""), self._words("picture.no_factors"))
+            return Picture(Markup(""), say("picture.no_factors"))
         return self._drawn(
-            lambda: overturning_map(self._tree, block=body, most=IN_A_MAP), f"{name}{block}", self._words("picture.map")
+            lambda: overturning_map(self._tree, block=body, most=IN_A_MAP), f"{name}{block}", say("picture.map")
         )
 
     def motion(self, block: int) -> Picture | None:
@@ -134,7 +131,7 @@ class Pictures:
         return self._drawn(
             draw,
             f"motion{block}",
-            self._words("picture.rotation", body=body.name, record=record, model=self._words.shared(model)),
+            say("picture.rotation", body=body.name, record=record, model=say(f"models.{model}")),
         )
 
     def explaining(self) -> list[Picture]:
@@ -150,10 +147,10 @@ class Pictures:
         if spectra is not None and np.isfinite(spectra["spectrum"].values).any():
             plain = plain_bodies(self._summary)
         if spectra is not None and plain:
-            draw = partial(_spectra, self._words, self._tree, spectra)
+            draw = partial(_spectra, self._tree, spectra)
             median = float(self._summary["restitution"].median())
             c = float(spectra["restitution"].sel(restitution=median, method="nearest"))
-            found.append(self._drawn(draw, "spectra", self._words("picture.spectra", c=self._words.figure(c))))
+            found.append(self._drawn(draw, "spectra", say("picture.spectra", c=figure(c))))
         others = [one for one in self._found if one.body.block not in plain]
         if others:
             worst = max(others, key=lambda one: (one.overall, one.decides.value))
@@ -169,7 +166,7 @@ class Pictures:
         return self._drawn(
             lambda: _bare(calibration(tree).flat[0]),
             "site",
-            self._words(f"picture.site_{'spectrum' if tree['site'].attrs['method'] == 'spectrum' else 'parameters'}"),
+            say(f"picture.site_{'spectrum' if tree['site'].attrs['method'] == 'spectrum' else 'parameters'}"),
         )
 
     def _drawn(self, draw: Callable[[], Axes], name: str, caption: str) -> Picture:
@@ -181,12 +178,12 @@ class Pictures:
         except ResultsError as reason:
             return Picture(Markup(""), str(reason))
         assert figure is not None
-        _translated(self._words, figure)
+        _translated(figure)
         return Picture(Markup(_TEXT.sub(self._numbered, svg(figure, name))), caption)
 
     def _numbered(self, text: re.Match[str]) -> str:
         """A text of a picture with its numbers in the form of the language; a name with a number in it stays."""
-        return text[0] if any(name in text[0] for name in self._names) else self._words.number(text[0])
+        return text[0] if any(name in text[0] for name in self._names) else in_numerals(text[0])
 
     def fragility(self, block: str) -> Picture:
         """The curves of a body; only asked for with a fragility file."""
@@ -198,17 +195,17 @@ class Pictures:
         return self._drawn(
             lambda: fragility_panels(tree, block)[0],
             f"fragility{place}",
-            self._words("picture.fragility"),
+            say("picture.fragility"),
         )
 
 
-def _spectra(words: Words, tree: xr.DataTree, spectra: xr.Dataset) -> Axes:
+def _spectra(tree: xr.DataTree, spectra: xr.Dataset) -> Axes:
     """The stored spectra at the C of most bodies; straight between the bodies where only these were marched."""
-    from rockpulse.views.plots.overturning_curves import spectra_of_results
+    from rockpulse.views.plots.spectra import spectra_of_results
 
     ax = spectra_of_results(tree, spectra)
-    ax.set_xlabel(words("picture.spectra_x"))
-    ax.set_ylabel(words("picture.spectra_y"))
+    ax.set_xlabel(say("picture.spectra_x"))
+    ax.set_ylabel(say("picture.spectra_y"))
     return _bare(ax)
 
 
@@ -221,16 +218,16 @@ def _bare(ax: Axes) -> Axes:
     return ax
 
 
-def _translated(words: Words, figure: Figure) -> None:
+def _translated(figure: Figure) -> None:
     """Put the texts of a figure into the words of the page; lines are as long as the longest one was."""
     from matplotlib.text import Text
     from matplotlib.ticker import FixedLocator
 
     for text in figure.findobj(Text):
         lines = text.get_text().split("\n")
-        told = words.shared(" ".join(lines))
+        told = in_language(" ".join(lines))
         text.set_text(wrapped(told, max(map(len, lines))) if len(lines) > 1 else told)
     for ax in figure.axes:
         for axis in (ax.xaxis, ax.yaxis):
             if isinstance(axis.get_major_locator(), FixedLocator):
-                axis.set_ticklabels([words.shared(tick.get_text()) for tick in axis.get_ticklabels()])
+                axis.set_ticklabels([in_language(tick.get_text()) for tick in axis.get_ticklabels()])

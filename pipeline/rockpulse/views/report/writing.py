@@ -1,4 +1,7 @@
-"""The report as a file: one page of HTML that asks nothing of a network, or the PDF that a browser prints of it."""
+"""The report as a file: one page of HTML that asks nothing of a network, or the PDF that a browser prints of it.
+
+The browser is one that is on this machine, Chrome, Chromium or Edge, without a window.
+"""
 
 from __future__ import annotations
 
@@ -6,6 +9,10 @@ import base64
 import hashlib
 import os
 import re
+import shutil
+import subprocess
+import sys
+import tempfile
 from datetime import UTC, datetime
 from importlib.resources import files
 from pathlib import Path
@@ -19,22 +26,18 @@ from rockpulse.storage.hdf5.results_file import load
 from rockpulse.storage.variables.fragility import FRAGILITY
 from rockpulse.storage.variables.site import SITE_KIND
 from rockpulse.version import __version__
-from rockpulse.views.report.content import Content, gather
+from rockpulse.views.report.beside import paired
+from rockpulse.views.report.content import Content, gather, logo, parties
 from rockpulse.views.report.explorer import explorer
-from rockpulse.views.report.pairing import paired
-from rockpulse.views.report.parties import logo, parties
 from rockpulse.views.report.pictures import Pictures
-from rockpulse.views.report.printing import browser, printed
-from rockpulse.views.report.provenance import hash_of
-from rockpulse.views.report.wording import Words, words_of
+from rockpulse.views.report.records import hash_of
 from rockpulse.views.shared.table import Fact
+from rockpulse.views.shared.words import say, writing
 
 if TYPE_CHECKING:
     import xarray as xr
 
     from rockpulse.config.configuration import Config
-
-__all__ = ["check_report_target", "report_page", "write_report"]
 
 #: What the head of every report holds; a file without it is never replaced.
 MARK = '<meta name="generator" content="rockpulse report'
@@ -44,6 +47,9 @@ PDF_MARK = b"\n% rockpulse report\n"
 
 #: Bytes at the head of a page that are searched for its mark.
 HEAD = 4096
+
+#: The kinds of files, by which words name them.
+_FILES = {ASSESSMENT: "assessment", SITE_KIND: "site", FRAGILITY: "fragility"}
 
 #: The parts of the annex, by their ids; one that the results have nothing for is left out.
 ANNEXES = ("remarks", "site", "fragility", "all-answers", "bodies", "records", "method", "sources")
@@ -58,6 +64,45 @@ LETTERS = {
     "dT": "ΔT",
     "m/s2": "m/s²",
 }
+
+#: What these browsers are called on PATH.
+BROWSERS = (
+    "chromium",
+    "chromium-browser",
+    "google-chrome",
+    "google-chrome-stable",
+    "chrome",
+    "microsoft-edge",
+    "msedge",
+)
+
+#: Where Windows and macOS keep them: below the folders of programs, and among the applications.
+PROGRAMS = ("ProgramFiles", "ProgramFiles(x86)", "LocalAppData")
+WINDOWS = (
+    "Google/Chrome/Application/chrome.exe",
+    "Chromium/Application/chrome.exe",
+    "Microsoft/Edge/Application/msedge.exe",
+)
+MACOS = (
+    "Google Chrome.app/Contents/MacOS/Google Chrome",
+    "Chromium.app/Contents/MacOS/Chromium",
+    "Microsoft Edge.app/Contents/MacOS/Microsoft Edge",
+)
+
+#: Seconds that printing may take; a report of 200 records and 20 bodies takes some ten.
+LONGEST = 180.0
+
+#: What to do without it.
+INSTEAD = "write the report as .html and print it from a browser"
+
+PRINTING = (
+    "--headless",
+    "--disable-gpu",
+    "--no-first-run",
+    "--disable-extensions",
+    "--disable-background-networking",
+    "--no-pdf-header-footer",
+)
 
 
 def write_report(
@@ -98,7 +143,7 @@ def write_report(
     ------
     ResultsError
         For results of another kind, a site or fragility file with another body of the same name
-        (:func:`rockpulse.views.report.pairing.paired`), a target that exists and may not be replaced, or a PDF without
+        (:func:`rockpulse.views.report.beside.paired`), a target that exists and may not be replaced, or a PDF without
         a browser that prints it.
     OSError
         Where a file cannot be read or written.
@@ -160,8 +205,6 @@ def report_page(
     others = {
         kind: paired(tree, trees[kind], kind, _name(given[kind])) for kind in (SITE_KIND, FRAGILITY) if kind in trees
     }
-    words = words_of(language)
-    content = gather(words, tree, others.get(SITE_KIND), others.get(FRAGILITY))
     environment = Environment(
         loader=PackageLoader("rockpulse.views.report"),
         autoescape=True,
@@ -172,24 +215,29 @@ def report_page(
     )
     environment.filters["typeset"] = typeset
     script = "".join(map(_text, ("report.js", "explorer_drawing.js", "explorer.js")))
-    return environment.get_template("report.html").render(
-        words=words,
-        parties=parties(words, tree, config),
-        logo=logo(tree, config),
-        content=content,
-        annexes=[one for one in ANNEXES if getattr(content, one, True)],
-        worst_curve=_worst_curve(content),
-        pictures=Pictures(words, tree, others.get(SITE_KIND), others.get(FRAGILITY), content),
-        files=tuple(
-            Fact(words.shared(kind), _described(words, source)) for kind, source in given.items() if source is not None
-        ),
-        explorer=explorer(tree, words, str(results) if isinstance(results, str | Path) else "results.h5"),
-        style=Markup(_text("report.css") + _text("explorer.css")),
-        script=Markup(script),
-        script_hash=base64.b64encode(hashlib.sha256(script.encode("utf-8")).digest()).decode("ascii"),
-        version=__version__,
-        written=f"{datetime.now(UTC):%Y-%m-%d %H:%M} UTC",
-    )
+    with writing(language):
+        content = gather(tree, others.get(SITE_KIND), others.get(FRAGILITY))
+        return environment.get_template("report.html").render(
+            say=say,
+            language=language,
+            parties=parties(tree, config),
+            logo=logo(tree, config),
+            content=content,
+            annexes=[one for one in ANNEXES if getattr(content, one, True)],
+            worst_curve=_worst_curve(content),
+            pictures=Pictures(tree, others.get(SITE_KIND), others.get(FRAGILITY), content),
+            files=tuple(
+                Fact(say(f"page.file.{_FILES[kind]}"), _described(source))
+                for kind, source in given.items()
+                if source is not None
+            ),
+            explorer=explorer(tree, str(results) if isinstance(results, str | Path) else "results.h5"),
+            style=Markup(_text("report.css") + _text("explorer.css")),
+            script=Markup(script),
+            script_hash=base64.b64encode(hashlib.sha256(script.encode("utf-8")).digest()).decode("ascii"),
+            version=__version__,
+            written=f"{datetime.now(UTC):%Y-%m-%d %H:%M} UTC",
+        )
 
 
 def _worst_curve(content: Content) -> str:
@@ -229,11 +277,61 @@ def _kind_by_group(tree: xr.DataTree) -> str:
     )
 
 
-def _described(words: Words, source: xr.DataTree | str | Path) -> tuple[str, ...]:
+def _described(source: xr.DataTree | str | Path) -> tuple[str, ...]:
     if isinstance(source, str | Path):
         return str(source), f"SHA-256 {hash_of(source)}"
-    return (words("page.in_memory"),)
+    return (say("page.in_memory"),)
 
 
 def _text(name: str) -> str:
     return files("rockpulse.views.report").joinpath("templates", name).read_text(encoding="utf-8")
+
+
+def browser() -> str:
+    """The program that prints; a ResultsError that says what to do where there is none."""
+    for name in BROWSERS:
+        if found := shutil.which(name):
+            return found
+    homes = [Path(home) for home in map(os.environ.get, PROGRAMS) if home]
+    places = [home / name for home in homes for name in WINDOWS]
+    if sys.platform == "darwin":
+        applications = (Path("/Applications"), Path.home() / "Applications")
+        places += [folder / name for folder in applications for name in MACOS]
+    for place in places:
+        if place.is_file():
+            return str(place)
+    raise ResultsError(
+        "no Chrome, Chromium or Edge was found to print the PDF with; install one of them (Debian, Ubuntu: apt install "
+        "chromium), or write the report as .html and print it from any browser"
+    )
+
+
+def printed(page: str) -> bytes:
+    """The PDF of a page of HTML.
+
+    Raises
+    ------
+    ResultsError
+        Where there is no browser, or it does not print within the time.
+    """
+    program = browser()
+    # A profile of its own: a browser that is open would take the page over, and print nothing.
+    with tempfile.TemporaryDirectory(prefix="rockpulse-", ignore_cleanup_errors=True) as folder:
+        source, target = Path(folder, "report.html"), Path(folder, "report.pdf")
+        source.write_text(page, encoding="utf-8", errors="replace")
+        command = [program, *PRINTING, f"--user-data-dir={Path(folder, 'profile')}", f"--print-to-pdf={target}"]
+        if hasattr(os, "geteuid") and os.geteuid() == 0:
+            command.append("--no-sandbox")  # without which it refuses to run as root
+        try:
+            done = subprocess.run(
+                [*command, source.as_uri()], capture_output=True, timeout=LONGEST, check=False, stdin=subprocess.DEVNULL
+            )
+        except subprocess.TimeoutExpired:
+            raise ResultsError(f"{program}: did not print the report within {LONGEST:.0f} s; {INSTEAD}") from None
+        except OSError as error:
+            raise ResultsError(f"{program}: cannot be run ({error.strerror}); {INSTEAD}") from error
+        if done.returncode or not target.is_file():
+            said = done.stderr.decode("utf-8", "replace").strip().splitlines()
+            last = f": {said[-1]}" if said else ""
+            raise ResultsError(f"{program}: printed no PDF (exit code {done.returncode}){last}; {INSTEAD}")
+        return target.read_bytes()

@@ -9,102 +9,18 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 from rocking.body.limits import radius_of_rectangle
-from rockpulse.motions.event_pairs import names_earthquake
-from rockpulse.motions.events import UNKNOWN
 from rockpulse.record.record import STANDARD_GRAVITY
-from rockpulse.views.shared.terminal import ABSENT, figure, several
+from rockpulse.record.rotation import rotated_component
+from rockpulse.selection.events import UNKNOWN, names_earthquake
+from rockpulse.views.shared.terminal import ABSENT, figure, general
+from rockpulse.views.shared.words import counted, numerals, say
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["Known", "magnitude_words", "own_radius", "record_words"]
-
 #: A year, or a date with a year of two digits; a magnitude: what a title tells already is not told again.
 _DATED = re.compile(r"\b(?:19|20)\d\d\b|\b\d{1,2}[/-]\d{1,2}[/-]\d\d\b", re.ASCII)
 _MEASURED = re.compile(r"\bM[A-Za-z]{0,2}\s?=?\s?\d", re.ASCII)
-
-
-def record_words(value: Callable[[str], Any]) -> str:
-    """What is known of earthquake, station and direction of a record in words; empty where nothing is.
-
-    `value` gives the stored variables by their names, None where there is none.
-
-    Examples
-    --------
-    >>> known = {"event_title": "Kahramanmaras", "origin_time": "2023-02-06T01:17:32", "magnitude": 7.7}
-    >>> record_words({**known, "station": "0201", "azimuth": 90.0}.get)
-    'Kahramanmaras 2023-02-06 M 7.7, station 0201, E-W'
-    >>> record_words({"start_time": "2019-07-06T03:19:37", "magnitude": math.nan, "component": "UP"}.get)
-    'earthquake of 2019-07-06, UP'
-    """
-    return ", ".join(filter(None, (_earthquake(value), _station(value), _direction(value))))
-
-
-def magnitude_words(value: Callable[[str], Any]) -> str:
-    """The magnitude with its scale, as far as the file tells it; empty where it does not.
-
-    Examples
-    --------
-    >>> magnitude_words({"magnitude": 7.0, "magnitude_type": "Mw"}.get), magnitude_words({"magnitude": 6.61}.get)
-    ('Mw 7.0', 'M 6.61')
-    """
-    magnitude = _number(value, "magnitude")
-    if math.isnan(magnitude):
-        return ""
-    shown = f"{magnitude:.2f}".removesuffix("0")
-    return f"{_text(value, 'magnitude_type') or 'M'} {shown}"
-
-
-def _named(value: Callable[[str], Any]) -> str:
-    """The name of the earthquake; empty for a title that is only a date or a number."""
-    titles = (_text(value, "event_title"), _text(value, "event"))
-    return next((title for title in titles if title != UNKNOWN and names_earthquake(title)), "")
-
-
-def _earthquake(value: Callable[[str], Any]) -> str:
-    """Title, date and magnitude; of a title that is only a date or a number what is stored of these in its place."""
-    stated, title = _text(value, "event_title"), _named(value)
-    date, magnitude = _date(value), magnitude_words(value)
-    if title:
-        more = ("" if _DATED.search(title) else date, "" if _MEASURED.search(title) else magnitude)
-        return " ".join(filter(None, (title, *more)))
-    if not date and not magnitude:
-        return stated
-    return " ".join(filter(None, ("earthquake", f"of {date}" if date else "", magnitude)))
-
-
-def _date(value: Callable[[str], Any]) -> str:
-    return (_text(value, "origin_time") or _text(value, "start_time"))[:10]
-
-
-def _station(value: Callable[[str], Any]) -> str:
-    found = _placed(value)
-    return f"station {found}" if found else ""
-
-
-def _placed(value: Callable[[str], Any]) -> str:
-    """The code of the station with its name, or the one that is known."""
-    code, name = _text(value, "station"), _text(value, "station_name").replace("_", " ")
-    if not code.strip("0") or code.casefold() == name.casefold():
-        code, name = name, ""
-    return f"{code} ({name})" if name else code
-
-
-def _direction(value: Callable[[str], Any]) -> str:
-    """The line of a direction along the compass, else its azimuth, else the component as the file words it."""
-    azimuth = _number(value, "azimuth")
-    if math.isnan(azimuth):
-        return _text(value, "component")
-    return {0.0: "N-S", 90.0: "E-W"}.get(azimuth % 180.0, f"azimuth {azimuth:g}°")
-
-
-def _text(value: Callable[[str], Any], name: str) -> str:
-    return str(value(name) or "").strip()
-
-
-def _number(value: Callable[[str], Any], name: str) -> float:
-    found = value(name)
-    return math.nan if found is None else float(found)
 
 
 def own_radius(radius: float, p: float, gravity: float | None) -> float | None:
@@ -116,14 +32,105 @@ def own_radius(radius: float, p: float, gravity: float | None) -> float | None:
     return None if of_rectangle else radius
 
 
-class Known:
+class RecordFacts:
+    """What is known of one record, from its stored variables by their names; None where there is none.
+
+    Examples
+    --------
+    >>> known = {"event_title": "Kahramanmaras", "origin_time": "2023-02-06T01:17:32", "magnitude": 7.7}
+    >>> RecordFacts({**known, "station": "0201", "azimuth": 90.0}.get).described
+    'Kahramanmaras 2023-02-06 M 7.7, station 0201, E-W'
+    >>> RecordFacts({"start_time": "2019-07-06T03:19:37", "magnitude": math.nan, "component": "UP"}.get).described
+    'earthquake of 2019-07-06, UP'
+    """
+
+    def __init__(self, value: Callable[[str], Any]) -> None:
+        self.value = value
+
+    def text(self, name: str) -> str:
+        """A text; empty where it is not known."""
+        return str(self.value(name) or "").strip()
+
+    def real(self, name: str) -> float:
+        """A number; NaN where it is not known."""
+        found = self.value(name)
+        return math.nan if found is None else float(found)
+
+    @property
+    def described(self) -> str:
+        """Earthquake, station and direction in words; empty where nothing is known of them."""
+        station = f"station {self.place}" if self.place else ""
+        return ", ".join(filter(None, (self._earthquake, station, self.direction)))
+
+    @property
+    def _named(self) -> str:
+        """The name of the earthquake; empty for a title that is only a date or a number."""
+        titles = (self.text("event_title"), self.text("event"))
+        return next((title for title in titles if title != UNKNOWN and names_earthquake(title)), "")
+
+    @property
+    def _earthquake(self) -> str:
+        """Title, date and magnitude; of a title that is only a date or a number what is stored in its place."""
+        title, date, magnitude = self._named, self.date, self.magnitude
+        if title:
+            more = ("" if _DATED.search(title) else date, "" if _MEASURED.search(title) else magnitude)
+            return " ".join(filter(None, (title, *more)))
+        if not date and not magnitude:
+            return self.text("event_title")
+        return " ".join(filter(None, ("earthquake", f"of {date}" if date else "", magnitude)))
+
+    @property
+    def title(self) -> str:
+        """The name of the earthquake, with its date where that is not in it; empty where it has no name."""
+        title = self._named
+        return title if not title or _DATED.search(title) else f"{title} {self.date}".rstrip()
+
+    @property
+    def date(self) -> str:
+        """The day of the earthquake, or of the record [UTC, ISO 8601]; empty where neither is known."""
+        return (self.text("origin_time") or self.text("start_time"))[:10]
+
+    @property
+    def magnitude(self) -> str:
+        """The magnitude of the earthquake with its scale, as far as the file tells it; empty where it does not.
+
+        Examples
+        --------
+        >>> RecordFacts({"magnitude": 7.0, "magnitude_type": "Mw"}.get).magnitude
+        'Mw 7.0'
+        """
+        magnitude = self.real("magnitude")
+        if math.isnan(magnitude):
+            return ""
+        return f"{self.text('magnitude_type') or 'M'} {numerals(f'{magnitude:.2f}'.removesuffix('0'))}"
+
+    @property
+    def place(self) -> str:
+        """The code of the station with its name, or the one that is known."""
+        code, name = self.text("station"), self.text("station_name").replace("_", " ")
+        if not code.strip("0") or code.casefold() == name.casefold():
+            code, name = name, ""
+        return f"{code} ({name})" if name else code
+
+    @property
+    def direction(self) -> str:
+        """The line of a direction along the compass, else its azimuth, else the component as the file words it."""
+        azimuth = self.real("azimuth")
+        if math.isnan(azimuth):
+            return self.text("component")
+        line = {0.0: "north_south", 90.0: "east_west"}.get(azimuth % 180.0)
+        return say(f"direction.{line}") if line else say("direction.azimuth", angle=general(azimuth))
+
+
+class Known(RecordFacts):
     """The variables of one record or one block of the node /summary: ``Known(summary, record="a")``."""
 
     def __init__(self, summary: xr.Dataset, **labels: str) -> None:
         ((self._dim, label),) = labels.items()
         self._summary, self._row = summary, summary.get_index(self._dim).get_loc(label)
+        super().__init__(self._value)
 
-    def value(self, name: str) -> Any:
+    def _value(self, name: str) -> Any:
         """The value of a variable along the records or the blocks alone; None where the results lack it."""
         if name not in self._summary:
             return None
@@ -146,13 +153,13 @@ class Known:
     def main_count(self) -> str:
         """The number of main impulses in the sequence of a record."""
         count = self.value("main_count")
-        return "as many as fit into the duration" if count == -1 else str(count)
+        return say("fact.main_count") if count == -1 else str(count)
 
     @property
     def peak_velocity(self) -> str:
         """The PGV of a record in m/s, marked where the baseline of the record drifts."""
         shown = self.number("pgv", "m/s")
-        return f"~{shown} (drift)" if self.value("pgv_drift") else shown
+        return say("fact.drift", pgv=shown) if self.value("pgv_drift") else shown
 
     @property
     def radius(self) -> str:
@@ -161,7 +168,7 @@ class Known:
         if shown == ABSENT or width is None or not math.isnan(width):
             return shown
         own = own_radius(*(self.value(name) for name in ("radius", "p", "gravity")))
-        return f"{shown} ({'of the rectangle with this p' if own is None else 'from the corner to the centre of mass'})"
+        return say(f"fact.radius_of_{'rectangle' if own is None else 'body'}", radius=shown)
 
     @property
     def support(self) -> str:
@@ -169,22 +176,23 @@ class Known:
         found = []
         if self.value("one_sided"):
             facing = float(self.value("facing"))
-            found.append("before a wall" + ("" if math.isnan(facing) else f", falls towards {facing:g} degrees"))
+            falls = "" if math.isnan(facing) else say("support.facing", angle=general(facing))
+            found.append(say("support.wall") + falls)
         if self.value("alpha_2") not in (None, self.value("alpha_c")) and not self.value("one_sided"):
-            found.append(f"unlike corners, alpha {self.number('alpha_c', 'rad')} and {self.number('alpha_2', 'rad')}")
+            one, other = self.number("alpha_c", "rad"), self.number("alpha_2", "rad")
+            found.append(say("support.corners", one=one, other=other))
         held = json.loads(str(self.value("restraints") or "{}"))
-        found += [several(len(held[name]), name[:-1]) for name in ("ties", "loads", "thrusts") if held.get(name)]
-        modes = json.loads(str(self.value("floors") or "[]"))
-        if modes:
-            found.append("on a floor of " + ", ".join(f"{one['period']:g}" for one in modes) + " s")
+        found += [counted(len(held[name]), name[:-1]) for name in ("ties", "loads", "thrusts") if held.get(name)]
+        if modes := json.loads(str(self.value("floors") or "[]")):
+            found.append(say("support.floor", periods=", ".join(general(one["period"]) for one in modes)))
         azimuth = self.value("body_azimuth")
         if azimuth is not None and not math.isnan(float(azimuth)) and float(azimuth) != self.value("facing"):
-            found.append(f"rocks at {float(azimuth):g} degrees")
+            found.append(say("support.azimuth", angle=general(float(azimuth))))
         if self.value("pedestal_of"):
-            found.append(f"{self.words('pedestal_of')} and its pedestal as one body")
+            found.append(say("support.pedestal", name=self.words("pedestal_of")))
         friction = self.value("friction")
         if friction is not None and not math.isnan(float(friction)):
-            found.append(f"friction {friction:g}")
+            found.append(say("support.friction", friction=general(friction)))
         return "; ".join(found)
 
     def impact_friction(self, c: float) -> float:
@@ -200,56 +208,31 @@ class Known:
         return radius * math.cos(alpha) * (1.0 - c) / (radius * math.sin(alpha) + c * left)
 
     @property
-    def described(self) -> str:
-        """Earthquake, station and direction of a record in words; empty where nothing is known of them."""
-        return record_words(self.value)
-
-    @property
-    def title(self) -> str:
-        """The name of the earthquake, with its date where that is not in it; empty where it has no name."""
-        title, date = _named(self.value), self.date
-        return title if not title or _DATED.search(title) else f"{title} {date}".rstrip()
-
-    @property
-    def place(self) -> str:
-        """The code of the station with its name, or the one that is known."""
-        return _placed(self.value)
-
-    @property
-    def direction(self) -> str:
-        """The line of a direction along the compass, else its azimuth, else the component as the file words it."""
-        return _direction(self.value)
-
-    @property
-    def date(self) -> str:
-        """The day of the earthquake, or of the record [UTC, ISO 8601]; empty where neither is known."""
-        return _date(self.value)
-
-    @property
-    def magnitude(self) -> str:
-        """The magnitude of the earthquake with its scale; empty where the file does not state it."""
-        return magnitude_words(self.value)
-
-    def real(self, name: str) -> float:
-        """A number; NaN where it is not known."""
-        return _number(self.value, name)
+    def component(self) -> str:
+        """The component as its file words it; of a record that was turned here, that it was."""
+        stated, azimuth = self.words("component"), self.real("azimuth")
+        turned = not math.isnan(azimuth) and stated == rotated_component(azimuth)
+        return say("direction.rotated", angle=general(azimuth)) if turned else stated
 
     @property
     def stated(self) -> list[tuple[str, str]]:
         """Names and texts of what the file of a record states about its earthquake and its site; of nothing else."""
         depth = self.real("hypocentre_depth")
-        hypocentre = (self._coordinates("hypocentre"), "" if math.isnan(depth) else f"depth {_kilometres(depth)}")
+        hypocentre = (
+            self._coordinates("hypocentre"),
+            "" if math.isnan(depth) else say("stated.depth", depth=_kilometres(depth)),
+        )
         told = {
-            "earthquake at the agency": _text(self.value, "event_id"),
-            "origin time (UTC)": _text(self.value, "origin_time"),
+            "agency": self.text("event_id"),
+            "origin": self.text("origin_time"),
             "magnitude": self.magnitude,
             "hypocentre": ", ".join(filter(None, hypocentre)),
-            "epicentral distance": _kilometres(self.real("epicentral_distance")),
-            "place of the station": self._coordinates("station"),
-            "Vs30": self.number("vs30", "m/s"),
-            "class of the site": _text(self.value, "site_class"),
+            "distance": _kilometres(self.real("epicentral_distance")),
+            "place": self._coordinates("station"),
+            "vs30": self.number("vs30", "m/s"),
+            "site_class": self.text("site_class"),
         }
-        return [(name, words) for name, words in told.items() if words not in ("", ABSENT)]
+        return [(say(f"stated.{name}"), words) for name, words in told.items() if words not in ("", ABSENT)]
 
     def _coordinates(self, of: str) -> str:
         """Latitude and longitude of the station or the hypocentre; empty where they are not known."""
@@ -257,7 +240,7 @@ class Known:
         if math.isnan(north) or math.isnan(east):
             return ""
         signed = ((north, "NS"), (east, "EW"))
-        return ", ".join(f"{abs(angle):.5g}° {names[angle < 0.0]}" for angle, names in signed)
+        return ", ".join(f"{numerals(f'{abs(angle):.5g}')}° {names[angle < 0.0]}" for angle, names in signed)
 
     @property
     def strength(self) -> list[str]:

@@ -13,12 +13,10 @@ from typing import TYPE_CHECKING
 
 from rockpulse.errors import Failure, alike, last_part
 from rockpulse.record.record import BETWEEN
-from rockpulse.views.shared.terminal import several
+from rockpulse.views.shared.words import counted, say
 
 if TYPE_CHECKING:
     import xarray as xr
-
-__all__ = ["FilesUsed", "count_files", "failure_rows", "files_used", "reasons_of"]
 
 #: Kinds of rows of channels that were read, and are in the results or stand for a motion that is.
 _READ = frozenset({"vertical", "structural", "duplicate", "depth"})
@@ -54,8 +52,8 @@ class FilesUsed:
         >>> FilesUsed(3, (Failure("a.txt", "read", "a.txt: damaged", "failed"),)).counted
         '3 of 4 files used, 1 not'
         """
-        count = self.channels
-        return ", ".join(filter(None, (self._files, f"{several(count, 'channel')} failed" if count else "")))
+        failed = say("files.channels", channels=counted(self.channels, "channel")) if self.channels else ""
+        return ", ".join(filter(None, (self._files, failed)))
 
     @property
     def channels(self) -> int:
@@ -68,8 +66,8 @@ class FilesUsed:
         if not count:
             return ""
         if self.used is None:
-            return f"{several(count, 'file')} not used"
-        return f"{self.used} of {several(self.used + count, 'file')} used, {count} not"
+            return say("files.not_used", files=counted(count, "file"))
+        return say("files.used", used=self.used, files=counted(self.used + count, "file"), unused=count)
 
     @property
     def sentence(self) -> str:

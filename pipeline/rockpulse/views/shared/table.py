@@ -9,19 +9,28 @@ from functools import cached_property
 from typing import NamedTuple
 
 from rockpulse.views.shared.terminal import figure, paragraph, shortened
-
-__all__ = ["Cell", "Fact", "Heading", "Mark", "Table", "lines", "number", "text"]
+from rockpulse.views.shared.words import say
 
 
 class Mark(NamedTuple):
-    """A sign at a cell, and the note below the table that says what the sign means; empty where it is told elsewhere.
+    """A sign at a cell, and the key of the note below the table that says what it means; empty where it needs none.
 
-    The sign stands behind the text of the cell, or before it; a sign that is a word begins with a blank.
+    The sign stands behind the text of the cell, or before it; one that is a word is told by its key, with a blank.
     """
 
-    sign: str
-    note: str
+    key: str = ""
+    sign: str = ""
     before: bool = False
+
+    @property
+    def shown(self) -> str:
+        """The sign."""
+        return self.sign or say(f"mark.{self.key}.sign")
+
+    @property
+    def note(self) -> str:
+        """The meaning of the sign; empty where it is told elsewhere."""
+        return say(f"mark.{self.key}.note") if self.key else ""
 
 
 class Cell(NamedTuple):
@@ -40,12 +49,12 @@ class Cell(NamedTuple):
     @property
     def before(self) -> str:
         """The signs before the text."""
-        return "".join(mark.sign for mark in self.marks if mark.before)
+        return "".join(mark.shown for mark in self.marks if mark.before)
 
     @property
     def after(self) -> str:
         """The signs behind the text."""
-        return "".join(mark.sign for mark in self.marks if not mark.before)
+        return "".join(mark.shown for mark in self.marks if not mark.before)
 
     @property
     def marked(self) -> str:

@@ -6,20 +6,7 @@ import math
 import textwrap
 from collections.abc import Callable
 
-__all__ = [
-    "ABSENT",
-    "WIDTH",
-    "between",
-    "figure",
-    "fixed",
-    "lower_bound",
-    "paragraph",
-    "ratio",
-    "restitution",
-    "several",
-    "share",
-    "shortened",
-]
+from rockpulse.views.shared.words import numerals, say
 
 #: Stands for what is absent or not computed.
 ABSENT = "-"
@@ -41,8 +28,19 @@ def ratio(value: float) -> str:
     if value == 0.0 or math.isinf(value):
         return f"{value:.0f}"
     if abs(value) < 0.001:
-        return "<0.001" if value > 0.0 else ">-0.001"
-    return f"{value:.{3 if abs(value) < 0.1 else 2 if abs(value) < 10.0 else 1}f}"
+        return numerals("<0.001" if value > 0.0 else ">-0.001")
+    return numerals(f"{value:.{3 if abs(value) < 0.1 else 2 if abs(value) < 10.0 else 1}f}")
+
+
+def rough(value: float) -> str:
+    """A ratio that is an estimate: one digit behind a mark.
+
+    Examples
+    --------
+    >>> [rough(value) for value in (0.0, 0.0004, 0.0007, 0.056, 0.41, 1.3, 24.6)]
+    ['~0', '~0', '~0.001', '~0.06', '~0.4', '~1', '~25']
+    """
+    return numerals("~" + (f"{value:.0f}" if value >= 1.0 else f"{round(value, 3):.1g}"))
 
 
 def lower_bound(value: float) -> str:
@@ -55,7 +53,7 @@ def lower_bound(value: float) -> str:
     """
     places = 3 if value < 0.1 else 2 if value < 10.0 else 1
     down = math.floor(value * 10**places) / 10**places
-    return f">{down:.{places}f}" if down > 0.0 else ">0"
+    return numerals(f">{down:.{places}f}") if down > 0.0 else ">0"
 
 
 def restitution(value: float) -> str:
@@ -66,7 +64,7 @@ def restitution(value: float) -> str:
     >>> restitution(0.98514)
     '0.985'
     """
-    return f"{value:.3f}"
+    return numerals(f"{value:.3f}")
 
 
 def figure(value: float, unit: str = "") -> str:
@@ -79,7 +77,12 @@ def figure(value: float, unit: str = "") -> str:
     """
     if math.isnan(value):
         return ABSENT
-    return f"{value:.3g} {unit}".rstrip()
+    return f"{numerals(f'{value:.3g}')} {unit}".rstrip()
+
+
+def general(value: float) -> str:
+    """A number with the digits that it has, six at most."""
+    return numerals(f"{value:g}")
 
 
 def fixed(value: float, places: int = 2) -> str:
@@ -90,7 +93,7 @@ def fixed(value: float, places: int = 2) -> str:
     >>> fixed(0.4151), fixed(0.4151, 3), fixed(math.nan)
     ('0.42', '0.415', '-')
     """
-    return ABSENT if math.isnan(value) else f"{value:.{places}f}"
+    return ABSENT if math.isnan(value) else numerals(f"{value:.{places}f}")
 
 
 def between(low: float, high: float, show: Callable[[float], str] = figure) -> str:
@@ -103,7 +106,7 @@ def between(low: float, high: float, show: Callable[[float], str] = figure) -> s
     """
     if math.isnan(low) and math.isnan(high):
         return ABSENT
-    return f"{show(low)} to {'no limit' if math.isinf(high) else show(high)}"
+    return say("between", low=show(low), high=say("no_limit") if math.isinf(high) else show(high))
 
 
 def share(value: float) -> str:

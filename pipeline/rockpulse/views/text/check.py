@@ -12,8 +12,6 @@ if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
 
-__all__ = ["CODE_WORDS", "check_overview", "check_table"]
-
 #: What the codes are called.
 CODE_WORDS = {
     "circolare_2009": "Circolare 617/2009",

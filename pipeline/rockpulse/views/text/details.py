@@ -9,19 +9,17 @@ from rocking.response import Outcome
 from rockpulse.assessment.answers import Answers
 from rockpulse.record.record import STANDARD_GRAVITY
 from rockpulse.storage.export.selection import Selection, unknown
+from rockpulse.views.shared.columns import doubt
 from rockpulse.views.shared.facts import Known
-from rockpulse.views.shared.record_marks import doubt
 from rockpulse.views.shared.table import Cell
 from rockpulse.views.shared.terminal import ABSENT, figure, paragraph, restitution
-from rockpulse.views.text.capacity import capacities
-from rockpulse.views.text.large_overview import is_large
 from rockpulse.views.text.lists import case_list, worst_first
+from rockpulse.views.text.margins import capacities
+from rockpulse.views.text.overview import is_large
 from rockpulse.views.text.verdicts import factor_table, probability_table, verdict_table
 
 if TYPE_CHECKING:
     import xarray as xr
-
-__all__ = ["block_details", "record_details"]
 
 #: Cases of a record or block that are shown where there are too many for all.
 WORST = 20

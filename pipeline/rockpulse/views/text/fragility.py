@@ -7,25 +7,24 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rockpulse.motions.events import UNKNOWN
 from rockpulse.record.measures import REFERENCE
+from rockpulse.selection.events import UNKNOWN
 from rockpulse.storage.variables.fragility import STATED, STRENGTH
 from rockpulse.views.shared.files_used import files_used
 from rockpulse.views.shared.table import Cell, Heading, Mark, Table, number, text
-from rockpulse.views.shared.terminal import ABSENT, paragraph, ratio, several
+from rockpulse.views.shared.terminal import ABSENT, general, paragraph, ratio, several
+from rockpulse.views.shared.words import counted, named, numerals, remarks_of, say
 from rockpulse.views.text.left_out import unused
 from rockpulse.views.text.site import explained
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["fragility_overview", "median_table", "records_words", "shown_measure", "state_words", "sufficiency_tables"]
-
 #: At a median that no record was looked at.
-BEYOND = Mark("!", "!: beyond every level looked at, extrapolated.")
+BEYOND = Mark("beyond", "!")
 
 #: At the smallest dispersion of a limit state.
-SMALLEST = Mark("*", "*: smallest.")
+SMALLEST = Mark("smallest", "*")
 
 #: Level of the tests of sufficiency.
 LEVEL = 0.05
@@ -55,8 +54,9 @@ def shown_measure(curves: xr.Dataset) -> str:
 def records_words(tree: xr.DataTree) -> str:
     """The numbers of records and of earthquakes that the curves rest on."""
     event = tree["capacities"].to_dataset()["event"].values
-    counts = f"{several(event.size, 'record')} of {several(np.unique(event).size, 'earthquake')}"
-    return counts + (" (records of unknown earthquake count as one)" if UNKNOWN in event else "")
+    records, earthquakes = counted(event.size, "record"), counted(np.unique(event).size, "earthquake")
+    known = say("records_of", records=records, earthquakes=earthquakes)
+    return say("fragility.as_one", records=known) if UNKNOWN in event else known
 
 
 def state_words(name: str) -> str:
@@ -67,14 +67,19 @@ def state_words(name: str) -> str:
     >>> state_words("uplift"), state_words("0.4")
     ('uplift', 'θ_max/α_c ≥ 0.4')
     """
-    return name if name.isalpha() else f"θ_max/α_c ≥ {name}"
+    return say(f"limit_state.{name}") if name.isalpha() else f"θ_max/α_c ≥ {numerals(name)}"
+
+
+def statement(one: xr.Dataset) -> str:
+    """What there is to say of a curve, of a body and limit state in one measure; empty for nothing."""
+    return "; ".join(remarks_of(str(one["statement_values"].item())))
 
 
 def median_table(tree: xr.DataTree) -> Table:
     """Median and dispersion of every body and limit state in the measure that is shown."""
     curves = tree["fragility"].to_dataset()
     own = curves.sel(measure=shown_measure(curves))
-    level = f"{100.0 * float(tree.attrs['confidence']):g} %"
+    level = f"{general(100.0 * float(tree.attrs['confidence']))} %"
     rows = []
     for block in own["block"].values.tolist():
         for state in own["limit_state"].values.tolist():
@@ -87,32 +92,26 @@ def median_table(tree: xr.DataTree) -> Table:
                     Cell(state_words(state)),
                     number(median, ratio, (BEYOND,) if int(one["extrapolated"]) else ()),
                     number(low, ratio),
-                    number(high, lambda limit: "no limit" if math.isinf(limit) else ratio(limit)),
+                    number(high, lambda limit: say("no_limit") if math.isinf(limit) else ratio(limit)),
                     number(beta, ratio),
-                    Cell(f"{reached} of {of}", reached),
+                    Cell(say("count_of", count=reached, total=of), reached),
                     number(records, str),
                     number(events, str),
                 )
             )
-    note = f"low, high: limits of the median, over earthquakes ({ABSENT}: not known, see the remarks)."
-    if tree.attrs["data"] == "ida":
-        note += (
-            " Capacity is the first factor that reaches the limit state; above it a block may stand again: a curve is "
-            "the probability of reaching the limit state at or below a level, and these medians lie below those of "
-            'data = "stripes".'
-        )
-    words, units = (str(own[name].item()) for name in ("measure_long_name", "measure_units"))
-    measure = words if units == "1" else f"{words} [{units}]"
-    caption = f"Median and dispersion of {measure} at which a limit state is reached"
+    note = say("fragility.limits", absent=ABSENT) + (say("fragility.first") if tree.attrs["data"] == "ida" else "")
+    words, units = (str(own[f"measure_{of}"].item()) for of in ("long_name", "units"))
+    words = named(f"measures.{own['measure'].item()}", words)
+    caption = say("fragility.caption", measure=words if units == "1" else f"{words} [{units}]")
     headings = (
-        Heading("body", width=30),
-        Heading("limit state"),
-        Heading("median"),
-        *(Heading(end, note=level) for end in ("low", "high")),
-        Heading("beta", note="of ln capacity"),
-        Heading("reached", note="of the observations"),
-        Heading("records"),
-        Heading("earthquakes"),
+        Heading(say("head.body"), width=30),
+        Heading(say("fragility.limit_state")),
+        Heading(say("site.head.median")),
+        *(Heading(say(f"site.head.{end}"), note=level) for end in ("low", "high")),
+        Heading("beta", note=say("fragility.of_capacity")),
+        Heading(say("fragility.reached"), note=say("fragility.of_observations")),
+        Heading(say("head.records")),
+        Heading(say("fragility.earthquakes")),
     )
     return Table("fragility-medians", caption, headings, tuple(rows), (note,))
 
@@ -156,18 +155,12 @@ def sufficiency_tables(efficiency: xr.Dataset) -> list[Table]:
     for name, own in zip(p_value["measure"].values.tolist(), p_value.values[:, shown], strict=True):
         if np.any(np.isfinite(own)):
             counts = [(int(np.sum(found < LEVEL)), int(np.sum(np.isfinite(found)))) for found in own]
-            rows.append((Cell(name), *(Cell(f"{few} of {every}", few) for few, every in counts)))
-    headings = tuple(map(Heading, ("", *p_value["quality"].values[shown].tolist())))
-    head = (
-        "Sufficiency: limit states in which capacity depends on a quality of the record beside the measure "
-        f"(p-value below {LEVEL:g}), all bodies together"
-    )
-    note = (
-        f"{tests} tests: about {LEVEL * tests:.0f} of them would say so by chance. strength: the measure of the record "
-        "before it was scaled; duration: of the intense phase; period: 2 pi PGV/PGA; strong_half_waves: above half the "
-        "largest."
-    )
-    return [Table("fragility-sufficiency", head, headings, tuple(rows), (note, *_told_by(efficiency, p_value)))]
+            rows.append((Cell(name), *(Cell(say("count_of", count=few, total=every), few) for few, every in counts)))
+    qualities = p_value["quality"].values[shown].tolist()
+    headings = (Heading(""), *(Heading(say(f"quality.{name}")) for name in qualities))
+    note = say("fragility.tests", tests=tests, few=f"{LEVEL * tests:.0f}")
+    caption = say("fragility.sufficiency", level=general(LEVEL))
+    return [Table("fragility-sufficiency", caption, headings, tuple(rows), (note, *_told_by(efficiency, p_value)))]
 
 
 def _told_by(efficiency: xr.Dataset, p_value: xr.DataArray) -> list[str]:
@@ -178,10 +171,9 @@ def _told_by(efficiency: xr.Dataset, p_value: xr.DataArray) -> list[str]:
         records, events = (int(efficiency[f"quality_{of}"].sel(quality=name)) for of in ("records", "events"))
         if records:
             enough = bool(np.isfinite(p_value.sel(quality=name)).any())
-            few = "" if enough else ": too few for a test, or all alike"
-            said.append(
-                f"{name}: stated for {records} of {several(total, 'record')}, of {several(events, 'earthquake')}{few}."
-            )
+            fields = {"count": records, "records": counted(total, "record"), "events": counted(events, "earthquake")}
+            key = f"fragility.{'stated' if enough else 'too_few'}"
+            said.append(say(key, quality=say(f"quality.{name}"), **fields))
     return said
 
 
@@ -189,8 +181,7 @@ def _statements(curves: xr.Dataset) -> str:
     """A remark of each kind, by what is known of curve, band and median, and how many others there are like it."""
     found: dict[tuple[int, ...], list[str]] = {}
     for place in np.ndindex(curves["statement"].shape):
-        words = str(curves["statement"].values[place])
-        if words:
+        if words := str(curves["statement"].values[place]):
             dims = curves["statement"].dims
             labels = [str(curves[dim].values[index]) for dim, index in zip(dims, place, strict=True)]
             kind = tuple(int(curves[name].values[place]) for name in ("status", "band", "extrapolated"))

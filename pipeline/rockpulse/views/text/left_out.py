@@ -15,8 +15,6 @@ from rockpulse.views.shared.terminal import WIDTH, paragraph
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["apart", "by_kind", "failure_list", "left_out", "left_out_in_short", "not_used", "rows_not_used", "unused"]
-
 #: Rows of a kind that is no failure in the overview, those of one reason as one.
 LISTED = 12
 #: The same in a brief one.

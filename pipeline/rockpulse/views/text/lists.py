@@ -2,50 +2,72 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Iterable
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from rocking.response import Outcome
-from rockpulse.assessment.answers import Answers, Margin, bodies_of, fullest_model
+from rockpulse.assessment.answers import Answers, Of, bodies_of, fullest_model
 from rockpulse.record.measures import PGA, STORED
-from rockpulse.record.record import STANDARD_GRAVITY
 from rockpulse.storage.export.selection import Selection, rows
-from rockpulse.storage.hdf5.netcdf4 import flag_words, pointwise, worded
-from rockpulse.views.shared.answer_cells import NAMES, TITLES, answer_cell, factor_cell, marks_of
-from rockpulse.views.shared.record_marks import doubt, doubt_notes
-from rockpulse.views.shared.table import Cell, Heading, Mark, Table, lines, number
-from rockpulse.views.shared.terminal import paragraph, ratio, restitution, several, shortened
-from rockpulse.views.shared.verdict_notes import BEYOND_CRITICAL, NO_ANSWER, NONE_UP_TO, OUTSIDE
-from rockpulse.views.text.capacity import NAME_WIDTH, restitutions
+from rockpulse.storage.hdf5.netcdf4 import flag_words, pointwise
+from rockpulse.views.shared.columns import (
+    DRIFT,
+    ID_WIDTH,
+    NAME_WIDTH,
+    NO_ANSWER,
+    NONE_UP_TO,
+    OUTSIDE,
+    Column,
+    columns,
+    doubt_notes,
+    filled,
+    headed,
+    marks_of,
+    smallest_of,
+)
+from rockpulse.views.shared.notes import factor_name, factor_title
+from rockpulse.views.shared.table import Cell, Heading, Table, lines, number
+from rockpulse.views.shared.terminal import paragraph, several, shortened
+from rockpulse.views.shared.words import say
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["block_list", "case_list", "record_list", "worst_first"]
-
-#: Before the PGV of a record whose baseline drifts.
-DRIFT = Mark("~", "~: the baseline of the record drifts, PGV may be off by as much.", before=True)
-
-#: Longest record id in a list.
-ID_WIDTH = 36
-
-#: Variables of /summary that a verdict is told by, all that a list of cases has columns for, and what else these need.
-VERDICT = ("outcome", "peak_rotation_ratio", "applicable")
-SHOWN = (*VERDICT, PGA, "uplift_ratio", "impulse_ratio", "restitution")
-BESIDE = ("warning_codes",)
-
-#: The same of a factor, with how far was searched where none was found, and whether the model answers there.
+#: Columns of a list of cases; those of each factor, where it is known, and what they are.
+CASE = ("record", "block", "model", "restitution", PGA, "uplift_ratio", "impulse_ratio", "answer")
 OF_FACTOR = {
-    "factor_10": ("overturning_probability", "factor_10", "factor_10_low"),
-    "safety_factor": ("safety_factor", "safe_up_to", "factor_resolved", "capacity_pga"),
+    "factor_10": ("overturning_probability", "factor_10"),
+    "safety_factor": ("safety_factor", "capacity_pga"),
+}
+_MEANING = {
+    "factor_10": "P: probability of overturning under the record as it is; factor of 10 %: factor on the record at "
+    "which it is 10 %; both by the nonlinear model.",
+    "safety_factor": "SF: smallest factor on the model's input that overturns; SF PGA: the capacity.",
 }
 
-#: Columns of what the files state, shown where one of them does: title, variable, and SI units in one of the title.
-STATED = (("M", "magnitude", 1.0), ("distance km", "epicentral_distance", 1000.0))
+#: Columns of a list of records, among them what their files state, where one of them does; and of a list of blocks.
+STRENGTH = (*(one.name for one in STORED), "main_impulse")
+RECORD = ("record", *STRENGTH, "magnitude", "epicentral_distance", "warnings")
+STATED = frozenset({"magnitude", "epicentral_distance"})
+BLOCK = ("block", "width", "height", "alpha_c", "p", "critical_impulse", "restitutions", "overturned_by")
+
+
+class _Points:
+    """The values of variables at some places of /summary, and of others beside them; read when they are asked for."""
+
+    def __init__(self, summary: xr.Dataset, places: dict[str, np.ndarray], **beside: Sequence[Any]) -> None:
+        self._summary, self._places, self._found = summary, places, dict(beside)
+
+    def __getitem__(self, name: str) -> Sequence[Any]:
+        if name not in self._found:
+            if name in self._summary.dims:
+                self._found[name] = self._summary[name].values[self._places[name]].tolist()
+            else:
+                self._found[name] = pointwise(self._summary[name].variable, self._places).tolist()
+        return self._found[name]
 
 
 def worst_first(answers: Answers, selection: Selection) -> Selection:
@@ -65,40 +87,33 @@ def case_list(summary: xr.Dataset, selection: Selection) -> str:
     dims = [dim for dim in ("record", "block", "case", "model") if dim in summary["outcome"].dims]
     places, found = rows(summary, dims, selection, [(("block", "case"), _distinct(summary))] if "case" in dims else [])
     count = places["record"].size
-    heading = _heading(selection, count, found)
+    told = "; ".join(replace(selection, sort=None, limit=None).words)
+    shown = "" if count == found else f"; {count} shown (--limit shows more)"
+    heading = paragraph(f"{several(found, 'case')} with {told}{_order(selection)}{shown}")
     if not count:
         return heading
-    records, blocks, models = (summary[dim].values[places[dim]].tolist() for dim in ("record", "block", "model"))
-    with_model = len(set(models)) > 1
-    shown = (*SHOWN, *(name for of in OF_FACTOR.values() for name in of))
-    get = _values(summary, (*shown, *BESIDE), places)
-    told = [factor for factor, of in OF_FACTOR.items() if not np.isnan(get[of[0]]).all()]
-    more = [name for name in _of_interest(selection) if name not in shown]
-    extra = [_shown(summary, name, places) for name in more]
-    headings = [Heading("record"), Heading("block", width=NAME_WIDTH), *([Heading("model")] if with_model else [])]
-    title = "verdict" if with_model else models[0]
-    headings += map(Heading, ("C", "PGA/g", "a/a_up", "I/I_1c", title))
-    of_factor = {"factor_10": ("P", TITLES["factor_10"]), "safety_factor": ("SF", "SF PGA/g")}
-    headings += [Heading(one) for factor in told for one in of_factor[factor]] + [Heading(name) for name in more]
-    table = []
-    for k in range(count):
-        one = {name: values[k] for name, values in get.items()}
-        pga = one[PGA] / STANDARD_GRAVITY
-        table.append(
-            (
-                Cell(shortened(records[k], ID_WIDTH), marks=doubt(one[PGA], one["warning_codes"])),
-                Cell(blocks[k]),
-                *([Cell(models[k])] if with_model else []),
-                number(one["restitution"], restitution),
-                *(number(value, ratio) for value in (pga, one["uplift_ratio"], one["impulse_ratio"])),
-                answer_cell(*(one[name] for name in VERDICT)),
-                *(cell for factor in told for cell in _OF_FACTOR[factor](one, pga)),
-                *(cells[k] for cells in extra),
-            )
-        )
-    rocking = zip(get["outcome"], get["peak_rotation_ratio"], strict=True)
-    beyond = any(outcome == Outcome.ROCKS and peak > 1.0 for outcome, peak in rocking)
-    return _listed(heading, headings, table, _notes(table, beyond, told))
+    points = _Points(summary, places)
+    models = points["model"]
+    single = len(set(models)) == 1
+    factors = [factor for factor, of in OF_FACTOR.items() if not np.isnan(points[of[factor == "factor_10"]]).all()]
+    names = [name for name in CASE if name != "model" or not single]
+    names += [name for factor in factors for name in OF_FACTOR[factor]]
+    selected = columns(*names, answer=say(f"models.{models[0]}") if single else "")
+    selected += _of_interest(summary, selection, selected)
+    table = filled(selected, points)
+    rocking = zip(points["outcome"], points["peak_rotation_ratio"], strict=True)
+    marks = marks_of(cell for row in table for cell in row)
+    notes = [
+        "Figures: theta_max/alpha_c. a/a_up: PGA over the acceleration of uplift. I/I_1c: main impulse over the one "
+        "that overturns alone.",
+        *(_MEANING[factor] for factor in factors),
+        *([say("note.beyond_critical")] if any(o == Outcome.ROCKS and peak > 1.0 for o, peak in rocking) else []),
+        *([NONE_UP_TO.note] if NONE_UP_TO in marks else []),
+        *doubt_notes(row[0] for row in table),
+        *(["*: outside the range of this model."] if OUTSIDE in marks else []),
+        *(["!: a lower bound, from this factor on the model cannot answer."] if NO_ANSWER in marks else []),
+    ]
+    return _listed(heading, headed(selected), table, notes)
 
 
 def record_list(summary: xr.Dataset, selection: Selection) -> str:
@@ -108,48 +123,9 @@ def record_list(summary: xr.Dataset, selection: Selection) -> str:
     there.
     """
     answers, selection = _selected(summary, selection)
-    places, found = rows(answers.summary, ["record"], selection)
-    drifts = [f"{one.name}_drift" for one in STORED if one.drifts]
-    names = (*(one.name for one in STORED), *drifts, "main_impulse", "warning_codes")
-    get = _values(answers.summary, names, places)
-    stated = [column for column in STATED if _known(answers.summary, column[1])]
-    shown = (*names, *(name for _, name, _ in stated))
-    more = [name for name in _of_interest(selection) if answers.summary[name].dims == ("record",) and name not in shown]
-    extra = [_shown(answers.summary, name, places) for name in more]
-    of_files = _values(answers.summary, tuple(name for _, name, _ in stated), places)
-    fallen, margins = answers.overturnings("motion"), answers.margins("motion")
-    table = []
-    for k, row in enumerate(places["record"].tolist()):
-        codes = get["warning_codes"][k]
-        table.append(
-            (
-                Cell(shortened(answers.records[row], ID_WIDTH), marks=doubt(get[PGA][k], codes)),
-                *(
-                    number(
-                        get[one.name][k] / one.column[2],
-                        ratio,
-                        (DRIFT,) if one.drifts and get[f"{one.name}_drift"][k] else (),
-                    )
-                    for one in STORED
-                ),
-                number(get["main_impulse"][k], ratio),
-                *(number(of_files[name][k] / scale) for _, name, scale in stated),
-                Cell(str(len(codes.split()) or ""), float(len(codes.split()))),
-                *(cells[k] for cells in extra),
-                Cell(f"{fallen[row]} of {len(answers.blocks)}", float(fallen[row])),
-                *_smallest(margins[row], answers.blocks, NAME_WIDTH),
-            )
-        )
-    strengths = (f"{heading}{'/' if unit == 'g' else ' '}{unit}" for heading, unit, _ in (one.column for one in STORED))
-    of_record = ("record", *strengths, "I m/s", *(title for title, _, _ in stated), "warnings")
-    titles = (*of_record, *more, "overturns", TITLES[answers.factor], "of")
-    notes = [
-        f"overturns: blocks that do, by the {answers.model} model; {TITLES[answers.factor]}: smallest known "
-        f"{NAMES[answers.factor]}, and of which block.",
-        *_marked(table),
-        *doubt_notes(row[0] for row in table),
-    ]
-    return _listed(_counted("record", len(table), found, selection), map(Heading, titles), table, notes)
+    summary = answers.summary
+    names = [name for name in RECORD if name not in STATED or (name in summary and summary[name].notnull().any())]
+    return _of_motions(answers, selection, "record", names)
 
 
 def block_list(summary: xr.Dataset, selection: Selection) -> str:
@@ -158,39 +134,41 @@ def block_list(summary: xr.Dataset, selection: Selection) -> str:
     A condition on an answer has to hold for one of the records. Raises ResultsError for a name or variable that is not
     there.
     """
-    answers, selection = _selected(summary, selection)
-    places, found = rows(answers.summary, ["block"], selection)
-    get = _values(answers.summary, ("width", "height", "alpha_c", "p", "critical_impulse"), places)
-    fallen, margins = answers.overturnings("block"), answers.margins("block")
-    table = []
-    for k, place in enumerate(places["block"].tolist()):
-        table.append(
-            (
-                Cell(shortened(answers.blocks[place], NAME_WIDTH)),
-                *(number(values[k], ratio) for values in get.values()),
-                restitutions(answers, place),
-                Cell(f"{fallen[place]} of {len(answers.records)}", float(fallen[place])),
-                *_smallest(margins[place], answers.records, ID_WIDTH),
-            )
-        )
-    titles = (
-        "block",
-        "b m",
-        "h m",
-        "alpha_c rad",
-        "p 1/s",
-        "I_1c m/s",
-        "C",
-        "overturned by",
-        TITLES[answers.factor],
-        "under",
+    return _of_motions(*_selected(summary, selection), "block", BLOCK)
+
+
+def _of_motions(answers: Answers, selection: Selection, dim: str, names: Sequence[str]) -> str:
+    """A list of the records or blocks: columns of their own, how many of the others overturn, the smallest factor."""
+    summary, of_records = answers.summary, dim == "record"
+    places, found = rows(summary, [dim], selection)
+    at = places[dim].tolist()
+    of: Of = "motion" if of_records else "block"
+    fallen, margins = answers.overturnings(of), answers.margins(of)
+    opposite = answers.blocks if of_records else answers.records
+    own = [[body.restitution for body in answers.bodies if body.place == place] for place in range(len(answers.blocks))]
+    points = _Points(
+        summary,
+        places,
+        fallen=[fallen[place] for place in at],
+        total=[len(opposite)] * len(at),
+        restitutions=[] if of_records else [own[place] for place in at],
     )
+    selected = columns(*names)
+    if of_records:
+        selected += _of_interest(summary, selection, selected, "record") + columns("overturns")
+    smallest = [smallest_of(margins[place], opposite, NAME_WIDTH if of_records else ID_WIDTH) for place in at]
+    table = [(*cells, *more) for cells, more in zip(filled(selected, points), smallest, strict=True)]
+    headings = (*headed(selected), Heading(factor_title(answers.factor)), Heading("of" if of_records else "under"))
+    marks = marks_of(cell for row in table for cell in row)
+    what = ("overturns: blocks", "of which block") if of_records else ("overturned by: records", "under which record")
     notes = [
-        f"overturned by: records that do, by the {answers.model} model; {TITLES[answers.factor]}: smallest known "
-        f"{NAMES[answers.factor]}, and under which record.",
-        *_marked(table),
+        f"{what[0]} that do, by the {answers.model} model; {factor_title(answers.factor)}: smallest known "
+        f"{factor_name(answers.factor)}, and {what[1]}.",
+        *(mark.note for mark in (DRIFT, NONE_UP_TO) if mark in marks),
+        *(doubt_notes(row[0] for row in table) if of_records else ()),
     ]
-    return _listed(_counted("block", len(table), found, selection), map(Heading, titles), table, notes)
+    shown = f"{len(table)} of " if len(table) < found else ""
+    return _listed(f"{shown}{several(found, dim)}{_order(selection)}", headings, table, notes)
 
 
 def _selected(summary: xr.Dataset, selection: Selection) -> tuple[Answers, Selection]:
@@ -203,14 +181,6 @@ def _selected(summary: xr.Dataset, selection: Selection) -> tuple[Answers, Selec
     return Answers(summary, model=model), replace(selection, names={**selection.names, "model": (model,)})
 
 
-def _smallest(margin: Margin, names: list[str], width: int) -> list[Cell]:
-    """The smallest factor and what it is of; where none was found and not all are known it is not known."""
-    if math.isinf(margin.smallest) and (margin.unknown or margin.partial):
-        return [factor_cell(math.nan), Cell("")]
-    named = shortened(names[margin.place], width) if math.isfinite(margin.smallest) else ""
-    return [factor_cell(margin.smallest, margin.limit), Cell(named)]
-
-
 def _distinct(summary: xr.Dataset) -> np.ndarray:
     """(block, case) which restitutions are shown: one of a block that has the same in all cases."""
     shown = np.zeros((summary.sizes["block"], summary.sizes["case"]), dtype=bool)
@@ -219,91 +189,30 @@ def _distinct(summary: xr.Dataset) -> np.ndarray:
     return shown
 
 
-def _of_interest(selection: Selection) -> list[str]:
-    """Variables that a selection is about."""
+def _of_interest(
+    summary: xr.Dataset, selection: Selection, shown: Sequence[Column], dim: str = ""
+) -> tuple[Column, ...]:
+    """A column for each variable that a selection is about and that has none yet; of records alone, along `dim`."""
+    told = {name for column in shown for name in column.of} | {"factor_resolved"}
     names = [item.name for item in selection.conditions] + ([selection.sort] if selection.sort else [])
-    return list(dict.fromkeys(names))
+    return tuple(
+        Column(name, (name,), _plain(summary[name].variable), title=name)
+        for name in dict.fromkeys(names)
+        if name not in told and (not dim or summary[name].dims == (dim,))
+    )
 
 
-def _probable_cells(one: dict[str, Any], pga: float) -> list[Cell]:
-    return [number(one["overturning_probability"], ratio), factor_cell(one["factor_10"], one["factor_10_low"])]
-
-
-def _searched_cells(one: dict[str, Any], pga: float) -> list[Cell]:
-    limit = one["safe_up_to"]
-    capacity = factor_cell(one["capacity_pga"] / STANDARD_GRAVITY, limit * pga)
-    return [factor_cell(one["safety_factor"], limit, one["factor_resolved"] == 0), capacity]
-
-
-_OF_FACTOR = {"factor_10": _probable_cells, "safety_factor": _searched_cells}
-
-#: What the columns of these are.
-_MEANING = {
-    "factor_10": "P: probability of overturning under the record as it is; factor of 10 %: factor on the record at "
-    "which it is 10 %; both by the nonlinear model.",
-    "safety_factor": "SF: smallest factor on the model's input that overturns; SF PGA: the capacity.",
-}
-
-
-def _values(summary: xr.Dataset, names: tuple[str, ...], places: dict[str, np.ndarray]) -> dict[str, list[Any]]:
-    return {name: pointwise(summary[name].variable, places).tolist() for name in names}
-
-
-def _known(summary: xr.Dataset, name: str) -> bool:
-    """Whether a variable has a value for one of the records."""
-    return name in summary and bool(summary[name].notnull().any())
-
-
-def _shown(summary: xr.Dataset, name: str, places: dict[str, np.ndarray]) -> list[Cell]:
-    """The cells of a variable that has no column of its own."""
-    variable = summary[name].variable
-    found = pointwise(variable, places)
+def _plain(variable: xr.Variable) -> Any:
+    """How a value of a variable that has no column of its own is shown."""
     if words := flag_words(variable):
-        return [Cell(str(word)) for word in worded(found, words)]
-    if found.dtype.kind == "f":
-        return [number(one) for one in found.tolist()]
-    return [Cell(shortened(str(one), NAME_WIDTH)) for one in found.tolist()]
-
-
-def _heading(selection: Selection, count: int, found: int) -> str:
-    told = "; ".join(replace(selection, sort=None, limit=None).words)
-    shown = "" if count == found else f"; {count} shown (--limit shows more)"
-    return paragraph(f"{several(found, 'case')} with {told}{_order(selection)}{shown}")
+        return lambda code: Cell(words[code])
+    return number if variable.dtype.kind == "f" else lambda one: Cell(shortened(str(one), NAME_WIDTH))
 
 
 def _order(selection: Selection) -> str:
     return f", {'largest' if selection.descending else 'smallest'} {selection.sort} first" if selection.sort else ""
 
 
-def _counted(noun: str, count: int, found: int, selection: Selection) -> str:
-    shown = f"{count} of " if count < found else ""
-    return f"{shown}{several(found, noun)}{_order(selection)}"
-
-
-def _listed(heading: str, headings: Iterable[Heading], table: list[tuple[Cell, ...]], notes: list[str]) -> str:
+def _listed(heading: str, headings: Sequence[Heading], table: Sequence[tuple[Cell, ...]], notes: list[str]) -> str:
     laid = lines(Table("", "", tuple(headings), tuple(table)))
     return "\n".join([heading, "", *("  " + line for line in laid), "", *(paragraph(note, "  ") for note in notes)])
-
-
-def _marked(table: list[tuple[Cell, ...]]) -> list[str]:
-    """The meaning of the marks in a list of records or blocks."""
-    marks = marks_of(cell for row in table for cell in row)
-    return [mark.note for mark in (DRIFT, NONE_UP_TO) if mark in marks]
-
-
-def _notes(table: list[tuple[Cell, ...]], beyond: bool, told: list[str]) -> list[str]:
-    """The meaning of the columns and the marks in a list of cases."""
-    marks = marks_of(cell for row in table for cell in row)
-    meanings = {
-        OUTSIDE: "*: outside the range of this model.",
-        NO_ANSWER: "!: a lower bound, from this factor on the model cannot answer.",
-    }
-    return [
-        "Figures: theta_max/alpha_c. a/a_up: PGA over the acceleration of uplift. I/I_1c: main impulse over the one "
-        "that overturns alone.",
-        *(_MEANING[factor] for factor in told),
-        *([BEYOND_CRITICAL] if beyond else []),
-        *([NONE_UP_TO.note] if NONE_UP_TO in marks else []),
-        *doubt_notes(row[0] for row in table),
-        *(note for mark, note in meanings.items() if mark in marks),
-    ]

@@ -1,26 +1,38 @@
-"""The overview of an assessment as text: one screen with the verdict on the bodies, or everything."""
+"""The overview of an assessment as text: one screen with the verdict on the bodies, or everything.
+
+Of an assessment that is too large to be shown whole: counts, the worst, and how to see the rest.
+"""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from rockpulse.assessment.answers import answers_of
+import numpy as np
+
+from rockpulse.assessment.answers import Answers, answers_of, lanes
+from rockpulse.record.measures import STORED
+from rockpulse.storage.export.selection import Selection
+from rockpulse.views.shared.columns import doubt_notes, record_cells
 from rockpulse.views.shared.files_used import files_used
-from rockpulse.views.shared.terminal import paragraph, several
-from rockpulse.views.text.capacity import smallest_capacities
-from rockpulse.views.text.directions import direction_table
-from rockpulse.views.text.large_overview import hints, is_large, large_overview
+from rockpulse.views.shared.notes import cautions
+from rockpulse.views.shared.table import Cell, Heading, Table, number, text
+from rockpulse.views.shared.terminal import ABSENT, fixed, paragraph, several
 from rockpulse.views.text.left_out import left_out, left_out_in_short, unused
+from rockpulse.views.text.lists import case_list, worst_first
+from rockpulse.views.text.margins import direction_table, smallest_capacities
 from rockpulse.views.text.verdicts import body_verdicts, governing, overturned, verdict_table, worst_motions
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["headline", "overview"]
-
-
 #: Bodies and motions that one screen holds.
 BODIES, MOTIONS = 12, 10
+
+#: Most verdicts of a model that are shown one by one.
+WHOLE = 200
+
+#: Worst cases and blocks that are shown, and worst pairs of channels of a sweep.
+WORST, PAIRS = 12, 3
 
 
 def overview(tree: xr.DataTree, whole: bool = False) -> str:
@@ -39,7 +51,7 @@ def overview(tree: xr.DataTree, whole: bool = False) -> str:
         return "\n\n".join(filter(None, parts))
     directions = tree["directions"].to_dataset() if "directions" in tree.children else None
     if is_large(answers):
-        parts = [head, unused(files), large_overview(answers, directions), left_out(tree, brief=True), hints()]
+        parts = [head, unused(files), _large(answers, directions), left_out(tree, brief=True), HINTS]
         return "\n\n".join(filter(None, parts))
     summary = answers.summary.load()  # all of it is shown: read at once, not value by value
     if directions is None:
@@ -60,3 +72,93 @@ def headline(tree: xr.DataTree) -> str:
     if described := str(tree.attrs.get("site_description", "")):
         lines.append(paragraph(described, "  "))
     return "\n".join(lines)
+
+
+#: The commands that show more of large results.
+HINTS = """More of it: rockpulse inspect RESULTS
+  --records, --blocks                     all records, all blocks; --sort VARIABLE, --limit N
+  --record ID, --block NAME               one in detail
+  --outcome overturns --model linear      the cases that are so; also --where 'factor_10 < 1'
+  and rockpulse export RESULTS -o table.csv with the same options."""
+
+
+def is_large(answers: Answers) -> bool:
+    """Whether an assessment has too many answers for a table of all."""
+    return len(answers.records) * len(answers.bodies) > WHOLE
+
+
+def _large(answers: Answers, directions: xr.Dataset | None) -> str:
+    """Strength of the records, verdicts by model, the worst blocks and cases.
+
+    Of a sweep, whose node /directions is given, the worst pairs in place of the cases.
+    """
+    parts = [_strength(answers), _verdicts(answers), body_verdicts(answers, WORST)]
+    if directions is None:
+        parts.append(case_list(answers.summary, worst_first(answers, Selection(limit=WORST))))
+    else:
+        parts.append(_pairs(answers, directions))
+    parts += filter(None, [governing(answers)])
+    if answers.demands:
+        smallest = [margin.smallest for margin in answers.margins("block")]
+        parts.append(smallest_capacities(answers, np.argsort(smallest, kind="stable")[:WORST].tolist()))
+    return "\n\n".join(parts)
+
+
+def _strength(answers: Answers) -> str:
+    """The strength of the records."""
+    rows = []
+    for title, name, (_, unit, scale) in (
+        *((row.title, row.name, row.column) for row in STORED),
+        ("main impulse I", "main_impulse", ("I", "m/s", 1.0)),
+    ):
+        values = answers[name] / scale
+        known = values[~np.isnan(values)]
+        if known.size:
+            quantiles = np.quantile(known, (0.0, 0.5, 1.0)).tolist()
+            rows.append((Cell(title), *map(number, quantiles), Cell(unit)))
+    headings = tuple(map(Heading, ("", "smallest", "median", "largest", "")))
+    lines = [text(Table("", "The records:", headings, tuple(rows)))]
+    if drifting := int(np.count_nonzero(answers["pgv_drift"])):
+        of = "1 record may be off: its" if drifting == 1 else f"{drifting} records may be off: their"
+        lines.append(f"  PGV of {of} baseline drifts (--where 'pgv_drift = drift').")
+    found = [cell for cell in record_cells(answers.summary) if cell.marks]
+    if found:
+        lines.append(paragraph(f"{len(found)} with a doubtful peak, marked wherever they are named.", "  "))
+        lines += [paragraph(note, "  ") for note in doubt_notes(found)]
+    return "\n".join(lines)
+
+
+def _verdicts(answers: Answers) -> str:
+    """The number of verdicts of each kind that every model gives."""
+    total = len(answers.records) * len(answers.bodies)
+    rows = []
+    for model, one in answers.of_models.items():
+        rest, rocks, over, unresolved = one.counts
+        weak = int(np.count_nonzero(one["safety_factor"] < 1.0)) if one.searched else None
+        counts = [number(count, str) for count in (rest, rocks, over)]
+        more = [number(count, lambda value: fixed(value, 0)) for count in (unresolved, weak)]
+        rows.append((Cell(model), *counts, Cell(f"{over / total:.1%}", over / total), *more))
+    headings = ["", "at rest", "rocks", "OVERTURNS", "", "unresolved", "SF < 1"]
+    kept = [place for place in range(len(headings)) if not all(row[place].text == ABSENT for row in rows)]
+    headings, rows = [headings[place] for place in kept], [tuple(row[place] for place in kept) for row in rows]
+    of_factors = ["SF < 1: overturns under the record, or under a weaker copy of it (rocking is not monotonic)."]
+    notes = (of_factors if "SF < 1" in headings else []) + cautions(answers.models)
+    title = f"Verdicts, {total} by each model:"
+    return text(Table("", title, tuple(map(Heading, headings)), tuple(rows), tuple(notes)))
+
+
+def _pairs(answers: Answers, directions: xr.Dataset) -> str:
+    """The pairs of channels of a sweep that are worst in some direction."""
+    key = answers.least_over_direction[0]
+    if not answers.told:
+        key = -lanes(directions, "largest_rotation_ratio", answers.bodies, answers.model)
+    order, blocks = (
+        np.sort(np.argsort(np.fmin.reduce(table, axis=axis), kind="stable")[:most])
+        for table, axis, most in ((key, 1, PAIRS), (answers.by_block(np.fmin, key), 0, WORST))
+    )
+    part = directions.isel(pair=order, block=blocks).load()
+    few = answers.summary.isel(block=blocks)
+    heading = f"The {order.size} worst of {directions.sizes['pair']} pairs of channels"
+    if blocks.size < directions.sizes["block"]:
+        heading += f", the {blocks.size} worst of {directions.sizes['block']} blocks"
+    return f"{heading}:\n\n{direction_table(few, part)}"

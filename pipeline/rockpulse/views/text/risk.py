@@ -1,4 +1,4 @@
-"""The annual frequency of a limit state as text, and the warnings that belong to it."""
+"""The annual frequency of a limit state as text and as tables to be written, and the warnings that belong to it."""
 
 from __future__ import annotations
 
@@ -8,15 +8,15 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from rockpulse.storage.variables.risk import INVENTORY, RISK, STANDING, RiskStatus
 from rockpulse.studies.risk.frequency import OUTSIDE
 from rockpulse.studies.risk.integral import LEAST_EVENTS
-from rockpulse.views.shared.table import Cell, Heading, Mark, Table, lines
+from rockpulse.views.shared.table import Cell, Heading, Table, lines
 from rockpulse.views.shared.terminal import ABSENT, figure, paragraph, several
 
 if TYPE_CHECKING:
+    import pandas as pd
     import xarray as xr
-
-__all__ = ["inventory_overview", "inventory_warnings", "risk_overview", "risk_warnings", "standing_overview"]
 
 #: Bodies of an inventory that are shown.
 SHOWN = 10
@@ -24,51 +24,37 @@ SHOWN = 10
 #: Shares of a frequency between which levels are told.
 ENDS = (0.05, 0.95)
 
-#: Of a frequency that comes for more than a tenth from levels that nothing was looked at.
-TAIL = Mark("!", "")
+#: Where the levels or factors lie that nothing was looked at.
+SIDES = ("below", "above", "far")
+
+#: How a column shows a body.
+Shown = Callable[["xr.Dataset"], str]
 
 
 def risk_overview(risk: xr.Dataset) -> str:
     """The dataset of :func:`rockpulse.annual_frequency` as text."""
-    years, confidence, unit = float(risk.attrs["years"]), float(risk.attrs["confidence"]), str(risk.attrs["unit"])
-    heads = (
-        "",
-        "a year",
-        f"{confidence:.0%} interval",
-        "once in",
-        f"in {years:g} years",
-        "interval",
-        "stands",
-        f"{risk.attrs['measure']} [{unit}]",
-    )
-    rows = []
-    for place, name in enumerate(risk["block"].values):
-        one = risk.isel(block=place)
-        rows.append(
-            (
-                Cell(f"  {name}"),
-                Cell(_shown(float(one["frequency"])), None, (TAIL,) if str(one["warning"].values) else ()),
-                Cell(_between(one, "frequency", _shown)),
-                Cell(_period(float(one["frequency"]))),
-                Cell(_chance(float(one["probability"]))),
-                Cell(_between(one, "probability", _chance)),
-                Cell(_survival(float(one["survival"]))),
-                Cell(_levels(one, float(risk.attrs["unit_in_si"]))),
-            )
-        )
-    what = str(risk.attrs["limit_state"])
-    title = f"Frequency of {what}, {several(len(rows), 'body')}; hazard: {risk.attrs['hazard']}"
+    years, confidence, measure = float(risk.attrs["years"]), float(risk.attrs["confidence"]), risk.attrs["measure"]
+    columns: dict[str, Shown] = {
+        "": lambda one: f"  {one['block'].item()}",
+        "a year": _frequency,
+        f"{confidence:.0%} interval": lambda one: _between(one, "frequency", _shown),
+        "once in": _period,
+        f"in {years:g} years": lambda one: _chance(float(one["probability"])),
+        "interval": lambda one: _between(one, "probability", _chance),
+        "stands": _survival,
+        f"{measure} [{risk.attrs['unit']}]": lambda one: _levels(one, float(risk.attrs["unit_in_si"])),
+    }
+    rows = [risk.isel(block=place) for place in range(risk.sizes["block"])]
+    title = f"Frequency of {risk.attrs['limit_state']}, {several(len(rows), 'body')}; hazard: {risk.attrs['hazard']}"
     told = [
         "a year: lambda, the sum of the fragility over the hazard; intervals: over the earthquakes of the fragility, "
-        f"the hazard as given; stands: survives {years:g} years; {risk.attrs['measure']}: levels between which 90 % of "
-        "lambda come about.",
+        f"the hazard as given; stands: survives {years:g} years; {measure}: levels between which 90 % of lambda come "
+        "about.",
         *_assumed(risk),
     ]
-    told += [
-        f"{name}: {words}." for name, words in zip(risk["block"].values, risk["statement"].values, strict=True) if words
-    ]
+    told += [f"{one['block'].item()}: {one['statement'].item()}." for one in rows if one["statement"].item()]
     told += [f"! {words}." for words in risk_warnings(risk)]
-    return _text(title, heads, rows, told)
+    return _text(title, columns, rows, told)
 
 
 def risk_warnings(risk: xr.Dataset) -> list[str]:
@@ -83,32 +69,18 @@ def inventory_overview(risk: xr.Dataset) -> str:
     years, unit, measure = float(risk.attrs["years"]), str(risk.attrs["unit"]), str(risk.attrs["measure"])
     frequency = risk["frequency"].values
     known = np.isfinite(frequency)
-    heads = (
-        "",
-        "a year",
-        f"{float(risk.attrs['confidence']):.0%} interval",
-        "once in",
-        f"in {years:g} years",
-        "stands",
-        f"median [{unit}]",
-        "dispersion",
-    )
-    marked = np.logical_or.reduce([risk[name].values > OUTSIDE for name in ("below", "above", "far")])
-    rows = []
-    for place in np.argsort(np.where(known, -frequency, np.inf), kind="stable")[: min(SHOWN, int(known.sum()))]:
-        one = risk.isel(body=place)
-        rows.append(
-            (
-                Cell(f"  {one['body'].item()}"),
-                Cell(_shown(float(one["frequency"])), None, (TAIL,) if marked[place] else ()),
-                Cell(_between(one, "frequency", _shown)),
-                Cell(_period(float(one["frequency"]))),
-                Cell(_chance(float(one["probability"]))),
-                Cell(_survival(float(one["survival"]))),
-                Cell(figure(float(one["median"]) / float(risk.attrs["unit_in_si"]))),
-                Cell(figure(float(one["dispersion"]))),
-            )
-        )
+    columns: dict[str, Shown] = {
+        "": lambda one: f"  {one['body'].item()}",
+        "a year": _frequency,
+        f"{float(risk.attrs['confidence']):.0%} interval": lambda one: _between(one, "frequency", _shown),
+        "once in": _period,
+        f"in {years:g} years": lambda one: _chance(float(one["probability"])),
+        "stands": _survival,
+        f"median [{unit}]": lambda one: figure(float(one["median"]) / float(risk.attrs["unit_in_si"])),
+        "dispersion": lambda one: figure(float(one["dispersion"])),
+    }
+    order = np.argsort(np.where(known, -frequency, np.inf), kind="stable")[: min(SHOWN, int(known.sum()))]
+    rows = [risk.isel(body=place) for place in order]
     title = f"Frequency of overturning, {several(frequency.size, 'body')}; hazard: {risk.attrs['hazard']}"
     told = [
         f"the {len(rows)} that overturn most often; all together {_shown(float(np.sum(frequency[known])))} a year, "
@@ -130,7 +102,7 @@ def inventory_overview(risk: xr.Dataset) -> str:
             f"{', '.join(str(risk['body'].values[one]) for one in lost[:5])}{' ...' if lost.size > 5 else ''}."
         )
     told += [f"! {words}." for words in inventory_warnings(risk)]
-    return _text(title, heads, rows, told)
+    return _text(title, columns, rows, told)
 
 
 def inventory_warnings(risk: xr.Dataset) -> list[str]:
@@ -162,37 +134,39 @@ def standing_overview(standing: xr.Dataset) -> str:
     """The dataset of :func:`rockpulse.standing_test` as text: of an inventory the bodies that are least likely."""
     (dim,) = standing["chance"].dims
     age, confidence = float(standing.attrs["age"]), float(standing.attrs["confidence"])
-    heads = ("", "has stood", "interval", "factor on the hazard")
     chance = standing["chance"].values
-    rows = []
-    for place in np.argsort(chance, kind="stable")[: min(SHOWN, int(np.isfinite(chance).sum()))]:
-        one = standing.isel({dim: place})
-        told = "contradicts this hazard" if int(one["contradicted"]) == 1 else "consistent"
-        rows.append(
-            (
-                Cell(f"  {one[dim].item()}"),
-                Cell(figure(float(one["chance"]))),
-                Cell(_between(one, "chance", figure)),
-                Cell(figure(float(one["factor"]))),
-                Cell(told),
-            )
-        )
+    columns: dict[str, Shown] = {
+        "": lambda one: f"  {one[dim].item()}",
+        "has stood": lambda one: figure(float(one["chance"])),
+        "interval": lambda one: _between(one, "chance", figure),
+        "factor on the hazard": lambda one: figure(float(one["factor"])),
+        " ": lambda one: "contradicts this hazard" if int(one["contradicted"]) == 1 else "consistent",
+    }
+    order = np.argsort(chance, kind="stable")[: min(SHOWN, int(np.isfinite(chance).sum()))]
+    rows = [standing.isel({dim: place}) for place in order]
     largest = _shown(float(np.max(standing["largest"].values, initial=0.0)))
     notes = [
         f"has stood: exp(-lambda {age:g}), the chance of it; factor: on the rates of the hazard, at which the chance "
         f"would be {1.0 - confidence:.0%} and lambda {largest} a year; a body whose factor is below 1 contradicts the "
         f"hazard at {confidence:.0%}."
     ]
-    return _text(f"Bodies that have stood for {age:g} years", (*heads, ""), rows, notes)
+    return _text(f"Bodies that have stood for {age:g} years", columns, rows, notes)
 
 
 def _assumed(risk: xr.Dataset) -> list[str]:
     return [f"fragility: {risk.attrs['fragility']}.", f"hazard: {risk.attrs['hazard_assumed']}."]
 
 
-def _text(title: str, heads: tuple[str, ...], rows: Sequence[tuple[Cell, ...]], told: list[str]) -> str:
-    table = lines(Table("", "", tuple(map(Heading, heads)), tuple(rows)))
+def _text(title: str, columns: dict[str, Shown], rows: Sequence[xr.Dataset], told: list[str]) -> str:
+    cells = tuple(tuple(Cell(show(one)) for show in columns.values()) for one in rows)
+    table = lines(Table("", "", tuple(map(Heading, columns)), cells))
     return "\n".join([paragraph(title), *table, *(paragraph(line, "  ") for line in told)])
+
+
+def _frequency(one: xr.Dataset) -> str:
+    """The frequency, marked where more than a tenth of it comes from levels that nothing was looked at."""
+    doubtful = bool(one["warning"].item()) if "warning" in one else any(float(one[side]) > OUTSIDE for side in SIDES)
+    return f"{_shown(float(one['frequency']))}{'!' if doubtful else ''}"
 
 
 def _shown(value: float) -> str:
@@ -203,8 +177,9 @@ def _chance(value: float) -> str:
     return ABSENT if math.isnan(value) else f"{value:.2g}"
 
 
-def _survival(value: float) -> str:
+def _survival(one: xr.Dataset) -> str:
     """A probability near one with as many decimals as show what is missing to one."""
+    value = float(one["survival"])
     if math.isnan(value):
         return ABSENT
     missing = 1.0 - value
@@ -212,7 +187,8 @@ def _survival(value: float) -> str:
     return f"{value:.{places}f}" if missing else "1"
 
 
-def _period(frequency: float) -> str:
+def _period(one: xr.Dataset) -> str:
+    frequency = float(one["frequency"])
     return f"{float(f'{1.0 / frequency:.2g}'):,.0f} years" if frequency > 0.0 else ABSENT
 
 
@@ -228,3 +204,31 @@ def _levels(one: xr.Dataset, unit: float) -> str:
     edges = np.log(np.concatenate([one["bin_low"].values, one["bin_high"].values[-1:]]) / unit)
     low, high = np.exp(np.interp(ENDS, np.concatenate([[0.0], np.cumsum(share)]) / np.sum(share), edges)).tolist()
     return f"{figure(low)} to {figure(high)}"
+
+
+def risk_table(risk: xr.Dataset, standing: xr.Dataset | None = None) -> pd.DataFrame:
+    """A row for each body, without the contributions of levels."""
+    names = [name for name, variable in RISK.items() if variable.dims == ("block",)]
+    return _table(risk[names], "block", names, standing)
+
+
+def levels_table(risk: xr.Dataset) -> pd.DataFrame:
+    """A row for each body and range of levels, in the unit of the hazard, with its share of the frequency."""
+    table = risk[["bin_low", "bin_high", "share"]].to_dataframe().reset_index()
+    table[["bin_low", "bin_high"]] /= float(risk.attrs["unit_in_si"])
+    return table.assign(measure=risk.attrs["measure"], unit=risk.attrs["unit"])[
+        ["block", "measure", "unit", "bin_low", "bin_high", "share"]
+    ]
+
+
+def inventory_table(risk: xr.Dataset, standing: xr.Dataset | None = None) -> pd.DataFrame:
+    """A row for each body of an inventory, the median in the unit of the hazard."""
+    table = _table(risk[[*INVENTORY]], "body", [*INVENTORY], standing)
+    return table.assign(median=table["median"] / float(risk.attrs["unit_in_si"]), unit=risk.attrs["unit"])
+
+
+def _table(risk: xr.Dataset, dim: str, names: list[str], standing: xr.Dataset | None) -> pd.DataFrame:
+    if standing is not None:
+        risk, names = risk.merge(standing[[*STANDING]]), [*names, *STANDING]
+    table = risk.to_dataframe().reset_index()[[dim, *names]]
+    return table.assign(status=[RiskStatus(code).name.lower() for code in table["status"]])

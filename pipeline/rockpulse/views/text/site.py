@@ -1,8 +1,12 @@
-"""A site file as text: its remarks first, then the parameters, the design sequence and the coverage."""
+"""A site file as text: its remarks first, then the parameters, the design sequence and the coverage.
+
+By the overturning spectrum: what the design asks of every body, in effective impulses, then sequences of them.
+"""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -16,36 +20,23 @@ from rockpulse.views.shared.terminal import (
     between,
     figure,
     fixed,
+    general,
     paragraph,
     ratio,
     restitution,
-    several,
     share,
 )
+from rockpulse.views.shared.words import counted, listed, named, remarks_of, say
 from rockpulse.views.text.left_out import not_used, unused
-from rockpulse.views.text.site_spectrum import design_table, sequence_table, spectrum_table
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     import xarray as xr
-
-__all__ = [
-    "about_records",
-    "block_table",
-    "coverage",
-    "design",
-    "explained",
-    "parameter_table",
-    "remarks",
-    "site_overview",
-]
 
 #: Rows of a table of blocks, and names of events, that are listed one by one.
 LISTED = 12
 
-#: How the spectrum of a record is made, by the word of [calibration] spectrum.
-_SPECTRA = {"rule": "by the rule, from its half-waves alone", "nonlinear": "by the nonlinear equation of motion"}
+#: Restitution of the blocks of the table of the spectrum, and the step of its rows along p.
+SHOWN_RESTITUTION, STEP = 0.9, 3
 
 _UNITS = {"m s-1": "m/s", "s": "s", "1": ""}
 
@@ -53,161 +44,220 @@ _UNITS = {"m s-1": "m/s", "s": "s", "1": ""}
 def site_overview(tree: xr.DataTree) -> str:
     """The tree of :func:`rockpulse.calibrate_site` as text for the terminal."""
     site = tree["site"].to_dataset()
+    if site.attrs["method"] == "spectrum":
+        own = [explained(table) for table in site_tables(site) or _spectrum_tables(tree["spectra"].to_dataset(), site)]
+    else:
+        parameters, blocks = site_tables(site)
+        correlation = "\n".join("  " + line for line in lines(_correlation(site)))
+        own = [explained(parameters), correlation, paragraph(design(site), "  ", ""), _coverage(site, blocks)]
     parts = [
         unused(files_used(tree).line),
-        "\n".join(paragraph(line, "  ", "! ") for line in remarks(site)),
+        "\n".join(paragraph(line, "  ", "! ") for line in site_remarks(site)),
         "\n".join(paragraph(line, "  ", "") for line in about_records(site)),
-        *(_by_spectrum(tree, site) if site.attrs["method"] == "spectrum" else _by_sequences(site)),
+        *own,
         _warnings(site),
         not_used(tree),
     ]
     return "\n\n".join(part for part in parts if part)
 
 
-def _by_spectrum(tree: xr.DataTree, site: xr.Dataset) -> list[str]:
-    """The design of every body, or the spectrum where there is none; nothing where too few earthquakes make it."""
-    spectra = tree["spectra"].to_dataset()
-    if spectra["spectrum_design"].isnull().any():
-        return []
-    tables = (design_table(site), sequence_table(site)) if site.sizes["block"] else (spectrum_table(spectra, site),)
-    return [explained(table) for table in tables if table.rows]
-
-
-def _by_sequences(site: xr.Dataset) -> list[str]:
-    return [
-        explained(parameter_table(site)),
-        "\n".join("  " + line for line in lines(_correlation(site))),
-        paragraph(design(site), "  ", ""),
-        _coverage(site),
-    ]
-
-
-def remarks(site: xr.Dataset) -> list[str]:
+def site_remarks(site: xr.Dataset) -> list[str]:
     """Sentences on the limits of the calibration, the gravest first."""
-    return [line for line in str(site["remarks"].item()).splitlines() if line]
+    return remarks_of(site["remark_values"].item())
+
+
+def site_tables(site: xr.Dataset) -> list[Table]:
+    """The tables of a design: of its parameters and of the blocks under it; by the spectrum those that have rows."""
+    if site.attrs["method"] == "spectrum":
+        return [table for table in (_design_table(site), _sequence_table(site)) if table.rows]
+    return [_parameter_table(site), _block_table(site)]
 
 
 def about_records(site: xr.Dataset) -> list[str]:
     """The records and their events, and how a sequence was made of each."""
-    events = site["site_event"].values.tolist()
-    counted = zip(events, site["event_records"].values.tolist(), strict=True)
-    listed = [f"{name} ({count})" for name, count in list(counted)[:LISTED]]
-    more = f", and {len(events) - LISTED} more" if len(events) > LISTED else ""
+    events, method = site["site_event"].values.tolist(), site.attrs["method"]
+    each = zip(events, site["event_records"].values.tolist(), strict=True)
+    names = listed([f"{name} ({count})" for name, count in each], LISTED)
     scaled = str(site.attrs["scaled_to"])
-    unit = "" if scaled == "none" else MEASURES[scaled.split()[0]].shown_unit
-    on_records = (
-        f"Calibrated on {several(site.sizes['record'], 'record')} of {several(len(events), 'earthquake')}, "
-        f"{'not scaled' if scaled == 'none' else f'scaled to {scaled} {unit}'}: {', '.join(listed)}{more}."
-    )
-    weights = f'weights: "{site.attrs["weights"]}"'
-    if site.attrs["method"] == "spectrum":
-        return [on_records, f"The overturning spectrum of each record {_SPECTRA[site.attrs['spectrum']]}; {weights}."]
-    return [
-        on_records,
-        f'The sequence of each record by the method "{site.attrs["method"]}"; {weights}. Its '
-        f"misfit (ln, median over records) is {figure(_median(site['misfit']))}; its rotation is below the recorded "
-        f"one for {share(_median(site['unsafe_share']))} of the blocks (median).",
-    ]
+    target = "" if scaled == "none" else f"{scaled} {MEASURES[scaled.split()[0]].shown_unit}"
+    records = {
+        "records": counted(site.sizes["record"], "record"),
+        "earthquakes": counted(len(events), "earthquake"),
+        "names": names,
+    }
+    on_records = say(f"site.records.{'as_they_are' if scaled == 'none' else 'scaled'}", target=target, **records)
+    weights = site.attrs["weights"]
+    if method == "spectrum":
+        return [on_records, say(f"site.spectra.{site.attrs['spectrum']}", weights=weights)]
+    misfit, below = figure(_median(site["misfit"])), share(_median(site["unsafe_share"]))
+    return [on_records, say("site.sequences", method=method, weights=weights, misfit=misfit, share=below)]
 
 
-def parameter_table(site: xr.Dataset) -> Table:
+def _parameter_table(site: xr.Dataset) -> Table:
     """The parameters of the sequences of all records: lognormal, with intervals where they are known."""
     headings = (
-        Heading("parameter"),
-        *map(Heading, ("median", "median, low", "median, high")),
-        *(Heading(title, note="of the logarithm") for title in ("dispersion", "low", "high")),
-        *(Heading(f"{percent} %", note="of the records") for percent in (16, 50, 84)),
-        Heading("design"),
+        *(Heading(say(f"site.head.{name}")) for name in ("parameter", "median", "median_low", "median_high")),
+        *(Heading(say(f"site.head.{name}"), note=say("site.of_logarithm")) for name in ("dispersion", "low", "high")),
+        *(Heading(f"{percent} %", note=say("site.of_records")) for percent in (16, 50, 84)),
+        Heading(say("site.head.design")),
     )
     spread = (f"{name}{end}" for name in ("median", "dispersion") for end in ("", "_lower", "_upper"))
     keys = (*spread, *(f"quantile_{percent}" for percent in (16, 50, 84)), "design")
     rows = []
     for name in site["parameter"].values.tolist():
         one = site.sel(parameter=name)
-        words = str(one["parameter_name"].item()).partition(";")[0]
+        words = named(f"parameters.{name}", str(one["parameter_name"].item()).partition(";")[0])
         label = Heading(words, _UNITS[str(one["parameter_unit"].item())]).label
         rows.append((Cell(label), *(number(_number(one, key)) for key in keys)))
-    caption = (
-        f"Parameters of the sequence, lognormal; intervals of {_number(site, 'confidence'):.0%}, clustered by event"
-    )
-    return Table("site-parameters", caption, headings, tuple(rows), (f"{ABSENT}: not known.",))
+    caption = say("site.caption.parameters", confidence=_percent(site, "confidence"))
+    return Table("site-parameters", caption, headings, tuple(rows), (say("site.not_known", absent=ABSENT),))
 
 
 def design(site: xr.Dataset) -> str:
     """The design sequence in a sentence."""
     value = dict(zip(site["parameter"].values.tolist(), site["design"].values.tolist(), strict=True))
-    count = value["main_count"]
-    impulses = "main impulses without limit in number" if math.isnan(count) else several(round(count), "main impulse")
-    within = "for ever" if math.isnan(value["duration"]) else f"within {figure(value['duration'], 's')}"
+    count, duration = value["main_count"], value["duration"]
     interval = _range(site.sel(parameter="main"), "design", lambda limit: figure(limit, "m/s"))
-    return (
-        f"Design sequence (quantile {_number(site, 'quantile'):g} of the recorded rotations, method "
-        f'"{site.attrs["design"]}"): I = {figure(value["main"], "m/s")} ({_number(site, "confidence"):.0%} confidence: '
-        f"{'no interval' if interval == ABSENT else interval}), "
-        f"I_s = {figure(value['ratio'] * value['main'], 'm/s')}, dT = {figure(value['interval'], 's')}, "
-        f'{impulses} {within}, spacing "{site.attrs["spacing"]}".'
+    return say(
+        "site.design",
+        quantile=general(_number(site, "quantile")),
+        method=site.attrs["design"],
+        main=figure(value["main"], "m/s"),
+        confidence=_percent(site, "confidence"),
+        interval=say("site.no_interval") if interval == ABSENT else interval,
+        secondary=figure(value["ratio"] * value["main"], "m/s"),
+        spacing=figure(value["interval"], "s"),
+        impulses=say("site.no_limit") if math.isnan(count) else counted(round(count), "main_impulse"),
+        within=say("site.for_ever") if math.isnan(duration) else say("site.within", time=figure(duration, "s")),
+        kind=site.attrs["spacing"],
     )
 
 
 def coverage(site: xr.Dataset) -> str:
     """The share of the recorded rotations that the design covers, of events it does not know; or its quantile."""
     if site.attrs["method"] == "spectrum":
-        return (
-            f"The design is the {share(_number(site, 'quantile'))} quantile of the overturning spectra of "
-            f"{several(int(site['record_count']), 'record')} of {several(int(site['event_count']), 'earthquake')}, its "
-            f"intervals of {share(_number(site, 'confidence'))} those of other sets of so many earthquakes."
-        )
-    in_sample, nominal = (share(_number(site, name)) for name in ("coverage_in_sample", "quantile"))
-    if math.isnan(_number(site, "coverage")):
-        why = (
-            "with one event none can be left out"
-            if site.sizes["site_event"] == 1
-            else "no event could be judged by a design that was made without it"
-        )
-        words = (
-            f"Coverage of other earthquakes: not known, for {why}. The design covers {in_sample} of the recorded "
-            f"rotations that it was made from, of blocks that it leaves standing; nominal {nominal}."
-        )
+        of = {"records": counted(int(site["record_count"]), "record")}
+        of |= {"earthquakes": counted(int(site["event_count"]), "earthquake")}
+        ends = {name: share(_number(site, name)) for name in ("quantile", "confidence")}
+        return say("site.quantile", **of, **ends)
+    inside, nominal = (share(_number(site, name)) for name in ("coverage_in_sample", "quantile"))
+    covered = _number(site, "coverage")
+    if math.isnan(covered):
+        why = say(f"site.not_covered.{'one_event' if site.sizes['site_event'] == 1 else 'not_judged'}")
+        told = [say("site.coverage_unknown", why=why, share=inside, nominal=nominal)]
     else:
-        interval = _range(site, "coverage", share)
-        level = (
-            f"{_number(site, 'confidence'):.0%} confidence: {interval}"
-            if interval != ABSENT
-            else "one event: no interval"
-        )
-        words = (
-            f"Coverage: a design made without the event of a record covers {share(_number(site, 'coverage'))} "
-            f"({level}) of the recorded rotations of the blocks that it leaves standing; nominal {nominal}; the design "
-            f"of all records {in_sample}."
-        )
-    if not math.isnan(_number(site, "coverage_all")):
-        words += (
-            " With the blocks that it overturns, which are covered whatever the records do: "
-            f"{share(_number(site, 'coverage_all'))}."
-        )
+        interval, level = _range(site, "coverage", share), say("site.one_event")
+        if interval != ABSENT:
+            level = say("site.with_confidence", confidence=_percent(site, "confidence"), interval=interval)
+        told = [say("site.coverage", share=share(covered), level=level, nominal=nominal, inside=inside)]
+    if not math.isnan(every := _number(site, "coverage_all")):
+        told.append(say("site.coverage_all", share=share(every)))
     if judged := int(site["judged_pairs"]):
-        words += (
-            f" Judged: {several(judged, 'pair')} of record and block of {several(int(site['judged_events']), 'event')}."
-        )
-    return words
+        events = counted(int(site["judged_events"]), "event")
+        told.append(say("site.judged", pairs=counted(judged, "answer"), events=events))
+    return " ".join(told)
 
 
-def block_table(site: xr.Dataset) -> Table:
+def _block_table(site: xr.Dataset) -> Table:
     """The blocks under the design sequence."""
     rows = []
-    for name in site["block"].values.tolist():
-        one = site.sel(block=name)
+    for place, name in enumerate(site["block"].values.tolist()):
+        one = site.isel(block=place)
         peak = _number(one, "design_rotation_ratio")
-        verdict = Cell("overturns", peak, grade="bad") if math.isinf(peak) else number(peak, ratio)
+        verdict = number(peak, ratio)
+        if math.isinf(peak):
+            verdict = Cell(say("answer.overturns"), peak, grade="bad")
         c, covered = _number(one, "restitution"), _number(one, "block_coverage")
         rows.append((Cell(name), number(c, restitution), verdict, number(covered, share)))
     headings = (
-        Heading("block", width=34),
-        Heading("C", note="restitution"),
-        Heading("under the design", note="theta_max/alpha_c"),
-        Heading("coverage", note="its event left out"),
+        Heading(say("site.head.block"), width=34),
+        Heading("C", note=say("head.restitution")),
+        Heading(say("site.head.under"), note="theta_max/alpha_c"),
+        Heading(say("site.coverage_head"), note=say("site.left_out")),
     )
-    return Table("site-blocks", "The blocks under the design sequence", headings, tuple(rows))
+    return Table("site-blocks", say("site.caption.blocks"), headings, tuple(rows))
+
+
+def _design_table(site: xr.Dataset) -> Table:
+    """What the design asks of every body, in effective impulses and as a factor."""
+    quantile, confidence = (f"{general(100.0 * float(site[name]))} %" for name in ("quantile", "confidence"))
+    headings = (
+        Heading(say("head.body"), width=34),
+        Heading("C", note=say("head.restitution")),
+        Heading("I_eff", "m/s", say("site.note.effective", quantile=quantile)),
+        Heading(say("site.head.interval", confidence=confidence)),
+        Heading(say("site.head.overturns_at"), "m/s", "g tan(alpha)/p"),
+        Heading(say("site.factor"), note=say("site.note.on_design")),
+        Heading(say("site.head.overturned_by"), note=say("site.note.weight")),
+    )
+    speed = site["design_factor"] * site["effective_impulse"]
+    rows = []
+    for place, name in enumerate(site["block"].values.tolist()):
+        one = site.isel(block=place)
+        factor, effect = float(one["design_factor"]), float(one["effective_impulse"])
+        if np.isnan(effect):
+            continue
+        over = say("site.factor_overturns", factor=ratio(factor))
+        rows.append(
+            (
+                Cell(str(name)),
+                number(float(one["restitution"]), restitution),
+                number(effect),
+                Cell(_range(one, "effective_impulse")),
+                number(float(speed[place])),
+                Cell(over, factor, grade="bad") if factor <= 1.0 else number(factor, ratio),
+                number(float(one["overturned_share"]), share),
+            )
+        )
+    return Table("site-design", say("site.caption.design"), headings, tuple(rows))
+
+
+def _sequence_table(site: xr.Dataset) -> Table:
+    """The sequence that stands for the design on every body, which is one of many of the same effect."""
+    headings = (
+        Heading(say("head.body"), width=34),
+        Heading("I", "m/s", say("site.note.main")),
+        Heading(say("site.head.interval_of", what="I")),
+        Heading("I_s/I", note=say("site.note.half_waves")),
+        Heading(say("site.head.interval_of", what="I_s/I")),
+        Heading(say("site.head.number"), note=say("site.note.main_impulses")),
+        Heading(say("site.head.its_interval")),
+    )
+    rows = []
+    for place, name in enumerate(site["block"].values.tolist()):
+        one = site.isel(block=place)
+        cells = [Cell(str(name))]
+        for key in ("main", "ratio", "main_count"):
+            cells += [number(float(one[key])), Cell(_range(one, key))]
+        if not np.isnan(float(one["main"])):
+            rows.append(tuple(cells))
+    return Table("site-sequence", say("site.caption.sequence"), headings, tuple(rows), (say("site.one_number"),))
+
+
+def _spectrum_tables(spectra: xr.Dataset, site: xr.Dataset) -> list[Table]:
+    """The quantiles of the spectrum over p at one restitution; nothing where too few earthquakes make it."""
+    if spectra["spectrum_design"].isnull().any():
+        return []
+    at = spectra.sel(restitution=SHOWN_RESTITUTION, method="nearest")
+    quantile, confidence = (f"{100.0 * float(site[name]):g} %" for name in ("quantile", "confidence"))
+    columns = {"spectrum_50": "median", "spectrum_84": "84 %", "spectrum_design": quantile}
+    shown = {title: key for key, title in columns.items()}  # of a quantile that is stated anyway the one of the design
+    headings = (
+        Heading("p", "1/s"),
+        *(Heading(title, "m/s", "the design" if key == "spectrum_design" else "") for title, key in shown.items()),
+        Heading(f"{confidence} interval"),
+        Heading("I_s/I", note=say("site.note.half_waves")),
+        Heading(say("site.head.number"), note=say("site.note.main_impulses")),
+    )
+    rows = []
+    for place in range(0, at.sizes["p"], STEP):
+        one = at.isel(p=place)
+        numbers = [number(float(one[key])) for key in ("p", *shown.values(), "ratio", "main_count")]
+        rows.append((*numbers[:-2], Cell(_range(one, "spectrum_design")), *numbers[-2:]))
+    caption = (
+        f"Effective impulse I_eff of blocks with C = {float(at['restitution']):g}; a body overturns at g tan(alpha)/p"
+    )
+    return [Table("site-spectrum", caption, headings, tuple(rows))]
 
 
 def explained(table: Table) -> str:
@@ -224,6 +274,10 @@ def _number(site: xr.Dataset, name: str) -> float:
     return float(site[name])
 
 
+def _percent(site: xr.Dataset, name: str) -> str:
+    return f"{_number(site, name):.0%}"
+
+
 def _range(one: xr.Dataset, name: str, show: Callable[[float], str] = figure) -> str:
     return between(_number(one, f"{name}_lower"), _number(one, f"{name}_upper"), show)
 
@@ -238,7 +292,7 @@ def _correlation(site: xr.Dataset) -> Table:
     return Table("site-correlation", "", headings, tuple(rows[1:]))
 
 
-def _coverage(site: xr.Dataset) -> str:
+def _coverage(site: xr.Dataset, blocks: Table) -> str:
     """Coverage over all blocks, then block by block or, of many, the extremes."""
     told = [
         coverage(site),
@@ -248,7 +302,7 @@ def _coverage(site: xr.Dataset) -> str:
     parts = [paragraph(line, "  ", "") for line in told]
     shares = site["block_coverage"]
     if site.sizes["block"] <= LISTED:
-        parts.append(explained(block_table(site)))
+        parts.append(explained(blocks))
     elif shares.notnull().any():
         worst = str(shares.idxmin().item())
         fallen = int(np.isinf(site["design_rotation_ratio"].values).sum())

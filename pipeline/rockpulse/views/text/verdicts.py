@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -14,47 +14,46 @@ from rockpulse.assessment.demand import FARTHEST
 from rockpulse.assessment.verdict import FEWEST_AT_DEMAND, MAY_OVERTURN, OVERTURNS, BodyVerdict, verdicts
 from rockpulse.earthquakes import FEWEST_EVENTS
 from rockpulse.errors import some
-from rockpulse.record.record import STANDARD_GRAVITY
-from rockpulse.views.shared.answer_cells import (
-    NAMES,
-    TITLES,
-    answer_cells,
+from rockpulse.record.measures import PGA, PGV
+from rockpulse.views.shared.columns import (
+    COLUMNS,
+    NAME_WIDTH,
+    NO_ANSWER,
+    NONE_UP_TO,
+    AnswerRows,
+    answer_columns,
+    columns,
     factor_cell,
-    factor_cells,
     factor_columns,
+    filled,
+    headed,
     margin_cells,
     marks_of,
-    safety_cells,
+    record_cells,
     unexplained,
 )
 from rockpulse.views.shared.facts import Known
-from rockpulse.views.shared.record_marks import record_cells
-from rockpulse.views.shared.table import Cell, Heading, Table, lines, number
-from rockpulse.views.shared.terminal import (
-    ABSENT,
-    between,
-    figure,
-    paragraph,
-    ratio,
-    restitution,
-    several,
-    shortened,
+from rockpulse.views.shared.notes import (
+    body_notes,
+    counted_motions,
+    factor_name,
+    factor_notes,
+    factor_title,
+    uncertainty_words,
+    verdict_notes,
 )
-from rockpulse.views.shared.verdict_notes import NO_ANSWER, NONE_UP_TO, body_notes, counted, noun, verdict_notes
-from rockpulse.views.text.capacity import NAME_WIDTH, factor_notes, uncertainty_words
+from rockpulse.views.shared.table import Cell, Heading, Table, lines, number
+from rockpulse.views.shared.terminal import ABSENT, figure, paragraph, ratio, several, shortened
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = [
-    "body_verdicts",
-    "factor_table",
-    "governing",
-    "overturned",
-    "probability_table",
-    "verdict_table",
-    "worst_motions",
-]
+#: Columns of every table below a record, and of the probability.
+DEMAND = ("block", "restitution", "uplift_ratio", "impulse_ratio")
+PROBABILITY = ("probability_interval", "factor_10", "factor_50", "capacity_mean", "source")
+
+#: Columns of the verdict on the bodies behind those of the shares.
+BODY = ("up_to", "uplift", "median_factor_50", "top", "turn", "worst")
 
 #: Records that govern, and bodies that each of them governs, which are named.
 NAMED = 3
@@ -67,13 +66,14 @@ def verdict_table(
 
     Of some records or blocks where these are given.
     """
-    answers = _answers(summary, records, blocks)
-    of_factors = factor_notes(answers)
-    columns = {model: answer_cells(one) for model, one in answers.of_models.items()}
-    marks = marks_of(cell for column in columns.values() for cells in column for cell in cells)
-    columns |= factor_columns(answers)
-    notes = verdict_notes(answers, of_factors, marks)
-    return "\n".join([*_lines(answers, columns), "", *(paragraph(note, "  ") for note in notes)])
+    named = {"record": records, "block": blocks}
+    answers = Answers(summary.sel({dim: list(labels) for dim, labels in named.items() if labels is not None}))
+    of_models = answer_columns(answers)
+    marks = marks_of(cell for column in of_models.values() for cell in column)
+    factors = factor_columns(answers)
+    more = zip(*of_models.values(), *zip(*filled(factors, AnswerRows.every(answers)), strict=True), strict=True)
+    notes = verdict_notes(answers, factor_notes(answers), marks)
+    return _below_records("", answers, (*map(Heading, of_models), *headed(factors)), list(more), notes)
 
 
 def probability_table(answers: Answers) -> str:
@@ -83,20 +83,16 @@ def probability_table(answers: Answers) -> str:
     """
     if not answers.probable:
         return ""
-    columns = {
-        "P": [[_probability(*one) for one in zip(*rows, strict=True)] for rows in _with_ends(answers)],
-        **{TITLES[name]: factor_cells(answers, name) for name in ("factor_10", "factor_50", "capacity_mean")},
-        "read from": [[Cell(word.replace("_", " ")) for word in row] for row in answers.source.tolist()],
-    }
+    selected = columns(*PROBABILITY)
+    table = filled(selected, AnswerRows.every(answers))
     notes = [
         "P: probability of overturning under the record as it is, in brackets its interval of 90 %; factor of 10 %, of "
         f"50 %: factors on the record at which it is that; mean capacity: exp of the mean logarithm of the factor that "
         f"overturns; {uncertainty_words(answers)}."
     ]
-    cells = (cell for column in columns.values() for row in column for cell in row)
-    notes += [NONE_UP_TO.note] if NONE_UP_TO in marks_of(cells) else []
+    notes += [NONE_UP_TO.note] if NONE_UP_TO in marks_of(cell for row in table for cell in row) else []
     title = "Probability of overturning, and the factors on the record that it grows with"
-    return "\n".join([title, *_lines(answers, columns), "", *(paragraph(note, "  ") for note in notes), "", ""])
+    return _below_records(title, answers, headed(selected), table, notes) + "\n\n"
 
 
 def factor_table(answers: Answers) -> str:
@@ -104,10 +100,12 @@ def factor_table(answers: Answers) -> str:
 
     Empty where no model was searched.
     """
-    if not any(one.searched for one in answers.of_models.values()):
+    searched = {name: one for name, one in answers.of_models.items() if one.searched}
+    if not searched:
         return ""
-    columns = {model: safety_cells(one) for model, one in answers.of_models.items() if one.searched}
-    marks = marks_of(cell for column in columns.values() for row in column for cell in row)
+    selected = columns("safety_intervals")
+    own = [[row[0] for row in filled(selected, AnswerRows.every(one))] for one in searched.values()]
+    marks = marks_of(cell for column in own for cell in column)
     notes = [
         "-: not computed. (2): in two intervals of the factor; between them the block stands (group "
         "overturning_intervals)."
@@ -118,17 +116,30 @@ def factor_table(answers: Answers) -> str:
         notes.insert(0, "none: not found up to the end of the search.")
     notes += ["!: a lower bound, from this factor on the model cannot answer."] if NO_ANSWER in marks else []
     title = "Safety factors: the smallest factor on the input of the model at which the block overturns"
-    return "\n".join([title, *_lines(answers, columns), "", *(paragraph(note, "  ") for note in notes)])
+    return _below_records(title, answers, tuple(map(Heading, searched)), list(zip(*own, strict=True)), notes)
 
 
-def _with_ends(answers: Answers) -> Iterator[tuple[list[float], ...]]:
-    tables = (answers[f"overturning_probability{end}"].tolist() for end in ("", "_low", "_high"))
-    return zip(*tables, strict=True)
-
-
-def _probability(value: float, low: float, high: float) -> Cell:
-    shown = ratio(value) if math.isnan(low) else f"{ratio(value)} ({between(low, high, ratio)})"
-    return Cell(shown, value)
+def _below_records(
+    title: str,
+    answers: Answers,
+    headings: tuple[Heading, ...],
+    table: Sequence[tuple[Cell, ...]],
+    notes: Sequence[str],
+) -> str:
+    """A line for every body under a heading for every record: what is asked of it, and a row of the table; notes."""
+    rows = []
+    for (body, *demand), more in zip(filled(columns(*DEMAND), AnswerRows.every(answers)), table, strict=True):
+        rows.append((Cell("  " + shortened(body.text, NAME_WIDTH)), *demand, *more))
+    demanded = (Heading(""), *headed(columns(*DEMAND[1:])))
+    head, *laid = lines(Table("", "", (*demanded, *headings), tuple(rows)))
+    found, size = [], len(answers.bodies)
+    for place, cell in enumerate(record_cells(answers.summary)):
+        record = Known(answers.summary, record=cell.text)
+        impulse = record.value("main_impulse")
+        told = [*record.strength, *([] if math.isnan(impulse) else [f"I {figure(impulse, 'm/s')}"])]
+        found += ["", "  ".join([cell.marked, *told]), head, *laid[place * size : (place + 1) * size]]
+    shown = [*([title] if title else []), *found[1:], "", *(paragraph(note, "  ") for note in notes)]
+    return "\n".join(shown)
 
 
 def overturned(answers: Answers, files: str = "") -> str:
@@ -154,7 +165,7 @@ def overturned(answers: Answers, files: str = "") -> str:
         named = ", ".join(names[row] for row in np.flatnonzero(fallen[:, place]))
         told.append(paragraph(named or nothing, "      ", f"  {block}: "))
         by_weaker += [paragraph(", ".join(weaker), "      ", f"  {block}: ")] if weaker else []
-        rows.append((Cell(block), *(Cell(f"{own[place]} of {len(names)}", float(own[place])) for own in counts)))
+        rows.append((Cell(block), *(COLUMNS["overturned_by"].cell(own[place], len(names)) for own in counts)))
     headings = (Heading("records that overturn", width=NAME_WIDTH), *map(Heading, answers.models))
     told += ["", *("  " + line for line in lines(Table("", "", headings, tuple(rows))))]
     if by_weaker:
@@ -166,44 +177,44 @@ def body_verdicts(answers: Answers, most: int | None = None) -> str:
     """The verdict on every body over all motions; of more than `most` those that are the most likely to overturn."""
     found = verdicts(answers)
     order = sorted(range(len(found)), key=lambda place: -found[place].decides.value)[:most]
-    places = sorted(order) if most is None else order
-    names = [cell.marked for cell in record_cells(answers.summary)]
-    factors, (top, turn) = _middle_factors(answers), _largest_survived(answers)
-    uplift = answers.summary["uplift_acceleration"].values / STANDARD_GRAVITY
+    shown = [found[place] for place in (sorted(order) if most is None else order)]
+    names, summary = [cell.marked for cell in record_cells(answers.summary)], answers.summary
+    (top, turn), factors = _largest_survived(answers), _middle_factors(answers)
+    uplift = summary["uplift_acceleration"].values
     of = "P" if answers.probable else "share"
-    shares = [f"{of} at {name}" for name in answers.demands] if answers.demands else [of]
-    headings = ("", "verdict", *shares, "up to", "a_up [g]", "f_50" if answers.probable else "median SF")
-    headings = (*headings, "top [cm]", "turn [deg]", "worst " + noun(answers.motions).split()[0])
+    shares = [f"{of} at {name}" for name in answers.demands] or [of]
+    lanes = [found.index(one) for one in shown]
+    values = {
+        "found": shown,
+        "high": [one.decides.high for one in shown],
+        "uplift": [float(uplift[one.body.place]) for one in shown],
+        "median": [factors[lane] for lane in lanes],
+        "top": top[lanes].tolist(),
+        "turn": turn[lanes].tolist(),
+        "worst": [names[one.governing] if one.governing >= 0 else ABSENT for one in shown],
+    }
+    selected = columns("verdict", *BODY, worst=f"worst {answers.motions.kind}")
+    if not answers.probable:
+        selected = tuple(COLUMNS["median_safety_factor"] if one.name == "median_factor_50" else one for one in selected)
     rows = []
-    for place in places:
-        one = found[place]
+    for one, (verdict, *more) in zip(shown, filled(selected, values), strict=True):
         of_demands = [demand.share for demand in one.demands] or [one.share]
-        rows.append(
-            (
-                Cell("  " + one.body.name),
-                Cell(one.word),
-                *(number(share.value, ratio) for share in of_demands),
-                number(one.decides.high, ratio),
-                number(float(uplift[one.body.place]), ratio),
-                unexplained(factors[place]),
-                number(float(top[place]), ratio),
-                number(float(turn[place]), ratio),
-                Cell(names[one.governing] if one.governing >= 0 else ABSENT),
-            )
-        )
+        likely = (number(share.value, ratio) for share in of_demands)
+        rows.append((Cell("  " + one.body.name), Cell(verdict.text), *likely, *more))
     which = f"the {len(rows)} most likely to overturn of {len(found)} bodies" if len(rows) < len(found) else "each body"
     title = f"Verdict on {which}, {_under(answers, found)} ({answers.model} model):"
-    widths = (NAME_WIDTH, *(None,) * (len(headings) - 1))
-    table = Table("", "", tuple(map(lambda name, width: Heading(name, width=width), headings, widths)), tuple(rows))
+    verdict_heading, *others = headed(selected)
+    headings = (Heading("", width=NAME_WIDTH), verdict_heading, *map(Heading, shares), *others)
     notes = [*_legend(answers), *body_notes(answers, found)]
-    return "\n".join([paragraph(title), *lines(table), *(paragraph(note, "  ") for note in notes)])
+    table = lines(Table("", "", headings, tuple(rows)))
+    return "\n".join([paragraph(title), *table, *(paragraph(note, "  ") for note in notes)])
 
 
 def _under(answers: Answers, found: Sequence[BodyVerdict]) -> str:
     """The motions that the verdicts rest on: as they are, or brought to the demands of the site."""
     motions = answers.motions
     if motions.kind == "sequence" or not answers.demands:
-        return counted(motions) + ("" if motions.kind == "sequence" else ", as recorded")
+        return counted_motions(motions) + ("" if motions.kind == "sequence" else ", as recorded")
     told = []
     for place, (name, demand) in enumerate(answers.demands.items()):
         every = [one.demands[place] for one in found]
@@ -211,7 +222,7 @@ def _under(answers: Answers, found: Sequence[BodyVerdict]) -> str:
         without = f", {lost} left out, farther from it than a factor of {FARTHEST[1]:g}" if lost else ""
         short = f"; {several(left, 'earthquake')} left, {FEWEST_AT_DEMAND} are needed" if every[0].few else ""
         told.append(f"{name} ({demand.words}{without}{short})")
-    return f"{counted(motions)} brought to the demand {' and '.join(told)}"
+    return f"{counted_motions(motions)} brought to the demand {' and '.join(told)}"
 
 
 def _legend(answers: Answers) -> list[str]:
@@ -254,35 +265,34 @@ def worst_motions(answers: Answers, most: int) -> str:
     motions, factor = answers.motions, np.fmin.reduce(answers.motions.over(answers[answers.factor], np.nan), axis=1)
     if not motions.names:
         return ""
+    chance = answers.overturned.astype(float)
     if answers.probable:
         chance = np.fmax.reduce(motions.over(answers["overturning_probability"], np.nan), axis=1)
-    else:
-        chance = answers.overturned.astype(float)
     likely, near = np.where(np.isnan(chance), -1.0, chance), np.where(np.isnan(factor), np.inf, factor)
     body = np.array([np.lexsort((own, -every))[0] for own, every in zip(near, likely, strict=True)])
     at = np.arange(len(body)), body
     order = np.lexsort((near[at], -likely[at]))[:most]
     limit = searched_up_to(answers[answers.factor], answers.proven())
-    pga, pgv = (np.fmax.reduce(motions.over(answers[name], np.nan), axis=1) for name in ("pga", "pgv"))
     marked = dict(zip(answers.records, (cell.marked for cell in record_cells(answers.summary)), strict=True))
-    rows = [
-        (
-            Cell("  " + marked.get(motions.names[row], motions.names[row])),
-            number(pga[row] / STANDARD_GRAVITY, ratio),
-            number(pgv[row], ratio),
-            Cell(shortened(answers.bodies[body[row]].name, NAME_WIDTH)),
-            *([number(chance[row, body[row]], ratio)] if answers.probable else []),
-            unexplained(factor_cell(float(factor[row, body[row]]), limit)),
-            Cell(f"{int(answers.overturned[row].sum())} of {len(answers.bodies)}"),
-        )
-        for row in order.tolist()
-    ]
-    headings = ("", "PGA [g]", "PGV [m/s]", "worst for", *(["P"] if answers.probable else []), TITLES[answers.factor])
+    motion = {name: np.fmax.reduce(motions.over(answers[name], np.nan), axis=1)[order] for name in (PGA, PGV)}
+    values = {name: column.tolist() for name, column in motion.items()} | {
+        "pgv_drift": [0] * len(order),
+        "worst_for": [shortened(answers.bodies[body[row]].name, NAME_WIDTH) for row in order],
+        "overturning_probability": chance[at][order].tolist(),
+        "fallen": answers.overturned.sum(axis=1)[order].tolist(),
+        "total": [len(answers.bodies)] * len(order),
+    }
+    selected = columns(PGA, PGV, "worst_for", *(["overturning_probability"] if answers.probable else []), "overturns")
+    rows = []
+    for row, (*first, last) in zip(order.tolist(), filled(selected, values), strict=True):
+        name = "  " + marked.get(motions.names[row], motions.names[row])
+        near_cell = unexplained(factor_cell(float(factor[row, body[row]]), limit))
+        rows.append((Cell(name), *first, near_cell, last._replace(value=None)))
+    *headings, overturns = headed(selected)
+    headings = [Heading(""), *headings, Heading(factor_title(answers.factor)), overturns]
     which = f"The {len(rows)} worst of {len(motions.names)}" if len(rows) < len(motions.names) else "All"
     what = {"record": "records", "pair": "pairs of channels", "sequence": "sequences"}[motions.kind]
-    title = f"{which} {what}, as recorded:"
-    table = Table("", "", tuple(map(Heading, (*headings, "overturn"))), tuple(rows))
-    return "\n".join([title, *lines(table)])
+    return "\n".join([f"{which} {what}, as recorded:", *lines(Table("", "", tuple(headings), tuple(rows)))])
 
 
 def governing(answers: Answers) -> str:
@@ -302,36 +312,5 @@ def governing(answers: Answers) -> str:
     if not told:
         return ""
     others = [f"  and {several(len(ruled) - NAMED, 'other record')}"] if len(ruled) > NAMED else []
-    what = f"of the smallest {NAMES[answers.factor]}" if answers.told else "that overturns"
+    what = f"of the smallest {factor_name(answers.factor)}" if answers.told else "that overturns"
     return "\n".join([f"What governs (the record {what}, by the {answers.model} model):", *told, *others])
-
-
-def _answers(summary: xr.Dataset, records: Sequence[str] | None, blocks: Sequence[str] | None) -> Answers:
-    named = {"record": records, "block": blocks}
-    return Answers(summary.sel({dim: list(labels) for dim, labels in named.items() if labels is not None}))
-
-
-def _lines(answers: Answers, columns: dict[str, list[list[Cell]]]) -> list[str]:
-    """A line for every body under a heading for every record."""
-    demand = [answers["uplift_ratio"], answers["impulse_ratio"]]
-    rows = [
-        (
-            Cell("  " + shortened(body.block, NAME_WIDTH)),
-            number(body.restitution, restitution),
-            *(number(float(table[row, lane]), ratio) for table in demand),
-            *(column[row][lane] for column in columns.values()),
-        )
-        for row in range(len(answers.records))
-        for lane, body in enumerate(answers.bodies)
-    ]
-    head, *laid = lines(Table("", "", tuple(map(Heading, ("", "C", "a/a_up", "I/I_1c", *columns))), tuple(rows)))
-    found, size = [], len(answers.bodies)
-    for place, cell in enumerate(record_cells(answers.summary)):
-        found += ["", _heading(cell.marked, Known(answers.summary, record=cell.text)), head]
-        found += laid[place * size : (place + 1) * size]
-    return found[1:]
-
-
-def _heading(name: str, record: Known) -> str:
-    impulse = record.value("main_impulse")
-    return "  ".join([name, *record.strength, *([] if math.isnan(impulse) else [f"I {figure(impulse, 'm/s')}"])])

@@ -6,9 +6,8 @@ from datetime import UTC, datetime
 
 import numpy as np
 import pytest
-from make_format_samples import source_channels
 from record_writers import pulse
-from record_writers.asa import asa, samples
+from record_writers.asa import asa
 
 from rockpulse.errors import RecordFormatError, UnitError
 from rockpulse.readers import read
@@ -236,14 +235,6 @@ def test_another_number_of_channels_is_told(write):
 
 
 @pytest.mark.parametrize(
-    ("station", "place"), [("EDIFICIO A AZOTEA", ""), ("X", "Sótano del edificio"), ("X", "piso 12")]
-)
-def test_stations_on_structures(write, station, place):
-    record = read(write(asa(TABLE, station=station, place=place, encoding="latin-1")))[0]
-    assert record.orientation == "structural"
-
-
-@pytest.mark.parametrize(
     ("content", "message"),
     [
         (asa(TABLE, counts=(4000, 4000, 4000)), r"test.012:509: expected 4000 rows \(header\), found 400"),
@@ -287,17 +278,6 @@ def test_damage_is_named(write, content, message):
 def test_a_unit_that_is_not_known(write):
     with pytest.raises(UnitError, match=r"test.012:78: unknown unit of acceleration 'Cuentas'"):
         read(write(asa(TABLE, unit="Cuentas")))
-
-
-def test_the_sample_holds_the_channels(tmp_path):
-    east, north, up = source_channels()
-    ((name, content),) = samples([east, north, up]).items()
-    assert len(content) < 60_000
-    (tmp_path / name).write_bytes(content)
-    for record, channel in zip(read(tmp_path / name), (up, east, north), strict=True):
-        assert record.acceleration == pytest.approx(channel.acceleration, abs=0.51e-5)
-        assert (record.dt, record.start_time, record.warnings) == (0.01, channel.start_time, ())
-        assert record.azimuth == pytest.approx(channel.azimuth % 360.0, nan_ok=True)
 
 
 def test_the_real_file(records_folder):

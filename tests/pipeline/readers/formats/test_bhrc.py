@@ -7,9 +7,8 @@ from datetime import UTC, datetime
 
 import numpy as np
 import pytest
-from make_format_samples import source_channels
 from record_writers._shared import pulse
-from record_writers.bhrc import bhrc, samples
+from record_writers.bhrc import bhrc
 
 from rockpulse.errors import RecordFormatError, UnitError
 from rockpulse.readers import read
@@ -34,14 +33,6 @@ def test_the_real_file(records_folder):
     assert {(record.station_name, record.event) for record in records} == {("Ahar", "2012/08/11 12:23:16")}
     # The file states the time of the earthquake, not that of the record.
     assert {(record.start_time, record.warnings) for record in records} == {(None, ())}
-
-
-def test_the_format_sample_gives_back_the_channels():
-    east, north, up = source_channels()
-    for record, channel in zip(got(samples([east, north, up])["clc_bhrc.V1"]), (east, up, north), strict=True):
-        assert record.acceleration == pytest.approx(channel.acceleration, rel=6e-6, abs=1e-9)
-        assert record.azimuth == pytest.approx(channel.azimuth, nan_ok=True)
-        assert record.orientation == channel.orientation
 
 
 def test_numbers_of_thirteen_characters_touch():
@@ -152,8 +143,3 @@ def test_a_file_that_ends_before_its_third_channel_says_so():
     records = got(bhrc(THREE[:2]))
     assert all("hold 3 channels of this recorder, the file holds 2" in record.warnings[-1] for record in records)
     assert not any(record.warnings for record in got(bhrc(THREE)))
-
-
-def test_a_channel_twice_is_damage():
-    with pytest.raises(RecordFormatError, match=r"expected another channel, found that of line 1 a second time"):
-        got(bhrc(THREE).replace(b"COMP V2", b"COMP L1"))

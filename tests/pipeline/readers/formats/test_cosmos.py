@@ -6,9 +6,8 @@ from datetime import UTC, datetime
 
 import numpy as np
 import pytest
-from make_format_samples import source_channels
 from record_writers import pulse
-from record_writers.cosmos import cosmos, counts, samples, series
+from record_writers.cosmos import cosmos, counts, series
 
 from rockpulse.errors import RecordFormatError, RecordRefused, UnitError
 from rockpulse.readers import read
@@ -133,11 +132,6 @@ def test_counts_of_a_velocity_sensor(write, code):
         read(write(counts(np.arange(100), integers={52: code})))
 
 
-@pytest.mark.parametrize("code", [1000, 2000])
-def test_counts_of_another_sensor(write, code):
-    assert read(write(counts(np.arange(100), integers={52: code})))[0].npts == 100
-
-
 @pytest.mark.parametrize(
     ("code", "quantity"), [(2, "velocity"), (3, "displacement"), (10, "angular acceleration"), (11, "angular velocity")]
 )
@@ -209,12 +203,6 @@ def test_the_name_of_the_station_begins_at_its_column(write):
 def test_a_series_that_is_not_where_it_belongs(write, content, message):
     with pytest.raises(RecordFormatError, match=message):
         read(write(content))
-
-
-def test_a_series_that_stands_twice_is_read_once(write):
-    velocity = series(pulse(), what="velocity", unit="cm/sec", code="(05)")
-    (record,) = read(write(cosmos(pulse(), sections=[series(pulse()), series(pulse()), velocity])))
-    assert (record.npts, len(record.warnings)) == (400, 1)
 
 
 def test_an_angular_acceleration_is_none_along_a_line(write):
@@ -327,12 +315,6 @@ def test_another_null_and_a_null_sample(write):
         read(write(cosmos(values, **CM)))
 
 
-def test_rows_beyond_the_count_are_left_out_with_a_warning(write):
-    (record,) = read(write(cosmos(pulse(400), reals={63: 1.2}, count=240)))
-    assert record.npts == 240
-    assert "line 76: 20 rows beyond the declared count were left out" in record.warnings[0]
-
-
 @pytest.mark.parametrize(
     ("content", "message"),
     [
@@ -354,24 +336,6 @@ def test_rows_beyond_the_count_are_left_out_with_a_warning(write):
 def test_damage_is_named(write, content, message):
     with pytest.raises(RecordFormatError, match=message):
         read(write(content))
-
-
-def test_the_samples_hold_the_channels(tmp_path):
-    channels = source_channels()
-    files = samples(channels)
-    for name, content in files.items():
-        assert len(content) < 60_000
-        assert b"FORMAT SAMPLE WRITTEN BY ROCKPULSE FROM CI.CLC" in content
-        (tmp_path / name).write_bytes(content)
-    volume1, volume2, volume0 = (read(tmp_path / f"clc_cosmos.{end}") for end in ("V1C", "V2", "V0C"))
-    for record, channel in zip(volume1, channels, strict=True):
-        assert record.acceleration == pytest.approx(channel.acceleration, abs=0.51e-6 * G)
-        assert (record.dt, record.start_time, record.station) == (0.01, channel.start_time, "CLC")
-    assert [record.azimuth for record in volume1[:2]] == [90.0, 0.0]
-    assert volume1[2].orientation == "vertical"
-    assert volume2[0].acceleration == pytest.approx(channels[0].acceleration, abs=0.51e-6)
-    assert volume2[0].processed is True
-    assert volume0[0].acceleration == pytest.approx(channels[0].acceleration, abs=0.51 * volume0[0].unit_factor)
 
 
 def test_the_real_uncorrected_volume(records_folder):

@@ -6,9 +6,8 @@ from datetime import UTC, datetime
 
 import numpy as np
 import pytest
-from make_format_samples import source_channels
 from record_writers import pulse
-from record_writers.csmnc import csmnc, samples
+from record_writers.csmnc import csmnc
 
 from rockpulse.errors import RecordFormatError
 from rockpulse.readers import read
@@ -117,14 +116,6 @@ def test_the_facts_of_the_header(write):
         assert (record.station_latitude, record.station_longitude, record.site_class) == (30.4, 102.8, "ROCK")
 
 
-def test_rows_beyond_the_count_are_left_out_with_a_warning(write):
-    (record,) = read(write(csmnc(VALUES, count=160)))
-    assert record.npts == 160
-    length, rows = record.warnings
-    assert length == "the header states 2 s, 160 samples at 0.005 s last 0.8 s"
-    assert "line 37: 31 rows beyond the declared count" in rows
-
-
 @pytest.mark.parametrize(
     ("content", "message"),
     [
@@ -148,23 +139,3 @@ def test_rows_beyond_the_count_are_left_out_with_a_warning(write):
 def test_damage_is_named(write, content, message):
     with pytest.raises(RecordFormatError, match=message):
         read(write(content))
-
-
-def test_the_samples_hold_the_channels(tmp_path):
-    channels = source_channels()
-    files = samples(channels)
-    assert list(files) == ["clc_csmnc.EW.dat", "clc_csmnc.NS.dat", "clc_csmnc.UD.dat"]
-    for (name, content), channel in zip(files.items(), channels, strict=True):
-        assert len(content) < 60_000
-        (tmp_path / name).write_bytes(content)
-        (record,) = read(tmp_path / name)
-        assert record.acceleration == pytest.approx(channel.acceleration, rel=1e-6, abs=1e-12)
-        assert (record.dt, record.orientation, record.warnings) == (0.01, channel.orientation, ())
-        assert record.azimuth == pytest.approx(channel.azimuth % 360.0, nan_ok=True)
-
-
-def test_only_these_files_are_claimed(records_folder):
-    from rockpulse.readers.formats import csmnc as reader
-
-    for path in records_folder.rglob("*"):
-        assert not (path.is_file() and reader.is_csmnc(path.read_bytes()[:65536], path.name)), path

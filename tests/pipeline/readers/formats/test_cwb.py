@@ -7,9 +7,8 @@ from datetime import UTC, datetime
 
 import numpy as np
 import pytest
-from make_format_samples import source_channels
 from record_writers._shared import pulse
-from record_writers.cwb import cwb, samples
+from record_writers.cwb import cwb
 
 from rockpulse.errors import RecordFormatError, UnitError
 from rockpulse.readers import read
@@ -36,15 +35,6 @@ def test_the_real_file(records_folder):
     assert [record.id for record in records] == [f".EGF..{letter}@20180206T155029" for letter in "UNE"]
     assert {(record.station_name, record.event) for record in records} == {("Guangfu", "2018/02/06-23:50:42")}
     assert {record.warnings for record in records} == {()}
-
-
-def test_the_format_sample_gives_back_the_channels():
-    east, north, up = source_channels()
-    for record, channel in zip(got(samples([east, north, up])["clc_cwb.dat"]), (up, north, east), strict=True):
-        assert record.acceleration == pytest.approx(channel.acceleration, abs=0.51e-5)
-        assert (record.dt, record.start_time) == (channel.dt, channel.start_time)
-        assert record.azimuth == pytest.approx(channel.azimuth, nan_ok=True)
-        assert record.orientation == channel.orientation
 
 
 def test_fields_of_ten_characters_touch():

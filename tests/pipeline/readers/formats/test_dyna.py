@@ -8,9 +8,8 @@ from datetime import UTC, datetime
 
 import numpy as np
 import pytest
-from make_format_samples import source_channels
 from record_writers._shared import pulse
-from record_writers.dyna import CORRECTED, TADAS, dyna, samples
+from record_writers.dyna import CORRECTED, TADAS, dyna
 
 from rockpulse.errors import RecordFormatError, UnitError
 from rockpulse.readers import read
@@ -36,23 +35,6 @@ def test_codes_of_real_files(records_folder):
     assert (afad.location, afad.station_name) == ("", "HATAY_HASSA_AKTEPE_SALYK_OCAY_BAHCESI")
     # The name says raw, the header 'Automatic': its spectrum is flat to 45 Hz, no filter was applied.
     assert "states no corner frequency" in afad.warnings[0]
-
-
-def test_the_format_samples_give_back_the_channels():
-    channels = source_channels()
-    records = [got(content) for content in samples(channels).values()]
-    assert {(record.network, record.station, record.station_name) for record in records} == {
-        ("CI", "CLC", "China Lake"),
-        ("CI", "CLC", "CHINA_LAKE"),
-        ("CI", "CLC", ""),  # the place in a file of TADAS is the earthquake's
-    }
-    by_stream = {record.channel: record for record in records}
-    for stream, channel in zip(("HNE", "HNN", "HNZ"), channels, strict=True):
-        record = by_stream[stream]
-        assert record.acceleration == pytest.approx(channel.acceleration, abs=0.51e-8)
-        assert (record.dt, record.start_time) == (channel.dt, channel.start_time)
-        assert record.orientation == channel.orientation
-    assert [record.processed for record in records] == [False, False, True, False, False]
 
 
 @pytest.mark.parametrize("end", ["\n", "\r\n"])
@@ -326,14 +308,6 @@ def test_a_key_with_two_values_that_tells_of_the_event_is_a_warning():
     record = got(dyna(VALUES).replace(b"NETWORK: HI\n", b"NETWORK: HI\nNETWORK: XX\n"))
     assert record.network == "HI"
     assert "the header states NETWORK as 'HI' (line 14) and 'XX'; the first counts" in record.warnings[0]
-
-
-def test_the_time_of_the_peak_contradicts_a_wrong_interval():
-    content = dyna(VALUES, DURATION_S="")
-    assert got(content).warnings == ()
-    for wrong in ("0.020000", "0.005000"):
-        (note,) = got(content.replace(b"INTERVAL_S: 0.010000", f"INTERVAL_S: {wrong}".encode())).warnings
-        assert note.startswith("the header states the peak at 0.12 s")
 
 
 def test_two_records_in_one_file_are_refused():

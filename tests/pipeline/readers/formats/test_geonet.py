@@ -7,9 +7,8 @@ from datetime import UTC, datetime, timedelta
 
 import numpy as np
 import pytest
-from make_format_samples import source_channels
 from record_writers._shared import pulse
-from record_writers.geonet import START, geonet, samples
+from record_writers.geonet import START, geonet
 
 from rockpulse.errors import RecordFormatError, UnitError
 from rockpulse.readers import read
@@ -26,16 +25,6 @@ def test_codes_of_a_real_file(records_folder):
     record = read(records_folder / "geonet" / "20161113_110313_THZ_20.V2A")[0]
     assert record.id == ".THZ.20.S90E@20161113T110233"
     assert (record.station_name, record.format, record.source_unit) == ("Top House", "geonet", "mm/s2")
-
-
-@pytest.mark.parametrize("name", ["clc_geonet.V1A", "clc_geonet.V2A"])
-def test_the_format_samples_give_back_the_channels(name):
-    channels = source_channels()
-    for record, channel in zip(got(samples(channels)[name]), channels, strict=True):
-        assert record.acceleration == pytest.approx(channel.acceleration, abs=0.051e-3)
-        assert (record.dt, record.start_time) == (channel.dt, channel.start_time)
-        assert record.azimuth == pytest.approx(channel.azimuth, nan_ok=True)
-        assert record.orientation == channel.orientation
 
 
 @pytest.mark.parametrize("corrected", [False, True])

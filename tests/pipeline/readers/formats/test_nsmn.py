@@ -6,9 +6,8 @@ from datetime import UTC, datetime
 
 import numpy as np
 import pytest
-from make_format_samples import source_channels
 from record_writers import pulse
-from record_writers.nsmn import nsmn, samples
+from record_writers.nsmn import nsmn
 
 from rockpulse.errors import RecordFormatError, UnitError
 from rockpulse.readers import read
@@ -100,12 +99,6 @@ def test_the_names_of_the_columns_stand_in_one_of_the_first_lines(write):
                 read(write(content))
 
 
-def test_rows_beyond_the_count_are_left_out_with_a_warning(write):
-    record = read(write(nsmn(TABLE, count=390)))[0]
-    assert record.npts == 390
-    assert "line 409: 10 rows beyond the declared count" in record.warnings[0]
-
-
 @pytest.mark.parametrize(
     ("content", "message"),
     [
@@ -127,17 +120,6 @@ def test_rows_beyond_the_count_are_left_out_with_a_warning(write):
 def test_damage_is_named(write, content, message):
     with pytest.raises(RecordFormatError, match=message):
         read(write(content))
-
-
-def test_the_sample_holds_the_channels(tmp_path):
-    east, north, up = source_channels()
-    ((name, content),) = samples([east, north, up]).items()
-    assert len(content) < 60_000
-    (tmp_path / name).write_bytes(content)
-    for record, channel in zip(read(tmp_path / name), (north, east, up), strict=True):
-        assert record.acceleration == pytest.approx(channel.acceleration, abs=0.51e-8)
-        assert (record.dt, record.start_time, record.warnings) == (0.01, channel.start_time, ())
-        assert record.azimuth == pytest.approx(channel.azimuth % 360.0, nan_ok=True)
 
 
 def test_the_real_file(records_folder):

@@ -7,9 +7,8 @@ from datetime import UTC, datetime
 
 import numpy as np
 import pytest
-from make_format_samples import source_channels
 from record_writers import pulse
-from record_writers.sigma import samples, sigma
+from record_writers.sigma import sigma
 
 from rockpulse.errors import RecordFormatError, UnitError
 from rockpulse.readers import read
@@ -41,14 +40,6 @@ def test_the_real_file(records_folder):
         "zeros.",
         "file: filtered, 0.1-50 Hz",
     )
-
-
-def test_the_format_samples_give_back_the_channels():
-    east, _, up = source_channels()
-    for content, channel in zip(samples(source_channels()).values(), (east, up), strict=True):
-        record = got(content)
-        assert record.acceleration == pytest.approx(channel.acceleration, rel=1e-7)
-        assert (record.dt, record.orientation) == (channel.dt, channel.orientation)
 
 
 @pytest.mark.parametrize("end", ["\n", "\r\n", "\r"])

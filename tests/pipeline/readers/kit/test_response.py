@@ -401,13 +401,6 @@ def test_a_real_accelerometer_with_and_without_its_response(records_folder, chan
     assert removed.unit_factor == pytest.approx(plain.unit_factor, rel=1e-4)
 
 
-def test_a_real_velocity_channel_becomes_acceleration_where_asked_for(records_folder):
-    (record,) = read(next((records_folder / "mseed_xml").glob("AV.CKT*.mseed")), response="remove")
-    assert (record.npts, record.dt) == (45001, 0.01)
-    assert "pass band from 0.104 Hz" in record.processing[0]
-    assert any("a sensor of velocity" in warning for warning in record.warnings)
-
-
 def test_what_the_c_library_prints_becomes_a_warning_of_the_record(records_folder, capfd):
     (record,) = read(next((records_folder / "mseed_xml").glob("AV.CKT*.mseed")), response="remove")
     assert capfd.readouterr().err == ""

@@ -257,11 +257,29 @@ def test_a_median_at_the_last_level_is_no_extrapolation():
     rows = Observations.of([2.0, 1.0, 3.0], [EXACT, ABOVE, ABOVE])
     sides = [curves.extrapolated(median, rows) for median in (0.999, 1.0, 2.0, 3.0, 3.001)]
     assert sides == [Extrapolated.BELOW, *[Extrapolated.NO] * 3, Extrapolated.ABOVE]
-    said = curves.extrapolation_statement(3.5, rows)
+    (said,) = curves.extrapolation_statement(3.5, rows)
     assert said == (
         "extrapolated: the median, 3.5, lies above every level looked at, up to 3; 1 record of 3 reached the limit "
         "state"
     )
+
+
+def test_the_first_of_the_events_without_which_there_is_no_curve_is_named():
+    rows = Observations.of([1.0, 2.0, 3.0], [EXACT, EXACT, EXACT], ["a", "b", "c"])
+    slopes = np.array([-1.0, 0.5, 0.0, np.nan])
+    (said,) = curves.band_statement(Band.RESTS_ON_ONE_EVENT, rows, slopes)
+    assert said == "no band: without the event b there would be no curve"
+    (said,) = curves.band_statement(Band.RESTS_ON_ONE_EVENT, rows, np.array([1.0, 0.5, 0.2, -0.1]))
+    assert said == "no band: without the event c there would be no curve"
+    two = Observations.of([1.0, 2.0], [EXACT, EXACT], ["a", "b"])
+    (said,) = curves.band_statement(Band.FEW_EVENTS, two, slopes[:3])
+    assert said == "no band: the records come from 2 events, it needs 3"
+
+
+@pytest.mark.parametrize(("high", "words"), [(2.0019, "at 2"), (2.0021, "at 2 to 2")])
+def test_levels_that_differ_by_a_thousandth_are_one(high, words):
+    curve = fit_stripes([2.0, high, 1.0], [1, 1, 0], records=["a", "a", "b"])
+    assert f"only reached the limit state, {words}, of 2;" in curve.statement
 
 
 def test_rows_ascend_whatever_their_order_and_keep_what_belongs_to_them():

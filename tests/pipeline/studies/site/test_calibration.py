@@ -13,9 +13,9 @@ from rockpulse import CalibrationSettings, RecordSettings, RunSettings
 from rockpulse.config.configuration import Config
 from rockpulse.errors import ConfigError, RecordRefused
 from rockpulse.models import Block
-from rockpulse.motions.tables import record_weights
 from rockpulse.record.measures import SCALING
 from rockpulse.run.analysis import worked
+from rockpulse.selection.tables import record_weights
 from rockpulse.studies.site import records as site_record
 from rockpulse.studies.site.calibration import SiteCalibration
 

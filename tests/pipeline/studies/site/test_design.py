@@ -230,12 +230,12 @@ def test_events_that_are_not_judged_are_told_with_the_reason():
     peaks[1:3] = np.inf  # without the last one the others overturn all
     sample = sample_of(MAINS[:4], peaks=peaks)
     found = leave_one_event_out(sample, 0.84, "response")
-    assert unjudged_events(found, sample)[0] == "lifts no block"
-    assert "overturns all" in unjudged_events(found, sample)[3]
+    assert unjudged_events(found, sample)[0] == "unlifted"
+    assert unjudged_events(found, sample)[3] == "overturning_design"
     assert not judged(found.covered, sample)[[0, 3]].any()
     lone = sample_of(MAINS[:2], peaks=np.vstack([np.full(3, np.nan), rotations(MAINS[1:2])]))
     reasons = unjudged_events(leave_one_event_out(lone, 0.5, "response"), lone)
-    assert reasons == {0: "lifts no block", 1: "the others alone make no design"}
+    assert reasons == {0: "unlifted", 1: "no_design"}
 
 
 @pytest.mark.slow

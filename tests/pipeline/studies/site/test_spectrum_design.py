@@ -12,7 +12,7 @@ from site_spectra import BASE, BLOCKS, base_at, site_of, usual_site
 import rockpulse as rp
 from rocking.body.limits import RATES
 from rockpulse import CalibrationSettings
-from rockpulse.assessment.overturning import LANES
+from rockpulse.assessment.spectra import LANES
 from rockpulse.earthquakes import bootstrap_interval, draw_earthquakes, weighted_quantile
 from rockpulse.errors import ResultsError
 from rockpulse.models import Block, ImpulseSequence

@@ -63,3 +63,8 @@ def fragility_tree(clc):
         fragility=ida(limit_states=("uplift", 0.4, "overturning"), measures=("pga", "velocity_ratio")),
     )
     return rp.fragility_curves(clc, settings, blocks={"wall": BLOCKS["wall"]})
+
+
+@pytest.fixture(scope="session")
+def first(assessed):
+    return str(assessed["summary"]["record"].values[0])

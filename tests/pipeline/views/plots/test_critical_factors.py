@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 import xarray as xr
+from drawn import in_legend, named_rows, small_print
 from matplotlib.colors import same_color
 from nominal import Config
 from report_cases import probable
@@ -14,48 +15,33 @@ from rockpulse.errors import ResultsError
 from rockpulse.models import Block
 from rockpulse.views.plots.critical_factors import critical_scale, overturning_map
 from rockpulse.views.plots.factor_rows import ROWS
+from rockpulse.views.plots.selection import table_of_pair
 from rockpulse.views.plots.style import RED
-
-
-@pytest.fixture(scope="module")
-def first(assessed):
-    return str(assessed["summary"]["record"].values[0])
 
 
 def bars(ax, words):
     """(place, from, to) of the bars of one kind."""
-    found = []
-    for container in ax.containers:
-        if container.get_label() == words:
-            found += [
-                (bar.get_y() + bar.get_height() / 2, bar.get_x(), bar.get_x() + bar.get_width()) for bar in container
-            ]
-    return sorted((round(place), low, high) for place, low, high in found)
+    drawn = [bar for container in ax.containers if container.get_label() == words for bar in container]
+    ends = [(bar.get_x(), bar.get_x() + bar.get_width()) for bar in drawn]
+    return sorted((round(bar.get_y() + 0.5 * bar.get_height()), *own) for bar, own in zip(drawn, ends, strict=True))
 
 
-def intervals(tree, record, block, model):
-    table, summary = tree["overturning_intervals"].to_dataset(), tree["summary"].to_dataset()
-    rows = np.ones(table.sizes["interval"], dtype=bool)
-    for name, label in (("record", record), ("block", block), ("model", model)):
-        rows &= table[f"{name}_index"].values == summary[name].values.tolist().index(label)
-    return table["lower"].values[rows], table["upper"].values[rows]
+def intervals(tree, record, block):
+    table = table_of_pair(tree, "overturning_intervals", record, block, "nonlinear")
+    return table["lower"], table["upper"]
 
 
 def test_a_map_shows_the_stored_intervals_and_the_windows_between(assessed, first):
     ax = overturning_map(assessed, record=first)
     for place, block in enumerate(assessed["summary"]["block"].values):
-        lower, upper = intervals(assessed, first, block, "nonlinear")
-        assert [(low, high) for at, low, high in bars(ax, "overturns") if at == place] == [
-            (pytest.approx(low), pytest.approx(high)) for low, high in zip(lower, upper, strict=True)
-        ]
-        windows = [(low, high) for at, low, high in bars(ax, "stands again") if at == place]
-        assert windows == [
-            (pytest.approx(low), pytest.approx(high)) for low, high in zip(upper[:-1], lower[1:], strict=True)
-        ]
+        lower, upper = intervals(assessed, first, block)
+        for words, lows, highs in (("overturns", lower, upper), ("stands again", upper[:-1], lower[1:])):
+            drawn = [own for at, *own in bars(ax, words) if at == place]
+            assert np.ravel(drawn) == pytest.approx(np.stack([lows, highs], axis=1).ravel())
         assert bars(ax, "stands")[place][2] == pytest.approx(lower[0])
     assert ax.get_xscale() == "log"
     assert ax.get_xlabel() == "factor on the record [-]"
-    assert [tick.get_text() for tick in ax.get_yticklabels()] == ["wall", r"column of \$one\$ piece"]
+    assert named_rows(ax) == ["wall", r"column of \$one\$ piece"]
     assert 1.0 in [line.get_xdata()[0] for line in ax.lines]
     factor = assessed["summary"]["safety_factor"].sel(record=first, model="nonlinear").values
     assert ax.get_xlim() == pytest.approx((0.7 * min(1.0, factor.min()), 10.0))
@@ -67,12 +53,12 @@ def test_the_narrowest_interval_is_seen(assessed, changed, first):
     thin = table.assign(upper=table["upper"].copy(data=table["lower"].values * (1.0 + 1e-7)))
     ax = overturning_map(changed({"/overturning_intervals": thin}), record=first)
     for place, block in enumerate(assessed["summary"]["block"].values):
-        lower, _ = intervals(assessed, first, block, "nonlinear")
+        lower, _ = intervals(assessed, first, block)
         lines = [c for c in ax.collections if len(c.get_segments()) and round(c.get_segments()[0].mean(0)[1]) == place]
         assert sorted(segment[0, 0] for line in lines for segment in line.get_segments()) == pytest.approx(lower)
         assert {float(width) for line in lines for width in line.get_linewidths()} == {1.0}
         assert all(same_color(line.get_colors()[0], RED) for line in lines)
-    assert "at least 1 pt wide" in ax.figure.get_supxlabel()
+    assert "at least 1 pt wide" in small_print(ax)
 
 
 def test_a_dot_stands_at_the_smallest_factor(assessed, changed, first):
@@ -83,14 +69,14 @@ def test_a_dot_stands_at_the_smallest_factor(assessed, changed, first):
     ax = overturning_map(changed(factor_resolved=bound), record=first)
     (dots,) = (line for line in ax.lines if line.get_label() == "smallest factor")
     assert dots.get_markerfacecolor() == "white"
-    assert "Hollow: a lower bound" in ax.figure.get_supxlabel()
+    assert "Hollow: a lower bound" in small_print(ax)
 
 
 def test_records_on_a_block_are_ordered_by_their_factor(assessed):
     ax = overturning_map(assessed, block="wall")
     factor = assessed["summary"]["safety_factor"].sel(block="wall", model="nonlinear")
     expected = factor["record"].values[np.argsort(factor.values)].tolist()
-    assert [tick.get_text() for tick in ax.get_yticklabels()] == expected
+    assert named_rows(ax) == expected
 
 
 def test_every_restitution_has_a_row_of_its_own(clc):
@@ -110,15 +96,14 @@ def test_what_the_model_cannot_answer_is_not_drawn_as_overturning(assessed, chan
     ax = overturning_map(changed({"/overturning_intervals": doubted}), record=first)
     assert bars(ax, "overturns") == []
     assert len(bars(ax, "cannot answer: counts as overturning")) > 1
-    for container in ax.containers:
-        if container.get_label().startswith("cannot answer"):
-            assert {(bar.get_facecolor(), bar.get_hatch()) for bar in container} == {((1.0, 1.0, 1.0, 1.0), "xxxx")}
+    doubts = [bar for one in ax.containers if one.get_label().startswith("cannot answer") for bar in one]
+    assert {(bar.get_facecolor(), bar.get_hatch()) for bar in doubts} == {((1.0, 1.0, 1.0, 1.0), "xxxx")}
 
 
 def test_resonance_is_named_an_upper_bound_type_input(assessed):
     ax = overturning_map(assessed, block="wall", model="resonance")
     assert "upper-bound type input" in ax.figure.get_suptitle()
-    assert "not a prediction" in ax.figure.get_supxlabel()
+    assert "not a prediction" in small_print(ax)
     assert ax.get_xlabel() == "factor on the impulses of the sequence [-]"
     assert "not a prediction" in critical_scale(assessed, block="wall").figure.get_supxlabel()
 
@@ -130,7 +115,7 @@ def test_nothing_that_overturns_stands_to_the_end_of_the_search(assessed, change
     ax = overturning_map(tree, record=first)
     assert [high for _, _, high in bars(ax, "stands")] == pytest.approx([10.0])
     assert [text.get_text().strip() for text in ax.texts] == ["none up to 10"]
-    assert [tick.get_text() for tick in ax.get_yticklabels()] == ["all 2 bodies"]
+    assert named_rows(ax) == ["all 2 bodies"]
     assert "smallest factor" not in ax.get_legend_handles_labels()[1]
     ax = critical_scale(tree, block="wall")
     assert ax.get_xlim()[1] > 10.0
@@ -139,7 +124,7 @@ def test_nothing_that_overturns_stands_to_the_end_of_the_search(assessed, change
     assert min(beside) > 10.0
     assert max(beside) < ax.get_xlim()[1]
     assert [text.get_text() for text in ax.texts] == [">10"]
-    assert ">10: none found up to there." in " ".join(ax.figure.get_supxlabel().split())
+    assert ">10: none found up to there." in small_print(ax)
 
 
 def test_a_body_that_was_not_searched_or_is_outside_the_range_is_named(assessed, changed, first):
@@ -149,7 +134,7 @@ def test_a_body_that_was_not_searched_or_is_outside_the_range_is_named(assessed,
     applicable[:, 0] = 0
     ax = overturning_map(changed(safety_factor=factor, applicable=applicable), record=first)
     assert [(text.get_text().strip(), text.get_position()[1]) for text in ax.texts] == [("not known", 1)]
-    assert "Outside the range of the model: wall." in ax.figure.get_supxlabel()
+    assert "Outside the range of the model: wall." in small_print(ax)
 
 
 def test_what_was_not_searched_is_refused(assessed, changed, first):
@@ -171,7 +156,7 @@ def test_critical_scales_are_those_of_the_results(assessed):
     factor = summary["safety_factor"].sel(block="wall", model="nonlinear").values
     (points,) = marks(ax, "nonlinear")
     assert points.get_xdata().tolist() == sorted(factor)
-    words = [text.get_text() for text in ax.get_legend().get_texts()]
+    words = in_legend(ax)
     assert words == ["resonance (upper-bound type input)", "sequence", "impulsive", "linear", "nonlinear"]
     assert len({line.get_marker() for line in ax.lines if line.get_label() in words}) == 5
     assert ax.get_xlabel() == "smallest factor on the model's input that overturns [-]"
@@ -185,8 +170,8 @@ def test_bounds_and_models_outside_their_range_are_marked(assessed, changed):
     ax = critical_scale(changed(applicable=applicable, factor_resolved=resolved), block="wall")
     assert [line.get_markerfacecolor() for line in marks(ax, "linear")] == ["white"]
     assert [line.get_marker() for line in marks(ax, "nonlinear")] == ["o", r"$\rightarrow$"]
-    assert "lower bound" in ax.figure.get_supxlabel()
-    assert "Hollow: outside the range" in ax.figure.get_supxlabel()
+    assert "lower bound" in small_print(ax)
+    assert "Hollow: outside the range" in small_print(ax)
 
 
 def ticks(ax):
@@ -214,7 +199,7 @@ def test_a_demand_is_a_tick_on_every_record(assessed, asked_for, first):
     expected = 2.94 / summary["pga"].values[by_factor]
     for ax in (critical_scale(tree, block="wall"), overturning_map(tree, block="wall")):
         assert ticks(ax) == pytest.approx(expected)
-        words = " ".join(ax.figure.get_supxlabel().split())
+        words = small_print(ax)
         assert "Dashed: the record" in words
         assert words.endswith("with its factor right of the tick the block stands there.")
     own = 2.94 / float(summary["pga"].sel(record=first))
@@ -228,7 +213,7 @@ def test_a_demand_beyond_the_search_has_no_tick_and_says_so(asked_for):
     tree = asked_for(1e3)
     for ax in (critical_scale(tree, block="wall"), overturning_map(tree, block="wall")):
         assert np.isnan(ticks(ax)).all()
-        assert "No tick: the demand lies beyond the search." in " ".join(ax.figure.get_supxlabel().split())
+        assert "No tick: the demand lies beyond the search." in small_print(ax)
 
 
 def test_a_tick_does_not_stand_in_the_words_of_its_row(assessed, asked_for, first):
@@ -255,11 +240,11 @@ def test_of_many_records_those_of_the_smallest_factors_are_shown(assessed, chang
     tree = changed({"/summary": many})
     lowest = np.argsort(factor[:, 0, 4])[:ROWS]
     ax = critical_scale(tree, block="wall")
-    assert [tick.get_text() for tick in ax.get_yticklabels()] == [f"record {k}" for k in lowest]
-    assert "The 60 smallest factors of 70 records" in ax.figure.get_supxlabel()
+    assert named_rows(ax) == [f"record {k}" for k in lowest]
+    assert "The 60 smallest factors of 70 records" in small_print(ax)
     drawn = overturning_map(tree, block="wall")
     assert len(drawn.get_yticks()) == ROWS
-    assert "The 60 smallest factors of 70" in drawn.figure.get_supxlabel()
+    assert "The 60 smallest factors of 70" in small_print(drawn)
     assert max(one.figure.get_size_inches()[1] for one in (ax, drawn)) < 11.7  # a page of A4
 
 
@@ -273,11 +258,11 @@ def test_rows_that_say_one_thing_are_one_row_with_their_number(assessed, asked_f
     table = assessed["overturning_intervals"].to_dataset()
     tree = xr.DataTree.from_dict({"/summary": summary, "/overturning_intervals": table.isel(interval=slice(0))})
     ax = overturning_map(tree, block="wall")
-    names = [tick.get_text() for tick in ax.get_yticklabels()]
+    names = named_rows(ax)
     assert names == ["r4", "4 other records", "2 other records"]
     said = {text.get_position()[1]: text.get_text().strip() for text in ax.texts}
     assert (said[1], said[2]) == ("none up to 10", "not known")
-    told = " ".join(ax.figure.get_supxlabel().split())
+    told = small_print(ax)
     assert "4 other records: r0, r2, r3 and 1 more. 2 other records: r1, r5." in told
     assert "The 60 smallest" not in told
     assert ticks(ax) == pytest.approx([2.94 / 5.0, np.nan, np.nan], nan_ok=True)

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from drawn import in_legend, labelled, small_print
 from matplotlib.colors import same_color
 
 from rockpulse.errors import ResultsError
@@ -12,13 +13,9 @@ from rockpulse.views.plots.style import looks
 def banded(tree, low=0.8, high=1.2):
     """The same with bands, which one earthquake does not give."""
     copy = tree.copy(deep=True)
-    curves = copy["fragility"].to_dataset()
-    probability = curves["probability"].values
-    filled = curves.assign(
-        probability_low=curves["probability_low"].copy(data=low * probability),
-        probability_high=curves["probability_high"].copy(data=np.minimum(1.0, high * probability)),
-    )
-    copy["fragility"] = type(tree)(filled)
+    probability = copy["fragility"]["probability"].values
+    copy["fragility"]["probability_low"].values[:] = low * probability
+    copy["fragility"]["probability_high"].values[:] = np.minimum(1.0, high * probability)
     return copy
 
 
@@ -42,7 +39,7 @@ def test_every_limit_state_has_its_curve(fragility_tree):
     rising = np.any((probability > 0.002) & (probability < 0.998), axis=own["probability"].dims.index("limit_state"))
     assert ax.get_xlim() == pytest.approx((level[rising].min(), level[rising].max()))
     assert ax.figure.get_suptitle() == "wall"
-    assert "2 records of 1 earthquake" in ax.figure.get_supxlabel()
+    assert "2 records of 1 earthquake" in small_print(ax)
 
 
 def test_the_records_stand_beside_the_curve(fragility_tree):
@@ -67,8 +64,8 @@ def test_a_record_that_never_reaches_the_state_is_not_counted_as_reaching_it(fra
 def test_what_holds_for_all_limit_states_is_said_once(fragility_tree):
     ax = fragility(fragility_tree, block="wall")
     assert not ax.collections
-    assert ax.figure.get_supxlabel().count("no band") == 1
-    assert "All: no band" in ax.figure.get_supxlabel()
+    assert small_print(ax).count("no band") == 1
+    assert "All: no band" in small_print(ax)
 
 
 @pytest.mark.parametrize(
@@ -84,7 +81,7 @@ def test_one_band_is_filled_and_said(fragility_tree, asked, expected):
         for corner in zip(own["level"].values, own[name].values, strict=True):
             assert np.min(np.abs(corners - corner)) < 1e-9
     word = rf"$\theta_{{max}}/\alpha_c \geq$ {expected}" if expected == "0.4" else expected
-    assert f"Band of the curve of {word}: 90 %, over earthquakes" in ax.figure.get_supxlabel()
+    assert f"Band of the curve of {word}: 90 %, over earthquakes" in small_print(ax)
     color = next(line.get_color() for line in ax.lines if line.get_label() == word)
     assert same_color(band.get_facecolor()[0][:3], color)
 
@@ -95,7 +92,7 @@ def test_a_band_from_0_to_1_is_not_drawn_and_said(fragility_tree):
     tree["fragility"]["probability_high"].values[:] = 0.99
     ax = fragility(tree, block="wall")
     assert not ax.collections
-    words = " ".join(ax.figure.get_supxlabel().split())
+    words = small_print(ax)
     assert (
         "Band of the curve of overturning: nearly 0 to 1 at most levels, not drawn (1 earthquakes are too few)."
         in words
@@ -111,7 +108,7 @@ def test_a_curve_above_that_of_a_milder_state_is_said(fragility_tree):
         probability[:] = np.clip(np.linspace(-0.1, 1.1, probability.shape[-1]), 0.0, 1.0)
         probability[:, :, 2, probability.shape[-1] // 2] += above  # overturning
         ax = fragility(tree, block="wall", limit_states=states)
-        return words in " ".join(ax.figure.get_supxlabel().split())
+        return words in small_print(ax)
 
     assert said(0.02)
     assert said(0.02, ["overturning", "uplift"])
@@ -136,10 +133,6 @@ def test_a_dozen_limit_states_are_told_apart_without_colour_alone():
     assert len({(one.color, one.marker) for one in drawn}) == 16
 
 
-def test_a_measure_brings_its_own_unit(fragility_tree):
-    assert fragility(fragility_tree, block="wall", measure="pga").get_xlabel() == "PGA [m/s²]"
-
-
 def test_pga_stands_beside_the_measure_that_is_shown(fragility_tree):
     tree = banded(fragility_tree)
     tree["fragility"]["uplift_acceleration"].values[:] = 3.0
@@ -151,10 +144,10 @@ def test_pga_stands_beside_the_measure_that_is_shown(fragility_tree):
         assert line.get_xdata()[0] == pytest.approx(own["level"].values[0])
         assert len(ax.collections) == 1
     assert right.get_ylim() == left.get_ylim()
-    names = [text.get_text() for text in left.get_legend().get_texts()]
+    names = in_legend(left)
     assert names == ["uplift", r"$\theta_{max}/\alpha_c \geq$ 0.4", "overturning", "lifts from here on"]
     assert right.get_legend() is None
-    words = " ".join(left.figure.get_supxlabel().split())
+    words = small_print(left)
     assert words.count("2 records of 1 earthquake") == 1
     assert "In PGA: The body is never lifted by less" in words
 
@@ -162,11 +155,10 @@ def test_pga_stands_beside_the_measure_that_is_shown(fragility_tree):
 def test_the_grey_line_is_the_acceleration_that_lifts(fragility_tree):
     tree = fragility_tree.copy(deep=True)
     tree["fragility"]["uplift_acceleration"].values[:] = 3.0
-    lines = [line for line in fragility(tree, measure="pga").lines if "lifts" in line.get_label()]
-    assert [line.get_xdata()[0] for line in lines] == [3.0]
-    assert not any("lifts" in line.get_label() for line in fragility(tree).lines)
+    assert labelled(fragility(tree, measure="pga"))["lifts from here on"].get_xdata()[0] == 3.0
+    assert "lifts from here on" not in labelled(fragility(tree))
     tree["fragility"]["uplift_acceleration"].values[:] = np.nan  # on a floor
-    assert "lifted" not in fragility(tree, measure="pga").figure.get_supxlabel()
+    assert "lifted" not in small_print(fragility(tree, measure="pga"))
 
 
 @pytest.mark.parametrize(
@@ -193,19 +185,13 @@ def test_unknown_names_are_refused(fragility_tree):
         fragility(fragility_tree, limit_states=["0.5"])
 
 
-def test_a_median_beyond_the_data_is_said(fragility_tree):
+def test_what_a_curve_lacks_is_said_in_the_legend(fragility_tree):
+    assert not any("(" in words for words in labelled(fragility(fragility_tree)))
     tree = fragility_tree.copy(deep=True)
     tree["fragility"]["extrapolated"].values[:] = 1
-    words = fragility(tree, block="wall").get_legend_handles_labels()[1]
-    assert all(word.endswith("(extrapolated)") for word in words)
-    assert not any("extrapolated" in word for word in fragility(fragility_tree).get_legend_handles_labels()[1])
-
-
-def test_what_has_no_curve_says_so(fragility_tree):
-    tree = fragility_tree.copy(deep=True)
+    assert all(words.endswith("(extrapolated)") for words in labelled(fragility(tree)))
     tree["fragility"]["probability"].values[:] = np.nan
-    ax = fragility(tree, block="wall")
-    assert next(line.get_label() for line in ax.lines if "no curve" in line.get_label()) == "uplift: no curve"
+    assert next(iter(labelled(fragility(tree)))) == "uplift: no curve"
 
 
 def test_a_measure_without_a_level_is_a_picture_without_a_curve(fragility_tree):

@@ -2,12 +2,12 @@
 
 import numpy as np
 import pytest
+from drawn import labelled
 
 import rockpulse as rp
 from rockpulse.errors import ResultsError
 from rockpulse.record.record import Record
-from rockpulse.views.plots.ground_motion import accelerogram
-from rockpulse.views.plots.motion import motion_of_record, stored_motion
+from rockpulse.views.plots.ground_motion import accelerogram, motion_of_record, stored_motion
 
 
 @pytest.fixture(scope="module")
@@ -18,11 +18,6 @@ def motion(assessed):
 @pytest.fixture(scope="module")
 def panels(motion):
     return accelerogram(motion)
-
-
-def labelled(ax):
-    handles, words = ax.get_legend_handles_labels()
-    return dict(zip(words, handles, strict=True))
 
 
 def test_the_intense_phase_is_shaded_in_every_panel(motion, panels):

@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
+from drawn import in_legend
 
 from rockpulse import models
 from rockpulse.views.plots.impulse_sequences import limit_accelerogram
-from rockpulse.views.plots.kinds import draw
 from rockpulse.views.plots.selection import block_of, sequence_of
 
 BLOCK = models.Block(half_width=0.5, half_height=1.936492, restitution=0.6, gravity=9.81)
@@ -59,7 +59,7 @@ def test_half_cycles_are_bars_from_impulse_to_impulse_with_their_peaks():
 
 def test_equal_impulses_are_told_apart_by_their_place():
     _, both = limit_accelerogram(BLOCK, sequence(secondary=0.3))
-    legend = [text.get_text() for text in both.get_legend().get_texts()]
+    legend = in_legend(both)
     assert any(words.startswith("main") for words in legend)
     assert any(words.startswith("secondary") for words in legend)
 
@@ -77,12 +77,6 @@ def test_an_overturning_half_cycle_is_marked():
     assert marks(panels[0])[:, 0].tolist() == [0.0]
 
 
-def test_the_sequence_of_the_results_has_its_spacing(assessed):
-    record, block = str(assessed["summary"]["record"].values[0]), "wall"
-    assert sequence_of(assessed, record).spacing == "end"
-    figure = draw(assessed, "limit-accelerogram", record=record, block=block)
-    assert record in figure.get_suptitle()
-
-
-def test_the_block_of_the_results_has_its_gravity(assessed):
+def test_the_sequence_and_the_block_of_the_results_are_those_of_the_models(assessed, first):
+    assert sequence_of(assessed, first).spacing == "end"
     assert block_of(assessed["summary"].to_dataset(), "wall").gravity == 9.80665

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from drawn import small_print
 
 from rocking import Block, ImpulseSequence, Response
 from rockpulse.record.half_wave import half_waves
@@ -38,7 +39,7 @@ def test_a_sequence_is_drawn_with_its_sizes():
 
 def test_a_number_that_the_block_decides_is_said_to_be_so():
     ax = two_half_cycles(ImpulseSequence(0.8, 0.2, 0.1, 20.0))
-    assert "depends on the block" in ax.get_figure().get_supxlabel()
+    assert "depends on the block" in small_print(ax)
 
 
 def test_a_continuous_sequence_is_an_area():
@@ -66,7 +67,7 @@ def test_of_many_histories_six_are_drawn():
     time, rotation = np.arange(5.0), np.arange(40.0).reshape(2, 4, 5)
     ax = response(of(np.ones((2, 4), dtype=int), np.full((2, 4), 0.3), time=time, rotation=rotation, velocity=rotation))
     assert [line.get_ydata().tolist() for line in ax.lines[1:]] == [row.tolist() for row in rotation.reshape(8, 5)[:6]]
-    assert "first 6 of 8 lanes" in ax.get_figure().get_supxlabel()
+    assert "first 6 of 8 lanes" in small_print(ax)
 
 
 def test_of_a_long_history_the_motion_is_shown():

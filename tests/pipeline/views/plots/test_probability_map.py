@@ -5,6 +5,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 import xarray as xr
+from drawn import in_legend, named_rows, small_print
 from report_cases import probable, summary_of
 
 from rocking.response import Outcome
@@ -25,7 +26,7 @@ def bodies(summary, *factors):
 def drawn(ax):
     """Names of the records, and what is drawn of each."""
     values = ax.collections[0].get_array()
-    return [tick.get_text() for tick in ax.get_yticklabels()], values.filled(np.nan)
+    return named_rows(ax), values.filled(np.nan)
 
 
 def test_every_record_has_the_stored_probability_of_every_body():
@@ -46,7 +47,7 @@ def test_what_is_not_known_is_white_and_named():
     names, values = drawn(ax)
     assert names == ["r0", "r1"]
     assert np.isnan(values[1, 0])
-    assert [text.get_text() for text in ax.get_legend().get_texts()] == ["not known"]
+    assert in_legend(ax) == ["not known"]
     assert probability_map(tree_of(probable([0.9, 0.1]))).get_legend() is None
 
 
@@ -68,10 +69,10 @@ def test_without_probabilities_it_is_the_verdict_of_the_model():
     assert dict(zip(names, values[:, 0].tolist(), strict=True)) == pytest.approx(
         {"r0": 1.0, "r1": 0.0, "r2": np.nan}, nan_ok=True
     )
-    assert [text.get_text() for text in ax.get_legend().get_texts()] == ["overturns", "stands", "not known"]
+    assert in_legend(ax) == ["overturns", "stands", "not known"]
     assert not ax.texts
     assert len(ax.figure.axes) == 1
-    assert "No probability is known: whether the nonlinear model overturns" in ax.figure.get_supxlabel()
+    assert "No probability is known: whether the nonlinear model overturns" in small_print(ax)
     with pytest.raises(ResultsError, match="is not known in these results"):
         probability_map(tree_of(summary_of([np.nan], outcomes=[Outcome.UNRESOLVED])))
 
@@ -82,7 +83,7 @@ def test_of_a_pair_of_channels_the_worst_direction_counts():
     names, values = drawn(ax := probability_map(tree_of(summary, directions=pairs)))
     assert names == ["q", "p"]
     assert values[:, 0] == pytest.approx([0.9, 0.6])
-    assert "Of a pair of channels the direction" in ax.figure.get_supxlabel()
+    assert "Of a pair of channels the direction" in small_print(ax)
 
 
 def test_of_many_the_likeliest_are_shown_on_a_page():
@@ -93,7 +94,7 @@ def test_of_many_the_likeliest_are_shown_on_a_page():
     assert names == [f"r{k}" for k in np.argsort(-chance)[:ROWS]]
     shown = [tick.get_text() for tick in ax.get_xticklabels()]
     assert shown == [f"body {k}" for k in sorted(np.argsort(-factors)[:COLUMNS])]
-    told = " ".join(ax.figure.get_supxlabel().split())
+    told = small_print(ax)
     assert f"The {ROWS} likeliest of {ROWS + 10} records. The {COLUMNS} likeliest of {COLUMNS + 10} bodies." in told
     assert ax.figure.get_size_inches()[1] < 11.7
     ax.figure.draw_without_rendering()

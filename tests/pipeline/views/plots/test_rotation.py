@@ -4,20 +4,16 @@ import re
 
 import numpy as np
 import pytest
+from drawn import named_rows
 from matplotlib.text import Text
 
 import rockpulse as rp
 from rockpulse.errors import ResultsError
-from rockpulse.views.plots.kinds import draw
+from rockpulse.views.plots.drawing import draw
 from rockpulse.views.plots.model_histories import histories
 from rockpulse.views.plots.rotation import rotation_history
 
 COLUMN = "column of $one$ piece"
-
-
-@pytest.fixture(scope="module")
-def first(assessed):
-    return str(assessed["summary"]["record"].values[0])
 
 
 @pytest.fixture(scope="module")
@@ -69,6 +65,8 @@ def test_the_legend_says_how_each_ends(drawn, assessed, first):
     assert words[4].startswith("resonance (upper-bound type input): overturns by")
     peak = float(assessed["summary"]["peak_rotation_ratio"].sel(record=first, block="wall", model="linear"))
     assert words[1] == f"linear: peak {peak:.3g}"
+    start = float(assessed["summary"]["intense_start"].sel(record=first))
+    assert drawn[0][3].time[0] == drawn[0][4].time[0] == start  # of the sequences
 
 
 def test_the_computed_history_reaches_the_stored_peak(assessed, first):
@@ -94,11 +92,6 @@ def test_overturning_is_marked_where_the_curve_leaves(drawn):
     crosses = [line for line in moving.lines if line.get_marker() == "X"]
     assert len(crosses) == sum(np.isfinite(history.overturning) for history in found) > 0
     assert all(abs(line.get_ydata()[0]) <= 1.5 for line in crosses)
-
-
-def test_a_sequence_begins_with_the_intense_phase(drawn, assessed, first):
-    start = float(assessed["summary"]["intense_start"].sel(record=first))
-    assert drawn[0][3].time[0] == drawn[0][4].time[0] == start
 
 
 def test_stored_histories_are_those_computed_again(assessed, with_histories, first):
@@ -148,18 +141,13 @@ def test_a_design_sequence_has_its_own_time_and_no_accelerogram():
         draw(tree, "accelerogram")
 
 
-def test_models_without_a_motion_are_refused(assessed, first):
-    with pytest.raises(ResultsError, match="nearest: nonlinear"):
-        histories(assessed, first, "wall", ["nonlineer"])
-
-
 def test_a_motion_far_below_alpha_c_is_shown_large(assessed, first):
     (found,) = histories(assessed, first, "wall", ["linear"])
     faint = found._replace(rotation=1e-5 * found.rotation / np.nanmax(np.abs(found.rotation)), peak=1e-5)
     moving, _ = rotation_history([faint._replace(overturning=np.nan)])
     moving.figure.draw_without_rendering()
     assert moving.get_ylim() == pytest.approx((-1.3e-5, 1.3e-5))
-    assert "1e-05" in [tick.get_text() for tick in moving.get_yticklabels()]
+    assert "1e-05" in named_rows(moving)
 
 
 def test_nothing_that_moves_is_drawn_too(changed, assessed, first):
@@ -181,7 +169,7 @@ def test_nothing_that_moves_is_drawn_too(changed, assessed, first):
 
 def test_a_factor_on_the_record_is_the_motion_of_the_stronger_record(assessed, first):
     from rockpulse.models import recorded_response
-    from rockpulse.views.plots.motion import stored_record
+    from rockpulse.views.plots.ground_motion import stored_record
     from rockpulse.views.plots.selection import block_of
 
     (found,) = histories(assessed, first, COLUMN, ["nonlinear"], factor=0.7)
@@ -193,8 +181,14 @@ def test_a_factor_on_the_record_is_the_motion_of_the_stronger_record(assessed, f
     assert "the record times 0.7" in re.sub(r"\s+", " ", " ".join(text.get_text() for text in figure.findobj(Text)))
 
 
-def test_a_factor_that_a_model_does_not_know_is_refused(assessed, first):
-    with pytest.raises(ResultsError, match="follows the record to a factor"):
-        histories(assessed, first, COLUMN, ["sequence"], factor=2.0)
-    with pytest.raises(ResultsError, match="expected a positive factor on the record, got -1"):
-        histories(assessed, first, COLUMN, ["nonlinear"], factor=-1.0)
+@pytest.mark.parametrize(
+    ("model", "factor", "message"),
+    [
+        ("nonlineer", 1.0, "nearest: nonlinear"),
+        ("sequence", 2.0, "follows the record to a factor"),
+        ("nonlinear", -1.0, "expected a positive factor on the record, got -1"),
+    ],
+)
+def test_a_model_or_a_factor_without_a_motion_is_refused(assessed, first, model, factor, message):
+    with pytest.raises(ResultsError, match=message):
+        histories(assessed, first, COLUMN, [model], factor=factor)

@@ -1,12 +1,15 @@
-"""The distribution of the records of a site over every parameter, and the design sequence."""
+"""The records of a site over every parameter with the design sequence, and its overturning spectrum."""
 
 import numpy as np
 import pytest
+from drawn import labelled, small_print
+from site_spectra import BLOCKS, base_at, site_of, usual_site
 
 import rockpulse as rp
+from rocking.body.limits import RATES
 from rockpulse import CalibrationSettings
 from rockpulse.config.configuration import Config
-from rockpulse.views.plots.site import calibration
+from rockpulse.views.plots.site import calibration, site_spectrum
 
 
 @pytest.fixture(scope="module")
@@ -19,10 +22,6 @@ def tree(ridgecrest):
 @pytest.fixture(scope="module")
 def panels(tree):
     return calibration(tree)
-
-
-def labelled(ax):
-    return dict(zip(*reversed(ax.get_legend_handles_labels()), strict=True))
 
 
 def test_every_parameter_has_a_panel_with_its_unit(panels):
@@ -79,7 +78,7 @@ def test_the_fit_and_the_intervals_are_those_of_the_file(tree):
 
 
 def test_few_earthquakes_are_said(panels):
-    assert "ONE EVENT" in panels[0].figure.get_supxlabel()
+    assert "ONE EVENT" in small_print(panels[0])
     assert "6 records of 1 earthquake" in panels[0].figure.get_suptitle()
 
 
@@ -90,3 +89,36 @@ def test_records_without_a_limit_are_counted(tree):
     panels = calibration(copy)
     assert [text.get_text() for text in panels[3].texts] == ["2 without a limit"]
     assert [text.get_text() for text in panels[4].texts] == ["no record has a value"]
+
+
+@pytest.fixture(scope="module")
+def spectrum():
+    return site_spectrum(usual_site())
+
+
+def test_median_and_84_percent_are_drawn_at_the_median_restitution_of_the_bodies(spectrum):
+    c = np.median([block.restitution for block in BLOCKS.values()])
+    shown = labelled(spectrum)
+    for name, strength in (("median over earthquakes", 0.9), ("84 %", 1.3)):
+        p, s = shown[name].get_data()
+        np.testing.assert_allclose(p, RATES)
+        np.testing.assert_allclose(s, strength * 0.4 * RATES**0.5 * np.exp(2.0 * (c - 0.9)), rtol=1e-12)
+    assert "90 % interval of the 84 % spectrum" in shown
+    assert sum(line.get_label() == "10 records" for line in spectrum.lines) == 1
+    assert (spectrum.get_xscale(), spectrum.get_yscale()) == ("log", "log")
+
+
+def test_every_body_is_a_point_at_its_speed_beside_its_own_effective_impulse(spectrum):
+    points = [tuple(np.ravel(line.get_xydata())) for line in spectrum.lines if line.get_marker() == "o"]
+    for block, point in zip(BLOCKS.values(), points, strict=True):
+        assert point == pytest.approx((block.p, block.gravity * np.tan(block.alpha_c) / block.p))
+    (bars,) = [container for container in spectrum.containers if container.get_label().startswith("$I_{eff}$")]
+    middle = bars.lines[0].get_xydata()
+    expected = [(block.p, 1.3 * base_at(block)) for block in (BLOCKS["wall"], BLOCKS["pier"])]
+    np.testing.assert_allclose(middle, expected, rtol=1e-12)
+
+
+def test_a_site_of_too_few_earthquakes_says_so():
+    ax = calibration(site_of(np.ones(3)))[0]
+    assert "median over earthquakes" not in labelled(ax)
+    assert "Not enough earthquakes (3; at least 7" in small_print(ax)

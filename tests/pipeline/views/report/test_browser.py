@@ -9,9 +9,9 @@ from many_results import many_results
 from real_browser import NEEDS_BROWSER
 
 from rockpulse.views.report.writing import write_report
-from rockpulse.views.shared.answer_cells import TITLES
+from rockpulse.views.shared.notes import factor_title
 
-pytestmark = NEEDS_BROWSER
+pytestmark = [NEEDS_BROWSER, pytest.mark.sweep]
 
 #: A4 in points.
 A4 = (595, 842)
@@ -108,7 +108,7 @@ def test_every_figure_is_visible_with_everything_open(page):
 
 
 def test_sorting_by_mouse_puts_infinity_above_and_the_unknown_last(page):
-    place, one = head(page, "answers", TITLES["factor_10"])
+    place, one = head(page, "answers", factor_title("factor_10"))
     values = page.execute_script(
         "const cell = document.querySelector(`#answers tbody tr td:nth-child(${arguments[0] + 1})`);"
         "cell.dataset.v = 'nan'; cell.textContent = '-'; return null",
@@ -139,7 +139,7 @@ def test_sorting_by_keyboard_and_by_words(page):
     one.find_element("css selector", "[role=button]").send_keys(Keys.ENTER)
     names = column(page, "answers", place)
     assert names == sorted(names)
-    other = head(page, "answers", TITLES["factor_10"])[1]
+    other = head(page, "answers", factor_title("factor_10"))[1]
     other.find_element("css selector", "[role=button]").send_keys(Keys.SPACE)
     assert one.get_attribute("aria-sort") is None
     assert other.get_attribute("aria-sort") == "ascending"
@@ -182,7 +182,7 @@ def test_it_prints_on_a4(page):
         assert tuple(sorted(box)) == pytest.approx(A4, abs=1)
 
 
-@pytest.mark.slow
+@pytest.mark.sweep
 def test_two_hundred_records_on_twenty_bodies_open_in_a_second_and_a_half(browser, tmp_path):
     path = write_report(many_results(200, 20, samples=12000), tmp_path / "report.html")
     assert path.stat().st_size < 15e6

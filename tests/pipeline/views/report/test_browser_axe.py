@@ -4,10 +4,10 @@ import pytest
 from real_browser import NEEDS_BROWSER
 
 import rockpulse as rp
-from rockpulse.views.report.wording import LANGUAGES
 from rockpulse.views.report.writing import report_page
+from rockpulse.views.shared.words import LANGUAGES
 
-pytestmark = [NEEDS_BROWSER, pytest.mark.slow]
+pytestmark = [NEEDS_BROWSER, pytest.mark.sweep]
 
 #: Width and height of the window: a screen, a phone.
 WINDOWS = ((1280, 1200), (390, 844))

@@ -6,17 +6,25 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from report_cases import WORDS, probable
+from report_cases import probable
 
 import rockpulse as rp
 from rockpulse.assessment.answers import Answers
 from rockpulse.models import Block, recorded_response
 from rockpulse.views.report.explorer import explorer
-from rockpulse.views.report.explorer_choice import chosen, laid_through, probability_at, steps_on
-from rockpulse.views.report.extremes import NONE, Columns, packed
+from rockpulse.views.report.explorer_choice import (
+    NONE,
+    Columns,
+    chosen,
+    laid_through,
+    packed,
+    probability_at,
+    steps_on,
+)
 from rockpulse.views.report.writing import report_page
+from rockpulse.views.shared.words import section
 
-CONTROLS = WORDS.section("explorer")
+CONTROLS = section("explorer")
 
 
 def unpacked(one):
@@ -27,7 +35,7 @@ def unpacked(one):
 
 @pytest.fixture(scope="module")
 def shown(results):
-    return json.loads(explorer(results, WORDS, "some.h5").data)
+    return json.loads(explorer(results, "some.h5").data)
 
 
 def with_summary(tree, **values):
@@ -173,7 +181,7 @@ def test_the_curve_has_the_stored_probability_of_the_record_as_it_is(shown, resu
 def test_without_accelerograms_the_page_says_what_to_do(results):
     other = results.copy(deep=True)
     other["records"] = type(results)(other["records"].to_dataset().drop_vars(["acceleration", "row_size"]))
-    assert explorer(other, WORDS).data == ""
+    assert explorer(other).data == ""
     page = report_page(other)
     assert "so there is no motion to show: assess again with [records] store = &#34;all&#34;" in page
     assert "data-motions" not in page
@@ -182,7 +190,7 @@ def test_without_accelerograms_the_page_says_what_to_do(results):
 def test_a_vertical_that_is_not_stored_leaves_the_stored_history_alone(bursts, bodies, config):
     wanted = replace(config, models=rp.ModelSettings(use=("nonlinear",), histories=True))
     tree = rp.assess(bursts[:1], wanted, {"stele": bodies["stele"]})
-    found = json.loads(explorer(with_summary(tree, vertical_channel="up"), WORDS).data)
+    found = json.loads(explorer(with_summary(tree, vertical_channel="up")).data)
     steps = found["bodies"][0]["scenes"][0]["steps"]
     assert [step["factor"] for step in steps if "rotation" in step] == [1.0]
     assert {step["reason"] for step in steps if step["factor"] != 1.0} == {
@@ -193,7 +201,7 @@ def test_a_vertical_that_is_not_stored_leaves_the_stored_history_alone(bursts, b
 
 def test_a_body_before_a_wall_turns_away_from_it(bursts, config):
     tree = rp.assess(bursts[:2], config, {"parapet": Block(0.1, 1.5, one_sided=True)})
-    (body,) = json.loads(explorer(tree, WORDS).data)["bodies"]
+    (body,) = json.loads(explorer(tree).data)["bodies"]
     assert body["wall"]
     for scene in body["scenes"]:
         for step in scene["steps"]:
@@ -209,8 +217,8 @@ def test_a_body_is_outlined_about_its_centre_of_mass(shown):
 
 
 def test_nothing_moves_under_a_design_sequence_or_by_a_model_without_time(results):
-    assert explorer(with_summary(results, npts=-1), WORDS) is None
+    assert explorer(with_summary(results, npts=-1)) is None
     by_rule = results.copy(deep=True)
     names = [str(name).replace("nonlinear", "balanced") for name in results["summary"]["model"].values]
     by_rule["summary"] = type(results)(by_rule["summary"].to_dataset().assign_coords(model=names))
-    assert explorer(by_rule, WORDS) is None
+    assert explorer(by_rule) is None

@@ -2,15 +2,13 @@
 
 import re
 
-from report_cases import WORDS
-
 from rocking.response import Outcome
 from rockpulse.views.report.content import gather
 from rockpulse.views.report.pictures import Pictures
 
 
 def motion(tree, place=0):
-    return Pictures(WORDS, tree, None, None, gather(WORDS, tree)).motion(place)
+    return Pictures(tree, None, None, gather(tree)).motion(place)
 
 
 def labels(picture):

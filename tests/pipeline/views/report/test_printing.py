@@ -8,7 +8,7 @@ import pytest
 from results_tree import results_tree
 
 from rockpulse.errors import ResultsError
-from rockpulse.views.report import printing
+from rockpulse.views.report import writing as printing
 from rockpulse.views.report.writing import PDF_MARK, write_report
 
 
@@ -52,6 +52,7 @@ def test_a_browser_that_prints_nothing_or_never_ends_is_an_error_in_words(monkey
         printing.printed("<p>")
 
 
+@pytest.mark.sweep
 @pytest.mark.skipif(shutil.which("chromium") is None, reason="no browser: apt-get install chromium")
 def test_only_a_pdf_of_ours_is_replaced(tmp_path):
     target = tmp_path / "report.pdf"

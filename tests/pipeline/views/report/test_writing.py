@@ -9,7 +9,6 @@ from html.parser import HTMLParser
 import numpy as np
 import pytest
 import xarray as xr
-from report_cases import WORDS
 from results_tree import results_tree
 
 import rockpulse as rp
@@ -193,8 +192,8 @@ def cells(table):
 
 
 def test_a_record_of_a_doubtful_peak_is_marked_and_said_first(results):
-    assert not any("peak?" in text for text in cells(gather(WORDS, results).answers))
-    found = gather(WORDS, changed(results, pga=98.1))
+    assert not any("peak?" in text for text in cells(gather(results).answers))
+    found = gather(changed(results, pga=98.1))
     first = found.remarks[0]
     assert (first.grade, first.head) == ("decides", "the peak of 1 record is doubtful")
     assert found.limits[0].startswith("What may change a verdict: the peak of 1 record is doubtful")
@@ -206,7 +205,7 @@ def test_a_record_of_a_doubtful_peak_is_marked_and_said_first(results):
 
 
 def test_where_nothing_was_found_the_page_says_up_to_where(results):
-    found = gather(WORDS, results)
+    found = gather(results)
     assert ">10" in cells(found.answers)
     assert "none" not in cells(found.answers)
     assert any(">10: none found up to there, where the search ends" in note for note in found.notes)
@@ -215,19 +214,19 @@ def test_where_nothing_was_found_the_page_says_up_to_where(results):
 
 
 def test_a_rotation_beyond_the_critical_angle_is_explained_where_there_is_one(results):
-    assert not any("Above 1" in note for note in gather(WORDS, results).notes)
+    assert not any("Above 1" in note for note in gather(results).notes)
     peaks = results["summary"]["peak_rotation_ratio"].values[0].copy()
     body = list(results["summary"]["block"].values).index("stele")
     outcome = results["summary"]["outcome"].values[0].copy()
     outcome[body], peaks[body] = 1, 1.2
-    notes = gather(WORDS, changed(results, outcome=outcome, peak_rotation_ratio=peaks)).notes
+    notes = gather(changed(results, outcome=outcome, peak_rotation_ratio=peaks)).notes
     assert any("Above 1: rocked beyond the critical angle" in note for note in notes)
 
 
 def test_results_without_a_record_call_nothing_safe(results):
     tree = results.copy()
     tree["summary"] = xr.DataTree(tree["summary"].to_dataset().isel(record=[]))
-    found = gather(WORDS, tree)
+    found = gather(tree)
     assert [card.verdict.text for card in found.cards] == ["not known"] * 3
 
 

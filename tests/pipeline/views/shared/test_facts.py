@@ -5,8 +5,8 @@ import math
 import pytest
 from results_tree import RECORDS, results_tree
 
-from rockpulse.motions.events import UNKNOWN
-from rockpulse.views.shared.facts import Known, magnitude_words, record_words
+from rockpulse.selection.events import UNKNOWN
+from rockpulse.views.shared.facts import Known, RecordFacts
 
 KNOWN = {
     "event_title": "Kahramanmaras",
@@ -21,7 +21,7 @@ KNOWN = {
 
 
 def told(**changed):
-    return record_words({**KNOWN, **changed}.get)
+    return RecordFacts({**KNOWN, **changed}.get).described
 
 
 def test_earthquake_date_magnitude_station_and_direction_make_one_line():
@@ -84,7 +84,7 @@ def test_a_direction_is_a_line_of_the_compass_an_azimuth_or_a_word(azimuth, comp
 
 def test_a_magnitude_keeps_the_digits_it_has():
     values = ({"magnitude": value} for value in (7.0, 6.61, 5.9))
-    assert [magnitude_words(one.get) for one in values] == ["M 7.0", "M 6.61", "M 5.9"]
+    assert [RecordFacts(one.get).magnitude for one in values] == ["M 7.0", "M 6.61", "M 5.9"]
 
 
 def test_results_of_files_that_state_nothing_have_no_stated_facts():

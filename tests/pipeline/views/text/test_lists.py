@@ -9,7 +9,7 @@ from rockpulse.assessment.answers import Answers
 from rockpulse.errors import Failure
 from rockpulse.storage.export.selection import Condition, Selection
 from rockpulse.storage.variables import failure_table
-from rockpulse.views.text import large_overview
+from rockpulse.views.text import overview as overviews
 from rockpulse.views.text.details import block_details, record_details
 from rockpulse.views.text.left_out import left_out
 from rockpulse.views.text.lists import block_list, case_list, record_list, worst_first
@@ -94,7 +94,7 @@ def test_records_say_what_they_overturn_and_their_worst_block(summary):
     assert " ".join(lines[0]) == f"{RECORDS[0]} 0.57 0.71 5.20 0.62 2 1 of 3 0.42 boundary wall"
     assert " ".join(lines[1]) == f"{RECORDS[1]} 0.47 ~0.43 3.10 0.35 0 of 3 0.84 cabinet"
     assert " ".join(lines[2]) == "weak.1 0.001 0.002 0 - 0 of 3 none"
-    assert head[-3:] == ["overturns", "SF", "of"]
+    assert head[-3:] == ["overturn", "SF", "of"]
     weakest = record_list(summary, Selection(sort="pga", limit=1))
     assert weakest.startswith("1 of 3 records, smallest pga first")
     assert listed(weakest)[1][0] == "weak.1"
@@ -197,10 +197,10 @@ def test_large_results_count_doubtful_peaks_and_say_how_far_was_searched(tree):
 
 def test_what_is_large_is_counted_in_verdicts_that_are_shown(tree, monkeypatch):
     summary = results_tree(2)["summary"].to_dataset()
-    monkeypatch.setattr(large_overview, "WHOLE", 15)
-    assert not large_overview.is_large(Answers(summary))
-    monkeypatch.setattr(large_overview, "WHOLE", 14)
-    assert large_overview.is_large(Answers(summary))
+    monkeypatch.setattr(overviews, "WHOLE", 15)
+    assert not overviews.is_large(Answers(summary))
+    monkeypatch.setattr(overviews, "WHOLE", 14)
+    assert overviews.is_large(Answers(summary))
 
 
 def test_capacities_are_compared_with_demands_in_a_large_overview_as_well(tree):
@@ -246,13 +246,13 @@ def test_magnitude_and_distance_have_a_column_where_a_record_states_them(summary
         return summary.assign({name: ("record", values) for name, values in stated.items()})
 
     head, first, second, _ = listed(record_list(known(), Selection()))
-    assert head[head.index("I") :][:3] == ["I", "m/s", "M"]
+    assert head[head.index("I") :][:3] == ["I", "[m/s]", "M"]
     assert (first[5], second[5]) == ("7.1", "-")
     assert "distance" not in head
     stated["epicentral_distance"] = [30500.0, np.nan, np.nan]
     selection = Selection(conditions=(Condition.parse("magnitude > 7"),))
     head, first = listed(record_list(known(), selection))
-    assert "distance km" in " ".join(head)
+    assert "distance [km]" in " ".join(head)
     assert first[5:7] == ["7.1", "30.5"]
     assert head.count("magnitude") == 0
     assert "M" not in listed(record_list(summary, Selection()))[0]

@@ -7,8 +7,8 @@ from results_tree import BLOCKS, RECORDS, demanding, results_tree
 
 from rockpulse.assessment.answers import Answers
 from rockpulse.views.shared.facts import Known
-from rockpulse.views.text.capacity import smallest_capacities
 from rockpulse.views.text.left_out import failure_list
+from rockpulse.views.text.margins import smallest_capacities
 from rockpulse.views.text.overview import overview
 from rockpulse.views.text.verdicts import factor_table, governing, overturned, verdict_table
 

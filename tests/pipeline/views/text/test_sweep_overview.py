@@ -5,7 +5,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import xarray as xr
-from report_cases import WORDS
 from swept_motions import (
     ACROSS,
     TOWER,
@@ -23,10 +22,9 @@ from rockpulse.assessment.answers import answers_of
 from rockpulse.assessment.assessment import assess
 from rockpulse.assessment.verdict import verdicts
 from rockpulse.models import Outcome
-from rockpulse.views.report.bodies import body_table
-from rockpulse.views.text import large_overview
-from rockpulse.views.text.capacity import smallest_capacities
-from rockpulse.views.text.directions import direction_table
+from rockpulse.views.report.verdict import body_table
+from rockpulse.views.text import overview as overviews
+from rockpulse.views.text.margins import direction_table, smallest_capacities
 from rockpulse.views.text.overview import overview
 
 
@@ -56,7 +54,7 @@ def test_of_a_large_sweep_the_worst_pairs_are_shown(monkeypatch):
     tree = sweep(*records, models=ModelSettings(use=("linear",)))
     text = overview(tree, whole=True)
     assert "worst of" not in text
-    monkeypatch.setattr(large_overview, "WHOLE", 50)
+    monkeypatch.setattr(overviews, "WHOLE", 50)
     text = overview(tree, whole=True)
     assert ": 4 pairs, 9 directions, 2 blocks; linear" in text
     assert "The 3 worst of 4 pairs of channels:" in text
@@ -133,7 +131,7 @@ def test_all_views_of_a_sweep_tell_the_same_margins(monkeypatch):
     (smallest, median), capacities = found
     whole = overview(tree, whole=True)
     assert ", ".join(capacities) in " ".join(whole.split())
-    monkeypatch.setattr(large_overview, "WHOLE", 1)
+    monkeypatch.setattr(overviews, "WHOLE", 1)
     large = overview(tree, whole=True)
     assert "Verdicts, " in large
     assert "Verdicts, " not in whole
@@ -142,7 +140,7 @@ def test_all_views_of_a_sweep_tell_the_same_margins(monkeypatch):
     blocks = large[large.index("Verdict on each body") :].splitlines()
     row = next(line.split() for line in blocks if line.startswith("  wall"))
     assert row[6] == median
-    table = body_table(WORDS, answers, verdicts(answers))
+    table = body_table(answers, verdicts(answers))
     in_report = next(row for row in table.rows if row[0].text == "wall")
     shown = dict(zip((heading.title for heading in table.headings), in_report, strict=True))
     assert [shown["smallest SF"].marked, shown["median SF"].marked] == [smallest, median]

@@ -1,0 +1,292 @@
+"""The overturning spectrum and the rocking spectrum of a record as datasets.
+
+.. note:: The overturning spectrum S(p, C) [m/s] is the effective impulse that a slender free-standing block takes from
+   a record: its mean capacity, as a factor on the record, is (g tan(alpha)/p)/S, and it overturns where S exceeds
+   g tan(alpha)/p (:mod:`rocking.spectrum.overturning`). The probability is stored over the factor divided by that
+   capacity. The rocking spectrum says how far blocks of all sizes and slendernesses rock (Makris & Konstantinidis
+   2003): two blocks of equal p, alpha and C rock in the same way, whatever their mass.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+
+from rocking.arguments import ArrayLike
+from rocking.body.block import Block
+from rocking.body.limits import RATES
+from rocking.march.recorded import recorded_response
+from rocking.spectrum.lanes import SpectrumLanes, spectrum_lanes
+from rocking.spectrum.overturning import LEAST_SLENDERNESS, OverturningSpectrum, covered_range
+from rocking.spectrum.probability import Uncertainty, factor_at
+from rockpulse.record.half_wave import half_waves
+from rockpulse.record.record import STANDARD_GRAVITY, Record
+from rockpulse.sequences.design_spectrum import at_blocks, within
+from rockpulse.sequences.rule import load_rule
+from rockpulse.storage.variables.bodies import BLOCK, CASE
+from rockpulse.storage.variables.probability import AXIS_SIZES, LEVELS, RESTITUTIONS, ROTATIONS, SPECTRUM, SPECTRUM_AXES
+from rockpulse.storage.variables.summary import ANSWER
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+#: The angle of the blocks that stand for all [rad]; their capacity over g tan(alpha)/p does not depend on it.
+ALPHA = 0.1
+
+
+#: What marches the lanes of a record, by the words of `method`; the rule takes half-waves that are there already.
+LANES: dict[str, Callable[..., SpectrumLanes]] = {
+    "nonlinear": lambda record, rates=RATES, threads=None, waves=None: spectrum_lanes(
+        record.acceleration, record.dt, rates, threads
+    ),
+    "rule": lambda record, rates=RATES, threads=None, waves=None: load_rule().spectrum_lanes(
+        waves or half_waves(record), rates, threads
+    ),
+}
+
+
+def overturning_spectrum(
+    record: Record,
+    p: Sequence[float] | np.ndarray = RATES,
+    restitution: Sequence[float] | np.ndarray = RESTITUTIONS,
+    method: Literal["nonlinear", "rule"] = "nonlinear",
+    uncertainty: Uncertainty | None = None,
+    threads: int | None = None,
+) -> xr.Dataset:
+    """The overturning spectrum of a record, with the probability of overturning.
+
+    Parameters
+    ----------
+    record : Record
+        Conditioned; not all zeros.
+    p : sequence of float, length a
+        Frequency parameters [1/s], ascending.
+    restitution : sequence of float, length c
+        Nominal restitutions C [-], 0.75 to 1 with the default uncertainty.
+    method : {"nonlinear", "rule"}
+        The nonlinear equation, or the rule of :func:`rockpulse.load_rule` from the half-waves of the record alone.
+    uncertainty : Uncertainty, optional
+        Of factor, restitution and geometry; that of :class:`rockpulse.models.Uncertainty` without. The rule was fitted
+        under that one and takes no other.
+    threads : int, optional
+        Threads that share the work; None for all available cores. The answer does not depend on it.
+
+    Returns
+    -------
+    xarray.Dataset
+        `spectrum`, `spectrum_low`, `spectrum_high` [m/s] over (p, restitution), `probability` over (p, restitution,
+        level), level the factor on the record over the mean capacity, and `rotation_spectrum` [m/s] over (rotation, p,
+        restitution); attributes `record` and `method`.
+
+    Raises
+    ------
+    ValueError
+        For an unknown method, a record of zeros, or a p or restitution that the method does not cover.
+
+    References
+    ----------
+    Dimitrakopoulos, E. G., DeJong, M. J. (2012), Proc. R. Soc. A 468(2144), doi:10.1098/rspa.2012.0026 (similarity of
+    slender blocks).
+
+    Examples
+    --------
+    >>> sine = Record(3.0 * np.sin(2.0 * np.pi * np.arange(0.0, 1.005, 0.01)), dt=0.01, id="one sine")
+    >>> spectrum = overturning_spectrum(sine, p=[1.5, 1.7, 1.9], restitution=[0.9])
+    >>> dict(spectrum.sizes)
+    {'p': 3, 'restitution': 1, 'rotation': 4, 'level': 65}
+    """
+    import xarray as xr
+
+    rates, nominal = np.atleast_1d(np.asarray(p, dtype=float)), np.atleast_1d(np.asarray(restitution, dtype=float))
+    if method not in LANES:
+        raise ValueError(f"method: expected one of {', '.join(LANES)}, got {method!r}")
+    if method == "rule" and uncertainty not in (None, Uncertainty()):
+        raise ValueError("uncertainty: the rule was fitted under the default one and takes no other")
+    values = spectrum_values(OverturningSpectrum(LANES[method](record, rates, threads), uncertainty), nominal)
+    axes = {"p": rates, "restitution": nominal, "level": LEVELS, "rotation": ROTATIONS}
+    found = xr.Dataset(
+        {name: SPECTRUM[name].variable(array) for name, array in values.items()},
+        {name: SPECTRUM_AXES[name].variable(array) for name, array in axes.items()},
+    )
+    found.attrs.update(record=record.id, method=method)
+    return found
+
+
+def spectrum_values(spectrum: OverturningSpectrum, restitution: np.ndarray = RESTITUTIONS) -> dict[str, np.ndarray]:
+    """The variables of :data:`~rockpulse.storage.variables.probability.SPECTRUM` of a spectrum, at nominal C (c,)."""
+    least, most = (share * restitution for share in spectrum.uncertainty.restitution)
+    if np.any(outside := ~covered_range(least, most, spectrum.lanes.between)):
+        # The lanes do not reach down to wide ranges of a low nominal C, and are not dense enough for narrow ones.
+        sizes = {**AXIS_SIZES, "p": spectrum.p.size, "restitution": restitution.size}
+        found = {name: np.full([sizes[dim] for dim in one.dims], np.nan) for name, one in SPECTRUM.items()}
+        if not np.all(outside):
+            for name, inner in spectrum_values(spectrum, restitution[~outside]).items():
+                axis = SPECTRUM[name].dims.index("restitution")
+                np.moveaxis(found[name], axis, 0)[~outside] = np.moveaxis(inner, axis, 0)
+        return found
+    shape = (spectrum.p.size, restitution.size)
+    rates, nominal = (values.ravel() for values in np.meshgrid(spectrum.p, restitution, indexing="ij"))
+    blocks = Block.from_parameters(p=rates, alpha=ALPHA, restitution=nominal, log=False)
+    speed = blocks.gravity * np.tan(ALPHA) / rates
+    read = spectrum.factors(blocks)
+    capacity = (speed / read.capacity_mean).reshape(shape)
+    levels = zip(capacity.ravel(), spectrum.probability(restitution).reshape(-1, spectrum.level.size), strict=True)
+    logs, relative = np.log(spectrum.level), np.log(LEVELS)
+    return {
+        "spectrum": capacity,
+        "spectrum_low": (speed / read.capacity_mean_high).reshape(shape),
+        "spectrum_high": (speed / read.capacity_mean_low).reshape(shape),
+        "rotation_spectrum": np.stack([spectrum.spectrum(restitution, one) for one in ROTATIONS]),
+        "probability": np.reshape(
+            [np.interp(relative - np.log(value), logs, row) for value, row in levels], (*shape, LEVELS.size)
+        ),
+    }
+
+
+def overturning_factors(spectrum: xr.Dataset, block: Block) -> dict[str, np.ndarray]:
+    """The probability of overturning of blocks, and the factors that it grows with, from an overturning spectrum.
+
+    Parameters
+    ----------
+    spectrum : xarray.Dataset
+        Of :func:`overturning_spectrum`, or one record of /spectra of a results file.
+    block : Block
+        One block, which counts as (1,), or (m,) slender free-standing ones inside the p and C of the spectrum.
+
+    Returns
+    -------
+    dict of str to (m,) ndarray
+        `overturning_probability` under the record as it is, `factor_10`, `factor_50` and `capacity_mean` [-], the
+        names of /summary.
+
+    Raises
+    ------
+    ValueError
+        For a block outside the spectrum.
+
+    Notes
+    -----
+    ln S and P are linear in ln p and in C between the values of the spectrum.
+
+    Examples
+    --------
+    >>> sine = Record(3.0 * np.sin(2.0 * np.pi * np.arange(0.0, 1.005, 0.01)), dt=0.01, id="one sine")
+    >>> spectrum = overturning_spectrum(sine, p=[1.8, 2.0], restitution=[0.85, 0.9])
+    >>> read = overturning_factors(spectrum, Block(half_width=0.5, half_height=1.9365, restitution=0.9))
+    >>> bool(read["factor_10"][0] < read["factor_50"][0])
+    True
+    """
+    level = spectrum["level"].values
+    capacity, probability = _at_blocks(spectrum, block)
+    at_one = [np.interp(-np.log(one), np.log(level), row) for one, row in zip(capacity, probability, strict=True)]
+    return {
+        "overturning_probability": np.array(at_one),
+        "factor_10": factor_at(0.1, level, probability) * capacity,
+        "factor_50": factor_at(0.5, level, probability) * capacity,
+        "capacity_mean": capacity,
+    }
+
+
+def overturning_curve(spectrum: xr.Dataset, block: Block) -> tuple[np.ndarray, np.ndarray]:
+    """Factors on a record, (l,), and the probability at each that a block overturns; NaN in gaps."""
+    capacity, probability = _at_blocks(spectrum, block)
+    return capacity[0] * spectrum["level"].values, probability[0]
+
+
+def _at_blocks(spectrum: xr.Dataset, block: Block) -> tuple[np.ndarray, np.ndarray]:
+    """The mean capacity (m,) of blocks and the probability (m, l) at the levels of the spectrum times it."""
+    block = block.lanes()
+    axes = spectrum["p"].values, spectrum["restitution"].values
+    inside = within(block, *axes)
+    if not np.all(inside):
+        raise ValueError(
+            f"block: the spectrum stands for free blocks of slenderness {LEAST_SLENDERNESS:g} and more with its p and "
+            f"C, not for {np.count_nonzero(~inside)} of {inside.size}, the first one at place {int(np.argmin(inside))}"
+        )
+    speed = block.gravity * np.tan(block.alpha_c) / block.p
+    capacity = speed / np.exp(at_blocks(block, *axes, np.log(spectrum["spectrum"].values)))
+    return capacity, at_blocks(block, *axes, spectrum["probability"].values)
+
+
+#: Default frequency parameters [1/s]: R from 7.4 m to 0.2 m.
+P = tuple(np.linspace(1.0, 6.0, 101).round(10).tolist())
+
+#: Default critical angles [rad]: slenderness from 20 to 2.4.
+ALPHAS = tuple(np.linspace(0.05, 0.4, 71).round(10).tolist())
+
+#: What the spectrum holds of each answer.
+ANSWERED = ("peak_rotation_ratio", "outcome")
+
+
+def rocking_spectrum(
+    record: Record,
+    p: Sequence[float] = P,
+    alpha: Sequence[float] = ALPHAS,
+    restitution: float | Literal["housner"] = "housner",
+    scale: float = 1.0,
+    vertical: ArrayLike | None = None,
+    gravity: float = STANDARD_GRAVITY,
+    threads: int | None = None,
+) -> xr.Dataset:
+    """Largest rotation of blocks of every p and alpha under one record, by the nonlinear equation.
+
+    Parameters
+    ----------
+    record : Record
+        Conditioned.
+    p : sequence of float, length a
+        Frequency parameters [1/s].
+    alpha : sequence of float, length b
+        Critical angles [rad].
+    restitution : float or "housner"
+        Velocity ratio C of an impact; Housner's goes with alpha.
+    scale : float
+        Factor on the record [-].
+    vertical : (n,) array_like, optional
+        Vertical ground acceleration on the record's samples [m/s2].
+    gravity : float
+        At the blocks [m/s2].
+    threads : int, optional
+        Threads that share the blocks; None for all available cores. The answer does not depend on it.
+
+    Returns
+    -------
+    xarray.Dataset
+        `peak_rotation_ratio` (theta_max/alpha_c; inf overturned, 0 at rest, NaN unresolved) and `outcome` over
+        (alpha_c, p), `restitution` over alpha_c, with units and long names; attributes `record`, `scale`, `gravity`.
+
+    Raises
+    ------
+    ValueError
+        For a p, alpha or restitution that no block has.
+
+    References
+    ----------
+    Makris, N., Konstantinidis, D. (2003), Earthq. Eng. Struct. Dyn. 32(2), 265-289, doi:10.1002/eqe.223.
+
+    Examples
+    --------
+    >>> sine = Record(3.0 * np.sin(2.0 * np.pi * np.arange(0.0, 1.005, 0.01)), dt=0.01, id="one sine")
+    >>> spectrum = rocking_spectrum(sine, p=[1.0, 4.0], alpha=[0.1, 0.4])
+    >>> spectrum["outcome"].values.tolist()
+    [[1, 2], [0, 0]]
+    """
+    import xarray as xr
+
+    rates, angles = np.asarray(p, dtype=float), np.asarray(alpha, dtype=float)
+    grid = [values.ravel() for values in np.meshgrid(angles, rates, indexing="ij")]
+    # The grid is no body of the user's, so no remark on one is logged.
+    block = Block.from_parameters(p=grid[1], alpha=grid[0], restitution=restitution, gravity=gravity, log=False)
+    response = recorded_response(block, record.acceleration, record.dt, scale=scale, vertical=vertical, threads=threads)
+    shape, dims = (angles.size, rates.size), ("alpha_c", "p")
+    restitutions = np.reshape(np.broadcast_to(block.restitution, grid[0].shape), shape)[:, 0]
+    variables = {
+        **{name: ANSWER[name].variable(np.reshape(getattr(response, name), shape), dims) for name in ANSWERED},
+        "restitution": CASE["restitution"].variable(restitutions, ("alpha_c",)),
+    }
+    coords = {"alpha_c": BLOCK["alpha_c"].variable(angles, ("alpha_c",)), "p": BLOCK["p"].variable(rates, ("p",))}
+    spectrum = xr.Dataset(variables, coords)
+    spectrum.attrs.update(record=record.id, scale=float(scale), gravity=float(gravity))
+    return spectrum

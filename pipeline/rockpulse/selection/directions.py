@@ -1,0 +1,273 @@
+"""The motions that are assessed: channels as recorded, or pairs of them rotated.
+
+.. note:: What is assessed follows from what the records say of themselves (:func:`plan_motions`); their samples are
+   asked for when that is carried out (:func:`conditioned_motions`). So thousands of records are planned without them.
+   Motions that are hardly earthquakes decide nothing until they are confirmed.
+"""
+
+from __future__ import annotations
+
+import logging
+import math
+from collections import defaultdict
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from itertools import count
+from typing import Any
+
+from rockpulse.config.configuration import Config
+from rockpulse.errors import Failure, RecordRefused, RockpulseError
+from rockpulse.readers.kit.channel import CREDIBLE_PEAK_G, odd_peak
+from rockpulse.record.components import Neighbours, Pair, find_pairs, matching_vertical, select_horizontal
+from rockpulse.record.conditioning import condition
+from rockpulse.record.record import STANDARD_GRAVITY, Record, id_matches
+from rockpulse.record.rotation import condition_pair, pair_id, rotate, rotated_id, strongest_azimuth
+from rockpulse.remark import Remark
+
+logger = logging.getLogger("rockpulse")
+
+#: No larger peak counts before it is confirmed [m/s2].
+LARGEST = CREDIBLE_PEAK_G[1] * STANDARD_GRAVITY
+
+#: A channel that faces the direction asked for within this stands for it without a partner [degrees].
+FACING_WITHIN = 1.0
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class PlannedMotion:
+    """A channel, or a pair of channels to be rotated, and the vertical channel that acts with it."""
+
+    name: str  # id of the channel, or name of the pair; no two are the same
+    channels: tuple[Record, ...]  # one, or the two of a pair, as read
+    vertical: Record | None = None  # as read
+    partner: Record | None = None  # as read: the other channel of its pair, whose strength counts beside its own
+    remarks: tuple[str, ...] = ()  # warnings for every motion that comes of it
+    copy: int = 1  # number, from 1, among the pairs whose rotated records would have one id
+
+    @property
+    def rotated(self) -> bool:
+        """Whether it is a pair."""
+        return len(self.channels) > 1
+
+    def direction_id(self, azimuth: float) -> str:
+        """Id of the pair's motion in one direction [degrees]."""
+        name = rotated_id(self.channels[0], azimuth)
+        return name if self.copy == 1 else f"{name}~{self.copy}"
+
+
+@dataclass(frozen=True, eq=False)
+class Motion:
+    """A horizontal motion that is worked on."""
+
+    record: Record  # a channel or a rotated pair, conditioned
+    vertical: Record | None = None  # the vertical channel that acts too, conditioned
+    channels: tuple[Record, ...] = ()  # that it is made of, conditioned
+    partner: Record | None = None  # the other channel of its pair, conditioned
+
+    @property
+    def pair(self) -> tuple[Record, ...]:
+        """The channels whose strengths are those of this shaking: the two of a pair, or the one that is known."""
+        return self.channels if self.partner is None else (*self.channels, self.partner)
+
+
+class VerticalRefused(RecordRefused):
+    """The vertical channel that acts with a motion cannot be conditioned."""
+
+
+def plan_motions(records: Sequence[Record], config: Config) -> tuple[list[PlannedMotion], list[Failure]]:
+    """The channels and pairs to work on, as section [records] asks for them, in the order of the (first) channels.
+
+    Of the samples nothing but their number is asked. With them comes a row for each channel that is no horizontal one,
+    or has no partner where pairs are asked for. One within :data:`FACING_WITHIN` of the azimuth asked for, or against
+    it, needs none. Where the site has a demand, a channel gets its partner: a pair is brought to it as one.
+    """
+    horizontal, failures = select_horizontal(records, config.records.structural)
+    if config.records.components == "horizontal":
+        planned = [PlannedMotion(record.id, (record,)) for record in horizontal]
+    else:
+        pairs, alone = find_pairs(horizontal)
+        paired = {id(channel) for pair in pairs for channel in pair.channels}
+        lone = [record for record in horizontal if id(record) not in paired]
+        facing = [_facing(record, config.records.azimuth) for record in lone]
+        failures += [row for row, one in zip(alone, facing, strict=True) if one is None]
+        names = _copies([pair_id(pair) for pair in pairs])
+        rotated = _copies([rotated_id(pair.first, 0.0) for pair in pairs])
+        planned = [
+            PlannedMotion(f"{name}~{number}" if number > 1 else name, pair.channels, copy=copy)
+            for pair, (name, number), (_, copy) in zip(pairs, names, rotated, strict=True)
+        ]
+        place = {id(record): number for number, record in enumerate(horizontal)}
+        planned += [one for one in facing if one is not None]
+        planned.sort(key=lambda one: place[id(one.channels[0])])
+    if config.demands:
+        planned = _with_partners(planned, horizontal)
+    if not config.records.include_vertical:
+        return planned, failures
+    verticals = Neighbours([record for record in records if record.orientation == "vertical"])
+    return [_with_vertical(one, verticals) for one in planned], failures
+
+
+def conditioned_motions(planned: PlannedMotion, config: Config) -> list[Motion]:
+    """The conditioned motions to work on: the channel, or the pair in every direction that is asked for.
+
+    VerticalRefused where the vertical channel cannot be conditioned, another RockpulseError for every other one.
+    """
+    up = _conditioned_vertical(planned, config)
+    if not planned.rotated:  # with the remarks first: conditioning adds its own behind them
+        remarks, partner = planned.remarks, None
+        if planned.partner is not None:
+            try:
+                partner = condition(planned.partner, **config.conditioning)
+            except RockpulseError as error:
+                reason = f"the other channel, {planned.partner.id}, fails: {error}"
+                remarks = (*remarks, Remark("scaled_alone", reason=reason))
+        conditioned = condition(_remarked(planned.channels[0], remarks), **config.conditioning)
+        return [Motion(conditioned, up, (conditioned,), partner)]
+    pair = condition_pair(Pair(*planned.channels), **config.conditioning)
+    azimuths = DIRECTIONS[config.records.components](pair, config)
+    turned = [replace(rotate(pair, azimuth), id=planned.direction_id(azimuth)) for azimuth in azimuths]
+    return [Motion(_remarked(record, planned.remarks), up, pair.channels) for record in turned]
+
+
+def _conditioned_vertical(planned: PlannedMotion, config: Config) -> Record | None:
+    if planned.vertical is None:
+        return None
+    try:
+        return condition(planned.vertical, **config.conditioning)
+    except RockpulseError as error:
+        raise VerticalRefused(
+            f"the vertical channel {planned.vertical.id} of {planned.name} cannot be conditioned: {error}. "
+            "Correct its file or section [conditioning], or leave vertical motion out: include_vertical = false under "
+            "[records]"
+        ) from error
+
+
+def _remarked(record: Record, remarks: Iterable[str]) -> Record:
+    return replace(record, warnings=(*record.warnings, *remarks))
+
+
+def planned_ids(planned: PlannedMotion, config: Config) -> list[str]:
+    """Ids of the motions that come of a plan; none for the strongest direction, which only the samples tell."""
+    if not planned.rotated:
+        return [planned.name]
+    if config.records.components == "strongest":
+        return []
+    return [planned.direction_id(azimuth) for azimuth in DIRECTIONS[config.records.components](None, config)]
+
+
+def swept_directions(planned: Iterable[PlannedMotion], config: Config) -> dict[str, list[str]] | None:
+    """Name of each pair of a sweep over direction, and the ids of its motions; None where there is no sweep."""
+    return {one.name: planned_ids(one, config) for one in planned} if config.records.components == "sweep" else None
+
+
+def _facing(record: Record, azimuth: float | None) -> PlannedMotion | None:
+    """A channel without a partner that faces the direction asked for, or its opposite; else None."""
+    if azimuth is None or not abs(math.remainder(record.azimuth - azimuth, 180.0)) <= FACING_WITHIN:
+        return None
+    against = abs(math.remainder(record.azimuth - azimuth, 360.0)) > FACING_WITHIN
+    mirrored = ", the mirror image, which is the same for a body that rocks to both sides" if against else ""
+    remark = f"no pair: as recorded, at {record.azimuth:g} degrees, for the azimuth {azimuth:g}{mirrored}"
+    return PlannedMotion(record.id, (record,), remarks=(remark,))
+
+
+def _with_partners(planned: Iterable[PlannedMotion], horizontal: Sequence[Record]) -> list[PlannedMotion]:
+    """Channels with the other one of their pair, or with a remark that there is none; pairs as they are."""
+    partner = {
+        id(one): other for pair in find_pairs(horizontal)[0] for one, other in (pair.channels, pair.channels[::-1])
+    }
+    alone = Remark("scaled_alone", reason="no other horizontal channel is known to go with it")
+
+    def partnered(one: PlannedMotion) -> PlannedMotion:
+        other = partner.get(id(one.channels[0]))
+        return replace(one, partner=other, remarks=one.remarks if other is not None else (*one.remarks, alone))
+
+    return [one if one.rotated else partnered(one) for one in planned]
+
+
+def _with_vertical(planned: PlannedMotion, verticals: Neighbours) -> PlannedMotion:
+    found = (matching_vertical(channel, verticals.of(channel)) for channel in planned.channels)
+    vertical = next((one for one in found if one is not None), None)
+    if vertical is None:
+        return replace(planned, remarks=(*planned.remarks, Remark("vertical_missing")))
+    remarks = planned.remarks
+    if vertical.start_time is None and vertical.source not in [channel.source for channel in planned.channels]:
+        remarks = (*remarks, Remark("vertical_start_assumed"))
+    return replace(planned, vertical=vertical, remarks=remarks)
+
+
+def sweep_azimuths(step: float) -> list[float]:
+    """Directions from 0 up to 180 degrees, of which `step` is a whole part; against one is the mirror image of it."""
+    count = round(180.0 / step)
+    return [180.0 * number / count for number in range(count)]
+
+
+#: The directions in which a conditioned pair is assessed, by the word of ``[records] components``; only the strongest
+#: one cannot be told without the pair.
+DIRECTIONS: dict[str, Callable[[Any, Config], list[Any]]] = {
+    "azimuth": lambda pair, config: [config.records.azimuth],
+    "strongest": lambda pair, config: [strongest_azimuth(pair, **config.half_waves)[0]],
+    "sweep": lambda pair, config: sweep_azimuths(config.records.azimuth_step),
+}
+
+
+def _copies(names: Iterable[str]) -> list[tuple[str, int]]:
+    """Each name, and which of those that are the same it is, from 1."""
+    seen: dict[str, Iterator[int]] = defaultdict(lambda: count(1))
+    return [(name, next(seen[name])) for name in names]
+
+
+def unconfirmed(conditioned: Record, confirm: Iterable[str], configured: bool = True) -> str:
+    """Why a channel does not count, and what to do: an unconfirmed peak above 5 g; empty for every other channel.
+
+    Without a configuration (`configured`) the advice names command-line options alone.
+    """
+    if not conditioned.pga > LARGEST or id_matches(conditioned.id, confirm):
+        return ""
+    found = odd_peak(conditioned.pga, conditioned.source_unit, conditioned.unit_factor)
+    return f"{conditioned.id}: {found}. {_advice([conditioned], configured)}"
+
+
+def unconfirmed_peaks(planned: PlannedMotion, motions: Sequence[Motion], config: Config, stage: str) -> list[Failure]:
+    """A row for each channel for which a channel or a pair is left out, its vertical one and its partner among them.
+
+    A horizontal channel that is left out with such a channel has a row of its own, behind them.
+    A pair of which only a rotated motion lies above 5 g is left out as a whole, unless both channels are confirmed.
+    """
+    confirm = config.records.confirm
+    channels, up = motions[0].channels, motions[0].vertical
+    of_pair = f"{planned.name}: " if planned.rotated else ""
+    acting = [(of_pair, one) for one in channels]
+    if up is not None:
+        acting.append((f"{planned.name}: its vertical channel ", up))
+    if motions[0].partner is not None:
+        acting.append((f"{planned.name}: the other channel of its pair ", motions[0].partner))
+    doubted = {id(one): told for _, one in acting if (told := unconfirmed(one, confirm))}
+    causes = [(whose, one) for whose, one in acting if id(one) in doubted]
+    rows = [Failure(one.source, stage, f"{whose}{doubted[id(one)]}", "failed") for whose, one in causes]
+    if causes:
+        cause = causes[0][1]
+        peak = f"whose peak of {cause.pga / STANDARD_GRAVITY:.3g} g nobody has confirmed"
+        rows += [
+            Failure(one.source, stage, f"{of_pair}{one.id}: left out with {cause.id}, {peak}", "failed")
+            for one in channels
+            if id(one) not in doubted
+        ]
+    strongest = max((motion.record for motion in motions), key=lambda record: record.pga)
+    open_to_doubt = [one for one in channels if not id_matches(one.id, confirm)]
+    if planned.rotated and not rows and open_to_doubt and strongest.pga > LARGEST:
+        peak = f"peak {strongest.pga / STANDARD_GRAVITY:.3g} g, turned to {strongest.azimuth:g} degrees"
+        rows = [Failure(strongest.source, stage, f"{planned.name}: {peak}. {_advice(open_to_doubt)}", "failed")]
+    for row in rows:
+        logger.error("%s", row.reason)
+    return rows
+
+
+def _advice(channels: Sequence[Record], configured: bool = True) -> str:
+    options = " ".join(f"--confirm {one.id}" for one in channels)
+    names = ", ".join(f'"{one.id}"' for one in channels)
+    units = "--units, units under [records] or [[records.file]], or the file" if configured else "--units, or the file"
+    confirm = f"{options}, or confirm = [{names}] under [records]" if configured else options
+    return (
+        f"A peak above {CREDIBLE_PEAK_G[1]:g} g after conditioning does not count before it is confirmed: correct the "
+        f"unit ({units}), or, if it is right, give {confirm}"
+    )

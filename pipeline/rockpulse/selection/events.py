@@ -1,0 +1,333 @@
+"""Records of one earthquake, which are left out together, and resampled together, in every statistic.
+
+.. note:: Channels of one earthquake are no independent observations. Agencies name events in their own words or not at
+   all, and their clocks differ by minutes, so records are joined by the number and the time of the earthquake where
+   the files state them, else by name and by time; a table of the user's own decides where that is not right. In doubt
+   records are joined: fewer events mean wider intervals, never narrower ones. So records that state neither an
+   earthquake nor a time count as one earthquake.
+"""
+
+from __future__ import annotations
+
+import re
+from collections import Counter, defaultdict
+from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
+from datetime import datetime, timedelta
+from itertools import chain, combinations, pairwise
+
+from rockpulse.config.configuration import Config
+from rockpulse.errors import ConfigError, Failure, some, unread
+from rockpulse.record.record import Record
+from rockpulse.selection.tables import given_table, read_event_table
+
+#: Records that start within this of one another are of one earthquake [s]; so are those of one name, unless their times
+#: are known to lie further apart.
+JOINED_WITHIN_S = 600.0
+
+#: Earthquakes whose stated origin times lie within this are one [s], if their stated magnitudes, of whatever scale, do
+#: not differ by more than that; those further apart than `JOINED_WITHIN_S` are two, unless further records join them.
+SAME_ORIGIN_S = 60.0
+SAME_MAGNITUDE = 1.0
+
+#: A clock may be off by its time zone, never by more than this [s].
+CLOCK_S = 86400.0
+
+_GENERIC = (
+    "EARTHQUAKE EQ EVENT MAINSHOCK MAIN SHOCK RECORD RCRD RECORDED OF THE UNKNOWN UNNAMED NONE NA NULL MAG MAGNITUDE "
+    "MW ML MS MB MD MC MA ME JAN FEB MAR APR MAY JUN JUL AUG SEP OCT NOV DEC JANUARY FEBRUARY MARCH APRIL JUNE JULY "
+    "AUGUST SEPTEMBER OCTOBER NOVEMBER DECEMBER MON TUE WED THU FRI SAT SUN GMT UTC UT PST PDT MST MDT CST CDT EST "
+    "EDT HST AKST AKDT JST NZST NZDT AVOL CA"
+)
+
+#: Words of event titles that name no earthquake.
+GENERIC = frozenset(_GENERIC.split())
+
+#: Dates with their year at the end or the start: 10/15/1979, 01/16/95, 2010-02-27.
+_DATE = re.compile(
+    r"\b\d{1,2}[/.-]\d{1,2}[/.-](\d{4})\b|\b\d{1,2}[/-]\d{1,2}[/-](\d\d)\b|\b(\d{4})[/.-]\d{1,2}[/.-]\d{1,2}\b"
+)
+_YEAR = re.compile(r"\b((?:19|20)\d\d)\b")
+
+#: Two-digit years from this on are of the twentieth century.
+_CENTURY = 30
+
+#: The number of an earthquake in its sequence, as NGA writes it: Imperial Valley-06.
+_NUMBER = re.compile(r"[A-Za-z]-(\d\d)\b")
+
+
+def pairs_of_one_event(records: Sequence[Record], free: Sequence[int]) -> Iterator[tuple[int, int]]:
+    """Pairs of records of one earthquake, enough of them to connect each group."""
+    for members in _grouped(free, lambda index: records[index].source or None):
+        yield from pairwise(members)
+    timed = [(moment, index) for index in free if (moment := moment_of(records[index])) is not None]
+    yield from _near(records, timed, JOINED_WITHIN_S, _may_be_one)
+    told = [(origin, index) for index in free if (origin := records[index].origin_time) is not None]
+    yield from _near(records, told, SAME_ORIGIN_S, _alike)
+    for members in _grouped(
+        free, lambda index: (records[index].format, event) if (event := records[index].event_id) else None
+    ):
+        groups = _grouped(members, lambda index: (records[index].origin_time,))  # all that `_may_be_one` asks for
+        yield from chain.from_iterable(map(pairwise, groups))
+        for one, other in combinations(_ends(groups), 2):
+            if _may_be_one(records[one], records[other]):
+                yield one, other
+    for members in _grouped(free, lambda index: name_of(records[index].event) or None):
+        yield from _of_one_name(records, members)
+
+
+def _grouped(members: Iterable[int], key: Callable[[int], Hashable]) -> list[list[int]]:
+    """The members in groups of one key; those whose key is None are left out."""
+    groups: dict[Hashable, list[int]] = defaultdict(list)
+    for index in members:
+        if (found := key(index)) is not None:
+            groups[found].append(index)
+    return list(groups.values())
+
+
+def _near(
+    records: Sequence[Record],
+    timed: Iterable[tuple[datetime, int]],
+    within: float,
+    agree: Callable[[Record, Record], bool],
+) -> Iterator[tuple[int, int]]:
+    """Pairs of records that agree, whose moments lie within so many seconds, enough of them to connect each group."""
+    # Records of one origin and magnitude agree with the same others: the latest one of each stands for them.
+    last: dict[Hashable, tuple[datetime, int]] = {}
+    for moment, index in sorted(timed):
+        last = {key: one for key, one in last.items() if (moment - one[0]).total_seconds() <= within}
+        for _, other in last.values():
+            if agree(records[other], records[index]):
+                yield other, index
+        last[records[index].origin_time, repr(records[index].magnitude)] = (moment, index)
+
+
+def _of_one_name(records: Sequence[Record], members: Iterable[int]) -> Iterator[tuple[int, int]]:
+    """Pairs of records of one name that agree, enough of them to connect each group."""
+    groups = _by_day(records, members)
+    yield from chain.from_iterable(map(pairwise, groups))
+    for one, other in _that_may_agree(records, _ends(groups)):
+        if _agree(records[one], records[other]):
+            yield one, other
+
+
+def _ends(groups: Iterable[Sequence[int]]) -> list[int]:
+    """The first and the last record of each group, with which others agree if they do with any of the group."""
+    return [index for same in groups for index in dict.fromkeys((same[0], same[-1]))]
+
+
+def _that_may_agree(records: Sequence[Record], ends: Sequence[int]) -> Iterator[tuple[int, int]]:
+    """All pairs of records of one name that `_agree` may join, and few others: a name may have thousands of shocks."""
+    timed = sorted((moment, index) for index in ends if (moment := moment_of(records[index])) is not None)
+    first = 0
+    for place, (moment, index) in enumerate(timed):
+        while (moment - timed[first][0]).total_seconds() > CLOCK_S:
+            first += 1
+        yield from ((other, index) for _, other in timed[first:place])
+    marks = {index: (set(_NUMBER.findall(records[index].event)), _years(records[index])) for index in ends}
+    of_number: dict[str, list[int]] = defaultdict(list)
+    # By the year, None for none: of all records, and of those without a number. Where one of two has no time, numbers
+    # and years decide: those of both share one, or one has none.
+    of_year: dict[bool, dict[int | None, list[int]]] = {False: defaultdict(list), True: defaultdict(list)}
+    for index, (numbers, years) in marks.items():
+        for number in numbers:
+            of_number[number].append(index)
+        for year in years or [None]:
+            of_year[False][year].append(index)
+            if not numbers:
+                of_year[True][year].append(index)
+    for index, (numbers, years) in marks.items():
+        if moment_of(records[index]) is None:
+            among = of_year[bool(numbers)]
+            near = [of_number[number] for number in numbers]
+            near += [among.get(year, []) for year in (*years, None)] if years else among.values()
+            yield from ((other, index) for other in dict.fromkeys(chain.from_iterable(near)) if other != index)
+
+
+def _by_day(records: Sequence[Record], members: Iterable[int]) -> list[list[int]]:
+    """Groups of one title and origin time, `CLOCK_S` long at most: `_agree` holds between their records."""
+    groups: dict[Hashable, list[tuple[datetime | None, int]]] = defaultdict(list)
+    for index in members:
+        record, moment = records[index], moment_of(records[index])
+        groups[record.event.strip(), record.origin_time, moment is None].append((moment, index))
+    runs: list[list[int]] = []
+    for group in groups.values():
+        first: datetime | None = None
+        for place, (moment, index) in enumerate(sorted(group)):
+            if not place or (first and moment and (moment - first).total_seconds() > CLOCK_S):
+                first = moment
+                runs.append([])
+            runs[-1].append(index)
+    return runs
+
+
+def moment_of(record: Record) -> datetime | None:
+    """The time that tells the earthquake of a record: its start, else the origin time that its file states."""
+    return record.start_time or record.origin_time
+
+
+def _may_be_one(one: Record, other: Record) -> bool:
+    """Whether the origin times that two files state, if they do, may be those of one earthquake."""
+    if one.origin_time is None or other.origin_time is None:
+        return True
+    return abs((one.origin_time - other.origin_time).total_seconds()) <= JOINED_WITHIN_S
+
+
+def _alike(one: Record, other: Record) -> bool:
+    """Whether the magnitudes that two files state, if they do, may be those of one earthquake."""
+    return not abs(one.magnitude - other.magnitude) > SAME_MAGNITUDE
+
+
+def _agree(one: Record, other: Record) -> bool:
+    """Whether nothing says that two records with the same name are of different earthquakes."""
+    if not _may_be_one(one, other):
+        return False
+    first, second = moment_of(one), moment_of(other)
+    if first is not None and second is not None:
+        return abs((first - second).total_seconds()) <= CLOCK_S
+    numbers = [set(_NUMBER.findall(record.event)) for record in (one, other)]
+    years = [_years(record) for record in (one, other)]
+    return all(not mine or not theirs or bool(mine & theirs) for mine, theirs in (numbers, years))
+
+
+def _years(record: Record) -> set[int]:
+    """The years that a title or, where it names none, the clock tells; near New Year a clock tells two."""
+    found = ["".join(years) for years in _DATE.findall(record.event)] or _YEAR.findall(record.event)
+    moment = moment_of(record)
+    if not found and moment is not None:
+        slack = timedelta(seconds=CLOCK_S)
+        return {(moment - slack).year, (moment + slack).year}
+    return {int(text) + (0 if len(text) == 4 else 1900 if int(text) >= _CENTURY else 2000) for text in found}
+
+
+def names_earthquake(title: str) -> bool:
+    """Whether a title has a word that names an earthquake, beside dates, numbers and general words."""
+    return bool(words_of(title))
+
+
+def words_of(title: str) -> frozenset[str]:
+    """The words of a title that may name an earthquake, in capitals."""
+    return frozenset(re.findall(r"[^\W\d_]{2,}", title.upper())) - GENERIC
+
+
+def name_of(title: str) -> frozenset[str] | str:
+    """The words that titles of one earthquake have in common or, without any, the title if it holds a number."""
+    return words_of(title) or (title.strip() if any(character.isdigit() for character in title) else "")
+
+
+#: Label of all records together of which neither the files nor the user's table tell the earthquake.
+UNKNOWN = "unknown: neither name nor time stated, counted as one"
+
+
+def group_events(records: Sequence[Record], named: Mapping[str, str] | None = None) -> list[str]:
+    """The earthquake of every record, as a label that records of one earthquake share.
+
+    `named` are labels by record id in place of what the files say. Records that are not in it are grouped among
+    themselves; those whose group has the same label belong to it. A label is the user's, else the title that most of
+    the group have, else its earliest start time, else :data:`UNKNOWN`. Of groups with the same title each has its time
+    (or file) behind it.
+    ConfigError where `named` holds an id that no record has, or an empty label.
+
+    Two records are joined when
+
+    - they come from one file;
+    - their files, of one format, state the same `event_id`;
+    - their files state origin times within a minute of each other, and no magnitudes that differ by more than 1;
+    - they start within :data:`JOINED_WITHIN_S` of each other; where the start of a record is not known, the origin time
+      that its file states stands for it;
+    - their titles have the same words once dates, numbers and general words are taken out, unless their times lie more
+      than a day apart, their titles name other years, or other numbers in a sequence ("Imperial Valley-02", "-06").
+
+    Only records of one file are joined where the stated origin times lie more than :data:`JOINED_WITHIN_S` apart:
+    shocks of one sequence share a name, and often an hour. Different ids keep nothing apart, since agencies, and the
+    versions of one catalogue, number one earthquake differently. Joining is transitive, and so two shocks may be joined
+    after all: by a title that tells less, as "Imperial Valley" does, or by a record of their name that states no origin
+    time. The table of events keeps them apart. Records that state neither a title nor a time, as plain columns do, may
+    all be of one earthquake, and are counted so.
+    """
+    named = dict(named or {})
+    ids = [record.id for record in records]
+    if unknown := sorted(set(named) - set(ids)):
+        raise ConfigError(
+            f"[records] events: no record has the id {some(unknown, 5)}; expected ids of channels as they were "
+            f"read, such as {some(ids, 3)}"
+        )
+    if empty := sorted(name for name, label in named.items() if not label.strip()):
+        raise ConfigError(f"events: expected a label for {', '.join(empty[:5])}, got an empty one")
+    free = [index for index, record in enumerate(records) if record.id not in named]
+    parent = {index: index for index in free}
+
+    def root(index: int) -> int:
+        while parent[index] != index:
+            parent[index] = parent[parent[index]]
+            index = parent[index]
+        return index
+
+    for one, other in pairs_of_one_event(records, free):
+        first, second = sorted((root(one), root(other)))
+        parent[second] = first
+    groups: dict[int, list[int]] = defaultdict(list)
+    for index in free:
+        groups[root(index)].append(index)
+    told = {top: [records[index] for index in members] for top, members in groups.items()}
+    known = {top: of for top, of in told.items() if any(name_of(one.event) or moment_of(one) for one in of)}
+    titles = dict.fromkeys(told, UNKNOWN) | _distinct(known)
+    return [named[record.id] if record.id in named else titles[root(index)] for index, record in enumerate(records)]
+
+
+def event_table(config: Config) -> dict[str, str]:
+    """The user's own table of events, ``[records] events``: event by record id; empty where there is none.
+
+    Raises ConfigError for a file that is not there, or no such table; OSError where it cannot be opened.
+    """
+    where, given = "[records] events", config.records.events
+    return {} if given is None else read_event_table(given_table(given, config, where, "record, event"))
+
+
+def events_by_id(
+    records: Sequence[Record], named: Mapping[str, str], failures: Iterable[Failure] = ()
+) -> tuple[dict[str, str], list[Failure]]:
+    """The earthquake that every record is counted to, the same in every verb: label by record id.
+
+    With it comes a row where the table `named` names records that may be those of files that could not be read, by the
+    failures of reading. Where every file was read, ConfigError as by :func:`group_events`.
+    """
+    ids = [record.id for record in records]
+    unknown = sorted(set(named) - set(ids)) if unread(failures) else []
+    labels = group_events(records, {name: label for name, label in named.items() if name not in unknown})
+    found = dict(zip(ids, labels, strict=True))
+    if not unknown:
+        return found, []
+    reason = (
+        f"[records] events names records that were not read: {some(unknown, 5)}; the records read are such as "
+        f"{some(ids, 3)}: if these are no records of the files that failed, correct the names"
+    )
+    return found, [Failure("[records] events", "events", reason, "failed")]
+
+
+def _distinct(groups: Mapping[int, Sequence[Record]]) -> dict[int, str]:
+    """A label for each group, no two the same."""
+    labels = {top: _title(members) or _time_or_file(members) for top, members in groups.items()}
+    often = {label for label, count in Counter(labels.values()).items() if count > 1}
+    taken: set[str] = set()
+    for top in sorted(labels, key=lambda top: (_time_or_file(groups[top]), min(record.id for record in groups[top]))):
+        label = labels[top]
+        if label in often:
+            label = f"{label} ({_time_or_file(groups[top])})"
+        plain, number = label, 2
+        while label in taken:
+            label, number = f"{plain} ~{number}", number + 1
+        taken.add(label)
+        labels[top] = label
+    return labels
+
+
+def _title(members: Sequence[Record]) -> str:
+    """The title that most records have, the first in the alphabet of several; titles with words come first."""
+    counts = Counter(record.event.strip() for record in members if name_of(record.event))
+    return min(counts, key=lambda title: (not words_of(title), -counts[title], title), default="")
+
+
+def _time_or_file(members: Sequence[Record]) -> str:
+    starts = [record.start_time for record in members if record.start_time is not None]
+    starts = starts or [record.origin_time for record in members if record.origin_time is not None]
+    return f"{min(starts):%Y-%m-%d %H:%M}" if starts else min(record.source or record.id for record in members)

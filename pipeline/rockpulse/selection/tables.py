@@ -1,0 +1,182 @@
+"""The user's own tables of a site: which records are of one event, which were chosen, and what each weighs."""
+
+from __future__ import annotations
+
+import csv
+import io
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from rockpulse.config.configuration import Config, located
+from rockpulse.errors import ConfigError
+from rockpulse.files import read_text
+
+
+def read_event_table(path: Path) -> dict[str, str]:
+    """Event of each channel from a CSV table with the columns record, event; further columns are passed over.
+
+    Raises ConfigError for a table without these columns, an empty cell, or a record that is in it twice; OSError where
+    the file cannot be opened.
+    """
+    return _read(path, "event", "[records] events")
+
+
+def read_weight_table(path: Path) -> dict[str, float]:
+    """Weight of each record from a CSV table with the columns record, weight; further columns are passed over.
+
+    Raises as :func:`read_event_table`, and for a weight that is no finite number from 0 up.
+    """
+    weights = {}
+    for record, text in _read(path, "weight", "[calibration] weights").items():
+        weight = _number(text)
+        if not weight >= 0.0:
+            raise ConfigError(
+                f"[calibration] weights: {path}: record {record}: expected a number from 0 up, found {text!r}"
+            )
+        weights[record] = weight
+    return weights
+
+
+def record_weights(ids: Sequence[str], events: Sequence[str], rule: str, table: dict[str, float] | None) -> np.ndarray:
+    """Weight (n,) of every record, of mean one.
+
+    By the rule "equal" every record weighs the same, by "event" every event, shared by its records; any other rule is
+    the name of the table of weights by id. ConfigError for a record that is not in it, or weights that are all zero.
+    """
+    if rule == "equal":
+        weights = np.ones(len(ids))
+    elif rule == "event":
+        weights = np.array([1.0 / list(events).count(event) for event in events])
+    else:
+        table = table or {}
+        if missing := [name for name in ids if name not in table]:
+            raise ConfigError(
+                f"[calibration] weights: {rule} has no weight for {len(missing)} of {len(ids)} records: "
+                f"{', '.join(missing[:5])}; give every record one, 0 to leave it out"
+            )
+        weights = np.array([table[name] for name in ids])
+        if not np.any(weights > 0.0):
+            raise ConfigError(f"[calibration] weights: {rule}: the weights of all records are 0")
+        weights = weights / weights.max()  # the sum of huge weights is no number
+    return np.asarray(weights / weights.mean()) if weights.size else weights
+
+
+@dataclass(frozen=True)
+class Selection:
+    """Records chosen elsewhere, each at one or several levels."""
+
+    by_factor: bool  # whether amounts are factors on the record, or levels of a measure
+    rows: dict[str, tuple[tuple[float, float], ...]]  # by the id of the record its rows, each an amount and a weight
+
+    @property
+    def most(self) -> int:
+        """Rows of the record that has most of them."""
+        return max(map(len, self.rows.values()))
+
+
+def read_selection_table(path: Path) -> Selection:
+    """Records chosen elsewhere, from a CSV table with the columns record, factor or level, and perhaps weight.
+
+    A record may stand in several rows. Further columns are passed over; without a column weight all rows weigh alike.
+
+    Raises ConfigError for a table without these columns, or with both factor and level, for an empty cell, a number
+    that is not above 0, and rows that are alike; OSError where the file cannot be opened.
+    """
+    where = "[fragility] selection"
+    header, lines = _rows(path, ("record",), where)
+    kinds = [name for name in ("factor", "level") if name in header]
+    if len(kinds) != 1:
+        raise ConfigError(
+            f"{where}: {path}: expected one of the columns factor and level, found {' and '.join(kinds) or 'neither'} "
+            f"among {', '.join(header)}"
+        )
+    found: dict[str, list[tuple[float, float]]] = {}
+    for line, cells in lines:
+        values = []
+        for name in (kinds[0], *(("weight",) if "weight" in header else ())):
+            text = cells.get(name, "")
+            value = _number(text)
+            if not value > 0.0:
+                raise ConfigError(f"{where}: {path}: row {line}: {name}: expected a number above 0, found {text!r}")
+            values.append(value)
+        record = cells.get("record", "")
+        if not record:
+            raise ConfigError(f"{where}: {path}: row {line}: expected the id of a record, found an empty cell")
+        own = found.setdefault(record, [])
+        if any(amount == values[0] for amount, _ in own):
+            raise ConfigError(f"{where}: {path}: row {line}: {record} has a row of {kinds[0]} {values[0]:g} already")
+        own.append((values[0], values[1] if len(values) > 1 else 1.0))
+    if not found:
+        raise ConfigError(f"{where}: {path}: expected a row for each record that was chosen, found none")
+    return Selection(kinds[0] == "factor", {record: tuple(sorted(own)) for record, own in found.items()})
+
+
+def selection_of(config: Config) -> Selection | None:
+    """The records of ``[fragility] selection``; None without.
+
+    Raises ConfigError for a file that is not there, or no such table; OSError where it cannot be opened.
+    """
+    given, columns = config.fragility.selection, "record, factor or level, and perhaps weight"
+    return None if given is None else read_selection_table(given_table(given, config, "[fragility] selection", columns))
+
+
+def given_table(given: str, config: Config, where: str, columns: str) -> Path:
+    """The file of a table that the configuration names; a ConfigError where there is none."""
+    path = located(given, config.folder)
+    if not path.exists():
+        raise ConfigError(f"{where}: {path}: no such file; expected a CSV table with the columns {columns}")
+    return path
+
+
+def _number(text: str) -> float:
+    """The finite number that a text is, else NaN."""
+    try:
+        value = float(text)
+    except ValueError:
+        return math.nan
+    return value if math.isfinite(value) else math.nan
+
+
+def _read(path: Path, column: str, where: str) -> dict[str, str]:
+    found: dict[str, str] = {}
+    for line, cells in _rows(path, ("record", column), where)[1]:
+        name, value = cells.get("record", ""), cells.get(column, "")
+        if not name or not value:
+            raise ConfigError(f"{where}: {path}: row {line}: expected a record and its {column}, found an empty cell")
+        if name in found:
+            raise ConfigError(f"{where}: {path}: row {line}: more than one row for {name}")
+        found[name] = value
+    return found
+
+
+def _rows(path: Path, columns: Sequence[str], where: str) -> tuple[list[str], list[tuple[int, dict[str, str]]]]:
+    """The header of a CSV table that has some columns, and its rows by their lines."""
+    named = ", ".join(columns)
+    expected = f"a CSV table with the columns {named}"
+    text = read_text(path, what=expected)
+    try:
+        reader = csv.reader(io.StringIO(text, newline=""), skipinitialspace=True, strict=True)
+        rows = [(reader.line_num, [cell.strip() for cell in row]) for row in reader if any(map(str.strip, row))]
+    except csv.Error as error:
+        raise ConfigError(f"{where}: {path}: expected {expected}: {error}") from None
+    if not rows:
+        raise ConfigError(f"{where}: {path}: expected {expected}; it is empty")
+    header = rows[0][1]
+    if missing := [name for name in columns if name not in header]:
+        raise ConfigError(
+            f"{where}: {path}: expected the columns {named}; "
+            f"no column {' and '.join(missing)} among {', '.join(header)}"
+        )
+    found = []
+    for line, row in rows[1:]:
+        if len(row) > len(header):
+            raise ConfigError(
+                f"{where}: {path}: row {line}: expected the {len(header)} cells of the header, found {len(row)}; "
+                "a comma within a cell needs quotes"
+            )
+        found.append((line, dict(zip(header, row, strict=False))))
+    return header, found

@@ -1,0 +1,280 @@
+"""One shaking, one vote: of several records of one motion, the one that is assessed.
+
+The raw and the processed volume of a record, the sensors at the surface and at depth, two sensors of one station: each
+records the same shaking, which must not count twice in what is said of a set of records.
+
+.. note:: Two records are of one motion if network and station are the same, they have at least half of the shorter one
+   in common in time, and they face the same direction within 5 degrees, opposite senses being one, or are both
+   vertical. Where pairs are rotated, a pair holds the motion in every direction. Without station, start time or
+   direction nothing is of one motion with anything; on a structure only what stands at the same place.
+
+   The choice is among volumes, so that the channels of a pair and their vertical one come from one: the channels that
+   one instrument recorded together, in one file or in files of one folder. Whether a record can be used at all is known
+   when it is read: where the processed volume was refused, the raw one votes.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import Counter, defaultdict
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from operator import attrgetter, itemgetter
+from pathlib import PurePath
+
+from rockpulse.config.settings import RecordSettings
+from rockpulse.errors import ConfigError, Failure, some, unread
+from rockpulse.record.components import concurrent, find_pairs, instrument, place_on_structure, sensor_level, uncovered
+from rockpulse.record.record import Record, id_matches
+from rockpulse.remark import find
+
+#: Azimuths that differ by no more than this, or by as much from 180, are one direction [degrees].
+SAME_DIRECTION = 5.0
+
+_PROCESSED = {True: "a processed volume", None: "one that may be processed", False: "a raw one"}
+
+
+def one_vote_each(
+    records: Sequence[Record],
+    settings: RecordSettings | None = None,
+    failures: Iterable[Failure] = (),
+    advice: str = "[records] keep with this id assesses both",
+) -> tuple[list[Record], list[Failure]]:
+    """The records that are assessed, one of each motion, in the order given; of the samples only their number is asked.
+
+    Volumes vote in this order: at the surface before at depth; those whose horizontal channels can all be used; where
+    ``[records] components`` asks for pairs, those with a pair; where ``include_vertical`` asks for it, those with a
+    vertical channel; processed before perhaps processed before raw; the higher sampling rate; the longer; the first by
+    path. A direction that no other volume has votes in any case. A vertical channel goes with the horizontal ones of
+    its volume. A dead channel, and one whose peak was read as hardly an earthquake's and that ``[records] confirm``
+    does not confirm, make no pair, do not count as a vertical channel, and yield to any other of their motion.
+
+    The others are rows of the kinds "depth", for one recorded deeper than the one that votes, and "duplicate". Records
+    that fit ``[records] keep`` are assessed beside the one that votes. A pattern that fits none is an error, or a row
+    where `failures` tell of files that could not be read, as by :func:`unmatched_patterns`. Each row of a record ends
+    with `advice`, which is empty where no settings can be given.
+    """
+    settings = settings or RecordSettings()
+    rows = unmatched_patterns("[records] keep", settings.keep, [record.id for record in records], failures)
+    sites: dict[tuple[str, ...], list[Record]] = defaultdict(list)
+    for record in records:
+        site = _site(record, settings.structural)
+        if site is not None:
+            sites[site].append(record)
+    outvoted: dict[int, Failure] = {}
+    for members in sites.values():
+        for at_once in _at_once(members):
+            outvoted |= _Poll(at_once, settings, advice).outvoted
+    voting = [record for record in records if id(record) not in outvoted]
+    return voting, [*rows, *(outvoted[id(record)] for record in records if id(record) in outvoted)]
+
+
+def unmatched_patterns(
+    option: str, patterns: Sequence[str], ids: Sequence[str], failures: Iterable[Failure] = ()
+) -> list[Failure]:
+    """A row where patterns of an option fit no id, but by the failures of reading files are missing; else ConfigError.
+
+    The option is named as the user gave it, as "[records] keep".
+    """
+    idle = [pattern for pattern in patterns if not any(id_matches(name, [pattern]) for name in ids)]
+    if not idle:
+        return []
+    reason = f"{option}: no record has an id that fits {', '.join(idle)}; the ids are {some(ids, 3)}"
+    if not unread(failures):
+        raise ConfigError(f"{reason}; correct the pattern or take it out")
+    told = f"{reason}; correct the pattern unless it is meant for one of the files that could not be read"
+    return [Failure(option, "select", told, "failed")]
+
+
+def _site(record: Record, structural: bool) -> tuple[str, ...] | None:
+    """Network, station and, on a structure, the place; None for a record that is of one motion with no other."""
+    if not record.station or record.start_time is None or record.orientation == "unknown":
+        return None
+    if record.orientation != "vertical" and not math.isfinite(record.azimuth):
+        return None
+    if record.orientation != "structural":
+        return record.network, record.station
+    place = place_on_structure(record)
+    return (record.network, record.station, place) if structural and place else None
+
+
+def _at_once(members: Sequence[Record]) -> Iterator[list[Record]]:
+    """The records of a site in stretches between which the station is silent."""
+    stretch: list[Record] = []
+    end = -math.inf
+    timed = [(record.start_time.timestamp(), record) for record in members if record.start_time is not None]
+    for start, record in sorted(timed, key=itemgetter(0)):
+        if start >= end and stretch:
+            yield stretch
+            stretch = []
+        stretch.append(record)
+        end = max(end, start + record.duration)
+    yield stretch
+
+
+@dataclass(frozen=True, eq=False)
+class _Volume:
+    """The channels that one instrument recorded together, no two of one direction."""
+
+    channels: list[Record]
+    confirm: Sequence[str]  # patterns of the ids of channels whose peak is right
+
+    @cached_property
+    def horizontal(self) -> list[Record]:
+        """The channels that are assessed."""
+        return [one for one in self.channels if one.orientation != "vertical"]
+
+    @cached_property
+    def vertical(self) -> list[Record]:
+        """The channels that may act beside them."""
+        return [one for one in self.channels if one.orientation == "vertical"]
+
+    @cached_property
+    def pair(self) -> tuple[Record, ...]:
+        """The two horizontal channels without a fault that can be rotated; empty where there are none."""
+        pairs, _ = find_pairs([one for one in self.horizontal if not _fault(one, self.confirm)])
+        return pairs[0].channels if len(pairs) == 1 else ()
+
+    @property
+    def level(self) -> float:
+        """Depth of the sensor [m], 0 at the surface."""
+        return sensor_level(self.channels[0])
+
+    @property
+    def processed(self) -> bool | None:
+        """State of processing, the same for all channels."""
+        return self.channels[0].processed
+
+    @cached_property
+    def dt(self) -> float:
+        """Longest sampling interval [s], to six digits: some headers state a rate, others an interval."""
+        return float(f"{max(one.dt for one in self.channels):.6g}")
+
+    @cached_property
+    def duration(self) -> float:
+        """Length of the longest channel [s]."""
+        return max(one.duration for one in self.channels)
+
+    def rank(self, settings: RecordSettings) -> tuple[object, ...]:
+        """Key that sorts volumes by their claim to vote."""
+        return (
+            self.level,
+            any(_fault(one, self.confirm) for one in self.horizontal),
+            settings.components != "horizontal" and not self.pair,
+            settings.include_vertical and all(_fault(one, self.confirm) for one in self.vertical),
+            [True, None, False].index(self.processed),
+            self.dt,
+            -self.duration,
+            min((one.source, one.id) for one in self.channels),
+        )
+
+
+class _Poll:
+    """The vote among the records that a site made at one time."""
+
+    def __init__(self, records: Sequence[Record], settings: RecordSettings, advice: str) -> None:
+        self.settings, self.advice = settings, advice
+        self.outvoted: dict[int, Failure] = {}
+        if len(records) == 1:
+            return
+        self.volumes = sorted(_volumes(records, settings.confirm), key=lambda volume: volume.rank(settings))
+        self.voters: list[tuple[Record, _Volume]] = []
+        for yields in (False, True):
+            for volume in self.volumes:
+                for record in volume.horizontal:
+                    if bool(_fault(record, settings.confirm)) is yields:
+                        self._ask(record, volume)
+        # Vertical channels go with the horizontal ones of their volume; of the others one of each motion stays.
+        stays = {id(volume): any(id(one) not in self.outvoted for one in volume.horizontal) for volume in self.volumes}
+        for following in (True, False):
+            for volume in self.volumes:
+                if stays[id(volume)] is following:
+                    for record in volume.vertical:
+                        self._ask(record, volume, following)
+
+    def _ask(self, record: Record, volume: _Volume, following: bool = False) -> None:
+        """Let a record vote, or leave it out for the one that has its vote; `following` says that it was not asked."""
+        rivals = [(one, other) for one, other in self.voters if self._same(record, one, other, volume)]
+        if following or not rivals:
+            self.voters.append((record, volume))
+        elif not id_matches(record.id, self.settings.keep):
+            nearest = next((rival for rival in rivals if _one_direction(record, rival[0])), rivals[0])
+            self.outvoted[id(record)] = self._row(record, volume, *nearest)
+
+    def _same(self, record: Record, voter: Record, elected: _Volume, volume: _Volume) -> bool:
+        """Whether a record and one that votes, each in its volume, are of one motion."""
+        if volume is elected or not concurrent(record, voter):
+            return False
+        if _one_direction(record, voter):
+            return True
+        whole = self.settings.components != "horizontal" and any(voter is one for one in elected.pair)
+        return whole and record.orientation != "vertical" and all(concurrent(record, one) for one in elected.pair)
+
+    def _row(self, record: Record, volume: _Volume, voter: Record, elected: _Volume) -> Failure:
+        deeper = volume.level > elected.level
+        how = "the same motion as" if _one_direction(record, voter) else "held by the pair with"
+        told = f"{record.id}: {how} {voter.id} of {voter.source}, which is assessed in its place: "
+        told += self._why(record, volume, voter, elected)
+        if (bare := uncovered(voter, record)) > 0.5 * record.duration:
+            told += f"; {bare:.0f} of the {record.duration:.0f} s of this one are not in it"
+        told += f"; {self.advice}" if self.advice else ""
+        return Failure(record.source, "select", told, "depth" if deeper else "duplicate")
+
+    def _why(self, record: Record, volume: _Volume, voter: Record, elected: _Volume) -> str:
+        """The rule by which one goes before the other."""
+        confirm = self.settings.confirm
+        if (fault := _fault(record, confirm)) and not _fault(voter, confirm):
+            return fault
+        own, others = volume.rank(self.settings), elected.rank(self.settings)
+        if record.orientation == "vertical" and own < others:
+            return "the horizontal channels of its volume are assessed"
+        place = next(place for place, pair in enumerate(zip(own, others, strict=True)) if pair[0] != pair[1])
+        depth = "at the bottom of a borehole" if math.isinf(volume.level) else f"{volume.level:g} m below the ground"
+        rules = (
+            f"this one was recorded {depth}, the other {'at' if elected.level == 0.0 else 'nearer to'} the surface",
+            "all horizontal channels of its volume can be used, of the volume of this one not all",
+            "its volume holds a pair of horizontal channels that can be used, that of this one does not",
+            "its volume holds a vertical channel that can be used, that of this one does not",
+            f"{_PROCESSED[elected.processed]} goes before {_PROCESSED[volume.processed]}",
+            f"it has a sample every {elected.dt:g} s, this one every {volume.dt:g} s",
+            f"it lasts {elected.duration:.6g} s, this one {volume.duration:.6g} s",
+            "of two alike in processing, rate and length the first by path is",
+        )
+        return rules[place]
+
+
+def _volumes(records: Sequence[Record], confirm: Sequence[str]) -> list[_Volume]:
+    """The volumes of the records of a site; a second channel of one direction begins another."""
+    channels = Counter(record.source for record in records)
+    groups: dict[tuple[object, ...], list[_Volume]] = defaultdict(list)
+    for record in sorted(records, key=attrgetter("start_time", "source", "channel", "id")):
+        # Members of an archive lie in folders of it.
+        folder = str(PurePath(record.source.replace("!", "/")).parent)
+        together = record.source if channels[record.source] > 1 else folder
+        found = groups[*instrument(record), together]
+        for volume in found:
+            if all(concurrent(record, one) and not _one_direction(record, one) for one in volume.channels):
+                volume.channels.append(record)
+                break
+        else:
+            found.append(_Volume([record], confirm))
+    return [volume for found in groups.values() for volume in found]
+
+
+def _one_direction(record: Record, other: Record) -> bool:
+    """Whether two channels of a site are both vertical, or face the same way or opposite ones."""
+    vertical = [one.orientation == "vertical" for one in (record, other)]
+    if any(vertical):
+        return all(vertical)
+    return abs(math.remainder(record.azimuth - other.azimuth, 180.0)) <= SAME_DIRECTION
+
+
+def _fault(record: Record, confirm: Sequence[str]) -> str:
+    """Why a record yields to any other of its motion; an empty text for most."""
+    if find(record.warnings, "dead_channel"):
+        return "this channel is dead"
+    odd = find(record.warnings, "odd_peak")
+    if odd is None or id_matches(record.id, confirm):
+        return ""
+    return f"this one has a peak of {odd.values['peak']:.3g} g, which nobody has confirmed"

@@ -1,0 +1,299 @@
+"""Rocking spectra as maps over p and alpha_c, and overturning spectra as curves over p, with the bodies on them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from rocking.response import Outcome
+from rockpulse.earthquakes import FEWEST_EVENTS, weighted_quantile
+from rockpulse.views.plots import style
+from rockpulse.views.plots.factor_rows import factors_to_demands
+from rockpulse.views.plots.selection import plain_bodies
+from rockpulse.views.plots.style import BLACK, BLUE, FONT, GREY, PALE, RED, SMALL
+from rockpulse.views.shared.terminal import shortened
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.axes import Axes
+
+#: Sizes whose p is marked along the top [m].
+_RADII = (0.2, 0.3, 0.5, 1.0, 2.0, 4.0, 8.0)
+
+#: Blocks that overturn.
+_FALLEN: dict[str, Any] = {"fc": RED, "ec": BLACK, "hatch": "/////", "hatch_linewidth": 0.25}
+
+#: Bodies that are named one by one.
+_NAMED = 12
+
+
+def rocking_spectrum(
+    spectrum: xr.Dataset,
+    ax: Axes | None = None,
+    bodies: Mapping[str, tuple[float, float]] | None = None,
+    note: str = "",
+) -> Axes:
+    """Largest rotation over p and alpha_c: the darker, the further; red and hatched where blocks overturn.
+
+    Parameters
+    ----------
+    spectrum : xarray.Dataset
+        As :func:`rockpulse.rocking_spectrum` returns it.
+    ax : matplotlib Axes, optional
+        Where to draw; by default on a figure of its own.
+    bodies : mapping of str to (float, float), optional
+        p [1/s] and alpha_c [rad] of bodies, by their names.
+    note : str
+        Further words for the small print.
+    """
+    from matplotlib import colormaps
+    from matplotlib.colors import BoundaryNorm
+    from matplotlib.patches import Patch, PathPatch
+    from matplotlib.path import Path
+
+    ax = style.one_axes(ax, height=4.4)
+    outcome = spectrum["outcome"].transpose("alpha_c", "p").values
+    peak = spectrum["peak_rotation_ratio"].transpose("alpha_c", "p").values
+    # Darker is worse, in grey as well, and rest is white. What overturns is hatched, in a colour of no rotation.
+    colours = colormaps["cividis_r"].with_extremes(over=_FALLEN["fc"], bad="white")
+    levels = np.linspace(0.0, 1.0, 11)
+    fallen = outcome == Outcome.OVERTURNS
+    # A rotation of alpha_c and beyond that does not overturn has the darkest colour.
+    rotation = np.minimum(peak, np.nextafter(1.0, 0.0))
+    shown = np.where(fallen, 2.0, np.where(outcome == Outcome.ROCKS, rotation, np.nan))
+    p, alpha = spectrum["p"].values, spectrum["alpha_c"].values
+    mesh = ax.pcolormesh(
+        p, alpha, np.ma.masked_invalid(shown), cmap=colours, norm=BoundaryNorm(levels, colours.N), rasterized=True
+    )
+    if np.any(fallen):
+        corners = np.asarray(mesh.get_coordinates())
+        ways = [(0, 0), (0, 1), (1, 1), (1, 0), (0, 0)]
+        around = np.stack([corners[i : i + len(alpha), j : j + len(p)] for i, j in ways], axis=2)[fallen]
+        cells = Path.make_compound_path(*(Path(cell, closed=True) for cell in around))
+        ax.add_patch(PathPatch(cells, **_FALLEN | {"fc": "none"}, lw=0.0, rasterized=True))
+    ax.grid(visible=False)
+    style.colour_bar(ax, mesh, levels[::2], style.label(spectrum["peak_rotation_ratio"].attrs))
+    handles: list[Any] = []
+    if np.any(fallen):
+        handles.append(Patch(**_FALLEN, lw=0.5, label="overturns"))
+    if np.any(outcome == Outcome.AT_REST):
+        handles.append(Patch(fc="white", ec=BLACK, lw=0.5, label="at rest"))
+    row, column = np.nonzero(outcome == Outcome.UNRESOLVED)
+    if row.size:
+        ax.plot(p[column], alpha[row], ls="none", marker="x", ms=3, color=RED, label="unresolved")
+        handles += ax.get_legend_handles_labels()[0]
+    handles += body_marks(ax, dict(bodies or {}))
+    ax.set_xlim(_edges(p))
+    ax.set_ylim(_edges(alpha))
+    ax.set_xlabel(style.label(spectrum["p"].attrs, symbol="$p$"))
+    ax.set_ylabel(style.label(spectrum["alpha_c"].attrs, symbol=r"$\alpha_c$"))
+    size_scale(ax, float(spectrum.attrs["gravity"]))
+    style.legend_above(ax, 3, across=True, lift=32.0, handles=handles)
+    factor = float(spectrum.attrs["scale"])
+    words = style.plain(spectrum.attrs["record"]) + ("" if factor == 1.0 else f", times {factor:g}")
+    style.title(ax, words, rows=3 - (-len(handles) // 3))
+    c = spectrum["restitution"].values
+    span = f"{c.min():.3f}" if np.ptp(c) == 0.0 else f"{c.min():.3f} to {c.max():.3f}, with $\\alpha_c$ (Housner)"
+    remarks = [f"Nonlinear equation, $C$ = {span}."]
+    remarks += ["Every block stays at rest."] * bool(np.all(outcome == Outcome.AT_REST))
+    remarks += ["Bodies with another $C$ rock differently from the blocks of the map."] * bool(bodies)
+    style.caption(ax, " ".join([*remarks, note]).strip())
+    return ax
+
+
+def body_marks(ax: Axes, bodies: dict[str, tuple[float, float]]) -> list[Any]:
+    """Draw numbers on the map for the bodies, and list their names in the legend."""
+    from matplotlib.lines import Line2D
+
+    handles = []
+    ring: dict[str, Any] = {"ls": "none", "marker": "o", "mfc": "white", "mec": BLACK}
+    for number, (name, (p, alpha)) in enumerate(bodies.items(), start=1):
+        ax.plot(p, alpha, ms=3 if number > _NAMED else 9, mew=0.8, **ring)
+        if number > _NAMED:
+            continue
+        figure: dict[str, Any] = {"marker": rf"$\mathbf{{{number}}}$", "ms": 5, "color": BLACK, "mew": 0.2}
+        ax.plot(p, alpha, ls="none", **figure)
+        handles.append(Line2D([], [], ls="none", **figure, label=style.plain(shortened(name, 24))))
+    if len(bodies) > _NAMED:
+        handles.append(Line2D([], [], ms=3, **ring, label=f"{len(bodies) - _NAMED} more bodies"))
+    return handles
+
+
+def _edges(values: np.ndarray) -> tuple[float, float]:
+    """The outer edges of the cells around the first and the last value."""
+    steps = np.diff(values) if values.size > 1 else 0.1 * values
+    return float(values[0] - 0.5 * steps[0]), float(values[-1] + 0.5 * steps[-1])
+
+
+def size_scale(ax: Axes, gravity: float) -> None:
+    """Draw a scale of R of a rectangle along the top: p^2 = 3 g/(4 R)."""
+
+    def swapped(p: Any) -> np.ndarray:
+        return 0.75 * gravity / np.maximum(np.asarray(p, dtype=float), 1e-6) ** 2
+
+    def back(radius: Any) -> np.ndarray:
+        return np.sqrt(0.75 * gravity / np.maximum(np.asarray(radius, dtype=float), 1e-6))
+
+    low, high = ax.get_xlim()
+    top = ax.secondary_xaxis("top", functions=(swapped, back))
+    shown = [radius for radius in _RADII if low <= float(back(np.array(radius))) <= high]
+    top.set_xticks(shown, [f"{radius:g}" for radius in shown], fontsize=SMALL)
+    top.minorticks_off()
+    top.tick_params(width=0.6, length=3)
+    top.set_xlabel("half the diagonal R of a rectangle [m]", fontsize=FONT)
+
+
+#: Spectra of single records that are drawn.
+_DRAWN = 200
+
+#: Frequency parameters that are written along p [1/s], and the room beside what is drawn, as a ratio of p.
+_TICKS, _ROOM = (0.5, 0.7, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0), 1.6
+
+#: Curves are followed down to this share of the lowest body.
+_DEEPEST = 0.1
+
+
+def overturning_spectra(
+    spectra: xr.Dataset,
+    ax: Axes | None = None,
+    restitution: float | None = None,
+    bodies: Mapping[str, tuple[float, float]] | None = None,
+    events: Sequence[str] | None = None,
+    demands: Mapping[str, np.ndarray] | None = None,
+    gravity: float = 9.80665,
+) -> Axes:
+    """Overturning spectra S(p) at one restitution; a body overturns where S lies above its point.
+
+    Parameters
+    ----------
+    spectra : xarray.Dataset
+        `spectrum`, `spectrum_low`, `spectrum_high` [m/s] over (record, p, restitution), /spectra of a results file, or
+        over (p, restitution) as :func:`rockpulse.overturning_spectrum` returns it.
+    ax : matplotlib Axes, optional
+        Where to draw; by default on a figure of its own.
+    restitution : float, optional
+        C of the blocks [-]; the nearest one of the spectra is drawn. Without, the largest one.
+    bodies : mapping of str to (float, float), optional
+        p [1/s] and alpha_c [rad] of bodies, by their names.
+    events : sequence of str, optional
+        The earthquake of each record; earthquakes weigh alike in the quantiles. Without, the records do.
+    demands : mapping of str to (records,) ndarray, optional
+        Factors on the records that bring each to a demand, by its name: the median spectrum there is drawn as well.
+    gravity : float
+        At the bodies [m/s2].
+    """
+    ax = style.one_axes(ax, height=4.4)
+    several = spectra if "record" in spectra.dims else spectra.expand_dims("record")
+    grid = several["restitution"].values
+    chosen = int(np.argmin(np.abs(grid - (grid[-1] if restitution is None else restitution))))
+    at = several.isel(restitution=chosen).transpose("record", "p", ...)
+    # Stored spectra may have numbers next to the bodies alone.
+    at = at.isel(p=np.flatnonzero(np.isfinite(at["spectrum"].values).any(axis=0)))
+    p, curves = at["p"].values, at["spectrum"].values
+    known = np.flatnonzero(np.all(np.isfinite(curves), axis=1) & (p.size > 0))
+    curves = curves[known]
+    straight, few = 0 < p.size < several.sizes["p"], False
+    if known.size == 1:
+        low, high = (at[name].values[known[0]] for name in ("spectrum_low", "spectrum_high"))
+        ax.fill_between(p, low, high, color=PALE, lw=0, label="90 % interval")
+        ax.plot(p, curves[0], color=BLUE, label="spectrum of the record")
+    elif known.size:
+        record_lines(ax, p, curves)
+        labels = None if events is None else [events[int(place)] for place in known]
+        weights, few = _alike(labels, known.size), labels is not None and len(set(labels)) < FEWEST_EVENTS
+        drawn: list[Any] = [(curves, 0.5, BLUE, "-", "median"), (curves, 0.84, BLUE, "--", "84 %")]
+        for place, (name, factors) in enumerate((demands or {}).items()):
+            scaled = curves * np.asarray(factors, dtype=float)[known, np.newaxis]
+            dashes = ((0, (1.2, 1.2)), (0, (6, 1.5, 1, 1.5)))[place % 2]
+            drawn.append((scaled, 0.5, RED, dashes, f"median at the demand {style.plain(name)}"))
+        for own, level, color, dashes, words in drawn if not few else ():
+            quantile = [weighted_quantile(column, level, weights) for column in own.T]
+            ax.plot(p, quantile, color=color, ls=dashes, lw=1.8, label=words)
+    points = {name: (rate, gravity * np.tan(alpha) / rate) for name, (rate, alpha) in (bodies or {}).items()}
+    rows = spectrum_axes(ax, several["p"], points, gravity, columns=3)
+    names = several["record"].values if "record" in several.coords else [several.attrs.get("record", "")]
+    words = style.plain(names[known[0]]) if known.size == 1 else f"{known.size} records"
+    style.title(ax, f"{words}, $C$ = {grid[chosen]:g}", rows=rows)
+    remarks = ["A body overturns, at its mean capacity, under a record whose curve lies above its point."]
+    remarks += below_the_picture(ax, curves)
+    notes = {
+        "A body with a larger C falls under a higher curve, one with a smaller C under a lower one.": bool(bodies),
+        "No spectrum was stored.": not known.size,
+        "Straight where no body lies: [uncertainty] spectrum = all marches the whole curve.": straight,
+        f"Fewer than {FEWEST_EVENTS} earthquakes have no median.": few,
+        f"{len(names) - known.size} of {len(names)} records have no spectrum.": known.size < len(names),
+    }
+    style.caption(ax, " ".join([*remarks, *(words for words, holds in notes.items() if holds)]))
+    return ax
+
+
+def spectra_of_results(tree: xr.DataTree, spectra: xr.Dataset, restitution: float | None = None) -> Axes:
+    """Draw spectra of an assessment, with its bodies, its earthquakes and what its demands ask of the records.
+
+    Without a `restitution` at the median one: half of the bodies have a larger C than the curve, half a smaller one.
+    """
+    summary = tree["summary"].to_dataset()
+    own, names = summary.sel(record=spectra["record"].values), plain_bodies(summary)
+    plain = summary.sel(block=names)
+    # A factor that differs from body to body moves no spectrum as a whole.
+    records, every = own["record"].values.tolist(), names or [str(name) for name in summary["block"].values]
+    shared = [factors_to_demands(summary, records, name, np.inf) for name in every]
+    needed = {name: one for name, one in shared[0].items() if all(np.array_equal(one, other[name]) for other in shared)}
+    return overturning_spectra(
+        spectra,
+        restitution=float(summary["restitution"].median()) if restitution is None else restitution,
+        bodies=dict(zip(names, zip(plain["p"].values, plain["alpha_c"].values, strict=True), strict=True)),
+        events=[str(event) for event in own["event"].values],
+        demands=needed if len(records) > 1 else None,
+        gravity=float(summary["gravity"][0]),
+    )
+
+
+def record_lines(ax: Axes, p: np.ndarray, curves: np.ndarray) -> None:
+    """Draw the spectra of single records (records, a) [m/s] over p (a,) thinly, with one entry in the legend."""
+    for place, curve in enumerate(curves[:_DRAWN]):
+        ax.plot(p, curve, color=GREY, lw=0.5, alpha=0.6, label="" if place else f"{len(curves)} records")
+
+
+def below_the_picture(ax: Axes, curves: np.ndarray) -> list[str]:
+    """How many curves (records, a) lie below the Axes of :func:`spectrum_axes`, in a sentence; none where none does."""
+    below = int(np.count_nonzero(np.all(curves < ax.get_ylim()[0], axis=1)))
+    return [f"Below the picture, far from every body: {below} of {len(curves)} curves."] if below else []
+
+
+def spectrum_axes(
+    ax: Axes, p: xr.DataArray, points: Mapping[str, tuple[float, float]], gravity: float, columns: int
+) -> int:
+    """Dress the Axes of spectra over p, mark the bodies at their p and g tan(alpha)/p, and put the legend above.
+
+    Returns the rows that a title has to leave for the legend.
+    """
+    handles = [*ax.get_legend_handles_labels()[0], *body_marks(ax, dict(points))]
+    ax.set_xscale("log")
+    ax.set_yscale("log")
+    first, last = float(p[0]), float(p[-1])
+    drawn = ax.dataLim.intervalx
+    if np.all(np.isfinite(drawn)):
+        first, last = max(first, float(drawn[0]) / _ROOM), min(last, float(drawn[1]) * _ROOM)
+    ax.set_xlim(first, last)
+    ticks = [value for value in _TICKS if first <= value <= last]
+    ax.set_xticks(ticks, [f"{value:g}" for value in ticks])
+    ax.minorticks_off()
+    low, high = ax.get_ylim()
+    ax.set_ylim(max(low, _DEEPEST * min((speed for _, speed in points.values()), default=0.0)), high)
+    style.plain_ticks(ax.yaxis)
+    ax.set_xlabel(style.label(p.attrs, symbol="$p$"))
+    ax.set_ylabel(r"effective impulse $S$, or $g\,\tan\alpha_c/p$ of a body [m/s]")
+    size_scale(ax, gravity)
+    style.legend_above(ax, columns, across=True, lift=32.0, handles=handles)
+    return 3 - (-len(handles) // columns)
+
+
+def _alike(events: Sequence[str] | None, count: int) -> np.ndarray:
+    """Weights (records,) with which every earthquake counts the same, that sum up to one."""
+    if events is None:
+        return np.full(count, 1.0 / count)
+    _, place, sizes = np.unique(np.asarray(events, dtype=str), return_inverse=True, return_counts=True)
+    return 1.0 / (sizes[place] * sizes.size)

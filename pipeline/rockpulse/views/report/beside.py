@@ -1,0 +1,350 @@
+"""Whether the files of a report belong together: a curve of another body is never shown as this body's.
+
+The parts of a report on a site calibration and on fragility curves that are shown beside the verdict.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from rockpulse.assessment.answers import Answers, Body, bodies_of
+from rockpulse.config.configuration import stored_sections
+from rockpulse.errors import ResultsError, some
+from rockpulse.model_table import MODELS, SEQUENCE_MODELS
+from rockpulse.record.measures import PGA
+from rockpulse.storage.hdf5.netcdf4 import flag_words
+from rockpulse.storage.variables.fragility import FRAGILITY
+from rockpulse.storage.variables.site import SITE_KIND
+from rockpulse.views.shared.files_used import files_used
+from rockpulse.views.shared.table import Cell, Heading, Table, number
+from rockpulse.views.shared.terminal import share
+from rockpulse.views.shared.words import counted, listed, say
+from rockpulse.views.text.fragility import (
+    median_table,
+    records_words,
+    shown_measure,
+    state_words,
+    statement,
+    sufficiency_tables,
+)
+from rockpulse.views.text.site import about_records, coverage, design, site_remarks, site_tables
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+#: The same configuration gives the same numbers to the last digit; a body written down with other digits is another.
+TOLERANCE = 1e-6
+
+#: What each kind of file is called, and the command that makes it again.
+_MADE_BY = {FRAGILITY: ("fragility file", "rockpulse fragility"), SITE_KIND: ("site file", "rockpulse calibrate")}
+
+#: How a body with several restitutions is called there.
+_WITH_RESTITUTION = re.compile(r"(?P<block>.+) C [0-9.e+-]+")
+
+#: Settings by which the same channel is another motion.
+_OF_THE_MOTION = {
+    "records": ("components", "azimuth", "azimuth_step", "units", "dt", "response", "include_vertical"),
+    "conditioning": None,
+}
+
+#: Names that are given one by one in a sentence.
+NAMED = 6
+
+
+@dataclass(frozen=True, eq=False)
+class Paired:
+    """Another file beside the results, and what they have in common.
+
+    The tree holds, of fragility curves, those of bodies of the results only, each once.
+    """
+
+    tree: xr.DataTree
+    missing: tuple[str, ...]  # bodies of the results only
+    foreign: tuple[str, ...]  # bodies of the other file only
+    same: int  # records of both: of one id and one PGA, or of one id where the file does not hold the PGA
+    unchecked: int  # records of these that are the same by their id alone
+    changed: tuple[str, ...]  # records of one id whose PGA differs
+    settings: tuple[str, ...]  # settings of the motions that differ: "[conditioning] order = 2, here 4"
+
+    def other_motions(self, subject: str, assessed: int) -> list[str]:
+        """Sentences on motions that are not in common, with those of site or curves; none for a design sequence."""
+        if not assessed:
+            return []
+        told = {
+            f"{subject}.other_motions": not self.same,
+            "beside.unchecked": self.unchecked,
+            "beside.changed": self.changed,
+            "beside.settings": self.settings,
+        }
+        fields = {"records": listed(self.changed), "settings": "; ".join(self.settings)}
+        return [say(key, **fields) for key, there in told.items() if there]
+
+
+def paired(results: xr.DataTree, other: xr.DataTree, kind: str, name: str) -> Paired:
+    """Compare a file with the results that it is to be shown beside.
+
+    Raises
+    ------
+    ResultsError
+        Where a body has the name of one of the results and another p, alpha_c or C; where fragility curves have no body
+        of the results; where a sequence that was assessed is not the design of the site.
+    """
+    summary = results["summary"].to_dataset()
+    kept, missing, foreign = _bodies(
+        summary, other["site" if kind == SITE_KIND else FRAGILITY].to_dataset(), kind, name
+    )
+    if kind == SITE_KIND:
+        site = other["site"].to_dataset()
+        if Answers(summary).motions.kind == "sequence":
+            _check_design(summary, site, name)
+        ids, pga = site["record"].values, (site["pga"] / site["scale_factor"]).values
+    else:
+        if not kept:
+            raise ResultsError(
+                f"{name}: none of its bodies ({some(foreign, NAMED)}) is a body of the results "
+                f"({some(missing, NAMED)}); run 'rockpulse fragility' with the configuration of these results"
+            )
+        groups = {place: node.to_dataset() for place, node in other.children.items()}
+        own = {place: one.isel(block=kept) if "block" in one.dims else one for place, one in groups.items()}
+        other = type(other).from_dict({"/": other.to_dataset(), **own})
+        ids, pga = _of_capacities(other["capacities"].to_dataset())
+    assessed = dict(zip(map(str, summary["record"].values), summary["pga"].values.tolist(), strict=True))
+    common = {str(record): float(peak) for record, peak in zip(ids, pga, strict=True) if str(record) in assessed}
+    changed = tuple(record for record, peak in common.items() if not _close((assessed[record],), (peak,)))
+    unchecked = sum(np.isnan(peak) for peak in common.values())
+    settings = _other_settings(results, other)
+    return Paired(other, missing, foreign, len(common) - len(changed), unchecked, changed, settings)
+
+
+def _bodies(
+    summary: xr.Dataset, other: xr.Dataset, kind: str, name: str
+) -> tuple[list[int], tuple[str, ...], tuple[str, ...]]:
+    """Places along `block` of the bodies of both files, and the names of the others: of the results, of the file."""
+    bodies = bodies_of(summary)
+    found: dict[Body, int] = {}
+    foreign = []
+    for place, label in enumerate(str(label) for label in other["block"].values):
+        numbers = tuple(float(other[key].values[place]) for key in ("p", "alpha_c", "restitution"))
+        own = [body for body in bodies if body.block == label]
+        named = None if own else _WITH_RESTITUTION.fullmatch(label)
+        if named:
+            own = [body for body in bodies if body.block == named["block"]]
+        every = {body: _body_numbers(summary, body) for body in own}
+        same = [body for body in own if _close(every[body], numbers)]
+        if same:
+            found.setdefault(same[0], place)
+        elif own and not (named and any(_close(one[:2], numbers[:2]) for one in every.values())):
+            words, verb = _MADE_BY[kind]
+            raise ResultsError(
+                f'{name}: this {words} has another body of the name "{own[0].block}": {_told(numbers)}; in the results '
+                f"it has {' or '.join(map(_told, every.values()))}; run '{verb}' again with the configuration of these "
+                "results, or give the other body another name"
+            )
+        elif label not in foreign:  # also a body of the results, in words, with another restitution
+            foreign.append(label)
+    missing = tuple(body.name for body in bodies if body not in found)
+    return sorted(found.values()), missing, tuple(foreign)
+
+
+def _of_capacities(capacities: xr.Dataset) -> tuple[np.ndarray, np.ndarray]:
+    """Records of a fragility file, and their PGA; NaN where that was none of the measures."""
+    ids = capacities["record"].values
+    if PGA not in capacities["measure"].values or not capacities.sizes["block"]:
+        return ids, np.full(ids.size, np.nan)
+    return ids, capacities["measure_value"].sel(measure=PGA).isel(block=0).values
+
+
+def _check_design(summary: xr.Dataset, site: xr.Dataset, name: str) -> None:
+    """Whether the sequence that was assessed is the design of a site; its limits are inf and -1, or NaN in the site."""
+    if site.attrs["method"] == "spectrum":
+        return _check_factors(summary, site, name)
+    value = dict(zip(map(str, site["parameter"].values), site["design"].values.tolist(), strict=True))
+    secondary = min(value["ratio"] * value["main"], value["main"])
+    design = [value["main"], secondary, value["interval"], value["duration"], np.floor(value["main_count"])]
+    names = ("main_impulse", "secondary_impulse", "secondary_interval", "sequence_duration", "main_count")
+    assessed = [float(summary[key].values[0]) for key in names]
+    assessed[3:] = [np.nan if np.isinf(assessed[3]) else assessed[3], np.nan if assessed[4] < 0 else assessed[4]]
+    spacing = flag_words(summary["spacing"])[int(summary["spacing"].values[0])]
+    same = np.allclose(assessed, design, rtol=TOLERANCE, atol=0.0, equal_nan=True)
+    if not same or spacing != site.attrs["spacing"]:
+        raise ResultsError(
+            f"{name}: the sequence that was assessed is not the design of this site: {_sequence(assessed, spacing)} in "
+            f"the results, {_sequence(design, site.attrs['spacing'])} in the site file; run 'rockpulse assess "
+            "--sequence' with this site file, or give the one that it was run with"
+        )
+
+
+def _check_factors(summary: xr.Dataset, site: xr.Dataset, name: str) -> None:
+    """Whether the bodies have the factors that the design spectrum of a site gives them."""
+    designed = dict(zip(map(str, site["block"].values), site["design_factor"].values.tolist(), strict=True))
+    model = next(name for name in map(str, summary["model"].values) if MODELS[name].paired)
+    factors = summary["safety_factor"].isel(record=0).sel(model=model)
+    for body in bodies_of(summary):
+        own = factors.isel(block=body.place)
+        here = float(own.isel(case=body.case) if "case" in own.dims else own)
+        there = designed.get(body.name, np.nan)
+        if np.isfinite(here) and not _close((here,), (there,)):
+            raise ResultsError(
+                f"{name}: the design that was assessed is not that of this site: the factor of {body.name} is "
+                f"{here:.7g} in the results, {there:.7g} in the site file; run 'rockpulse assess --sequence' with this "
+                "site file, or give the one that it was run with"
+            )
+
+
+def _other_settings(results: xr.DataTree, other: xr.DataTree) -> tuple[str, ...]:
+    here, there = (stored_sections(str(one.attrs.get("configuration", ""))) for one in (results, other))
+    said = []
+    for section, keys in _OF_THE_MOTION.items():
+        own, others = here.get(section, {}), there.get(section, {})
+        for key in keys or sorted({*own, *others}):
+            if own.get(key) != others.get(key):
+                said.append(f"[{section}] {key} = {_set(others.get(key))}, here {_set(own.get(key))}")
+    own, others = ({block.get("gravity") for block in one.get("block", [])} for one in (here, there))
+    if own and others and own != others:
+        said.append(f"[[block]] gravity = {', '.join(map(_set, others))}, here {', '.join(map(_set, own))}")
+    return tuple(said)
+
+
+def _body_numbers(summary: xr.Dataset, body: Body) -> tuple[float, float, float]:
+    p, alpha = (float(summary[name].values[body.place]) for name in ("p", "alpha_c"))
+    return p, alpha, body.restitution
+
+
+def _close(one: tuple[float, ...], other: tuple[float, ...]) -> bool:
+    """Whether numbers are the same; what is not known on one side speaks against nothing."""
+    known = ~np.isnan(np.add(one, other))
+    return bool(np.allclose(np.array(one)[known], np.array(other)[known], rtol=TOLERANCE, atol=0.0))
+
+
+def _told(numbers: tuple[float, ...]) -> str:
+    return "p {:.7g} 1/s, alpha_c {:.7g} rad, C {:.7g}".format(*numbers)
+
+
+def _sequence(values: list[float], spacing: str) -> str:
+    numbers = "I {:.7g} m/s, I_s {:.7g} m/s, dT {:.7g} s, duration {:.7g} s, main impulses {:g}".format(*values)
+    return f'{numbers}, spacing "{spacing}"'
+
+
+def _set(value: Any) -> str:
+    return "not set" if value is None else str(value)
+
+
+@dataclass(frozen=True)
+class Part:
+    """A section of the report: loud remarks, sentences, tables.
+
+    ``blocks`` names the bodies that have curves; ``banded`` says whether any of these has a confidence band.
+    """
+
+    remarks: tuple[str, ...]
+    statements: tuple[str, ...]
+    tables: tuple[Table, ...]
+    blocks: tuple[str, ...] = ()
+    banded: bool = True
+
+
+def describe_site(of: Paired, assessed: int) -> Part:
+    """The section on the site; no record is assessed where its design sequence stands for them."""
+    site = of.tree["site"].to_dataset()
+    said, tables = [coverage(site)], site_tables(site)
+    if site.attrs["method"] != "spectrum":
+        said, tables = [design(site), *said], [*tables, _events(site), _every_record(site)]
+    common = [say("site.common" if assessed else "site.judged_here", same=of.same, assessed=assessed)]
+    if of.foreign:
+        bodies, names = counted(site.sizes["block"], "body"), listed(of.foreign)
+        common.append(say("site.foreign", bodies=bodies, count=len(of.foreign), names=names))
+    remarks = (*_not_used(of), *of.other_motions("site", assessed), *site_remarks(site))
+    return Part(remarks, (*about_records(site), *common, *said), tuple(tables))
+
+
+def _not_used(of: Paired) -> list[str]:
+    """A sentence on the files that were not used for the site or the curves; none where all were."""
+    files = files_used(of.tree)
+    return [f"{files.counted or say('remark.files.none')}: {files.reasons}."] if files.line else []
+
+
+def _events(site: xr.Dataset) -> Table:
+    headings = (
+        Heading(say("head.earthquake")),
+        Heading(say("head.records")),
+        Heading(say("site.coverage_head"), note=say("site.without_it")),
+    )
+    columns = (site[name].values.tolist() for name in ("site_event", "event_records", "event_coverage"))
+    rows = tuple(
+        (Cell(name), number(count, str), number(covered, share)) for name, count, covered in zip(*columns, strict=True)
+    )
+    return Table("site-events", say("site.earthquakes"), headings, rows)
+
+
+def _every_record(site: xr.Dataset) -> Table:
+    headings = (
+        *(Heading(say(key)) for key in ("head.record", "head.earthquake", "site.weight", "site.factor")),
+        *(Heading(name, unit) for name, unit in (("PGA", "m/s2"), ("PGV", "m/s"), ("I", "m/s"), ("I_s/I", ""))),
+        Heading("dT", "s"),
+        Heading(say("site.main_impulses")),
+        Heading(say("site.duration"), "s"),
+        Heading(say("site.misfit"), note="ln, rms"),
+        Heading(say("site.below"), note=say("site.of_blocks")),
+    )
+    rows = []
+    for place, name in enumerate(site["record"].values.tolist()):
+        one = site.isel(record=place)
+        rows.append(
+            (
+                Cell(name),
+                Cell(one["event"].item()),
+                *(number(float(one[key])) for key in ("weight", "scale_factor", "pga", "pgv")),
+                *map(number, one["value"].transpose("parameter").values.tolist()),
+                number(float(one["misfit"])),
+                number(float(one["unsafe_share"]), share),
+            )
+        )
+    return Table("site-records", say("site.caption.records"), headings, tuple(rows))
+
+
+def describe_fragility(of: Paired, assessed: int, model: str) -> Part:
+    """The section on fragility beside a verdict by a model; no record is assessed where a sequence stands for them."""
+    tree = of.tree
+    curves = tree["fragility"].to_dataset()
+    own = curves.sel(measure=shown_measure(curves))
+    said = say(
+        "fragility.from",
+        records=records_words(tree),
+        common=say("fragility.common" if assessed else "fragility.sequence", same=of.same, assessed=assessed),
+        data=say(f"fragility.{tree.attrs['data']}"),
+    )
+    tables = [median_table(tree), _remark_table(own), *sufficiency_tables(tree["efficiency"].to_dataset())]
+    return Part(
+        (*_not_used(of), *_differences(of, assessed, model)),
+        (said,),
+        tuple(table for table in tables if table.rows),
+        tuple(own["block"].values.tolist()),
+        bool(own["median_low"].notnull().any()),
+    )
+
+
+def _differences(of: Paired, assessed: int, model: str) -> list[str]:
+    """Sentences on the things in which the curves and the verdict differ."""
+    said = of.other_motions("fragility", assessed)
+    equation = stored_sections(str(of.tree.attrs.get("configuration", ""))).get("fragility", {}).get("equation", model)
+    if equation != model and model not in SEQUENCE_MODELS:
+        said.append(say("fragility.equation", equation=say(f"models.{equation}"), model=say(f"models.{model}")))
+    named = {"missing": of.missing, "foreign": of.foreign}
+    return [*said, *(say(f"fragility.{key}", names=listed(names)) for key, names in named.items() if names)]
+
+
+def _remark_table(own: xr.Dataset) -> Table:
+    """Every remark on the curves of a body, with the limit states that it is on."""
+    rows = []
+    for block in own["block"].values.tolist():
+        found: dict[str, list[str]] = {}
+        for state in own["limit_state"].values.tolist():
+            if said := statement(own.sel(block=block, limit_state=state)):
+                found.setdefault(said, []).append(state_words(state))
+        rows += [(Cell(block), Cell(", ".join(states)), Cell(said)) for said, states in found.items()]
+    headings = tuple(Heading(say(key)) for key in ("head.body", "fragility.limit_states", "fragility.remark"))
+    return Table("fragility-remarks", say("fragility.remarks"), headings, tuple(rows))

@@ -1,0 +1,227 @@
+"""The records by earthquake, station and direction, the files they came from, what was left out and why, warnings."""
+
+from __future__ import annotations
+
+import hashlib
+import math
+from collections import Counter
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from rockpulse.assessment.answers import Answers
+from rockpulse.assessment.assessment import NAME
+from rockpulse.errors import alike
+from rockpulse.record.measures import PGA
+from rockpulse.record.record import STANDARD_GRAVITY
+from rockpulse.selection.events import UNKNOWN
+from rockpulse.views.shared.facts import Known
+from rockpulse.views.shared.files_used import reasons_of
+from rockpulse.views.shared.table import Cell, Fact, Heading, Table, number
+from rockpulse.views.shared.terminal import figure, ratio
+from rockpulse.views.shared.words import counted, listed, say
+from rockpulse.views.text.left_out import apart, by_kind
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+#: Rows of the table of records, directions that are named in a row, and reasons of one kind.
+ROWS, DIRECTIONS, REASONS = 10, 3, 2
+
+#: Letters of a reason; the annex has all of them.
+LONGEST = 90
+
+#: Kinds whose reasons are told; those of the others are one for the kind.
+_TOLD = ("failed", "skipped")
+
+
+def event_name(event: str) -> str:
+    """The name of the earthquake that a record is counted to."""
+    return say("unknown_event.name") if event == UNKNOWN else event
+
+
+def record_label(record: str) -> str:
+    """The id of a record, or what stands in its place for a design sequence."""
+    return say("motions.design") if record == NAME else record
+
+
+def earthquake_words(known: Known) -> str:
+    """The earthquake by its name, else by its date; empty where nothing is known of it."""
+    return known.title or (say("earthquake_of", date=known.date) if known.date else "")
+
+
+def record_words(known: Known) -> str:
+    """Earthquake, code of the station and direction of a record; empty where the earthquake is not known."""
+    event, station = earthquake_words(known), known.value("station") or known.place
+    return ", ".join(filter(None, (event, station, known.direction))) if event else ""
+
+
+def record_named(known: Known, name: str) -> str:
+    """The words of a record with its id where no station is known, or the id alone; the id may bear marks."""
+    told = record_words(known)
+    return told if told and known.place else ", ".join(filter(None, (told, name)))
+
+
+def used_table(answers: Answers) -> Table:
+    """A row for the records of one station and earthquake: its magnitude, directions, PGA and the worst answer.
+
+    Of many the strongest ones; the caption tells how many there are.
+    """
+    pga = answers["pga"]
+    groups: dict[tuple[str, str, str], list[int]] = {}
+    for row, (record, event) in enumerate(zip(answers.records, answers["event"], strict=True)):
+        known = Known(answers.summary, record=record)
+        key = earthquake_words(known), known.place, str(event)
+        groups.setdefault(key if key[0] and key[1] else (record, "", ""), []).append(row)
+    order = sorted(groups.values(), key=lambda rows: -float(np.max(pga[rows])))
+    titles = ("earthquake", "magnitude", "station", "direction", "records", PGA, "worst")
+    headings = tuple(Heading(say(f"head.{title}"), "g" if title == PGA else "") for title in titles)
+    rows = tuple(_used(answers, rows) for rows in order[:ROWS])
+    told = "caption.used" if len(order) <= ROWS else "caption.strongest"
+    caption = say(told, shown=len(rows), total=len(order), records=counted(len(pga), "record"))
+    return Table("used", caption, headings, rows)
+
+
+def _used(answers: Answers, rows: list[int]) -> tuple[Cell, ...]:
+    every = [Known(answers.summary, record=answers.records[row]) for row in rows]
+    first, strongest = every[0], max(rows, key=lambda row: float(answers["pga"][row]))
+    directions = [*dict.fromkeys(filter(None, (one.direction for one in every)))]
+    shown = ", ".join(directions) if len(directions) <= DIRECTIONS else say("directions", count=len(directions))
+    return (
+        Cell(earthquake_words(first) or answers.records[rows[0]], link=f"record-{strongest}"),
+        Cell(first.magnitude, first.real("magnitude")),
+        Cell(first.place or (answers.records[rows[0]] if earthquake_words(first) else "")),
+        Cell(shown),
+        number(len(rows), str),
+        number(float(answers["pga"][strongest]) / STANDARD_GRAVITY, figure),
+        _worst(answers, rows),
+    )
+
+
+def _worst(answers: Answers, rows: list[int]) -> Cell:
+    """The body with the largest probability under some records as they are, else that of the smallest factor."""
+    if not answers.bodies:
+        return Cell("")
+    table = answers["overturning_probability"][rows] if answers.probable else -answers[answers.factor][rows]
+    if np.isnan(table).all():
+        return Cell("")
+    lane = int(np.nanargmax(np.nanmax(np.where(np.isnan(table), -math.inf, table), axis=0)))
+    what = say(f"column.{'overturning_probability' if answers.probable else 'safety_factor'}.head")
+    return Cell(f"{answers.bodies[lane].name} ({what}\N{NO-BREAK SPACE}{ratio(abs(float(np.nanmax(table[:, lane]))))})")
+
+
+def event_table(answers: Answers) -> Table:
+    """The earthquakes, with what the files state of each, and the motions that are counted to it."""
+    motions = answers.motions
+    of_event: dict[str, list[int]] = {}
+    for place, event in enumerate(motions.events):
+        of_event.setdefault(event, []).append(place)
+    rows = []
+    for event, places in of_event.items():
+        known = [
+            Known(answers.summary, record=answers.records[row]) for row in np.unique(motions.index[places]) if row >= 0
+        ]
+        names = ", ".join(motions.names[place] for place in places)
+        rows.append((Cell(event_name(event)), *_of_earthquake(known), number(len(places), str), Cell(names)))
+    titles = ("earthquake", "date", "magnitude", "distance", "motions", "which")
+    always = ("earthquake", "motions", "which")
+    shown = [place for place, title in enumerate(titles) if title in always or any(row[place].text for row in rows)]
+    of_shown = tuple(tuple(row[place] for place in shown) for row in rows)
+    headings = tuple(Heading(say(f"head.{titles[place]}")) for place in shown)
+    return Table("earthquakes", say("caption.earthquakes"), headings, of_shown)
+
+
+def _of_earthquake(known: Sequence[Known]) -> tuple[Cell, Cell, Cell]:
+    """Date, magnitude, and nearest and farthest epicentral distance of some records; empty where none states it."""
+    dates = sorted({date for one in known if (date := one.date)})
+    magnitudes = list(dict.fromkeys(told for one in known if (told := one.magnitude)))
+    distances = [distance / 1000.0 for one in known if not math.isnan(distance := one.real("epicentral_distance"))]
+    largest = max((one.real("magnitude") for one in known if one.magnitude), default=math.nan)
+    ends = list(dict.fromkeys(figure(end) for end in (min(distances), max(distances)))) if distances else []
+    return (
+        Cell(dates[0] if dates else ""),
+        Cell(", ".join(magnitudes), largest),
+        Cell(
+            say("between", low=ends[0], high=ends[1]) if len(ends) > 1 else "".join(ends),
+            min(distances, default=math.nan),
+        ),
+    )
+
+
+def left_out_table(tree: xr.DataTree) -> Table:
+    """The files and channels that are no part of the verdict: a row for each kind, with reasons in readers' words."""
+    found, beside = apart(by_kind(tree))
+    rows = []
+    for kind, every in found.items():
+        said, rest = reasons_of(every, REASONS, LONGEST) if kind in _TOLD else ([say(f"left_out.why.{kind}")], 0)
+        told = "; ".join([*said, *([say("left_out.other", count=rest)] if rest else [])])
+        grade = "bad" if kind == "failed" else ""
+        rows.append((Cell(say(f"left_out.{kind}"), grade=grade), number(len(every), str), Cell(told)))
+    if beside:
+        rows.append((Cell(say("left_out.no_record")), number(len(beside), str), Cell(listed(beside))))
+    return Table("left-out", say("caption.left_out"), _headings("kind", "count", "reason"), tuple(rows))
+
+
+def hash_of(path: str | Path) -> str:
+    """SHA-256 of a file."""
+    with Path(path).open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()
+
+
+def input_table(summary: xr.Dataset) -> Table:
+    """The files that the records came from."""
+    columns = [
+        summary[name].values.tolist() if name in summary else [""] * summary.sizes["record"]
+        for name in ("source", "source_sha256", "format")
+    ]
+    of_file: dict[str, dict[str, None]] = {}
+    for record, source in zip(summary["record"].values, columns[0], strict=True):
+        known = Known(summary, record=str(record))
+        if told := ", ".join(filter(None, (earthquake_words(known), known.place))):
+            of_file.setdefault(source, {})[told] = None
+    rows = tuple(
+        (*map(Cell, row), number(count, str), *([Cell("; ".join(of_file.get(row[0], ())))] if of_file else []))
+        for row, count in Counter(zip(*columns, strict=True)).items()
+    )
+    headings = _headings("file", "sha256", "format", "records", *(["occasion"] if of_file else []))
+    return Table("inputs", say("caption.inputs"), headings, rows)
+
+
+def failure_table(tree: xr.DataTree) -> Table:
+    """Files and channels that were not assessed, and why, those of one reason together; those that failed first."""
+    rows = tuple(
+        (
+            Cell(say(f"left_out.{kind}"), grade="bad" if kind == "failed" else ""),
+            Cell(say(f"stage.{group[0].stage}")),
+            Cell(", ".join(dict.fromkeys(row.place for row in group))),
+            Cell(group[0].bare),
+        )
+        for kind, entries in by_kind(tree).items()
+        for group in alike(entries)
+    )
+    return Table("failures", say("caption.left_out"), _headings("kind", "step", "file", "reason"), rows)
+
+
+def warning_table(summary: xr.Dataset) -> Table:
+    """Every warning of a record or a body."""
+    rows = []
+    for kind, name in (("block", "block_warnings"), ("record", "warnings")):
+        if name not in summary:
+            continue
+        for place, (label, text) in enumerate(zip(summary[kind].values, summary[name].values, strict=True)):
+            key = f"{'body' if kind == 'block' else 'record'}-{place}"
+            rows += [(Cell(record_label(str(label)), link=key), Cell(line)) for line in str(text).splitlines() if line]
+    return Table("warnings", say("page.warnings"), _headings("of_what", "warning"), tuple(rows))
+
+
+def versions(tree: xr.DataTree) -> tuple[Fact, ...]:
+    """The packages that computed the results."""
+    found = {str(name): str(value) for name, value in tree.attrs.items() if name != "schema_version"}
+    end = "_version"
+    return tuple(Fact(name.removesuffix(end), (version,)) for name, version in found.items() if name.endswith(end))
+
+
+def _headings(*names: str) -> tuple[Heading, ...]:
+    return tuple(Heading(say(f"head.{name}")) for name in names)

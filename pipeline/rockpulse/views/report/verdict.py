@@ -1,0 +1,243 @@
+"""The verdict: in a sentence for every body beside its drawing, in the table of the bodies, and what its words mean."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, NamedTuple
+
+from markupsafe import Markup, escape
+
+from rocking.body.outline import Outline
+from rockpulse.assessment.answers import Answers, Motions, Share
+from rockpulse.assessment.demand import FARTHEST
+from rockpulse.assessment.verdict import FEWEST_AT_DEMAND, MAY_OVERTURN, OVERTURNS, BodyVerdict, Grade
+from rockpulse.config.configuration import config_from_text
+from rockpulse.earthquakes import CONFIDENCE
+from rockpulse.errors import ResultsError
+from rockpulse.model_table import is_upper_bound
+from rockpulse.record.record import STANDARD_GRAVITY
+from rockpulse.selection.events import UNKNOWN
+from rockpulse.views.plots.selection import block_of
+from rockpulse.views.report.drawings import Support, drawing
+from rockpulse.views.report.records import record_named
+from rockpulse.views.shared.columns import COLUMNS, GRADES, grade_cell, margin_cells, record_cells, unexplained
+from rockpulse.views.shared.facts import Known
+from rockpulse.views.shared.notes import factor_title
+from rockpulse.views.shared.table import Cell, Heading, Table, number
+from rockpulse.views.shared.terminal import ABSENT, figure, general, ratio, share
+from rockpulse.views.shared.words import counted, in_numerals, say
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+#: Between the ends of an interval, where no line breaks.
+TO = "\N{WORD JOINER}–\N{WORD JOINER}"
+
+#: Rows of a table that need no filter, and bodies that have a card on the first page.
+FEW, MOST = 8, 6
+
+
+class Drawing(NamedTuple):
+    """An element `<svg>` of a body, and what holds it in words."""
+
+    svg: Markup
+    held: str
+
+
+@dataclass(frozen=True)
+class Card:
+    """One block by its worst restitution: what holds it, the verdict and its sentence; ``key`` is its part below."""
+
+    key: str
+    name: str
+    svg: Markup
+    held: str
+    verdict: Cell
+    sentence: str
+
+
+def cards(answers: Answers, found: Sequence[BodyVerdict], drawn: Sequence[Drawing]) -> list[Card]:
+    """The cards of the blocks whose verdict is worst, from worst to best."""
+    worst: dict[int, BodyVerdict] = {}
+    for one in sorted(found, key=_gravest):
+        worst.setdefault(one.body.place, one)
+    return [
+        Card(f"body-{place}", one.body.block, *drawn[place], grade_cell(one), sentence(answers, one))
+        for place, one in list(worst.items())[:MOST]
+    ]
+
+
+def _gravest(one: BodyVerdict) -> tuple[float, float, float]:
+    """Sorts the worst verdict first, then the largest probability, then the smallest factor."""
+    factor, value = one.margin.smallest, one.decides.value
+    likely = 0.0 if math.isnan(value) else value
+    return -float(one.overall), -likely, math.inf if math.isnan(factor) else factor
+
+
+def drawings(tree: xr.DataTree) -> list[Drawing]:
+    """The drawing of every block of the results, on its pedestals."""
+    summary, configuration = tree["summary"].to_dataset(), str(tree.attrs.get("configuration", ""))
+    blocks = config_from_text(configuration).blocks if configuration else ()
+    below = {one.name: [(part.width, part.height) for part in one.pedestals] for one in blocks if one.pedestals}
+    names = [str(name) for name in summary["block"].values]
+    alone = summary["pedestal_of"].values.tolist() if "pedestal_of" in summary else [""] * len(names)
+    found = []
+    for place, (name, part) in enumerate(zip(names, alone, strict=True)):
+        if part and part not in names:
+            raise ResultsError(f"variable /summary/pedestal_of: expected the name of a body, found {part!r}")
+        # A body with its first pedestal comes first, then that with the first two.
+        joined = alone[: place + 1].count(part) if part else 0
+        body = Outline.of(block_of(summary, part or name))
+        floor = "floors" in summary and bool(summary["floors"].sel(block=part or name).item())
+        support = Support(floor, below.get(part or name, ()), joined)
+        holds = {"wall": body.side, "floor": support.floor, "pedestal": support.pedestals, "tie": body.ties}
+        holds |= {"load": body.loads, "thrust": body.thrusts}
+        held = ", ".join(say(f"drawing.{kind}") for kind, own in holds.items() if own)
+        label = str(escape(say("drawing.label", name=name, held=f", {held}" if held else "")))
+        found.append(Drawing(Markup(drawing(body, support, label, lambda value: figure(value, "m"))), held))
+    return found
+
+
+def sentence(answers: Answers, one: BodyVerdict) -> str:
+    """The verdict on one body, named before it, in a sentence: probability, at which demand, how many earthquakes."""
+    if answers.motions.kind == "sequence":
+        factor = margin_cells(one.margin)[0].marked
+        margin = say("verdict.factor", factor=factor) if not math.isnan(one.margin.smallest) else ""
+        key = "overturns_under_sequence" if one.overall == Grade.OVERTURNS else "under_sequence"
+        return say(f"verdict.{key}", margin=margin)
+    if one.overall == Grade.STAYS:
+        return say("verdict.not_lifted", motions=motions_words(answers.motions))
+    what = say("probability" if answers.probable else "share_of_earthquakes")
+    demand = one.deciding
+    if demand is None:
+        under = say("verdict.as_recorded", motions=motions_words(answers.motions))
+    else:
+        lost = say("verdict.left_out", motions=counted(demand.left_out, "motion")) if demand.left_out else ""
+        under = say("verdict.at_demand", name=demand.name, events=counted(demand.earthquakes, "earthquake")) + lost
+        under += say("verdict.few", needed=FEWEST_AT_DEMAND) if demand.few else ""
+    fields = {"what": what, "value": ratio(one.decides.value), "high": ratio(one.decides.high)}
+    return say("verdict.probability", under=under, confidence=share(CONFIDENCE), **fields)
+
+
+def basis(answers: Answers, unused: str) -> str:
+    """The model, the motions that the verdicts rest on, the files that are not used, and how strong each demand is."""
+    fields = {"model": model_words(answers.model), "motions": motions_words(answers.motions)}
+    said = [say("basis", files=f" ({unused})" if unused else "", **fields)]
+    for name, demand in answers.demands.items():
+        told = in_numerals(demand.words.replace("m/s2", "m/s²"))
+        said.append(say("demand", name=name, strength=", ".join(filter(None, (told, demand.limit_state)))))
+    return " ".join(said)
+
+
+def motions_words(motions: Motions) -> str:
+    """The number of motions with that of their earthquakes."""
+    if motions.kind == "sequence":
+        return say("motions.sequence")
+    fields = {
+        "motions": counted(len(motions.names), motions.kind),
+        "events": counted(motions.event_count, "earthquake"),
+    }
+    if motions.kind == "pair":
+        key = "motions.pair_mean" if motions.any_azimuth else "motions.pair"
+        return say(key, directions=motions.index.shape[1], **fields)
+    return say("motions.record", **fields)
+
+
+def legend(answers: Answers) -> str:
+    """The meaning of the figures of the table of bodies, in a line."""
+    if answers.motions.kind == "sequence":
+        return say("legend.sequence")
+    what = say("legend.probability" if answers.probable else "legend.share")
+    return say("legend.words", what=what, factor=say(f"legend.{answers.factor}"), **_levels())
+
+
+def counted_by(answers: Answers) -> str:
+    """Sentences on what the words of the verdict mean."""
+    model = model_words(answers.model)
+    if answers.motions.kind == "sequence":
+        return say("counted.sequence", model=model)
+    what = say("counted.probability") if answers.probable else say("counted.share", model=model)
+    told = say("counted.words", what=what, **_levels())
+    if answers.demands:
+        told += " " + say("counted.demand", low=general(FARTHEST[0]), high=general(FARTHEST[1]))
+    return told
+
+
+def _levels() -> dict[str, str]:
+    """The probabilities from which on the verdict is another one."""
+    return {"overturns": general(OVERTURNS), "may": general(MAY_OVERTURN)}
+
+
+def of_unknown_event(motions: Motions) -> str:
+    """A sentence on the motions whose earthquake is unknown; empty where all are known."""
+    count = motions.events.count(UNKNOWN)
+    if not count:
+        return ""
+    key = "unknown_event.as_one" if count == len(motions.events) else "unknown_event.not_counted"
+    return say(key, motions=counted(count, "motion"))
+
+
+def model_words(model: str) -> str:
+    """A model by its name, an upper bound with what it is."""
+    return say("model.upper_bound" if is_upper_bound(model) else "model.name", name=say(f"models.{model}"))
+
+
+def acceleration(value: float) -> str:
+    """An acceleration [m/s2] in m/s² and g."""
+    return f"{figure(value, 'm/s²')} ({figure(value / STANDARD_GRAVITY, 'g')})"
+
+
+def body_table(answers: Answers, found: Sequence[BodyVerdict]) -> Table:
+    """One row per body: verdict, probability at each demand and as it is, factor, the record that it rests on."""
+    motions, factor = answers.motions, factor_title(answers.factor)
+    c = COLUMNS["restitution"]
+    several = any(one.body.several for one in found)
+    headings = [
+        Heading(say("head.body")),
+        *([c.heading._replace(note="")] if several else []),
+        COLUMNS["verdict"].heading._replace(note=say(f"models.{answers.model}")),
+        Heading(say("head.smallest", factor=factor)),
+    ]
+    rows = [
+        [
+            Cell(one.body.block, link=f"body-{one.body.place}"),
+            *([c.cell(one.body.restitution)] if several else []),
+            grade_cell(one),
+            unexplained(margin_cells(one.margin)[0]),
+        ]
+        for one in found
+    ]
+    if motions.kind != "sequence":  # of which there is one
+        of = say("head.probability" if answers.probable else "head.share")
+        at = [say("head.at", what=of, name=name) for name in answers.demands]
+        at.append(say("head.as_recorded", what=of))
+        place = len(headings) - 1
+        headings[place:place] = [Heading(title, note=say("head.interval")) for title in at]
+        of_motions = say("head.of", motions=counted(len(motions.names), motions.kind))
+        headings += [Heading(say("head.under")), Heading(say("head.median", factor=factor))]
+        headings += [Heading(say("head.overturned"), note=of_motions)]
+        headings += [Heading(say(f"head.{name}")) for name in ("unknown", "not_lifted")]
+        for row, one in zip(rows, found, strict=True):
+            shares = [_share_cell(demand.share, GRADES[demand.grade]) for demand in one.demands]
+            row[place:place] = [*shares, _share_cell(one.share)]
+            row += [_governing(answers, one), unexplained(margin_cells(one.margin)[1])]
+            row += [number(count, str) for count in (one.overturned, one.share.unknown, one.at_rest)]
+    caption = say("caption.bodies", motions=motions_words(motions))
+    return Table("verdict-bodies", caption, tuple(headings), tuple(map(tuple, rows)), searched=FEW)
+
+
+def _governing(answers: Answers, one: BodyVerdict) -> Cell:
+    """The record that the smallest factor is of."""
+    if one.governing < 0 or math.isinf(one.margin.smallest):
+        return Cell(ABSENT)
+    name = record_cells(answers.summary)[one.governing]
+    told = record_named(Known(answers.summary, record=answers.records[one.governing]), name.text)
+    return unexplained(name)._replace(text=told, link=f"record-{one.governing}")
+
+
+def _share_cell(value: Share, grade: str = "") -> Cell:
+    low, high = ratio(value.low), ratio(value.high)
+    shown = f"{ratio(value.value)} ({low if low == high == ABSENT else f'{low}{TO}{high}'})"
+    return Cell(shown, value.value, grade=grade)

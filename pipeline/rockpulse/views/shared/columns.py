@@ -1,0 +1,350 @@
+"""The columns that people read, each declared once: its heading, the variables it is told by, and how they are shown.
+
+The first table of the terminal, the lists of ``inspect``, its whole and the tables of the report are selections of
+these columns. The headings and the small print below them stand in the table of words, section [column]; a `--where`
+knows a column by its heading (:data:`rockpulse.storage.export.selection.SHOWN`).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, Protocol
+
+import numpy as np
+
+from rocking.response import Outcome
+from rockpulse.assessment.answers import Answers, Margin
+from rockpulse.assessment.verdict import OVERTURNS, BodyVerdict, Grade
+from rockpulse.readers.kit.channel import CREDIBLE_PEAK_G
+from rockpulse.record.measures import PGA, STORED, STORED_OF_BODIES, Measure
+from rockpulse.record.record import STANDARD_GRAVITY
+from rockpulse.remark import remarked
+from rockpulse.views.shared.table import Cell, Heading, Mark, number
+from rockpulse.views.shared.terminal import ABSENT, between, lower_bound, ratio, restitution, shortened
+from rockpulse.views.shared.words import say
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+#: Longest id of a record and name of a block in a table.
+ID_WIDTH, NAME_WIDTH = 36, 29
+
+#: Marks at a peak, at a factor or a capacity, and beside the name of a record whose peak may not be what it seems.
+OUTSIDE, NO_ANSWER = Mark("outside", "*"), Mark("no_answer", "!")
+NONE_UP_TO, AT_MOST = Mark("none_up_to", ">", before=True), Mark("at_most", "≤", before=True)
+DRIFT = Mark("drift", "~", before=True)
+PEAK, CLIPPED = Mark("peak"), Mark("clipped")
+
+#: Larger than any rotation: overturned sorts above it, unresolved at the end.
+_SORTED = {Outcome.AT_REST: 0.0, Outcome.OVERTURNS: math.inf, Outcome.UNRESOLVED: math.nan}
+
+
+class Rows(Protocol):
+    """The rows of a table: the values of a variable, row by row, by its name."""
+
+    def __getitem__(self, name: str, /) -> Sequence[Any]: ...
+
+
+@dataclass(frozen=True)
+class Column:
+    """A column: the variables that it is told by, and the cell that their values make.
+
+    Cells longer than ``width`` are cut on the terminal.
+    """
+
+    name: str
+    of: tuple[str, ...]
+    cell: Callable[..., Cell]
+    unit: str = ""
+    width: int | None = None
+    title: str = ""  # in place of that of the words: a name, as of a model
+
+    @property
+    def heading(self) -> Heading:
+        """The heading with its small print."""
+        note = say(f"column.{self.name}.note") if self.name in _NOTED else ""
+        return Heading(self.title or say(f"column.{self.name}.head"), self.unit, note, self.width)
+
+
+#: Columns with small print below their heading.
+_NOTED = frozenset({"restitution", "uplift_ratio", "overturning_probability", "standing"})
+
+
+def doubt(pga: float, codes: str) -> tuple[Mark, ...]:
+    """Marks of one record, by its PGA [m/s2] and the codes of its warnings.
+
+    Most records have none; the PGA of a sequence in place of a record is NaN.
+
+    Examples
+    --------
+    >>> [mark.shown for mark in (*doubt(981.0, ""), *doubt(4.2, "baseline_guessed clipped"))]
+    [' (peak?)', ' (clipped?)']
+    """
+    low, high = (STANDARD_GRAVITY * bound for bound in CREDIBLE_PEAK_G)
+    peak = pga < low or pga > high or remarked(codes, "header_peak")
+    return ((PEAK,) if peak else ()) + ((CLIPPED,) if remarked(codes, "clipped", "full_scale") else ())
+
+
+def record_cell(name: str, pga: float, codes: str) -> Cell:
+    """The id of a record with its marks."""
+    return Cell(str(name), marks=doubt(pga, str(codes)))
+
+
+def record_cells(summary: xr.Dataset) -> list[Cell]:
+    """The id of every record of /summary, or of a part of it, with its marks."""
+    return [record_cell(*one) for one in zip(*(summary[name].values.tolist() for name in _RECORD), strict=True)]
+
+
+def answer_cell(outcome: int, peak: float, applicable: int) -> Cell:
+    """The answer of a model: the largest rotation over alpha_c, or a word, with its mark.
+
+    Examples
+    --------
+    >>> answer_cell(1, 0.4123, applicable=1).marked, answer_cell(2, 0.4, 0).marked
+    ('0.41', 'overturns*')
+    """
+    marks = (OUTSIDE,) if applicable == 0 else ()
+    if outcome in _SORTED:
+        kind = Outcome(outcome)
+        grade = "bad" if kind == Outcome.OVERTURNS else ""
+        return Cell(say(f"answer.{kind.name.lower()}"), _SORTED[kind], marks, grade)
+    return Cell(ratio(peak), peak, marks) if outcome == Outcome.ROCKS else Cell(ABSENT, math.nan)
+
+
+def factor_cell(factor: float, limit: float = math.nan, bound: bool = False, intervals: int = 1) -> Cell:
+    """A factor, or a capacity over demand: marked where it is a lower bound, and with a number of intervals above one.
+
+    `limit` says how far was searched where none was found.
+
+    Examples
+    --------
+    >>> [factor_cell(factor, 10.0).marked for factor in (1.31, math.inf)]
+    ['1.31', '>10']
+    >>> factor_cell(1.31, bound=True).marked, factor_cell(math.nan).marked, factor_cell(math.inf).marked
+    ('1.31!', '-', 'none')
+    """
+    marks = ([NO_ANSWER] if bound else []) + ([Mark(sign=f" ({intervals})")] if intervals > 1 else [])
+    if math.isnan(factor):
+        return Cell(ABSENT, factor)
+    if not math.isinf(factor):
+        return Cell(ratio(factor), factor, tuple(marks))
+    if math.isnan(limit):
+        return Cell(say("answer.none"), factor, tuple(marks))
+    shown, point, decimals = lower_bound(limit)[1:].partition(say("decimal"))
+    return Cell((shown + point + decimals.rstrip("0")).rstrip(point or " "), factor, (NONE_UP_TO, *marks))
+
+
+def margin_cells(margin: Margin) -> tuple[Cell, Cell]:
+    """The smallest and the median of a margin."""
+    values = zip((margin.smallest, margin.median), margin.bounds, strict=True)
+    smallest, median = (factor_cell(value, margin.limit, bound) for value, bound in values)
+    if margin.open and math.isfinite(margin.smallest):
+        smallest = smallest._replace(marks=(AT_MOST, *smallest.marks))
+    return smallest, median
+
+
+def smallest_of(margin: Margin, names: Sequence[str], width: int) -> list[Cell]:
+    """The smallest factor and what it is of; where none was found and not all are known it is not known."""
+    if math.isinf(margin.smallest) and (margin.unknown or margin.partial):
+        return [factor_cell(math.nan), Cell("")]
+    named = shortened(names[margin.place], width) if math.isfinite(margin.smallest) else ""
+    return [factor_cell(margin.smallest, margin.limit), Cell(named)]
+
+
+def unexplained(cell: Cell) -> Cell:
+    """The cell with marks whose meaning is told elsewhere than below its table."""
+    return cell._replace(marks=tuple(Mark("", mark.shown, mark.before) for mark in cell.marks))
+
+
+def marks_of(cells: Iterable[Cell]) -> set[Mark]:
+    """The marks that some cells bear."""
+    return {mark for cell in cells for mark in cell.marks}
+
+
+def doubt_notes(cells: Iterable[Cell]) -> list[str]:
+    """The meanings of the marks of doubt that some cells bear."""
+    found = marks_of(cells)
+    return [mark.note for mark in (PEAK, CLIPPED) if mark in found]
+
+
+#: The grade of the cell of a verdict.
+GRADES = {
+    Grade.STAYS: "good",
+    Grade.ROCKS: "good",
+    Grade.MAY_OVERTURN: "fair",
+    Grade.NOT_KNOWN: "unknown",
+    Grade.OVERTURNS: "bad",
+}
+
+
+def grade_cell(one: BodyVerdict, before: str = "") -> Cell:
+    """The verdict on a body in a word or two behind others, sorted from best to worst."""
+    few = one.deciding is not None and one.deciding.few
+    # What nothing here overturns, but half of such earthquakes might, is not to be taken for good at a glance.
+    unsure = one.overall == Grade.ROCKS and one.decides.high >= OVERTURNS
+    told = say(f"grade.{'no_verdict' if few else one.overall.name.lower()}")
+    return Cell(before + told, float(one.overall), grade="fair" if unsure else GRADES[one.overall])
+
+
+def _shown(show: Callable[[float], str], scale: float = 1.0) -> Callable[[float], Cell]:
+    return lambda value: number(value / scale, show)
+
+
+def _searched(factor: float, limit: float, resolved: int) -> Cell:
+    return factor_cell(factor, limit, resolved == 0)
+
+
+def _probability(value: float, low: float, high: float) -> Cell:
+    return Cell(ratio(value) if math.isnan(low) else f"{ratio(value)} ({between(low, high, ratio)})", value)
+
+
+def _of_all(count: int, total: int) -> Cell:
+    return Cell(say("count_of", count=count, total=total), float(count))
+
+
+def _counted(codes: str) -> Cell:
+    return Cell(str(len(codes.split()) or ""), float(len(codes.split())))
+
+
+def _restitutions(values: Sequence[float]) -> Cell:
+    low, high = restitution(min(values)), restitution(max(values))
+    return Cell(low if low == high else say("between", low=low, high=high), min(values))
+
+
+def _of_measure(row: Measure) -> Column:
+    """The column of an intensity measure that results have of every record, or of every record and body."""
+    title, unit, scale = row.column
+    if row.drifts:
+        of = (row.name, f"{row.name}_drift")
+        return Column(
+            row.name,
+            of,
+            lambda value, drift: number(value / scale, ratio, (DRIFT,) if drift else ()),
+            unit,
+            title=title,
+        )
+    return Column(row.name, (row.name,), _shown(ratio, scale), unit, title=title)
+
+
+_RECORD = ("record", PGA, "warning_codes")
+_SEARCHED = ("safety_factor", "safe_up_to", "factor_resolved")
+
+#: Every column by its name; of those that tell one variable that is its name.
+COLUMNS = {
+    column.name: column
+    for column in (
+        # an answer: a body under a record
+        Column("record", _RECORD, lambda *one: record_cell(shortened(one[0], ID_WIDTH), *one[1:])),
+        Column("block", ("block",), Cell, width=NAME_WIDTH),
+        Column("model", ("model",), lambda name: Cell(say(f"models.{name}"))),
+        Column("restitution", ("restitution",), _shown(restitution)),
+        *map(_of_measure, STORED_OF_BODIES),
+        Column("impulse_ratio", ("impulse_ratio",), _shown(ratio)),
+        Column("answer", ("outcome", "peak_rotation_ratio", "applicable"), answer_cell),
+        Column("overturning_probability", ("overturning_probability",), _shown(ratio)),
+        Column(
+            "probability_interval",
+            tuple(f"overturning_probability{end}" for end in ("", "_low", "_high")),
+            _probability,
+        ),
+        Column("factor_10", ("factor_10", "factor_10_low"), factor_cell),
+        Column("factor_50", ("factor_50", "factor_50_low"), factor_cell),
+        Column("capacity_mean", ("capacity_mean", "capacity_mean_low"), factor_cell),
+        Column("source", ("source",), lambda word: Cell(word.replace("_", " "))),
+        Column("safety_factor", _SEARCHED, _searched),
+        Column(
+            "safety_intervals",
+            (*_SEARCHED, "interval_count"),
+            lambda factor, limit, resolved, count: factor_cell(factor, limit, resolved == 0, count),
+        ),
+        Column(
+            "capacity_pga",
+            ("capacity_pga", "safe_up_to", PGA),
+            lambda capacity, limit, pga: factor_cell(capacity / STANDARD_GRAVITY, limit * pga / STANDARD_GRAVITY),
+            "g",
+        ),
+        # a record
+        *map(_of_measure, STORED),
+        Column("main_impulse", ("main_impulse",), _shown(ratio), "m/s"),
+        Column("magnitude", ("magnitude",), number),
+        Column("epicentral_distance", ("epicentral_distance",), lambda distance: number(distance / 1000.0), "km"),
+        Column("warnings", ("warning_codes",), _counted),
+        Column("overturns", ("fallen", "total"), _of_all),
+        # a block
+        Column("width", ("width",), _shown(ratio), "m"),
+        Column("height", ("height",), _shown(ratio), "m"),
+        Column("alpha_c", ("alpha_c",), _shown(ratio), "rad"),
+        Column("p", ("p",), _shown(ratio), "1/s"),
+        Column("critical_impulse", ("critical_impulse",), _shown(ratio), "m/s"),
+        Column("restitutions", ("restitutions",), _restitutions),
+        Column("overturned_by", ("fallen", "total"), _of_all),
+        # the verdict on a body over all motions, and the worst for a motion
+        Column("verdict", ("found",), grade_cell),
+        Column("up_to", ("high",), _shown(ratio)),
+        Column("uplift", ("uplift",), _shown(ratio, STANDARD_GRAVITY), "g"),
+        Column("median_factor_50", ("median",), unexplained),
+        Column("median_safety_factor", ("median",), unexplained),
+        Column("top", ("top",), _shown(ratio), "cm"),
+        Column("turn", ("turn",), _shown(ratio), "deg"),
+        Column("worst", ("worst",), Cell),
+        Column("worst_for", ("worst_for",), Cell),
+    )
+}
+
+
+def columns(*names: str, **titles: str) -> tuple[Column, ...]:
+    """A selection of columns, some under another title."""
+    return tuple(replace(COLUMNS[name], title=titles.get(name) or COLUMNS[name].title) for name in names)
+
+
+def headed(selected: Iterable[Column]) -> tuple[Heading, ...]:
+    """The headings of some columns."""
+    return tuple(column.heading for column in selected)
+
+
+def filled(selected: Iterable[Column], rows: Rows) -> list[tuple[Cell, ...]]:
+    """The cells of some columns, row by row."""
+    made = [[column.cell(*one) for one in zip(*(rows[name] for name in column.of), strict=True)] for column in selected]
+    return list(zip(*made, strict=True))
+
+
+class AnswerRows:
+    """Answers of a model as the rows of a table: bodies under records, by their places."""
+
+    def __init__(self, answers: Answers, records: np.ndarray, lanes: np.ndarray) -> None:
+        self.answers, self.records, self.lanes = answers, records, lanes
+
+    @classmethod
+    def every(cls, answers: Answers) -> AnswerRows:
+        """All bodies under the first record, then under the next."""
+        records, lanes = np.indices((len(answers.records), len(answers.bodies)))
+        return cls(answers, records.ravel(), lanes.ravel())
+
+    def __getitem__(self, name: str) -> Sequence[Any]:
+        answers = self.answers
+        if name == "restitution":
+            return [answers.bodies[lane].restitution for lane in self.lanes]
+        if name == "block":
+            return [answers.bodies[lane].block for lane in self.lanes]
+        if name == "record":
+            return [answers.records[record] for record in self.records]
+        table = answers.source if name == "source" else answers[name]
+        found: list[Any] = (table[self.records] if table.ndim == 1 else table[self.records, self.lanes]).tolist()
+        return found
+
+
+def answer_columns(answers: Answers) -> dict[str, list[Cell]]:
+    """The answers of every model, in all rows of the answers, by the model."""
+    column = COLUMNS["answer"]
+    return {
+        name: [row[0] for row in filled([column], AnswerRows.every(one))] for name, one in answers.of_models.items()
+    }
+
+
+def factor_columns(answers: Answers) -> tuple[Column, ...]:
+    """The columns that tell how near to overturning a body is; none where that is not known."""
+    if not answers.told:
+        return ()
+    return columns("overturning_probability", "factor_10") if answers.probable else columns("safety_factor")

@@ -1,0 +1,154 @@
+"""The meaning of the figures and marks in tables of verdicts, only of those that are shown, and words for motions."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Iterable, Sequence
+
+import numpy as np
+
+from rocking.response import Outcome, Reason
+from rockpulse.assessment.answers import Answers, Motions, searched_up_to
+from rockpulse.assessment.verdict import BodyVerdict, sliding, worse_screens
+from rockpulse.model_table import MODELS, UPPER_BOUND, is_upper_bound
+from rockpulse.views.shared.columns import (
+    NONE_UP_TO,
+    OUTSIDE,
+    doubt_notes,
+    factor_cell,
+    record_cells,
+)
+from rockpulse.views.shared.table import Mark
+from rockpulse.views.shared.terminal import ratio, several
+from rockpulse.views.shared.words import say
+
+
+def factor_title(factor: str) -> str:
+    """The heading of a factor, by its variable."""
+    return say(f"column.{factor}.head")
+
+
+def factor_name(factor: str) -> str:
+    """The name of a factor in a sentence, by its variable."""
+    return say(f"factor.{factor}")
+
+
+def uncertainty_words(answers: Answers) -> str:
+    """The uncertainty that the probability of overturning is stated under, as the results tell it."""
+    return str(answers.summary["overturning_probability"].attrs.get("comment", "nonlinear model"))
+
+
+def factor_notes(answers: Answers, swept: bool = False) -> list[str]:
+    """The meaning of the columns that tell how near to overturning a body is; nothing where that is not known.
+
+    In the table of a sweep the factor is the smallest over direction.
+    """
+    if not answers.told:
+        return []
+    factor = answers[answers.factor]
+    of = "the main impulse (with I_s/I kept)" if answers.motions.kind == "sequence" else "the record"
+    of += ", over direction," if swept else ""
+    none = none_found(answers)
+    if answers.probable:
+        own = "" if swept else "P: probability of overturning under the record as it is; "
+        return [
+            f"{own}{factor_title('factor_10')}: {'smallest ' if swept else ''}factor on {of} at which P is 10 %; "
+            f"{uncertainty_words(answers)}.{none}"
+        ]
+    notes = [f"SF: smallest factor on {of} at which the block overturns by the {answers.model} model.{none}"]
+    if missed := missed_step(answers):
+        notes[0] += (
+            f" Bands narrower than the step of the search (up to {missed:.1%}) may lie below it: do not read it to two "
+            f"digits ([search] {MODELS[answers.model].grid})."
+        )
+    if bounds := np.count_nonzero(answers.bound):
+        notes.append(
+            f"!: from this factor on the model cannot answer, as in free flight ({bounds} of {answers.bound.size}):"
+            " a lower bound, below it no overturning was found."
+        )
+    rocks = (answers["outcome"] == Outcome.ROCKS) & (factor < 1.0)
+    if lucky := np.count_nonzero(rocks):
+        may = ", or may (!)" if np.any(rocks & answers.bound) else ""
+        rock, them = ("that rocks", "it") if lucky == 1 else ("that rock", "them")
+        notes.append(f"{lucky} with SF below 1 {rock}: a weaker record overturns {them}{may}.")
+    return notes
+
+
+def none_found(answers: Answers) -> str:
+    """A sentence behind others on where no factor was found; empty where one was found everywhere."""
+    factor = answers[answers.factor]
+    if not np.isinf(factor).any():
+        return ""
+    return f" {factor_cell(math.inf, searched_up_to(factor, answers.proven())).marked}{NONE_UP_TO.note[1:]}"
+
+
+def missed_step(answers: Answers) -> float:
+    """Width of the bands of factors that the search may miss; 0 in closed form."""
+    return max(float(np.nanmax(answers["search_step"], initial=1.0)) - 1.0, 0.0)
+
+
+def verdict_notes(answers: Answers, of_factors: list[str], marks: Collection[Mark]) -> list[str]:
+    """Notes to a table of the verdicts of all models, whose figures bear some marks.
+
+    Those on the column SF stand behind those on the figures.
+    """
+    notes = [
+        "Figures: largest rotation over the critical angle (theta_max/alpha_c). C: velocity ratio of an impact. "
+        "a/a_up: PGA over the acceleration of uplift. I/I_1c: main impulse over the one that overturns the block "
+        "alone.",
+        *([say("note.beyond_critical")] if beyond_critical(answers) else []),
+        *of_factors,
+    ]
+    if answers["pgv_drift"].any():
+        notes.append(
+            "~ (drift): the record's baseline drifts: its velocity does not end at zero, and PGV may be off by as much."
+        )
+    notes += [*doubt_notes(record_cells(answers.summary)), *cautions(answers.models)]
+    notes += [OUTSIDE.note] if OUTSIDE in marks else []
+    models = answers.of_models.values()
+    reasons = {int(code) for one in models for code in one["reason"][one["outcome"] == Outcome.UNRESOLVED]}
+    if reasons:
+        words = ", ".join(Reason(code).name.lower().replace("_", " ") for code in sorted(reasons))
+        notes.append(f"unresolved: the model cannot say ({words}).")
+    return notes
+
+
+def beyond_critical(answers: Answers) -> bool:
+    """Whether a rotation beyond the critical angle did not end in overturning."""
+    return any(
+        bool(((one["outcome"] == Outcome.ROCKS) & (one["peak_rotation_ratio"] > 1.0)).any())
+        for one in answers.of_models.values()
+    )
+
+
+def counted_motions(motions: Motions) -> str:
+    """The number of motions in words: "7 records of 2 earthquakes"."""
+    if motions.kind == "sequence":
+        return say("motions.sequence")
+    each = f", each in {motions.index.shape[1]} directions" if motions.kind == "pair" else ""
+    noun = "pair of channels" if motions.kind == "pair" else motions.kind
+    return f"{several(len(motions.names), noun)} of {several(motions.event_count, 'earthquake')}{each}"
+
+
+def body_notes(answers: Answers, found: Sequence[BodyVerdict]) -> list[str]:
+    """A sentence on every body that stands on a pedestal, and on every one whose friction does not hold it."""
+    notes = [
+        f"{alone}: of its screens, alone and with its pedestal as one body, that of {worst.body.name} is the worse "
+        f"({worst.word}, {ratio(worst.decides.value)}) and counts; motions of both parts at once are not modelled."
+        for alone, worst in worse_screens(answers, found)
+    ]
+    notes += [
+        f"{one.body.name}: {one.above} of {several(one.total, 'record')} ask for more friction than {one.friction:g} "
+        f"(up to {ratio(one.most)}): it would slide, which the rocking here leaves out."
+        for one in sliding(answers)
+    ]
+    return notes
+
+
+def cautions(names: Iterable[str]) -> list[str]:
+    """A sentence on each of the models whose input is an upper bound."""
+    return [
+        f"{name}: an {UPPER_BOUND} ({MODELS[name].upper_bound}), not a prediction."
+        for name in names
+        if is_upper_bound(name)
+    ]

@@ -1,0 +1,191 @@
+"""Margins as text: capacities against what the site asks for, and a table over direction for every pair of channels."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from rocking.response import Outcome
+from rockpulse.assessment.answers import Answers, Margin, lanes, swept_answers
+from rockpulse.record.record import STANDARD_GRAVITY
+from rockpulse.views.shared.columns import (
+    AT_MOST,
+    COLUMNS,
+    NAME_WIDTH,
+    NO_ANSWER,
+    NONE_UP_TO,
+    doubt,
+    doubt_notes,
+    factor_cell,
+    margin_cells,
+    marks_of,
+)
+from rockpulse.views.shared.notes import cautions, factor_name, factor_notes, factor_title
+from rockpulse.views.shared.table import Cell, Heading, Table, lines, number
+from rockpulse.views.shared.terminal import ABSENT, figure, paragraph, ratio, shortened
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+
+def smallest_capacities(answers: Answers, blocks: Collection[int] | None = None) -> str:
+    """Of every body the smallest and the median capacity over each demand; empty without a demand or a motion.
+
+    Only of the blocks at some places, where these are given.
+    """
+    motions = answers.motions
+    if not answers.demands or not motions.names:
+        return ""
+    of_demands = [answers.margins(demand=name) for name in answers.demands]
+    rows, every = [], []
+    for body, *margins in zip(answers.bodies, *of_demands, strict=True):
+        if blocks is None or body.place in blocks:
+            rows.append((body.block, body.restitution, list(map(_both, margins))))
+            every += margins
+    each = "the pairs" if motions.kind == "pair" else "the records"
+    of = f"{each}, each in its worst direction" if motions.kind == "pair" else each
+    marks = marks_of(cell for margin in every for cell in margin_cells(margin))
+    note = "Below 1: the record overturns the block before it is as strong as the demand."
+    if answers.probable:
+        note = "Below 1: brought to the demand, the record overturns the block with more than 10 % probability."
+    if NONE_UP_TO in marks:
+        note += f" {NONE_UP_TO.note}"
+    elif any(math.isinf(margin.smallest) or math.isinf(margin.median) for margin in every):
+        note += " none: no overturning found."
+    if NO_ANSWER in marks:
+        note += " !: a lower bound, from there on the model cannot answer."
+    if unknown := max(margin.unknown for margin in every):
+        note += f" -: not known; left out where others are ({unknown} of {each})."
+    if partial := max(margin.partial for margin in every):
+        note += f" {AT_MOST.note[:-1]} (up to {partial} of {each})."
+    if weak := max(margin.weak for margin in every):
+        note += f" Left out: those too weak for the search to reach the demand (up to {weak} of {each})."
+    heading = f"Capacity ({_capacity(answers)}) over demand: smallest and median of {of}"
+    return "\n".join([paragraph(heading), "", *_lines(answers, rows, NAME_WIDTH), "", paragraph(note, "  ")])
+
+
+def capacities(answers: Answers, of: str) -> list[str]:
+    """Lines with the capacity over each demand of every body, named by record or by block as `of` says."""
+    if not answers.demands:
+        return []
+    of_demands = [(answers.ratios(name), answers.proven(name)) for name in answers.demands]
+    rows = []
+    for row, record in enumerate(answers.records):
+        for lane, body in enumerate(answers.bodies):
+            at, bound = (row, lane), bool(answers.bound[row, lane])
+            cells = [factor_cell(float(ratio[at]), float(limit[at]), bound) for ratio, limit in of_demands]
+            rows.append((record if of == "record" else body.block, body.restitution, cells))
+    marks = marks_of(cell for *_, cells in rows for cell in cells)
+    notes = [paragraph(NONE_UP_TO.note, "  ")] if NONE_UP_TO in marks else []
+    table = _lines(answers, rows, None if of == "record" else NAME_WIDTH)
+    return [f"Capacity ({_capacity(answers)}) over demand:", *table, *notes, ""]
+
+
+def _capacity(answers: Answers) -> str:
+    return f"{factor_name(answers.factor)} x strength, {answers.model} model"
+
+
+def _lines(answers: Answers, rows: Sequence[tuple[str, float, list[Cell]]], width: int | None) -> list[str]:
+    """A table with a column for every demand."""
+    titles = [Heading(f"{name} ({demand.words})") for name, demand in answers.demands.items()]
+    c = COLUMNS["restitution"]
+    cells = tuple((Cell(name), c.cell(value), *more) for name, value, more in rows)
+    return ["  " + line for line in lines(Table("", "", (Heading("", width=width), c.heading, *titles), cells))]
+
+
+def _both(margin: Margin) -> Cell:
+    """The smallest and the median in one cell."""
+    if math.isnan(margin.smallest):
+        return Cell(ABSENT, math.nan)
+    return Cell(", ".join(cell.marked for cell in margin_cells(margin)), margin.smallest)
+
+
+def direction_table(summary: xr.Dataset, directions: xr.Dataset) -> str:
+    """Rotations and smallest factor over direction by the fullest model; by every model, how many overturn."""
+    answers = swept_answers(summary, directions)
+    count = directions.sizes["direction"]
+    of_factors = factor_notes(answers, swept=True)
+
+    def swept(name: str, model: str = answers.model) -> np.ndarray:
+        return lanes(directions, name, answers.bodies, model)
+
+    median, largest = swept("median_rotation_ratio"), swept("largest_rotation_ratio")
+    # A block that stays at rest in all directions has no azimuth of the largest.
+    largest_at = np.where(largest == 0.0, np.nan, swept("largest_azimuth"))
+    fallen = [(swept("overturning_share", model), swept("unanswered_count", model)) for model in answers.models]
+    factor, row_of_factor = answers.least_over_direction
+    titles = [factor_title(answers.factor), "at"] if of_factors else []
+    names, pair_headings, rows = [], [], []
+    for pair in range(directions.sizes["pair"]):
+        one = directions.isel(pair=pair)
+        names.append(_name(answers, one))
+        pair_headings.append("  ".join([names[-1].marked, *_strength(one)]))
+        index = directions["record_index"].values[pair]
+        for lane, body in enumerate(answers.bodies):
+            at = pair, lane
+            row = int(row_of_factor[at])
+            factor_at = directions["direction_azimuth"].values[index == row] if row >= 0 else [math.nan]
+            limit = float(np.min(answers.proven()[index[index >= 0], lane], initial=math.inf))
+            bound = row >= 0 and bool(answers.bound[row, lane])
+            smallest = (factor_cell(float(factor[at]), limit, bound), number(float(factor_at[0]), _degrees))
+            rows.append(
+                (
+                    Cell("  " + shortened(body.block, NAME_WIDTH)),
+                    COLUMNS["restitution"].cell(body.restitution),
+                    *(number(float(peaks[at]), _peak) for peaks in (median, largest)),
+                    number(largest_at[at], _degrees),
+                    *(smallest if titles else ()),
+                    *(_fallen(share[at] * count, silent[at]) for share, silent in fallen),
+                )
+            )
+    headings = map(Heading, ("", "C", "median", "largest", "at", *titles, *answers.models))
+    head, *laid = lines(Table("", "", tuple(headings), tuple(rows)))
+    # Over the columns of the models, what their figures are.
+    over = f"directions of {count} that overturn".rjust(len(head))
+    told, size = [], len(answers.bodies)
+    for place, heading in enumerate(pair_headings):
+        told += ["", heading, over, head, *laid[place * size : (place + 1) * size]]
+    smallest_of = f" Smallest {factor_name(answers.factor)}, and its azimuth." if of_factors else ""
+    notes = [
+        f"Median and largest over {count} directions of theta_max/alpha_c by the {answers.model} model, and the "
+        "azimuth of the largest (where several overturn: of the one that does so first)."
+        f"{smallest_of} Then, by model, how many directions overturn; +1?: one more has no "
+        "answer. -: not known without it.",
+        *of_factors,
+        *doubt_notes(names),
+        "The directions are records: rockpulse inspect RESULTS --record ID shows one, --block NAME all of them.",
+    ]
+    notes += cautions(answers.models)
+    return "\n".join([*told[1:], "", *(paragraph(note, "  ") for note in notes)])
+
+
+def _name(answers: Answers, pair: xr.Dataset) -> Cell:
+    """The name of one pair, marked where the records that it is turned to are doubtful."""
+    index = pair["record_index"].values
+    codes = " ".join(map(str, answers["warning_codes"][index[index >= 0]]))
+    return Cell(str(pair["pair"].item()), marks=doubt(pair["pga_largest"].item(), codes))
+
+
+def _strength(pair: xr.Dataset) -> list[str]:
+    parts = []
+    for title, name, unit, scale in (("PGA", "pga", "g", STANDARD_GRAVITY), ("I", "main_impulse", "m/s", 1.0)):
+        median, largest, azimuth = (pair[f"{name}_{what}"].item() for what in ("median", "largest", "azimuth"))
+        if not math.isnan(largest):
+            shown = f"{figure(median / scale)} (median), {figure(largest / scale, unit)} (at {_degrees(azimuth)})"
+            parts.append(f"{title} {shown}")
+    return parts
+
+
+def _fallen(overturn: float, unanswered: int) -> Cell:
+    return Cell(f"{overturn:.0f}" + (f" +{unanswered}?" if unanswered else ""), overturn)
+
+
+def _peak(peak: float) -> str:
+    return Outcome.OVERTURNS.name if math.isinf(peak) else ratio(peak)
+
+
+def _degrees(azimuth: float) -> str:
+    return ABSENT if math.isnan(azimuth) else f"{azimuth:g}°"

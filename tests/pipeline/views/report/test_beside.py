@@ -1,0 +1,257 @@
+"""Files that do not belong together: a curve of another body is never shown, other ground motions are named."""
+
+import html
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import xarray as xr
+from nominal import ida
+from site_spectra import BLOCKS, usual_site
+from site_spectra import site_of as spectrum_site
+
+import rockpulse as rp
+from rockpulse import CalibrationSettings, ConditioningSettings, SearchSettings
+from rockpulse.errors import Failure, ResultsError
+from rockpulse.models import Block
+from rockpulse.remark import Remark, as_stored
+from rockpulse.storage.variables import failure_table
+from rockpulse.studies.site.calibration import design_of
+from rockpulse.views.report.beside import Paired, describe_fragility, paired
+from rockpulse.views.report.content import gather
+from rockpulse.views.report.writing import report_page, typeset
+from rockpulse.views.shared.table import text
+from rockpulse.views.shared.terminal import shortened
+from rockpulse.views.text.fragility import BEYOND, fragility_overview, median_table, sufficiency_tables
+from rockpulse.views.text.site import site_overview, site_tables
+
+CURVES = rp.Config(search=SearchSettings(points=24), fragility=ida(limit_states=("uplift",), measures=("pga",)))
+
+
+def changed(tree, group, **values):
+    """A copy with other values of some variables."""
+    found = tree.copy()
+    part = found[group].to_dataset().copy(deep=True)
+    for name, factor in values.items():
+        part[name].values[0] = part[name].values[0] * factor
+    found[group] = type(tree)(part)
+    return found
+
+
+def curves_of(results, fragility):
+    """What the section on fragility says."""
+    return gather(results, fragility=paired(results, fragility, "fragility", "it")).fragility
+
+
+def site_of(results, site):
+    """What the section on the site says."""
+    return gather(results, paired(results, site, "site calibration", "it")).site
+
+
+@pytest.mark.parametrize("number", ["p", "alpha_c", "restitution"])
+def test_a_curve_of_another_body_of_the_same_name_is_refused(results, fragility, number):
+    other = changed(fragility, "fragility", **{number: 1.00001})
+    with pytest.raises(
+        ResultsError, match=r'another body of the name "stele": p .*; in the results it has p '
+    ) as caught:
+        report_page(results, fragility=other)
+    summary = results["summary"].sel(block="stele")
+    for tree in (summary, other["fragility"].sel(block="stele")):
+        assert f"{float(tree[number]):.7g}" in str(caught.value)
+    assert "run 'rockpulse fragility' again" in str(caught.value)
+    assert paired(results, changed(fragility, "fragility", **{number: 1.0 + 1e-9}), "fragility", "it").missing == ()
+
+
+def test_a_site_judged_on_another_body_of_the_same_name_is_refused(results, site):
+    with pytest.raises(ResultsError, match=r'this site file has another body of the name "stele"'):
+        report_page(results, changed(site, "site", alpha_c=1.01))
+
+
+def test_a_file_is_named_in_the_refusal(tmp_path, results, fragility):
+    path = tmp_path / "curves.h5"
+    rp.save(changed(fragility, "fragility", p=2.0), path)
+    with pytest.raises(ResultsError, match=r"curves\.h5: this fragility file has another body"):
+        report_page(results, fragility=path)
+
+
+def test_bodies_of_one_file_only_are_named_and_their_curves_left_out(results, bursts, bodies):
+    stele, other = bodies["stele"], Block(0.3, 2.0)
+    found = curves_of(results, rp.fragility_curves(bursts, CURVES, {"stele": stele, "other": other}))
+    assert "Left out, for they are not among the bodies assessed here: the curves of other." in found.remarks
+    assert any(words.startswith("Without curves, for the fragility file lacks them: pier") for words in found.remarks)
+    assert found.blocks == ("stele",)
+    assert {row[0].text for row in found.tables[0].rows} == {"stele"}
+    with pytest.raises(ResultsError, match=r"none of its bodies \(other\) is a body of the results \(stele"):
+        report_page(results, fragility=rp.fragility_curves(bursts, CURVES, {"other": other}))
+
+
+def test_restitutions_are_matched_by_their_numbers(bursts):
+    """A body of one restitution keeps its name beside one of two."""
+    two = {"wall": Block(0.125, 1.1, restitution=np.array([0.8, 0.9])), "column": Block(0.5, 3.5, restitution=0.97)}
+    curves = rp.fragility_curves(bursts, CURVES, two)
+    found = paired(rp.assess(bursts, CURVES, two), curves, "fragility", "it")
+    assert found.tree["fragility"]["block"].values.tolist() == ["wall C 0.8", "wall C 0.9", "column"]
+    one = rp.assess(bursts, CURVES, {"wall": Block(0.125, 1.1, restitution=0.9)})
+    found = paired(one, curves, "fragility", "it")
+    assert found.tree["capacities"]["block"].values.tolist() == ["wall C 0.9"]
+    assert found.foreign == ("wall C 0.8", "column")
+    other = rp.assess(bursts, CURVES, {"wall": Block(0.13, 1.1, restitution=0.9)})
+    with pytest.raises(ResultsError, match="another body of the name"):
+        paired(other, curves, "fragility", "it")
+
+
+def test_curves_of_other_ground_motions_say_so(results, bursts, bodies, fragility):
+    words = "The curves are of other ground motions than the verdict"
+    assert curves_of(results, fragility).remarks == ()
+    part = rp.assess(bursts[:1], CURVES, bodies)
+    assert curves_of(part, rp.fragility_curves(bursts[1:], CURVES, bodies)).remarks[0].startswith(words)
+    assert paired(results, fragility, "fragility", "it").same == 4
+    stronger = changed(results, "summary", pga=1.1)
+    found = paired(stronger, fragility, "fragility", "it")
+    assert (found.same, found.changed) == (3, ("burst0",))
+    assert found.other_motions("fragility", 4) == [
+        "Another motion here than there, by its PGA, under the same name: burst0."
+    ]
+
+
+def test_records_that_are_compared_by_name_only_say_so(results, bursts, bodies, fragility):
+    by_name = "Their records were compared by name only: PGA is not among the measures of the file."
+    without = replace(CURVES, fragility=ida(limit_states=("uplift",), measures=("pgv",)))
+    assert by_name in curves_of(results, rp.fragility_curves(bursts, without, bodies)).remarks
+    assert by_name not in curves_of(results, fragility).remarks
+
+
+def test_other_settings_of_the_motions_are_told(results, bursts, bodies):
+    fragility = rp.fragility_curves(bursts, replace(CURVES, conditioning=ConditioningSettings(order=4)), bodies)
+    assert curves_of(results, fragility).remarks == (
+        "The motions were made with other settings: [conditioning] order = 4, here 2.",
+    )
+
+
+def test_another_gravity_is_told(results, fragility):
+    here, there = results.copy(), fragility.copy()
+    here.attrs["configuration"], there.attrs["configuration"] = (
+        f'[[block]]\nname = "stele"\ngravity = {gravity}' for gravity in (9.80665, 9.81)
+    )
+    assert paired(here, there, "fragility", "it").settings == ("[[block]] gravity = 9.81, here 9.80665",)
+
+
+def test_curves_by_another_equation_say_so(results, bursts, bodies):
+    linear = replace(CURVES, fragility=replace(CURVES.fragility, equation="linear"))
+    assert curves_of(results, rp.fragility_curves(bursts, linear, bodies)).remarks == (
+        "The curves are by the linear equation of motion, the verdict is by the nonlinear model.",
+    )
+
+
+def test_a_site_of_other_records_says_so(results, site, bodies, bursts):
+    part = rp.assess(bursts[:1], CURVES, bodies)
+    others = rp.calibrate_site(
+        bursts[1:], rp.Config(calibration=CalibrationSettings(method="statistics", bootstrap=100)), bodies
+    )
+    words = "The calibration and its design are of other ground motions than the verdict"
+    assert site_of(part, others).remarks[0].startswith(words)
+    assert not any(words in remark for remark in site_of(results, site).remarks)
+
+
+def test_a_sequence_that_is_not_the_design_of_the_site_is_refused(tmp_path, site, bodies):
+    rp.save(site, tmp_path / "site.h5")
+    design = rp.load_design(tmp_path / "site.h5")
+    words = " ".join(site_of(rp.assess_sequence(design, blocks=bodies), site).statements)
+    assert "The verdict of this report is that of its design sequence." in words
+    assert "among the" not in words
+    for other in (replace(design, main=1.01 * design.main), replace(design, spacing="middle")):
+        with pytest.raises(ResultsError, match="is not the design of this site: I "):
+            site_of(rp.assess_sequence(other, blocks=bodies), site)
+
+
+def test_a_site_by_the_spectrum_is_shown_beside_its_design_and_another_is_refused():
+    bodies = {name: BLOCKS[name] for name in ("wall", "pier")}
+    assessed = rp.assess_sequence(design_of(usual_site()), blocks=bodies)
+    part = site_of(assessed, usual_site())
+    assert any("quantile of the overturning spectra of 10 records of 10 earthquakes" in one for one in part.statements)
+    assert [table.key for table in part.tables] == ["site-design", "site-sequence"]
+    page = report_page(assessed, usual_site())
+    assert "Records of the site, scaled as they were calibrated, overturn" not in page  # none overturns the pier
+    with pytest.raises(ResultsError, match="is not that of this site: the factor of wall is "):
+        site_of(rp.assess_sequence(design_of(spectrum_site(np.linspace(0.6, 1.5, 10))), blocks=bodies), usual_site())
+
+
+@pytest.fixture
+def curves(fragility):
+    """A copy of the node /fragility, to be changed."""
+    return fragility["fragility"].to_dataset().copy(deep=True)
+
+
+def with_curves(fragility, curves):
+    tree = fragility.copy()
+    tree["fragility"] = type(tree)(curves)
+    return tree
+
+
+def test_the_page_and_the_terminal_show_the_same_cells(whole_page, site, fragility):
+    page = html.unescape(whole_page)
+    of_site = site["site"].to_dataset()
+    tables = {
+        site_overview(site): site_tables(of_site),
+        fragility_overview(fragility): (median_table(fragility),),
+    }
+    for shown, of_file in tables.items():
+        for table in of_file:
+            assert f'<table id="{table.key}">' in page
+            for row in table.rows:
+                for cell, heading in zip(row, table.headings, strict=True):
+                    assert f">{cell.marked}<" in page
+                    told = shortened(cell.text, heading.width or 100)
+                    assert (told.upper() if cell.grade == "bad" else told) in shown
+
+
+def test_a_median_beyond_every_level_is_marked_and_explained_only_where_there_is_one(fragility, curves):
+    curves["extrapolated"][:] = 0
+    assert BEYOND.note not in text(median_table(with_curves(fragility, curves)))
+    curves["extrapolated"][:] = 1
+    curves["median"][:] = 0.5
+    curves["median"].loc[{"limit_state": "overturning"}] = np.nan
+    table = median_table(with_curves(fragility, curves))
+    by_state = {row[1].text: row[2].marked for row in table.rows}
+    assert by_state.pop("overturning") == "-"  # nothing is extrapolated where there is no median
+    assert set(by_state.values()) == {"0.50!"}
+    assert table.notes[-1] == BEYOND.note
+
+
+def test_a_band_is_shown_with_both_ends(fragility, curves):
+    curves["median_low"][:], curves["median_high"][:] = 0.3, np.inf
+    table = median_table(with_curves(fragility, curves))
+    assert {(row[3].text, row[4].text) for row in table.rows} == {("0.30", "no limit")}
+    assert [(one.title, one.note) for one in table.headings[3:5]] == [("low", "90 %"), ("high", "90 %")]
+
+
+def test_a_limit_state_of_rotation_is_named_in_both_tables(fragility, curves):
+    curves = curves.assign_coords(limit_state=["0.4", "overturning"])
+    curves["statement_values"][:] = as_stored([Remark("no_maximum")])
+    of = Paired(with_curves(fragility, curves), (), (), 0, 0, (), ())
+    medians, said, depends = describe_fragility(of, 0, "nonlinear").tables
+    assert {row[1].text for row in medians.rows} == {"θ_max/α_c ≥ 0.4", "overturning"}
+    assert {row[1].text for row in said.rows} == {"θ_max/α_c ≥ 0.4, overturning"}
+    assert depends == sufficiency_tables(fragility["efficiency"].to_dataset())[0]
+
+
+def test_small_print_of_the_headings_is_a_note_on_the_terminal(site, fragility, whole_page):
+    page, of_site = html.unescape(whole_page), site["site"].to_dataset()
+    tables = {
+        site_overview(site): site_tables(of_site),
+        fragility_overview(fragility): (median_table(fragility),),
+    }
+    for shown, of_file in tables.items():
+        told = " ".join(shown.split())
+        for heading in (one for table in of_file for one in table.headings if one.note):
+            assert f"<small>{typeset(heading.note)}</small>" in page
+            assert f": {heading.note}." in told
+    assert "dispersion, low, high: of the logarithm." in " ".join(site_overview(site).split())
+
+
+def test_the_files_that_curves_do_not_rest_on_are_said_before_them(fragility, curves):
+    tree = with_curves(fragility, curves)
+    tree["failures"] = xr.DataTree(failure_table([Failure("a.asc", "read", "a.asc: no reader", "failed")]))
+    files = tree["capacities"].sizes["record"]
+    first, *_ = describe_fragility(Paired(tree, (), (), 0, 0, (), ()), 0, "nonlinear").remarks
+    assert first == f"{files} of {files + 1} files used, 1 not: no reader (a.asc)."

@@ -1,0 +1,164 @@
+"""The words of every language: none is missing, none has other fields, and a page holds no English in between."""
+
+import ast
+import re
+from dataclasses import replace
+from importlib.resources import files
+from pathlib import Path
+from string import Formatter
+
+import pytest
+from page_texts import QUOTED, page_texts
+from results_tree import results_tree
+
+import rockpulse as rp
+from rocking.response import Reason
+from rockpulse.errors import ConfigError
+from rockpulse.model_table import MODELS
+from rockpulse.remark import TEMPLATES, Remark
+from rockpulse.views.report.content import REFERENCE
+from rockpulse.views.report.writing import report_page
+from rockpulse.views.shared.columns import columns, filled
+from rockpulse.views.shared.files_used import files_used
+from rockpulse.views.shared.terminal import between, ratio
+from rockpulse.views.shared.words import LANGUAGES, in_numerals, remark_words, say, table, writing
+
+WORDS = table("en")
+OTHERS = [language for language in LANGUAGES if language != "en"]
+
+#: Sections of other languages for what is declared in English below the views.
+BELOW = ("remarks", "model_words", "parameters", "measures")
+
+
+def fields(text):
+    return {name for _, name, _, _ in Formatter().parse(text) if name}
+
+
+@pytest.mark.parametrize("language", OTHERS)
+def test_no_word_is_missing_and_no_field_differs(language):
+    other = {key: text for key, text in table(language).items() if key.partition(".")[0] not in BELOW}
+    assert set(other) == set(WORDS)
+    assert {key for key, text in WORDS.items() if fields(text) != fields(other[key])} == set()
+    assert {text for text in other.values() if not text.strip()} == set()
+
+
+@pytest.mark.parametrize("language", OTHERS)
+def test_what_is_declared_below_has_words(language):
+    told = {key.partition(".")[2]: text for key, text in table(language).items() if key.startswith("remarks.")}
+    assert {code for code, text in told.items() if fields(text) != fields(TEMPLATES[code])} == set()
+    assert {f"model_words.{name}" for name in MODELS} <= set(table(language))
+    assert {f"models.{name}" for name in MODELS} <= set(WORDS)
+    assert {f"unknown.{reason.name.lower()}" for reason in Reason if reason} <= set(WORDS)
+
+
+def test_every_word_is_asked_for_somewhere():
+    folder = Path(str(files("rockpulse.views")))
+    text = "\n".join(one.read_text(encoding="utf-8") for one in folder.rglob("*") if one.suffix in (".py", ".html"))
+    tops = {key.partition(".")[0] for key in WORDS if "." in key}
+    assert {top for top in tops if f"{top}." not in text and f'"{top}"' not in text} == set()
+    assert {key for key in WORDS if "." not in key and f'"{key}"' not in text} == set()
+
+
+def test_every_word_that_is_asked_for_is_there():
+    asked = set()
+    for path in Path(str(files("rockpulse.views"))).rglob("*.py"):
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.Call) and getattr(node.func, "id", "") == "say":
+                asked |= {one.value for one in node.args[:1] if isinstance(one, ast.Constant)}
+    assert len(asked) > 100
+    assert asked - set(WORDS) == set()
+
+
+def test_numbers_have_the_decimal_sign_of_the_language_and_names_stay():
+    with writing("it"):
+        assert ratio(0.412) == "0,41"
+        assert between(0.007, 0.94, ratio) == "da 0,007 a 0,94"
+        rows = {"factor_10": [1.31, float("inf")], "factor_10_low": [1.0, 12.5]}
+        (cell,), (none,) = filled(columns("factor_10"), rows)
+        assert (cell.marked, none.marked) == ("1,31", ">12,5")
+        assert in_numerals("CI.CCC..360@20190706T031937, 1.5 s") == "CI.CCC..360@20190706T031937, 1,5 s"
+        assert say("answer.at_rest") == "fermo"
+    assert ratio(0.412) == "0.41"
+
+
+def test_a_remark_is_told_by_its_code_and_values():
+    left = Remark("left_none")
+    remark = Remark("set_by", name="wall 2.5", share=0.25, left=left)
+    assert remark_words(remark) == str(remark)
+    with writing("it"):
+        told = remark_words(remark)
+        assert "wall 2.5: appena sotto" in told
+        assert "25%" in told
+        assert "non resta alcun blocco" in told
+        assert remark_words(Remark("clipped", count=8, end="largest")).startswith("8 samples")  # a reader's
+
+
+def test_an_italian_page():
+    page = report_page(results_tree(), language="it")
+    assert '<html lang="it">' in page
+    front = page.split('id="annex"')[0]
+    for words in ("Giudizio", "Su che cosa si basa", "terremoti", "Non considerati: scorrimento"):
+        assert words in front
+    for words in ("earthquake", "verdict<", "Not covered", "smallest", "overturns"):
+        assert words not in front.split("<body>")[1]
+
+
+def words_in(texts):
+    """The words of four letters and more."""
+    return {word.lower() for text in texts for word in re.findall(r"\b[^\W\d_]{4,}\b", text)}
+
+
+def told(words):
+    """The texts of a language without their fields."""
+    every = table(words).values()
+    return [QUOTED.sub("", "".join(text for text, *_ in Formatter().parse(one))) for one in every]
+
+
+@pytest.fixture(scope="module")
+def of_intervals(bursts, bodies, config):
+    """Results with intervals of overturning in place of a probability."""
+    settings = replace(
+        config,
+        search=replace(config.search, intervals=True),
+        uncertainty=replace(config.uncertainty, probability=False),
+    )
+    return rp.assess(bursts, settings, bodies)
+
+
+@pytest.fixture(scope="module")
+def of_sequence(site, bodies, config, tmp_path_factory):
+    """The design sequence of the site, assessed."""
+    path = tmp_path_factory.mktemp("site") / "site.h5"
+    rp.save(site, path)
+    return rp.assess_sequence(rp.load_design(path), config, bodies)
+
+
+@pytest.mark.parametrize("language", OTHERS)
+@pytest.mark.parametrize("case", ["results", "of_intervals", "of_sequence", "by hand"])
+def test_no_english_word_is_left_on_a_page(request, language, case, site, fragility):
+    beside = () if case in ("of_intervals", "by hand") else (site, fragility)
+    results = results_tree(cases=2) if case == "by hand" else request.getfixturevalue(case)
+    english = words_in(told("en")) - words_in(told(language))
+    assert {"overturns", "records", "uplift", "earthquakes"} <= english
+    axes = ("record", "block", "event", "source")
+    names = {str(name) for axis in axes if axis in results["summary"] for name in results["summary"][axis].values}
+    names |= {str(name) for name in site["site"]["event"].values} | {REFERENCE}
+    names.add(files_used(results).reasons or REFERENCE)
+    facts = [table(language)[f"fact.{name}"] for name in ("warnings", "processing", "source", "component")]
+    texts = page_texts(report_page(results, *beside, language=language), facts, sorted(names, key=len, reverse=True))
+    assert len(texts) > 100
+    assert {text: found for text in texts if (found := words_in([text]) & english)} == {}
+
+
+def test_the_numbers_of_pictures_have_the_decimal_sign_of_the_language(results, site, fragility):
+    page = report_page(results, site, fragility, language="it")
+    pictures = re.findall(r"<svg.*?</svg>", page, re.DOTALL)
+    assert len(pictures) > 10
+    texts = [text for one in pictures for text in re.findall(r"<text[^>]*>(.*?)</text>", one, re.DOTALL)]
+    assert [text for text in texts if re.search(r"\d\.\d", re.sub(r"<[^>]*>", "", text))] == []
+    assert sum(bool(re.search(r"\d,\d", re.sub(r"<[^>]*>", "", text))) for text in texts) > 50
+
+
+def test_a_language_without_words_is_named():
+    with pytest.raises(ConfigError, match="no words for 'fr'"), writing("fr"):
+        pass

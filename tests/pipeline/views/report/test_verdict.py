@@ -1,0 +1,222 @@
+"""The verdict in words: its sentences, and its table."""
+
+import math
+
+import numpy as np
+import pytest
+import xarray as xr
+from report_cases import answers, motions, probable, summary_of, verdict
+from results_tree import results_tree
+
+from rocking.response import Outcome
+from rockpulse.assessment.verdict import Grade
+from rockpulse.errors import ResultsError
+from rockpulse.selection.events import UNKNOWN
+from rockpulse.storage.variables.summary import SUMMARY
+from rockpulse.views.report.verdict import (
+    TO,
+    acceleration,
+    basis,
+    body_table,
+    counted_by,
+    legend,
+    model_words,
+    motions_words,
+    of_unknown_event,
+    sentence,
+)
+from rockpulse.views.report.writing import report_page
+from rockpulse.views.shared.columns import grade_cell
+
+
+@pytest.mark.parametrize(
+    ("probability", "words", "grade", "value"),
+    [
+        ([0.0, 0.0999], "rocks", "fair", "0.050"),  # by two earthquakes alone
+        ([0.0, 0.1], "may overturn", "fair", "0.050"),
+        ([0.9, 0.2], "overturns", "bad", "0.55"),
+        ([math.nan, 0.2], "not known", "unknown", "0.20"),
+    ],
+)
+def test_a_body_in_a_word_and_in_a_sentence(probability, words, grade, value):
+    summary = probable(probability)
+    found = verdict(summary)
+    cell = grade_cell(found)
+    assert (cell.text, cell.grade) == (words, grade)
+    told = sentence(answers(summary), found)
+    assert told.startswith(f"Probability of overturning {value}, up to ")
+    assert told.endswith("(end of the 90 % interval), under 2 records of 2 earthquakes, as they were recorded.")
+
+
+def test_the_demand_of_the_site_decides():
+    """Its probability at the demand, whatever the records do as they are."""
+    summary = probable([0.9] * 5, at_demand=[0.0, 0.2, 0.1, 0.1, 0.0], demand=0.5)
+    summary = summary.assign(limit_state=(("demand",), ["collapse"]))
+    found = verdict(summary)
+    assert (found.grade, found.overall) == (Grade.OVERTURNS, Grade.MAY_OVERTURN)
+    cell = grade_cell(found)
+    assert (cell.text, cell.grade) == ("may overturn", "fair")
+    told = sentence(answers(summary), found)
+    assert told.startswith("Probability of overturning 0.080, up to ")
+    assert told.endswith("at the demand “ULS”, from 5 earthquakes.")
+    table = body_table(answers(summary), [found])
+    shown = {heading.title: cell.marked for heading, cell in zip(table.headings, table.rows[0], strict=True)}
+    assert shown["P at “ULS”"].startswith("0.080 (")
+    assert shown["P as recorded"].startswith("0.90 (")
+
+
+def test_fewer_than_five_earthquakes_at_the_demand_are_no_verdict():
+    summary = probable(
+        [0.0] * 6, at_demand=[0.9, 0.9, 0.9, 0.9, math.nan, math.nan], demand=1.0, to_demand=[1, 2, 3, 4, 5, 0.2]
+    )
+    found = verdict(summary)
+    assert (grade_cell(found).text, grade_cell(found).grade) == ("no verdict", "unknown")
+    told = sentence(answers(summary), found)
+    assert told.startswith("Probability of overturning 0.90, up to ")
+    assert told.endswith("from 4 earthquakes (left out: 2 motions too far from it); 5 are needed for a verdict.")
+
+
+def test_under_a_design_sequence_there_is_no_probability():
+    summary, of = summary_of([1.6]), motions(1, kind="sequence")
+    found = verdict(summary, of)
+    assert (found.grade, grade_cell(found).text) == (Grade.ROCKS, "rocks")
+    told = sentence(answers(summary, of), found)
+    assert told == (
+        "Neither the design sequence nor a weaker one overturns it; smallest factor on its main impulse at which it "
+        "overturns: 1.60."
+    )
+    assert "That is not called safe" in counted_by(answers(summary, of))
+    titles = [heading.title for heading in body_table(answers(summary, of), [found]).headings]
+    assert not {"P", "share", "interval"} & set(titles)
+    assert verdict(summary_of([0.9]), motions(1, kind="sequence")).grade == Grade.OVERTURNS
+
+
+def test_what_the_words_mean_is_said_with_their_limits():
+    words = counted_by(answers(probable([0.1, 0.2], demand=2.0)))
+    assert "Overturns: 0.5 or more. May overturn: 0.05 or more." in words
+    assert "each by one factor, a pair by the geometric mean of both; factors outside 0.25 to 4 are left out" in words
+    words = counted_by(answers(summary_of([2.0])))
+    assert words.startswith("The share of earthquakes")
+
+
+def test_a_direction_that_overturns_is_told_though_another_is_missing():
+    """Its smallest factor may be smaller still, so that the median is that of the others."""
+    of = motions(4, rows=[[0, 1], [2, 3]], missing=[True, False], kind="pair")
+    summary = summary_of([0.4, math.nan, 2.0, 3.0], outcomes=[Outcome.OVERTURNS] + [Outcome.ROCKS] * 3, demand=0.5)
+    found = verdict(summary, of)
+    assert found.grade == Grade.OVERTURNS
+    assert (found.margin.smallest, found.margin.open, found.margin.median) == (0.4, True, 2.0)
+    assert (found.governing, found.demands[0].margin.smallest, found.demands[0].margin.open) == (0, 0.8, True)
+    table = body_table(answers(summary, of), [found])
+    shown = dict(zip((heading.title for heading in table.headings), table.rows[0], strict=True))
+    assert shown["smallest SF"].marked == "≤0.40"
+    assert shown["share as recorded"].marked.startswith("0.50 (")
+    whole = verdict(summary_of([0.4, 0.9, 2.0, 3.0]), motions(4, rows=[[0, 1], [2, 3]], kind="pair"))
+    assert (whole.margin.smallest, whole.margin.open, whole.margin.median) == (0.4, False, pytest.approx(1.2))
+
+
+def test_the_table_of_bodies_has_the_probability_with_its_interval():
+    summary = probable([0.0] * 10, factor_10=np.full(10, math.inf))
+    table = body_table(answers(summary), [verdict(summary)])
+    shown = {heading.title: cell.marked for heading, cell in zip(table.headings, table.rows[0], strict=True)}
+    assert shown["verdict"] == "rocks"
+    assert (shown["P as recorded"], shown["smallest factor of 10 %"]) == (f"0 (0{TO}0.26)", ">10")
+
+
+def test_motions_of_unknown_earthquake_make_no_earthquake_more():
+    summary = probable([0.0, 0.0, 0.9])
+    of = motions(3, events=["A", "B", UNKNOWN])
+    assert of.event_count == 2
+    assert verdict(summary, of).share.value == pytest.approx(0.3)
+    assert "Not counted is: 1 motion" in of_unknown_event(of)
+    of = motions(3, events=[UNKNOWN] * 3)
+    assert (of.event_count, verdict(summary, of).share.value) == (1, pytest.approx(0.3))
+    assert "As one earthquake counts" in of_unknown_event(of)
+
+
+def test_what_an_upper_bound_overturns_is_not_shown_to_fail_the_demand():
+    summary = summary_of([0.9] * 5, demand=2.0).assign_coords(model=["resonance"])
+    found = verdict(summary, model="resonance")
+    assert grade_cell(found).text == "may overturn"
+
+
+def test_without_a_search_nothing_is_known_of_the_demand():
+    summary = summary_of([math.nan] * 5, outcomes=[Outcome.ROCKS] * 5, demand=2.0)
+    found = verdict(summary)
+    assert (found.overall, found.word) == (Grade.NOT_KNOWN, "not known")
+
+
+def test_a_body_that_nothing_lifts_stays_and_nothing_is_said_of_stronger_motions():
+    summary = probable([0.0, 0.0], uplift=0.0, factor_10=[math.inf] * 2, outcomes=[Outcome.AT_REST] * 2)
+    told = sentence(answers(summary), verdict(summary))
+    assert told == "Not one of 2 records of 2 earthquakes lifts it; they say nothing of stronger ones."
+    assert grade_cell(verdict(summary)).text == "stays"
+
+
+def test_a_sequence_that_overturns_is_said_to_and_an_unknown_factor_is_not_told():
+    of = motions(1, kind="sequence")
+    for factors, outcome, words in (
+        ([0.9], Outcome.OVERTURNS, "The design sequence, or a weaker one, overturns it; smallest factor on its main"),
+        ([math.nan], Outcome.OVERTURNS, "The design sequence, or a weaker one, overturns it."),
+        ([math.nan], Outcome.ROCKS, "Neither the design sequence nor a weaker one overturns it."),
+    ):
+        summary = summary_of(factors, outcomes=[outcome])
+        assert sentence(answers(summary, of), verdict(summary, of)).startswith(words)
+
+
+def test_the_motions_are_counted_by_their_kind():
+    known = {"events": ["A", "B", "A"]}
+    assert motions_words(motions(3, **known)) == "3 records of 2 earthquakes"
+    pairs = {"rows": [[0, 1], [2, 3], [4, 5]], "kind": "pair"}
+    worst, mean = (motions_words(motions(6, any_azimuth=any_, **known, **pairs)) for any_ in (False, True))
+    assert worst == "3 pairs of channels of 2 earthquakes, each in the worst of 2 directions"
+    assert mean == "3 pairs of channels of 2 earthquakes, each over 2 directions that count alike"
+    sequence = motions_words(motions(1, kind="sequence"))
+    assert sequence == "one design sequence, which stands for the records of its site calibration"
+
+
+def test_what_the_verdicts_rest_on_names_model_motions_files_and_demands():
+    summary = probable([0.1, 0.2], demand=2.0)
+    plain = basis(answers(summary), "")
+    assert plain.startswith("By the nonlinear model, under 2 records of 2 earthquakes. The demand “ULS”: ")
+    assert plain.count("m/s²") == 1
+    assert basis(answers(summary), "one file unused") == plain.replace(
+        "earthquakes.", "earthquakes (one file unused).", 1
+    )
+    stated = summary.assign(limit_state=(("demand",), ["collapse"]))
+    assert basis(answers(stated), "") == plain.removesuffix(".") + ", collapse."
+    assert basis(answers(probable([0.1, 0.2])), "") == "By the nonlinear model, under 2 records of 2 earthquakes."
+
+
+def test_the_figures_of_the_table_are_explained_as_they_are_counted():
+    assert legend(answers(probable([0.1]))).startswith("P: probability that a motion overturns the body")
+    share = legend(answers(summary_of([2.0])))
+    assert share.startswith("Share: of the earthquakes")
+    assert "Overturns: 0.5 or more; may overturn: 0.05 or more" in share
+    of = motions(1, kind="sequence")
+    assert legend(answers(summary_of([2.0]), of)).startswith("SF: smallest factor on the main impulse")
+    assert counted_by(answers(probable([0.1]))).startswith("P is the probability that a motion overturns")
+    assert "brought to the demand" not in counted_by(answers(probable([0.1])))
+
+
+def test_nothing_is_said_of_earthquakes_that_are_all_known():
+    assert of_unknown_event(motions(3)) == ""
+
+
+def test_a_model_that_bounds_from_above_is_named_as_that():
+    assert model_words("nonlinear") == "nonlinear model"
+    assert model_words("resonance") not in ("resonance model", "")
+
+
+def test_an_acceleration_is_told_in_both_units():
+    assert acceleration(9.80665 / 4.0) == "2.45 m/s² (0.25 g)"
+
+
+def test_a_pedestal_of_a_body_that_is_not_there_is_an_error_in_words():
+    tree = results_tree()
+    summary = tree["summary"].to_dataset()
+    names = np.full(summary.sizes["block"], "", dtype=object)
+    names[0] = "nobody"
+    tree["summary"] = xr.DataTree(summary.assign(pedestal_of=SUMMARY["pedestal_of"].variable(names)))
+    with pytest.raises(ResultsError, match="/summary/pedestal_of: expected the name of a body, found 'nobody'"):
+        report_page(tree)

@@ -1,0 +1,154 @@
+"""Columns: each is declared once, shows its values alike everywhere, and marks what is not as it seems."""
+
+import ast
+import math
+from pathlib import Path
+
+import numpy as np
+from report_cases import answers, motions, probable, summary_of
+
+import rockpulse
+from rocking.response import Outcome
+from rockpulse.readers.kit.channel import build_record
+from rockpulse.readers.source import SourceFile
+from rockpulse.remark import with_codes
+from rockpulse.storage.export.selection import SHOWN
+from rockpulse.views.shared.columns import (
+    AT_MOST,
+    COLUMNS,
+    NO_ANSWER,
+    NONE_UP_TO,
+    OUTSIDE,
+    AnswerRows,
+    answer_cell,
+    columns,
+    doubt,
+    doubt_notes,
+    factor_cell,
+    factor_columns,
+    filled,
+    headed,
+    margin_cells,
+    marks_of,
+    unexplained,
+)
+from rockpulse.views.shared.table import Cell, Mark
+
+
+def shown(of, *names):
+    """The cells of some columns, as text with their marks, of every answer."""
+    return [[cell.marked for cell in row] for row in filled(columns(*names), AnswerRows.every(of))]
+
+
+def test_no_column_is_declared_twice():
+    """Nor is one made beside the table: a function or a variable of it makes every Column."""
+    names = list(COLUMNS)
+    source = Path(rockpulse.__file__).parent / "views" / "shared" / "columns.py"
+    declared = [
+        node.args[0].value
+        for node in ast.walk(ast.parse(source.read_text(encoding="utf-8")))
+        if isinstance(node, ast.Call)
+        and getattr(node.func, "id", "") == "Column"
+        and isinstance(node.args[0], ast.Constant)
+    ]
+    assert len(declared) == len(set(declared)) > 20
+    assert set(declared) <= set(names)
+    told = [(column.heading.label, column.of) for column in COLUMNS.values()]
+    assert len(set(told)) == len(told)
+
+
+def test_a_condition_knows_a_column_by_its_heading():
+    stored = [column for column in COLUMNS.values() if column.name in SHOWN.values()]
+    assert len(stored) > 8
+    known = {column.name: SHOWN.get(column.heading.title, column.name) for column in stored}
+    assert {name: of for name, of in known.items() if name != of} == {}
+
+
+def test_words_bear_the_marks_of_the_answer_and_are_sorted_beside_the_figures():
+    cell = answer_cell(Outcome.OVERTURNS, math.inf, applicable=0)
+    assert (cell.text, cell.value, cell.grade) == ("overturns", math.inf, "bad")
+    assert cell.marks == (OUTSIDE,)
+    assert answer_cell(Outcome.AT_REST, 0.0, 1).value == 0.0
+    assert math.isnan(answer_cell(Outcome.UNRESOLVED, math.nan, 1).value)
+    assert answer_cell(-1, math.nan, 0).marked == "-"
+
+
+def test_a_factor_that_was_not_found_names_how_far_was_searched():
+    assert [factor_cell(math.inf, limit).marked for limit in (10.0, 12.37, 0.0, math.nan)] == [
+        ">10",
+        ">12.3",
+        ">0",
+        "none",
+    ]
+    assert marks_of([factor_cell(math.inf, 10.0), factor_cell(1.2, bound=True), factor_cell(math.nan, 1.0, True)]) == {
+        NONE_UP_TO,
+        NO_ANSWER,
+    }
+
+
+def test_the_smallest_of_a_pair_with_a_lost_direction_is_at_most_that():
+    of = motions(4, rows=[[0, 1], [2, 3]], missing=[True, False], kind="pair")
+    (margin,) = answers(summary_of([0.4, 0.9, 2.0, 3.0], resolved=[0, 1, 1, 1]), of).margins()
+    smallest, median = margin_cells(margin)
+    assert (smallest.marked, median.marked) == ("≤0.40!", "2.00")
+    assert smallest.marks == (AT_MOST, NO_ANSWER)
+    assert (unexplained(smallest).marked, {mark.note for mark in unexplained(smallest).marks}) == ("≤0.40!", {""})
+    (margin,) = answers(summary_of([math.inf] * 4), of).margins()
+    assert margin_cells(margin)[0].marked == ">10"
+
+
+def test_several_intervals_are_counted():
+    summary = summary_of([0.84, 2.0])
+    summary["interval_count"] = summary["outcome"] * 0 + 3
+    assert shown(answers(summary), "safety_intervals", "answer") == [["0.84 (3)", "overturns"], ["2.00 (3)", "0.40"]]
+
+
+def test_columns_of_probability_stand_in_place_of_those_of_safety_factors():
+    of = answers(probable([0.0, 0.0004, 0.412], factor_10=[math.inf, 2.0, math.nan]))
+    selected = factor_columns(of)
+    assert [heading.title for heading in headed(selected)] == ["P", "factor of 10 %"]
+    assert shown(of, *(one.name for one in selected)) == [["0", ">10"], ["<0.001", "2.00"], ["0.41", "-"]]
+    assert [one.name for one in factor_columns(answers(summary_of([2.0])))] == ["safety_factor"]
+    assert factor_columns(answers(summary_of([math.nan]))) == ()
+
+
+def signs(pga, codes):
+    return Cell("", marks=doubt(pga, codes)).marked
+
+
+def read(samples, unit="g", **header):
+    """A record as a reader makes it."""
+    return build_record(
+        SourceFile("a.txt", b"x", lambda: b"x"),
+        1,
+        np.asarray(samples),
+        0.01,
+        unit,
+        format="test",
+        processed=False,
+        **header,
+    )
+
+
+def test_the_remarks_of_the_readers_are_marked():
+    wave = 0.3 * np.round(1000.0 * np.sin(0.2 * np.arange(100))) / 1000.0
+    for samples, header, expected in (
+        (wave, {}, ""),
+        (wave, {"header_peak": (0.4 * 9.80665, 0.0)}, ""),
+        (wave, {"header_peak": (0.5 * 9.80665, 0.0)}, " (peak?)"),
+        (np.minimum(wave, 0.21), {}, " (clipped?)"),
+        (1000.0 * wave, {}, " (peak?)"),
+        (1e-7 * wave, {}, " (peak?)"),
+    ):
+        record = read(samples, **header)
+        assert signs(record.pga, with_codes(record.warnings)[1]) == expected, record.warnings
+
+
+def test_peaks_out_of_all_bounds_are_marked_and_explained_once():
+    found = [signs(pga, "") for pga in (0.0, 5e-6, 2e-5, 49.0, 49.1, np.nan)]
+    assert found == [" (peak?)", " (peak?)", "", "", " (peak?)", ""]
+    assert signs(60.0, "plain clipped") == " (peak?) (clipped?)"
+    assert signs(6.0, "of_vertical/full_scale of_channel/header_peak") == " (peak?) (clipped?)"
+    doubtful = [Cell(name, marks=doubt(60.0, "")) for name in "ab"]
+    assert [note[:8] for note in doubt_notes(doubtful)] == ["(peak?):"]
+    assert doubt_notes([Cell("a"), Cell("b (peak?)", marks=(Mark("outside", "?"),))]) == []
