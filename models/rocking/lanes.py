@@ -51,8 +51,9 @@ class LaneValues:
             if isinstance(value, LaneValues):
                 found[name] = value.take(places)
             elif value is not None:
-                values = np.moveaxis(np.asarray(value), axis, -1)[..., places]
-                found[name] = np.ascontiguousarray(np.moveaxis(values, -1, axis))
+                values = np.asarray(value)
+                index = (..., places, *[slice(None)] * (-1 - axis))
+                found[name] = np.ascontiguousarray(values[index])
         return self.changed(**found)
 
     @classmethod

@@ -236,14 +236,16 @@ def recorded_response(
 
     def march_others(some: Any) -> Response:
         start = read_only(rotation[some]), read_only(spin[some])
-        chosen = (block if block.shape == (alpha.size,) else block.lanes(alpha.size)).take(some)
+        chosen = block if block.shape == (alpha.size,) else block.lanes(alpha.size)
+        chosen = chosen if isinstance(some, slice) else chosen.take(some)
         return march_bodies(chosen, ground, rows, gains[some], start, options, samples, threads)
 
-    if np.all(free):
-        response = march_free(slice(None))
+    restrained = np.broadcast_to(block.restrained, lanes).reshape(-1)
+    kinds = ((free, march_free), (~free & ~restrained, march_others), (restrained, march_others))
+    alike = [march for kind, march in kinds if np.all(kind)]
+    if alike:
+        response = alike[0](slice(None))
     else:
-        restrained = np.broadcast_to(block.restrained, lanes).reshape(-1)
-        kinds = ((free, march_free), (~free & ~restrained, march_others), (restrained, march_others))
         parts = [(np.flatnonzero(kind), march) for kind, march in kinds if np.any(kind)]
         response = Response.join([march(own) for own, march in parts], [own for own, _ in parts], alpha.size)
     time = dt * np.arange(samples) if history else None
