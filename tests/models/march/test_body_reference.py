@@ -45,6 +45,7 @@ def judged(kind, number):
     return apart, f"{fast.outcome} {slow.outcome} {apart:g} {fast.impacts} {slow.impacts} {late}, moved {moved:g}"
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize(("kind", "number"), [(kind, k) for kind in KINDS for k in range(10 if kind == "plain" else 2)])
 def test_the_kernel_agrees_with_the_slow_solver(kind, number):
     assert judged(kind, number)[1] in ("agrees", "ill-conditioned", "not followed")
