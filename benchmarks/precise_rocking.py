@@ -229,6 +229,7 @@ def settles(scene: Scene, k: int, passed: Real, speed: Real, peak: Real) -> bool
         return float(np.interp(place, (j := min(int(place), len(values) - 2), j + 1), values[j : j + 2]))
 
     start = k + float(passed / scene.step)
+
     def rough(place: float) -> float:  # not between the samples' own: the ground may pass through 0
         return max(-at(scene.push, place), 0.0) if scene.wall else abs(at(scene.push, place))
 

@@ -71,6 +71,7 @@ def said(place, monkeypatch, capsys):
     return said
 
 
+@pytest.mark.sweep
 def test_a_wrong_command_is_answered_in_words(said):
     found = [(command, message, said(shlex.split(command))) for command, message in cases("wrong_commands.txt")]
     assert len(found) > 250

@@ -87,6 +87,7 @@ def test_waiting_for_ever_does_not_overflow():
     assert np.isfinite(motion.state(0.5, 0.4, 1e6)).all()
 
 
+@pytest.mark.sweep
 @PROPERTY
 @given(st.floats(0.0, 1.9), st.floats(-2.0, 0.999), st.floats(1e-6, 30.0))
 def test_state_agrees_with_eq_2_in_many_digits(rotation, velocity, time):

@@ -87,6 +87,7 @@ def random_train(seed, body, strength, count=7, length=5.0):
     return np.sort(rng.uniform(0.0, length, count)), strength * body.critical_impulse * rng.normal(size=count)
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("gain", sorted(GAINS))
 @pytest.mark.parametrize("strength", [0.15, 0.9])
 @pytest.mark.parametrize("seed", range(6))

@@ -116,6 +116,7 @@ def test_a_wall_answers_for_one_sense_only():
     assert recorded_response(wall.mirrored(), push, 0.01).outcome == Outcome.ROCKS
 
 
+@pytest.mark.sweep
 def test_lanes_do_not_change_each_other():
     motion = synthetic(seed=5, peak=4.0)
     tie = Tie(1.0, 1e5, gap=0.001)

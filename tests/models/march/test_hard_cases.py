@@ -114,6 +114,7 @@ def test_initial_velocity_within_1e_12_of_critical(wall, equation, critical):
         assert Outcome(fast.outcome).name == outcome
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("restitution", [0.0, 1e-3, 0.9999, 1.0])
 @pytest.mark.parametrize("motion", [(2.2, 2.0, 6.0), (2.6, 1.5, 4.0)], ids=["weak", "strong"])
 @pytest.mark.parametrize("equation", EQUATIONS)
@@ -142,6 +143,7 @@ def test_hops_that_never_end_are_unresolved_and_say_so(equation):
     assert (response.outcome, response.reason) == (Outcome.UNRESOLVED, Reason.IMPACT_LIMIT)
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("equation", EQUATIONS)
 def test_slow_hops_of_a_lane_are_bounded_however_long_the_record(equation):
     """C = 1, hops of 2e-5/p: 1000 in every sample, which no bound for one sample sees, and 1e8 in this record."""
@@ -241,6 +243,7 @@ SHAPES = {
 }
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("shape", SHAPES)
 @pytest.mark.parametrize("equation", EQUATIONS)
 def test_spikes_and_steps(equation, shape):

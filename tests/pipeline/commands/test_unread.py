@@ -68,6 +68,7 @@ def test_the_count_stands_beside_the_verdict_and_the_reason_is_told_once(folder,
     assert "not records: list.csv, notes.txt" in out
 
 
+@pytest.mark.sweep
 def test_inspect_tells_the_count_and_lists_every_file_where_asked_for(assessed, capsys):
     assert main(["inspect", str(assessed)]) == 0
     assert f"! {COUNT}: {WHY}." in flat(capsys.readouterr().out)

@@ -96,6 +96,7 @@ FORGED = {
 }
 
 
+@pytest.mark.sweep
 def test_what_somebody_has_put_into_the_journal_as_a_result_is_done_again(folder, tmp_path, monkeypatch):
     paths, output = sorted(folder.glob("r*")), tmp_path / "results.h5"
     assess_files(paths, CONFIG, output, BatchOptions(workers=1))
@@ -134,6 +135,7 @@ EVERY = {
 }
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("name", EVERY)
 def test_a_part_fits_the_analysis_that_makes_it_and_no_other(name):
     record = rp.Record(pulse(400, 0.4) * STANDARD_GRAVITY, dt=0.01, id="r", processed=True)

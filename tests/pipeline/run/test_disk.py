@@ -12,6 +12,7 @@ from batch_runs import RECORDS, command, names
 from file_contents import assert_contents
 
 
+@pytest.mark.sweep
 def test_a_disk_that_fills_up_keeps_what_is_finished(folder, tmpfs, undisturbed, capsys):
     place, change = tmpfs
     target = place / "results.h5"

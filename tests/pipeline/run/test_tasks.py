@@ -90,6 +90,7 @@ def carried_out(paths, analysis) -> tuple[list[tuple[str, Done]], list, list]:
     return [(prepared.events[one.key], one) for one in done], prepared.planned, rows
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("name", CONFIGURATIONS)
 def test_tasks_one_by_one_give_the_arrays_of_the_assessment_in_memory(samples, name):
     config = CONFIGURATIONS[name]

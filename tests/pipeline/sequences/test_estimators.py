@@ -2,6 +2,7 @@
 
 import itertools
 import math
+import re
 
 import numpy as np
 import pytest
@@ -9,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from rocking.impulses.impulse_sequence import SPACINGS
-from rockpulse.config import settings as configuration
+from rockpulse.config.settings import SequenceSettings
 from rockpulse.errors import ConfigError, RecordRefused
 from rockpulse.record.half_wave import HalfWaves, half_waves
 from rockpulse.record.intensity import IntensePhase, intense_phase
@@ -41,16 +42,13 @@ FIVE = waves([1.0, 3.0, 5.0, 4.0, 2.0], [0.1, 1.2, 2.3, 3.9, 4.5])
 
 
 @pytest.mark.parametrize(
-    ("table", "words"),
-    [
-        (MAIN, configuration.MAINS),
-        (SECONDARY, configuration.SECONDARIES),
-        (INTERVAL, configuration.INTERVALS),
-        (MAIN_COUNT, configuration.MAIN_COUNTS),
-    ],
+    ("key", "table"), [("main", MAIN), ("secondary", SECONDARY), ("interval", INTERVAL), ("main_count", MAIN_COUNT)]
 )
-def test_estimators_are_those_of_the_configuration(table, words):
-    assert set(table) == set(words)
+def test_estimators_are_those_of_the_configuration(key, table):
+    with pytest.raises(ConfigError) as refused:
+        SequenceSettings(**{key: "no such"})
+    expected, _ = str(refused.value).split("found")
+    assert set(re.findall('"(.+?)"', expected)) == set(table)
 
 
 @pytest.mark.parametrize(

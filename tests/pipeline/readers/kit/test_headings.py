@@ -324,6 +324,7 @@ def test_a_column_that_is_headed_as_acceleration_and_runs_like_time_is_refused(w
         read(write(series("acc,acc EW\n", separator=",")), units="m/s2")
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize(
     "unit", [b"1", b"a", b" ", b"(", b"1 ", b"1.", b"[g] ", b"1,", b"cm/s ", b"dt=", b";", b'"', b"in "]
 )

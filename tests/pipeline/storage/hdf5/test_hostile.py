@@ -248,6 +248,7 @@ def many(file, pipe):
         group.create_group(str(number))
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize(
     ("change", "message"),
     [

@@ -133,6 +133,7 @@ def of_sequence(site, bodies, config, tmp_path_factory):
     return rp.assess_sequence(rp.load_design(path), config, bodies)
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("language", OTHERS)
 @pytest.mark.parametrize("case", ["results", "of_intervals", "of_sequence", "by hand"])
 def test_no_english_word_is_left_on_a_page(request, language, case, site, fragility):
