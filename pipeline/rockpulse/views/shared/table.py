@@ -138,7 +138,7 @@ def lines(table: Table) -> list[str]:
 
     Examples
     --------
-    >>> far = Mark("!", "!: far")
+    >>> far = Mark(sign="!")
     >>> lines(Table("", "", (Heading("wall"), Heading("I", "m/s")), ((Cell("a"), number(0.4, marks=(far,))),)))
     ['wall  I [m/s]', 'a         0.4!']
     """

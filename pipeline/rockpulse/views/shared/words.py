@@ -81,7 +81,7 @@ def say(key: str, /, **fields: object) -> str:
     Examples
     --------
     >>> with writing("it"):
-    ...     print(say("site.records_of", records=counted(4, "record"), earthquakes=counted(3, "earthquake")))
+    ...     print(say("records_of", records=counted(4, "record"), earthquakes=counted(3, "earthquake")))
     4 registrazioni di 3 terremoti
     """
     return template(key).format(**fields)
