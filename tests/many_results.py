@@ -2,6 +2,7 @@
 
 import numpy as np
 import xarray as xr
+from results_tree import completed
 
 from rockpulse.models import Block
 from rockpulse.storage.variables import failure_table
@@ -113,7 +114,7 @@ def many_results(records, blocks, samples=6000, seed=0):
     return xr.DataTree.from_dict(
         {
             "/": root,
-            "/summary": summary,
+            "/summary": completed(summary),
             "/failures": failure_table([]),
             "/records": stored,
             "/overturning_intervals": intervals,

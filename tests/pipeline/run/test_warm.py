@@ -22,14 +22,15 @@ from rockpulse.run.analysis import run
 from rockpulse.studies.fragility.analysis import FragilityAnalysis
 from rockpulse.studies.site.calibration import SiteCalibration
 
-KERNELS = [path.stem for path in Path(import_module("rocking").__file__).parent.glob("[a-z]*.py")]
+ROOT = Path(import_module("rocking").__file__).parent
+KERNELS = [".".join(path.relative_to(ROOT.parent).with_suffix("").parts) for path in ROOT.rglob("[a-z]*.py")]
 BLOCKS = [rp.models.Block(half_width=0.2 + 0.2 * i, half_height=1.0 + i) for i in range(3)]
 
 
 def compiled():
     found = {}
     for module in KERNELS:
-        for name, value in vars(import_module(f"rocking.{module}")).items():
+        for name, value in vars(import_module(module)).items():
             if hasattr(value, "nopython_signatures"):
                 found[name] = len(value.signatures)
     return found
