@@ -16,6 +16,7 @@ from typing import Any
 
 import rocking
 from rocking.body.block import Block
+from rocking.march.demand import ground_demand
 from rockpulse.config.configuration import SECTIONS, Config, located
 from rockpulse.config.settings import CalibrationSettings
 from rockpulse.errors import Failure, RockpulseError
@@ -238,3 +239,5 @@ def warm_up(analysis: Analysis) -> None:
     for one in small.prepare([record]).planned:
         for motion in conditioned_motions(one, plain):
             small.work(motion, unwatched)
+    # Lanes of a body of its own, as under a vertical, are settled by it.
+    ground_demand(blocks["a"], record.acceleration, record.dt)
