@@ -99,7 +99,7 @@ def _reference(records: Iterable[Record], effort: Effort) -> tuple[pd.DataFrame,
     for record in records:
         if record.id not in known:
             continue
-        # A record of the same name but of other samples is none of the reference's.
+        # A record of the same name with other samples is not in the reference.
         conditioned = condition(record)
         if motion_sha256(sample_motion(conditioned)) in stored:
             named[record.id] = conditioned

@@ -69,7 +69,7 @@ def half_cycle_counts(response: Response, duration: float) -> np.ndarray:
 
 
 def no_motion(ground_contact: Any, *peaks: Any) -> np.ndarray:
-    """True where the closed form stands for no motion of a block: through the ground, or a finite peak beyond alpha_c.
+    """True where the closed form is no physical motion: through the ground, or a finite peak beyond alpha_c.
 
     A block whose largest theta/alpha_c is beyond 1 does not come back: with "start" x(T) = 0 has roots for velocities
     of up to 1 + I_s/I on motions that do (docs/decisions/013).

@@ -25,7 +25,7 @@ from rocking.response import Response
 
 __all__ = ["figure4"]
 
-#: I/I_1c. The values of the curves stand in the figure only: these span it.
+#: I/I_1c. The paper prints the values in the figure only; these span its range.
 IMPULSE_RATIOS = tuple(round(0.1 * step, 10) for step in range(1, 11))
 
 #: I_s/I, of which the paper draws 0.3 to 0.7.
@@ -96,7 +96,7 @@ def figure4(
 
 
 def no_motions(figure: xr.Dataset) -> pd.DataFrame:
-    """For each spacing the cases for which the closed form stands for no motion, and their peaks beyond alpha_c."""
+    """For each spacing the cases for which the closed form is no physical motion, and their peaks beyond alpha_c."""
     rows = []
     for name in figure["spacing"].values.tolist():
         own = figure.sel(spacing=name)

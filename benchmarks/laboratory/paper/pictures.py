@@ -36,7 +36,7 @@ _TOP = 1.1
 def draw_figure4(figure: xr.Dataset, spacing: str, count: float = np.inf) -> Figure:
     """Largest rotation against I_s/I: a panel for each restitution, a line for each I/I_1c (first p of the dataset).
 
-    A line has gaps where the block overturns or the closed form stands for no motion.
+    A line has gaps where the block overturns or the closed form is no physical motion.
     """
     own = figure.sel(spacing=spacing, intermediate_count=count).isel(p=0)
     cases = own["restitution"].values
