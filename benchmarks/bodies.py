@@ -6,8 +6,6 @@ the acceleration that lifts the plain block. Just above 1 bodies rest most of th
 and waiting for the next one cost most of what is counted there.
 """
 
-from __future__ import annotations
-
 import argparse
 import time
 

@@ -7,8 +7,6 @@ blocks, sequence, profiles, intervals and remarks) and by scipy's ``differential
 asks ``models.sequence_response`` for one candidate at a time and gives the best sequence only; median of the runs.
 """
 
-from __future__ import annotations
-
 import argparse
 import logging
 import time

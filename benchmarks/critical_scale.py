@@ -6,8 +6,6 @@ without refinement, on the same blocks in the same run; it is also what the inte
 and ``--runs`` set how many.
 """
 
-from __future__ import annotations
-
 import argparse
 import logging
 import statistics

@@ -7,8 +7,6 @@ search for safety factors is compared with one call per block. Input: the half-w
 random impulses; blocks and factors that differ from lane to lane.
 """
 
-from __future__ import annotations
-
 import argparse
 import logging
 import statistics

@@ -7,8 +7,6 @@ Cases: synthetic motions under synthetic lanes, and the sample records of ``data
 options, rounded as in ``sample_motion``) under the bodies of ``site.toml`` and some more.
 """
 
-from __future__ import annotations
-
 import argparse
 import csv
 import datetime

@@ -8,8 +8,6 @@ that fill 2.2 in ln f about the capacity, and the uncertainty of the factor as a
 before a wall, with Sorrentino's rebound. ``--cost`` times the spectrum of one record against the solver's lanes alone.
 """
 
-from __future__ import annotations
-
 import argparse
 import itertools
 import logging

@@ -5,8 +5,6 @@ counts little): recognising the format, every check, the digest and the conversi
 same numbers with blanks between them, and does nothing else. The numbers are noise: no field is easier than another.
 """
 
-from __future__ import annotations
-
 import argparse
 import io
 import statistics

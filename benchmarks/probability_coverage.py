@@ -16,8 +16,6 @@ levels 2 % apart.
 The lanes of the truth know nothing of those that are judged: other seeds, other places, no Sobol set, whole marches.
 """
 
-from __future__ import annotations
-
 import argparse
 import logging
 import math

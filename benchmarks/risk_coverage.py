@@ -4,8 +4,6 @@
 earthquakes of one to four records, looked at on six stripes; the true frequency by a power law in closed form.
 """
 
-from __future__ import annotations
-
 import argparse
 import math
 

@@ -6,8 +6,6 @@ beside them shows: survey, plan, journal, assembly, and with dask the scheduler.
 Printed are the rates, the steps, the memory of the parent, its slope, and what follows on paper for ``--cores``.
 """
 
-from __future__ import annotations
-
 import argparse
 import contextlib
 import tempfile

@@ -5,8 +5,6 @@ raised by 1e-13. The bound of its error is three times what these changes move, 
 of ten.
 """
 
-from __future__ import annotations
-
 import csv
 import math
 from concurrent.futures import ProcessPoolExecutor

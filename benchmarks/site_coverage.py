@@ -9,8 +9,6 @@ block that count on blocks left standing, coverage with its 90 % interval on blo
 blocks. "pooled" is "response" with the share taken over all blocks, those that the design overturns included.
 """
 
-from __future__ import annotations
-
 import argparse
 
 import numpy as np

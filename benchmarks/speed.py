@@ -5,8 +5,6 @@ the same cases for both sides. ``--only`` takes some of the sections, ``--runs``
 the same kernels is the business of ``rockpulse accuracy``.
 """
 
-from __future__ import annotations
-
 import argparse
 import logging
 import os

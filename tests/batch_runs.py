@@ -1,7 +1,5 @@
 """Runs of the command line on a folder of eight records, and a smaller folder for runs in Python."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 from record_writers import at2, pulse

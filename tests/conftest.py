@@ -1,7 +1,5 @@
 """Folders of real records that several tests read, and a kernel cache that never serves stale code."""
 
-from __future__ import annotations
-
 import os
 from pathlib import Path
 

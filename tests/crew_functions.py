@@ -1,7 +1,5 @@
 """What the workers of the crew tests do; here, so that a worker process can import it."""
 
-from __future__ import annotations
-
 import multiprocessing.connection
 import os
 import signal

@@ -1,7 +1,5 @@
 """A dask scheduler and workers as processes of this machine, on the loopback interface."""
 
-from __future__ import annotations
-
 import json
 import os
 import subprocess

@@ -12,8 +12,6 @@ What the runner looks for in a page, from top to bottom, in one folder and one P
 - ``*Not run: REASON*`` on the line above a block: left out, visibly. The tests hold the list of reasons.
 """
 
-from __future__ import annotations
-
 import contextlib
 import io
 import math

@@ -1,7 +1,5 @@
 """What an HDF5 file holds, read by h5py alone: two files of one content are the same to whoever reads them."""
 
-from __future__ import annotations
-
 import h5py
 import numpy as np
 

@@ -5,8 +5,6 @@ from (FIRST=...). ``python tests/fuzz.py --seed 1234`` replays one case and show
 --only '*.acc'`` so many cases of the samples of these names are read, and what was read is held against the headers.
 """
 
-from __future__ import annotations
-
 import argparse
 import os
 import re

@@ -4,8 +4,6 @@ The header of a damaged file still states facts: number of samples, interval, un
 line by line and apart from the readers, and a record that is read without a warning has to be like them.
 """
 
-from __future__ import annotations
-
 import codecs
 import re
 from collections.abc import Callable, Iterator, Sequence

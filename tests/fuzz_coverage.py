@@ -5,8 +5,6 @@ input that breaks a promise is printed and written to build/fuzz/faults, and doe
 the inputs that are needed for the coverage reached, the smallest ones, to tests/fuzz_corpus.tar.xz.
 """
 
-from __future__ import annotations
-
 import argparse
 import hashlib
 import re

@@ -4,8 +4,6 @@ The first byte of an input chooses one of `CIRCUMSTANCES`, the rest is the conte
 `fuzz` holds damaged files against; a kept corpus of inputs that reach different lines lies in tests/fuzz_corpus.tar.xz.
 """
 
-from __future__ import annotations
-
 import io
 import tarfile
 from collections.abc import Sequence

@@ -4,8 +4,6 @@ A row is the fact, a regular expression of its statement, what is put there, its
 the number of places that are changed, 1 where it is not given.
 """
 
-from __future__ import annotations
-
 __all__ = ["TABLE"]
 
 Row = tuple[str, bytes, bytes, str] | tuple[str, bytes, bytes, str, int]

@@ -5,8 +5,6 @@ statement, the samples or the name of the file can tell that it is wrong, its pa
 a warning that the unchanged one does not give. Facts without a partner are listed: nothing can be held against them.
 """
 
-from __future__ import annotations
-
 import re
 import sys
 from collections import Counter

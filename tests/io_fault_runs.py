@@ -7,8 +7,6 @@ undisturbed run, with nothing left beside it. A JSON document is printed: the nu
 cases, and what went wrong.
 """
 
-from __future__ import annotations
-
 import ctypes
 import json
 import os

@@ -4,8 +4,6 @@ Numba's own cache sees a change in the file of a kernel only, not in the kernels
 ``python tests/kernel_cache.py`` prints the folder, for ``make``.
 """
 
-from __future__ import annotations
-
 import hashlib
 from pathlib import Path
 

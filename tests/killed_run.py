@@ -6,8 +6,6 @@ journal is left), "interrupt" and "terminate" (as "record", by Ctrl-C and SIGTER
 milliseconds, wherever that is).
 """
 
-from __future__ import annotations
-
 import os
 import signal
 import sys

@@ -4,8 +4,6 @@ Each module of tests/record_writers may have ``samples(channels) -> {file name: 
 do not say: {file name: keyword arguments of `rockpulse.read`}.
 """
 
-from __future__ import annotations
-
 import importlib
 import pkgutil
 from collections.abc import Iterator

@@ -7,8 +7,6 @@
 Exit code 1 if a file is not read, differs when read from memory, or if rockpulse comes from a source tree.
 """
 
-from __future__ import annotations
-
 import importlib.metadata
 import io
 import sys

@@ -1,7 +1,5 @@
 """Records as files, zips of them, and what was read, in short."""
 
-from __future__ import annotations
-
 import zipfile
 
 from record_writers import at2, pulse

@@ -10,8 +10,6 @@ cases of each check, and writes them as CSV and as a picture.
    Earthquakes are resampled for the intervals (BCa).
 """
 
-from __future__ import annotations
-
 import argparse
 import logging
 from pathlib import Path

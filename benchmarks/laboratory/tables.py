@@ -1,7 +1,5 @@
 """Tables of a study: printed in plain columns, and written as CSV."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any

@@ -3,8 +3,6 @@
 Exit codes: 0 all done, 1 some records failed, 2 wrong usage, configuration or results file.
 """
 
-from __future__ import annotations
-
 import argparse
 import io
 import logging

@@ -7,8 +7,6 @@
    earthquakes.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -4,8 +4,6 @@ Every class can be made of its message alone, so that it survives pickling on it
 File-system faults stay :class:`OSError`.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass

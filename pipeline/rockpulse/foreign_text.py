@@ -1,7 +1,5 @@
 """Text from files, headers and other libraries, on its way to a terminal, a log, a table or a page."""
 
-from __future__ import annotations
-
 import re
 
 #: Control characters (C0 less tab and the end of a line, C1), ends of lines that only some programs know, marks that

@@ -5,8 +5,6 @@ asks its row; a test finds the name of a model outside this table. The solvers a
 the configuration takes the names of the models from here.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import partial

@@ -4,8 +4,6 @@ A section of the configuration is a frozen dataclass whose fields are made here.
 value is refused in the same words whether it comes from a TOML file, the command line or Python.
 """
 
-from __future__ import annotations
-
 import dataclasses
 import difflib
 import math

@@ -1,7 +1,5 @@
 """The scripts of ``benchmarks/`` as modules: they are no package and are not installed."""
 
-from __future__ import annotations
-
 import importlib.util
 import sys
 from pathlib import Path

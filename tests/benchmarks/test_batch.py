@@ -1,7 +1,5 @@
 """The ensemble of the batch benchmark is the same everywhere, and a run of it tells what it took."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

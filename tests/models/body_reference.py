@@ -8,8 +8,6 @@ piece of a sample is one run of scipy's DOP853; its turning points and crossings
 by a run that ends there.
 """
 
-from __future__ import annotations
-
 import math
 from itertools import pairwise
 from typing import NamedTuple

@@ -4,8 +4,6 @@ The independent solution is ``benchmarks/precise_rocking.py``. A peak of the ker
 much as the precise one moves when C or the record is changed by a share of 1e-13.
 """
 
-from __future__ import annotations
-
 import importlib.util
 import math
 import sys

@@ -4,8 +4,6 @@ x = s theta/alpha_c and u = s theta'/(p alpha_c) obey x'' = x - 1 in times of 1/
 and z = x - 1 - u decays. Nothing is tabulated, shared between lanes or skipped but the last hops of a decay.
 """
 
-from __future__ import annotations
-
 import math
 
 from rocking.body.block import Block

@@ -9,8 +9,6 @@ models anywhere in tests/models) that import from the module, and those that tes
 draw depends on the seed and on each mutant alone, so that it stays the same where other lines change.
 """
 
-from __future__ import annotations
-
 import argparse
 import ast
 import hashlib

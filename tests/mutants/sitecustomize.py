@@ -4,8 +4,6 @@ The environment names both: MUTATED is the module in the sources and MUTANT the 
 stay as they are, no bytecode of the changed text is kept, and the commands that tests start see the change, too.
 """
 
-from __future__ import annotations
-
 import os
 from importlib.machinery import SourceFileLoader
 from pathlib import Path

@@ -1,7 +1,5 @@
 """One run of pytest in a copy of this process: a mutant costs its tests, not another import of numpy and numba."""
 
-from __future__ import annotations
-
 import os
 import resource
 import runpy

@@ -1,7 +1,5 @@
 """What the writers share: test motions and rows of fields."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

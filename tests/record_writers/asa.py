@@ -1,7 +1,5 @@
 """ASA 2.0 (Mexico: UNAM, CIRES)."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

@@ -1,7 +1,5 @@
 """PEER AT2."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 from record_writers._shared import NOTE, rows

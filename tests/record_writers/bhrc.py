@@ -1,7 +1,5 @@
 """BHRC volume 1 (Iran): three channels in g/10, ten numbers of 13 characters in a row."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 from record_writers._shared import NOTE, retold, rows

@@ -1,7 +1,5 @@
 """Columns of numbers: what spreadsheets, DEEPSOIL and analysis programs write."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

@@ -1,7 +1,5 @@
 """COSMOS 1.20."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from datetime import UTC, datetime
 

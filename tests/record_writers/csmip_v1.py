@@ -1,7 +1,5 @@
 """CSMIP volume 1, old layout of pairs and new layout of equal steps."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

@@ -1,7 +1,5 @@
 """CSMIP volume 2: the layout since about 1990, whose headings name a Fortran format, and that of 1983."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

@@ -1,7 +1,5 @@
 """CWB and CWA free field (Taiwan): ``#`` lines, then rows of time [s] and U, N, E [gal] in 4F10.3."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from datetime import timedelta
 

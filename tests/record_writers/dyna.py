@@ -1,7 +1,5 @@
 """DYNA 1.2 (ESM, ITACA, AFAD): 64 lines ``KEY: value``, then one acceleration in cm/s2 on each line."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

@@ -1,7 +1,5 @@
 """GeoNet V1A and V2A (New Zealand): per component text, integers, reals, and blocks of ten fields of 8 characters."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from datetime import UTC, datetime
 

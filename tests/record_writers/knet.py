@@ -1,7 +1,5 @@
 """K-NET and KiK-net ASCII."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from datetime import timedelta
 

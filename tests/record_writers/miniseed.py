@@ -1,7 +1,5 @@
 """miniSEED with its StationXML, and SAC, through obspy."""
 
-from __future__ import annotations
-
 import io
 from collections.abc import Sequence
 

@@ -1,7 +1,5 @@
 """NSMN (Turkey, before AFAD)."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

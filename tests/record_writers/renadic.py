@@ -1,7 +1,5 @@
 """RENADIC volume 1: (time, acceleration) pairs in g/10, four channels, records cut into parts."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

@@ -1,7 +1,5 @@
 """SIGMA/ITACA ``.acc``: ten lines of header, then five accelerations of 14 characters in a row, in m/s2."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

@@ -5,8 +5,6 @@ CSV with the work-precision diagram. The horizontal channels of the records are 
 synthetic one; those that the reference knows (the samples) are cases of the first table too.
 """
 
-from __future__ import annotations
-
 import argparse
 import logging
 from collections.abc import Callable, Iterable, Mapping

@@ -5,8 +5,6 @@
    independent solver that the kernels were held to is too slow for a report; it is in the tests.
 """
 
-from __future__ import annotations
-
 import time
 
 import numpy as np

@@ -5,8 +5,6 @@
    with steps of 0.01, whose own error is rounding.
 """
 
-from __future__ import annotations
-
 import time
 from collections.abc import Sequence
 

@@ -1,7 +1,5 @@
 """The work-precision diagram: error of theta_max/alpha_c against the cost of an active sample."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

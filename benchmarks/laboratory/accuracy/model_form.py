@@ -5,8 +5,6 @@
    the motion is chaotic.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any

@@ -3,8 +3,6 @@
 The table ``rocking_reference.csv`` comes from ``benchmarks/make_reference.py``; its first lines say how.
 """
 
-from __future__ import annotations
-
 import hashlib
 from collections.abc import Mapping
 from decimal import Decimal

@@ -9,8 +9,6 @@
    perturbations [-]: 0 where the block overturns in any case, inf where a verdict flips.
 """
 
-from __future__ import annotations
-
 import numpy as np
 import pandas as pd
 

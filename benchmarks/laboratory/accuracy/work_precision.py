@@ -6,8 +6,6 @@
    computes too, the cost of the call itself included.
 """
 
-from __future__ import annotations
-
 import math
 import time
 from collections.abc import Callable, Sequence

@@ -4,8 +4,6 @@
 prints the largest rotations, the half-cycles of both blocks and the verdicts.
 """
 
-from __future__ import annotations
-
 import argparse
 import logging
 import textwrap

@@ -1,7 +1,5 @@
 """The two blocks of Figure 5, their critical double impulse, and what is counted of a motion under a limited input."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

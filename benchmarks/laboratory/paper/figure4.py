@@ -5,8 +5,6 @@
    of the input alone, and only where an input without end would do more: that is the paper's independence of geometry.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 

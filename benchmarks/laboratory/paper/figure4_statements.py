@@ -1,7 +1,5 @@
 """Statements of section 4 about Figure 4, sentence by sentence (Casapulla & Maione 2017)."""
 
-from __future__ import annotations
-
 from functools import partial
 
 import numpy as np

@@ -5,8 +5,6 @@
    statements are looked at over a range of it, for every spacing.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import fields
 

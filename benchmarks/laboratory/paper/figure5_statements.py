@@ -4,8 +4,6 @@
    ratios that it speaks of all have to agree. The more slender block is B.
 """
 
-from __future__ import annotations
-
 from functools import partial
 
 import numpy as np

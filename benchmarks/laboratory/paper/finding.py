@@ -1,7 +1,5 @@
 """A statement of the paper, where it holds, and the figures that show it."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import NamedTuple

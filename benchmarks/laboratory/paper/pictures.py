@@ -1,7 +1,5 @@
 """Figures 4 and 5 of Casapulla & Maione (2017), from the datasets of the study."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

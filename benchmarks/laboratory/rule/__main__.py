@@ -5,8 +5,6 @@ nonlinear capacity and the missed and false verdicts, and writes them as CSV; wi
 A channel takes about a second of one core.
 """
 
-from __future__ import annotations
-
 import argparse
 import json
 import logging

@@ -4,8 +4,6 @@
    the default uncertainty (:mod:`laboratory.rule.truth`), and its verdicts at factors 0.5 and 1 without any.
 """
 
-from __future__ import annotations
-
 import numpy as np
 import pandas as pd
 

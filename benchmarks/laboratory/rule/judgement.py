@@ -6,8 +6,6 @@
    can beat: the probability of overturning by the nonlinear equation itself under the same uncertainty.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from functools import partial
 from typing import Any

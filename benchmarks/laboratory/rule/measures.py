@@ -9,8 +9,6 @@ A demand is, but for a coefficient, 1 over the factor at which the measure says 
    safety factor of one nonlinear analysis.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from rocking.body.block import Block

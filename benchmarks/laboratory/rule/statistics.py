@@ -6,8 +6,6 @@
    (n,) and `bodies` (n,) are that logarithm, the weight, the label of the earthquake and that of the body of each case.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

@@ -5,8 +5,6 @@
    (:mod:`rocking.spectrum.probability`); no similarity is assumed.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

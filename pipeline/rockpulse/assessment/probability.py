@@ -7,8 +7,6 @@
    wall is read from a spectrum of its own kind, in the sense of the record that overturns it more likely.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import fields
 

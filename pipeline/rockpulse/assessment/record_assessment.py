@@ -1,7 +1,5 @@
 """The effect of one record on every body, before it becomes rows of the results."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property

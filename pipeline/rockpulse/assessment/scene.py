@@ -5,8 +5,6 @@
    is taken in both, and the worse answer counts.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace

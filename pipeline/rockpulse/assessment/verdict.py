@@ -6,8 +6,6 @@
    a record and be overturned by a weaker copy of it.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """``rockpulse calibrate``: make the design of a site from its records, and show its uncertainty."""
 
-from __future__ import annotations
-
 import argparse
 import sys
 

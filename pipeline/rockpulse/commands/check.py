@@ -1,7 +1,5 @@
 """``rockpulse check``: what codes say of bodies, beside what the time histories say."""
 
-from __future__ import annotations
-
 import argparse
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """``rockpulse completion``: a script that lets a shell complete verbs, options, kinds and file names."""
 
-from __future__ import annotations
-
 import argparse
 from collections.abc import Iterator
 

@@ -1,7 +1,5 @@
 """``rockpulse convert``: records of any format in, AT2, CSV or miniSEED out."""
 
-from __future__ import annotations
-
 import argparse
 import sys
 

@@ -1,7 +1,5 @@
 """``rockpulse diff``: the changes between two results files."""
 
-from __future__ import annotations
-
 import argparse
 import math
 

@@ -1,7 +1,5 @@
 """``rockpulse formats``: the file formats that are read, and the signs by which they are recognised."""
 
-from __future__ import annotations
-
 import argparse
 
 from rockpulse.commands.parser import Verb

@@ -1,7 +1,5 @@
 """``rockpulse init-config``: the annotated template of a configuration."""
 
-from __future__ import annotations
-
 import argparse
 import json
 import re

@@ -1,7 +1,5 @@
 """``rockpulse plot``: a picture of a results file."""
 
-from __future__ import annotations
-
 import argparse
 from typing import Any
 

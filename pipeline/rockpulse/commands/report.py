@@ -1,7 +1,5 @@
 """``rockpulse report``: make one file of a results file to hand over, a page of HTML or a PDF."""
 
-from __future__ import annotations
-
 import argparse
 
 from rockpulse.commands.parser import Verb

@@ -1,7 +1,5 @@
 """``rockpulse risk``: a fragility file, or results and an inventory, and a hazard in, annual frequencies out."""
 
-from __future__ import annotations
-
 import argparse
 import sys
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """``rockpulse selftest``: the solvers of this installation on stored cases, against answers of 24 digits."""
 
-from __future__ import annotations
-
 import argparse
 import math
 

@@ -1,7 +1,5 @@
 """Words for the user on the terminal, who may have left: texts, progress bars, and what is wrong with a file."""
 
-from __future__ import annotations
-
 import argparse
 import errno
 import os

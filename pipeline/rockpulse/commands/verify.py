@@ -1,7 +1,5 @@
 """``rockpulse verify``: check that a results file, and the records behind it, are unchanged."""
 
-from __future__ import annotations
-
 import argparse
 
 from rockpulse.commands.parser import Verb

@@ -4,8 +4,6 @@ Unknown sections and keys, wrong types and wrong words are errors that name file
 allowed. TOML has no null: an omitted key whose default is "none" is None.
 """
 
-from __future__ import annotations
-
 import dataclasses
 import os
 from collections.abc import Mapping

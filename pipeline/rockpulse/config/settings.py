@@ -1,7 +1,5 @@
 """The sections of the configuration: their keys, defaults and allowed values, one dataclass a section."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import MISSING, dataclass
 from typing import Any

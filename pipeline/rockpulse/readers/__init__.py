@@ -3,8 +3,6 @@
 Importing this package loads neither obspy, pandas, numba nor xarray, so that it may serve as a reader plugin.
 """
 
-from __future__ import annotations
-
 import os
 from dataclasses import replace
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Write records into files for other programs: nothing is replaced unasked, all is written whole or not at all."""
 
-from __future__ import annotations
-
 import logging
 import os
 import re

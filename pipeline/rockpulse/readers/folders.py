@@ -5,8 +5,6 @@ name (notes, configurations, results), and StationXML and QuakeML. Other texts, 
 so are velocities, displacements and spectra; a file that may be a record and that no reader takes "failed".
 """
 
-from __future__ import annotations
-
 import glob
 import os
 from collections.abc import Callable, Iterable, Iterator, Sequence

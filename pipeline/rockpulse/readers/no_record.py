@@ -4,8 +4,6 @@ A file that may be a record and that no reader takes is a failure; one that is n
 file that may hold data must never be taken for none: in doubt it is a record.
 """
 
-from __future__ import annotations
-
 import re
 from collections import defaultdict
 from collections.abc import Callable, Sequence

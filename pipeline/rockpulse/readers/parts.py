@@ -1,7 +1,5 @@
 """Records of several files made one: each content once, and records joined that an agency cut into files."""
 
-from __future__ import annotations
-
 import hashlib
 import re
 from collections import defaultdict

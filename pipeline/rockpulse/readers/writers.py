@@ -1,7 +1,5 @@
 """Records as the bytes of common files: PEER AT2, two columns as CSV, miniSEED with a StationXML beside it."""
 
-from __future__ import annotations
-
 import io
 import re
 from collections.abc import Sequence

@@ -1,7 +1,5 @@
 """The choice of channels that are assessed, of horizontal pairs, and of the vertical channel beside them."""
 
-from __future__ import annotations
-
 import re
 from bisect import bisect_left
 from collections import defaultdict

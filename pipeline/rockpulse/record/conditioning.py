@@ -5,8 +5,6 @@
    half-wave impulse before and after stand in ``Record.processing``.
 """
 
-from __future__ import annotations
-
 import logging
 import math
 from collections.abc import Callable

@@ -9,8 +9,6 @@
    which is exact for any angle between them. a(psi + 180) = -a(psi): a half circle has all directions.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from datetime import datetime, timedelta

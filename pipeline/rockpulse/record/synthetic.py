@@ -3,8 +3,6 @@
 .. note:: Synthetic motions are for measuring solvers (speed, error, verdicts), not for assessing a site.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

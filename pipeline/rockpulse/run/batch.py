@@ -1,7 +1,5 @@
 """A batch from paths to its file: survey, plan, work, assembly; what is finished stays finished, whatever happens."""
 
-from __future__ import annotations
-
 import logging
 import os
 from collections import Counter

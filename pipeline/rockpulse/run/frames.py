@@ -3,8 +3,6 @@
 Whatever is damaged in a file of frames costs the frames that it is in, and no other one.
 """
 
-from __future__ import annotations
-
 import json
 import math
 import os

@@ -1,7 +1,5 @@
 """The workers that carry out a batch, the fate of a file that exists already, and the outcome."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Callable
 from concurrent.futures import Executor

@@ -3,8 +3,6 @@
 Nothing heavy is imported here: a worker is up at once, and what it works with comes with the first call.
 """
 
-from __future__ import annotations
-
 import multiprocessing
 import os
 import pickle

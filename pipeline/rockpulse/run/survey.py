@@ -1,7 +1,5 @@
 """The first look at every file: what is in it, without its samples, and where these are."""
 
-from __future__ import annotations
-
 import hashlib
 import logging
 import traceback

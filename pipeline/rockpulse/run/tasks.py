@@ -1,7 +1,5 @@
 """The tasks of a batch, one for each channel or pair: decided on records without their samples, done by a worker."""
 
-from __future__ import annotations
-
 import hashlib
 import logging
 import time

@@ -5,8 +5,6 @@
    Motions that are hardly earthquakes decide nothing until they are confirmed.
 """
 
-from __future__ import annotations
-
 import logging
 import math
 from collections import defaultdict

@@ -7,8 +7,6 @@
    earthquake nor a time count as one earthquake.
 """
 
-from __future__ import annotations
-
 import re
 from collections import Counter, defaultdict
 from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence

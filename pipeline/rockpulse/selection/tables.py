@@ -1,7 +1,5 @@
 """The user's own tables of a site: which records are of one event, which were chosen, and what each weighs."""
 
-from __future__ import annotations
-
 import csv
 import io
 import math

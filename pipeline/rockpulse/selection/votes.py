@@ -13,8 +13,6 @@ records the same shaking, which must not count twice in what is said of a set of
    when it is read: where the processed volume was refused, the raw one votes.
 """
 
-from __future__ import annotations
-
 import math
 from collections import Counter, defaultdict
 from collections.abc import Iterable, Iterator, Sequence

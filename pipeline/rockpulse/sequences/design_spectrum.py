@@ -7,8 +7,6 @@
    the spectrum; in the slender limit I_eff = S. The sigma and N of the half-waves single out one of them.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -6,8 +6,6 @@
    the main impulse, so that I_s/I is at most 1.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping
 

@@ -5,8 +5,6 @@
    same. The duration of the sequence stays that of the statistical estimate.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

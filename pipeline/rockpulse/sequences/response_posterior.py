@@ -14,8 +14,6 @@
    independent ones, `share`.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from itertools import combinations

@@ -1,7 +1,5 @@
 """The result of calibrating a sequence on responses, and the remarks on it."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -12,8 +12,6 @@
    the space, in rounds that look ever closer at what is likely. Every candidate is kept: profiles are their edges.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

@@ -19,8 +19,6 @@
    restitution. A trial run on a pool finds it.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any

@@ -8,8 +8,6 @@
    one of that sequence. So it overturns iff D >= 1, its peak is 1 - sqrt(1 - D^2), and its safety factor is 1/D.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace

@@ -4,8 +4,6 @@ The ground at the threshold and crossings inside a sample are in ``test_hard_cro
 near is right.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

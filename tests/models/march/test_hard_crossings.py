@@ -3,8 +3,6 @@
 Each is right by 42 digits, see ``hard_case.py``; that a crossing or a grazing happens is shown in them first.
 """
 
-from __future__ import annotations
-
 import math
 from functools import cache
 

@@ -1,7 +1,5 @@
 """``rockpulse convert``."""
 
-from __future__ import annotations
-
 import shutil
 
 import numpy as np

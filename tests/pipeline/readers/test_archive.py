@@ -1,7 +1,5 @@
 """Zip archives as sources of records: read without unpacking, and refused where they are damaged or unsafe."""
 
-from __future__ import annotations
-
 import gzip
 import hashlib
 import zipfile

@@ -1,7 +1,5 @@
 """Where converted records go, and what is never touched."""
 
-from __future__ import annotations
-
 import errno
 import gzip
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """From paths to records: files, folders, globs, archives, and a row for everything that is no record."""
 
-from __future__ import annotations
-
 import gzip
 import hashlib
 import os

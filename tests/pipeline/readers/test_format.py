@@ -5,8 +5,6 @@ Unit and interval of some files, by patterns of their paths.
 The format samples that come with the project: what the generator writes, and what the readers find in them.
 """
 
-from __future__ import annotations
-
 import gzip
 import io
 import math

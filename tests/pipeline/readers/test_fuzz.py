@@ -3,8 +3,6 @@
 The kept inputs of the coverage-guided fuzzer on the readers; `make fuzz` makes more where atheris is installed.
 """
 
-from __future__ import annotations
-
 from collections import Counter
 from dataclasses import replace
 

@@ -3,8 +3,6 @@
 ``obspy.read`` on the formats of rockpulse, and the entry points that make it possible.
 """
 
-from __future__ import annotations
-
 import gzip
 import io
 import pickle

@@ -3,8 +3,6 @@
 Facts that a header states twice: where they differ, every reader tells (`make mutate` prints the table).
 """
 
-from __future__ import annotations
-
 import gzip
 import hashlib
 import io

@@ -1,7 +1,5 @@
 """Every file of the folder of real records, as its MANIFEST describes it."""
 
-from __future__ import annotations
-
 import csv
 import io
 import os

@@ -1,7 +1,5 @@
 """How a file reaches the readers: paths and streams, gzip, archives, encodings, line ends."""
 
-from __future__ import annotations
-
 import gzip
 import hashlib
 import io

@@ -1,7 +1,5 @@
 """AT2, CSV and miniSEED: exact to the written digits, and every name that fits."""
 
-from __future__ import annotations
-
 import io
 from dataclasses import replace
 from datetime import UTC, datetime

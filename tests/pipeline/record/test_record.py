@@ -1,7 +1,5 @@
 """Record: what it accepts, its derived numbers, its id."""
 
-from __future__ import annotations
-
 import math
 import pickle
 from dataclasses import FrozenInstanceError

@@ -1,7 +1,5 @@
 """Eight records, the results of a run on them that nothing disturbed, and a disk that can be filled."""
 
-from __future__ import annotations
-
 import shutil
 import subprocess
 

@@ -1,7 +1,5 @@
 """The runner in memory, on an analysis that measures the largest acceleration of every motion."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from datetime import UTC, datetime
 from types import MappingProxyType

@@ -1,7 +1,5 @@
 """A batch in Python: its file is the tree of the in-memory route, whoever does the work."""
 
-from __future__ import annotations
-
 import logging
 import zipfile
 from concurrent.futures import ThreadPoolExecutor

@@ -1,7 +1,5 @@
 """Journals that were damaged or forged: what was in them is done again, and nothing else."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

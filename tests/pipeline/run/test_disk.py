@@ -1,7 +1,5 @@
 """Full disks, places that cannot be written, and what lies where the journal should be."""
 
-from __future__ import annotations
-
 import re
 import shutil
 import tempfile

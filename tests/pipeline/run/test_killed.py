@@ -1,7 +1,5 @@
 """Runs that are killed, interrupted or cut off, and resumed: the results are those of an undisturbed run."""
 
-from __future__ import annotations
-
 import json
 import os
 import re

@@ -1,7 +1,5 @@
 """What --resume, --overwrite, --strict and --log-file do with a run that stopped, fails or goes through."""
 
-from __future__ import annotations
-
 import re
 import shutil
 

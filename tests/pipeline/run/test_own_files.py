@@ -1,7 +1,5 @@
 """An output, its journal and a log that lie among the records are none of them."""
 
-from __future__ import annotations
-
 import os
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Tasks are what the assessment in memory would do, and their fingerprints change with their answers."""
 
-from __future__ import annotations
-
 import pickle
 import shutil
 from dataclasses import replace

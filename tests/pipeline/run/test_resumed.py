@@ -1,7 +1,5 @@
 """Batches that broke off, in part or as a whole: what they leave, what they say, and what resuming makes of it."""
 
-from __future__ import annotations
-
 import pickle
 from contextlib import AbstractContextManager
 from dataclasses import replace

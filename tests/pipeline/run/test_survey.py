@@ -1,7 +1,5 @@
 """Records without their samples are those of read_all, and their samples are found again, or nothing is."""
 
-from __future__ import annotations
-
 import os
 import pickle
 import zipfile

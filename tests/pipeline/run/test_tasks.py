@@ -1,7 +1,5 @@
 """Tasks carried out one by one give what the assessment in memory gives, and whatever goes wrong is a row."""
 
-from __future__ import annotations
-
 import logging
 import pickle
 from dataclasses import replace

@@ -5,8 +5,6 @@ every one against every sample. A new module is found by itself, also by obspy: 
 same lists (``hatch_build.py``).
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 from importlib import import_module
 from pkgutil import iter_modules

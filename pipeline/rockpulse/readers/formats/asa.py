@@ -5,8 +5,6 @@ list such as ``/V/N90E/N00E``. Then a line of channel numbers, one of directions
 fields of 10 characters. The values are those of the recorder, without the offset.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Sequence
 from dataclasses import replace

@@ -7,8 +7,6 @@ row of headings, "Record Sequence Number" among them, begins the table of the re
 its files. Spectra follow. Rjb and Rrup are distances to the rupture, not to the epicentre, and are not used.
 """
 
-from __future__ import annotations
-
 import csv
 import re
 from collections.abc import Sequence

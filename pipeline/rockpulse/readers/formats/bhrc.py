@@ -5,8 +5,6 @@ a line ``/&`` ends it. The azimuths of L and T stand in the line of the station.
 of the earthquake: when the record starts is not known.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Sequence
 

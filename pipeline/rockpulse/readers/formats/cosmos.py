@@ -16,8 +16,6 @@ the place of the station, 10 to 12 that of the hypocentre, 13 to 16 magnitudes a
 Reference: COSMOS Strong Motion Programs Board (2001), COSMOS Strong Motion Data Format, version 1.20.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass, replace

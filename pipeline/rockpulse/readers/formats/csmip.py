@@ -12,8 +12,6 @@ USC's no unit. Channels differ in length; a line ``/&`` ends one.
 Volume 3, spectra, is recognised so that messages name it and no reader takes it.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable, Sequence
 from dataclasses import replace

@@ -23,8 +23,6 @@ holds one component. The header::
    trigger says nothing about the time of the trigger: the time of the first sample is not known.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Sequence
 from datetime import datetime

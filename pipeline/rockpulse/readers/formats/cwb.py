@@ -4,8 +4,6 @@ Lines that begin with ``#``, then rows of the time [s] and the accelerations [ga
 may touch. Clocks are local time (GMT+08). The files are raw but for the offset.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Sequence
 from dataclasses import replace

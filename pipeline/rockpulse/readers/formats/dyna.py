@@ -5,8 +5,6 @@ cm/s2 on each line. Agencies write dates in three styles and leave most keys bla
 ``EVENT_NAME:``; AFAD (TADAS) writes there, in lines that begin with ``AAD_``, how the record was filtered.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Sequence
 from datetime import datetime

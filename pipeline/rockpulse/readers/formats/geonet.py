@@ -5,8 +5,6 @@ characters in mm/s2; in a V2A file velocities and displacements of the same coun
 Layout: https://www.geonet.org.nz/data/types/strong_motion
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Sequence
 from datetime import datetime

@@ -4,8 +4,6 @@ obspy gives counts with an offset and the factor in ``stats.calib``, and has alr
 taken off the 15 s that the logger adds to the record time. Scale and offset are applied here, once.
 """
 
-from __future__ import annotations
-
 import re
 
 import numpy as np

@@ -1,7 +1,5 @@
 """miniSEED, with the gain from StationXML beside it."""
 
-from __future__ import annotations
-
 from functools import partial
 from typing import Any
 

@@ -5,8 +5,6 @@ three accelerations [gal] for each sample. The values are those of the recorder 
 the header calls raw are the peaks of the columns.
 """
 
-from __future__ import annotations
-
 import re
 from datetime import datetime
 

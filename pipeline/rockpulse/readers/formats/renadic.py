@@ -5,8 +5,6 @@ Recorders of four channels leave one without a sensor, all zeros. Long records a
 The time that the header calls the origin of the earthquake is of the same clock, and is not used.
 """
 
-from __future__ import annotations
-
 import re
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """SAC binary files; the unit is not in the header."""
 
-from __future__ import annotations
-
 import math
 import struct
 from datetime import datetime

@@ -5,8 +5,6 @@ in a row in fields of 14 characters that may touch. The time in the header is th
 starts is not known.
 """
 
-from __future__ import annotations
-
 import re
 from collections import Counter
 from collections.abc import Sequence

@@ -5,8 +5,6 @@
 Layout: https://escweb.wr.usgs.gov/nsmp-data/smcfmt.html
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Sequence
 from datetime import datetime

@@ -5,8 +5,6 @@ line printer in front of every row. Volume 2 holds corrected acceleration [cm/s2
 time in the header is the minute of the earthquake; when the record starts nobody knows.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Sequence
 

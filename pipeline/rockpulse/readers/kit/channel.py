@@ -1,7 +1,5 @@
 """From the numbers of one channel to a `Record`: unit, sign, time, and the checks that every format shares."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace

@@ -4,8 +4,6 @@ A header that contradicts itself is told, for one of its statements is wrong and
 in a file twice is read once. A function that returns warnings returns none where all is well or a statement is missing.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterable, Sequence
 from typing import NamedTuple

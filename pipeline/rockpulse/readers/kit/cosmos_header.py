@@ -3,8 +3,6 @@
 Integers and reals are counted from 1, as in the description of the format. Those that stand for "unknown" are NaN.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass, replace

@@ -1,7 +1,5 @@
 """The meaning of the words for a component or a place: vertical, an azimuth, a structure."""
 
-from __future__ import annotations
-
 import math
 import re
 from dataclasses import dataclass

@@ -6,8 +6,6 @@ Headers are filled by many hands: zeros and -999 stand for "unknown", units are 
 left out; it is never an error, since no sample depends on it.
 """
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Iterable, Sequence

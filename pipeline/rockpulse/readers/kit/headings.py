@@ -1,7 +1,5 @@
 """What stands above plain columns: the prose, which may state motion, unit, interval and count, and the headings."""
 
-from __future__ import annotations
-
 import re
 import unicodedata
 from collections.abc import Iterator, Sequence

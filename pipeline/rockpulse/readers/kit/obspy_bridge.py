@@ -1,7 +1,5 @@
 """What the readers take from obspy, which is imported only when a file needs it: streams, directions, StationXML."""
 
-from __future__ import annotations
-
 import io
 import math
 import os

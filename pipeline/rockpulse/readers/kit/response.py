@@ -1,7 +1,5 @@
 """From counts to acceleration, with the sensitivity or response of an instrument, of StationXML or an obspy Trace."""
 
-from __future__ import annotations
-
 import copy
 import math
 import re

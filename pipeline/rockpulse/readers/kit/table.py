@@ -1,7 +1,5 @@
 """Tables of plain numbers: layout, the numbers, lines of a count and an interval above them, one series in rows."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Text files: lines, statements by key, numbers of fixed width or between blanks, units, and the errors about them."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator, Sequence
 from difflib import get_close_matches

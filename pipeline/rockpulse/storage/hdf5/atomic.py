@@ -4,8 +4,6 @@ It is written to a temporary name beside the target, flushed to the disk and the
 leaves the old file or none (at worst a hidden ``.part`` file, which may be deleted).
 """
 
-from __future__ import annotations
-
 import glob
 import os
 import re

@@ -4,8 +4,6 @@ All that it shows is to be in it: no link out of it, no endless array. Its varia
 describes: type, dimensions, unit, words.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 from itertools import islice
 

@@ -1,7 +1,5 @@
 """Whether a results file is what was written, and the files that it rests on are what was read."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import nullcontext

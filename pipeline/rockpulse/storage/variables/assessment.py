@@ -1,7 +1,5 @@
 """The groups of an assessment: every variable of each, and how it is taken from an assessed record."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import replace
 from typing import Any

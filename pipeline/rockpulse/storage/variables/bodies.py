@@ -1,7 +1,5 @@
 """The variables of the bodies in /summary, and how each is taken from the bodies of an assessment."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 

@@ -1,7 +1,5 @@
 """The variables of a fragility file, in the order of the file."""
 
-from __future__ import annotations
-
 from enum import IntEnum
 
 from rockpulse.storage.variables import FAILURE, NOT_KNOWN, Declared, along, flag, real, text, whole

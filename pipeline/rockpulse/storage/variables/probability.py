@@ -1,7 +1,5 @@
 """The variables of the probability of overturning in /summary, and of overturning spectra, also those in /spectra."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import replace
 from typing import Any

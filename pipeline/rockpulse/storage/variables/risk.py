@@ -1,7 +1,5 @@
 """The variables of the annual frequency of a limit state, and of the checks of codes."""
 
-from __future__ import annotations
-
 from enum import IntEnum
 
 from rockpulse.storage.variables import NOT_KNOWN, Declared, along, flag, real, text, whole

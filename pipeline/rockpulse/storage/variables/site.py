@@ -1,7 +1,5 @@
 """The variables of a site file, by the sequences of its records or by their overturning spectra."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 from rockpulse.record.measures import STORED_LEVELS

@@ -3,8 +3,6 @@
 The order is that of the file, and of the columns of an export.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable
 from functools import partial
 from typing import Any

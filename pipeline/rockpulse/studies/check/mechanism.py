@@ -8,8 +8,6 @@
    yield force, and nothing once they are broken.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace

@@ -6,8 +6,6 @@
    NTC 2018, 3.2.3.2.1). NTC: S = S_S S_T, T_C = C_C T_C*, T_B = T_C/3, T_D = 4 a_g/g + 1.6 s.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from pathlib import Path

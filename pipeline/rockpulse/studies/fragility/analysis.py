@@ -1,7 +1,5 @@
 """Fragility of the bodies of a site under a set of records, and the tree of a fragility file (docs/schema.md)."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from functools import cached_property, partial

@@ -1,7 +1,5 @@
 """The limit states of bodies, the factors on a record that reach them, and the capacities that one motion shows."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import replace

@@ -5,8 +5,6 @@
    the other (docs/decisions/012). Where the data do not say what a curve needs, there is a statement and no number.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property
 

@@ -1,7 +1,5 @@
 """Whether the data make a fragility curve and a band, and the statement that says why they do not."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 

@@ -1,7 +1,5 @@
 """Files of hazard curves of one place or many: levels with rates or probabilities, OpenQuake's, return periods."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable
 from functools import partial

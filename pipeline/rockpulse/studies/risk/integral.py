@@ -11,8 +11,6 @@
    Bootstrap, chapter 12.
 """
 
-from __future__ import annotations
-
 import itertools
 import math
 from typing import NamedTuple

@@ -6,8 +6,6 @@ their own length, and the motion after the record is decided by energy. ``max_st
 the kinks of the record.
 """
 
-from __future__ import annotations
-
 import math
 from typing import Any, NamedTuple
 

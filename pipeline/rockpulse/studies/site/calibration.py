@@ -1,7 +1,5 @@
 """From the records of a site to its design sequence, with the uncertainty of everything on the way."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterable, Sequence
 from functools import cached_property, partial

@@ -1,7 +1,5 @@
 """One motion of a site: scaled to a target, its sequence, and what it does to the blocks."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from functools import partial

@@ -1,7 +1,5 @@
 """Remarks on a site: what its set of records is too small or too odd to tell."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from typing import Any

@@ -1,7 +1,5 @@
 """The design of a site by sequences: distributions, the design sequence, and its coverage of records left out."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple

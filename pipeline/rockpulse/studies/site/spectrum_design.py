@@ -5,8 +5,6 @@
    quantile) of them it is the largest one seen, and no interval says how much larger the next one is.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass

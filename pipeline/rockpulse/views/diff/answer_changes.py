@@ -3,8 +3,6 @@
 The verdict is that of the fullest model; its changes come first.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import NamedTuple

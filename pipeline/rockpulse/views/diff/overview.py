@@ -1,7 +1,5 @@
 """The changes between two results files as text."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 

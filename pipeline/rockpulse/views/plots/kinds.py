@@ -1,7 +1,5 @@
 """The kinds of pictures: what each shows, which file it is drawn from, and what may be chosen."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from rockpulse.storage.hdf5.atomic import ASSESSMENT

@@ -5,8 +5,6 @@
    starts to rock about its left-hand corner, theta < 0, as in :func:`~rocking.impulses.sequence.impulse_train`.
 """
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

@@ -1,7 +1,5 @@
 """A figure as a file, the same bytes on every run and its own ids in every SVG, and a figure for a notebook's cell."""
 
-from __future__ import annotations
-
 import hashlib
 import re
 import threading

@@ -1,7 +1,5 @@
 """The answers of every model for every record and body, as cells; how often each body overturns; what they mean."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

@@ -4,8 +4,6 @@ A body is to scale, seen along the base, theta > 0 to the right, fitted into a s
 few kilobytes, by the extremes in each column of pixels.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass

@@ -3,8 +3,6 @@
 A curve in time is shown as the extremes of each of many columns, in numbers of 16 bits for the script of the page.
 """
 
-from __future__ import annotations
-
 import base64
 import math
 from collections.abc import Mapping

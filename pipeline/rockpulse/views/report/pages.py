@@ -1,7 +1,5 @@
 """The pages of a report on each body and on each record."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

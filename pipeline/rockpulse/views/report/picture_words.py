@@ -1,7 +1,5 @@
 """The texts of pictures in the language of the report, by their English form."""
 
-from __future__ import annotations
-
 import re
 import tomllib
 from functools import cache, lru_cache

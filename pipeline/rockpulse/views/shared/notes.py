@@ -1,7 +1,5 @@
 """The meaning of the figures and marks in tables of verdicts, only of those that are shown, and words for motions."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Collection, Iterable, Sequence
 

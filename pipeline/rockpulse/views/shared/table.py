@@ -1,7 +1,5 @@
 """Tables as data: built once, and laid out for the terminal here and for HTML by the templates of the report."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import dataclass

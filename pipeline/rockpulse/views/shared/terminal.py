@@ -1,7 +1,5 @@
 """Plain text for the terminal: wrapped paragraphs and numbers with as many digits as they deserve."""
 
-from __future__ import annotations
-
 import math
 import textwrap
 from collections.abc import Callable

@@ -4,8 +4,6 @@ What is printed is English; a report is written in the language of :func:`writin
 `words`; a test compares its keys and fields with those of the English one.
 """
 
-from __future__ import annotations
-
 import re
 import tomllib
 from collections.abc import Iterator, Mapping, Sequence

@@ -1,7 +1,5 @@
 """ASA (Mexico: UNAM, CIRES): channels from the header, accents, times across midnight, damaged files."""
 
-from __future__ import annotations
-
 from datetime import UTC, datetime
 
 import numpy as np

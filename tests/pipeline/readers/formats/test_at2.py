@@ -3,8 +3,6 @@
 PEER's list of a search beside AT2 files: magnitude, Vs30 and names for the files of its rows.
 """
 
-from __future__ import annotations
-
 import io
 import math
 import time

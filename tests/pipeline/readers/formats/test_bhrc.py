@@ -1,7 +1,5 @@
 """BHRC volume 1 (Iran): three channels, azimuths in the station line, damaged files."""
 
-from __future__ import annotations
-
 import io
 from datetime import UTC, datetime
 

@@ -1,7 +1,5 @@
 """Columns of numbers: layouts, delimiters, time columns; nothing is guessed."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from record_writers import pulse

@@ -1,7 +1,5 @@
 """COSMOS 1.20: series, units, gains, intervals, directions, damaged files."""
 
-from __future__ import annotations
-
 from datetime import UTC, datetime
 
 import numpy as np

@@ -1,7 +1,5 @@
 """CSMIP volume 1: the samples, the old pair layout, damaged files."""
 
-from __future__ import annotations
-
 from datetime import UTC, datetime
 
 import numpy as np

@@ -1,7 +1,5 @@
 """CSMIP volume 2: both layouts, which block is read, structures, damage; spectra are refused."""
 
-from __future__ import annotations
-
 from datetime import UTC, datetime
 
 import numpy as np

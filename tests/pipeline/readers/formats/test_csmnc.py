@@ -1,7 +1,5 @@
 """CSMNC (China): both layouts of the lines, components, the time of the earthquake, damaged files."""
 
-from __future__ import annotations
-
 from datetime import UTC, datetime
 
 import numpy as np

@@ -1,7 +1,5 @@
 """CWB and CWA free field (Taiwan): the columns, the clock, damaged files."""
 
-from __future__ import annotations
-
 import io
 from datetime import UTC, datetime
 

@@ -1,7 +1,5 @@
 """DYNA 1.x (ESM, ITACA, AFAD): the keys, the styles of dates, what is no acceleration, damaged files."""
 
-from __future__ import annotations
-
 import io
 import re
 from datetime import UTC, datetime

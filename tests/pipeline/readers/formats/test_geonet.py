@@ -1,7 +1,5 @@
 """GeoNet V1A and V2A (New Zealand): both volumes, directions, clocks, damaged files."""
 
-from __future__ import annotations
-
 import io
 from datetime import UTC, datetime, timedelta
 

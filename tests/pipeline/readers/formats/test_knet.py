@@ -1,7 +1,5 @@
 """K-NET: offset, scale, time and direction, against an independent parse."""
 
-from __future__ import annotations
-
 import time
 from datetime import UTC, datetime
 from pathlib import Path

@@ -1,7 +1,5 @@
 """miniSEED with StationXML beside it: files synthesised with obspy, and real ones; what obspy says of either format."""
 
-from __future__ import annotations
-
 import os
 import re
 import threading

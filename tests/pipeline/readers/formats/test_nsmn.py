@@ -1,7 +1,5 @@
 """NSMN (Turkey, before AFAD): the columns, Turkish letters, times, damaged files."""
 
-from __future__ import annotations
-
 from datetime import UTC, datetime
 
 import numpy as np

@@ -1,7 +1,5 @@
 """RENADIC volume 1 (Chile): pairs, dead channels, parts of one record."""
 
-from __future__ import annotations
-
 import hashlib
 import io
 import re

@@ -1,7 +1,5 @@
 """SAC: files synthesised with obspy, and a real one."""
 
-from __future__ import annotations
-
 import struct
 from datetime import timedelta
 

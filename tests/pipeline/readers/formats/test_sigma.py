@@ -1,7 +1,5 @@
 """SIGMA/ITACA .acc: header, touching fields, directions, what is no acceleration, damaged files."""
 
-from __future__ import annotations
-
 import io
 from datetime import UTC, datetime
 

@@ -1,7 +1,5 @@
 """USGS SMC: the sample, raw pairs, refused series, damaged files."""
 
-from __future__ import annotations
-
 import re
 import time
 from datetime import UTC, datetime

@@ -1,7 +1,5 @@
 """USC volumes 1 and 2."""
 
-from __future__ import annotations
-
 from datetime import UTC, datetime
 
 import numpy as np

@@ -3,8 +3,6 @@
 Clipped records are said to be clipped, and whole ones are not.
 """
 
-from __future__ import annotations
-
 import re
 import shutil
 import time

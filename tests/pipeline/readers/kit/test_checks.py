@@ -5,8 +5,6 @@ A part of a file that stands in it twice is one motion, told; two parts that dif
 Channels that a file should hold, and those that it holds.
 """
 
-from __future__ import annotations
-
 import io
 import re
 from types import SimpleNamespace

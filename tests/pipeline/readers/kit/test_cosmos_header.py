@@ -3,8 +3,6 @@
 COSMOS: what the header states twice is held against each other, and against the channels of the file.
 """
 
-from __future__ import annotations
-
 from datetime import UTC, datetime
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Channels, headers and headings in the layout of CSMIP, USC and RENADIC."""
 
-from __future__ import annotations
-
 import re
 from datetime import UTC, datetime
 

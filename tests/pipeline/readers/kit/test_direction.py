@@ -1,7 +1,5 @@
 """Wordings of components: vertical, azimuth, or unknown rather than guessed."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from record_writers import csmip_equal, pulse

@@ -3,8 +3,6 @@
 What the header of plain columns says: it is believed, and held against what the caller says.
 """
 
-from __future__ import annotations
-
 import contextlib
 import math
 import time

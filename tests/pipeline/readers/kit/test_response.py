@@ -3,8 +3,6 @@
 Removal of an instrument's response against answers that are known without it.
 """
 
-from __future__ import annotations
-
 from types import SimpleNamespace
 
 import numpy as np

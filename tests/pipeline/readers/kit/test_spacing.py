@@ -5,8 +5,6 @@ Blocks of (time, acceleration) pairs: how many, how wide, and what stands behind
 Times in the columns of a table: what counts as time, and what is missing, repeated or rounded in it.
 """
 
-from __future__ import annotations
-
 import re
 
 import numpy as np

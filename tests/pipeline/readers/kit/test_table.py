@@ -7,8 +7,6 @@ Lines with the number of samples and the interval, in front of the samples of pl
 One series in rows of several values, and channels side by side that look like one.
 """
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from record_writers import pulse

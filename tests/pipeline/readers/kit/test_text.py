@@ -3,8 +3,6 @@
 Spellings of the unit of acceleration.
 """
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """What was not assessed and what the records were warned of, as text."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import xarray as xr
