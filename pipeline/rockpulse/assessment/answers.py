@@ -10,9 +10,10 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
+import xarray as xr
 
 from rocking.response import Outcome
 from rockpulse.assessment.demand import Demand, stored_demands
@@ -21,9 +22,6 @@ from rockpulse.model_table import fullest, is_full
 from rockpulse.selection.events import UNKNOWN
 from rockpulse.storage.hdf5.netcdf4 import slab, worded
 from rockpulse.storage.variables.probability import MEAN, SOURCES
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 
 class Share(NamedTuple):

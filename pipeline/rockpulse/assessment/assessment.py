@@ -1,14 +1,12 @@
 """From records, or the design sequence of a site, and bodies to the tree of results."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from functools import cached_property, partial
-from typing import TYPE_CHECKING
 
 import numpy as np
+import xarray as xr
 
 from rocking.impulses.impulse_sequence import ImpulseSequence
 from rockpulse.assessment.record_assessment import assess_scene
@@ -30,9 +28,6 @@ from rockpulse.selection.directions import Motion, PlannedMotion, swept_directio
 from rockpulse.sequences.design_spectrum import DesignSpectrum
 from rockpulse.storage.hdf5.atomic import ASSESSMENT
 from rockpulse.storage.variables.assessment import ASSESSMENT_GROUPS
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 
 def assess(

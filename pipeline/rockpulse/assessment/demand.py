@@ -1,23 +1,18 @@
 """The demands of a site, and the factors that bring a motion to them."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from functools import partial
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
+import xarray as xr
 
 from rocking.body.block import Block
 from rockpulse.config.configuration import Config
 from rockpulse.record.half_wave import half_waves
 from rockpulse.record.measures import ROWS, RecordOnBodies
 from rockpulse.record.record import Record
-
-if TYPE_CHECKING:
-    import xarray as xr
-
 
 #: Factors on a record between which it still stands for a recorded earthquake of that strength (docs/limits.md).
 FARTHEST = (0.25, 4.0)

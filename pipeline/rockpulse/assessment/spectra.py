@@ -7,12 +7,11 @@
    2003): two blocks of equal p, alpha and C rock in the same way, whatever their mass.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 import numpy as np
+import xarray as xr
 
 from rocking.arguments import ArrayLike
 from rocking.body.block import Block
@@ -28,9 +27,6 @@ from rockpulse.sequences.rule import load_rule
 from rockpulse.storage.variables.bodies import BLOCK, CASE
 from rockpulse.storage.variables.probability import AXIS_SIZES, LEVELS, RESTITUTIONS, ROTATIONS, SPECTRUM, SPECTRUM_AXES
 from rockpulse.storage.variables.summary import ANSWER
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 #: The angle of the blocks that stand for all [rad]; their capacity over g tan(alpha)/p does not depend on it.
 ALPHA = 0.1

@@ -9,17 +9,16 @@ earthquakes, which all records together tell, and the variables that do not depe
    exceed, is NaN.
 """
 
-from __future__ import annotations
-
 import base64
 from collections import defaultdict
 from collections.abc import Callable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import xarray as xr
 
 from rocking.response import Outcome
+from rockpulse.assessment.record_assessment import RecordAssessment
 from rockpulse.config.bodies import Bodies
 from rockpulse.config.configuration import Config
 from rockpulse.config.study_settings import logo_bytes
@@ -29,9 +28,6 @@ from rockpulse.selection.directions import sweep_azimuths
 from rockpulse.storage.variables import StoredVariable, failure_table
 from rockpulse.storage.variables.assessment import ASSESSMENT_GROUPS, DIRECTIONS, GROWING
 from rockpulse.storage.variables.probability import AXIS_SIZES, MEAN
-
-if TYPE_CHECKING:
-    from rockpulse.assessment.record_assessment import RecordAssessment
 
 
 def direction_statistics(

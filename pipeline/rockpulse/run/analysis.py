@@ -4,8 +4,6 @@ Assessing bodies, calibrating a site and fitting fragility curves are analyses: 
 process, `rockpulse.run.batch` with a journal and many processes.
 """
 
-from __future__ import annotations
-
 import logging
 from abc import ABC, abstractmethod
 from collections import Counter, defaultdict
@@ -13,9 +11,10 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
+import xarray as xr
 
 from rockpulse.config.bodies import Blocks
 from rockpulse.config.configuration import Config
@@ -31,9 +30,6 @@ from rockpulse.selection.directions import (
 )
 from rockpulse.selection.events import event_table, events_by_id
 from rockpulse.selection.votes import one_vote_each, unmatched_patterns
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 __all__ = ["Analysis", "Blocks", "Part", "Prepared", "Watch", "Work", "joined", "run", "unwatched", "worked"]
 

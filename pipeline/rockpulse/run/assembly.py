@@ -1,16 +1,15 @@
 """The results file put together from the parts of the records, in bounded memory, whole or not at all."""
 
-from __future__ import annotations
-
 import os
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import chain
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+import xarray as xr
 
 from rockpulse.assessment.assessment import Assessment
 from rockpulse.assessment.tree import direction_statistics, joined_parts
@@ -25,10 +24,6 @@ from rockpulse.storage.hdf5.results_file import check_described, provenance, sav
 from rockpulse.storage.hdf5.writer import TreeWriter, add_dataset
 from rockpulse.storage.variables import failure_table
 from rockpulse.storage.variables.probability import MEAN
-
-if TYPE_CHECKING:
-    import xarray as xr
-
 
 #: Attribute of the root: the run that wrote the file, as its journal names it.
 RUN_ID = "run_id"

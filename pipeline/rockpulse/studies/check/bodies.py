@@ -1,12 +1,10 @@
 """The check of the bodies of a configuration by codes, with what time histories say of the same bodies beside it."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
+import xarray as xr
 
 from rockpulse.assessment.answers import Answers, answers_of
 from rockpulse.assessment.verdict import verdicts
@@ -18,10 +16,6 @@ from rockpulse.storage.variables.risk import CHECK
 from rockpulse.studies.check.codes import CHECKS, Checked, worst
 from rockpulse.studies.check.mechanism import Mechanism, mechanisms
 from rockpulse.studies.check.spectra import DemandSpectrum, TableEnds, spectrum_of
-
-if TYPE_CHECKING:
-    import xarray as xr
-
 
 #: Settings of a body that no code asks for: with others it is still the same body.
 NOT_OF_A_CODE = {"name", "restitution", "rebound", "facing", "azimuth", "friction", "confirm_size"}

@@ -6,13 +6,11 @@
    only some records have a quality, as a magnitude that their files state, it is that of these records alone.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
+import xarray as xr
 from scipy.special import stdtr
 
 from rockpulse.config.configuration import Config, config_from_text
@@ -27,9 +25,6 @@ from rockpulse.studies.fragility.capacity import NOT_KNOWN, nothing
 from rockpulse.studies.fragility.curves import Curve, fit_curve, standardised
 from rockpulse.studies.fragility.likelihood import ABOVE, EXACT, FAMILIES, NOT_ABOVE, Observations, maximise
 from rockpulse.studies.fragility.statements import missing
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 
 @dataclass(frozen=True)

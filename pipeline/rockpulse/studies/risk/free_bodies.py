@@ -10,9 +10,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
+import xarray as xr
 from scipy.special import ndtr
 
 from rocking.body.block import Block
@@ -21,10 +22,6 @@ from rockpulse.errors import ConfigError, ResultsError
 from rockpulse.record.measures import PGA, STORED_LEVELS
 from rockpulse.sequences.design_spectrum import at_blocks, within
 from rockpulse.storage.variables.risk import FREE_FRAGILITY
-
-if TYPE_CHECKING:
-    import xarray as xr
-
 
 #: Pairs of a body and a record that are worked on at once.
 AT_ONCE = 30_000

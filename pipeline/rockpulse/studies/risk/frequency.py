@@ -9,13 +9,12 @@
    by the ratio of the two, for lambda is proportional to them: a precarious rock is a test of the hazard.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
+import xarray as xr
 
 from rockpulse.config.configuration import Config
 from rockpulse.config.study_settings import OVERTURNING, UPLIFT
@@ -28,9 +27,6 @@ from rockpulse.studies.fragility.likelihood import ABOVE, FAMILIES, NOT_ABOVE, F
 from rockpulse.studies.fragility.statements import STATEMENTS, missing
 from rockpulse.studies.risk.hazard import Hazard, HazardCurve, PowerLawHazard
 from rockpulse.studies.risk.integral import FEWEST_EVENTS, LEAST_EVENTS, Integral, band_of, fitted_lines, integrate
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 #: The horizontal component that a hazard has to be of, by [records] components.
 COMPONENTS = {

@@ -6,14 +6,13 @@
    that each record's P gives. The march is that of the records alone: ten thousand bodies are read from it like one.
 """
 
-from __future__ import annotations
-
 import math
 import re
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
+import xarray as xr
 
 from rocking.body.block import Block
 from rockpulse.config.configuration import config_from_text
@@ -26,10 +25,6 @@ from rockpulse.studies.risk.free_bodies import BodyCurves, chosen, curves_in_par
 from rockpulse.studies.risk.frequency import hazard_assumed, several_events
 from rockpulse.studies.risk.hazard import Hazard, SiteHazards
 from rockpulse.studies.risk.integral import FEWEST_EVENTS
-
-if TYPE_CHECKING:
-    import xarray as xr
-
 
 #: Columns that a table has to have, and others that are read where they are there.
 NEEDED, OPTIONAL = ("name", "width [m]", "height [m]"), ("restitution", "longitude", "latitude", "soil_factor")

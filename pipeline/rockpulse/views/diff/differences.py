@@ -5,16 +5,15 @@ half-cycles, by what they point at. All values of both files are read and compar
 what was written, not what is there now (``rockpulse verify`` checks them).
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from difflib import get_close_matches, unified_diff
 from itertools import chain
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+import xarray as xr
 
 from rockpulse.errors import ResultsError
 from rockpulse.storage.export.long_table import POINTS_AT
@@ -22,9 +21,6 @@ from rockpulse.storage.hdf5.netcdf4 import flag_words, slab
 from rockpulse.storage.hdf5.results_file import ResultsFile
 from rockpulse.views.diff.answer_changes import Changes, Flip, body_changes, leading_model
 from rockpulse.views.diff.row_matching import Matched, OnlyIn, RowMatcher, add_only
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 #: Largest part of a variable that is read at once; larger ones are slower, for their memory is new each time.
 PART = 1_000_000

@@ -1,17 +1,13 @@
 """The rows that two results files have in common: by name, by owner, or by the row that they point at."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+import xarray as xr
 
 from rockpulse.storage.export.long_table import POINTS_AT
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 
 @dataclass(frozen=True)

@@ -1,12 +1,12 @@
 """Factors by which a record may get stronger: intervals of overturning, and the critical scale of every record."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from itertools import product
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
 
 from rockpulse.assessment.answers import fullest_model
 from rockpulse.errors import ResultsError
@@ -15,10 +15,6 @@ from rockpulse.views.plots import factor_rows, style
 from rockpulse.views.plots.selection import chosen_case, named_body, one_name, setting, table_of_pair
 from rockpulse.views.plots.style import BLACK, GREEN, GREY, RED, SMALL
 from rockpulse.views.shared.notes import factor_name
-
-if TYPE_CHECKING:
-    import xarray as xr
-    from matplotlib.axes import Axes
 
 #: A window in which the block stands again: hatched, and light in grey where it is too narrow for that.
 _AGAIN: dict[str, Any] = {"fc": "#BBDDF3", "ec": BLACK, "lw": 0.0, "hatch": "////", "hatch_linewidth": 0.6}

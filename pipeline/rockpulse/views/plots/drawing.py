@@ -1,13 +1,13 @@
 """The figure of whatever there is: of each kind of picture of a results file, and of an object by its type."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
 from rocking.body.block import Block
 from rocking.impulses.impulse_sequence import ImpulseSequence
@@ -36,10 +36,6 @@ from rockpulse.views.plots.selection import block_of, named_body, one_name, plai
 from rockpulse.views.plots.site import calibration
 from rockpulse.views.plots.spectra import overturning_spectra, rocking_spectrum, spectra_of_results
 from rockpulse.views.shared.facts import Known
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
 #: Most records whose spectra are marched again for a picture, some seconds in all.
 MARCHED = 12

@@ -1,20 +1,16 @@
 """The rows of a picture of factors: which are drawn, the axis of the factors, ticks of demands, bars of probability."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
 
 from rockpulse.assessment.demand import stored_demands
 from rockpulse.views.plots.selection import named_body
 from rockpulse.views.plots.style import BLACK, BLUE, GREEN, GREY, PALE, RED, SMALL, counted, legend_above, plain
 from rockpulse.views.shared.terminal import shortened
-
-if TYPE_CHECKING:
-    import xarray as xr
-    from matplotlib.axes import Axes
 
 #: Rows on a page, of more the lowest factors are shown; the height of a row [in], and the longest name beside it.
 ROWS, ROW, NAME = 60, 0.155, 34

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
 
 from rockpulse.config.study_settings import OVERTURNING, UPLIFT, HazardSettings
 from rockpulse.record.measures import PGA
@@ -13,10 +15,6 @@ from rockpulse.views.plots import style
 from rockpulse.views.plots.selection import one_name, setting
 from rockpulse.views.plots.style import GREY, Look, Panels
 from rockpulse.views.text.fragility import shown_measure, statement
-
-if TYPE_CHECKING:
-    import xarray as xr
-    from matplotlib.axes import Axes
 
 #: Probabilities below this, and above one less it, are not looked at when the range of the axis is chosen.
 _TAIL = 0.002

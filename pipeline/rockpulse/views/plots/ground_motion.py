@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
 
 from rocking.impulses.impulse_sequence import ImpulseSequence
 from rocking.pictures import thinned
@@ -20,10 +22,6 @@ from rockpulse.views.plots import style
 from rockpulse.views.plots.selection import ragged
 from rockpulse.views.plots.style import BLACK, BLUE, FONT, GREY, INSTANTS, ORANGE, RED, SKY, Panels
 from rockpulse.views.shared.facts import Known, RecordFacts
-
-if TYPE_CHECKING:
-    import xarray as xr
-    from matplotlib.axes import Axes
 
 #: The remedy where the samples of a record are not in the file.
 STORE = 'the file does not hold the accelerograms: assess again with [records] store = "all"'

@@ -1,12 +1,11 @@
 """Rotation histories of a block under one record by several models, stored in the results or computed again."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
+import xarray as xr
 
 from rocking.body.block import Block
 from rocking.response import IMPACT_CUTOFF, Outcome, Response
@@ -30,9 +29,6 @@ from rockpulse.views.plots.selection import (
     setting,
     table_of_pair,
 )
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 #: Peaks that differ by more than this [-] are said to.
 _SAME = 1e-3

@@ -1,12 +1,12 @@
 """Pictures of single objects: half-waves, an impulse sequence, a response, and bodies drawn from their numbers."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
 from rocking.body.block import Block
 from rocking.body.outline import Outline
@@ -19,11 +19,6 @@ from rockpulse.views.plots import style
 from rockpulse.views.plots.rotation import moving_stretch
 from rockpulse.views.plots.selection import block_of, one_name
 from rockpulse.views.plots.style import BLACK, BLUE, GREY, INSTANTS, ORANGE, PALE, RED, SMALL
-
-if TYPE_CHECKING:
-    import xarray as xr
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
 #: Colours of the outcomes, and lanes of a response whose histories are drawn.
 COLOURS = {Outcome.AT_REST: GREY, Outcome.ROCKS: BLUE, Outcome.OVERTURNS: RED, Outcome.UNRESOLVED: BLACK}

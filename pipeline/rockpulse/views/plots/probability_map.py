@@ -1,10 +1,10 @@
 """The probability of overturning of every body under every record, as a map."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
 
 from rockpulse.assessment.answers import Answers, answers_of
 from rockpulse.assessment.verdict import chances, too_far
@@ -14,10 +14,6 @@ from rockpulse.views.plots.factor_rows import NAME, ROW
 from rockpulse.views.plots.selection import one_name
 from rockpulse.views.plots.style import BLACK, GREY, SMALL
 from rockpulse.views.shared.terminal import ratio, shortened
-
-if TYPE_CHECKING:
-    import xarray as xr
-    from matplotlib.axes import Axes
 
 #: Records and bodies on a page; of more the likeliest to overturn are shown.
 ROWS, COLUMNS = 50, 30

@@ -1,13 +1,12 @@
 """The part of a results file that is drawn: records, blocks and models by their names, and what is stored of them."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from difflib import get_close_matches
 from fnmatch import fnmatchcase
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+import xarray as xr
 
 from rocking.body.block import Block
 from rocking.body.restraint import Restraints
@@ -16,9 +15,6 @@ from rockpulse.config.configuration import stored_sections
 from rockpulse.errors import ResultsError
 from rockpulse.storage.hdf5.netcdf4 import flag_words
 from rockpulse.views.shared.terminal import restitution
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 #: Names listed in a message.
 LISTED = 20

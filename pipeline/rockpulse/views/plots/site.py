@@ -3,19 +3,16 @@
 from __future__ import annotations
 
 import textwrap
-from typing import TYPE_CHECKING
 
 import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
 from scipy.special import ndtr
 
 from rockpulse.record.record import STANDARD_GRAVITY
 from rockpulse.views.plots import style
 from rockpulse.views.plots.spectra import below_the_picture, record_lines, spectrum_axes
 from rockpulse.views.plots.style import BLACK, BLUE, GREY, ORANGE, PALE, RED, SKY, SMALL, Panels
-
-if TYPE_CHECKING:
-    import xarray as xr
-    from matplotlib.axes import Axes
 
 #: Largest ratio to the range of the records up to which the axis follows an interval or the design.
 _NEAR = 3.0

@@ -1,11 +1,11 @@
 """Rocking spectra as maps over p and alpha_c, and overturning spectra as curves over p, with the bodies on them."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
 
 from rocking.response import Outcome
 from rockpulse.earthquakes import FEWEST_EVENTS, weighted_quantile
@@ -14,10 +14,6 @@ from rockpulse.views.plots.factor_rows import factors_to_demands
 from rockpulse.views.plots.selection import plain_bodies
 from rockpulse.views.plots.style import BLACK, BLUE, FONT, GREY, PALE, RED, SMALL
 from rockpulse.views.shared.terminal import shortened
-
-if TYPE_CHECKING:
-    import xarray as xr
-    from matplotlib.axes import Axes
 
 #: Sizes whose p is marked along the top [m].
 _RADII = (0.2, 0.3, 0.5, 1.0, 2.0, 4.0, 8.0)

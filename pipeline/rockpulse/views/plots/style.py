@@ -9,18 +9,16 @@ from __future__ import annotations
 import re
 import textwrap
 from collections.abc import Iterable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.axis import Axis
+from matplotlib.collections import QuadMesh
+from matplotlib.figure import Figure
 
 from rockpulse.foreign_text import escaped
 from rockpulse.model_table import MODELS
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.axis import Axis
-    from matplotlib.collections import QuadMesh
-    from matplotlib.figure import Figure
 
 #: Width of a picture: that of the text on a page of A4 with margins of 25 mm [in].
 WIDTH = 6.3

@@ -3,13 +3,12 @@
 The parts of a report on a site calibration and on fragility curves that are shown beside the verdict.
 """
 
-from __future__ import annotations
-
 import re
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+import xarray as xr
 
 from rockpulse.assessment.answers import Answers, Body, bodies_of
 from rockpulse.config.configuration import stored_sections
@@ -32,9 +31,6 @@ from rockpulse.views.text.fragility import (
     sufficiency_tables,
 )
 from rockpulse.views.text.site import about_records, coverage, design, site_remarks, site_tables
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 #: The same configuration gives the same numbers to the last digit; a body written down with other digits is another.
 TOLERANCE = 1e-6

@@ -1,14 +1,13 @@
 """Everything that the page shows, gathered from the results as plain data; the templates only lay it out."""
 
-from __future__ import annotations
-
 import base64
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+
+import xarray as xr
 
 from rockpulse.assessment.answers import Motions, answers_of
 from rockpulse.assessment.verdict import BodyVerdict, verdicts
-from rockpulse.config.configuration import config_from_text, stored_sections
+from rockpulse.config.configuration import Config, config_from_text, stored_sections
 from rockpulse.config.study_settings import PNG, UncertaintySettings, logo_bytes
 from rockpulse.errors import ResultsError
 from rockpulse.model_table import MODELS
@@ -40,11 +39,6 @@ from rockpulse.views.report.verdict import (
 from rockpulse.views.shared.files_used import files_used
 from rockpulse.views.shared.table import Fact, Table
 from rockpulse.views.shared.words import named, say
-
-if TYPE_CHECKING:
-    import xarray as xr
-
-    from rockpulse.config.configuration import Config
 
 REFERENCE = (
     "C. Casapulla, A. Maione (2017), Rocking resonance conditions of large and slender rigid blocks under the "

@@ -4,14 +4,13 @@ The motions are those of `rockpulse.plots`: as stored, else computed again from 
 on the record. The script of the page draws them; it computes no motion.
 """
 
-from __future__ import annotations
-
 import json
 import math
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
+import xarray as xr
 
 from rocking.body.block import Block
 from rocking.body.outline import Outline
@@ -37,9 +36,6 @@ from rockpulse.views.report.explorer_choice import (
 from rockpulse.views.report.records import record_words
 from rockpulse.views.shared.facts import Known
 from rockpulse.views.shared.words import say, section
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 #: Bodies with motions on the page, those of the smallest factors first.
 MOST_BODIES = 20

@@ -1,33 +1,27 @@
 """The pictures of the page: drawn when the template asks for them, each with ids of its own."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
-from typing import TYPE_CHECKING
 
 import numpy as np
+import xarray as xr
 from markupsafe import Markup
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
 from rockpulse.assessment.answers import Answers, answers_of, fullest_model
 from rockpulse.errors import ResultsError
 from rockpulse.model_table import DRAWN
 from rockpulse.views.plots.selection import plain_bodies
 from rockpulse.views.plots.style import wrapped
+from rockpulse.views.report.beside import Paired
+from rockpulse.views.report.content import Content
 from rockpulse.views.report.drawings import strip
 from rockpulse.views.report.picture_words import in_language
 from rockpulse.views.shared.terminal import figure
 from rockpulse.views.shared.words import in_numerals, say
-
-if TYPE_CHECKING:
-    import xarray as xr
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-
-    from rockpulse.views.report.beside import Paired
-    from rockpulse.views.report.content import Content
 
 #: Records that are drawn with their half-waves and impulses: all, or of more those that govern a body.
 IN_FULL = 20

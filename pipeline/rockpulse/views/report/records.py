@@ -1,15 +1,13 @@
 """The records by earthquake, station and direction, the files they came from, what was left out and why, warnings."""
 
-from __future__ import annotations
-
 import hashlib
 import math
 from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
+import xarray as xr
 
 from rockpulse.assessment.answers import Answers
 from rockpulse.assessment.assessment import NAME
@@ -23,9 +21,6 @@ from rockpulse.views.shared.table import Cell, Fact, Heading, Table, number
 from rockpulse.views.shared.terminal import figure, ratio
 from rockpulse.views.shared.words import counted, listed, say
 from rockpulse.views.text.left_out import apart, by_kind
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 #: Rows of the table of records, directions that are named in a row, and reasons of one kind.
 ROWS, DIRECTIONS, REASONS = 10, 3, 2

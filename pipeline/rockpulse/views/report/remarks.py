@@ -1,12 +1,11 @@
 """The remarks of a report, to be known before its numbers are used: what decides, what limits, what only explains."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 import numpy as np
+import xarray as xr
 
 from rockpulse.assessment.answers import Answers, Motions
 from rockpulse.assessment.demand import FARTHEST
@@ -21,9 +20,6 @@ from rockpulse.views.shared.notes import factor_title
 from rockpulse.views.shared.terminal import general, ratio, share
 from rockpulse.views.shared.words import counted, listed, say
 from rockpulse.views.text.site import coverage
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 #: From the gravest: what may turn a verdict over, what bounds it, what only explains it.
 GRADES = ("decides", "limits", "notes")

@@ -1,12 +1,11 @@
 """The verdict: in a sentence for every body beside its drawing, in the table of the bodies, and what its words mean."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
+import xarray as xr
 from markupsafe import Markup, escape
 
 from rocking.body.outline import Outline
@@ -28,9 +27,6 @@ from rockpulse.views.shared.notes import factor_title
 from rockpulse.views.shared.table import Cell, Heading, Table, number
 from rockpulse.views.shared.terminal import ABSENT, figure, general, ratio, share
 from rockpulse.views.shared.words import counted, in_numerals, say
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 #: Between the ends of an interval, where no line breaks.
 TO = "\N{WORD JOINER}–\N{WORD JOINER}"

@@ -3,8 +3,6 @@
 The browser is one that is on this machine, Chrome, Chromium or Edge, without a window.
 """
 
-from __future__ import annotations
-
 import base64
 import hashlib
 import os
@@ -16,8 +14,10 @@ import tempfile
 from datetime import UTC, datetime
 from importlib.resources import files
 from pathlib import Path
-from typing import TYPE_CHECKING
 
+import xarray as xr
+
+from rockpulse.config.configuration import Config
 from rockpulse.errors import ResultsError
 from rockpulse.files import FileSet
 from rockpulse.foreign_text import escaped
@@ -33,11 +33,6 @@ from rockpulse.views.report.pictures import Pictures
 from rockpulse.views.report.records import hash_of
 from rockpulse.views.shared.table import Fact
 from rockpulse.views.shared.words import say, writing
-
-if TYPE_CHECKING:
-    import xarray as xr
-
-    from rockpulse.config.configuration import Config
 
 #: What the head of every report holds; a file without it is never replaced.
 MARK = '<meta name="generator" content="rockpulse report'

@@ -10,9 +10,10 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import Any, Protocol
 
 import numpy as np
+import xarray as xr
 
 from rocking.response import Outcome
 from rockpulse.assessment.answers import Answers, Margin
@@ -24,9 +25,6 @@ from rockpulse.remark import remarked
 from rockpulse.views.shared.table import Cell, Heading, Mark, number
 from rockpulse.views.shared.terminal import ABSENT, between, lower_bound, ratio, restitution, shortened
 from rockpulse.views.shared.words import say
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 #: Longest id of a record and name of a block in a table.
 ID_WIDTH, NAME_WIDTH = 36, 29

@@ -1,12 +1,12 @@
 """The facts of one record or one block as text: a dash for what a page asks for, nothing for what files rarely know."""
 
-from __future__ import annotations
-
 import json
 import math
 import re
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from typing import Any
+
+import xarray as xr
 
 from rocking.body.limits import radius_of_rectangle
 from rockpulse.record.record import STANDARD_GRAVITY
@@ -14,9 +14,6 @@ from rockpulse.record.rotation import rotated_component
 from rockpulse.selection.events import UNKNOWN, names_earthquake
 from rockpulse.views.shared.terminal import ABSENT, figure, general
 from rockpulse.views.shared.words import counted, numerals, say
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 #: A year, or a date with a year of two digits; a magnitude: what a title tells already is not told again.
 _DATED = re.compile(r"\b(?:19|20)\d\d\b|\b\d{1,2}[/-]\d{1,2}[/-]\d\d\b", re.ASCII)

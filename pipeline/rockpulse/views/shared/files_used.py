@@ -5,18 +5,14 @@ or one whose motion another record has. It is not used where it has failed and n
 that were skipped (texts, tables, pictures, velocities, spectra, records too weak for the purpose) do not count.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+
+import xarray as xr
 
 from rockpulse.errors import Failure, alike, last_part
 from rockpulse.record.record import BETWEEN
 from rockpulse.views.shared.words import counted, say
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 #: Kinds of rows of channels that were read, and are in the results or stand for a motion that is.
 _READ = frozenset({"vertical", "structural", "duplicate", "depth"})

@@ -1,16 +1,12 @@
 """The checks of codes as text and as a table."""
 
-from __future__ import annotations
-
 import math
-from typing import TYPE_CHECKING
+
+import pandas as pd
+import xarray as xr
 
 from rockpulse.views.shared.table import Cell, Heading, Table, lines
 from rockpulse.views.shared.terminal import ABSENT, figure, paragraph, ratio, several
-
-if TYPE_CHECKING:
-    import pandas as pd
-    import xarray as xr
 
 #: What the codes are called.
 CODE_WORDS = {

@@ -1,9 +1,8 @@
 """One record or one block of an assessment as text."""
 
-from __future__ import annotations
-
 import math
-from typing import TYPE_CHECKING
+
+import xarray as xr
 
 from rocking.response import Outcome
 from rockpulse.assessment.answers import Answers
@@ -17,9 +16,6 @@ from rockpulse.views.text.lists import case_list, worst_first
 from rockpulse.views.text.margins import capacities
 from rockpulse.views.text.overview import is_large
 from rockpulse.views.text.verdicts import factor_table, probability_table, verdict_table
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 #: Cases of a record or block that are shown where there are too many for all.
 WORST = 20

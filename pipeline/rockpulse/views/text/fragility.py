@@ -1,11 +1,9 @@
 """A fragility file as text: medians, dispersions and bands of every body, and which measure serves best."""
 
-from __future__ import annotations
-
 import math
-from typing import TYPE_CHECKING
 
 import numpy as np
+import xarray as xr
 
 from rockpulse.record.measures import REFERENCE
 from rockpulse.selection.events import UNKNOWN
@@ -16,9 +14,6 @@ from rockpulse.views.shared.terminal import ABSENT, general, paragraph, ratio, s
 from rockpulse.views.shared.words import counted, named, numerals, remarks_of, say
 from rockpulse.views.text.left_out import unused
 from rockpulse.views.text.site import explained
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 #: At a median that no record was looked at.
 BEYOND = Mark("beyond", "!")

@@ -1,19 +1,15 @@
 """Files and channels that were not assessed, and the warnings of the records, as text."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Sequence
 from textwrap import shorten
-from typing import TYPE_CHECKING
+
+import xarray as xr
 
 from rockpulse.errors import NO_RECORD, Failure, alike, last_part, some, told
 from rockpulse.remark import PLAIN
 from rockpulse.views.shared.files_used import failure_rows
 from rockpulse.views.shared.terminal import WIDTH, paragraph
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 #: Rows of a kind that is no failure in the overview, those of one reason as one.
 LISTED = 12

@@ -1,12 +1,11 @@
 """Lists for the terminal: the cases, records or blocks of an assessment that a selection names, in its order."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+import xarray as xr
 
 from rocking.response import Outcome
 from rockpulse.assessment.answers import Answers, Of, bodies_of, fullest_model
@@ -32,9 +31,6 @@ from rockpulse.views.shared.notes import factor_name, factor_title
 from rockpulse.views.shared.table import Cell, Heading, Table, lines, number
 from rockpulse.views.shared.terminal import paragraph, several, shortened
 from rockpulse.views.shared.words import say
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 #: Columns of a list of cases; those of each factor, where it is known, and what they are.
 CASE = ("record", "block", "model", "restitution", PGA, "uplift_ratio", "impulse_ratio", "answer")

@@ -1,12 +1,10 @@
 """Margins as text: capacities against what the site asks for, and a table over direction for every pair of channels."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Collection, Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
+import xarray as xr
 
 from rocking.response import Outcome
 from rockpulse.assessment.answers import Answers, Margin, lanes, swept_answers
@@ -26,9 +24,6 @@ from rockpulse.views.shared.columns import (
 from rockpulse.views.shared.notes import cautions, factor_name, factor_notes, factor_title
 from rockpulse.views.shared.table import Cell, Heading, Table, lines, number
 from rockpulse.views.shared.terminal import ABSENT, figure, paragraph, ratio, shortened
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 
 def smallest_capacities(answers: Answers, blocks: Collection[int] | None = None) -> str:

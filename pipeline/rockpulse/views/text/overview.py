@@ -3,11 +3,8 @@
 Of an assessment that is too large to be shown whole: counts, the worst, and how to see the rest.
 """
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
-
 import numpy as np
+import xarray as xr
 
 from rockpulse.assessment.answers import Answers, answers_of, lanes
 from rockpulse.record.measures import STORED
@@ -21,9 +18,6 @@ from rockpulse.views.text.left_out import left_out, left_out_in_short, unused
 from rockpulse.views.text.lists import case_list, worst_first
 from rockpulse.views.text.margins import direction_table, smallest_capacities
 from rockpulse.views.text.verdicts import body_verdicts, governing, overturned, verdict_table, worst_motions
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 #: Bodies and motions that one screen holds.
 BODIES, MOTIONS = 12, 10

@@ -1,22 +1,17 @@
 """The annual frequency of a limit state as text and as tables to be written, and the warnings that belong to it."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
+import pandas as pd
+import xarray as xr
 
 from rockpulse.storage.variables.risk import INVENTORY, RISK, STANDING, RiskStatus
 from rockpulse.studies.risk.frequency import OUTSIDE
 from rockpulse.studies.risk.integral import LEAST_EVENTS
 from rockpulse.views.shared.table import Cell, Heading, Table, lines
 from rockpulse.views.shared.terminal import ABSENT, figure, paragraph, several
-
-if TYPE_CHECKING:
-    import pandas as pd
-    import xarray as xr
 
 #: Bodies of an inventory that are shown.
 SHOWN = 10

@@ -3,14 +3,12 @@
 By the overturning spectrum: what the design asks of every body, in effective impulses, then sequences of them.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
+import xarray as xr
 
 from rockpulse.record.measures import MEASURES
 from rockpulse.views.shared.files_used import files_used
@@ -28,9 +26,6 @@ from rockpulse.views.shared.terminal import (
 )
 from rockpulse.views.shared.words import counted, listed, named, remarks_of, say
 from rockpulse.views.text.left_out import not_used, unused
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 #: Rows of a table of blocks, and names of events, that are listed one by one.
 LISTED = 12

@@ -1,12 +1,10 @@
 """The verdicts of all models as text: a line for every record and body, and what overturns."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
+import xarray as xr
 
 from rocking.response import Outcome
 from rockpulse.assessment.answers import Answers, searched_up_to
@@ -44,9 +42,6 @@ from rockpulse.views.shared.notes import (
 )
 from rockpulse.views.shared.table import Cell, Heading, Table, lines, number
 from rockpulse.views.shared.terminal import ABSENT, figure, paragraph, ratio, several, shortened
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 #: Columns of every table below a record, and of the probability.
 DEMAND = ("block", "restitution", "uplift_ratio", "impulse_ratio")
