@@ -350,10 +350,7 @@ def test_the_continuous_limit_is_the_recurrence_in_closed_form(coarse):
 # VALIDATION V6 (derived, F2): half-cycle of overturning under the main sequence.
 @pytest.mark.parametrize(
     ("c", "cycles"),
-    [
-        (0.9, {0.3: 4, 0.2: 7, 0.15: 11, 0.12: 18, 0.11: 23, 0.0999: -1}),
-        (0.6, {0.5: 4, 0.45: 5, 0.41: 8, 0.3: -1}),
-    ],
+    [(0.9, {0.3: 4, 0.2: 7, 0.15: 11, 0.12: 18, 0.11: 23, 0.0999: -1}), (0.6, {0.5: 4, 0.45: 5, 0.41: 8, 0.3: -1})],
 )
 def test_without_secondary_impulses_it_is_the_main_sequence(c, cycles):
     ratios = sorted(cycles)

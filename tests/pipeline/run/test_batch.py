@@ -13,13 +13,7 @@ from record_writers import at2, pulse
 from record_writers.geonet import geonet
 
 import rockpulse as rp
-from rockpulse import (
-    BlockSettings,
-    CalibrationSettings,
-    ModelSettings,
-    RecordSettings,
-    SearchSettings,
-)
+from rockpulse import BlockSettings, CalibrationSettings, ModelSettings, RecordSettings, SearchSettings
 from rockpulse.assessment import assessment
 from rockpulse.errors import ConfigError, RecordRefused, ResultsError, StoppedAtFailure
 from rockpulse.readers.folders import read_all
@@ -30,10 +24,7 @@ from rockpulse.run.options import BatchOptions
 CONFIG = Config(
     models=ModelSettings(use=("sequence", "linear")),
     search=SearchSettings(models=("sequence",), points=16),
-    blocks=(
-        BlockSettings(name="wall", width=0.4, height=3.0),
-        BlockSettings(name="pier", width=1.0, height=3.0),
-    ),
+    blocks=(BlockSettings(name="wall", width=0.4, height=3.0), BlockSettings(name="pier", width=1.0, height=3.0)),
 )
 SITE = Config(
     calibration=CalibrationSettings(method="statistics", bootstrap=100),

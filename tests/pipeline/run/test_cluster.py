@@ -106,13 +106,7 @@ def test_a_scheduler_that_dies_is_told_in_one_line(tmp_path):
     assert re.search(rf"\d+ finished records? (is|are) kept in {re.escape(str(journal))}: the same command with", said)
 
 
-@pytest.mark.parametrize(
-    "address",
-    [
-        "tcp://127.0.0.1:1",
-        pytest.param("cdp://127.0.0.1:8786", marks=pytest.mark.slow),
-    ],
-)
+@pytest.mark.parametrize("address", ["tcp://127.0.0.1:1", pytest.param("cdp://127.0.0.1:8786", marks=pytest.mark.slow)])
 @pytest.mark.usefixtures("needs_distributed")
 def test_an_address_where_no_scheduler_answers_is_a_clear_error(address):
     with pytest.raises(

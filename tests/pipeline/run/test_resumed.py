@@ -10,14 +10,7 @@ from batch_runs import CONFIG, SITE, four_records
 from file_contents import assert_contents, contents
 
 import rockpulse as rp
-from rockpulse import (
-    BlockSettings,
-    FloorSettings,
-    ModelSettings,
-    PedestalSettings,
-    SiteSettings,
-    TieSettings,
-)
+from rockpulse import BlockSettings, FloorSettings, ModelSettings, PedestalSettings, SiteSettings, TieSettings
 from rockpulse.assessment import assessment
 from rockpulse.errors import ResultsError
 from rockpulse.readers.folders import read_all

@@ -1,4 +1,4 @@
-"""Elastic response spectra that codes state, and tables of such.
+"""Elastic response spectra of codes, and tables of such.
 
 .. note:: With the plateau F_0 (2.5 in EN 1998-1), the corners T_B, T_C, T_D, the soil factor S and eta =
    sqrt(10/(5 + xi)), at least 0.55, xi the damping in percent: S_e = a_g S [1 + T/T_B (eta F_0 - 1)] up to T_B, a_g S
@@ -49,7 +49,7 @@ NTC = {
 #: S_T of the topographies of NTC 2018 (Table 3.2.V), at the top of the slope.
 TOPOGRAPHY = {"T1": 1.0, "T2": 1.2, "T3": 1.2, "T4": 1.4}
 
-#: Periods at which the displacements of a table are looked at.
+#: Number of periods at which the largest displacement of a table is searched.
 PERIODS = 401
 
 
@@ -85,11 +85,11 @@ class ElasticSpectrum(Protocol):
 
 
 class DemandSpectrum(ElasticSpectrum, Protocol):
-    """An elastic spectrum that knows its largest displacements."""
+    """An elastic spectrum with its largest displacements."""
 
     @property
     def words(self) -> str:
-        """What it is, in words."""
+        """The spectrum in words."""
 
     def displacement(self, period: float, damping: float = 0.05) -> float:
         """The largest S_De [m] up to a period [s]."""
@@ -109,7 +109,7 @@ class CodeSpectrum:
     ground: float  # a_g S [m/s2]
     plateau: float  # F_0 [-]
     corners: tuple[float, float, float]  # T_B, T_C, T_D [s]
-    words: str = "spectrum"  # what it is
+    words: str = "spectrum"
 
     def __call__(self, period: float, damping: float = 0.05) -> float:
         """S_e [m/s2] at a period [s]; beyond T_D the displacement stays as it is."""
@@ -120,21 +120,21 @@ class CodeSpectrum:
         return self.ground * most * min(1.0, second / period) * min(1.0, third / period)
 
     def displacement(self, period: float, damping: float = 0.05) -> float:
-        """The largest S_De [m] up to a period [s]: that at the period, for it does not fall."""
+        """The largest S_De [m] up to a period [s]: that at the period, as S_De does not fall."""
         return displacement_of(period, self(period, damping))
 
 
 @dataclass(frozen=True, eq=False)
 class TabledSpectrum:
-    """A spectrum of 5 % damping between tabled periods; other dampings by eta, but for the ground at period 0.
+    """A spectrum of 5 % damping between tabled periods; other dampings by eta, except for the ground at period 0.
 
-    Raises ConfigError for fewer than two points, a first period that is not 0, or numbers that are not positive or not
-    in order.
+    Raises ConfigError for fewer than two points, a first period above 0, or numbers that are not positive or not
+    ascending.
     """
 
     period: np.ndarray  # (n,) T [s] from 0, ascending
     acceleration: np.ndarray  # (n,) S_e [m/s2], positive
-    words: str = "spectrum"  # where it comes from, for messages
+    words: str = "spectrum"  # its source, for messages
 
     def __post_init__(self) -> None:
         period, values = np.asarray(self.period, dtype=float), np.asarray(self.acceleration, dtype=float)
@@ -168,12 +168,12 @@ class TabledSpectrum:
 
     def displacement(self, period: float, damping: float = 0.05) -> float:
         """The largest S_De [m] up to a period [s]."""
-        periods = np.linspace(period, 0.0, PERIODS).tolist()  # the longest first, which the table may lack
+        periods = np.linspace(period, 0.0, PERIODS).tolist()  # the longest first: it may be beyond the table
         return max(displacement_of(one, self(one, damping)) for one in periods)
 
 
 def spectrum_of(settings: CheckSettings, folder: Path = Path()) -> DemandSpectrum:
-    """The spectrum that a configuration asks for, its file counted from a folder; ConfigError without one.
+    """The spectrum of a configuration, with its file relative to a folder; ConfigError without one.
 
     Examples
     --------

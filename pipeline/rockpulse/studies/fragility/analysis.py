@@ -37,11 +37,9 @@ from rockpulse.storage.variables.fragility import (
 from rockpulse.studies.fragility.capacity import Lanes, motion_capacity, nothing
 from rockpulse.studies.fragility.ensemble import Ensemble, Fits, dispersion_ratio, fit_ensemble, gather
 
-#: Points of a curve, and how many dispersions they reach beyond the outermost medians of a body.
-POINTS, REACH = 41, 3.0
-
-#: Logarithm of the farthest level of a curve: one that hardly rises would leave the range of numbers.
-FARTHEST = 600.0
+#: Points of a curve, dispersions that they reach beyond the outermost medians of a body, and logarithm of the farthest
+#: level: a curve that hardly rises would leave the range of numbers.
+POINTS, REACH, FARTHEST = 41, 3.0, 600.0
 
 
 def fragility_curves(
@@ -51,16 +49,14 @@ def fragility_curves(
     failures: Iterable[Failure] = (),
     progress: Callable[[Sequence[PlannedMotion]], Iterable[PlannedMotion]] | None = None,
 ) -> xr.DataTree:
-    """Fragility curves of bodies, with confidence bands over events, and which intensity measure serves best.
+    """Fragility curves of bodies, with confidence bands over events, and the most efficient intensity measure.
 
     Parameters
     ----------
     records : iterable of Record
-        All channels, as :func:`rockpulse.read` returns them; chosen, rotated and conditioned as by
-        :func:`rockpulse.assess`. The result does not depend on their order.
+        All channels; selected, rotated and conditioned as by :func:`rockpulse.assess`. Their order does not matter.
     config : Config, optional
-        Sections records, conditioning, half_waves, intense_phase, search, fragility and the bodies; the defaults
-        without.
+        Sections records, conditioning, half_waves, intense_phase, search, fragility and the bodies.
     blocks : mapping of str to (width, height), Block or BlockSettings, or sequence of BlockSettings, optional
         The bodies, in place of those of the configuration; full sizes in m.
     failures, progress
@@ -69,8 +65,8 @@ def fragility_curves(
     Returns
     -------
     xarray.DataTree
-        /fragility, /capacities, /efficiency and /failures, see docs/schema.md. Where the records do not say what a
-        curve needs its numbers are NaN and `statement` says why.
+        /fragility, /capacities, /efficiency and /failures, see docs/schema.md. A curve that the records do not
+        determine is NaN, with the reason in `statement`.
 
     Raises
     ------
@@ -81,9 +77,9 @@ def fragility_curves(
     Notes
     -----
     With ``data = "stripes"`` every record is scaled to each level, within ``[fragility] factors``, and the curve is the
-    probability of reaching the limit state at a level. With ``data = "ida"`` capacity is the first factor that reaches
-    it, and the curve the probability of reaching it at or below a level. Rotation need not grow with the factor, so the
-    latter lies above the former (docs/decisions/012).
+    probability of reaching the limit state at a level. With ``data = "ida"`` capacity is the first scale factor that
+    reaches it, and the curve the probability of reaching it at or below a level, which is larger, as rotation need not
+    grow with the factor (docs/decisions/012).
 
     Examples
     --------
@@ -98,7 +94,7 @@ def fragility_curves(
 
 
 class FragilityAnalysis(Analysis):
-    """The capacity of every body under every motion, and the curves that all of them give."""
+    """The capacity of every body under every motion, and the curves fitted to them."""
 
     name = "fragility"
     doing = "scaling"
@@ -113,7 +109,7 @@ class FragilityAnalysis(Analysis):
 
     @property
     def work(self) -> Work:
-        """Find the capacities of all bodies under a motion."""
+        """Finds the capacities of all bodies under a motion."""
         return partial(motion_capacity, lanes=self.lanes, config=self.config, selection=self.selection)
 
     @cached_property
@@ -122,7 +118,7 @@ class FragilityAnalysis(Analysis):
         return nothing(len(self.block_names), self.config, self.selection)
 
     def collect(self, parts: Sequence[Part], planned: Sequence[PlannedMotion], failures: list[Failure]) -> xr.DataTree:
-        """Fit the curves, and lay everything out."""
+        """Fits the curves and builds the tree."""
         block, names, settings = self.lanes.block, self.block_names, self.config.fragility
         aloft = np.array([bool(self.lanes.bodies.floors[body]) for body in self.lanes.owner])
         known = ~aloft & (not self.config.records.include_vertical)
@@ -143,7 +139,7 @@ class FragilityAnalysis(Analysis):
         return tree
 
     def prepare(self, records: Iterable[Record], failures: Iterable[Failure] = ()) -> Prepared:
-        """Plan the motions, of a selection those that it names; raises ConfigError also for one that is not there."""
+        """Plans the motions, those of a selection alone; raises ConfigError for a missing selection."""
         prepared = super().prepare(records, failures)
         if self.selection is None:
             return prepared

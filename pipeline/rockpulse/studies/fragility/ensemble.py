@@ -1,9 +1,8 @@
-"""The capacities of all records and bodies as arrays, the curves fitted to them, and how much each measure says.
+"""The capacities of all records and bodies, the curves fitted to them, and the efficiency of each measure.
 
-.. note:: A measure is efficient where the capacities of the records in it scatter little (beta), and sufficient where
-   they depend on nothing else of the record (Luco & Cornell 2007, doi:10.1193/1.2723158). The likelihood is that of
-   the curve with one covariate more, z = a + b ln x + c ln u, so that capacities that are not known count too. Where
-   only some records have a quality, as a magnitude that their files state, it is that of these records alone.
+.. note:: A measure is efficient if the capacities in it scatter little (beta), and sufficient if they depend on nothing
+   else of the record (Luco & Cornell 2007, doi:10.1193/1.2723158). The likelihood is that of the curve with another
+   covariate, z = a + b ln x + c ln u, of the records that have the quality u, such as a magnitude.
 """
 
 from collections.abc import Sequence
@@ -29,17 +28,16 @@ from rockpulse.studies.fragility.statements import missing
 
 @dataclass(frozen=True)
 class Sufficiency:
-    """The dependence of capacity on a quality u of the record beside the measure."""
+    """The dependence of capacity on a quality u of the record beside the measure; NaN without a fit."""
 
-    slope: float  # d ln median/d ln u [-]; NaN where there is no fit
-    p_value: float  # of a slope of zero, two-sided, by the jackknife over events; NaN with too few of them
+    slope: float  # d ln median/d ln u [-]
+    p_value: float  # of a slope of zero, two-sided, by the jackknife over events; NaN for too few
 
 
 def dispersion_ratio(curve: Curve, reference: Curve) -> tuple[float, float, float]:
-    """beta over that of a reference measure for the same records [-], and its lower and upper confidence limit.
+    """beta over that of a reference measure for the same records [-], with lower and upper limit; NaN without.
 
-    NaN where one of the curves has no beta, limits also where one has no band. Both are jackknifed over the same
-    events, so that the scatter they have in common cancels.
+    Both are jackknifed over the same events, so that their common scatter cancels.
     """
     difference = curve.log_beta - reference.log_beta
     half = np.nan if curve.events < FEWEST_EVENTS else jackknife_half_width(difference, curve.confidence)
@@ -48,10 +46,7 @@ def dispersion_ratio(curve: Curve, reference: Curve) -> tuple[float, float, floa
 
 
 def sufficiency(rows: Observations, column: int, model: str = "lognormal") -> Sufficiency:
-    """The dependence of capacity in a measure on one of the record's qualities, for observations that have a curve.
-
-    Of the records that have the quality; NaN where these have no curve.
-    """
+    """The dependence of capacity on one of the record's qualities, for observations that have a curve."""
     nothing = Sufficiency(np.nan, np.nan)
     known = rows.having(column)
     if not np.all(known):
@@ -80,19 +75,19 @@ class Ensemble:
     """Capacities of n records and m lanes, in k measures, for s limit states."""
 
     ids: list[str]  # n, of the records
-    clusters: list[str]  # n, the event of each
-    sources: list[str]  # n, the file of each
-    measures: np.ndarray  # (n, k, m), of the records as they are
+    clusters: list[str]  # n, their events
+    sources: list[str]  # n, their files
+    measures: np.ndarray  # (n, k, m), of the unscaled records
     qualities: np.ndarray  # (n, c), in the order of QUALITIES
-    facts: dict[str, np.ndarray]  # (n,) each, what the files state about earthquake and site, by the names of FACTS
-    factors: np.ndarray  # first that reaches each limit state (n, s, m), or the r that were looked at (n, r, m) [-]
-    step: np.ndarray | None  # (n, m), ratio of neighbouring factors of the scan; None for factors looked at
-    reached: np.ndarray | None  # (n, s, r, m) of int, whether the limit state was; None for first factors
-    weight: np.ndarray | None  # (n, r), of the factors looked at [-]; None for first factors
+    facts: dict[str, np.ndarray]  # (n,) each, of earthquake and site, by the names of FACTS
+    factors: np.ndarray  # (n, s, m) first that reaches each limit state, or (n, r, m) all that were tried [-]
+    step: np.ndarray | None  # (n, m), ratio of neighbouring factors of the scan for first factors
+    reached: np.ndarray | None  # (n, s, r, m) of int, whether the limit state was, at tried factors
+    weight: np.ndarray | None  # (n, r), of tried factors [-]
     config: Config
 
     def observations(self, state: int, measure: int, lanes: Sequence[int]) -> Observations:
-        """Rows of one limit state in one measure, by their numbers, of one lane or of several put together."""
+        """Rows of one limit state in one measure, by their numbers, of one or several lanes."""
         if self.reached is None:
             factor = self.factors[:, state, None][:, :, lanes]
             least, most = self.config.fragility.factors
@@ -117,9 +112,9 @@ class Ensemble:
 
     @property
     def stated(self) -> np.ndarray:
-        """(n, c) The qualities that the files state of the records, in the order of STATED; NaN where they do not.
+        """(n, c) The qualities that the files state, in the order of STATED; NaN without.
 
-        Their logarithms are the covariates: a magnitude, which is a logarithm already, stands as its exponential.
+        Their logarithms are the covariates; a magnitude is a logarithm already, so that its exponential is returned.
         """
         return np.column_stack(
             [np.exp(self.facts[name]) if name == "magnitude" else self.facts[name] for name in STATED]
@@ -134,7 +129,7 @@ class Ensemble:
 
 
 def gather(parts: Sequence[Part], lanes: int, config: Config, selection: Selection | None = None) -> Ensemble:
-    """Line up what the motions say of so many lanes, in the order of their ids; there may be no motion."""
+    """The capacities of any number of motions, in the order of their ids."""
     done = joined([nothing(lanes, config, selection), *parts])
     return Ensemble(
         ids=done["record"].tolist(),
@@ -152,7 +147,7 @@ def gather(parts: Sequence[Part], lanes: int, config: Config, selection: Selecti
 
 
 def stored_ensemble(tree: xr.DataTree) -> Ensemble:
-    """The capacities that a fragility file holds."""
+    """The capacities of a fragility file."""
     table = tree["capacities"].to_dataset()
     config = config_from_text(str(tree.attrs["configuration"]))
     factors, reached = (table[name].values for name in ("factor", "reached"))
@@ -188,8 +183,7 @@ class Fits:
 def fit_ensemble(ensemble: Ensemble, groups: Sequence[Sequence[int]]) -> Fits:
     """Curves of all limit states in all measures, and whether the measures are sufficient.
 
-    The lanes of a group are fitted together; where there are several, in dimensionless measures only, which alone bring
-    bodies of different size to one scale.
+    Several lanes of a group are fitted together in dimensionless measures only, which have one scale for all bodies.
     """
     settings = ensemble.config.fragility
     shape = (len(groups), len(settings.limit_states), len(settings.measures))

@@ -131,9 +131,7 @@ def test_unresolved_pairs_count_as_overturned(monkeypatch):
         if not np.array_equal(acceleration, RECORDS[7].acceleration):
             return response
         return dataclasses.replace(
-            response,
-            outcome=np.full(3, rp.models.Outcome.UNRESOLVED),
-            peak_rotation_ratio=np.full(3, np.nan),
+            response, outcome=np.full(3, rp.models.Outcome.UNRESOLVED), peak_rotation_ratio=np.full(3, np.nan)
         )
 
     monkeypatch.setattr(site_record, "recorded_response", aloft)
