@@ -27,7 +27,8 @@ PATIENCE = 15
 def run(tests: list[str], marked: str, limit: float, mutated: str, mutant: str) -> tuple[str, float]:
     """Whether tests see a module read from another file: "died", "survived" or "timed out"; and the time they took.
 
-    Those of the tests that are `marked`. Time and limit are those of the processor [s]; a run that waits for something ends, too.
+    Of the tests those run that are `marked`, a marker expression of pytest. Time and limit are those of the processor
+    [s]; a run that waits for something ends, too.
     """
     child = os.fork()
     if child == 0:
