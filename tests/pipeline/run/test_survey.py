@@ -80,6 +80,7 @@ def test_a_mixed_folder_is_surveyed_as_it_is_read(folder):
     assert len({one.digest for one in located}) == len(located)
 
 
+@pytest.mark.sweep
 def test_every_format_is_surveyed_as_it_is_read(samples):
     assert len(assert_same(samples.parent / "formats", ReadOptions(units="g"))) > 30
 

@@ -13,7 +13,7 @@ import rockpulse as rp
 from rockpulse import models
 from rockpulse.storage.variables.risk import RiskStatus
 from rockpulse.studies.fragility.likelihood import ABOVE, FAMILIES, NOT_ABOVE, Observations
-from rockpulse.studies.risk.integral import band_of, fitted_lines, integrate, power_law_frequency
+from rockpulse.studies.risk.integral import band_of, fitted_lines, integrate
 
 T = np.arange(0.0, 5.0, 0.02)
 
@@ -48,7 +48,7 @@ def law():
 def test_the_frequency_is_that_of_the_fitted_curve(tree, law):
     found = rp.annual_frequency(tree, law, years=100.0, resamples=0)
     curve = tree["fragility"].to_dataset().sel(limit_state="overturning", measure="pgv", block="wall")
-    expected = power_law_frequency(2e-3, 2.0, float(curve["median"]), float(curve["beta"]))
+    expected = 2e-3 * float(curve["median"]) ** -2.0 * math.exp(0.5 * (2.0 * float(curve["beta"])) ** 2)
     wall = found.sel(block="wall")
     assert float(wall["frequency"]) == pytest.approx(expected, rel=1e-6)
     assert float(wall["probability"]) == pytest.approx(1.0 - math.exp(-100.0 * expected))
