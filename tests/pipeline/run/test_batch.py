@@ -59,7 +59,7 @@ def saved(tree, path):
 
 
 def test_the_file_of_an_assessment_is_the_tree_in_memory(folder, tmp_path):
-    config = replace(CONFIG, records=RecordSettings(components="sweep", azimuth_step=60.0))
+    config = replace(CONFIG, records=RecordSettings(components="sweep", azimuth_step=90.0))
     records, failures = read_all(folder)
     expected = saved(rp.assess(records, config, failures=failures), tmp_path / "memory.h5")
     report = assess_files(folder, config, tmp_path / "batch.h5", BatchOptions(workers=1))
@@ -91,9 +91,7 @@ def in_memory(folder, tmp_path_factory):
     return saved(rp.assess(records, CONFIG, failures=failures), tmp_path_factory.mktemp("one") / "results.h5")
 
 
-@pytest.mark.parametrize(
-    "workers", [1, pytest.param(2, marks=pytest.mark.slow), pytest.param(4, marks=pytest.mark.slow)]
-)
+@pytest.mark.parametrize("workers", [1, pytest.param(2, marks=pytest.mark.slow)])
 def test_any_number_of_workers_gives_the_same(folder, in_memory, tmp_path, workers):
     assess_files(folder, CONFIG, tmp_path / "results.h5", BatchOptions(workers=workers))
     assert_contents(tmp_path / "results.h5", in_memory)
@@ -165,18 +163,15 @@ class Bars:
         self.seen[-1]["done"] += n
 
 
-def test_progress_is_told_file_by_file_and_record_by_record(folder, tmp_path):
+def test_progress_and_report_say_what_was_done(folder, tmp_path, caplog):
+    caplog.set_level(logging.INFO, "rockpulse")
     bars = Bars()
-    assess_files(folder, CONFIG, tmp_path / "results.h5", BatchOptions(workers=1, bar=bars))
+    options = BatchOptions(workers=1, bar=bars)
+    report = assess_files([folder / "cut.AT2", folder], CONFIG, tmp_path / "results.h5", options)
     assert bars.seen == [
         {"total": 7, "initial": 0, "desc": "reading", "unit": " files", "done": 7, "closed": True},
         {"total": 7, "initial": 0, "desc": "assessing", "unit": " records", "done": 7, "closed": True},
     ]
-
-
-def test_the_report_says_what_was_done(folder, tmp_path, caplog):
-    caplog.set_level(logging.INFO, "rockpulse")
-    report = assess_files([folder / "cut.AT2", folder], CONFIG, tmp_path / "results.h5", BatchOptions(workers=1))
     assert (report.path, report.records, report.resumed) == (tmp_path / "results.h5", 7, 0)
     assert sorted(report.seconds) == ["condition", "pack", "read", "solve"]
     assert all(seconds > 0.0 for seconds in report.seconds.values())

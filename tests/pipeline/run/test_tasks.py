@@ -78,6 +78,12 @@ def function_of(analysis):
     return pickle.loads(pickle.dumps(function))
 
 
+@pytest.fixture
+def two_files(samples):
+    """Samples of six channels in all."""
+    return [samples / name for name in ("CICCC.RAW", "CICLC.v1")]
+
+
 def carried_out(paths, analysis) -> tuple[list[tuple[str, Done]], list, list]:
     """Every task as another process would do it, with its earthquake; what was planned, and all rows."""
     tasks, prepared = planned(paths, analysis)
@@ -107,15 +113,15 @@ def test_tasks_one_by_one_give_the_arrays_of_the_assessment_in_memory(samples, n
         assert any(row.stage == "assess" for row in rows)
 
 
-def test_a_pair_that_cannot_be_rotated_is_rows_of_its_task(samples):
+def test_a_pair_that_cannot_be_rotated_is_rows_of_its_task(two_files):
     # Filtering needs corners below the Nyquist frequency, 50 or 100 Hz here.
     config = replace(
         CHEAP,
         records=RecordSettings(components="azimuth", azimuth=30.0),
         conditioning=ConditioningSettings(lowpass_hz=80.0),
     )
-    done, _, rows = carried_out(samples, Assessment(config))
-    records, failures = read_all(samples)
+    done, _, rows = carried_out(two_files, Assessment(config))
+    records, failures = read_all(two_files)
     tree = assess(records, config, failures=failures)
     assert [row.reason for row in rows] == tree["failures"]["reason"].values.tolist()
     lost = [one for _, one in done if not one.parts]
@@ -124,22 +130,22 @@ def test_a_pair_that_cannot_be_rotated_is_rows_of_its_task(samples):
 
 
 @pytest.mark.parametrize(("components", "analysis"), [("horizontal", FragilityAnalysis), ("sweep", SiteCalibration)])
-def test_the_tasks_of_any_order_give_the_tree_in_memory(samples, components, analysis):
+def test_the_tasks_of_any_order_give_the_tree_in_memory(two_files, components, analysis):
     asked = analysis(
         Config(
             blocks=CHEAP.blocks,
             calibration=CalibrationSettings(method="statistics", bootstrap=100),
             fragility=ida(limit_states=("uplift", 0.4), measures=("pga", "demand_cubic"), pga_min=2.0),
-            search=SearchSettings(points=16),
+            search=SearchSettings(points=8),
             records=RecordSettings(components=components, azimuth_step=90.0, include_vertical=True),
         )
     )
-    done, motions, rows = carried_out(samples, asked)
+    done, motions, rows = carried_out(two_files, asked)
     packed = [(event, part) for event, one in reversed(done) for part in one.parts]
     assert max(len(part) for _, part in packed) < 8000  # no samples
     assert all(part[:4] == b"RPA1" for _, part in packed)  # no pickle
     found = asked.collect([asked.of_event(unpack(part), event) for event, part in packed], motions, rows)
-    records, failures = read_all(samples)
+    records, failures = read_all(two_files)
     expected = run(asked, records, failures)
     assert found.groups == expected.groups
     for group in expected.groups:
