@@ -89,9 +89,9 @@ class Crew:
         return cls(cluster, cluster.size, deaths=cluster.deaths, ahead=AHEAD_ON_CLUSTER)
 
     @classmethod
-    def through(cls, executor: Executor, size: int | None = None) -> Crew:
-        """Any executor, which the caller shuts down; `size` items at once, by default one per core."""
-        return cls(executor, lambda: size or available_cores(), owned=False)
+    def through(cls, executor: Executor) -> Crew:
+        """Any executor, which the caller shuts down."""
+        return cls(executor, available_cores, owned=False)
 
     @property
     def size(self) -> int:

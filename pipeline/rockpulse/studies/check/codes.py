@@ -14,7 +14,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -23,7 +22,14 @@ from rocking.body.block import Block
 from rockpulse.config.block_settings import FloorSettings
 from rockpulse.config.study_settings import CODES, CheckSettings
 from rockpulse.studies.check.mechanism import SENSES, Mechanism, senses_of
-from rockpulse.studies.check.spectra import DemandSpectrum, ElasticSpectrum, TableEnds, damping_factor, displacement_of
+from rockpulse.studies.check.spectra import (
+    DemandSpectrum,
+    ElasticSpectrum,
+    GivenSpectrum,
+    TableEnds,
+    damping_factor,
+    displacement_of,
+)
 
 #: Circolare 617/2009: d_u* over d_0*, and d_s* over d_u* [-].
 ULTIMATE, SECANT = 0.4, 0.4
@@ -250,20 +256,9 @@ def kinematic_check(
             f"{ground!r}, {behaviour!r}, {confidence_factor!r}"
         )
     settings = CheckSettings(q=behaviour, confidence_factor=confidence_factor)
-    demand = _GivenSpectrum(spectrum, ground)
+    demand = GivenSpectrum(spectrum, ground)
     lanes = block if block.shape else block.lanes(1)
     of_lanes = [senses_of(lanes.lane(place)) for place in range(lanes.shape[0])]
     found = [worst([circolare_2009(sense, demand, (), settings) for sense in senses]) for senses in of_lanes]
     names = ("activation", "activation_ratio", "displacement", "period", "displacement_ratio")
     return KinematicCheck(*(np.array([getattr(one, name) for one in found]) for name in names))
-
-
-@dataclass(frozen=True)
-class _GivenSpectrum:
-    """A given function of (k,) periods as a spectrum of 5 % damping."""
-
-    elastic: Callable[[np.ndarray], np.ndarray]
-    ground: float
-
-    def __call__(self, period: float, damping: float = 0.05) -> float:
-        return float(np.asarray(self.elastic(np.array([period])), dtype=float)[0])

@@ -7,9 +7,10 @@
 """
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Protocol
+from typing import TypeAlias
 
 import numpy as np
 
@@ -71,28 +72,6 @@ def displacement_of(period: float, acceleration: float) -> float:
 
 class TableEnds(ConfigError):
     """A period beyond the end of a table."""
-
-
-class ElasticSpectrum(Protocol):
-    """An elastic spectrum: an acceleration by period and damping ratio."""
-
-    @property
-    def ground(self) -> float:
-        """a_g S [m/s2]."""
-
-    def __call__(self, period: float, damping: float = 0.05) -> float:
-        """S_e [m/s2] at a period [s]."""
-
-
-class DemandSpectrum(ElasticSpectrum, Protocol):
-    """An elastic spectrum with its largest displacements."""
-
-    @property
-    def words(self) -> str:
-        """The spectrum in words."""
-
-    def displacement(self, period: float, damping: float = 0.05) -> float:
-        """The largest S_De [m] up to a period [s]."""
 
 
 @dataclass(frozen=True)
@@ -170,6 +149,23 @@ class TabledSpectrum:
         """The largest S_De [m] up to a period [s]."""
         periods = np.linspace(period, 0.0, PERIODS).tolist()  # the longest first: it may be beyond the table
         return max(displacement_of(one, self(one, damping)) for one in periods)
+
+
+@dataclass(frozen=True)
+class GivenSpectrum:
+    """A function of (k,) periods as a spectrum of 5 % damping."""
+
+    elastic: Callable[[np.ndarray], np.ndarray]
+    ground: float  # a_g S [m/s2]
+
+    def __call__(self, period: float, damping: float = 0.05) -> float:
+        """S_e [m/s2] at a period [s]."""
+        return float(np.asarray(self.elastic(np.array([period])), dtype=float)[0])
+
+
+#: A spectrum with its largest displacements, and any elastic spectrum.
+DemandSpectrum: TypeAlias = CodeSpectrum | TabledSpectrum
+ElasticSpectrum: TypeAlias = DemandSpectrum | GivenSpectrum
 
 
 def spectrum_of(settings: CheckSettings, folder: Path = Path()) -> DemandSpectrum:

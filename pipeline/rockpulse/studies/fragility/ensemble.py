@@ -26,14 +26,6 @@ from rockpulse.studies.fragility.likelihood import ABOVE, EXACT, FAMILIES, NOT_A
 from rockpulse.studies.fragility.statements import missing
 
 
-@dataclass(frozen=True)
-class Sufficiency:
-    """The dependence of capacity on a quality u of the record beside the measure; NaN without a fit."""
-
-    slope: float  # d ln median/d ln u [-]
-    p_value: float  # of a slope of zero, two-sided, by the jackknife over events; NaN for too few
-
-
 def dispersion_ratio(curve: Curve, reference: Curve) -> tuple[float, float, float]:
     """beta over that of a reference measure for the same records [-], with lower and upper limit; NaN without.
 
@@ -45,9 +37,12 @@ def dispersion_ratio(curve: Curve, reference: Curve) -> tuple[float, float, floa
     return float(ratio), float(low), float(high)
 
 
-def sufficiency(rows: Observations, column: int, model: str = "lognormal") -> Sufficiency:
-    """The dependence of capacity on one of the record's qualities, for observations that have a curve."""
-    nothing = Sufficiency(np.nan, np.nan)
+def sufficiency(rows: Observations, column: int, model: str = "lognormal") -> tuple[float, float]:
+    """The slope d ln median/d ln u [-] of capacity by a quality u of the record, and the p-value of a slope of zero.
+
+    The p-value is two-sided, by the jackknife over events; NaN for too few of them, or without a fit.
+    """
+    nothing = np.nan, np.nan
     known = rows.having(column)
     if not np.all(known):
         rows = rows.only(known)
@@ -65,9 +60,9 @@ def sufficiency(rows: Observations, column: int, model: str = "lognormal") -> Su
         return nothing
     events = len(rows.events)
     if events < FEWEST_EVENTS or not np.all(theta[:, 1] > 0.0):
-        return Sufficiency(float(slopes[0]), np.nan)
+        return float(slopes[0]), np.nan
     statistic = abs(slopes[0]) / jackknife_error(slopes)
-    return Sufficiency(float(slopes[0]), float(2.0 * stdtr(events - 1, -statistic)))
+    return float(slopes[0]), float(2.0 * stdtr(events - 1, -statistic))
 
 
 @dataclass(frozen=True, eq=False)
@@ -197,6 +192,5 @@ def fit_ensemble(ensemble: Ensemble, groups: Sequence[Sequence[int]]) -> Fits:
         curve = curves[place] = fit_curve(rows, model, settings.confidence)
         if curve.status == Status.FITTED:
             for quality in range(len(TESTED)):
-                found = sufficiency(rows, quality, model)
-                slope[(*place, quality)], p_value[(*place, quality)] = found.slope, found.p_value
+                slope[(*place, quality)], p_value[(*place, quality)] = sufficiency(rows, quality, model)
     return Fits(curves, slope, p_value)
