@@ -150,7 +150,6 @@ def run(
 
 
 def _checked(records: Iterable[Record]) -> list[Record]:
-
     found: list[Any] = [records] if isinstance(records, (str, Path, Record)) else list(records)
     for one in found:
         if not isinstance(one, Record):

@@ -52,7 +52,6 @@ class JournalParts:
     events: Mapping[str, str]
 
     def __iter__(self) -> Iterator[Part]:
-
         for key in self.keys:
             for part in self.journal.parts(key):
                 yield self.analysis.of_event(unpack(part), self.events[key])

@@ -277,12 +277,10 @@ def _is_ours(head: Mapping[str, Any]) -> bool:
 
 
 def _identity(state: os.stat_result) -> tuple[int, int]:
-
     return state.st_dev, state.st_ino
 
 
 def _identity_of(path: Path) -> tuple[int, int] | None:
-
     with suppress(FileNotFoundError, NotADirectoryError):
         return _identity(path.stat())
     return None

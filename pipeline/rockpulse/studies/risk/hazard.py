@@ -58,7 +58,6 @@ class _Hazard(ABC):
 
     @property
     def _levels(self) -> str:
-
         on_soil = "" if self.soil_factor == 1.0 else f", levels times the soil factor {self.soil_factor:g}"
         return f"{self.measure} in {self.unit}{on_soil}"
 

@@ -25,7 +25,7 @@ from rockpulse.studies.fragility.ensemble import Ensemble, Fits, fit_ensemble, s
 from rockpulse.studies.fragility.likelihood import ABOVE, EXACT, NOT_ABOVE
 
 BLOCKS = {"wall": Block(half_width=0.3, half_height=1.5), "pier": Block(half_width=0.5, half_height=1.9365)}
-STATES = ("uplift", 0.4, "overturning")
+STATES, LEVELS = ("uplift", 0.4, "overturning"), (0.4, 0.7, 1.2)
 SCHEMA = Path(__file__).parents[4] / "docs" / "schema.md"
 
 
@@ -39,7 +39,7 @@ def pulse(number, event, size=2.0):
 
 def options(**fragility):
     known = {"limit_states": STATES, "measures": ("pga", "velocity_ratio")}
-    return Config(fragility=ida(**{**known, **fragility}), search=SearchSettings(factor_max=30.0, points=32))
+    return Config(fragility=ida(**{**known, **fragility}), search=SearchSettings(factor_max=30.0, points=16))
 
 
 @pytest.fixture(scope="module")
@@ -50,6 +50,11 @@ def records():
 @pytest.fixture(scope="module")
 def tree(records):
     return rp.fragility_curves(records, options(), BLOCKS)
+
+
+@pytest.fixture(scope="module")
+def striped(records):
+    return rp.fragility_curves(records, options(data="stripes", stripe_levels=LEVELS), BLOCKS)
 
 
 def test_the_facts_of_each_record_are_stored():
@@ -169,19 +174,19 @@ def test_one_record_that_overturns_several_bodies_is_one_record(records):
     assert "one record only reached the limit state" in str(pooled["pooled_statement"].values)
 
 
-def test_the_order_of_the_records_does_not_matter(tree, records):
-    xr.testing.assert_identical(rp.fragility_curves(records[::-1], options(), BLOCKS), tree)
+def test_the_order_of_the_records_does_not_matter(striped, records):
+    again = rp.fragility_curves(records[::-1], options(data="stripes", stripe_levels=LEVELS), BLOCKS)
+    xr.testing.assert_identical(again, striped)
 
 
 @pytest.mark.parametrize("data", ["stripes", "cloud"])
-def test_stripes_and_clouds_count_what_is_reached(records, data):
-    levels = (0.4, 0.7, 1.2)
-    found = rp.fragility_curves(records, options(data=data, stripe_levels=levels), BLOCKS)
+def test_stripes_and_clouds_count_what_is_reached(records, striped, data):
+    found = striped if data == "stripes" else rp.fragility_curves(records, options(data=data), BLOCKS)
     capacities = found["capacities"].to_dataset()
     value = capacities["measure_value"].sel(measure="velocity_ratio")
     if data == "stripes":
         np.testing.assert_allclose(
-            (capacities["factor"] * value).transpose("stripe", ...).mean(["record", "block"]), levels
+            (capacities["factor"] * value).transpose("stripe", ...).mean(["record", "block"]), LEVELS
         )
     else:
         assert bool((capacities["factor"] == 1.0).all())
@@ -266,11 +271,11 @@ def test_a_record_is_scaled_within_the_factors_and_both_ends_belong_to_them():
     # An incremental analysis ends at the factor or at the search, whichever is less.
     for end, most in ((1.5, 30.0), (20.0, 1.5)):
         config = options(**chosen | {"factors": (0.5, end)})
-        config = replace(config, search=SearchSettings(factor_max=most, points=32))
+        config = replace(config, search=SearchSettings(factor_max=most, points=16))
         table = rp.fragility_curves([of_two(0)], config, BLOCKS)["capacities"].to_dataset()
         start = table["factor"].sel(block="wall", limit_state="uplift").item()
         assert start == pytest.approx(lifting / 2.0)
-        assert table["search_step"].sel(block="wall").item() == pytest.approx((1.5 / start) ** (1 / 31))
+        assert table["search_step"].sel(block="wall").item() == pytest.approx((1.5 / start) ** (1 / 15))
 
 
 def test_uplift_at_the_very_factor_is_none_and_a_peak_of_the_very_state_is_one(records):
@@ -430,9 +435,8 @@ def test_dispersions_are_compared_with_that_of_the_velocity_ratio(tree):
 
 
 @pytest.mark.parametrize("data", ["ida", "stripes"])
-def test_the_curves_come_again_from_the_capacities_of_a_file(records, data):
-    settings = options(data=data, stripe_levels=(0.4, 0.7, 1.2), measures=["pga", "velocity_ratio", "pgv"])
-    found = rp.fragility_curves(records, settings, BLOCKS)
+def test_the_curves_come_again_from_the_capacities_of_a_file(records, tree, striped, data):
+    found = tree if data == "ida" else striped
     stored = stored_ensemble(found)
     again = fit_ensemble(stored, [[0], [1]])
     for name in ("median", "beta_high"):
@@ -455,15 +459,8 @@ def test_weak_records_and_bad_ones_are_left_out_and_told(records):
 
 def test_a_list_of_restitutions_makes_bodies_of_their_own(records):
     several = {"wall": Block(half_width=0.3, half_height=1.5, restitution=[0.85, 0.9])}
-    found = rp.fragility_curves(records, options(limit_states=["overturning"], measures=["pga"]), several)
+    found = rp.fragility_curves(records[:2], options(limit_states=["overturning"], measures=["pga"]), several)
     assert found["fragility"]["block"].values.tolist() == ["wall C 0.85", "wall C 0.9"]
-
-
-def test_it_comes_back_from_the_file_the_same(tree, tmp_path):
-    rp.save(tree, tmp_path / "f.h5")
-    again = rp.load(tmp_path / "f.h5")
-    for group in ("fragility", "capacities", "efficiency", "failures"):
-        xr.testing.assert_equal(again[group].to_dataset(), tree[group].to_dataset())
 
 
 def test_the_schema_names_every_variable(tree, records):

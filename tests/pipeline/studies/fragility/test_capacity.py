@@ -66,14 +66,31 @@ def shake(number):
 
 
 RECORDS = [shake(number) for number in range(10)]
+LEVELS = (0.25, 0.4, 0.6, 0.9)
 
 
-def curves(tmp_path, text, **more):
+def options(**more):
+    known = {"measures": ("pga", "velocity_ratio"), "limit_states": ("overturning",)}
+    return rp.FragilitySettings(**known, overturning_model="lognormal", **more)
+
+
+def curves(tmp_path, text):
     (tmp_path / "chosen.csv").write_text(text)
-    settings = rp.FragilitySettings(
-        measures=("pga", "velocity_ratio"), limit_states=("overturning",), selection="chosen.csv", **more
-    )
-    return rp.fragility_curves(RECORDS, rp.Config(fragility=settings, folder=tmp_path), WALL)
+    config = rp.Config(fragility=options(selection="chosen.csv"), folder=tmp_path)
+    return rp.fragility_curves(RECORDS, config, WALL)
+
+
+def table(weight=""):
+    """A row for each record and level; records below the fifth have another weight."""
+    rows = ((number, level) for number in range(10) for level in LEVELS)
+    if not weight:
+        return "record,level\n" + "".join(f"r{number},{level}\n" for number, level in rows)
+    return "record,level,weight\n" + "".join(f"r{n},{level},{weight if n < 5 else 1.0}\n" for n, level in rows)
+
+
+@pytest.fixture(scope="module")
+def alike(tmp_path_factory):
+    return curves(tmp_path_factory.mktemp("alike"), table())
 
 
 def test_a_row_of_weight_two_counts_as_two():
@@ -111,28 +128,17 @@ def test_factors_of_the_table_are_looked_at_and_nothing_else(tmp_path):
     assert failures["kind"].values[0] == "skipped"
 
 
-def test_the_same_rows_as_stripes_give_the_same_curve(tmp_path):
-    levels = (0.25, 0.4, 0.6, 0.9)
-    rows = "".join(f"r{number},{level}\n" for number in range(10) for level in levels)
-    chosen = curves(tmp_path, "record,level\n" + rows)
-    settings = rp.FragilitySettings(
-        measures=("pga", "velocity_ratio"), limit_states=("overturning",), stripe_levels=levels, factors=(1e-6, 1e6)
-    )
-    plain = rp.fragility_curves(RECORDS, rp.Config(fragility=settings), WALL)
+def test_the_same_rows_as_stripes_give_the_same_curve(alike):
+    stripes = options(stripe_levels=LEVELS, factors=(1e-6, 1e6))
+    plain = rp.fragility_curves(RECORDS, rp.Config(fragility=stripes), WALL)
     for name in ("median", "beta", "median_low", "median_high"):
-        np.testing.assert_array_equal(chosen["fragility"][name].values, plain["fragility"][name].values)
+        np.testing.assert_array_equal(alike["fragility"][name].values, plain["fragility"][name].values)
 
 
-def test_weights_move_the_curve_and_the_annual_frequency(tmp_path):
-    levels = (0.25, 0.4, 0.6, 0.9)
-    rows = [(f"r{number}", level) for number in range(10) for level in levels]
-    strong = {f"r{number}": 5.0 if number < 5 else 1.0 for number in range(10)}
-    text = "record,level,weight\n" + "".join(f"{name},{level},{strong[name]}\n" for name, level in rows)
-    weighted = curves(tmp_path, text, overturning_model="lognormal")
-    text = "record,level\n" + "".join(f"{name},{level}\n" for name, level in rows)
-    plain = curves(tmp_path, text, overturning_model="lognormal")
+def test_weights_move_the_curve_and_the_annual_frequency(alike, tmp_path):
+    weighted = curves(tmp_path, table("5.0"))
     place = {"block": "wall", "limit_state": "overturning", "measure": "pga"}
-    medians = [tree["fragility"]["median"].sel(place).item() for tree in (weighted, plain)]
+    medians = [tree["fragility"]["median"].sel(place).item() for tree in (weighted, alike)]
     assert abs(medians[0] / medians[1] - 1.0) > 1e-3
     hazard = rp.PowerLawHazard(k0=1e-3, k=2.0)
     found, beta = rp.annual_frequency(weighted, hazard, resamples=0), weighted["fragility"]["beta"].sel(place).item()

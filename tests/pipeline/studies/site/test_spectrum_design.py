@@ -25,7 +25,7 @@ WEIGHTS = 1.0 / np.bincount(EVENTS)[EVENTS]
 VALUES = np.exp(np.random.default_rng(2).standard_normal((12, 2, 3)))
 
 
-def sample(events=EVENTS, weights=WEIGHTS, resamples=150):
+def sample(events=EVENTS, weights=WEIGHTS, resamples=60):
     return QuantileSample(weights, events, draw_earthquakes(int(events.max()) + 1, resamples, 0), 0.9)
 
 
