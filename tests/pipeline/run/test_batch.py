@@ -2,7 +2,7 @@
 
 import logging
 import zipfile
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import Executor, Future, ThreadPoolExecutor
 from dataclasses import replace
 
 import numpy as np
@@ -14,7 +14,6 @@ from record_writers.geonet import geonet
 
 import rockpulse as rp
 from rockpulse import BlockSettings, CalibrationSettings, ModelSettings, RecordSettings, SearchSettings
-from rockpulse.assessment import assessment
 from rockpulse.errors import ConfigError, RecordRefused, ResultsError, StoppedAtFailure
 from rockpulse.readers.folders import read_all
 from rockpulse.run import batch as run
@@ -200,20 +199,17 @@ def test_nothing_assessed_writes_nothing_and_leaves_nothing(folder, tmp_path, ca
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_fault_of_the_program_is_a_row_and_the_rest_goes_on(folder, tmp_path, monkeypatch, caplog):
-    def broken(record, config, vertical):
-        if record.id.startswith("r1"):
-            raise ZeroDivisionError("a fault")
-        return original(record, config, vertical)
+def test_lost_workers_of_an_executor_stop_the_run(folder, tmp_path):
+    class Gone(Executor):
+        def submit(self, fn, /, *args, **kwargs):
+            future = Future()
+            future.cancel()
+            future.set_running_or_notify_cancel()
+            return future
 
-    original = assessment.extract
-    monkeypatch.setattr(assessment, "extract", broken)
-    report = assess_files(sorted(folder.glob("r*")), CONFIG, tmp_path / "results.h5", BatchOptions(workers=1))
-    (row,) = report.failures
-    assert report.records == 2
-    assert (row.stage, row.kind) == ("assess", "failed")
-    assert "unexpected ZeroDivisionError: a fault; please report it" in row.reason
-    assert "Traceback" in caplog.text
+    with pytest.raises(ConnectionError, match=r"cancelled from outside.*; nothing was finished yet"):
+        assess_files(folder, CONFIG, tmp_path / "results.h5", BatchOptions(executor=Gone()))
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_strict_stops_at_the_first_failure_and_says_what_is_kept(folder, tmp_path, monkeypatch):

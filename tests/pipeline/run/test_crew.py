@@ -6,7 +6,7 @@ import signal
 import subprocess
 import sys
 import time
-from concurrent.futures import Executor, Future, ThreadPoolExecutor
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import crew_functions as toys
@@ -258,21 +258,6 @@ def test_any_executor_will_do_and_stays_open():
             with pytest.raises(KeyError, match="three"):
                 list(crew.run(toys.refuse, range(5)))
         assert pool.submit(toys.square, 4).result() == 16
-
-
-class GoneAway(Executor):
-    """An executor whose other end has gone."""
-
-    def submit(self, fn, /, *args, **kwargs):
-        future = Future()
-        future.cancel()
-        future.set_running_or_notify_cancel()
-        return future
-
-
-def test_work_that_is_cancelled_from_outside_is_a_lost_connection():
-    with pytest.raises(ConnectionError, match="cancelled"), Crew.through(GoneAway()) as crew:
-        list(crew.run(toys.square, [1]))
 
 
 def test_a_crew_has_at_least_one_worker():

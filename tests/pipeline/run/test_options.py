@@ -4,7 +4,7 @@ import re
 import shutil
 
 import pytest
-from batch_runs import CONFIGURATION, RECORDS, command, names, write
+from batch_runs import command, names, write
 from file_contents import assert_contents, contents
 
 from rockpulse.cli import main
@@ -56,21 +56,6 @@ def test_resuming_does_what_is_missing(stopped, monkeypatch, capsys):
     assert command(mine, target, "--resume") == 0
     assert "rockpulse: 2 of 4 records were finished before\n" in capsys.readouterr().err
     assert keys == ["r2.090", "r3.090"]
-
-
-@pytest.mark.sweep
-def test_resuming_with_other_options_does_all_again_and_says_so(stopped, monkeypatch, capsys):
-    mine, target = stopped
-    (mine / "site.toml").write_text(CONFIGURATION.replace("0.4", "0.5"))
-    keys = redone(monkeypatch)
-    assert command(mine, target, "--resume") == 0
-    assert (
-        "0 of 4 records were finished before; 2 are done again, for they, the options or the version of rockpulse have "
-        "changed\n" in capsys.readouterr().err
-    )
-    assert len(keys) == RECORDS
-    assert command(mine, target.with_name("fresh.h5"), "--quiet") == 0
-    assert_contents(target, contents(target.with_name("fresh.h5")))
 
 
 def test_resuming_with_a_changed_file_does_that_one_again(stopped, monkeypatch):

@@ -1,16 +1,12 @@
 """Orders of convergence, kinds of bodies, and the whole accuracy report."""
 
-import numpy as np
 import pytest
 
 from laboratory.accuracy.__main__ import QUICK, accuracy, overview
-from laboratory.accuracy.bodies import DT as BODIES_DT
-from laboratory.accuracy.bodies import PLAIN, SCALES, bodies_table, kinds
+from laboratory.accuracy.bodies import bodies_table
 from laboratory.accuracy.convergence import convergence
 from laboratory.accuracy.diagram import diagram
 from rocking.march.polynomial import ORDER
-from rocking.march.recorded import recorded_response
-from rockpulse.record.synthetic import synthetic_motion
 
 pytestmark = pytest.mark.sweep
 
@@ -29,25 +25,10 @@ def by_kind():
     return bodies_table(seed=3, motions=2, repeats=1).set_index("kind")
 
 
-def test_every_kind_is_there_and_judged(by_kind):
-    assert [*by_kind.index] == [*kinds()] == [PLAIN, *[*kinds()][1:]]
-    assert (by_kind["cases"] == 2 * len(SCALES) * kinds()[PLAIN].shape[0]).all()
-    assert (by_kind["compared"] > 0).all()
-    assert by_kind.loc[PLAIN, "times_plain"] == 1.0
-
-
 def test_shorter_steps_change_less_than_the_last_digits_of_the_record(by_kind):
     # What is more than rounding is the sensitivity of the motion itself.
     assert (by_kind["max"] < 10.0 * by_kind["max_perturbed"] + 1e-12).all()
     assert (by_kind["median"] < 1e-11).all()
-
-
-def test_the_kinds_move_unlike_free_blocks():
-    record = synthetic_motion(3, dt=BODIES_DT)
-    peaks = {kind: recorded_response(block, record, BODIES_DT).peak_rotation_ratio for kind, block in kinds().items()}
-    for kind, own in peaks.items():
-        if kind != PLAIN:
-            assert not np.array_equal(own, peaks[PLAIN]), kind
 
 
 @pytest.fixture(scope="module")

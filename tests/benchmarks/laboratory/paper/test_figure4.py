@@ -9,7 +9,7 @@ import xarray as xr
 from laboratory.paper.__main__ import curves_text
 from laboratory.paper.blocks import paper_block
 from laboratory.paper.figure4 import figure4, no_motions
-from laboratory.paper.figure4_statements import FIGURE4_STATEMENTS, geometry_plays_no_part
+from laboratory.paper.figure4_statements import FIGURE4_STATEMENTS
 from laboratory.paper.finding import examine
 from laboratory.paper.pictures import draw_figure4
 from rockpulse.models import (
@@ -92,18 +92,8 @@ def test_geometry_does_play_a_part_at_equal_intervals_in_seconds():
     assert (few, many) == (6, 7)
 
 
-def test_one_block_says_nothing_about_geometry(figure):
-    finding = geometry_plays_no_part(figure.isel(p=[0]))
-    assert finding.verdict == "not examined"
-
-
 def test_large_ratios_mean_less_resonance(findings):
     assert findings["large_ratios_mean_less_resonance"].verdict == "holds"
-
-
-def test_a_grid_without_large_ratios_does_not_speak_of_them(figure):
-    statement = next(row for row in FIGURE4_STATEMENTS if row.name == "large_ratios_mean_less_resonance")
-    assert statement.check(figure.sel(secondary_ratio=slice(0.0, 0.5))).verdict == "not examined"
 
 
 def test_a_figure_that_says_the_opposite_fails(figure):
@@ -178,16 +168,6 @@ def test_the_blocks_of_the_paper_give_the_dimensionless_curves(coarse, name, spa
     np.testing.assert_array_equal(curve["overturning_half_cycle"], response.overturning_half_cycle)
 
 
-def test_the_limit_is_one_for_all_spacings_and_the_larger_n_the_nearer(coarse):
-    limit = coarse["peak_rotation_ratio"].sel(intermediate_count=math.inf)
-    assert all(
-        limit.sel(spacing=name).equals(limit.sel(spacing="end").assign_coords(spacing=name)) for name in ("open",)
-    )
-    case = {"restitution": 0.6, "impulse_ratio": 0.3, "p": coarse["p"].values[0]}
-    apart = np.abs(coarse["peak_rotation_ratio"].sel(case) - limit.sel(case)).sel(secondary_ratio=slice(0.2, 0.8))
-    assert bool((apart.sel(intermediate_count=6) < apart.sel(intermediate_count=2)).all())
-
-
 def test_a_duration_that_does_not_bind_gives_the_endless_peak(coarse):
     free = coarse["duration_binds"] == 0
     assert 0 < int(free.sum()) < free.size
@@ -196,15 +176,6 @@ def test_a_duration_that_does_not_bind_gives_the_endless_peak(coarse):
     np.testing.assert_allclose(peak.values[free.values], endless.values[free.values], rtol=1e-9, atol=1e-12)
     over = coarse["outcome"] == Outcome.OVERTURNS
     assert bool((coarse["duration_binds"] == 0).where(over, True).all())
-
-
-def test_a_longer_input_frees_what_a_short_one_binds():
-    def bound(duration):
-        tree = figure4([0.6], [0.3], [0.0, 0.3, 0.6], [2], [1.0], duration=duration)[0]
-        return int(tree["duration_binds"].sum())
-
-    assert bound(5.0) == 12
-    assert bound(200.0) == 0
 
 
 def test_start_and_middle_are_flagged_where_the_march_leaves_the_ground_behind(coarse):
@@ -233,22 +204,6 @@ def test_peaks_that_no_block_can_have_are_flagged_and_told(coarse):
         assert told.loc["start", "beyond_alpha_c"] > 0
         assert told.loc["end", "no_motion"] == 0
     assert not bool(figure4([0.9], [0.3], [0.0, 0.1], [2])[0]["no_motion"].any())
-
-
-@pytest.mark.slow
-def test_dense_curves_are_monotonic_wherever_the_duration_does_not_bind():
-    shares, ratios = np.linspace(0.0, 1.0, 201), np.round(np.arange(0.1, 1.2001, 0.1), 10)
-    tree = figure4(impulse_ratios=ratios, secondary_ratios=shares, counts=[2, 4, 40, math.inf])
-    figure = tree[0]
-    peak, free = figure["peak_rotation_ratio"].values, figure["duration_binds"].values == 0
-    both = free[:, :, 1:] & free[:, :, :-1]
-    over = np.isinf(peak[:, :, 1:]) & np.isinf(peak[:, :, :-1])
-    assert np.all(~both | over | (peak[:, :, 1:] < peak[:, :, :-1]))
-    both, over = free[:, 1:] & free[:, :-1], np.isinf(peak[:, 1:]) & np.isinf(peak[:, :-1])
-    spacing = figure["spacing"].values.tolist()
-    usual = [spacing.index(name) for name in ("end", "middle", "open")]
-    rising = (~both | over | (peak[:, 1:] > peak[:, :-1]))[..., usual, :, :]
-    assert np.all(rising)
 
 
 def test_the_figure_is_drawn_and_told(coarse):

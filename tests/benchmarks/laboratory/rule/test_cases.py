@@ -15,13 +15,11 @@ from laboratory.rule.truth import FACTOR_MAX, nonlinear_capacity
 from rocking import Block, Uncertainty, critical_scale
 from rocking.spectrum.body_probability import overturning_probability
 from rockpulse.assessment.scene import extract
-from rockpulse.errors import ConfigError, Failure
 from rockpulse.model_table import MODELS
 from rockpulse.models import Outcome
 from rockpulse.record.half_wave import half_waves
 from rockpulse.record.intensity import pgv
 from rockpulse.record.synthetic import synthetic_motion
-from rockpulse.remark import Remark
 from rockpulse.sequences.rule import load_rule
 
 pytestmark = pytest.mark.sweep
@@ -37,21 +35,6 @@ def test_one_shaking_by_way_of_two_agencies_is_taken_once(ridgecrest):
     assert [(row.kind, row.reason) for row in rows] == [
         ("duplicate", f"from elsewhere: the same waveform as {record.id}")
     ]
-
-
-def test_a_table_names_the_earthquakes_of_files_that_do_not():
-    records = [
-        rp.Record(
-            synthetic_motion(seed, duration=8.0, pga=3.0), dt=0.01, id=f"m{seed}", event=event, orientation="horizontal"
-        )
-        for seed, event in enumerate(["KOBE 01/16/95 2046", "", "", "Kobe 2011"])
-    ]
-    titles = {"m1": "Kobe 1995-01-16", "m2": "Kocaeli 1999-08-17"}
-    events = [motion.event for motion in strong_motions(records, titles=titles)[0]]
-    assert events[0] == events[1]
-    assert len(set(events)) == 3
-    with pytest.raises(ConfigError, match="--events: no record has the id m9"):
-        strong_motions(records, titles={"m9": "Kobe"})
 
 
 def test_the_protocol_takes_strong_horizontal_channels(ridgecrest):
@@ -78,25 +61,6 @@ def test_a_channel_above_five_g_is_no_case_before_it_is_confirmed(ridgecrest):
     assert reason.startswith("odd: peak ")
     assert reason.endswith("correct the unit (--units, or the file), or, if it is right, give --confirm odd")
     assert [motion.record.id for motion in strong_motions([odd], ["o*"])[0]] == ["odd"]
-
-
-def test_what_is_confirmed_votes_in_the_protocol_too(ridgecrest):
-    (record,) = (one for one in ridgecrest if one.id.startswith("CI.CCC..90"))
-    odd = Remark("odd_peak", peak=7.0, unit="g", readings="0.007 g if it were cm/s2")
-    processed = replace(record, id="b", source="b", processed=True, warnings=(odd,))
-    raw = replace(record, id="a", source="a", processed=False)
-    for confirm, votes in (([], "a"), (["b"], "b")):
-        (motion,), (row,) = strong_motions([raw, processed], confirm)
-        assert motion.record.id == votes
-        assert (row.kind, "[records]" in row.reason) == ("duplicate", False)
-
-
-def test_a_pattern_that_fits_no_record_is_no_silent_one(ridgecrest):
-    with pytest.raises(ConfigError, match=r"^--confirm: no record has an id that fits typo\*"):
-        strong_motions(ridgecrest[:1], ["typo*"])
-    unread = Failure("x", "read", "x: damaged", "failed")
-    row = strong_motions(ridgecrest[:1], ["typo*"], [unread])[1][0]
-    assert (row.file, row.kind) == ("--confirm", "failed")
 
 
 def test_the_protocol_gives_these_figures_on_a_sample(ridgecrest, monkeypatch):

@@ -5,12 +5,10 @@ import pytest
 from scipy.stats import norm
 
 from laboratory.rule.statistics import (
-    alike,
     between,
     coefficient,
     dispersion,
     false_at,
-    missed_and_false,
     resampled,
     weighted_median,
 )
@@ -36,14 +34,6 @@ def test_a_share_that_is_a_whole_number_of_cases_may_be_missed_in_full():
     over = np.arange(102) < 100
     assert false_at(values, over, 0.07) == 0.5  # 0.07 * 100 is 7.000000000000001
     assert false_at(values, over, 0.29) == 0.0  # 0.29 * 100 is 28.999999999999996
-
-
-def test_without_overturnings_or_survivors_there_is_no_share():
-    alarm = np.array([True, False])
-    assert np.isnan(false_at(np.ones(2), np.array([False, False]), 0.1))
-    assert np.isnan(missed_and_false(alarm, np.array([False, False]))[0])
-    assert missed_and_false(alarm, np.array([False, False]))[1] == 0.5
-    assert np.isnan(missed_and_false(alarm, np.array([True, True]))[1])
 
 
 def test_errors_known_from_below_count_by_what_they_may_be():
@@ -90,12 +80,6 @@ def test_the_scatter_within_bodies_knows_nothing_of_their_means():
     assert np.isnan(dispersion(error[:1], np.ones(1)))
 
 
-def test_earthquakes_weigh_alike():
-    weight = alike(np.array(["a"] * 3 + ["b"]))
-    assert weight[:3].sum() == pytest.approx(weight[3])
-    assert weight.mean() == pytest.approx(1.0)
-
-
 def test_earthquakes_are_resampled_whole():
     events = np.repeat(["a", "b", "c"], [4, 6, 10])
     sizes = {"a": 4, "b": 6, "c": 10}
@@ -112,7 +96,3 @@ def test_earthquakes_are_resampled_whole():
     assert not np.array_equal(values, resampled(events, seen, seed=1, resamples=50))
     low, high = between(values)
     assert np.mean((values >= low) & (values <= high)) >= 0.95
-
-
-def test_an_interval_of_few_values_is_none():
-    assert np.isnan(between(np.array([1.0, np.nan, np.nan]))).all()

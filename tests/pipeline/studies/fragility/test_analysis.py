@@ -18,10 +18,8 @@ from rockpulse.config.configuration import Config, SearchSettings
 from rockpulse.errors import ConfigError
 from rockpulse.record.components import Pair
 from rockpulse.record.rotation import rotate
-from rockpulse.studies.fragility.analysis import _grid
 from rockpulse.studies.fragility.capacity import reached_at, scale_capacities
-from rockpulse.studies.fragility.curves import fit_capacities
-from rockpulse.studies.fragility.ensemble import Ensemble, Fits, fit_ensemble, stored_ensemble
+from rockpulse.studies.fragility.ensemble import Ensemble, fit_ensemble, stored_ensemble
 from rockpulse.studies.fragility.likelihood import ABOVE, EXACT, NOT_ABOVE
 
 BLOCKS = {"wall": Block(half_width=0.3, half_height=1.5), "pier": Block(half_width=0.5, half_height=1.9365)}
@@ -382,30 +380,6 @@ def test_rows_of_stripes_are_those_that_were_looked_at():
         ("x", 2, 154.0): ">",
         ("x", 2, 294.0): ">",
     }
-
-
-def test_common_levels_reach_beyond_the_medians_of_all_states_and_stay_numbers():
-    rng = np.random.default_rng(2)
-    events = np.repeat(list("abcd"), 3)
-    narrow, wide = (
-        fit_capacities(np.exp(rng.normal(mean, beta, 12)), events) for mean, beta in ((1.0, 0.2), (0.0, 0.5))
-    )
-    flat, none = fit_capacities(np.exp(rng.normal(0.0, 300.0, 12)), events), fit_capacities([])
-    table = np.array([[[none, narrow, none], [none, none, none], [none, wide, flat]]], dtype=object)
-    level, (probability, low, high) = _grid(Fits(table, None, None))
-    assert level.shape == (1, 3, 41)
-    assert probability.shape == low.shape == high.shape == (1, 3, 3, 41)
-    assert np.isnan(level[0, 0]).all()
-    level, probability, low, high = level[:, 1:], probability[:, :, 1:], low[:, :, 1:], high[:, :, 1:]
-    ends = [np.log(one.median) + side * 3.0 * one.beta for one in (narrow, wide) for side in (-1, 1)]
-    assert np.log(level[0, 0]) == pytest.approx(np.linspace(min(ends), max(ends), 41))
-    for state, one in ((0, narrow), (2, wide)):
-        for found, expected in zip((probability, low, high), one.probability(level[0, 0]), strict=True):
-            assert np.array_equal(found[0, state, 0], expected)
-    assert np.isnan(probability[0, 1]).all()
-    assert np.isfinite(low[0, 2, 0]).all()
-    assert np.log(level[0, 1][[0, -1]]) == pytest.approx([-600.0, 600.0])
-    assert np.isfinite(probability[0, 2, 1]).all()
 
 
 def test_dispersions_are_compared_with_that_of_the_velocity_ratio(tree):

@@ -107,14 +107,6 @@ def test_a_capacity_that_falls_with_magnitude_is_found_from_the_records_that_sta
     assert sufficiency(by_magnitude(np.random.default_rng(3), 16, 12, 0.0), 0)[1] > 0.05
 
 
-def test_rows_that_are_kept_know_their_own_events_only():
-    observed = by_magnitude(np.random.default_rng(3), 5, 2, 0.0)
-    kept = observed.only(observed.having(0))
-    assert (kept.events, kept.records, kept.level.size) == (("0", "1"), 6, 6)
-    np.testing.assert_array_equal(kept.level, np.sort(observed.level[observed.cluster < 2]))
-    assert kept.without_each_event().shape == (3, 6)
-
-
 @pytest.mark.parametrize("stated", [0, 1, 2])
 def test_magnitudes_of_fewer_than_three_earthquakes_are_no_test(stated):
     assert np.isnan(sufficiency(by_magnitude(np.random.default_rng(3), 16, stated, -0.5), 0)[1])
@@ -134,19 +126,6 @@ def test_p_values_of_a_capacity_that_magnitude_does_not_change_are_uniform(state
     p_values = np.array([sufficiency(by_magnitude(rng, 12, stated, 0.0), 0)[1] for _ in range(400)])
     for level in levels:  # of few earthquakes large p-values are rarer than that
         assert np.mean(p_values < level) == pytest.approx(level, abs=0.06)
-
-
-@pytest.mark.slow
-def test_p_values_of_a_sufficient_measure_are_uniform():
-    rng, small, sets = np.random.default_rng(1), 0, 1000
-    for _ in range(sets):
-        event = np.repeat(np.arange(10), 3)
-        shared = rng.standard_normal((2, 10))[:, event]
-        capacity, quality = np.exp(0.3 * (shared + rng.standard_normal((2, event.size))))
-        observed = Observations.of(capacity, np.full(event.size, EXACT), event, qualities=quality[:, None])
-        small += sufficiency(observed, 0)[1] < 0.1
-    print(f"{small} of {sets} p-values below 0.1")
-    assert small / sets == pytest.approx(0.1, abs=0.03)
 
 
 def test_the_ratio_of_dispersions_is_sharper_than_the_dispersions():

@@ -157,10 +157,6 @@ def test_hazards_of_sites_have_one_measure_and_a_number_for_each_body():
         rp.SiteHazards((LAW,), np.array([0, 1]), distance)
 
 
-def test_no_body_has_no_frequency(results):
-    assert rp.inventory_frequency(results, models.Block(width=np.zeros(0), height=np.zeros(0)), LAW).sizes["body"] == 0
-
-
 KINKED = rp.HazardCurve("pgv", [0.1, 0.2, 0.25, 2.0], [2e-2, 1e-2, 1e-4, 1e-6])
 STEEP = rp.HazardCurve("pga", [0.5, 1.6, 1.8, 4.0], [2e-2, 1e-2, 1e-4, 1e-6])
 

@@ -15,7 +15,6 @@ from rockpulse.errors import ConfigError, RecordRefused
 from rockpulse.models import Block
 from rockpulse.record.measures import SCALING
 from rockpulse.run.analysis import worked
-from rockpulse.selection.tables import record_weights
 from rockpulse.studies.site import records as site_record
 from rockpulse.studies.site.calibration import SiteCalibration
 
@@ -230,12 +229,6 @@ def test_tables_of_weights_that_do_not_fit_are_refused(tmp_path, text, message):
         site(settings=settings)
 
 
-def test_huge_weights_are_weights():
-    ids = ["a", "b", "c"]
-    table = dict(zip(ids, (1e308, 1e308, 5e307), strict=True))
-    np.testing.assert_allclose(record_weights(ids, ids, "table", table), [1.2, 1.2, 0.6], rtol=1e-15)
-
-
 def test_a_record_that_fails_is_a_row_and_never_the_end():
     dead = rp.Record(np.zeros(1000), dt=0.01, id="dead", event="Nowhere", processed=True)
     tree = rp.calibrate_site([RECORDS[0], dead], config(), BLOCKS)
@@ -353,8 +346,3 @@ def test_the_response_method_gives_intervals_and_a_small_misfit():
     assert found["value_lower"].values[0, 0] < main < found["value_upper"].values[0, 0]
     assert str(found["calibration_remarks"].values[0])
     assert float(found["misfit"][0]) < 1.0
-
-
-def test_a_family_of_too_few_bodies_is_a_failure_of_the_record():
-    with pytest.raises(RecordRefused, match="choose blocks that this motion sets rocking"):
-        site(RECORDS[:1], method="response", family="blocks")
