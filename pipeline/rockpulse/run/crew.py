@@ -43,14 +43,7 @@ class WorkerLost:
 
 @dataclass(eq=False)
 class Crew:
-    """Workers for the length of a ``with`` block, at whose end they are killed; made by one of the class methods.
-
-    Examples
-    --------
-    >>> with Crew.inline() as crew:
-    ...     list(crew.run(abs, [-2, 1]))
-    [(-2, 2), (1, 1)]
-    """
+    """Workers for the length of a ``with`` block, at whose end they are killed; made by one of the class methods."""
 
     executor: Executor | None  # None: this process
     count: Callable[[], int]  # number of items in work at once

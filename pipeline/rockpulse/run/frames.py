@@ -30,11 +30,6 @@ def pack(arrays: Mapping[str, np.ndarray]) -> bytes:
 
     ``RPA1``, the length of the header (8 bytes, little-endian), the header (JSON: name, numpy type, shape of each
     array), and the values in C order.
-
-    Examples
-    --------
-    >>> unpack(pack({"a": np.arange(3.0), "b": np.array(["x", "yz"])}))["b"].tolist()
-    ['x', 'yz']
     """
     for name, array in arrays.items():
         if array.dtype.kind not in KINDS:

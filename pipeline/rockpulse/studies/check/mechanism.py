@@ -43,16 +43,7 @@ class Force(NamedTuple):
 
 @dataclass(frozen=True)
 class Mechanism:
-    """Overturning about one corner.
-
-    Examples
-    --------
-    A rectangle of 0.4 x 4 m: alpha_0 = b/h, the whole weight takes part, and no couple is left at b/2.
-
-    >>> alone = Mechanism((Weight(1.0, 0.2, 2.0, True),))
-    >>> round(alone.multiplier, 12), alone.share, round(alone.furthest, 12)
-    (0.1, 1.0, 0.2)
-    """
+    """Overturning about one corner."""
 
     weights: tuple[Weight, ...]  # the body first
     forces: tuple[Force, ...] = ()  # ties, friction and thrusts

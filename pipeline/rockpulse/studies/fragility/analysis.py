@@ -20,20 +20,7 @@ from rockpulse.selection.directions import PlannedMotion, planned_ids
 from rockpulse.selection.tables import selection_of
 from rockpulse.selection.votes import unmatched_patterns
 from rockpulse.storage.variables import failure_table, with_values
-from rockpulse.storage.variables.fragility import (
-    CAPACITIES,
-    COORDINATES,
-    CURVE,
-    CURVES,
-    EFFICIENCY,
-    FRAGILITY,
-    IDA,
-    POOLED,
-    QUALITIES,
-    STRIPES,
-    TESTED,
-    Status,
-)
+from rockpulse.storage.variables import fragility as stored
 from rockpulse.studies.fragility.capacity import Lanes, motion_capacity, nothing
 from rockpulse.studies.fragility.ensemble import Ensemble, Fits, dispersion_ratio, fit_ensemble, gather
 
@@ -98,7 +85,7 @@ class FragilityAnalysis(Analysis):
 
     name = "fragility"
     doing = "scaling"
-    kind = FRAGILITY
+    kind = stored.FRAGILITY
 
     def __init__(self, config: Config, blocks: Blocks | None = None) -> None:
         super().__init__(config)
@@ -159,7 +146,7 @@ def _curves(
 ) -> xr.Dataset:
     level, probability = _grid(fits)
     values = {
-        **{name: fits.of(name) for name in CURVE},
+        **{name: fits.of(name) for name in stored.CURVE},
         "level": level,
         **dict(zip(("probability", "probability_low", "probability_high"), probability, strict=True)),
         "measure_units": [MEASURES[key].unit for key in measures],
@@ -167,7 +154,7 @@ def _curves(
         **{name: getattr(block, name) for name in ("alpha_c", "p", "restitution")},
         "uplift_acceleration": uplift,
     }
-    return xr.Dataset(with_values(CURVES, values), coords)
+    return xr.Dataset(with_values(stored.CURVES, values), coords)
 
 
 def _grid(fits: Fits) -> tuple[np.ndarray, list[np.ndarray]]:
@@ -192,23 +179,25 @@ def _capacities(data: Ensemble, coords: dict[str, xr.Variable]) -> xr.Dataset:
     search = data.config.search
     factors = np.moveaxis(data.factors, 2, 1)
     if data.reached is None:
-        variables = with_values(IDA, {"factor": factors, "reached": np.isfinite(factors), "search_step": data.step})
+        variables = with_values(
+            stored.IDA, {"factor": factors, "reached": np.isfinite(factors), "search_step": data.step}
+        )
         variables["factor"].attrs["comment"] = (
             f"searched up to a factor of {search.factor_max:g} with {search.points} factors on each body, in steps of "
             "search_step; where a limit state is reached in a narrower interval only, too high"
         )
     else:
         reached = np.moveaxis(data.reached, 3, 1)
-        variables = with_values(STRIPES, {"factor": factors, "reached": reached, "weight": data.weight})
+        variables = with_values(stored.STRIPES, {"factor": factors, "reached": reached, "weight": data.weight})
     values = {
         "measure_value": np.moveaxis(data.measures, 2, 1),
         "event": data.clusters,
         "source": data.sources,
-        **dict(zip(QUALITIES, data.qualities.T, strict=True)),
+        **dict(zip(stored.QUALITIES, data.qualities.T, strict=True)),
         **data.facts,
     }
     coords = _coordinates(record=data.ids) | coords
-    capacities = xr.Dataset(variables | with_values(CAPACITIES, values), coords)
+    capacities = xr.Dataset(variables | with_values(stored.CAPACITIES, values), coords)
     if data.reached is None:
         capacities.attrs |= {"points": search.points, "factor_max": search.factor_max}
     return capacities
@@ -228,12 +217,12 @@ def _efficiency(data: Ensemble, single: Fits, pooled: Fits, coords: dict[str, xr
         for row in beta.reshape(-1, len(measures))
     ]
     values["most_efficient"] = np.reshape(best, beta.shape[:2])
-    values |= {f"pooled_{name}": pooled.of(name)[0] for name in POOLED}
-    return xr.Dataset(with_values(EFFICIENCY, values), coords | _coordinates(quality=TESTED))
+    values |= {f"pooled_{name}": pooled.of(name)[0] for name in stored.POOLED}
+    return xr.Dataset(with_values(stored.EFFICIENCY, values), coords | _coordinates(quality=stored.TESTED))
 
 
 def _coordinates(**labels: Sequence[str]) -> dict[str, xr.Variable]:
-    return {name: COORDINATES[name].variable(list(values)) for name, values in labels.items()}
+    return {name: stored.COORDINATES[name].variable(list(values)) for name, values in labels.items()}
 
 
 def _ratios(fits: Fits, measures: Sequence[str]) -> np.ndarray:
@@ -244,6 +233,6 @@ def _ratios(fits: Fits, measures: Sequence[str]) -> np.ndarray:
         for place in np.ndindex(fits.curves.shape):
             curve: Any = fits.curves[place]
             reference: Any = fits.curves[(*place[:2], column)]
-            if curve.status == reference.status == Status.FITTED:
+            if curve.status == reference.status == stored.Status.FITTED:
                 table[(slice(None), *place)] = dispersion_ratio(curve, reference)
     return table

@@ -261,13 +261,7 @@ def main_impulse_interval(
 
 
 def correlation(logarithms: np.ndarray, weights: np.ndarray) -> np.ndarray:
-    """Weighted correlation (p, p) of logarithms (n, p), over records with both parameters; NaN without variation.
-
-    Examples
-    --------
-    >>> correlation(np.log([[1.0, 2.0], [2.0, 4.0], [4.0, 8.0]]), np.ones(3)).round(6).tolist()
-    [[1.0, 1.0], [1.0, 1.0]]
-    """
+    """Weighted correlation (p, p) of logarithms (n, p), over records with both parameters; NaN without variation."""
     count = logarithms.shape[1]
     matrix = np.full((count, count), np.nan)
     for row in range(count):

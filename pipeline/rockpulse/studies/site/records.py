@@ -41,15 +41,7 @@ def measured(name: str, record: Record, config: Config) -> float:
 
 
 def scale_factor(record: Record, config: Config) -> float:
-    """Factor [-] that takes a conditioned record to the configured target; RecordRefused for a record of zeros.
-
-    Examples
-    --------
-    >>> from rockpulse import CalibrationSettings
-    >>> config = Config(calibration=CalibrationSettings(scale_to="pga", target=3.0))
-    >>> scale_factor(Record([0.0, 1.5, 0.0], dt=0.01, id="a"), config)
-    2.0
-    """
+    """Factor [-] that scales a conditioned record to the configured target; RecordRefused for a record of zeros."""
     settings = config.calibration
     if settings.scale_to == "none" or settings.target is None:
         return 1.0
@@ -67,13 +59,7 @@ def scaled(record: Record, factor: float) -> Record:
 
 
 def rotation_to_cover(peaks: np.ndarray) -> np.ndarray:
-    """The rotation that covers a recorded theta_max/alpha_c: NaN at rest, inf if overturned or unresolved.
-
-    Examples
-    --------
-    >>> rotation_to_cover(np.array([0.2, 0.0, np.nan])).tolist()
-    [0.2, nan, inf]
-    """
+    """The rotation that covers a recorded theta_max/alpha_c: NaN at rest, inf if overturned or unresolved."""
     return np.where(peaks == 0.0, np.nan, np.where(np.isnan(peaks), np.inf, peaks))
 
 

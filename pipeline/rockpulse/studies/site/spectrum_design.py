@@ -68,13 +68,7 @@ def no_spectrum_record() -> Part:
 
 
 def fewest_events(quantile: float) -> int:
-    """Fewest earthquakes for a quantile of a site: one lies beyond it, and at least five.
-
-    Examples
-    --------
-    >>> fewest_events(0.5), fewest_events(0.84), fewest_events(0.95)
-    (5, 7, 20)
-    """
+    """Fewest earthquakes for a quantile of a site: one lies beyond it, and at least five."""
     return max(FEWEST_EVENTS, math.ceil((1.0 - ROUNDING) / min(quantile, 1.0 - quantile)))
 
 

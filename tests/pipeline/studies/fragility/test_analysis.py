@@ -172,9 +172,10 @@ def test_one_record_that_overturns_several_bodies_is_one_record(records):
     assert "one record only reached the limit state" in str(pooled["pooled_statement"].values)
 
 
-def test_the_order_of_the_records_does_not_matter(striped, records):
-    again = rp.fragility_curves(records[::-1], options(data="stripes", stripe_levels=LEVELS), BLOCKS)
-    xr.testing.assert_identical(again, striped)
+def test_the_order_of_the_records_does_not_matter(records):
+    few = options(data="cloud", limit_states=[0.4], measures=["pga"])
+    one, other = (rp.fragility_curves(every, few, BLOCKS) for every in (records, records[::-1]))
+    xr.testing.assert_identical(one, other)
 
 
 @pytest.mark.parametrize("data", ["stripes", "cloud"])
