@@ -12,7 +12,7 @@ CONFIGURATION = """
 [site]
 name = "Test"
 [models]
-use = ["sequence"]
+use = ["resonance"]
 [search]
 models = []
 [[block]]
@@ -22,7 +22,7 @@ height = 3.0
 """
 
 CONFIG = Config(
-    models=ModelSettings(use=("sequence",)),
+    models=ModelSettings(use=("resonance",)),
     search=SearchSettings(models=()),
     blocks=(BlockSettings(name="wall", width=0.4, height=3.0),),
 )

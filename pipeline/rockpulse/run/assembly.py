@@ -29,13 +29,10 @@ from rockpulse.storage.variables.probability import MEAN
 RUN_ID = "run_id"
 #: Attribute of the root: SHA-256 of all that the run was asked for, as :func:`rockpulse.run.tasks.digest_of` makes it.
 RUN_DIGEST = "run_digest"
-
 #: Size of the values that are written at once [bytes].
 CHUNK = 32 * 1024**2
-
 #: Overhead of an array in memory, and of a text in the file [bytes].
 PER_ARRAY, PER_TEXT = 500, 32
-
 #: Variables of /summary from which /directions is made: of the record, and of its answers.
 SWEPT_RECORD = ("record", PGA, "main_impulse")
 SWEPT_ANSWER = ("peak_rotation_ratio", "outcome", "overturning_time", "safety_factor")

@@ -25,11 +25,9 @@ Result = TypeVar("Result")
 
 #: An address of a dask scheduler.
 ADDRESS = re.compile(r"[a-z]+://\S+:\d+|inproc://\S+")
-
 #: Items submitted per worker, so that none is idle while the parent writes; on a cluster the transfer takes longer than
 #: a short record.
 AHEAD, AHEAD_ON_CLUSTER = 2, 8
-
 #: Interval at which a scheduler is asked for its workers [s].
 ASK_EVERY = 1.0
 

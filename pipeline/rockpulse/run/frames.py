@@ -16,7 +16,6 @@ import numpy as np
 
 #: First bytes of packed arrays, and the kinds of numpy types that are packed: numbers and texts, no objects.
 MAGIC, KINDS = b"RPA1", "biufU"
-
 #: First bytes of a frame; the byte after the letters is the version.
 MARK = b"\x89RPJ\x03\r\n\x1a"
 #: The start of a frame: the mark, the sizes of head and body, and a CRC of both sizes and of the head.

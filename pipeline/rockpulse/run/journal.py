@@ -28,7 +28,6 @@ __all__ = ["UNFINISHED", "Done", "Journal", "JournalError", "holder", "journal_p
 #: Fingerprint of a task that broke off for lack of its file or of memory, or by a fault of the program: a resumed run
 #: tries it again.
 UNFINISHED = ""
-
 #: Longest wait for the lock of a process that begins or ends, and interval between two tries [s].
 PATIENCE, PAUSE = 1.0, 0.02
 

@@ -27,7 +27,7 @@ from rockpulse.storage.hdf5.verification import verify
 BLOCKS = '[[block]]\nname = "wall"\nwidth = 0.5\nheight = 4.0\n[[block]]\nname = "pier"\nwidth = 0.3\nheight = 1.5\n'
 CASES = BLOCKS.replace("width", "restitution = [0.9, 0.95]\nwidth")
 QUICKLY = "[search]\nintervals = true\npoints = 16\nstep = 1.2"
-FAST = f'use = ["resonance", "sequence", "linear"]\n{QUICKLY}'
+FAST = f'use = ["resonance", "linear"]\n{QUICKLY}'
 CONFIGURATIONS = {
     "plain": f"[models]\n{FAST}\n{BLOCKS}",
     "no records": f'[models]\n{FAST}\n[records]\nstore = "none"\n{BLOCKS}',

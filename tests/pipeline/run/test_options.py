@@ -133,4 +133,5 @@ def test_the_lock_is_given_back_when_a_run_fails(folder, tmp_path, monkeypatch):
         with pytest.raises(RuntimeError, match="no process can be started"):
             command(folder, tmp_path / "r.h5", "--workers", "2")
     assert names(tmp_path) == []
-    assert command(folder, tmp_path / "r.h5", "--quiet") == 0
+    with Journal.open(tmp_path / "r.h5") as journal:
+        assert journal.finished() == {}

@@ -33,7 +33,6 @@ from rockpulse.studies.check.spectra import (
 
 #: Circolare 617/2009: d_u* over d_0*, and d_s* over d_u* [-].
 ULTIMATE, SECANT = 0.4, 0.4
-
 #: Circolare 7/2019 by limit state: d over d_0 [-], the factor of T [pi], and the damping of the mechanism [-].
 STATES = {"slv": (0.4, 1.68, 0.08), "slc": (0.6, 1.56, 0.1)}
 

@@ -29,7 +29,6 @@ from rockpulse.storage.variables.summary import FACTS, facts_of
 
 #: Value for a motion that the model cannot resolve.
 NOT_KNOWN = -1
-
 #: Share of the largest impulse above which a half-wave is strong.
 STRONG_SHARE = 0.5
 

@@ -86,7 +86,6 @@ class Observations:
 
 #: Most Newton steps, most halvings of one, and the step at which the search ends, in units of the standard error.
 STEPS, HALVINGS, CLOSE = 60, 30, 1e-8
-
 #: Rounding of a sum of logarithms, and largest usable condition number of the second derivatives.
 ROUNDING, LARGEST_CONDITION = 1e-12, 1e14
 

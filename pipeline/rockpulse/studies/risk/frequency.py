@@ -46,10 +46,8 @@ DATA = {
 
 #: Share of a frequency from levels beyond the data that gives a warning.
 OUTSIDE = 0.1
-
 #: Number of bins with the contributions of levels, and their share of the frequency.
 BINS, HELD = 16, 0.998
-
 #: A and B of a fragility that is 1 at every level above its floor.
 CERTAIN = (40.0, 1e-9)
 

@@ -32,7 +32,6 @@ EXPECTED = (
 
 #: Default unit of a_g in the grid of NTC 2008 (annex B).
 ANNEX = "g/10"
-
 #: A heading of the grid: a_g of a return period, as "T475ag", "ag_475" or "ag TR=475", optionally with its unit.
 OF_PERIOD = re.compile(r"(?:tr?=?(\d+)_?ag|ag_?(?:tr?=?)?(\d+))(?:\[(.+)\])?")
 

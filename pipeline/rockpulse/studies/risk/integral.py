@@ -24,16 +24,12 @@ from rockpulse.studies.risk.hazard import Hazard
 
 #: Nodes of a piece, and its length over the shortest length on which anything changes.
 NODES, SHARE = 8, 0.5
-
 #: Logarithm at which tails are cut off, and standard units beyond which a distribution is 0 or 1 to rounding.
 TAIL, NORMAL_REACH, LOGISTIC_REACH = 30.0, 9.0, 40.0
-
 #: Logarithm of an unreachable level: a fragility that counts below its inverse has no frequency.
 FARTHEST = 300.0
-
 #: Fewest earthquakes of a band with the right coverage, and of any band.
 LEAST_EVENTS, FEWEST_EVENTS = 14, 4
-
 #: Arguments of the family's distribution at which the frequencies of the draws are summed.
 STEP = 0.1
 CAPACITY = np.arange(-60.0, 40.0, STEP)

@@ -27,7 +27,6 @@ from rockpulse.studies.risk.integral import FEWEST_EVENTS
 
 #: Required and optional columns of a table.
 NEEDED, OPTIONAL = ("name", "width [m]", "height [m]"), ("restitution", "longitude", "latitude", "soil_factor")
-
 #: Ranges of coordinates [degrees].
 DEGREES = {"longitude": (-180.0, 360.0), "latitude": (-90.0, 90.0)}
 

@@ -27,13 +27,10 @@ from rockpulse.errors import RecordRefused
 
 #: Parameters of a sequence, in the order of the tables.
 PARAMETERS = ("main", "ratio", "interval", "main_count", "duration")
-
 #: Mark of a recorded rotation on a block that the sequence overturns, beside 1 covered and 0 not.
 BEYOND = 2.0
-
 #: Main impulses tried at once, from the weakest to one that overturns every block by itself, and rounds of refinement.
 GRID, REFINED, ROUNDS = 256, 17, 3
-
 #: The weakest main impulse tried, over the smallest I_1c of the blocks: peaks of about 1e-8 alpha_c.
 WEAKEST = 1e-4
 

@@ -30,7 +30,6 @@ from rockpulse.studies.site.design import PARAMETERS
 
 #: Smallest recorded peak in a misfit: just after uplift no sequence is comparable [-].
 SMALLEST_PEAK = 0.01
-
 #: Range of usual scale factors: beyond, the motion is that of another kind of earthquake.
 USUAL_FACTORS = (0.25, 4.0)
 

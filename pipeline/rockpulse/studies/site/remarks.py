@@ -11,16 +11,12 @@ from rockpulse.studies.site.records import USUAL_FACTORS
 
 #: Fewest records and events for usable intervals.
 FEWEST_RECORDS, FEWEST_EVENTS = 10, 5
-
 #: Width of the interval of a coverage that is hardly known [-].
 WIDE = 0.5
-
 #: Fewest records beyond a quantile.
 FEWEST_BEYOND = 2.0
-
 #: Most names in a remark.
 LISTED = 5
-
 #: Share of lifted pairs that is few [-].
 FEW_LIFTED = 0.1
 
