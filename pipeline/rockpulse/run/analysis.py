@@ -98,13 +98,13 @@ class Analysis(ABC):
             raise ConfigError(f"records: expected different ids, found more than one record with id {', '.join(twice)}")
         rows = list(failures)
         event_of, unread = events_by_id(every, self.named_events, rows)
-        idle = unmatched_patterns(
+        unmatched = unmatched_patterns(
             "[records] confirm", self.config.records.confirm, [record.id for record in every], rows
         )
-        voting, outvoted = one_vote_each(every, self.config.records, rows)
-        planned, left_out = plan_motions(voting, self.config)
+        selected, duplicates = one_vote_each(every, self.config.records, rows)
+        planned, left_out = plan_motions(selected, self.config)
         events = {one.name: event_of[one.channels[0].id] for one in planned}
-        return Prepared(planned, events, [*rows, *unread, *idle, *outvoted, *left_out])
+        return Prepared(planned, events, [*rows, *unread, *unmatched, *duplicates, *left_out])
 
     def dimension_of(self, name: str) -> str:
         """The dimension along which an array of a part grows."""

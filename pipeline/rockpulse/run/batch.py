@@ -110,11 +110,11 @@ class _Batch:
             paths = [os.path.abspath(path) for path in given]  # noqa: PTH100 - links stay what they are
         found, rows = find_files(paths, (output, journal_path(output), *options.written))
         check_patterns(found, self.analysis.config.records.files)
-        with Journal.open(output, options.resume, options.overwrite) as journal, ExitStack() as hired:
+        with Journal.open(output, options.resume, options.overwrite) as journal, ExitStack() as resources:
             self.journal = journal
             remove_parts(output)  # of killed runs
             try:
-                if self.worked(found, rows, hired):
+                if self.worked(found, rows, resources):
                     return self.report
             except RecordRefused:  # the records make no site
                 self.leave_without_output()
@@ -144,14 +144,14 @@ class _Batch:
         logger.info("%s: %s; left out: %s", output, written, left_out)
         return report
 
-    def worked(self, found: Sequence[Found], rows: Sequence[Failure], hired: ExitStack) -> bool:
+    def worked(self, found: Sequence[Found], rows: Sequence[Failure], resources: ExitStack) -> bool:
         """Survey, plan, work and assembly; true if an earlier run has left nothing to do."""
         analysis, output, options, journal = self.analysis, self.output, self.options, self.journal
         run_id, before = run_of(output) if options.resume and not options.overwrite else ("", "")
         replace = options.overwrite or run_id == journal.run_id
         before = "" if replace else before
         check_target(output, replace or bool(before), analysis.kind)
-        crew = self.crew_for(len(found), hired)
+        crew = self.crew_for(len(found), resources)
         every, rows, unread = self.surveyed(crew, found, rows)
         prepared = analysis.prepare([one.record for one in every], rows)
         self.tasks = tasks_of(prepared.planned, every, analysis.config, analysis.name)
@@ -170,7 +170,7 @@ class _Batch:
             self.report = BatchReport(Path(output), len(self.tasks), len(self.tasks), list(prepared.failures))
             return True
         missing = self.missing()
-        self.work(self.crew_for(len(missing), hired, crew), missing)
+        self.work(self.crew_for(len(missing), resources, crew), missing)
         self.report.failures = [*prepared.failures, *self.report.failures]
         keys = self.finished()
         self.report.broken_off = unread + len(self.tasks) - len(keys)
@@ -178,25 +178,25 @@ class _Batch:
         self.report.records = write_results(output, parts, prepared, self.report.failures, replace, asked)
         return False
 
-    def crew_for(self, items: int, hired: ExitStack, before: Crew | None = None) -> Crew:
+    def crew_for(self, items: int, resources: ExitStack, before: Crew | None = None) -> Crew:
         """Workers for a number of items, with compiled kernels; the crew `before` is kept if it is large enough."""
         options = self.options
         if options.executor is not None:
-            return before or hired.enter_context(Crew.through(options.executor))
+            return before or resources.enter_context(Crew.through(options.executor))
         if options.scheduler is not None:
-            return before or hired.enter_context(Crew.scheduler(options.scheduler))
+            return before or resources.enter_context(Crew.scheduler(options.scheduler))
         workers = self.analysis.config.run.workers if options.workers is None else options.workers
         if workers == "all":
             workers = max(1, min(available_cores(), items // ITEMS_PER_WORKER))
         elif workers == 1 and before is None:
-            hired.enter_context(thread_limit(1))
+            resources.enter_context(thread_limit(1))
         if before is not None and before.size >= int(workers):
             return before
         if workers == 1:
-            return hired.enter_context(Crew.inline())
-        hired.close()  # of those before
+            return resources.enter_context(Crew.inline())
+        resources.close()  # of those before
         warm_up(self.analysis)  # once, here, not once in every worker
-        return hired.enter_context(Crew.local(int(workers)))
+        return resources.enter_context(Crew.local(int(workers)))
 
     def surveyed(
         self, crew: Crew, found: Sequence[Found], failures: Sequence[Failure]
@@ -280,7 +280,7 @@ class _Batch:
 
     def kept(self, strict: bool = False) -> str:
         """The message of a run that stops; removes a journal without finished records."""
-        journal, every = self.journal, self.journal.worth
+        journal, every = self.journal, self.journal.complete
         if not journal.in_place:
             return f"nothing is kept, for {journal.path} was removed while the run was at work"
         if not every:
@@ -296,7 +296,7 @@ class _Batch:
 
     def leave_without_output(self) -> None:
         """Removes the journal of a run that writes nothing, unless other records are in it."""
-        others = self.journal.worth - {task.key for task in self.tasks}
+        others = self.journal.complete - {task.key for task in self.tasks}
         if others:
             are = f"{self.journal.path} keeps {len(others)} finished records of other files"
             self.tell_all(f"{are}: give --resume with the paths of these")

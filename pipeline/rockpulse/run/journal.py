@@ -156,7 +156,7 @@ class Journal:
         return _identity_of(self.path) == self._identity
 
     @property
-    def worth(self) -> set[str]:
+    def complete(self) -> set[str]:
         """Keys of all tasks that are finished, of any run."""
         return {key for key, frame in self._kept.items() if frame.head["fingerprint"] != UNFINISHED}
 
@@ -200,8 +200,9 @@ class Journal:
             self._kept[done.key] = self._append(outcome, done.parts)
         except OSError as error:
             raise JournalError(
-                f"{self.path}: cannot keep the result of {done.key}: {error.strerror or error}; the {len(self.worth)} "
-                "finished before are kept: make room on the disk, then give the same command with --resume"
+                f"{self.path}: cannot keep the result of {done.key}: {error.strerror or error}; the "
+                f"{len(self.complete)} finished before are kept: make room on the disk, then give the same command with "
+                "--resume"
             ) from error
 
     def parts(self, key: str) -> tuple[bytes, ...]:
@@ -238,7 +239,7 @@ class Journal:
         if self.run_id and resume:
             self._file.truncate(self._end)  # a frame that was cut off lies behind it
             return
-        count = len(self.worth)
+        count = len(self.complete)
         if count and not overwrite:
             raise JournalError(
                 f"{self.path}: a run that began {self._started} was stopped with {count} record{'s' * (count != 1)} "

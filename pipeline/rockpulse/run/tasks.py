@@ -79,7 +79,7 @@ def tasks_of(planned: Iterable[PlannedMotion], channels: Iterable[Located], conf
     tasks = []
     for one in planned:
         acting = [record for record in (*one.channels, one.vertical, one.partner) if record is not None]
-        told = [text for record in acting for text in _told(record, places[record.id])]
+        told = [text for record in acting for text in _facts_of(record, places[record.id])]
         confirmed = [record.id for record in acting if id_matches(record.id, confirm)]
         roles = [str(len(one.channels)), str(one.vertical is not None)]
         fingerprint = _digest([settings, one.name, *one.remarks, str(one.copy), *roles, *told, *confirmed])
@@ -144,7 +144,7 @@ def program_digest() -> str:
     return digest.hexdigest()
 
 
-def _told(record: Record, places: tuple[Place, ...]) -> list[str]:
+def _facts_of(record: Record, places: tuple[Place, ...]) -> list[str]:
     known = [repr(getattr(record, item.name)) for item in fields(Record) if item.name != "acceleration"]
     return [Located(record, places).digest, str(record.npts), *known]
 

@@ -205,7 +205,7 @@ def _capacities(data: Ensemble, coords: dict[str, xr.Variable]) -> xr.Dataset:
 
 def _efficiency(data: Ensemble, single: Fits, pooled: Fits, coords: dict[str, xr.Variable]) -> xr.Dataset:
     measures = list(data.config.fragility.measures)
-    values: dict[str, Any] = dict(zip(("quality_records", "quality_events"), data.told_by(), strict=True))
+    values: dict[str, Any] = dict(zip(("quality_records", "quality_events"), data.quality_counts(), strict=True))
     for prefix, fits, shown in (("", single, slice(None)), ("pooled_", pooled, 0)):
         for end, table in zip(("", "_low", "_high"), _ratios(fits, measures), strict=True):
             values[f"{prefix}beta_ratio{end}"] = table[shown]

@@ -115,7 +115,7 @@ class Ensemble:
             [np.exp(self.facts[name]) if name == "magnitude" else self.facts[name] for name in STATED]
         )
 
-    def told_by(self) -> tuple[list[int], list[int]]:
+    def quality_counts(self) -> tuple[list[int], list[int]]:
         """The numbers of records that have each quality in the order of TESTED, and of their events."""
         every = np.ones((len(self.ids), 1))  # the measure before scaling, which every record has
         values = np.column_stack([self.qualities, every, self.stated])

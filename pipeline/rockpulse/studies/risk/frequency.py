@@ -198,7 +198,7 @@ def _of_body(rows: Observations, floor: float, asked: _Asked) -> dict[str, Any]:
             low, high = np.log(asked.hazard.covered).tolist()
         whole = integrate(asked.family, CERTAIN, asked.hazard, (low, high), floor)
         told = "every ground motion above the acceleration that lifts it does: exact, no band"
-        return found | _told(whole, low, high, asked) | {"statement": told}
+        return found | _frequency(whole, low, high, asked) | {"statement": told}
     status = missing(rows)
     if status != Status.FITTED:
         return found | {"statement": f"{STATEMENTS[status](rows)} ({asked.hazard.measure} in SI units)"}
@@ -215,11 +215,11 @@ def _of_body(rows: Observations, floor: float, asked: _Asked) -> dict[str, Any]:
             "statement": "no frequency: the fragility falls towards small levels less than the hazard rises; it would "
             "rest on levels that nothing was looked at",
         }
-    found |= _told(whole, low, high, asked)
+    found |= _frequency(whole, low, high, asked)
     return found | (_band(rows, lines, whole, floor, asked) if asked.resamples else {})
 
 
-def _told(whole: Integral, low: float, high: float, asked: _Asked) -> dict[str, Any]:
+def _frequency(whole: Integral, low: float, high: float, asked: _Asked) -> dict[str, Any]:
     """A frequency with its contributions by level, and the warning of those beyond two logarithms of levels."""
     below, above = whole.between(-math.inf, low), whole.between(high, math.inf)
     return {

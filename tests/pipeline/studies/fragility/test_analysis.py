@@ -356,7 +356,7 @@ def test_rows_of_an_incremental_analysis_end_with_the_search():
     assert first.tolist() == pytest.approx([1.0, 2.0, 3.0, 20.0, np.exp(6.0), np.nan, 300.0], nan_ok=True)
     last = found.qualities[-1]
     assert last.tolist() == pytest.approx([7.0, 8.0, np.nan, 70.0, np.exp(7.0), np.nan, 500.0], nan_ok=True)
-    assert ensemble.told_by() == ([3, 3, 2, 3, 2, 0, 2], [2, 2, 2, 2, 1, 0, 1])
+    assert ensemble.quality_counts() == ([3, 3, 2, 3, 2, 0, 2], [2, 2, 2, 2, 1, 0, 1])
     assert ensemble.observations(0, 0, []).level.size == 0
     short = replace(ensemble, config=replace(ensemble.config, search=SearchSettings(factor_max=6.0)))
     assert rows_of(short.observations(0, 0, [0]))["x", 2, 36.0] == ">"
