@@ -201,8 +201,8 @@ class Journal:
         except OSError as error:
             raise JournalError(
                 f"{self.path}: cannot keep the result of {done.key}: {error.strerror or error}; the "
-                f"{len(self.complete)} finished before are kept: make room on the disk, then give the same command with "
-                "--resume"
+                f"{len(self.complete)} finished before are kept: make room on the disk, then give the same command "
+                "with --resume"
             ) from error
 
     def parts(self, key: str) -> tuple[bytes, ...]:
