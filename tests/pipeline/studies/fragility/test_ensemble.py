@@ -1,12 +1,16 @@
 """Efficiency and sufficiency on capacities that are made to have them, or not."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
+from nominal import ida
 from scipy.special import ndtr
 from scipy.stats import t
 
+from rockpulse.config.configuration import Config, SearchSettings
 from rockpulse.studies.fragility.curves import fit_curve
-from rockpulse.studies.fragility.ensemble import dispersion_ratio, sufficiency
+from rockpulse.studies.fragility.ensemble import Ensemble, dispersion_ratio, sufficiency
 from rockpulse.studies.fragility.likelihood import ABOVE, EXACT, NOT_ABOVE, Observations
 
 EVENT = np.repeat([f"event {k:02d}" for k in range(12)], 4)
@@ -155,3 +159,89 @@ def test_the_band_of_the_ratio_is_jackknifed_over_the_events_of_both(events):
     else:
         half = t(free).ppf(0.9) * error
         assert (low, high) == pytest.approx((np.exp(value - half), np.exp(value + half)), rel=1e-5)
+
+
+def by_hand(kind, **known):
+    """Capacities of three records and two lanes, in two measures, for two limit states."""
+    facts = {name: np.full(3, np.nan) for name in ("magnitude", "epicentral_distance", "vs30")}
+    facts["magnitude"] = np.array([6.0, np.nan, 7.0])
+    facts["vs30"] = np.array([300.0, 0.0, 500.0])
+    measures = np.array([[[2.0, 3.0], [20.0, 30.0]], [[4.0, 5.0], [40.0, 50.0]], [[6.0, 7.0], [60.0, 70.0]]])
+    qualities = np.array([[1.0, 2.0, 3.0], [4.0, 5.0, 6.0], [7.0, 8.0, np.nan]])
+    step, reached, weight = np.full((3, 2), 1.1), None, None
+    return Ensemble(
+        **{
+            "ids": ["a", "b", "c"],
+            "clusters": ["x", "y", "x"],
+            "sources": ["", "", ""],
+            "measures": measures,
+            "qualities": qualities,
+            "facts": facts,
+            "step": step,
+            "reached": reached,
+            "weight": weight,
+            "config": Config(
+                fragility=ida(
+                    data=kind, factors=(0.5, 8.0), limit_states=(0.4, "overturning"), measures=("pga", "velocity_ratio")
+                ),
+                search=SearchSettings(factor_max=30.0),
+            ),
+        }
+        | known
+    )
+
+
+def rows_of(found):
+    kinds = {EXACT: "=", ABOVE: ">", NOT_ABOVE: "<"}
+    return {
+        (found.events[cluster], record, round(level, 9)): kinds[kind]
+        for level, kind, cluster, record in zip(found.level, found.kind, found.cluster, found.record, strict=True)
+    }
+
+
+def test_rows_of_an_incremental_analysis_end_with_the_search():
+    """Below the least factor a capacity is not above it, and what is not reached is above the largest."""
+    factors = np.array([[[0.5, 9.0], [2.0, 3.0]], [[0.4, 1.0], [5.0, 6.0]], [[np.inf, 7.0], [8.0, np.inf]]])
+    ensemble = by_hand("ida", factors=factors)
+    found = ensemble.observations(0, 0, [0])
+    assert rows_of(found) == {("x", 0, 1.0): "=", ("y", 1, 2.0): "<", ("x", 2, 48.0): ">"}
+    assert found.weight.tolist() == [1.0] * 3
+    found = ensemble.observations(1, 1, [1, 0])
+    assert rows_of(found) == {
+        ("x", 0, 40.0): "=",
+        ("x", 0, 90.0): "=",
+        ("y", 1, 200.0): "=",
+        ("y", 1, 300.0): "=",
+        ("x", 2, 480.0): "=",
+        ("x", 2, 560.0): ">",
+    }
+    # Qualities, the measure of the record as it is, and what the files state, a magnitude as its exponential.
+    first = found.qualities[found.level.tolist().index(40.0)]
+    assert first.tolist() == pytest.approx([1.0, 2.0, 3.0, 20.0, np.exp(6.0), np.nan, 300.0], nan_ok=True)
+    last = found.qualities[-1]
+    assert last.tolist() == pytest.approx([7.0, 8.0, np.nan, 70.0, np.exp(7.0), np.nan, 500.0], nan_ok=True)
+    assert ensemble.quality_counts() == ([3, 3, 2, 3, 2, 0, 2], [2, 2, 2, 2, 1, 0, 1])
+    assert ensemble.observations(0, 0, []).level.size == 0
+    short = replace(ensemble, config=replace(ensemble.config, search=SearchSettings(factor_max=6.0)))
+    assert rows_of(short.observations(0, 0, [0]))["x", 2, 36.0] == ">"
+
+
+def test_rows_of_stripes_are_those_that_were_looked_at():
+    factors = np.array([[[1.0, 2.0], [3.0, 4.0]], [[1.5, 2.5], [0.0, 4.5]], [[1.2, 2.2], [np.nan, 4.2]]])
+    reached = np.zeros((3, 2, 2, 2), dtype=int)
+    reached[0, 0, 1, 0], reached[1, 0, 0, 0], reached[0, 1, 0, 1], reached[2, 0, 0, 0] = 1, -1, 1, 1
+    weight = np.array([[1.0, 3.0], [1.0, 1.0], [2.0, 0.0]])
+    ensemble = by_hand("stripes", factors=factors, reached=reached, weight=weight, step=None)
+    found = ensemble.observations(0, 0, [0])
+    # Records are numbered as they have rows; an event of none is none.
+    assert found.events == ("x",)
+    assert rows_of(found) == {("x", 0, 2.0): ">", ("x", 0, 6.0): "<", ("x", 1, 7.2): "<"}
+    assert found.weight.tolist() == [0.5, 1.5, 1.0]
+    assert rows_of(ensemble.observations(1, 1, [1])) == {
+        ("x", 0, 60.0): "<",
+        ("x", 0, 120.0): ">",
+        ("y", 1, 125.0): ">",
+        ("y", 1, 225.0): ">",
+        ("x", 2, 154.0): ">",
+        ("x", 2, 294.0): ">",
+    }
