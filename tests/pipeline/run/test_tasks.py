@@ -122,7 +122,7 @@ def test_a_pair_that_cannot_be_rotated_is_rows_of_its_task(two_files):
     config = replace(
         CHEAP,
         records=RecordSettings(components="azimuth", azimuth=30.0),
-        conditioning=ConditioningSettings(lowpass_hz=80.0),
+        conditioning=ConditioningSettings(lowpass_hz=120.0),
     )
     done, _, rows = carried_out(two_files, Assessment(config))
     records, failures = read_all(two_files)
