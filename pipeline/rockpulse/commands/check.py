@@ -53,10 +53,7 @@ VERB = Verb(
                 {"nargs": "?"},
             ),
             "--config CONFIG": "configuration with [[block]] and [check]; default: that of the results",
-            "--code CODE": (
-                f"codes, of {', '.join(CODES)}; default: all of them",
-                {"nargs": "*", "choices": CODES},
-            ),
+            "--code CODE": (f"codes, of {', '.join(CODES)}; default: all of them", {"nargs": "*", "choices": CODES}),
             "-o --output TABLE": "write the table too (CSV)",
             "--overwrite": "replace a file that exists",
             "--quiet": QUIET,

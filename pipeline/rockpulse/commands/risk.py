@@ -106,10 +106,7 @@ VERB = Verb(
             "--config CONFIG": "configuration with a section [hazard]; default: that of the fragility",
             "--limit-state STATE": "of a fragility; default: overturning",
             "--years T": ("time for the probability; default: that of [hazard]", {"type": float}),
-            "--age YEARS": (
-                "time for which the bodies have stood: does that contradict the hazard?",
-                {"type": float},
-            ),
+            "--age YEARS": ("time for which the bodies have stood: does that contradict the hazard?", {"type": float}),
             "--resamples N": ("draws for the bands of a fragility, 0 for none; default: 500", {"type": int}),
             "-o --output TABLE": "write the table too (CSV), and of a fragility beside it TABLE_levels.csv, what each "
             "range of levels contributes",

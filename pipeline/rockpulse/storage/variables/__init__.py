@@ -95,10 +95,7 @@ def flag(
 
 
 def along(
-    dims: tuple[str, ...],
-    declared: Declared,
-    by: Callable[[str], Callable[..., Any] | None] | None = None,
-    **more: Any,
+    dims: tuple[str, ...], declared: Declared, by: Callable[[str], Callable[..., Any] | None] | None = None, **more: Any
 ) -> dict[str, StoredVariable]:
     """The same variables along some dimensions, with what they share; each without a `take` is taken `by` its name."""
     return {

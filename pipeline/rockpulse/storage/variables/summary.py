@@ -279,11 +279,7 @@ CAPACITY_RATIO = real(
 
 COORDINATES = {
     "block": text("name of the body", lambda bodies, config: bodies.names, dims=("block",)),
-    "model": text(
-        "model, from the cheapest to the dearest",
-        lambda bodies, config: config.models.use,
-        dims=("model",),
-    ),
+    "model": text("model, from the cheapest to the dearest", lambda bodies, config: config.models.use, dims=("model",)),
 }
 
 SITE_DEMAND = along(
