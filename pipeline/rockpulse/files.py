@@ -43,16 +43,7 @@ def check_regular(path: str | os.PathLike[str], error: type[RockpulseError] = Co
 
 
 def read_text(path: Path, limit: int = TABLE_LIMIT, what: str = "a text file") -> str:
-    """The text of a file in UTF-8, with or without a byte-order mark.
-
-    Raises
-    ------
-    ConfigError
-        For a pipe or a device, a file of more than `limit` bytes, and bytes that are no UTF-8; the message calls the
-        file `what`.
-    OSError
-        Where the file cannot be opened.
-    """
+    """The text of a file in UTF-8; a ConfigError, which calls it `what`, for a pipe, too many bytes or other bytes."""
     check_regular(path)
     with path.open("rb") as file:
         content = file.read(limit + 1)
@@ -65,10 +56,7 @@ def read_text(path: Path, limit: int = TABLE_LIMIT, what: str = "a text file") -
 
 
 def parse_toml(text: str, name: str, error: type[RockpulseError] = ConfigError) -> dict[str, Any]:
-    """The content of a TOML text, which messages call by its `name`.
-
-    Raises `error` for a text that is no TOML, is nested deeper than `DEEPEST`, or has an integer beyond `LARGEST`.
-    """
+    """The content of a TOML text called `name`; `error` for invalid TOML, deep nesting and very large integers."""
     deep = f"{name}: sections and arrays are nested deeper than {DEEPEST} times, the limit"
     large = f"{name}: an integer is beyond the limit of 2^63; write a number with a decimal point"
     try:
@@ -100,7 +88,7 @@ DECIMAL_COMMA = re.compile(r"([+-]?\d*),(\d+(?:[eE][+-]?\d+)?)")
 
 
 def separator(text: str) -> str:
-    """What stands between the cells of the first line of a table."""
+    """The delimiter of the first row of a table."""
     head = text.lstrip("\n").partition("\n")[0]
     return next((mark for mark in (";", "\t") if mark in head), ",")
 
@@ -178,11 +166,7 @@ def _named(path: Path) -> Iterator[None]:
 
 
 class FileSet:
-    """Contents that are written beside their places at once, and moved there by `commit`.
-
-    A symbolic link stays what it is: the file it points to is written. Leaving the context removes what was not
-    committed.
-    """
+    """Contents written beside their places, links followed, and moved there by `commit`; else removed at the end."""
 
     def __init__(self) -> None:
         self._parts = ExitStack()

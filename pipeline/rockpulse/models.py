@@ -1,7 +1,4 @@
-"""Numerics of rocking blocks, the public name of the package ``rocking``.
-
-The names are those of :mod:`rocking`, which is loaded on first use.
-"""
+"""Numerics of rocking blocks: the public names of the package :mod:`rocking`, loaded on first use."""
 
 from typing import Any
 

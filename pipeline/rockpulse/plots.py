@@ -1,7 +1,4 @@
-"""Pictures of results: each takes Axes or makes its own, and returns them.
-
-The names are those of :mod:`rockpulse.views.plots`, which is loaded on first use.
-"""
+"""Pictures of results: each takes Axes or makes its own, and returns them; loaded on first use."""
 
 from typing import Any
 

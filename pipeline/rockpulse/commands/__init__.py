@@ -1,7 +1,4 @@
-"""The verbs of the command line: each module holds one as ``VERB``.
-
-What a verb needs beyond the standard library is imported when it runs.
-"""
+"""The verbs of the command line: each module holds one as ``VERB``, and imports what it needs when it runs."""
 
 from rockpulse.commands import (
     assess,

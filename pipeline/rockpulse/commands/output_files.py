@@ -18,11 +18,7 @@ PICTURES = (".svg", ".png", ".pdf")
 
 
 def csv_files(folder: str | Path, names: tuple[str, ...], overwrite: bool) -> dict[str, Path]:
-    """The paths of the files `name.csv` of some tables in a folder, checked before any work.
-
-    :func:`write_files` makes the folder if its parent exists. Raises ResultsError for a file that exists, unless it may
-    be overwritten, and for a folder that cannot be one.
-    """
+    """The paths of the files `name.csv` in a folder, which :func:`write_files` may make, checked before any work."""
     folder = Path(folder)
     if not folder.is_dir():
         if folder.exists():
@@ -34,11 +30,7 @@ def csv_files(folder: str | Path, names: tuple[str, ...], overwrite: bool) -> di
 
 
 def check_file(path: str | Path, overwrite: bool, suffixes: tuple[str, ...] = (".csv",)) -> Path:
-    """The path, if a file can be written there.
-
-    Raises ResultsError for another suffix, a file that exists (unless it may be overwritten), or a folder that does not
-    exist or cannot be written to.
-    """
+    """The path; a ResultsError where no file can be written there, or one exists that must not be overwritten."""
     target = Path(path)
     if target.suffix.lower() not in suffixes:
         raise ResultsError(f"{path}: expected a name that ends in {', '.join(suffixes)}, got {target.suffix!r}")

@@ -61,14 +61,12 @@ class Condition:
 
     @classmethod
     def parse(cls, words: str) -> Condition:
-        """The condition of a text: name (or heading of a table), comparison, value; spaces may stand between them.
+        """The condition of a text: name or heading of a table, comparison, value.
 
         Examples
         --------
-        >>> Condition.parse("safety_factor<1")
-        Condition(name='safety_factor', comparison='<', value='1')
-        >>> Condition.parse("factor of 10 % < 1").name
-        'factor_10'
+        >>> Condition.parse("factor of 10 % < 1")
+        Condition(name='factor_10', comparison='<', value='1')
         """
         found = re.fullmatch(r"\s*([A-Za-z][^<>=!]*?)\s*(<=|>=|!=|==|<|>|=)\s*(.*?)\s*", words)
         if found is None:
@@ -80,10 +78,7 @@ class Condition:
         return cls(SHOWN.get(name, name), "=" if comparison == "==" else comparison, value)
 
     def holds(self, variable: xr.Variable, values: np.ndarray) -> np.ndarray:
-        """True where some values of a variable, whose type and flags say how they are read, meet the condition.
-
-        A ResultsError where the value is no number or no word of the flag, or texts are compared by size.
-        """
+        """True where values meet the condition; a ResultsError where it does not suit the type of the variable."""
         if self.comparison in ("=", "!="):
             if variable.dtype.kind in "OU":
                 alike = self._named(values.astype(str))
@@ -150,11 +145,7 @@ class Selection:
 
 
 def label_positions(known: Sequence[str], patterns: Sequence[str], what: str) -> np.ndarray:
-    """Positions of the labels that a pattern names; all labels where there is no pattern.
-
-    A pattern is a label itself, or holds * and ? for any letters; `what` names the labels in the ResultsError for a
-    pattern that no label meets.
-    """
+    """Positions of the labels that equal or match one of the patterns; all labels without patterns."""
     if not patterns:
         return np.arange(len(known))
     exact = {label: place for place, label in enumerate(known)}

@@ -30,17 +30,13 @@ def check_library(path: Path) -> None:
     library = TYPED[path.suffix]
     if find_spec(library) is None:
         raise ResultsError(
-            f"{path}: a table of this kind is written by {library}, which is not installed: "
-            "pip install 'rockpulse[tables]', or choose a name that ends in .csv"
+            f"{path}: a table of this kind is written by {library}, which is not installed: pip install "
+            "'rockpulse[tables]', or choose a name that ends in .csv"
         )
 
 
 def write_typed(table: LongTable, part: Path, kind: str, seen: Callable[[pd.DataFrame], None]) -> None:
-    """Write all rows to the file `part`, of the `kind` that a suffix names; `seen` is called with every frame.
-
-    A text stays a text: a workbook takes none for a formula, and shows control characters as escapes. A ResultsError
-    for more rows than a sheet has.
-    """
+    """Write all rows to the workbook or Parquet file `part`; `seen` is called with every frame."""
     import pandas as pd
 
     if kind == ".parquet":
@@ -75,24 +71,14 @@ LINE_ENDS = "\r\n|[\n\r\v\f\x1c-\x1e\x85\u2028\u2029]"
 
 
 def readme_of(path: Path) -> Path:
-    """The README that belongs to a table.
-
-    Examples
-    --------
-    >>> readme_of(Path("out/table.csv")).name
-    'table.README.md'
-    """
+    """The README that belongs to a table, table.README.md of table.csv.gz."""
     return path.with_name(
         f"{next(path.name.removesuffix(one) for one in SUFFIXES if path.name.endswith(one))}.README.md"
     )
 
 
 def check_table_target(path: str | Path, overwrite: bool = False) -> Path:
-    """The path of a table, where the table and its README can be written.
-
-    A ResultsError for a suffix that is none of ``.csv``, ``.csv.gz``, ``.xlsx`` and ``.parquet``, for one whose library
-    is not installed, for a folder that does not exist, and, without `overwrite`, for either file that does.
-    """
+    """The path of a table; a ResultsError where the table or its README cannot be written."""
     target = Path(path)
     if not target.name.endswith(SUFFIXES):
         raise ResultsError(f"{path}: expected a name that ends in {', '.join(SUFFIXES[:-1])} or {SUFFIXES[-1]}")
@@ -121,17 +107,8 @@ def write_table(
 ) -> tuple[Path, Path]:
     """Write a table and its README, each whole or not at all, CSV in bounded memory; the paths of both.
 
-    The suffix chooses the kind (:func:`check_table_target`). `about` tells in the README where the table comes from.
-    `on_rows` is called with the number of rows that were written since its last call. With `decimal_comma` there are
-    semicolons between the columns, decimal commas and a byte order mark, as spreadsheets expect them where the decimal
-    sign is a comma. With `raw` texts stay as they are but for the ends of lines (:func:`safe_texts`).
-
-    Raises
-    ------
-    ResultsError
-        As :func:`check_table_target`, and where the table cannot be written.
-    OSError, RuntimeError
-        Where the results cannot be read, as HDF5 says it.
+    `about` is the origin in the README, `on_rows` is called with numbers of rows written; with `decimal_comma` columns
+    have semicolons, decimal commas and a byte order mark; with `raw` texts stay as they are but for the ends of lines.
     """
     target = check_table_target(path, overwrite)
     readme = readme_of(target)
@@ -220,10 +197,10 @@ def _readme(table: LongTable, name: str, about: str, empty: dict[str, int], deci
         "",
         f"{about} Group `/{table.group}`, {len(table)} rows{table.per}.",
         "",
-        f"{written}, SI units, numbers with {digits} digits. An empty cell: not "
-        "known or not computed, or no text; how many a column has is counted below. `inf`: without limit, such as the "
-        "safety factor of a block that no factor tried overturns, or the peak of one that overturned. -1 in whole "
-        f"numbers: none, or not known, as the meaning says.{line_ends}",
+        f"{written}, SI units, numbers with {digits} digits. An empty cell: not known or not computed, or no text; how "
+        "many a column has is counted below. `inf`: without limit, such as the safety factor of a block that no factor "
+        "tried overturns, or the peak of one that overturned. -1 in whole numbers: none, or not known, as the meaning "
+        f"says.{line_ends}",
         "",
         in_pandas,
         "",

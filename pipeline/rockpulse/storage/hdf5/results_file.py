@@ -1,8 +1,4 @@
-"""The results file: a tree written whole or not at all, with its provenance, and read back the same, whole or in part.
-
-:func:`load` takes a whole file into memory; a table of the worst twenty of two million answers needs a few variables,
-which a file of :func:`open_results` reads when their values are asked for.
-"""
+"""The results file: written whole or not at all, with its provenance, and read back, whole or in part."""
 
 from __future__ import annotations
 
@@ -119,8 +115,8 @@ def check_schema(path: str | os.PathLike[str]) -> str:
         )
     if found != SCHEMA_VERSION:
         raise ResultsError(
-            f"{path}: expected schema version {SCHEMA_VERSION}, found {found}; run 'rockpulse {VERBS[kind]}' "
-            "again with this version, or open the file with the version that its attribute 'rockpulse_version' names"
+            f"{path}: expected schema version {SCHEMA_VERSION}, found {found}; run 'rockpulse {VERBS[kind]}' again "
+            "with this version, or open the file with the version that its attribute 'rockpulse_version' names"
         )
     return kind
 

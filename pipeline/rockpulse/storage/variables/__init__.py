@@ -1,7 +1,4 @@
-"""The description of a variable of a results file, declared once for whoever writes, checks or describes it.
-
-A variable is added to the declarations of its kind of file, a module of this folder. docs/schema.md is made of them.
-"""
+"""The description of a variable of a results file, declared once for whoever writes, checks or describes it."""
 
 from __future__ import annotations
 

@@ -53,8 +53,8 @@ VARIABLES: Declared = {
         "1", "share of the pairs of record and block whose answer is not known; they count as overturned"
     ),
     "design_set_by": text(
-        "blocks whose overturning sets I: just below it they stand and the quantile is not covered; empty where "
-        "larger rotations reach the quantile"
+        "blocks whose overturning sets I: just below it they stand and the quantile is not covered; empty where larger "
+        "rotations reach the quantile"
     ),
     "coverage": real(
         "1",

@@ -1,7 +1,4 @@
-"""The variables of /summary in an assessment, and how each is taken: of a record, or of bodies and configuration.
-
-The order is that of the file, and of the columns of an export.
-"""
+"""The variables of /summary in an assessment in the order of the file, and how each is taken."""
 
 from collections.abc import Callable, Iterable
 from functools import partial
@@ -135,8 +132,8 @@ def _measured(measures: Iterable[Measure], take: Callable[[Measure], Callable[..
         if one.drifts:
             found[f"{one.name}_drift"] = flag(
                 ("reliable", "drift"),
-                "whether the ground velocity does not come back to zero, so that the "
-                f"{one.title} may be off by as much",
+                f"whether the ground velocity does not come back to zero, so that the {one.title} may be off by as "
+                "much",
                 lambda one: find(one.record.warnings, "baseline_drift") is not None,
             )
     return found
