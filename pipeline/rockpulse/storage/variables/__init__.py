@@ -74,7 +74,7 @@ def text(long_name: str, take: Callable[..., Any] | None = None, **more: Any) ->
     return StoredVariable(str, "1", long_name, take, **more)
 
 
-def real(units: str, long_name: str, take: Callable[..., Any] | None = None, **more: Any) -> StoredVariable:
+def real(long_name: str, units: str = "1", take: Callable[..., Any] | None = None, **more: Any) -> StoredVariable:
     """A variable of real numbers."""
     return StoredVariable(float, units, long_name, take, **more)
 
