@@ -92,11 +92,15 @@ def flag(
 
 
 def along(
-    dims: tuple[str, ...], declared: Declared, by: Callable[[str], Callable[..., Any] | None] | None = None, **more: Any
+    dims: tuple[str, ...],
+    by: Callable[[str], Callable[..., Any] | None] | None = None,
+    stored: Callable[[Config], bool] | None = None,
+    /,
+    **declared: StoredVariable,
 ) -> dict[str, StoredVariable]:
-    """The same variables along some dimensions, with what they share; each without a `take` is taken `by` its name."""
+    """Variables along the same dimensions, `stored` alike, each without a `take` of its own taken `by` its name."""
     return {
-        name: replace(one, dims=dims, take=by(name) if by is not None and one.take is None else one.take, **more)
+        name: replace(one, dims=dims, take=one.take or (by and by(name)), stored=stored or one.stored)
         for name, one in declared.items()
     }
 
@@ -110,12 +114,10 @@ def with_values(declared: Declared, values: Mapping[str, Any]) -> dict[str, xr.V
 
 FAILURE = along(
     ("failure",),
-    {
-        "file": text("file"),
-        "stage": text("step at which it was left"),
-        "reason": text("why, and what to do"),
-        "kind": text("failed, skipped, duplicate, depth, vertical or structural"),
-    },
+    file=text("file"),
+    stage=text("step at which it was left"),
+    reason=text("why, and what to do"),
+    kind=text("failed, skipped, duplicate, depth, vertical or structural"),
 )
 
 

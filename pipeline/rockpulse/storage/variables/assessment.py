@@ -42,35 +42,29 @@ def _pointers(table: str) -> dict[str, StoredVariable]:
 
 HALF_CYCLE = along(
     ("row",),
-    {
-        **_pointers("half_cycles"),
-        "half_cycle": whole(
-            "number of the half-cycle, from 1", lambda one: one.half_cycles(lambda rows: rows.cycle + 1)
-        ),
-        "start_velocity": real("u = theta'/(p alpha_c) at its start"),
-        "peak": real("largest theta/alpha_c in it; inf where the block overturns"),
-        "duration": real("time to the next impact; inf where there is none", "s"),
-        "impulse_count": whole("intermediate impulses in it; -1 where n -> infinity", explanation="n_i"),
-        "interval": real("corrected interval of the intermediate impulses; NaN without", "s", explanation="dT_i"),
-        "impact_speed": real("speed right before the next impact over p alpha_c; NaN without"),
-    },
-    by=_of_half_cycle,
+    _of_half_cycle,
+    **_pointers("half_cycles"),
+    half_cycle=whole("number of the half-cycle, from 1", lambda one: one.half_cycles(lambda rows: rows.cycle + 1)),
+    start_velocity=real("u = theta'/(p alpha_c) at its start"),
+    peak=real("largest theta/alpha_c in it; inf where the block overturns"),
+    duration=real("time to the next impact; inf where there is none", "s"),
+    impulse_count=whole("intermediate impulses in it; -1 where n -> infinity", explanation="n_i"),
+    interval=real("corrected interval of the intermediate impulses; NaN without", "s", explanation="dT_i"),
+    impact_speed=real("speed right before the next impact over p alpha_c; NaN without"),
 )
 
 OVERTURNING = along(
     ("interval",),
-    {
-        **_pointers("intervals"),
-        "lower": real("smallest factor on the model's input that overturns in this interval"),
-        "upper": real("largest one; the end of the search where open"),
-        "open": flag(NO_YES, "whether the block still overturns at the end of the search"),
-        "resolved": flag(
-            NO_YES,
-            "whether the model can answer at the lower end",
-            explanation="no: from `lower` on it cannot, as in free flight, which counts as overturning",
-        ),
-    },
-    by=_of_interval,
+    _of_interval,
+    **_pointers("intervals"),
+    lower=real("smallest factor on the model's input that overturns in this interval"),
+    upper=real("largest one; the end of the search where open"),
+    open=flag(NO_YES, "whether the block still overturns at the end of the search"),
+    resolved=flag(
+        NO_YES,
+        "whether the model can answer at the lower end",
+        explanation="no: from `lower` on it cannot, as in free flight, which counts as overturning",
+    ),
 )
 
 #: Of each direction of a sweep, of each pair of channels, and of its answers: put together from those of /summary.
@@ -87,39 +81,35 @@ DIRECTIONS: Declared = {
     ),
     **along(
         ("pair",),
-        {
-            "pga_median": real("median over direction of the peak ground acceleration", "m s-2"),
-            "pga_largest": real("largest over direction of the peak ground acceleration", "m s-2"),
-            "pga_azimuth": real("azimuth of the largest peak ground acceleration", "degree"),
-            "main_impulse_median": real("median over direction of the main impulse I", "m s-1"),
-            "main_impulse_largest": real("largest over direction of the main impulse I", "m s-1"),
-            "main_impulse_azimuth": real("azimuth of the largest main impulse I", "degree"),
-        },
+        pga_median=real("median over direction of the peak ground acceleration", "m s-2"),
+        pga_largest=real("largest over direction of the peak ground acceleration", "m s-2"),
+        pga_azimuth=real("azimuth of the largest peak ground acceleration", "degree"),
+        main_impulse_median=real("median over direction of the main impulse I", "m s-1"),
+        main_impulse_largest=real("largest over direction of the main impulse I", "m s-1"),
+        main_impulse_azimuth=real("azimuth of the largest main impulse I", "degree"),
     ),
     **along(
         ("pair", *LANES[1:], "model"),
-        {
-            "median_rotation_ratio": real(
-                "median over direction of the largest rotation over alpha_c; inf where half of the directions "
-                "overturn, NaN where directions without an answer could change it"
-            ),
-            "largest_rotation_ratio": real(
-                "largest over direction of the largest rotation over alpha_c; inf where a direction overturns, else "
-                "NaN where one has no answer"
-            ),
-            "largest_azimuth": real(
-                "azimuth of the largest rotation; where several directions overturn, of the one that does so first",
-                "degree",
-            ),
-            "overturning_share": real("share of all directions that overturn"),
-            "unanswered_count": whole("directions without an answer"),
-            "smallest_safety_factor": real(
-                "smallest over direction of the safety factor; NaN where one is not known",
-                explanation="inf: none in any direction up to the end of the search; a lower bound where "
-                "`factor_resolved` of that direction says no",
-            ),
-            "safety_factor_azimuth": real("azimuth of the smallest safety factor; NaN without a finite one", "degree"),
-        },
+        median_rotation_ratio=real(
+            "median over direction of the largest rotation over alpha_c; inf where half of the directions "
+            "overturn, NaN where directions without an answer could change it"
+        ),
+        largest_rotation_ratio=real(
+            "largest over direction of the largest rotation over alpha_c; inf where a direction overturns, else "
+            "NaN where one has no answer"
+        ),
+        largest_azimuth=real(
+            "azimuth of the largest rotation; where several directions overturn, of the one that does so first",
+            "degree",
+        ),
+        overturning_share=real("share of all directions that overturn"),
+        unanswered_count=whole("directions without an answer"),
+        smallest_safety_factor=real(
+            "smallest over direction of the safety factor; NaN where one is not known",
+            explanation="inf: none in any direction up to the end of the search; a lower bound where "
+            "`factor_resolved` of that direction says no",
+        ),
+        safety_factor_azimuth=real("azimuth of the smallest safety factor; NaN without a finite one", "degree"),
     ),
     "overturning_probability_mean": real(
         "mean over direction of the probability of overturning; NaN where one is not known",
@@ -131,14 +121,12 @@ DIRECTIONS: Declared = {
 
 WAVES = along(
     ("wave",),
-    {
-        "impulse": real("signed impulse of the half-wave", "m s-1"),
-        "centroid": real("time of its centroid from the first sample", "s"),
-        "start": real("its start", "s"),
-        "end": real("its end", "s"),
-        "peak": real("its signed peak acceleration", "m s-2"),
-    },
-    by=_of_wave,
+    _of_wave,
+    impulse=real("signed impulse of the half-wave", "m s-1"),
+    centroid=real("time of its centroid from the first sample", "s"),
+    start=real("its start", "s"),
+    end=real("its end", "s"),
+    peak=real("its signed peak acceleration", "m s-2"),
 )
 
 _SAMPLES = {
@@ -152,27 +140,26 @@ _SAMPLES = {
 
 _HISTORIES = along(
     ("history",),
-    {
-        "history_row_size": whole(
-            "instants of each history",
-            lambda one: one.histories(lambda rows: np.full(rows.lane.size, rows.source.rotation.shape[1])),
-            sample_dimension="instant",
-        ),
-        "history_record_index": whole(
-            "index into record", lambda one: one.histories(lambda rows: np.zeros(rows.lane.size, dtype=int))
-        ),
-        "history_lane_index": whole(
-            "index into block x case of /summary, case running faster",
-            lambda one: one.histories(lambda rows: rows.lane),
-        ),
-        "history_model_index": whole(
-            "index into model of /summary", lambda one: one.histories(lambda rows: np.full(rows.lane.size, rows.model))
-        ),
-    },
+    history_row_size=whole(
+        "instants of each history",
+        lambda one: one.histories(lambda rows: np.full(rows.lane.size, rows.source.rotation.shape[1])),
+        sample_dimension="instant",
+    ),
+    history_record_index=whole(
+        "index into record", lambda one: one.histories(lambda rows: np.zeros(rows.lane.size, dtype=int))
+    ),
+    history_lane_index=whole(
+        "index into block x case of /summary, case running faster",
+        lambda one: one.histories(lambda rows: rows.lane),
+    ),
+    history_model_index=whole(
+        "index into model of /summary", lambda one: one.histories(lambda rows: np.full(rows.lane.size, rows.model))
+    ),
 ) | along(
     ("instant",),
-    {"rotation": real("rotation at the record's samples", "rad"), "velocity": real("its rate", "rad s-1")},
-    by=lambda name: lambda one: one.histories(lambda rows: getattr(rows.source, name).ravel()),
+    lambda name: lambda one: one.histories(lambda rows: getattr(rows.source, name).ravel()),
+    rotation=real("rotation at the record's samples", "rad"),
+    velocity=real("its rate", "rad s-1"),
 )
 
 #: Ragged arrays: the values of all records one after the other, with the number of each.

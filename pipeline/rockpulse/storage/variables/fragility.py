@@ -93,16 +93,14 @@ _JUDGED: Declared = {
 #: Of the fits of each body, limit state and measure, and what they rest on.
 CURVE = along(
     _LANES,
-    {
-        **_FIT,
-        "status": flag(_words(Status), "whether there is a curve, and why not"),
-        "band": flag(_words(Band), "whether there are confidence limits, and why not"),
-        **_JUDGED,
-        "records": whole("number of records"),
-        "events": whole("number of earthquakes, over which the confidence limits are taken"),
-        "observations": whole("number of capacities, or of scaled motions"),
-        "reached": whole("observations that reached the limit state; the others are censored"),
-    },
+    **_FIT,
+    status=flag(_words(Status), "whether there is a curve, and why not"),
+    band=flag(_words(Band), "whether there are confidence limits, and why not"),
+    **_JUDGED,
+    records=whole("number of records"),
+    events=whole("number of earthquakes, over which the confidence limits are taken"),
+    observations=whole("number of capacities, or of scaled motions"),
+    reached=whole("observations that reached the limit state; the others are censored"),
 )
 
 CURVES: Declared = {
@@ -115,15 +113,13 @@ CURVES: Declared = {
     ),
     **along(
         ("block", "limit_state", "measure", "point"),
-        {
-            "probability": real("probability of reaching the limit state", explanation="at `level`"),
-            "probability_low": real("lower confidence limit of the probability", explanation="the band is pointwise"),
-            "probability_high": real("upper confidence limit of the probability"),
-        },
+        probability=real("probability of reaching the limit state", explanation="at `level`"),
+        probability_low=real("lower confidence limit of the probability", explanation="the band is pointwise"),
+        probability_high=real("upper confidence limit of the probability"),
     ),
     "measure_units": text("unit of each measure", dims=("measure",)),
     "measure_long_name": text("meaning of each measure", dims=("measure",)),
-    **along(("block",), {"alpha_c": BLOCK["alpha_c"], "p": BLOCK["p"], "restitution": CASE["restitution"]}),
+    **along(("block",), alpha_c=BLOCK["alpha_c"], p=BLOCK["p"], restitution=CASE["restitution"]),
     "uplift_acceleration": real(
         "smallest horizontal acceleration of the ground that lifts the body",
         "m s-2",
@@ -177,14 +173,12 @@ CAPACITIES: Declared = {
     ),
     **along(
         ("record",),
-        {
-            "event": text("earthquake that the record is counted to"),
-            "source": text(RECORD["source"].long_name),
-            "duration": real("length of the intense phase", "s"),
-            "period": real("2 pi PGV/PGA", "s"),
-            "strong_half_waves": real("half-waves of the intense phase above half the largest"),
-            **FACTS,
-        },
+        event=text("earthquake that the record is counted to"),
+        source=text(RECORD["source"].long_name),
+        duration=real("length of the intense phase", "s"),
+        period=real("2 pi PGV/PGA", "s"),
+        strong_half_waves=real("half-waves of the intense phase above half the largest"),
+        **FACTS,
     ),
 }
 
@@ -209,14 +203,14 @@ def _pooled(declared: Declared) -> Declared:
 
 #: Of each body, then of all bodies together, for which only dimensionless measures have values.
 EFFICIENCY: Declared = {
-    **along(_LANES, _RATIO),
-    **along((*_LANES, "quality"), _QUALITY),
-    **along(("limit_state", "measure"), _pooled(_RATIO)),
-    **along(("limit_state", "measure", "quality"), _pooled(_QUALITY)),
+    **along(_LANES, **_RATIO),
+    **along((*_LANES, "quality"), **_QUALITY),
+    **along(("limit_state", "measure"), **_pooled(_RATIO)),
+    **along(("limit_state", "measure", "quality"), **_pooled(_QUALITY)),
     "quality_records": whole("number of records that have the quality", dims=("quality",)),
     "quality_events": whole("number of earthquakes of these records", dims=("quality",)),
     "most_efficient": text("measure of smallest dispersion; empty where none has one", dims=("block", "limit_state")),
-    **along(("limit_state", "measure"), _pooled(_POOLED_FIT)),
+    **along(("limit_state", "measure"), **_pooled(_POOLED_FIT)),
 }
 
 #: Fits that /efficiency has of all bodies together.

@@ -137,16 +137,14 @@ SPECTRUM_AXES: Declared = {
 SPECTRUM: Declared = {
     **along(
         ("p", "restitution"),
-        {
-            "spectrum": real(
-                "overturning spectrum S = (g tan(alpha_c)/p)/capacity_mean",
-                "m s-1",
-                explanation="the effective impulse that a slender block of this p and C takes from the record; its "
-                "mean capacity is (g tan(alpha_c)/p)/S",
-            ),
-            "spectrum_low": real("lower end of the interval of 90 % of the spectrum", "m s-1"),
-            "spectrum_high": real("upper end of the interval of 90 % of the spectrum", "m s-1"),
-        },
+        spectrum=real(
+            "overturning spectrum S = (g tan(alpha_c)/p)/capacity_mean",
+            "m s-1",
+            explanation="the effective impulse that a slender block of this p and C takes from the record; its "
+            "mean capacity is (g tan(alpha_c)/p)/S",
+        ),
+        spectrum_low=real("lower end of the interval of 90 % of the spectrum", "m s-1"),
+        spectrum_high=real("upper end of the interval of 90 % of the spectrum", "m s-1"),
     ),
     "rotation_spectrum": real(
         "the same for reaching a rotation: (g tan(alpha_c)/p) over the mean factor at which it is reached",

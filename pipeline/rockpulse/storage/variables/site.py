@@ -25,18 +25,16 @@ _OF_PARAMETER = "parameter_unit"
 #: Of every record, whatever is worked out from it.
 OF_RECORDS: Declared = along(
     ("record",),
-    {
-        "source": text("file the record was read from"),
-        "source_sha256": text("SHA-256 of the source file"),
-        "event": text("event that the record belongs to, by the user's table, the title or the time"),
-        "weight": real("weight of the record, of mean one"),
-        "scale_factor": real("factor on the conditioned record"),
-        **{one.name: real(f"{one.meaning} of the scaled record", one.unit) for one in STORED_LEVELS},
-        "largest_impulse": real("largest half-wave impulse of the scaled record", "m s-1"),
-        "warnings": text("remarks on the record"),
-        "processing": text("conditioning steps in their order, and the scaling"),
-        **FACTS,
-    },
+    source=text("file the record was read from"),
+    source_sha256=text("SHA-256 of the source file"),
+    event=text("event that the record belongs to, by the user's table, the title or the time"),
+    weight=real("weight of the record, of mean one"),
+    scale_factor=real("factor on the conditioned record"),
+    **{one.name: real(f"{one.meaning} of the scaled record", one.unit) for one in STORED_LEVELS},
+    largest_impulse=real("largest half-wave impulse of the scaled record", "m s-1"),
+    warnings=text("remarks on the record"),
+    processing=text("conditioning steps in their order, and the scaling"),
+    **FACTS,
 )
 
 #: Of a site by the sequences of its records: of the whole site, of its parameters, records, blocks and events, in
@@ -75,77 +73,63 @@ VARIABLES: Declared = {
     "remark_values": text("the same remarks by their codes and values, as JSON"),
     **along(
         ("parameter",),
-        {
-            "median": real("lognormal median", _OF_PARAMETER),
-            "median_lower": real("lower end of its interval, clustered by event; NaN with one event", _OF_PARAMETER),
-            "median_upper": real("upper end of its interval, clustered by event; NaN with one event", _OF_PARAMETER),
-            "dispersion": real("standard deviation of the logarithm, of records of different events"),
-            "dispersion_lower": real("lower end of its interval, clustered by event; NaN with one event"),
-            "dispersion_upper": real(
-                "upper end of its interval, clustered by event; inf where too few events bound it, NaN with one event"
-            ),
-            "quantile_16": real("weighted 16 % quantile of the records, a value that occurs", _OF_PARAMETER),
-            "quantile_50": real("weighted median of the records, a value that occurs", _OF_PARAMETER),
-            "quantile_84": real("weighted 84 % quantile of the records, a value that occurs", _OF_PARAMETER),
-            "design": real("design sequence", _OF_PARAMETER),
-            "design_lower": real(
-                "lower end of the interval of the design's I, its shape kept, by resamples on a grid of about 2 %; NaN "
-                "where not known and of the other parameters",
-                _OF_PARAMETER,
-            ),
-            "design_upper": real(
-                "upper end of the interval of the design's I, its shape kept, by resamples on a grid of about 2 %; inf "
-                "where the overturning of a block is all that bounds I, NaN of the other parameters",
-                _OF_PARAMETER,
-            ),
-        },
+        median=real("lognormal median", _OF_PARAMETER),
+        median_lower=real("lower end of its interval, clustered by event; NaN with one event", _OF_PARAMETER),
+        median_upper=real("upper end of its interval, clustered by event; NaN with one event", _OF_PARAMETER),
+        dispersion=real("standard deviation of the logarithm, of records of different events"),
+        dispersion_lower=real("lower end of its interval, clustered by event; NaN with one event"),
+        dispersion_upper=real(
+            "upper end of its interval, clustered by event; inf where too few events bound it, NaN with one event"
+        ),
+        quantile_16=real("weighted 16 % quantile of the records, a value that occurs", _OF_PARAMETER),
+        quantile_50=real("weighted median of the records, a value that occurs", _OF_PARAMETER),
+        quantile_84=real("weighted 84 % quantile of the records, a value that occurs", _OF_PARAMETER),
+        design=real("design sequence", _OF_PARAMETER),
+        design_lower=real(
+            "lower end of the interval of the design's I, its shape kept, by resamples on a grid of about 2 %; NaN "
+            "where not known and of the other parameters",
+            _OF_PARAMETER,
+        ),
+        design_upper=real(
+            "upper end of the interval of the design's I, its shape kept, by resamples on a grid of about 2 %; inf "
+            "where the overturning of a block is all that bounds I, NaN of the other parameters",
+            _OF_PARAMETER,
+        ),
     ),
     **OF_RECORDS,
     **along(
         ("record",),
-        {
-            "misfit": real(
-                "root mean square of ln(sequence/recorded) of the peak rotations where both rock; NaN where nothing "
-                "does"
-            ),
-            "unsafe_share": real(
-                "share of the blocks that the record lifts whose rotation under its own sequence is below the recorded "
-                "one"
-            ),
-            "left_out_main": real(
-                "main impulse of the design sequence made without the event of the record; NaN without such a design",
-                "m s-1",
-            ),
-            "calibration_remarks": text("what the calibration of its sequence says of itself, one remark a line"),
-        },
+        misfit=real(
+            "root mean square of ln(sequence/recorded) of the peak rotations where both rock; NaN where nothing does"
+        ),
+        unsafe_share=real(
+            "share of the blocks that the record lifts whose rotation under its own sequence is below the recorded one"
+        ),
+        left_out_main=real(
+            "main impulse of the design sequence made without the event of the record; NaN without such a design",
+            "m s-1",
+        ),
+        calibration_remarks=text("what the calibration of its sequence says of itself, one remark a line"),
     ),
     **along(
         ("record", "parameter"),
-        {
-            "value": real("parameter of the record's own sequence", _OF_PARAMETER),
-            "value_lower": real("lower end of its interval, where the method gives one", _OF_PARAMETER),
-            "value_upper": real("upper end of its interval, where the method gives one", _OF_PARAMETER),
-        },
+        value=real("parameter of the record's own sequence", _OF_PARAMETER),
+        value_lower=real("lower end of its interval, where the method gives one", _OF_PARAMETER),
+        value_upper=real("upper end of its interval, where the method gives one", _OF_PARAMETER),
     ),
     **along(
         ("block",),
-        {
-            "alpha_c": real("critical angle", "rad"),
-            "p": real("frequency parameter", "s-1"),
-            "restitution": real("velocity ratio C of an impact"),
-            "critical_impulse": real("I_1c, the impulse that overturns the resting block at once", "m s-1"),
-            "design_rotation_ratio": real("theta_max/alpha_c under the design sequence; inf where it overturns"),
-            "block_coverage": real(
-                "coverage by block, events left out, overturning designs included; NaN where not known"
-            ),
-        },
+        alpha_c=real("critical angle", "rad"),
+        p=real("frequency parameter", "s-1"),
+        restitution=real("velocity ratio C of an impact"),
+        critical_impulse=real("I_1c, the impulse that overturns the resting block at once", "m s-1"),
+        design_rotation_ratio=real("theta_max/alpha_c under the design sequence; inf where it overturns"),
+        block_coverage=real("coverage by block, events left out, overturning designs included; NaN where not known"),
     ),
     **along(
         ("site_event",),
-        {
-            "event_records": whole("records of the event"),
-            "event_coverage": real("coverage of its records by the design made without it, on blocks left standing"),
-        },
+        event_records=whole("records of the event"),
+        event_coverage=real("coverage of its records by the design made without it, on blocks left standing"),
     ),
     "correlation": real(
         "weighted correlation of the logarithms; NaN where one of the two does not vary",
@@ -153,14 +137,12 @@ VARIABLES: Declared = {
     ),
     **along(
         ("record", "block"),
-        {
-            "rotation_ratio": real("recorded theta_max/alpha_c; inf overturned, 0 at rest, NaN unresolved"),
-            "covered": flag(
-                ("not_counted", "not_covered", "covered", "overturned_by_the_design"),
-                "whether the design made without the event of the record covers the recorded rotation",
-                first=-1,
-            ),
-        },
+        rotation_ratio=real("recorded theta_max/alpha_c; inf overturned, 0 at rest, NaN unresolved"),
+        covered=flag(
+            ("not_counted", "not_covered", "covered", "overturned_by_the_design"),
+            "whether the design made without the event of the record covers the recorded rotation",
+            first=-1,
+        ),
     ),
 }
 
@@ -197,28 +179,26 @@ SITE: Declared = {
     **{name: VARIABLES[name] for name in ("alpha_c", "p", "restitution", "critical_impulse")},
     **along(
         ("block",),
-        {
-            **_with_interval(
-                "effective_impulse",
-                "m s-1",
-                "I_eff, the design spectrum at the p and C of the block",
-                "the block overturns where it reaches g tan(alpha_c)/p; NaN for a block outside the spectrum",
-            ),
-            **_with_interval(
-                "design_factor", "1", "factor on the design at which the block overturns, g tan(alpha_c)/(p I_eff)"
-            ),
-            **_with_interval(
-                "main",
-                "m s-1",
-                "main impulse I of the sequence of that effect with the ratio and main_count of the block",
-                "I = I_eff (alpha_c/sin(alpha_c))/[(1 - sigma) S_N + sigma/2], S_N = (1 - C^N)/(1 - C), so that the "
-                "sequence model, with I_1c = g alpha_c/(p cos(alpha_c)), has the same factor; ends: ratio and "
-                "main_count kept",
-            ),
-            **_with_interval("ratio", "1", "I_s/I, weighted median of the records on the time scale of the block"),
-            **_with_interval("main_count", "1", "number of main impulses, weighted median of the records likewise"),
-            "overturned_share": real("share of the weight of the records whose own spectrum overturns the block"),
-        },
+        **_with_interval(
+            "effective_impulse",
+            "m s-1",
+            "I_eff, the design spectrum at the p and C of the block",
+            "the block overturns where it reaches g tan(alpha_c)/p; NaN for a block outside the spectrum",
+        ),
+        **_with_interval(
+            "design_factor", "1", "factor on the design at which the block overturns, g tan(alpha_c)/(p I_eff)"
+        ),
+        **_with_interval(
+            "main",
+            "m s-1",
+            "main impulse I of the sequence of that effect with the ratio and main_count of the block",
+            "I = I_eff (alpha_c/sin(alpha_c))/[(1 - sigma) S_N + sigma/2], S_N = (1 - C^N)/(1 - C), so that the "
+            "sequence model, with I_1c = g alpha_c/(p cos(alpha_c)), has the same factor; ends: ratio and "
+            "main_count kept",
+        ),
+        **_with_interval("ratio", "1", "I_s/I, weighted median of the records on the time scale of the block"),
+        **_with_interval("main_count", "1", "number of main impulses, weighted median of the records likewise"),
+        overturned_share=real("share of the weight of the records whose own spectrum overturns the block"),
     ),
     "event_records": VARIABLES["event_records"],
 }
@@ -229,20 +209,14 @@ SITE_AXES: Declared = {name: COORDINATES[name] for name in ("record", "block", "
 SPECTRA: Declared = {
     **along(
         ("p", "restitution"),
-        {
-            **_with_interval("spectrum_50", "m s-1", "weighted median of the overturning spectra, a value that occurs"),
-            **_with_interval("spectrum_84", "m s-1", "weighted 84 % quantile of the spectra, a value that occurs"),
-            **_with_interval(
-                "spectrum_design", "m s-1", "design spectrum: the weighted quantile of `quantile` in /site"
-            ),
-        },
+        **_with_interval("spectrum_50", "m s-1", "weighted median of the overturning spectra, a value that occurs"),
+        **_with_interval("spectrum_84", "m s-1", "weighted 84 % quantile of the spectra, a value that occurs"),
+        **_with_interval("spectrum_design", "m s-1", "design spectrum: the weighted quantile of `quantile` in /site"),
     ),
     **along(
         ("p",),
-        {
-            **_with_interval("ratio", "1", "I_s/I on the time scale 1/p, weighted median of the records"),
-            **_with_interval("main_count", "1", "number of main impulses on that time scale, likewise"),
-        },
+        **_with_interval("ratio", "1", "I_s/I on the time scale 1/p, weighted median of the records"),
+        **_with_interval("main_count", "1", "number of main impulses on that time scale, likewise"),
     ),
     "spectrum": real(
         "overturning spectrum of the scaled record, the effective impulse that a slender block takes from it",
@@ -251,10 +225,8 @@ SPECTRA: Declared = {
     ),
     **along(
         ("record", "p"),
-        {
-            "record_ratio": real("I_s/I of the half-waves of the record on the time scale 1/p"),
-            "record_main_count": whole("number of main impulses of the record on that time scale"),
-        },
+        record_ratio=real("I_s/I of the half-waves of the record on the time scale 1/p"),
+        record_main_count=whole("number of main impulses of the record on that time scale"),
     ),
 }
 
