@@ -7,20 +7,6 @@ import re
 from collections.abc import Iterable
 from typing import Any
 
-__all__ = [
-    "PLAIN",
-    "TEMPLATES",
-    "WARNINGS",
-    "Remark",
-    "as_stored",
-    "code_of",
-    "counted",
-    "find",
-    "remarked",
-    "restored",
-    "with_codes",
-]
-
 #: What few earthquakes say of intervals.
 _WIDE = (
     "the intervals are wide because little is known (those of two or three events may come out narrow by chance), and "

@@ -12,8 +12,9 @@ from rockpulse.errors import ConfigError
 
 
 def _run(args: argparse.Namespace) -> int:
-    from rockpulse.commands.output_files import check_file, csv_bytes, write_files
     from rockpulse.config.configuration import config_from_text, load_config
+    from rockpulse.files import check_file, write_files
+    from rockpulse.storage.export.table_file import csv_bytes
     from rockpulse.storage.hdf5.results_file import load
     from rockpulse.studies.risk.frequency import annual_frequency, standing_test
     from rockpulse.studies.risk.hazard_files import hazard_of, site_hazards_of

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import gzip
-import secrets
 from collections.abc import Callable
-from contextlib import suppress
 from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, TextIO
 
 from rockpulse.errors import ResultsError
+from rockpulse.files import FileSet, check_file
 from rockpulse.foreign_text import escaped, not_a_formula
 from rockpulse.storage.export.long_table import LongTable
 
@@ -79,20 +78,12 @@ def readme_of(path: Path) -> Path:
 
 def check_table_target(path: str | Path, overwrite: bool = False) -> Path:
     """The path of a table; a ResultsError where the table or its README cannot be written."""
-    target = Path(path)
-    if not target.name.endswith(SUFFIXES):
+    if not Path(path).name.endswith(SUFFIXES):
         raise ResultsError(f"{path}: expected a name that ends in {', '.join(SUFFIXES[:-1])} or {SUFFIXES[-1]}")
+    target = check_file(path, overwrite, SUFFIXES)
     if target.suffix in TYPED:
         check_library(target)
-    if not target.parent.is_dir():
-        raise ResultsError(f"{path}: there is no folder {target.parent}; create it first")
-    for file in (target, readme_of(target)):
-        if file.exists() and not file.is_file():
-            raise ResultsError(f"{file}: expected the name of a file, found something that is no regular file")
-        if file.exists() and not overwrite:
-            raise ResultsError(
-                f"{file}: the file exists; choose another name, or allow it to be replaced (--overwrite)"
-            )
+    check_file(readme_of(target), overwrite, (".md",))
     return target
 
 
@@ -113,7 +104,6 @@ def write_table(
     target = check_table_target(path, overwrite)
     readme = readme_of(target)
     empty = {column.name: 0 for column in table.columns}
-    parts = [file.with_name(f".{file.name}.{secrets.token_hex(4)}.part") for file in (target, readme)]
     if decimal_comma and target.suffix in TYPED:
         raise ResultsError(f"{path}: a table of this kind holds numbers, not how they are written: no decimal commas")
 
@@ -124,27 +114,23 @@ def write_table(
             on_rows(len(frame))
 
     try:
-        if target.suffix in TYPED:
-            write_typed(table, parts[0], target.suffix, seen)
-        else:
-            sep, decimal = (";", ",") if decimal_comma else (",", ".")
-            with _opened(parts[0], target.name.endswith(".gz"), "utf-8-sig" if decimal_comma else "utf-8") as file:
-                for number, frame in enumerate(table.frames()):
-                    (one_line(frame) if raw else safe_texts(frame)).to_csv(
-                        file, index=False, header=number == 0, sep=sep, decimal=decimal
-                    )
-                    seen(frame)
-        parts[1].write_text(_readme(table, target.name, about, empty, decimal_comma), encoding="utf-8")
-        for part, file_ in zip(parts, (target, readme), strict=True):
-            part.replace(file_)
+        with FileSet() as files:
+            part = files.part(target)
+            if target.suffix in TYPED:
+                write_typed(table, part, target.suffix, seen)
+            else:
+                sep, decimal = (";", ",") if decimal_comma else (",", ".")
+                with _opened(part, target.name.endswith(".gz"), "utf-8-sig" if decimal_comma else "utf-8") as file:
+                    for number, frame in enumerate(table.frames()):
+                        shown = one_line(frame) if raw else safe_texts(frame)
+                        shown.to_csv(file, index=False, header=number == 0, sep=sep, decimal=decimal)
+                        seen(frame)
+            files.add(readme, _readme(table, target.name, about, empty, decimal_comma).encode())
+            files.commit()
     except OSError as error:
         if error.errno is None:  # of HDF5, from which the rows are read meanwhile
             raise
         raise ResultsError(f"{path}: cannot write the table: {error.strerror or error}") from error
-    finally:
-        for part in parts:
-            with suppress(FileNotFoundError):
-                part.unlink()
     return target, readme
 
 
@@ -168,6 +154,11 @@ def safe_texts(frame: pd.DataFrame) -> pd.DataFrame:
             for name in _texts(frame)
         }
     )
+
+
+def csv_bytes(table: pd.DataFrame) -> bytes:
+    """A table as CSV, one header line, numbers with all digits, texts as of :func:`safe_texts`."""
+    return safe_texts(table).to_csv(index=False).encode()
 
 
 def _texts(frame: pd.DataFrame) -> list[str]:

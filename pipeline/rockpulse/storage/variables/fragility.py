@@ -25,37 +25,21 @@ QUALITIES = ("duration", "period", "strong_half_waves")
 TESTED = (*QUALITIES, STRENGTH, *STATED)
 
 
-class Status(IntEnum):
-    """Whether there is a curve, and why not."""
-
-    FITTED = 0
-    NO_RECORD = 1
-    ONE_RECORD = 2
-    NOTHING_REACHED = 3
-    EVERYTHING_REACHED = 4
-    ONE_REACHED = 5
-    STEP = 6
-    SEPARATED = 7
-    NOT_INCREASING = 8
-    NO_MAXIMUM = 9
+#: Whether there is a curve, and why not.
+Status = IntEnum(
+    "Status",
+    "FITTED NO_RECORD ONE_RECORD NOTHING_REACHED EVERYTHING_REACHED ONE_REACHED STEP SEPARATED NOT_INCREASING "
+    "NO_MAXIMUM",
+    start=0,
+)
 
 
-class Band(IntEnum):
-    """Whether there is a confidence band, and why not."""
-
-    GIVEN = 0
-    NO_CURVE = 1
-    ONE_EVENT = 2
-    FEW_EVENTS = 3
-    RESTS_ON_ONE_EVENT = 4
+#: Whether there is a confidence band, and why not.
+Band = IntEnum("Band", "GIVEN NO_CURVE ONE_EVENT FEW_EVENTS RESTS_ON_ONE_EVENT", start=0)
 
 
-class Extrapolated(IntEnum):
-    """Whether the median lies among the levels looked at."""
-
-    NO = 0
-    ABOVE = 1
-    BELOW = 2
+#: Whether the median lies among the levels looked at.
+Extrapolated = IntEnum("Extrapolated", "NO ABOVE BELOW", start=0)
 
 
 def _words(values: type[IntEnum]) -> list[str]:

@@ -4,14 +4,8 @@ from enum import IntEnum
 
 from rockpulse.storage.variables import NOT_KNOWN, Declared, along, flag, real, text, whole
 
-
-class RiskStatus(IntEnum):
-    """Whether there is a frequency, and why not."""
-
-    GIVEN = 0
-    NO_CURVE = 1
-    NO_LIMIT = 2  # the lower tail of the fragility outweighs the hazard
-    NOT_COVERED = 3  # the spectra do not stand for the body
+#: Whether there is a frequency: NO_LIMIT where the lower tail outweighs the hazard, NOT_COVERED by the spectra.
+RiskStatus = IntEnum("RiskStatus", "GIVEN NO_CURVE NO_LIMIT NOT_COVERED", start=0)
 
 
 OWN = "unit of the measure in SI"
