@@ -1,10 +1,4 @@
-"""Types of the quantities that models take and give: a number for one lane, an array for several.
-
-.. note:: A lane is one block under one factor on the input. What models take is anything that numpy makes a number or
-   an array of; what they give is a Python number where the caller gave scalars, else an array of the lanes' shape.
-
-Arguments of the models as arrays: numbers that are finite, positive where they have to be, of one length.
-"""
+"""Arguments and answers of the models: numbers for one lane, a block under a scale factor, and arrays for several."""
 
 from typing import Any, TypeAlias
 
@@ -18,10 +12,7 @@ Booleans: TypeAlias = bool | NDArray[np.bool_]
 
 
 def numbers(name: str, value: ArrayLike, expected: str, lanes: bool = True) -> np.ndarray:
-    """The value as a finite number, or as a one-dimensional array of them where `lanes` allows it.
-
-    Anything else raises a ValueError with the name of the argument, what was expected and what was given.
-    """
+    """The value as a finite number, or a one-dimensional array of them if `lanes` allows it; else a ValueError."""
     shape = "or an array of them" if lanes else "not an array"
     try:
         array = np.asarray(_real(value), dtype=float)

@@ -8,13 +8,7 @@ import logging
 
 import numpy as np
 
-from rocking import (
-    Block,
-    ImpulseSequence,
-    impulsive_response,
-    recorded_response,
-    sequence_response,
-)
+from rocking import Block, ImpulseSequence, impulsive_response, recorded_response, sequence_response
 from rocking.impulses.sequence import scaled_outcomes
 from rockpulse.record.synthetic import synthetic_motion
 

@@ -1,8 +1,4 @@
-"""The outline of a body, and where what holds it acts: what every drawing of a body is made of.
-
-.. note:: Seen along the base, theta > 0 to the right. Lengths are in metres, x from the centre of mass to the right, y
-   from the base upwards. The right-hand corner, about which theta > 0 turns, is b_1 = R sin(alpha) off.
-"""
+"""The outline of a body and the places of its restraints, for every drawing of a body."""
 
 import math
 from collections.abc import Sequence

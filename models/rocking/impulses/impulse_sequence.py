@@ -1,10 +1,4 @@
-"""The limit accelerogram: a main sequence at the impacts, a secondary one between them (Casapulla & Maione 2017).
-
-.. note:: Every main impulse acts right after an impact and speeds the block up. Between two of them an even number of
-   secondary impulses acts at equal intervals with alternate signs; the first one opposes the main impulse before it.
-   How long a half-cycle lasts, and with it their number, depends on the block: a picture shows the number that the
-   sequence prescribes, four where it prescribes none.
-"""
+"""The limit accelerogram: a main sequence at the impacts, a secondary one between them (Casapulla & Maione 2017)."""
 
 import math
 import operator
@@ -134,20 +128,13 @@ class ImpulseSequence(Shown):
         Returns
         -------
         float or (q,) ndarray
-            I_eff = I [(1 - sigma) S_N + sigma/2] [m/s], sigma = I_s/I, S_N = (1 - C^N)/(1 - C). Without a `main_count`
-            N is without limit: the supremum, which itself does not overturn.
+            I_eff = I [(1 - sigma) S_N + sigma/2] [m/s], sigma = I_s/I, S_N = (1 - C^N)/(1 - C); without a `main_count`
+            the supremum over N, which itself does not overturn. The last main impulse decides (VALIDATION F4, V27).
 
         Raises
         ------
         ValueError
-            For another spacing than "continuous" with secondary impulses, whose effect no one number tells, for a
-            finite duration, or a C outside 0 to 1.
-
-        Notes
-        -----
-        Half-cycle k is decided by I [(1 - sigma) S_k + sigma/2] (VALIDATION F4, n -> infinity), which grows with k for
-        0 <= sigma <= 1 and C >= 0, so that the last main impulse decides (V27). I, sigma and N that have one I_eff
-        cannot be told apart by what they overturn.
+            For secondary impulses of another spacing than "continuous", a finite duration, or a C outside 0 to 1.
 
         Examples
         --------
@@ -180,10 +167,9 @@ class ImpulseSequence(Shown):
         return facts | {"spacing": self.spacing}
 
     def two_half_cycles(self) -> tuple[np.ndarray, np.ndarray]:
-        """The impulses of two half-cycles, the first of several sequences, as (k, 2) places and sizes.
+        """Main and secondary impulses of two half-cycles, the first of several sequences, as (k, 2) places and sizes.
 
-        Places are in intervals after the first main impulse [-], sizes in m/s with the sign of the ground's change of
-        velocity. The main impulses come first, then the intermediate ones: none of spacing "continuous".
+        Places are in intervals after the first main impulse [-], sizes in m/s with the sign of the change of velocity.
         """
         main, secondary = float(np.ravel(self.main)[0]), float(np.ravel(self.secondary)[0])
         number = np.arange(min(self.intermediate_count or SHOWN, MOST))

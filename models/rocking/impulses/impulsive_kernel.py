@@ -1,8 +1,7 @@
-"""Natural motion of a block between impulses of the ground, lane by lane, on bare arrays (units of half_cycle.py).
+"""Kernel of the natural motion between impulses of the ground, in the units of half_cycle.py.
 
-.. note:: `side` is +1 while the block rocks about its right-hand corner (theta > 0) and -1 on the left; x and x' are
-   positive away from the ground. An impulse I of the ground changes theta'/(p alpha_c) by -gain I/(p alpha_c), that is
-   x' by -side gain I/(p alpha_c).
+.. note:: `side` is +1 for theta > 0 and -1 for theta < 0; an impulse I of the ground changes x' by -side gain I/(p
+   alpha_c).
 """
 
 import math
@@ -130,11 +129,10 @@ def _tabulate(waits, times, p):
 
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
 def impulsive_lanes(first_lane, last_lane, train, lanes, waits, results, history):
-    """Write what the lanes first_lane:last_lane answer; the work space `waits` is (3, k).
+    """Write the results of the lanes first_lane:last_lane; `waits` (3, k) is work space.
 
-    Lane l is block l // q with factor l % q, so that lanes next to each other share p and with it the growth of the
-    modes over every wait; its results stand at the place factor m + block. Between events nothing but square roots is
-    computed: exp(p t) of a return is algebraic.
+    Lane l is block l // q under the factor l % q, so that neighbouring lanes share p and the growth of the modes over
+    every wait. Between events only square roots are computed: exp(p t) of a return is algebraic.
     """
     times, impulses = train.times, train.impulses
     total, factors, blocks = times.size, lanes.scale.shape[0], lanes.alpha.size

@@ -1,7 +1,4 @@
-"""The half-cycles of a main and a secondary sequence one after the other, lane by lane, on bare arrays.
-
-From a half-cycle kernel over lanes to a :class:`~rocking.response.Response` with its table.
-"""
+"""Kernel of the half-cycles of a main and a secondary sequence, and its results as a response with a table."""
 
 import math
 from collections.abc import Callable
@@ -182,11 +179,7 @@ TABLE_ROWS = 1000
 def combined(
     by_input: tuple[Any, ...], by_block: tuple[Any, ...], paired: bool = False
 ) -> tuple[tuple[int, int], tuple[bool, bool], list[np.ndarray]]:
-    """Every combination of (q,) inputs and (m,) blocks, or the pairs of them where every block has an input of its own.
-
-    Returns the shape, (q, m) or (1, m) for pairs; which of its axes stand for a scalar, the first one of pairs; and the
-    values flattened to (q m,), inputs first.
-    """
+    """Shape, scalar axes and flat values (q m,) of all combinations of (q,) inputs and (m,) blocks, or of pairs."""
     inputs = np.broadcast_arrays(*(np.asarray(value, dtype=float) for value in by_input))
     blocks = np.broadcast_arrays(*(np.asarray(value, dtype=float) for value in by_block))
     if paired:
@@ -217,10 +210,7 @@ def tabulated_response(
     table_rows: int,
     threads: int | None = None,
 ) -> Response:
-    """Run ``kernel(first, last, lanes, results, table)``, then again with a table as long as the longest motion.
-
-    The table has at most `table_rows` half-cycles; without any the response has no `half_cycles`.
-    """
+    """Run ``kernel(first, last, lanes, results, table)``, and again with a table of up to `table_rows` half-cycles."""
     if table_rows < 0:
         raise ValueError(f"table_rows: expected 0 (no table) or a number of half-cycles, got {table_rows}")
     size = shape[0] * shape[1]

@@ -1,9 +1,8 @@
-"""A slot that turns about two unlike corners, or about one of them before a wall: what it does unlike a plain one.
+"""Events of a slot that turns about two unlike corners, or about one of them before a wall.
 
-.. note:: Units and signs of slots.py: a slot is in those of the corner that it turns about, alpha, p and
-   tau = p t, and the rows OTHER_... hold the same for the other corner. Both change places at an impact. A body before
-   a wall turns back at an impact and stays on its corner. Where something acts on the body beside its weight, it lifts
-   at (1 + a_v/g) THRESHOLD + EXTRA.
+.. note:: Units and signs of slots.py, with alpha, p and tau = p t of the current corner; the rows OTHER_... hold those
+   of the other corner, and both are exchanged at an impact. A body before a wall stays on its corner. A restrained body
+   lifts at (1 + a_v/g) THRESHOLD + EXTRA.
 """
 
 import math
@@ -168,10 +167,7 @@ def wake_corner(f, i, j, record):
 
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
 def hops_are_over(f, j, record, equation, far, held):
-    """As :func:`rocking.march.event.chatter_is_over`, by the weaker of both corners.
-
-    `held` is the largest moment that may keep the body from falling back, as EXTRA.
-    """
+    """As event.chatter_is_over, by the weaker corner; a moment `held` may keep the body from falling back."""
     length, passed = f[row.LENGTH + j], f[row.PASSED + j]
     lift_end = f[row.SAMPLE_LIFT + j] + f[row.SAMPLE_LIFT_SLOPE + j] * length
     weakest = min(f[row.SAMPLE_LIFT + j], lift_end)
@@ -248,10 +244,7 @@ def top_of_hop(speed, alpha, linear):
 
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
 def first_fall(phi, speed, alpha, linear):
-    """The free motion from a state until the ground.
-
-    Its largest phi, inf where it overturns; tau until that, or the impact; the speed of the impact, NaN without one.
-    """
+    """Largest phi of the free motion, inf if it overturns; tau until then or until the impact; its speed, or NaN."""
     if linear:
         xi, eta = phi / alpha, speed / alpha
         if xi - 1.0 + eta >= 0.0:
@@ -280,10 +273,10 @@ def first_fall(phi, speed, alpha, linear):
 
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
 def free_motion(f, j, linear):
-    """The motion of slot j on the ground at rest, to its end.
+    """Motion of slot j on the ground at rest, to its end.
 
-    The answer is the largest phi over alpha from now on, inf if the body overturns; the time until that is certain [s],
-    NaN if it does not; the impacts before it; and those above the cut-off, -1 if they never end.
+    Returns the largest phi over alpha, inf if it overturns; the time until that [s], else NaN; the impacts before it;
+    and those above the cut-off, -1 if they never end.
     """
     alpha, p, restitution = f[row.ALPHA + j], f[row.P + j], f[row.RESTITUTION + j]
     one_sided = f[ONE_SIDED + j] == 1.0

@@ -1,9 +1,4 @@
-"""Kernel of the response of bodies with two unlike corners, before a wall or with restraints to an accelerogram.
-
-.. note:: The march is that of :mod:`rocking.march.kernel`, with the impacts of :mod:`rocking.march.corner_event`. With
-   restraints its steps and their events are those of :mod:`restrained`; numba compiles the kernel once with and
-   once without them.
-"""
+"""Kernel of the response to a record of bodies with two unlike corners, before a wall or with restraints."""
 
 import math
 from typing import NamedTuple
@@ -183,11 +178,7 @@ def decide_corner(f, i, j, record, equation, far, count, held):
 
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
 def march_corners(first, last, record, lanes, options, slots, results, active, history, held, work):
-    """As :func:`rocking.march.kernel.march_lanes`, of :class:`CornerLanes`.
-
-    `held` is the :class:`Held` of the lanes and `work` the slots for what comes after the record, or
-    both are None.
-    """
+    """As kernel.march_lanes for :class:`CornerLanes`; `held` and its `work` slots are None without restraints."""
     f, i, c = slots
     coming = first
     width = row.GROUP * min(row.WIDTH // row.GROUP, (last - first + row.GROUP - 1) // row.GROUP)

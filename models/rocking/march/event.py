@@ -1,9 +1,4 @@
-"""The events inside a step of the march over a record: impact, new peak, overturning, the end of a chatter, uplift.
-
-.. note:: Units and signs of :mod:`rocking.march.slots`. The motion inside a step is its Taylor polynomial (see
-   :mod:`rocking.march.polynomial`), from which impacts, peaks and overturning are located exactly; uplift is the
-   exact crossing of the piecewise-linear record with the threshold.
-"""
+"""Events inside a step of the march over a record: impact, new peak, overturning, end of a chatter, uplift."""
 
 import math
 
@@ -53,14 +48,11 @@ def uplift_time(ground, slope, threshold, threshold_slope, remaining):
 def chatter_ends(speed, demand, largest, slope, restitution, window, cutoff, highest):
     """Whether the hops after an impact die out before the ground can lift the block again.
 
-    Speeds and rotations are over the restoring acceleration of the resting block; `demand` is A = abs(a_g)/threshold at
-    the impact, `largest` and `slope` are bounds of it and of its slope over the time tau of the `window`. The hops must
-    stay below the rotation `highest` and end slower than `cutoff`, above which an impact is counted.
-
-    Look no further than to where half the margin 1 - A is used up, or to the end of the window. There the restoring
-    acceleration stays above d = (1 - A) - w^2/(1 - A), so the first hop lasts less than T = 2 w/d, and the next ones
-    shrink at least by q = C (1 + m T/(2 (1 - A))): all of them together last less than T/(1 - q), and none ends faster
-    than w q/C. The motion after that instant is the same whether the hops are followed or not.
+    Speeds and rotations are over the restoring acceleration of the resting block; A = `demand` is abs(a_g)/threshold at
+    the impact, `largest` and m = `slope` bound it and its slope over the `window` in tau. Until half the margin 1 - A
+    is used up, or the window ends, the restoring acceleration stays above d = (1 - A) - w^2/(1 - A): the first hop
+    lasts less than T = 2 w/d, the next ones shrink at least by q = C (1 + m T/(2 (1 - A))), all together last less than
+    T/(1 - q), and none ends faster than w q/C.
     """
     if demand >= 1.0:
         return False
@@ -150,10 +142,7 @@ def begin_step(f, j):
 
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
 def wake(f, i, j, record):
-    """Bring a resting slot to the instant of its next uplift.
-
-    The slot is MOVING then, FLYING where the ground is lost first, or RESTING where the record ends before.
-    """
+    """Bring a resting slot to its uplift (MOVING), loss of the ground (FLYING) or the end of the record (RESTING)."""
     threshold, length = f[row.THRESHOLD + j], f[row.LENGTH + j]
     last = record.acceleration.size - 1
     for _ in range(last + 1):
@@ -218,10 +207,7 @@ def after_impact(f, i, j, record, equation, far):
 
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
 def resolve_step(f, j, c, record, equation):
-    """Do the marked step of slot j, or the part of it up to its impact, and set its EVENT.
-
-    HALVED: the step is to be tried again. OVER: PASSED is the instant of overturning. `c` is work space.
-    """
+    """Do the marked step of slot j up to its impact, and set its EVENT: HALVED to try again, OVER at PASSED."""
     phi, speed, h, alpha = f[row.PHI + j], f[row.SPEED + j], f[row.STEP + j], f[row.ALPHA + j]
     last_term = abs(f[row.RATE_10 + j]) * h**10
     too_long = equation == NONLINEAR and last_term > f[row.TRUNCATION + j] * (alpha + phi)

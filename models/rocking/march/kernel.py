@@ -1,9 +1,7 @@
-"""Kernel of the response to a sampled accelerogram: lanes marched side by side in slots, each at its own sample.
+"""Kernel of the response to a record: lanes marched side by side in slots, each at its own sample.
 
-.. note:: One turn of the loop takes one step in every slot (:func:`rocking.march.equations.linear_steps`,
-   :func:`rocking.march.equations.nonlinear_steps`), then looks closely at the slots that were marked
-   (:mod:`rocking.march.event`). A slot whose lane has ended takes the next lane; a lane at rest goes to its
-   next uplift at once, so that every step is one of a moving block.
+One turn of the loop takes a step in every slot and then resolves the marked ones. A slot whose lane has ended takes the
+next lane; a lane at rest goes to its next uplift at once, so that every step is one of a moving block.
 """
 
 import math
@@ -170,10 +168,7 @@ def end_lane(f, i, j, status, record, equation):
 
 @njit(cache=True, nogil=True, error_model="numpy", forceinline=True, _nrt=False)
 def decide(f, i, j, record, lanes, options, far):
-    """The state of a slot that needs attention, and whether its lane has come to its end.
-
-    It is MOVING, RESTING, OVERTURNED, IMPACT_LIMITED, FLYING, or CALM: it will not overturn.
-    """
+    """The state of a slot that needs attention (CALM: it will not overturn), and whether its lane has ended."""
     if f[row.EVENT + j] == OVER:
         return event.OVERTURNED, True
     status = event.MOVING
@@ -199,11 +194,7 @@ def decide(f, i, j, record, lanes, options, far):
 
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
 def march_lanes(first, last, record, lanes, options, slots, results, active, history):
-    """March lanes first to last - 1 and write their :class:`rocking.response.LaneResults`.
-
-    `active` (q m,) receives the number of samples in which the block moved. `history`, zeros (q m, n, 2), receives
-    theta [rad] and theta' [rad/s] at the samples, NaN after a lane has ended before the record; (q m, 0, 2) for none.
-    """
+    """March lanes first to last - 1 and write their results, `active` samples (q m,) and `history` (q m, n or 0, 2)."""
     f, i, c = slots
     coming = first
     width = row.GROUP * min(row.WIDTH // row.GROUP, (last - first + row.GROUP - 1) // row.GROUP)

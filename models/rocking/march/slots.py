@@ -1,12 +1,7 @@
-"""Looking ahead in a sampled accelerogram: where it may lift a block next, and the most that is left of it.
-
-Extremes are kept for blocks of BLOCK samples, so that rest is passed over quickly at 1/8 of the memory of the record.
-
-Memory of the lanes that the march over a record follows at one time: WIDTH slots in one flat array.
+"""A sampled record with its extremes, and the memory of the lanes that a march follows at one time.
 
 A step of every slot is one loop over contiguous rows without a branch, which the compiler turns into vector
-instructions; each slot is at its own sample of its own lane, so none waits for another. Row R of slot j is
-``f[R + j]``: a flat array with offsets known to the compiler lets it prove that rows do not overlap.
+instructions. Row R of slot j is ``f[R + j]`` of a flat array, so that the compiler sees that rows do not overlap.
 
 .. note:: phi = s theta >= 0 is the rotation away from the ground, s = sgn theta, tau = p t; angles in rad, speeds in
    rad per unit of tau, accelerations over gravity.
@@ -41,10 +36,7 @@ class Accelerogram(NamedTuple):
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def extremes(acceleration, vertical):
-    """Rows LARGEST, STEEPEST, FALL and LEFT of the b blocks of samples, then a column of zeros for the time after.
-
-    `acceleration` is (n,), `vertical` (n,) or (0,) [m/s2].
-    """
+    """Rows LARGEST, STEEPEST, FALL and LEFT of the b blocks of samples, then a column of zeros for the time after."""
     n = acceleration.size
     blocks = (n + BLOCK - 1) // BLOCK
     found = np.zeros((4, blocks + 1))
@@ -75,10 +67,7 @@ def largest_left(k, record):
 
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
 def next_exceedance(k, record, factor, threshold):
-    """First sample from k on at which a resting block may lift or lose the ground; n if there is none.
-
-    The block lifts at abs(a_g)/g above `threshold` where a_v = 0; `factor` is that on the record over gravity [s2/m].
-    """
+    """First sample from k on at which a resting block may lift (abs(a_g)/g > threshold) or lose the ground, or n."""
     n = record.acceleration.size
     up = record.vertical.size > 0
     while k < n:
@@ -186,10 +175,7 @@ def empty_slots() -> Slots:
 
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
 def close_ranks(f, i, width):
-    """Move the lanes of the last group into empty slots before it; returns the number of slots still in use.
-
-    Of the `width` slots in use before, at least GROUP are empty.
-    """
+    """Move the lanes of the last group into empty slots before it; returns the number of slots still in use."""
     empty = 0
     for j in range(width - GROUP, width):
         if i[LANE + j] < 0:

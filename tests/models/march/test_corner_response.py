@@ -6,16 +6,7 @@ import numpy as np
 import pytest
 from recorded_cases import synthetic
 
-from rocking import (
-    Load,
-    Outcome,
-    OverturningSpectrum,
-    Thrust,
-    Tie,
-    critical_scale,
-    recorded_response,
-    static_capacity,
-)
+from rocking import Load, Outcome, OverturningSpectrum, Thrust, Tie, critical_scale, recorded_response, static_capacity
 from rocking.body.block import Block
 from rocking.body.limits import sorrentino
 from rocking.march.corner_response import rest_levels
