@@ -6,8 +6,8 @@ from numba import njit
 
 from rocking.march import slots as row
 from rocking.march.polynomial import ORDER, ROTATION, bracketed_root, first_impact, value, velocity
-from rocking.march.slots import BLOCK, LARGEST, LEFT, STEEPEST, largest_left, next_exceedance
-from rocking.march.steps import HALVED, IMPACT, IMPACTS_PER_SAMPLE, NOTHING, OVER, REMNANT, enter_vertical
+from rocking.march.slots import BLOCK, LARGEST, LEFT, STEEPEST, largest_left, next_lift
+from rocking.march.steps import HALVED, IMPACT, NOTHING, OVER, REMNANT, enter_vertical
 from rocking.response import IMPACT_CUTOFF
 
 LINEAR, NONLINEAR = 0, 1
@@ -71,35 +71,44 @@ def chatter_ends(speed, demand, largest, slope, restitution, window, cutoff, hig
 
 
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+def dies_out(f, j, record, far, level, rise, demand, demand_end, restitution, speed, cutoff, highest):
+    """:func:`chatter_ends` for slot j: in its sample, and if `far` to the end of the next block of samples.
+
+    `level` is the abs(a_g)/g that lifts the body, `rise` its change with 1 + a_v/g.
+    """
+    length, passed = f[row.LENGTH + j], f[row.PASSED + j]
+    lift_end = f[row.SAMPLE_LIFT + j] + f[row.SAMPLE_LIFT_SLOPE + j] * length
+    if far and f[row.SAMPLE_LIFT + j] == 1.0 and lift_end == 1.0:
+        sample = int(f[row.SAMPLE + j])
+        block = sample // BLOCK
+        end = min((block + 2) * BLOCK, record.acceleration.size - 1)
+        factor = f[row.FACTOR + j] / level
+        largest = factor * max(record.extremes[LARGEST, block], record.extremes[LARGEST, block + 1])
+        steepest = max(record.extremes[STEEPEST, block], record.extremes[STEEPEST, block + 1])
+        slope = factor * f[row.PER_SAMPLE + j] * steepest
+        if chatter_ends(speed, demand, largest, slope, restitution, (end - sample) * length - passed, cutoff, highest):
+            return True
+    slope = (abs(f[row.SAMPLE_SLOPE + j]) + abs(f[row.SAMPLE_LIFT_SLOPE + j]) * rise) / level
+    return chatter_ends(speed, demand, max(demand, demand_end), slope, restitution, length - passed, cutoff, highest)
+
+
+@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
 def chatter_is_over(f, j, record, equation, far):
-    """Whether slot j may be put to rest after a slow impact: :func:`chatter_ends`, beyond its sample if `far`."""
-    threshold, length = f[row.THRESHOLD + j], f[row.LENGTH + j]
-    passed = f[row.PASSED + j]
+    """Whether slot j may be put to rest after a slow impact, by :func:`dies_out`."""
+    threshold, length, passed = f[row.THRESHOLD + j], f[row.LENGTH + j], f[row.PASSED + j]
     lift = f[row.SAMPLE_LIFT + j] + f[row.SAMPLE_LIFT_SLOPE + j] * passed
     lift_end = f[row.SAMPLE_LIFT + j] + f[row.SAMPLE_LIFT_SLOPE + j] * length
     weakest = min(lift, lift_end)
     demand = abs(f[row.SAMPLE_GROUND + j] + f[row.SAMPLE_SLOPE + j] * passed) / (lift * threshold)
     if demand >= 1.0:
         return False
+    demand_end = abs(f[row.SAMPLE_GROUND + j] + f[row.SAMPLE_SLOPE + j] * length) / (lift_end * threshold)
     per_scale = 1.0 / (weakest * (f[row.ALPHA + j] if equation == LINEAR else math.sin(f[row.ALPHA + j])))
     share = CHATTER_SHARE if f[row.HITS + j] < MANY_IMPACTS else 1.0
     speed, highest = f[row.SPEED + j] * per_scale, share * f[row.PEAK + j] * per_scale
     cutoff = IMPACT_CUTOFF * f[row.ALPHA + j] * per_scale
-    restitution = f[row.RESTITUTION + j]
-    if far and f[row.SAMPLE_LIFT + j] == 1.0 and lift_end == 1.0:
-        # To the end of the next block of samples.
-        sample = int(f[row.SAMPLE + j])
-        block = sample // BLOCK
-        end = min((block + 2) * BLOCK, record.acceleration.size - 1)
-        factor = f[row.FACTOR + j] / threshold
-        largest = factor * max(record.extremes[LARGEST, block], record.extremes[LARGEST, block + 1])
-        steepest = max(record.extremes[STEEPEST, block], record.extremes[STEEPEST, block + 1])
-        slope = factor * f[row.PER_SAMPLE + j] * steepest
-        if chatter_ends(speed, demand, largest, slope, restitution, (end - sample) * length - passed, cutoff, highest):
-            return True
-    demand_end = abs(f[row.SAMPLE_GROUND + j] + f[row.SAMPLE_SLOPE + j] * length) / (lift_end * threshold)
-    slope = (abs(f[row.SAMPLE_SLOPE + j]) + abs(f[row.SAMPLE_LIFT_SLOPE + j]) * threshold) / (weakest * threshold)
-    return chatter_ends(speed, demand, max(demand, demand_end), slope, restitution, length - passed, cutoff, highest)
+    restitution, level = f[row.RESTITUTION + j], weakest * threshold
+    return dies_out(f, j, record, far, level, threshold, demand, demand_end, restitution, speed, cutoff, highest)
 
 
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
@@ -161,7 +170,7 @@ def wake(f, i, j, record):
             f[row.ACTIVE + j] += 1.0 if i[row.ENDED + j] != int(f[row.SAMPLE + j]) else 0.0
             return MOVING
         sample = int(f[row.SAMPLE + j])
-        ahead = next_exceedance(sample + 1, record, f[row.FACTOR + j], threshold)
+        ahead = next_lift(sample + 1, record, f[row.FACTOR + j], 1.0, threshold, 0.0, threshold, 0.0)
         if ahead > last:
             return RESTING
         # It lifts on the way to that sample, which is this one where rounding has put the crossing at its end.
@@ -182,27 +191,6 @@ def is_gone(f, j, record):
     left = largest_left(int(f[row.SAMPLE + j]) + 1, record) * f[row.FACTOR + j]
     ground = abs(f[row.SAMPLE_GROUND + j] + f[row.SAMPLE_SLOPE + j] * f[row.PASSED + j])
     return growing > max(left, ground)
-
-
-@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
-def after_impact(f, i, j, record, equation, far):
-    """The state of slot j after an impact: MOVING, RESTING, OVERTURNED or IMPACT_LIMITED."""
-    if f[row.HITS + j] > IMPACTS_PER_SAMPLE:
-        return IMPACT_LIMITED
-    speed = f[row.SPEED + j]
-    if speed == 0.0:
-        return RESTING
-    # Faster impacts are counted, so they are followed.
-    if speed < IMPACT_CUTOFF * f[row.ALPHA + j]:
-        far = far or f[row.HITS + j] >= MANY_IMPACTS
-        if chatter_is_over(f, j, record, equation, far):
-            return RESTING
-        i[row.SLOW + j] += 1
-        if i[row.SLOW + j] > SLOW_IMPACTS:
-            return IMPACT_LIMITED
-    if equation == LINEAR and is_gone(f, j, record):
-        return OVERTURNED
-    return MOVING
 
 
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)

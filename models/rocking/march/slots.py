@@ -66,18 +66,22 @@ def largest_left(k, record):
 
 
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
-def next_exceedance(k, record, factor, threshold):
-    """First sample from k on at which a resting block may lift (abs(a_g)/g > threshold) or lose the ground, or n."""
+def next_lift(k, record, factor, side, threshold, extra, other, other_extra):
+    """First sample from k on at which a resting block may lift about either corner or lose the ground, or n.
+
+    The corner of `side` lifts at abs(a_g)/g = (1 + a_v/g) threshold + extra; `factor` is that over gravity [s2/m].
+    """
     n = record.acceleration.size
-    up = record.vertical.size > 0
     while k < n:
         block = k // BLOCK
         lift = 1.0 + record.extremes[FALL, block] * factor
-        if record.extremes[LARGEST, block] * factor <= lift * threshold and lift > 0.0:
+        least = min(lift * threshold + extra, lift * other + other_extra)
+        if record.extremes[LARGEST, block] * factor <= least and lift > 0.0:
             k = (block + 1) * BLOCK
             continue
-        lift = 1.0 + record.vertical[k] * factor if up else 1.0
-        if abs(record.acceleration[k]) * factor > lift * threshold or lift <= 0.0:
+        lift = 1.0 + record.vertical[k] * factor if record.vertical.size > 0 else 1.0
+        push = -side * record.acceleration[k] * factor
+        if push > lift * threshold + extra or -push > lift * other + other_extra or lift <= 0.0:
             return k
         k += 1
     return n
@@ -165,11 +169,12 @@ class Slots(NamedTuple):
     c: np.ndarray  #: (ORDER + 1,) Taylor coefficients, see :mod:`rocking.march.polynomial`
 
 
-def empty_slots() -> Slots:
-    """Slots without lanes, whose steps are harmless."""
-    slots = Slots(np.zeros(FLOAT_ROWS * WIDTH), np.zeros(INT_ROWS * WIDTH, dtype=np.int64), np.zeros(ORDER + 1))
+def empty_slots(rows: int = FLOAT_ROWS, *positive: int) -> Slots:
+    """Slots without lanes, whose steps are harmless: alpha and the other `positive` rows are 0.1."""
+    slots = Slots(np.zeros(rows * WIDTH), np.zeros(INT_ROWS * WIDTH, dtype=np.int64), np.zeros(ORDER + 1))
     slots.i[LANE : LANE + WIDTH] = -1
-    slots.f[ALPHA : ALPHA + WIDTH] = 0.1
+    for name in (ALPHA, *positive):
+        slots.f[name : name + WIDTH] = 0.1
     return slots
 
 
@@ -182,7 +187,7 @@ def close_ranks(f, i, width):
             continue
         while i[LANE + empty] >= 0:
             empty += 1
-        for k in range(FLOAT_ROWS):
+        for k in range(f.size // WIDTH):
             f[k * WIDTH + empty] = f[k * WIDTH + j]
         for k in range(INT_ROWS):
             i[k * WIDTH + empty] = i[k * WIDTH + j]
