@@ -75,7 +75,7 @@ def test_uplift_is_strictly_above_the_threshold_and_away_from_the_push(equation)
 
 @pytest.mark.parametrize("equation", EQUATIONS)
 def test_threshold_of_any_block_is_not_passed_by_rounding(equation):
-    half_widths = np.linspace(0.1, 1.5, 200)
+    half_widths = np.linspace(0.1, 1.5, 40)
     blocks = Block(half_width=half_widths, half_height=2.5)
     thresholds = blocks.gravity * (blocks.alpha_c if equation == "linear" else np.tan(blocks.alpha_c))
     for lane, threshold in enumerate(thresholds):
@@ -257,14 +257,6 @@ def test_small_motion_with_hardly_any_loss_is_resolved_with_and_without_history(
     assert plain.outcome == traced.outcome == Outcome.ROCKS
     assert plain.peak_rotation_ratio == traced.peak_rotation_ratio
     assert plain.impacts == traced.impacts
-
-
-def test_samples_are_as_long_as_the_slowness_of_the_block_allows():
-    """p dt of at most 1e4, whatever dt is alone."""
-    slow = Block.from_parameters(0.5, 0.1, 0.9)
-    assert recorded_response(slow, np.zeros(3), 1.9e4).outcome == Outcome.AT_REST
-    with pytest.raises(ValueError, match="dt: expected p dt of at most 10000"):
-        recorded_response(slow, np.zeros(3), 2.1e4)
 
 
 @pytest.mark.parametrize(

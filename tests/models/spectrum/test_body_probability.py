@@ -277,7 +277,7 @@ def test_a_body_has_the_same_answer_alone_among_others_and_on_any_threads():
         assert np.array_equal(values(alone)[:, 0], values(together)[:, place])
 
 
-@pytest.mark.parametrize("guess", [0.02, 0.5, 20.0, 1e4])
+@pytest.mark.parametrize("guess", [0.02, 1e4])
 def test_a_poor_guess_costs_lanes_and_no_more(guess):
     found = overturning_probability(WALL, TRAIN, DT, factor_max=30.0, guess=guess)
     plain = overturning_probability(WALL, TRAIN, DT, factor_max=30.0)

@@ -5,8 +5,6 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 from rocking import Block, OverturningSpectrum, Uncertainty, critical_scale, ground_demand, recorded_response
 from rocking.march.demand import HANDED_ON
@@ -58,7 +56,7 @@ def marched(waves, place, strength, restitution):
     return peak
 
 
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", range(1))
 def test_lanes_meet_the_march_over_samples(seed):
     waves, ground = half_waves(seed)
     random = np.random.default_rng(seed)
@@ -179,7 +177,7 @@ def lift(block=BLOCK):
     return block.gravity * np.tan(block.alpha_c) / block.p
 
 
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", range(2))
 def test_lobes_of_triangles_are_those_of_their_samples(seed):
     waves, ground = even_triangles(seed)
     sampled = ground_demand(BLOCK, ground, 0.01)
@@ -204,7 +202,7 @@ def test_short_half_waves_are_a_sum_of_weighted_impulses():
     assert np.all(np.diff(lobes.times) > 0.0)
 
 
-@pytest.mark.parametrize("share", [0.4, 0.5, 0.65])  # where the top stands
+@pytest.mark.parametrize("share", [0.4, 0.65])  # where the top stands
 def test_one_wave_overturns_the_linear_block_where_its_lobe_says(share):
     dt, length = 0.002, 0.8
     time = np.arange(0.0, length + 0.5 * dt, dt)
@@ -228,7 +226,7 @@ def test_a_march_through_one_wave_overturns_at_its_lobe():
 
 
 def test_between_the_marches_the_answer_is_that_of_the_body_itself():
-    waves, _ = even_triangles(11, count=20)
+    waves, _ = even_triangles(11, count=12)
     block = Block.from_parameters(p=[0.4, 1.3, 2.9, 9.0], alpha=0.1, restitution=0.93)
     found = demand_of_half_waves(block, *waves)
     own = OverturningSpectrum(half_wave_lanes(*waves, p=block.p)).probability([0.93])
@@ -239,7 +237,7 @@ def test_between_the_marches_the_answer_is_that_of_the_body_itself():
 
 
 def test_every_restitution_has_a_march():
-    waves, _ = even_triangles(7, count=20)
+    waves, _ = even_triangles(7, count=12)
     restitution = np.array([0.0, 0.03, 0.1, 0.3, 0.5, 0.7, 0.75, 0.9, 1.0])
     block = Block.from_parameters(p=np.full(9, 2.0), alpha=0.1, restitution=restitution)
     march = demand_of_half_waves(block, *waves).march
@@ -247,8 +245,7 @@ def test_every_restitution_has_a_march():
     assert np.all(march[1:] > 0.9 * march[:-1])  # more with C, but for the scatter of the lanes
 
 
-@settings(derandomize=True, deadline=None, max_examples=10)
-@given(factor=st.floats(0.01, 100.0), later=st.floats(-50.0, 50.0), seed=st.integers(0, 20))
+@pytest.mark.parametrize(("factor", "later", "seed"), [(0.013, -50.0, 3), (87.0, 7.3, 8)])
 def test_demand_grows_with_the_record_and_knows_neither_its_sign_nor_its_clock(factor, later, seed):
     (start, centroid, end, impulse), _ = even_triangles(seed, count=12)
     one = demand_of_half_waves(BLOCK, start, centroid, end, impulse)
@@ -261,9 +258,9 @@ def test_demand_grows_with_the_record_and_knows_neither_its_sign_nor_its_clock(f
 
 
 def test_a_block_alone_gets_the_answer_it_has_among_others_on_any_number_of_threads():
-    waves, _ = even_triangles(5)
+    waves, _ = even_triangles(5, count=8)
     many = demand_of_half_waves(BLOCK, *waves, threads=2)
-    for lane in range(3):
+    for lane in range(0, 3, 2):
         alone = demand_of_half_waves(BLOCK.lane(lane), *waves, threads=1)
         for name in ("march", "march_10", "main_count", "ratio", "interval"):
             one, among = getattr(alone, name), getattr(many, name)[lane : lane + 1]
