@@ -33,6 +33,21 @@ def positive(name: str, value: ArrayLike, unit: str, lanes: bool = True) -> np.n
     return array
 
 
+#: A number of main impulses that is no limit.
+UNLIMITED = 2**62
+
+
+def counts(name: str, value: Any, least: int, lanes: bool = True) -> Any:
+    """A whole number of at least `least`, or an array (q,) of them if `lanes` allows it; else a ValueError."""
+    array = np.asarray(value)
+    if array.ndim > int(lanes) or not np.issubdtype(array.dtype, np.integer):
+        shape = " or a (q,) array of them" if lanes else ""
+        raise ValueError(f"{name}: expected a whole number{shape}, got {value!r}")
+    if not np.all((array >= least) & (array < UNLIMITED)):
+        raise ValueError(f"{name}: expected at least {least}, got {value!r}")
+    return int(array) if array.ndim == 0 else array.astype(np.int64)
+
+
 def together(**values: np.ndarray) -> tuple[np.ndarray, ...]:
     """Values of one shape: single ones repeated, arrays of one length as they are; a ValueError for several lengths."""
     try:

@@ -8,16 +8,8 @@ from typing import Any, Self
 import numpy as np
 
 from rocking.arguments import ArrayLike, numbers, positive, together
+from rocking.body import limits
 from rocking.body.block_lanes import SLENDERNESS_RANGE, STANDARD_GRAVITY, BlockLanes
-from rocking.body.limits import (
-    Corner,
-    both_corners,
-    check_restraints,
-    most_restitution,
-    radius_of_rectangle,
-    remarks_on,
-    restitutions_of,
-)
 from rocking.body.restraint import Load, Restraints, Thrust, Tie, carried
 
 logger = logging.getLogger("rockpulse")
@@ -136,11 +128,11 @@ class Block(BlockLanes):
         if not np.any(shift) and not carried(loads)[0]:
             p = np.sqrt(3.0 * gravity / (4.0 * radius))
             alpha = np.arctan2(base, rise)
-            first = Corner(radius, alpha, p, most_restitution(p, alpha, None, gravity))
+            first = limits.Corner(radius, alpha, p, limits.most_restitution(p, alpha, None, gravity))
             second, shape = first, "rectangle"
         else:
             body = base - shift, base + shift, rise * np.cos(options["lean"]), radius / math.sqrt(3.0)
-            first, second, mass = both_corners(*body, mass, loads, gravity)
+            first, second, mass = limits.both_corners(*body, mass, loads, gravity)
             shape = "general"
         acting = Restraints(tuple(ties), tuple(carried(loads)[1]), tuple(thrusts))
         self._finish(
@@ -202,8 +194,8 @@ class Block(BlockLanes):
                 f"alpha: expected an angle below pi/2 rad, got {alpha!r}; it is given in radians, not degrees"
             )
         weight = float(positive("gravity", gravity, "m/s2", lanes=False))
-        most = most_restitution(p_, alpha_, own[0] if own else None, weight)
-        first = Corner(own[0] if own else radius_of_rectangle(p_, weight), alpha_, p_, most)
+        most = limits.most_restitution(p_, alpha_, own[0] if own else None, weight)
+        first = limits.Corner(own[0] if own else limits.radius_of_rectangle(p_, weight), alpha_, p_, most)
         block, unknown = object.__new__(cls), np.full(p_.shape, np.nan)
         half, shape, wall = (unknown, unknown), "own" if own else "unknown", (one_sided, rebound)
         block._finish(half, first, first, restitution, weight, shape, wall, (Restraints(), None), log)
@@ -250,7 +242,7 @@ class Block(BlockLanes):
         sizes = {"b_1": b_1, "b_2": b_2, "height": height, "gyration": gyration}
         near, far, rise, rho = together(**{name: positive(name, value, "m") for name, value in sizes.items()})
         weight = float(positive("gravity", gravity, "m/s2", lanes=False))
-        first, second, mass = both_corners(near, far, rise, rho, mass, loads, weight)
+        first, second, mass = limits.both_corners(near, far, rise, rho, mass, loads, weight)
         acting = Restraints(tuple(ties), tuple(carried(loads)[1]), tuple(thrusts))
         block = object.__new__(cls)
         half = 0.5 * (near + far), np.full(near.shape, np.nan)
@@ -260,8 +252,8 @@ class Block(BlockLanes):
     def _finish(
         self,
         half: tuple[np.ndarray, np.ndarray],
-        first: Corner,
-        second: Corner,
+        first: limits.Corner,
+        second: limits.Corner,
         restitution: ArrayLike,
         gravity: float,
         shape: str,
@@ -270,7 +262,7 @@ class Block(BlockLanes):
         log: bool,
     ) -> None:
         """Set all fields; `shape` is "rectangle", "general", "own" (by p, alpha and radius) or "unknown"."""
-        ratios = restitutions_of(restitution, (first.most, second.most), wall, first.alpha, shape)
+        ratios = limits.restitutions_of(restitution, (first.most, second.most), wall, first.alpha, shape)
         restraints, mass = held
         alone = {"size": first.alpha, "restitution": ratios[0]}
         known = np.asarray(np.nan) if mass is None else positive("mass", mass, "kg")
@@ -297,11 +289,11 @@ class Block(BlockLanes):
         one = {name: value.item() if value.ndim == 0 else value for name, value in values.items()}
         vars(self).update(one | {"gravity": gravity, "restraints": None})
         if restraints:
-            check_restraints(restraints, first, second, self)
+            limits.check_restraints(restraints, first, second, self)
             whole = np.empty(lanes, dtype=object)
             whole[...] = restraints
             vars(self)["restraints"] = whole if lanes else restraints
-        remarks = remarks_on(half, (first, second), ratios, shape, one_sided=wall[0])
+        remarks = limits.remarks_on(half, (first, second), ratios, shape, one_sided=wall[0])
         if not np.all(self.slender):
             remarks.append(
                 f"slenderness {np.min(values['slenderness']):.3g} is below {SLENDERNESS_RANGE:g}: "

@@ -259,19 +259,21 @@ _TRIAL_LIMIT = 1_000_000
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
+def _first_wait(spacing, interval):
+    """Time from the main impulse to the first secondary one."""
+    if spacing == START:
+        return 0.0
+    return 0.5 * interval if spacing == MIDDLE else interval
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
 def first_return(velocity, secondary, interval, spacing):
     """First return T* (times p) of the march with the trial `interval` dT (times p), steps 3 and 4, or inf.
 
     If y >= 0 after an impulse towards the ground, the next one away from it makes y at least a, and y exp(delta) - a
     stays non-negative from then on: there is no return.
     """
-    rotation, elapsed, push = 0.0, 0.0, -secondary
-    if spacing == START:
-        wait = 0.0
-    elif spacing == MIDDLE:
-        wait = 0.5 * interval
-    else:
-        wait = interval
+    rotation, elapsed, push, wait = 0.0, 0.0, -secondary, _first_wait(spacing, interval)
     for _ in range(_TRIAL_LIMIT):
         growing = rotation - 1.0 + velocity
         if growing >= (secondary * math.exp(-wait) if push < 0.0 else 0.0):
@@ -290,13 +292,7 @@ def first_return(velocity, secondary, interval, spacing):
 def peak_and_lowest(velocity, secondary, time, count, spacing):
     """Largest x of the corrected march (step 6), and smallest x at its impulses: below 0 it is in the ground."""
     interval = time / (count + 1 if spacing == OPEN else count)
-    if spacing == START:
-        wait = 0.0
-    elif spacing == MIDDLE:
-        wait = 0.5 * interval
-    else:
-        wait = interval
-    rotation, push, peak, lowest = 0.0, -secondary, 0.0, np.inf
+    wait, rotation, push, peak, lowest = _first_wait(spacing, interval), 0.0, -secondary, 0.0, np.inf
     for impulse in range(count + 1):
         if impulse == count:
             wait = 0.0 if spacing == END else (0.5 * interval if spacing == MIDDLE else interval)

@@ -10,14 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
-from rocking.impulses.half_cycle import (
-    CRITICAL_TOLERANCE,
-    free_decay_time,
-    impact_speed,
-    impacts_above,
-    return_growth,
-    state,
-)
+from rocking.impulses import half_cycle
 from rocking.response import IMPACT_CUTOFF, Outcome, Reason
 
 PAPER, LINEAR, EXACT, TANGENT = range(4)
@@ -88,7 +81,7 @@ def _sample(history, lane, first, begin, end, scale, p, rotation, velocity):
     while first < times.size and times[first] < begin:
         first += 1
     while first < times.size and times[first] < end:
-        x, v = state(rotation, velocity, p * (times[first] - begin))
+        x, v = half_cycle.state(rotation, velocity, p * (times[first] - begin))
         motion[first, 0], motion[first, 1] = scale * x, scale * p * v
         # The block lies on the ground.
         if not abs(motion[first, 0]) < 0.5 * math.pi:
@@ -114,7 +107,7 @@ def _decays(velocity, restitution, remaining):
         return False
     if math.log1p(2.0 * velocity / (1.0 - velocity)) <= loss * remaining:
         return True
-    return free_decay_time(velocity, restitution) <= remaining
+    return half_cycle.free_decay_time(velocity, restitution) <= remaining
 
 
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
@@ -199,7 +192,7 @@ def impulsive_lanes(first_lane, last_lane, train, lanes, waits, results, history
                     begin = times[i + 1] - (math.log1p(ahead) + reserve) / rate
                 if (
                     outcome != _OVERTURNS
-                    and growing >= (-CRITICAL_TOLERANCE if last else 0.0)
+                    and growing >= (-half_cycle.CRITICAL_TOLERANCE if last else 0.0)
                     and (last or _cannot_come_back(growing, begin, i + 1, train, abs(lane_gain), rate))
                 ):
                     outcome, overturned, overturning_time = _OVERTURNS, bounces + 1, begin
@@ -215,7 +208,7 @@ def impulsive_lanes(first_lane, last_lane, train, lanes, waits, results, history
                     if c < 1.0 and 2.0 * velocity <= (1.0 - c) * longest:
                         longest = np.inf if last else math.log1p(ahead) + reserve
                         if _decays(velocity, c, longest - COINCIDENCE):
-                            count = impacts_above(velocity, c, IMPACT_CUTOFF)
+                            count = half_cycle.impacts_above(velocity, c, IMPACT_CUTOFF)
                             impacts += count
                             bounces += max(count, 1) if bounce == 0 else count
                             if velocity * velocity > energy:
@@ -228,8 +221,8 @@ def impulsive_lanes(first_lane, last_lane, train, lanes, waits, results, history
                         impacts = -1 if velocity > IMPACT_CUTOFF else impacts
                         moving = False
                         break
-                speed = impact_speed(rotation, velocity)
-                back = return_growth(rotation, velocity, speed)
+                speed = half_cycle.impact_speed(rotation, velocity)
+                back = half_cycle.return_growth(rotation, velocity, speed)
                 if samples > 0:
                     end = begin + min(math.log1p(back), math.log1p(ahead) + reserve) / rate
                     sampled = _sample(history, place, sampled, begin, end, side * angle, rate, rotation, velocity)

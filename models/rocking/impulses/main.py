@@ -5,16 +5,15 @@
 """
 
 import math
-import operator
 from typing import Any, NamedTuple
 
 import numpy as np
 from numba import njit
 
-from rocking.arguments import ArrayLike, Floats
+from rocking.arguments import UNLIMITED, ArrayLike, Floats, counts
 from rocking.body.block import Block
 from rocking.impulses.half_cycle import CRITICAL_TOLERANCE, hop, impacts_above, stays_bounded
-from rocking.impulses.sequence_kernel import TABLE_ROWS, UNLIMITED, combined, repetitions, tabulated_response
+from rocking.impulses.sequence_kernel import TABLE_ROWS, combined, repetitions, tabulated_response
 from rocking.lanes import split_lanes, squeezed
 from rocking.response import IMPACT_CUTOFF, Outcome, Reason, Response
 
@@ -247,9 +246,7 @@ def resonance(
 
 def critical_impulse_at(block: Block, half_cycle: int) -> Floats:
     """The impulse I_1c (1 - C)/(1 - C^i) [m/s], (m,), that overturns in `half_cycle` i >= 1 (Eq. 9, erratum)."""
-    if np.ndim(half_cycle):
-        raise ValueError(f"half_cycle: expected one whole number, got {half_cycle!r}")
-    half_cycle = _half_cycles(half_cycle, None)
+    half_cycle = counts("half_cycle", half_cycle, least=1, lanes=False)
     return critical_impulse_ratio(block.restitution, half_cycle) * block.critical_impulse
 
 
@@ -320,15 +317,4 @@ def _half_cycles(value: Any, duration: ArrayLike | None) -> Any:
                 "half_cycles: expected a whole number; None needs a finite duration to end the main sequence"
             )
         return UNLIMITED
-    if np.ndim(value) == 1:
-        counts = np.asarray(value)
-        if not np.issubdtype(counts.dtype, np.integer) or not np.all((counts >= 1) & (counts < UNLIMITED)):
-            raise ValueError(f"half_cycles: expected whole numbers of at least 1, got {value!r}")
-        return counts
-    try:
-        count = operator.index(value)
-    except TypeError:
-        raise ValueError(f"half_cycles: expected a whole number, got {value!r}") from None
-    if not 1 <= count < UNLIMITED:
-        raise ValueError(f"half_cycles: expected at least 1, got {count}")
-    return count
+    return counts("half_cycles", value, least=1)

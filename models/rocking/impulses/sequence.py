@@ -9,14 +9,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rocking.arguments import Booleans, Floats
+from rocking.arguments import UNLIMITED, Booleans, Floats
 from rocking.body.block import Block
 from rocking.impulses.half_cycle import hop, stays_bounded
 from rocking.impulses.impulse_sequence import SPACINGS, ImpulseSequence
 from rocking.impulses.sequence_kernel import (
     HALF_CYCLE_LIMIT,
     TABLE_ROWS,
-    UNLIMITED,
     Lanes,
     combined,
     empty_table,

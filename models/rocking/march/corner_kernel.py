@@ -6,21 +6,12 @@ import numpy as np
 from numba import njit
 
 from rocking.march import corner_event as more
-from rocking.march import event, kernel
+from rocking.march import event, kernel, steps
 from rocking.march import slots as row
 from rocking.march.equations import linear_steps, nonlinear_steps
 from rocking.march.restrained import begin_held, land, rest_levels
 from rocking.march.restrained_event import finish_held, motion_after, restrained_steps
 from rocking.march.slots import LEFT, Slots, empty_slots
-from rocking.march.steps import (
-    IMPACT,
-    LOOK_CLOSER,
-    OVER,
-    advance_steps,
-    advance_vertical,
-    finish_steps,
-    keep_history,
-)
 
 
 class CornerLanes(NamedTuple):
@@ -107,11 +98,11 @@ def end_corner_lane(f, i, j, c, status, record, equation, count, held, work):
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
 def decide_corner(f, i, j, record, equation, far, count, held):
     """The state of a slot that needs attention, and whether its lane has come to its end."""
-    if f[row.EVENT + j] == OVER:
+    if f[row.EVENT + j] == steps.OVER:
         return event.OVERTURNED, True
     block, lane = i[row.LANE + j] % count, i[row.LANE + j]
     status = event.MOVING
-    if f[row.EVENT + j] == IMPACT:
+    if f[row.EVENT + j] == steps.IMPACT:
         most = 0.0 if held is None else rest_levels(f, j, block, lane, held, False)
         status = more.after_impact(f, i, j, record, equation, far, most)
     if f[row.SAMPLE + j] >= record.acceleration.size - 1:
@@ -152,17 +143,17 @@ def march_corners(first, last, record, lanes, options, slots, results, active, h
                 linear_steps(f, width)
             else:
                 nonlinear_steps(f, width)
-            finish_steps(f, width)
+            steps.finish_steps(f, width)
             for j in range(width):
-                if f[row.EVENT + j] == LOOK_CLOSER and i[row.LANE + j] >= 0:
+                if f[row.EVENT + j] == steps.LOOK_CLOSER and i[row.LANE + j] >= 0:
                     event.resolve_step(f, j, c, record, equation)
-                if f[row.EVENT + j] == IMPACT and i[row.LANE + j] >= 0:
+                if f[row.EVENT + j] == steps.IMPACT and i[row.LANE + j] >= 0:
                     more.turn_over(f, j)
-        advance_steps(f, width, record.acceleration, left, fastest)
+        steps.advance_steps(f, width, record.acceleration, left, fastest)
         if record.vertical.size > 0:
-            advance_vertical(f, i, width, record.vertical)
+            steps.advance_vertical(f, i, width, record.vertical)
         if not far:
-            keep_history(f, i, width, history)
+            steps.keep_history(f, i, width, history)
         for j in range(width):
             lane = i[row.LANE + j]
             if f[row.ATTENTION + j] == 0.0 and (lane >= 0 or coming >= last):

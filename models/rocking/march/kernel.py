@@ -10,20 +10,10 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
-from rocking.march import corner_event, event
+from rocking.march import corner_event, event, steps
 from rocking.march import slots as row
 from rocking.march.equations import linear_after, linear_steps, nonlinear_after, nonlinear_steps
 from rocking.march.slots import LEFT
-from rocking.march.steps import (
-    IMPACT,
-    LOOK_CLOSER,
-    OVER,
-    REMNANT,
-    advance_steps,
-    advance_vertical,
-    finish_steps,
-    keep_history,
-)
 from rocking.response import Outcome, Reason
 
 AT_REST, ROCKS, OVERTURNS, UNRESOLVED = (int(outcome) for outcome in Outcome)
@@ -83,7 +73,7 @@ def take_corner(f, j, alpha, p, restitution, dt, options):
     f[row.P + j] = p
     f[row.LENGTH + j] = length
     f[row.PER_SAMPLE + j] = 1.0 / length
-    f[row.LONGEST + j] = length / math.ceil(length / options.longest * (1.0 - REMNANT))
+    f[row.LONGEST + j] = length / math.ceil(length / options.longest * (1.0 - steps.REMNANT))
     f[row.THRESHOLD + j] = (alpha if options.equation == event.LINEAR else math.tan(alpha)) * (1.0 + STRICTLY)
 
 
@@ -191,10 +181,10 @@ def keep_results(results, lane, peak, outcome, reason, time, half_cycle, impacts
 @njit(cache=True, nogil=True, error_model="numpy", forceinline=True, _nrt=False)
 def decide(f, i, j, record, lanes, options, far):
     """The state of a slot that needs attention (CALM: it will not overturn), and whether its lane has ended."""
-    if f[row.EVENT + j] == OVER:
+    if f[row.EVENT + j] == steps.OVER:
         return event.OVERTURNED, True
     status = event.MOVING
-    if f[row.EVENT + j] == IMPACT:
+    if f[row.EVENT + j] == steps.IMPACT:
         status = corner_event.after_impact(f, i, j, record, options.equation, far, None)
     if f[row.SAMPLE + j] >= record.acceleration.size - 1:
         return status, True
@@ -205,7 +195,7 @@ def decide(f, i, j, record, lanes, options, far):
         status = event.wake(f, i, j, record)
         if status == event.MOVING:
             event.begin_step(f, j)
-    elif f[row.EVENT + j] == IMPACT and f[row.SAMPLE + j] >= f[row.CALM_FROM + j]:
+    elif f[row.EVENT + j] == steps.IMPACT and f[row.SAMPLE + j] >= f[row.CALM_FROM + j]:
         block = i[row.LANE + j] % lanes.alpha.size
         left = build_up_left(f[row.SAMPLE + j], f[row.FACTOR + j], lanes.levels[block], lanes.above[block])
         speed = f[row.SPEED + j] / (2.0 * math.sin(0.5 * f[row.ALPHA + j]))
@@ -230,15 +220,15 @@ def march_lanes(first, last, record, lanes, options, slots, results, active, his
             linear_steps(f, width)
         else:
             nonlinear_steps(f, width)
-        finish_steps(f, width)
+        steps.finish_steps(f, width)
         for j in range(width):
-            if f[row.EVENT + j] == LOOK_CLOSER and i[row.LANE + j] >= 0:
+            if f[row.EVENT + j] == steps.LOOK_CLOSER and i[row.LANE + j] >= 0:
                 event.resolve_step(f, j, c, record, options.equation)
-        advance_steps(f, width, record.acceleration, left, fastest)
+        steps.advance_steps(f, width, record.acceleration, left, fastest)
         if record.vertical.size > 0:
-            advance_vertical(f, i, width, record.vertical)
+            steps.advance_vertical(f, i, width, record.vertical)
         if not far:
-            keep_history(f, i, width, history)
+            steps.keep_history(f, i, width, history)
         for j in range(width):
             lane = i[row.LANE + j]
             if f[row.ATTENTION + j] == 0.0 and (lane >= 0 or coming >= last):

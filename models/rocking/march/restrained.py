@@ -31,9 +31,7 @@ class Held(NamedTuple):
     """What acts on the (m,) bodies of a march, and the state of the elements of each lane."""
 
     elements: np.ndarray  #: (m, e, 9), see :mod:`rocking.body.restraint`; a height of 0 for none
-    constant: (
-        np.ndarray
-    )  #: (m, 2, 2) moments of weights and thrusts as factors of cos(phi) and sin(phi), by corner [N m]
+    constant: np.ndarray  #: (m, 2, 2) moments of weights and thrusts as factors of cos and sin, by corner [N m]
     points: np.ndarray  #: (m, e, 2, 3) of the point of each element by corner: its distance behind it and from it [m],
     # and the angle of the line between them to the upright [rad]
     weight: np.ndarray  #: (m, 2) M g R by corner [N m]

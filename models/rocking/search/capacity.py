@@ -7,13 +7,12 @@ from typing import Literal
 
 import numpy as np
 
-from rocking.arguments import ArrayLike, numbers
+from rocking.arguments import UNLIMITED, ArrayLike, numbers
 from rocking.body.block import Block
 from rocking.impulses.impulse_sequence import ImpulseSequence
 from rocking.impulses.impulsive import impulsive_response
 from rocking.impulses.main import bands_of, resonance_safety
 from rocking.impulses.sequence import scaled_outcomes
-from rocking.impulses.sequence_kernel import UNLIMITED
 from rocking.march.corner_response import rest_levels
 from rocking.march.recorded import recorded_response
 from rocking.response import Outcome, Response

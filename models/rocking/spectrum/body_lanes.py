@@ -67,29 +67,15 @@ class LanePart:
 
 @dataclass(frozen=True, eq=False)
 class BodyLanes:
-    """Marched lanes of one body.
+    """Marched lanes of one body."""
 
-    Attributes
-    ----------
-    log_factor : (n,) ndarray
-        ln of the factor on the record.
-    weight : (n,) ndarray
-        Stretch of ln f that a lane stands for [-]: 1 over the density of all lanes at its place.
-    over, unresolved : (n,) ndarray of bool
-        True where the lane overturns or cannot be answered; where it cannot be answered (free flight).
-    bottom, top : float
-        ln f between which the lanes lie.
-    open : bool
-        True where lanes still stand at the largest factor asked for: what is above it is not known.
-    """
-
-    log_factor: np.ndarray
-    weight: np.ndarray
-    over: np.ndarray
-    unresolved: np.ndarray
-    bottom: float
+    log_factor: np.ndarray  #: (n,) ln of the factor on the record
+    weight: np.ndarray  #: (n,) stretch of ln f of each lane [-]: 1 over the density of all lanes at its place
+    over: np.ndarray  #: (n,) of bool, True if the lane overturns or cannot be answered
+    unresolved: np.ndarray  #: (n,) of bool, True if it cannot be answered (free flight)
+    bottom: float  #: ln f between which the lanes lie
     top: float
-    open: bool
+    open: bool  #: True if lanes still stand at the largest factor: what is above it is not known
 
     def sums(self, log_level: np.ndarray, shift: Uncertainty) -> tuple[np.ndarray, tuple[np.ndarray, np.ndarray]]:
         """What each lane counts at each level (n, k), and the mass of the shift below and above the lanes (k,)."""
