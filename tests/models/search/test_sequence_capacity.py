@@ -155,12 +155,6 @@ def test_many_short_intervals_tend_to_the_closed_form(spacing):
     assert np.all(errors[1] < 0.01)
 
 
-def test_no_secondary_impulse_is_resonance_for_every_spacing():
-    sequence = ImpulseSequence(main=0.15, secondary=0.0, interval=0.5, duration=20.0, main_count=4)
-    found, known = sequence_critical_scale(BLOCKS, sequence), resonance_critical_scale(BLOCKS, sequence)
-    assert np.array_equal(found.safety_factor, known.safety_factor)
-
-
 @pytest.mark.parametrize("spacing", ["end", "continuous"])
 def test_no_impulse_never_overturns(spacing):
     sequence = ImpulseSequence(main=0.0, secondary=0.0, interval=0.3, duration=15.0, spacing=spacing)

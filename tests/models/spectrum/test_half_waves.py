@@ -111,15 +111,6 @@ def test_no_lane_depends_on_threads_or_on_other_frequencies():
         assert np.array_equal(getattr(one, name)[1], getattr(alone, name)[0]), name
 
 
-def test_a_stronger_or_mirrored_motion_is_a_shift():
-    (start, centroid, end, impulse), _ = half_waves(6, count=15)
-    one = half_wave_lanes(start, centroid, end, impulse, p=RATES)
-    other = half_wave_lanes(start + 3.0, centroid + 3.0, end + 3.0, -2.0 * impulse, p=RATES)
-    assert other.log_x == pytest.approx(one.log_x - math.log(2.0), abs=1e-6)
-    spectra = [OverturningSpectrum(lanes).spectrum([0.9]) for lanes in (one, other)]
-    assert spectra[1] == pytest.approx(2.0 * spectra[0], rel=1e-3)
-
-
 def test_zeros_are_refused():
     with pytest.raises(ValueError, match="nothing but zeros"):
         half_wave_lanes([0.0], [0.1], [0.2], [0.0])
