@@ -123,27 +123,23 @@ def test_body_that_is_no_rectangle_has_the_constants_given():
     assert body.warnings == ()
 
 
-@pytest.mark.parametrize(
-    ("fields", "message"),
-    [
-        ({"half_width": 0.0}, "half_width"),
-        ({"half_width": np.nan}, "half_width"),
-        ({"half_height": -1.0}, "half_height"),
-        ({"half_height": np.inf}, "half_height"),
-        ({"half_height": "tall"}, "half_height"),
-        ({"half_height": [[2.0]]}, "half_height"),
-        ({"gravity": 0.0}, "gravity"),
-        ({"restitution": 1.1}, "restitution"),
-        ({"restitution": -0.1}, "restitution"),
-        ({"restitution": np.nan}, "restitution"),
-        ({"restitution": "elastic"}, "restitution"),
-        ({"restitution": [[0.9]]}, "restitution"),
-        ({"half_height": 0.3}, "slenderness of 0.707"),
-    ],
-)
-def test_bad_fields_are_named(fields, message):
-    with pytest.raises(ValueError, match=message):
-        Block(**{"half_width": 0.5, "half_height": 2.0, **fields})
+BAD = {
+    "half_width": [0.0, np.nan],
+    "half_height": [-1.0, np.inf, "tall", [[2.0]]],
+    "gravity": [0.0],
+    "restitution": [1.1, -0.1, np.nan, "elastic", [[0.9]]],
+}
+
+
+@pytest.mark.parametrize(("name", "value"), [(name, value) for name, values in BAD.items() for value in values])
+def test_bad_fields_are_named(name, value):
+    with pytest.raises(ValueError, match=name):
+        Block(**{"half_width": 0.5, "half_height": 2.0, name: value})
+
+
+def test_housners_restitution_of_a_squat_block_is_refused():
+    with pytest.raises(ValueError, match=r"slenderness of 0\.707"):
+        Block(half_width=0.5, half_height=0.3)
 
 
 @pytest.mark.parametrize(

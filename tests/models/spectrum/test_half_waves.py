@@ -277,27 +277,6 @@ def test_no_half_wave_asks_for_nothing():
     assert found.main_count.tolist() == [1, 1, 1]
 
 
-def test_the_weighted_impulse_is_taken_at_eight_points_of_each_side_of_a_triangle():
-    """E at the time t of a lobe, by quadrature over the triangles after it; times are eighths of a side."""
-    start, top, end = np.array([0.0, 1.0]), np.array([0.4, 1.2]), np.array([1.0, 1.8])
-    impulse, rate = np.array([0.3, -0.25]), 1.3
-    lobes = impulse_lobes(start, (start + top + end) / 3.0, end, impulse, rate)
-    corners = np.stack([start, top, end], 1).ravel()
-    tops = np.stack([0.0 * start, 2.0 * impulse / (end - start), 0.0 * start], 1).ravel()
-    points = np.unique(np.concatenate([np.linspace(a, b, 9) for a, b in pairwise(corners)]))
-    fine = np.linspace(0.0, 1.8, 180001)
-    ground = np.interp(fine, corners, tops)
-
-    def weighted(t):
-        return np.trapezoid(np.where(fine >= t, ground * np.exp(-rate * (fine - t)), 0.0), fine)
-
-    at_points = np.array([weighted(t) for t in points])
-    signs = np.split(np.arange(points.size), np.flatnonzero(np.diff(np.sign(np.round(at_points, 9)))) + 1)
-    expected = [part[np.argmax(np.abs(at_points[part]))] for part in signs]
-    assert lobes.times == pytest.approx(points[expected[:2]])
-    assert lobes.sizes == pytest.approx(at_points[expected[:2]], rel=1e-4)
-
-
 def test_lobes_above_half_the_largest_one_are_main_ones():
     sizes, times = np.array([0.5, -0.2, 1.0, -0.3, 0.5, -0.6, 0.45]), np.array([0.0, 3.0, 6.0, 9.0, 13.0, 15.0, 22.0])
     count, ratio, interval = _main_lobes(Lobes(times, sizes))
