@@ -8,9 +8,10 @@ import xarray as xr
 
 from rockpulse.assessment.answers import Answers, answers_of
 from rockpulse.assessment.verdict import verdicts
+from rockpulse.config import CODES
 from rockpulse.config.block_settings import BlockSettings, FloorSettings
 from rockpulse.config.configuration import Config, config_from_text
-from rockpulse.config.study_settings import CODES, CheckSettings
+from rockpulse.config.study_settings import CheckSettings
 from rockpulse.errors import ConfigError
 from rockpulse.storage.variables.risk import CHECK
 from rockpulse.studies.check.codes import CHECKS, Checked, worst

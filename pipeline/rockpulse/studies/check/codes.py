@@ -19,8 +19,9 @@ from typing import NamedTuple
 import numpy as np
 
 from rocking.body.block import Block
+from rockpulse.config import CODES
 from rockpulse.config.block_settings import FloorSettings
-from rockpulse.config.study_settings import CODES, CheckSettings
+from rockpulse.config.study_settings import CheckSettings
 from rockpulse.studies.check.mechanism import SENSES, Mechanism, senses_of
 from rockpulse.studies.check.spectra import (
     DemandSpectrum,
