@@ -16,7 +16,7 @@ from rockpulse.record.measures import PGA
 from rockpulse.record.record import STANDARD_GRAVITY
 from rockpulse.selection.events import UNKNOWN
 from rockpulse.views.shared.facts import Known
-from rockpulse.views.shared.files_used import reasons_of
+from rockpulse.views.shared.files_used import failure_rows, reasons_of
 from rockpulse.views.shared.table import Cell, Fact, Heading, Table, number
 from rockpulse.views.shared.terminal import figure, ratio
 from rockpulse.views.shared.words import counted, listed, say
@@ -147,7 +147,7 @@ def _of_earthquake(known: Sequence[Known]) -> tuple[Cell, Cell, Cell]:
 
 def left_out_table(tree: xr.DataTree) -> Table:
     """The files and channels that are no part of the verdict: a row for each kind, with reasons in readers' words."""
-    found, beside = apart(by_kind(tree))
+    found, beside = apart(failure_rows(tree))
     rows = []
     for kind, every in found.items():
         said, rest = reasons_of(every, REASONS, LONGEST) if kind in _TOLD else ([say(f"left_out.why.{kind}")], 0)
@@ -193,7 +193,7 @@ def failure_table(tree: xr.DataTree) -> Table:
             Cell(", ".join(dict.fromkeys(row.place for row in group))),
             Cell(group[0].bare),
         )
-        for kind, entries in by_kind(tree).items()
+        for kind, entries in by_kind(failure_rows(tree)).items()
         for group in alike(entries)
     )
     return Table("failures", say("caption.left_out"), _headings("kind", "step", "file", "reason"), rows)
