@@ -81,7 +81,9 @@ def check_overview(check: xr.Dataset) -> str:
         else:
             pairs = zip(codes, row, strict=True)
             notes += [f"{name}, {CODE_WORDS[code]}: {words}." for code, words in pairs if words]
-    return "\n".join([paragraph(title), *lines(replace(table, rows=tuple(below))), *(paragraph(line, "  ") for line in notes)])
+    return "\n".join(
+        [paragraph(title), *lines(replace(table, rows=tuple(below))), *(paragraph(line, "  ") for line in notes)]
+    )
 
 
 def check_table(check: xr.Dataset) -> pd.DataFrame:

@@ -61,9 +61,7 @@ def _of_frequency(risk: xr.Dataset, dim: str, doubt: Callable[..., bool], *of: s
     years = f"in {float(risk.attrs['years']):g} years"
     return (
         titled("", lambda name: Cell(f"  {name}"), dim),
-        titled(
-            "a year", lambda value, *why: Cell(f"{_rate(value)}{'!' if doubt(*why) else ''}"), "frequency", *of
-        ),
+        titled("a year", lambda value, *why: Cell(f"{_rate(value)}{'!' if doubt(*why) else ''}"), "frequency", *of),
         _interval(f"{float(risk.attrs['confidence']):.0%} interval", _rate, "frequency"),
         _text("once in", _period, "frequency"),
         _text(years, _chance, "probability"),

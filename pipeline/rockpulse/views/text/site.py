@@ -14,7 +14,17 @@ from rockpulse.record.measures import MEASURES
 from rockpulse.views.shared.columns import Column, shown, tabulated, titled
 from rockpulse.views.shared.files_used import failure_rows, files_used
 from rockpulse.views.shared.table import Cell, Heading, Table, lines, number, text
-from rockpulse.views.shared.terminal import ABSENT, between, figure, fixed, general, paragraph, ratio, restitution, share
+from rockpulse.views.shared.terminal import (
+    ABSENT,
+    between,
+    figure,
+    fixed,
+    general,
+    paragraph,
+    ratio,
+    restitution,
+    share,
+)
 from rockpulse.views.shared.words import counted, listed, named, remarks_of, say
 from rockpulse.views.text.left_out import rows_not_used, unused
 
