@@ -82,9 +82,7 @@ class Pictures:
 
         name = str(self._summary["record"].values[record])
         return self._drawn(
-            lambda: _bare(accelerogram(stored_motion(self._tree, name))[0]),
-            f"record{record}",
-            say("picture.in_full"),
+            lambda: _bare(accelerogram(stored_motion(self._tree, name))[0]), f"record{record}", say("picture.in_full")
         )
 
     def body(self, block: int, name: str = "body") -> Picture:
@@ -123,9 +121,7 @@ class Pictures:
             return ax
 
         return self._drawn(
-            draw,
-            f"motion{block}",
-            say("picture.rotation", body=body.name, record=record, model=say(f"models.{model}")),
+            draw, f"motion{block}", say("picture.rotation", body=body.name, record=record, model=say(f"models.{model}"))
         )
 
     def explaining(self) -> list[Picture]:
@@ -186,11 +182,7 @@ class Pictures:
         tree = self._fragility
         assert tree is not None
         place = tree["fragility"].to_dataset().get_index("block").get_loc(block)
-        return self._drawn(
-            lambda: fragility_panels(tree, block)[0],
-            f"fragility{place}",
-            say("picture.fragility"),
-        )
+        return self._drawn(lambda: fragility_panels(tree, block)[0], f"fragility{place}", say("picture.fragility"))
 
 
 def _spectra(tree: xr.DataTree, spectra: xr.Dataset) -> Axes:

@@ -223,9 +223,4 @@ def _several_restitutions(found: Sequence[BodyVerdict]) -> Limit | None:
     blocks = {one.body.block for one in found}
     if len(blocks) == len(found):
         return None
-    return _limit(
-        "notes",
-        "restitutions",
-        blocks=counted(len(blocks), "block"),
-        bodies=counted(len(found), "body"),
-    )
+    return _limit("notes", "restitutions", blocks=counted(len(blocks), "block"), bodies=counted(len(found), "body"))

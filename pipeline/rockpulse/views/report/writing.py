@@ -50,15 +50,7 @@ _FILES = {ASSESSMENT: "assessment", SITE_KIND: "site", FRAGILITY: "fragility"}
 ANNEXES = ("remarks", "site", "fragility", "all-answers", "bodies", "records", "method", "sources")
 
 #: What a page shows for words of the terminal.
-LETTERS = {
-    "theta_max": "θ_max",
-    "alpha_c": "α_c",
-    "theta": "θ",
-    "alpha": "α",
-    "beta": "β",
-    "dT": "ΔT",
-    "m/s2": "m/s²",
-}
+LETTERS = {"theta_max": "θ_max", "alpha_c": "α_c", "theta": "θ", "alpha": "α", "beta": "β", "dT": "ΔT", "m/s2": "m/s²"}
 
 #: What these browsers are called on PATH.
 BROWSERS = (

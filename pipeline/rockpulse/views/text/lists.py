@@ -34,10 +34,7 @@ from rockpulse.views.shared.words import say
 
 #: Columns of a list of cases; those of each factor, where it is known, and what they are.
 CASE = ("record", "block", "model", "restitution", PGA, "uplift_ratio", "impulse_ratio", "answer")
-OF_FACTOR = {
-    "factor_10": ("overturning_probability", "factor_10"),
-    "safety_factor": ("safety_factor", "capacity_pga"),
-}
+OF_FACTOR = {"factor_10": ("overturning_probability", "factor_10"), "safety_factor": ("safety_factor", "capacity_pga")}
 _MEANING = {
     "factor_10": "P: probability of overturning under the record as it is; factor of 10 %: factor on the record at "
     "which it is 10 %; both by the nonlinear model.",

@@ -191,10 +191,7 @@ def with_curves(fragility, curves):
 def test_the_page_and_the_terminal_show_the_same_cells(whole_page, site, fragility):
     page = html.unescape(whole_page)
     of_site = site["site"].to_dataset()
-    tables = {
-        site_overview(site): site_tables(of_site),
-        fragility_overview(fragility): (median_table(fragility),),
-    }
+    tables = {site_overview(site): site_tables(of_site), fragility_overview(fragility): (median_table(fragility),)}
     for shown, of_file in tables.items():
         for table in of_file:
             assert f'<table id="{table.key}">' in page
@@ -237,10 +234,7 @@ def test_a_limit_state_of_rotation_is_named_in_both_tables(fragility, curves):
 
 def test_small_print_of_the_headings_is_a_note_on_the_terminal(site, fragility, whole_page):
     page, of_site = html.unescape(whole_page), site["site"].to_dataset()
-    tables = {
-        site_overview(site): site_tables(of_site),
-        fragility_overview(fragility): (median_table(fragility),),
-    }
+    tables = {site_overview(site): site_tables(of_site), fragility_overview(fragility): (median_table(fragility),)}
     for shown, of_file in tables.items():
         told = " ".join(shown.split())
         for heading in (one for table in of_file for one in table.headings if one.note):

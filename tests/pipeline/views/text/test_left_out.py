@@ -107,8 +107,7 @@ def test_without_warnings_there_is_no_line_of_them():
 
 
 @pytest.mark.parametrize(
-    ("name", "title"),
-    [("", "read, not assessed (vertical): 1"), ("up", "vertical, acting on 2 records: 1")],
+    ("name", "title"), [("", "read, not assessed (vertical): 1"), ("up", "vertical, acting on 2 records: 1")]
 )
 def test_a_vertical_channel_that_acted_is_told(name, title):
     tree = results_tree()
