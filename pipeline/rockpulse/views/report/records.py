@@ -115,17 +115,14 @@ def event_table(answers: Answers) -> Table:
         of_event.setdefault(event, []).append(place)
     rows = []
     for event, places in of_event.items():
-        known = [
-            Known(answers.summary, record=answers.records[row]) for row in np.unique(motions.index[places]) if row >= 0
-        ]
+        members = np.unique(motions.index[places])
+        known = [Known(answers.summary, record=answers.records[row]) for row in members if row >= 0]
         names = ", ".join(motions.names[place] for place in places)
         rows.append((Cell(event_name(event)), *_of_earthquake(known), number(len(places), str), Cell(names)))
-    titles = ("earthquake", "date", "magnitude", "distance", "motions", "which")
-    always = ("earthquake", "motions", "which")
-    shown = [place for place, title in enumerate(titles) if title in always or any(row[place].text for row in rows)]
+    titles, always = ("earthquake", "date", "magnitude", "distance", "motions", "which"), (0, 4, 5)
+    shown = [place for place in range(len(titles)) if place in always or any(row[place].text for row in rows)]
     of_shown = tuple(tuple(row[place] for place in shown) for row in rows)
-    headings = tuple(Heading(say(f"head.{titles[place]}")) for place in shown)
-    return Table("earthquakes", say("caption.earthquakes"), headings, of_shown)
+    return Table("earthquakes", say("caption.earthquakes"), _headings(*(titles[place] for place in shown)), of_shown)
 
 
 def _of_earthquake(known: Sequence[Known]) -> tuple[Cell, Cell, Cell]:
@@ -134,15 +131,10 @@ def _of_earthquake(known: Sequence[Known]) -> tuple[Cell, Cell, Cell]:
     magnitudes = list(dict.fromkeys(told for one in known if (told := one.magnitude)))
     distances = [distance / 1000.0 for one in known if not math.isnan(distance := one.real("epicentral_distance"))]
     largest = max((one.real("magnitude") for one in known if one.magnitude), default=math.nan)
-    ends = list(dict.fromkeys(figure(end) for end in (min(distances), max(distances)))) if distances else []
-    return (
-        Cell(dates[0] if dates else ""),
-        Cell(", ".join(magnitudes), largest),
-        Cell(
-            say("between", low=ends[0], high=ends[1]) if len(ends) > 1 else "".join(ends),
-            min(distances, default=math.nan),
-        ),
-    )
+    nearest, farthest = min(distances, default=math.nan), max(distances, default=math.nan)
+    low, high = figure(nearest), figure(farthest)
+    reach = "" if not distances else low if low == high else say("between", low=low, high=high)
+    return Cell(dates[0] if dates else ""), Cell(", ".join(magnitudes), largest), Cell(reach, nearest)
 
 
 def left_out_table(tree: xr.DataTree) -> Table:
