@@ -186,7 +186,8 @@ def body_table(answers: Answers, found: Sequence[BodyVerdict]) -> Table:
     motions, factor = answers.motions, factor_title(answers.factor)
     c = COLUMNS["restitution"]
     of = say("head.probability" if answers.probable else "head.share")
-    of_motions = say("head.of", motions=counted(len(motions.names), motions.kind))
+    by_sequence = motions.kind == "sequence"  # of which there is one
+    of_motions = "" if by_sequence else say("head.of", motions=counted(len(motions.names), motions.kind))
     columns: list[tuple[Heading, Callable[[BodyVerdict], Cell]]] = [
         (Heading(say("head.body")), lambda one: Cell(one.body.block, link=f"body-{one.body.place}")),
         (c.heading._replace(note=""), lambda one: c.cell(one.body.restitution)),
@@ -206,7 +207,7 @@ def body_table(answers: Answers, found: Sequence[BodyVerdict]) -> Table:
         (Heading(say("head.unknown")), lambda one: number(one.share.unknown, str)),
         (Heading(say("head.not_lifted")), lambda one: number(one.at_rest, str)),
     ]
-    if motions.kind == "sequence":  # of which there is one
+    if by_sequence:
         columns = [*columns[:3], columns[len(answers.demands) + 4]]
     if not any(one.body.several for one in found):
         del columns[1]
