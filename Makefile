@@ -7,7 +7,7 @@ KERNEL_TESTS := $(patsubst %,tests/models/march/test_%.py,recorded equations ste
 	hard_crossings) tests/models/impulses
 LONG_IN_PYTHON := test_quarter_period or more_half_cycles_than or slow_hops
 
-.PHONY: help install run test test-slow test-sweeps test-python paper accuracy rule check-histories reference selftest-cases samples schema mutate mutants fuzz kernel-cache lint types doctest wheel docs docs-test docs-pictures clean
+.PHONY: help install run test test-slow test-sweeps test-python paper accuracy rule site check-histories reference selftest-cases samples schema mutate mutants fuzz kernel-cache lint types doctest wheel docs docs-test docs-pictures clean
 
 help:  ## list the targets
 	@grep -hE '^[a-z-]+: .*##' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):[^#]*## (.*)/  \1\t\2/' | expand -t 16
@@ -50,6 +50,9 @@ accuracy:  ## speed and error of solvers and models, on the samples or RECORDS (
 
 rule:  ## the rule and other measures on RECORDS of four earthquakes or more (OPTIONS=--fit: fits it anew)
 	$(LABORATORY).rule $(RECORDS) -o build/rule $(OPTIONS)
+
+site:  ## the methods of rockpulse calibrate on earthquakes left out, on RECORDS of ten or more (10 s a record)
+	$(LABORATORY).site $(RECORDS) -o build/site $(OPTIONS)
 
 check-histories:  ## the checks of codes against time histories of RECORDS
 	$(LABORATORY).histories $(RECORDS) -o build/check-histories $(OPTIONS)

@@ -74,13 +74,14 @@ def strong_motions(
     confirm: Sequence[str] = (),
     failures: Iterable[Failure] = (),
     titles: Mapping[str, str] | None = None,
+    least: float = STRONG,
 ) -> tuple[list[StrongMotion], list[Failure]]:
     """The strong horizontal ground channels among records as read, one of each shaking, in the order given.
 
     With them come rows for the channels that are no horizontal ground motion, that another record of the same shaking
     stands for, by its station or by its waveform, that cannot be conditioned, or whose peak lies above 5 g and is not
-    confirmed by a pattern of its id. Weak ones are not named. A pattern that fits no id is an error, or a row where
-    `failures` tell of files that could not be read.
+    confirmed by a pattern of its id. Those below `least` [m/s2] are not named. A pattern that fits no id is an error,
+    or a row where `failures` tell of files that could not be read.
 
     `titles` name the earthquake by record id in place of what the file says, such as "Kobe 1995-01-16": records are
     then grouped by name and year as by :func:`rockpulse.selection.events.group_events`. An id that no record has is a
@@ -104,7 +105,7 @@ def strong_motions(
             continue
         if doubt := unconfirmed(conditioned, confirm, configured=False):
             rows.append(Failure(file=record.source, stage="rule", reason=doubt, kind="failed"))
-        elif conditioned.pga > STRONG:
+        elif conditioned.pga > least:
             waveform = _waveform(conditioned)
             alike = np.flatnonzero([abs(waveform @ other) > SAME_WAVEFORM for other in waveforms])
             if alike.size:
@@ -146,9 +147,9 @@ def add_record_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--events", help="CSV table (record, event) for channels whose files name no earthquake")
 
 
-def read_strong(args: argparse.Namespace) -> tuple[list[StrongMotion], list[Failure]]:
+def read_strong(args: argparse.Namespace, least: float = STRONG) -> tuple[list[StrongMotion], list[Failure]]:
     """The strong motions that the arguments of :func:`add_record_arguments` name, and what was left out."""
     records, failures = read_all(args.paths, args.units)
     titles = read_event_table(Path(args.events)) if args.events else None
-    motions, left_out = strong_motions(records, args.confirm, failures, titles)
+    motions, left_out = strong_motions(records, args.confirm, failures, titles, least)
     return motions, [*failures, *left_out]

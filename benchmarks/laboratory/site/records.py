@@ -1,0 +1,68 @@
+"""What both methods of a site need of each record, computed once: the capacities, the spectra and the fitted sequence.
+
+.. note:: The capacity of a body is `factor_50` of the nonlinear overturning spectrum of the record, under the default
+   uncertainty. The spectrum and the sequence are those of ``rockpulse calibrate`` for one record. The fit of a sequence
+   takes about ten seconds of a core and is stored: a second run goes on where the first one stopped.
+"""
+
+import re
+from contextlib import nullcontext
+from pathlib import Path
+
+import numpy as np
+
+from laboratory.ensemble import StrongMotion
+from rocking.body.block import Block
+from rocking.spectrum.lanes import spectrum_lanes
+from rocking.spectrum.overturning import OverturningSpectrum
+from rockpulse.config.configuration import Config
+from rockpulse.config.settings import CalibrationSettings
+from rockpulse.errors import RecordRefused
+from rockpulse.selection.directions import Motion
+from rockpulse.storage.variables.probability import RESTITUTIONS
+from rockpulse.studies.site.records import rotation_to_cover, site_record
+from rockpulse.studies.site.spectrum_design import site_spectrum_record
+
+__all__ = ["BODIES", "known_of"]
+
+#: Frequency parameters [1/s], and the slendernesses with their restitutions [-] that are tried at each.
+RATES, SHAPES = (0.5, 1.25, 3.0, 8.0), np.array([(4.0, 0.8), (6.0, 0.9), (10.0, 0.97)])
+
+#: The twelve bodies of the study.
+BODIES = Block.from_parameters(
+    p=np.repeat(RATES, len(SHAPES)),
+    alpha=np.tile(np.arctan(1.0 / SHAPES[:, 0]), len(RATES)),
+    restitution=np.tile(SHAPES[:, 1], len(RATES)),
+    log=False,
+)
+
+
+def known_of(motion: StrongMotion, folder: Path) -> dict[str, np.ndarray]:
+    """Capacities, spectra and sequence of a motion by name, from its file in a folder if there is one.
+
+    `capacity` (12,) [-], `rule` and `nonlinear` (a, c) [m/s], `value` (5,) and `peaks` (12,) as in a site file by the
+    method "response"; NaN if the record moves too few bodies for a fit.
+    """
+    path = folder / f"{re.sub('[^A-Za-z0-9.-]', '_', motion.record.id)}.npz"
+    if not path.exists():
+        np.savez(path, **_computed(motion))
+    with np.load(path) as stored:
+        return dict(stored)
+
+
+def _computed(motion: StrongMotion) -> dict[str, np.ndarray]:
+    record = motion.record
+    own = OverturningSpectrum(spectrum_lanes(record.acceleration, record.dt))
+    of_rule = site_spectrum_record(Motion(record), lambda _: nullcontext(), Config())
+    fitting = Config(calibration=CalibrationSettings(method="response"))
+    try:
+        fitted = site_record(Motion(record), lambda _: nullcontext(), BODIES, fitting)
+    except RecordRefused:
+        fitted = {"value": np.full((1, 5), np.nan), "peaks": np.full((1, *BODIES.shape), np.nan)}
+    return {
+        "capacity": own.factors(BODIES).factor_50,
+        "nonlinear": own.spectrum(RESTITUTIONS),
+        "rule": of_rule["spectrum"][0],
+        "value": fitted["value"][0],
+        "peaks": rotation_to_cover(fitted["peaks"][0]),
+    }
