@@ -89,7 +89,6 @@ def next_lift(k, record, factor, side, threshold, extra, other, other_extra):
 
 #: Slots: four registers of the widest vector unit, so that the latency of one is hidden behind the others.
 WIDTH = 32
-
 #: Slots of one register: fewer lanes than WIDTH take whole groups.
 GROUP = 8
 
@@ -140,7 +139,7 @@ GROUP = 8
     THRESHOLD,  # abs(a_g)/g above which a resting block lifts, at 1 + a_v/g = 1
     TRUNCATION,  # largest last term of a series
     TOP,  # phi at which the nonlinear block has overturned
-    CALM_FROM,  # sample from which on it is asked after impacts whether the verdict is settled; inf: never
+    CALM_FROM,  # sample from which on impacts check whether the verdict is settled; inf: never
     # Where it is, and what it has counted: whole numbers, kept here since a loop over one array makes vectors.
     SAMPLE,
     HITS,  # impacts in this sample
