@@ -6,7 +6,7 @@ from numba import njit
 
 from rocking.march import slots as row
 from rocking.march.polynomial import ORDER, ROTATION, bracketed_root, first_impact, value, velocity
-from rocking.march.slots import BLOCK, LARGEST, LEFT, STEEPEST, largest_left, next_lift
+from rocking.march.slots import BLOCK, LARGEST, LEFT, STEEPEST, largest_left, next_exceedance
 from rocking.march.steps import HALVED, IMPACT, NOTHING, OVER, REMNANT, enter_vertical
 from rocking.response import IMPACT_CUTOFF
 
@@ -166,7 +166,7 @@ def wake(f, i, j, record):
             f[row.ACTIVE + j] += 1.0 if i[row.ENDED + j] != int(f[row.SAMPLE + j]) else 0.0
             return MOVING
         sample = int(f[row.SAMPLE + j])
-        ahead = next_lift(sample + 1, record, f[row.FACTOR + j], 1.0, threshold, 0.0, threshold, 0.0)
+        ahead = next_exceedance(sample + 1, record, f[row.FACTOR + j], threshold)
         if ahead > last:
             return RESTING
         # It lifts on the way to that sample, which is this one where rounding has put the crossing at its end.
