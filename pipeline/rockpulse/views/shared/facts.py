@@ -1,4 +1,4 @@
-"""The facts of one record or one block as text: a dash for what a page asks for, nothing for what files rarely know."""
+"""The facts of one record or one block as text: a dash for a missing fact of every page, nothing for a rare one."""
 
 import json
 import math
@@ -21,25 +21,13 @@ _MEASURED = re.compile(r"\bM[A-Za-z]{0,2}\s?=?\s?\d", re.ASCII)
 
 
 def own_radius(radius: float, p: float, gravity: float | None) -> float | None:
-    """The radius of a body [m] where it is its own; None where it is that of the rectangle with the same p [1/s].
-
-    Results without the gravity of their bodies know no other radius than the rectangle's.
-    """
+    """The radius of a body [m]; None for that of the rectangle with the same p [1/s], and without a gravity."""
     of_rectangle = gravity is None or math.isclose(radius, radius_of_rectangle(p, gravity), rel_tol=1e-9)
     return None if of_rectangle else radius
 
 
 class RecordFacts:
-    """What is known of one record, from its stored variables by their names; None where there is none.
-
-    Examples
-    --------
-    >>> known = {"event_title": "Kahramanmaras", "origin_time": "2023-02-06T01:17:32", "magnitude": 7.7}
-    >>> RecordFacts({**known, "station": "0201", "azimuth": 90.0}.get).described
-    'Kahramanmaras 2023-02-06 M 7.7, station 0201, E-W'
-    >>> RecordFacts({"start_time": "2019-07-06T03:19:37", "magnitude": math.nan, "component": "UP"}.get).described
-    'earthquake of 2019-07-06, UP'
-    """
+    """The facts of one record, from a function of the names of stored variables; None stands for a missing one."""
 
     def __init__(self, value: Callable[[str], Any]) -> None:
         self.value = value
@@ -89,13 +77,7 @@ class RecordFacts:
 
     @property
     def magnitude(self) -> str:
-        """The magnitude of the earthquake with its scale, as far as the file tells it; empty where it does not.
-
-        Examples
-        --------
-        >>> RecordFacts({"magnitude": 7.0, "magnitude_type": "Mw"}.get).magnitude
-        'Mw 7.0'
-        """
+        """The magnitude of the earthquake with its scale, as far as the file tells it; empty where it does not."""
         magnitude = self.real("magnitude")
         if math.isnan(magnitude):
             return ""

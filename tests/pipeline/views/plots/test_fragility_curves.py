@@ -163,10 +163,7 @@ def test_the_grey_line_is_the_acceleration_that_lifts(fragility_tree):
 
 @pytest.mark.parametrize(
     ("hazard", "expected"),
-    [
-        ("", ["velocity_ratio", "pga"]),
-        ('[hazard]\nk0 = 1e-4\nk = 2.5\nmeasure = "pgv"\n', ["velocity_ratio"]),
-    ],
+    [("", ["velocity_ratio", "pga"]), ('[hazard]\nk0 = 1e-4\nk = 2.5\nmeasure = "pgv"\n', ["velocity_ratio"])],
 )
 def test_the_measure_of_the_hazard_stands_beside_where_the_file_has_it(fragility_tree, hazard, expected):
     tree = fragility_tree.copy(deep=True)
