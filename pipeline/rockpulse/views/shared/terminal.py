@@ -3,6 +3,7 @@
 import math
 import textwrap
 from collections.abc import Callable
+from typing import Any
 
 from rockpulse.views.shared.words import numerals, say
 
@@ -85,5 +86,5 @@ def shortened(words: str, width: int) -> str:
 
 def paragraph(words: str, indent: str = "", first: str | None = None) -> str:
     """Running text, wrapped."""
-    indents = {"initial_indent": indent if first is None else first, "subsequent_indent": indent}
-    return "\n".join(textwrap.TextWrapper(WIDTH, **indents, break_long_words=False, break_on_hyphens=False).wrap(words))
+    options: dict[str, Any] = {"break_long_words": False, "break_on_hyphens": False, "subsequent_indent": indent}
+    return textwrap.fill(words, WIDTH, initial_indent=indent if first is None else first, **options)
