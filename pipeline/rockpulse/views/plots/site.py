@@ -97,7 +97,11 @@ def _parameter(ax: Axes, own: xr.Dataset, name: str, weight: np.ndarray) -> None
             words = say("plot.site.of_design", confidence=confidence)
             ax.axvspan(low, high, color=RED, alpha=0.13, lw=0, label=words)
     ax.set_xlim(_range(ordered, np.r_[lower[bounded], upper[bounded], design]))
-    _ticks(ax, whole=name == "main_count")
+    style.plain_ticks(ax.xaxis, 100.0)
+    low, high = ax.get_xlim()
+    if high / low < 6.0:  # within less than a decade the usual round numbers
+        ax.xaxis.set_major_locator(MaxNLocator(5, integer=name == "main_count"))
+        ax.xaxis.set_minor_locator(NullLocator())
     missing = int(np.count_nonzero(~np.isfinite(value) & (weight > 0.0)))
     if missing:
         ax.text(0.02, 0.97, say("plot.site.without_limit", count=missing), va="top", **beside)
@@ -125,15 +129,6 @@ def _fit(ax: Axes, own: xr.Dataset, confidence: str) -> None:
     if np.isfinite(low) and np.isfinite(high):
         words = say("plot.site.of_median", confidence=confidence)
         ax.plot([low, high], [0.5, 0.5], color=SKY, lw=4.0, solid_capstyle="butt", zorder=2.5, label=words)
-
-
-def _ticks(ax: Axes, whole: bool) -> None:
-    """Label the ticks with plain numbers, whole ones for counts."""
-    low, high = ax.get_xlim()
-    style.plain_ticks(ax.xaxis, 100.0)
-    if high / low < 6.0:  # within less than a decade the usual round numbers
-        ax.xaxis.set_major_locator(MaxNLocator(5, integer=whole))
-        ax.xaxis.set_minor_locator(NullLocator())
 
 
 def _remarks(site: xr.Dataset) -> list[str]:

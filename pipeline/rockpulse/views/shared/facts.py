@@ -44,7 +44,7 @@ class RecordFacts:
     @property
     def described(self) -> str:
         """Earthquake, station and direction in words; empty where nothing is known of them."""
-        station = f"station {self.place}" if self.place else ""
+        station = f"{say('head.station')} {self.place}" if self.place else ""
         return ", ".join(filter(None, (self._earthquake, station, self.direction)))
 
     @property
@@ -62,7 +62,7 @@ class RecordFacts:
             return " ".join(filter(None, (title, *more)))
         if not date and not magnitude:
             return self.text("event_title")
-        return " ".join(filter(None, ("earthquake", f"of {date}" if date else "", magnitude)))
+        return f"{say('earthquake_of', date=date) if date else say('head.earthquake')} {magnitude}".rstrip()
 
     @property
     def title(self) -> str:
