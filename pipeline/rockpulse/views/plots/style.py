@@ -281,14 +281,9 @@ def plain(name: object) -> str:
 
 
 def wrapped(words: str, width: int) -> str:
-    r"""Text broken into lines of `width` characters: mathematics counts as long as it is drawn, and is never broken.
+    """Text broken into lines of `width` characters: mathematics counts as long as it is drawn, and is never broken.
 
     Longer words are cut, so that no id leaves the picture. Line breaks in the text stay.
-
-    Examples
-    --------
-    >>> wrapped("a row of $\\alpha_c$ and so on", 13)
-    'a row of $\\alpha_c$\nand so on'
     """
     pieces = _MATHEMATICS.findall(words)
     # Each piece is replaced by as many letters of its own as it shows.
