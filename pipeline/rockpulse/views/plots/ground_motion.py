@@ -131,11 +131,9 @@ def had_vertical(summary: xr.Dataset, record: str) -> bool:
     return bool(summary["vertical_channel"].sel(record=record).item())
 
 
-#: Part of the intense phase that is shown before and after it, and at least so many seconds.
-_AROUND, _LEAST = 0.1, 1.0
-
-#: Columns by which the whole record is drawn: it is an overview.
-_WHOLE = 450
+#: The share of the intense phase that is shown before and after it, but at least so many seconds; columns by which the
+#: whole record is drawn, as an overview.
+_AROUND, _LEAST, _WHOLE = 0.1, 1.0, 450
 
 
 def accelerogram(motion: xr.Dataset, axes: Panels | None = None) -> np.ndarray:

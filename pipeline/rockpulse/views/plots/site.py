@@ -19,11 +19,8 @@ from rockpulse.views.shared.terminal import figure, general
 from rockpulse.views.shared.words import named, say
 from rockpulse.views.text.site import site_remarks
 
-#: Largest ratio to the range of the records up to which the axis follows an interval or the design.
-_NEAR = 3.0
-
-#: A remark longer than this is cut [characters].
-_REMARK = 230
+#: Largest ratio to the range of the records up to which the axis follows the design; the longest remark [characters].
+_NEAR, _REMARK = 3.0, 230
 
 #: Letters of the parameters that have one.
 _SYMBOLS = {"main": "$I$", "ratio": "$I_s/I$", "interval": r"$\Delta T$"}

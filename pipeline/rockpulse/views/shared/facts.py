@@ -20,12 +20,6 @@ _DATED = re.compile(r"\b(?:19|20)\d\d\b|\b\d{1,2}[/-]\d{1,2}[/-]\d\d\b", re.ASCI
 _MEASURED = re.compile(r"\bM[A-Za-z]{0,2}\s?=?\s?\d", re.ASCII)
 
 
-def own_radius(radius: float, p: float, gravity: float | None) -> float | None:
-    """The radius of a body [m]; None for that of the rectangle with the same p [1/s], and without a gravity."""
-    of_rectangle = gravity is None or math.isclose(radius, radius_of_rectangle(p, gravity), rel_tol=1e-9)
-    return None if of_rectangle else radius
-
-
 class RecordFacts:
     """The facts of one record, from a function of the names of stored variables; None stands for a missing one."""
 
@@ -146,8 +140,9 @@ class Known(RecordFacts):
         shown, width = self.number("radius", "m"), self.value("width")
         if shown == ABSENT or width is None or not math.isnan(width):
             return shown
-        own = own_radius(*(self.value(name) for name in ("radius", "p", "gravity")))
-        return say(f"fact.radius_of_{'rectangle' if own is None else 'body'}", radius=shown)
+        radius, p, gravity = (self.value(name) for name in ("radius", "p", "gravity"))
+        rectangle = gravity is None or math.isclose(radius, radius_of_rectangle(p, gravity), rel_tol=1e-9)
+        return say(f"fact.radius_of_{'rectangle' if rectangle else 'body'}", radius=shown)
 
     @property
     def support(self) -> str:

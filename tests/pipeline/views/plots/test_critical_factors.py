@@ -71,13 +71,6 @@ def test_a_dot_stands_at_the_smallest_factor(assessed, changed, first):
     assert "Hollow: a lower bound" in small_print(ax)
 
 
-def test_records_on_a_block_are_ordered_by_their_factor(assessed):
-    ax = overturning_map(assessed, block="wall")
-    factor = assessed["summary"]["safety_factor"].sel(block="wall", model="nonlinear")
-    expected = factor["record"].values[np.argsort(factor.values)].tolist()
-    assert named_rows(ax) == expected
-
-
 def test_every_restitution_has_a_row_of_its_own(clc):
     body = Block(half_width=0.125, half_height=1.1, restitution=[0.9, 0.98])
     tree = rp.assess(clc, Config(models=ModelSettings(use=("resonance",))), blocks={"wall": body})
@@ -178,12 +171,8 @@ def ticks(ax):
 @pytest.fixture
 def asked_for(assessed, changed):
     """The results with a demand [m/s2]."""
-
-    def with_demand(acceleration, **variables):
-        summary = demanding(assessed["summary"].to_dataset(), {"damage": acceleration})
-        return changed({"/summary": summary}, **variables)
-
-    return with_demand
+    summary = assessed["summary"].to_dataset()
+    return lambda level, **variables: changed({"/summary": demanding(summary, {"damage": level})}, **variables)
 
 
 def test_a_demand_is_a_tick_on_every_record(assessed, asked_for, first):
