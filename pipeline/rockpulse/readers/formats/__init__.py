@@ -1,8 +1,7 @@
-"""The formats: each module of this package reads one family of files and lists it in its ``FORMATS``.
+"""The formats: each module of this package reads one family of files, for each of which it has a row `Format`.
 
-They are tried in the order of their names, which must not matter: each claims its own files only, and a test holds
-every one against every sample. A new module is found by itself, also by obspy: the build makes the plugins from the
-same lists (``hatch_build.py``).
+They are tried in the order of their names, which must not matter: each claims its own files only. A new module is found
+by itself, also by obspy: the build makes the plugins from the same rows (``hatch_build.py``).
 """
 
 from dataclasses import replace
@@ -12,9 +11,10 @@ from pkgutil import iter_modules
 from rockpulse.readers.format import Format
 from rockpulse.readers.formats import columns
 
-_ROWS = [row for module in iter_modules(__path__) for row in import_module(f"{__name__}.{module.name}").FORMATS]
+_MODULES = [import_module(f"{__name__}.{module.name}") for module in iter_modules(__path__)]
+_ROWS = [row for module in _MODULES for row in vars(module).values() if isinstance(row, Format)]
 #: Formats of which each recognises its own files only, by their content.
-_SPECIFIC = sorted((row for row in _ROWS if row.name != "columns"), key=lambda row: row.name)
+_SPECIFIC = sorted((row for row in _ROWS if row is not columns.COLUMNS), key=lambda row: row.name)
 
 
 def _is_nothing_but_columns(head: bytes, name: str) -> bool:
@@ -22,4 +22,4 @@ def _is_nothing_but_columns(head: bytes, name: str) -> bool:
 
 
 #: Tried from the first to the last; the first that recognises a file reads it. The least specific one comes last.
-FORMATS: tuple[Format, ...] = (*_SPECIFIC, *(replace(row, detect=_is_nothing_but_columns) for row in columns.FORMATS))
+FORMATS: tuple[Format, ...] = (*_SPECIFIC, replace(columns.COLUMNS, detect=_is_nothing_but_columns))

@@ -276,15 +276,13 @@ def _start_time(header: _Header) -> tuple[datetime | None, list[str]]:
     return kit.near_event(start, origin)
 
 
-FORMATS = (
-    Format(
-        name="asa",
-        what="ASA 2.0 (Mexico: UNAM, CIRES)",
-        recognised="'ARCHIVO ESTANDAR DE ACELERACION' in the header",
-        unit="gal, from the header",
-        processed="no",
-        example="CUP50401.012",
-        detect=is_asa,
-        parse=read_asa,
-    ),
+ASA = Format(
+    name="asa",
+    what="ASA 2.0 (Mexico: UNAM, CIRES)",
+    recognised="'ARCHIVO ESTANDAR DE ACELERACION' in the header",
+    unit="gal, from the header",
+    processed="no",
+    example="CUP50401.012",
+    detect=is_asa,
+    parse=read_asa,
 )

@@ -19,7 +19,7 @@ from rockpulse.errors import RecordFormatError, RockpulseError, UnitError
 from rockpulse.readers import kit
 from rockpulse.readers.format import Format, ReadOptions
 from rockpulse.readers.kit.table import end_of_numbers
-from rockpulse.readers.source import NotAcceleration, SourceFile
+from rockpulse.readers.source import SourceFile
 from rockpulse.record.record import Record
 
 _HEADER_LIMIT = 10
@@ -168,10 +168,8 @@ def _unit(name: str, header: Sequence[str], station: str, given: str | None) -> 
             continue
         if series and not series[1].upper().startswith("ACC"):
             of = f" of station {station}" if station else ""
-            raise NotAcceleration(
-                f"{name}:{index + 1}: expected an acceleration series{of}, found {line.strip()!r}; read the AT2 file "
-                "of the same record"
-            )
+            expected, advice = f"an acceleration series{of}", "read the AT2 file of the same record"
+            raise kit.no_acceleration(f"{name}:{index + 1}", expected, repr(line.strip()), advice)
         if unit:
             return kit.canonical_unit(unit[1], f"{name}:{index + 1}")
         behind = _WITHOUT_WORD.match(line, series.end()) if series else None
@@ -277,15 +275,13 @@ def _listed(entries: dict[str, str]) -> Listed:
     )
 
 
-FORMATS = (
-    Format(
-        name="at2",
-        what="PEER AT2",
-        recognised="a line with NPTS and DT near the top, or with both numbers below the line of units",
-        unit="g, from the header",
-        processed="by title",
-        example="RSN763_LOMAP_GIL067.AT2",
-        detect=is_at2,
-        parse=read_at2,
-    ),
+AT2 = Format(
+    name="at2",
+    what="PEER AT2",
+    recognised="a line with NPTS and DT near the top, or with both numbers below the line of units",
+    unit="g, from the header",
+    processed="by title",
+    example="RSN763_LOMAP_GIL067.AT2",
+    detect=is_at2,
+    parse=read_at2,
 )

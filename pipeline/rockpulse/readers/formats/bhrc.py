@@ -38,13 +38,8 @@ def read_bhrc(file: SourceFile, options: ReadOptions) -> list[Record]:
     starts = (start for start, _ in spans)
     counts = (kit.Counted(at + 1, "", one.component, _COMPONENTS) for at, one in zip(starts, records, strict=True))
     units = kit.held_units((record.component, record.source_unit) for record in records)
-    notes = (
-        *kit.completeness(file.name, counts, "files of this format hold"),
-        *copies,
-        *units,
-        *_held_azimuths(records),
-    )
-    return kit.with_warnings(records, notes)
+    missing = kit.completeness(file.name, counts, "files of this format hold")
+    return kit.with_warnings(records, (*missing, *copies, *units, *_held_azimuths(records)))
 
 
 def _channel(file: SourceFile, lines: Sequence[str], span: kit.Span, number: int) -> Record:
@@ -54,14 +49,12 @@ def _channel(file: SourceFile, lines: Sequence[str], span: kit.Span, number: int
     count = kit.declared_points(header[10], f"{file.name}:{start + 11}")
     unit = kit.pair_unit(header[11], f"{file.name}:{start + 12}")
     step = _step(file.name, lines[start + 21], kit.matched(_DURATION, header[10]), start, count)
-    samples = kit.fixed_width(lines[first:end], first + 1, _WIDTH, _PER_ROW, count, file.name)
-    rows = -(-count // _PER_ROW)
+    samples, notes = kit.fixed_block(file.name, lines, (first, end), _WIDTH, _PER_ROW, count)
     component = kit.matched(_COMPONENT, header[6]).upper()
     if not component:
         where, expected = f"{file.name}:{start + 7}", "'COMP L1', 'COMP V2' or 'COMP T3'"
         raise kit.unexpected(where, expected, repr(header[6].strip()))
     origin, letter = kit.matched(_ORIGIN, header[2]), header[4].strip().upper()
-    notes = kit.surplus(lines, first + rows, end, used=_WIDTH * (count - (rows - 1) * _PER_ROW))
     if letter in ("L", "V", "T") and letter != component:
         notes = (f"the header names the component {letter} and {component}; one of them is wrong", *notes)
     return kit.build_record(
@@ -113,15 +106,13 @@ def _facing(letter: str, station_line: str) -> kit.Direction:
     return kit.Direction("horizontal", float(azimuth[1]) % 360.0)
 
 
-FORMATS = (
-    Format(
-        name="bhrc",
-        what="BHRC (Iran) volume 1",
-        recognised="first line '* VOL1DS FILE:'",
-        unit="g/10, from the header",
-        processed="no",
-        example="5520-1.V1",
-        detect=begins_with(_TITLE),
-        parse=read_bhrc,
-    ),
+BHRC = Format(
+    name="bhrc",
+    what="BHRC (Iran) volume 1",
+    recognised="first line '* VOL1DS FILE:'",
+    unit="g/10, from the header",
+    processed="no",
+    example="5520-1.V1",
+    detect=begins_with(_TITLE),
+    parse=read_bhrc,
 )

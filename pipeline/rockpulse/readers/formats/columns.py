@@ -37,7 +37,15 @@ from rockpulse.readers.kit.table import (
     runs_on,
     split_row,
 )
-from rockpulse.readers.kit.text import UNITS, canonical_unit, check_count, text_lines, unexpected
+from rockpulse.readers.kit.text import (
+    ACCELERATION_FILE,
+    UNITS,
+    canonical_unit,
+    check_count,
+    no_acceleration,
+    text_lines,
+    unexpected,
+)
 from rockpulse.readers.source import NotAcceleration, SourceFile
 from rockpulse.record.record import Record
 
@@ -282,10 +290,7 @@ def _check_abscissa(where: str, columns: _Columns, first: Heading) -> None:
     """Refuse a table over periods or frequencies, whatever its other columns are called."""
     steps = np.diff(columns.table[:, 0])
     if first.kind == "spectrum" and columns.width > 1 and (np.all(steps > 0.0) or np.all(steps < 0.0)):
-        raise NotAcceleration(
-            f"{where}: expected accelerations over time, found columns over {first.name!r}, a spectrum; "
-            "read the acceleration file of the same record"
-        )
+        raise no_acceleration(where, "accelerations over time", f"columns over {first.name!r}, a spectrum")
 
 
 def _check_apart(where: str, columns: _Columns, timed: bool, lacking: Sequence[str]) -> None:
@@ -326,18 +331,14 @@ def _accelerations(name: str, columns: _Columns, prose: Sequence[str]) -> _Colum
     ]
     left = ", ".join(heading.name for index, heading in enumerate(headings) if index not in kept)[:_LISTED]
     if not kept:
-        raise NotAcceleration(
-            f"{name}:{len(prose) + 1}: expected an acceleration column, found {left} only; "
-            "read the acceleration file of the same record"
-        )
+        raise no_acceleration(f"{name}:{len(prose) + 1}", "an acceleration column", f"{left} only")
     said = stated_kinds(prose)
     others = [kind for kind in said if kind != "acceleration"]
     if others and not all(headings[index].kind for index in kept):
         where, listed = f"{name}:{said[others[0]]}", " and ".join(others)
         if "acceleration" not in said and "spectrum" not in said:
             raise NotAcceleration(
-                f"{where}: expected accelerations, the header speaks of {listed} only; "
-                "read the acceleration file of the same record"
+                f"{where}: expected accelerations, the header speaks of {listed} only; {ACCELERATION_FILE}"
             )
         expected, found = "to know which columns are accelerations", f"a header that speaks of {listed}"
         raise unexpected(where, expected, found, _NAME_THEM)
@@ -367,15 +368,13 @@ def _units(name: str, headings: Sequence[Heading], prose: Sequence[str], options
     return units
 
 
-FORMATS = (
-    Format(
-        name="columns",
-        what="columns of numbers (CSV, TXT), with or without time",
-        recognised="rows of numbers after a short header",
-        unit="asked for (units), or in the headings",
-        processed="unknown",
-        example="record.csv",
-        detect=is_columns,
-        parse=read_columns,
-    ),
+COLUMNS = Format(
+    name="columns",
+    what="columns of numbers (CSV, TXT), with or without time",
+    recognised="rows of numbers after a short header",
+    unit="asked for (units), or in the headings",
+    processed="unknown",
+    example="record.csv",
+    detect=is_columns,
+    parse=read_columns,
 )

@@ -94,10 +94,7 @@ def _channel(file: SourceFile, lines: Sequence[str], header: Header, end: int, n
             f"{_OTHER_QUANTITIES[code]}; find out which is right and repair the header"
         )
     if "accel" not in kind:
-        raise NotAcceleration(
-            f"{file.name}:{header.start + 1}: expected acceleration, found {header.kind!r}; "
-            "read the acceleration file of the same record"
-        )
+        raise kit.no_acceleration(f"{file.name}:{header.start + 1}", "acceleration", repr(header.kind))
     series = _acceleration(file.name, lines, header, end)
     where, first = f"{file.name}:{series.at + 1}", series.at + 1
     unit = _unit(series, where)
@@ -143,6 +140,7 @@ def _channel(file: SourceFile, lines: Sequence[str], header: Header, end: int, n
         start_time=start_time,
         facts=header.facts(),
         header_peak=peak,
+        peak_factor=1.0,
         warnings=[*notes, *header.site_notes(), *time_notes],
     )
 
@@ -174,9 +172,8 @@ def _acceleration(name: str, lines: Sequence[str], header: Header, end: int) -> 
             )
         series = found[linear[0]]
         return replace(series, warnings=(*series.warnings, *copies))
-    raise NotAcceleration(
-        f"{name}:{header.end + 1}: expected acceleration, found {found[0].kind!r}; read the acceleration file"
-    )
+    where, advice = f"{name}:{header.end + 1}", "read the acceleration file"
+    raise kit.no_acceleration(where, "acceleration", repr(found[0].kind), advice)
 
 
 def _unit(series: _Series, where: str) -> str:
@@ -269,15 +266,13 @@ def _interval(header: Header, count: int, name: str) -> tuple[float, list[str]]:
     ]
 
 
-FORMATS = (
-    Format(
-        name="cosmos",
-        what="COSMOS 1.20 V0, V1, V2",
-        recognised="first line '(Format v01.20 with 13 text lines)'",
-        unit="by the series: cm/s2, g, gal, counts with gain",
-        processed="by title",
-        example="CE23837.V1C",
-        detect=begins_with(TITLE),
-        parse=read_cosmos,
-    ),
+COSMOS = Format(
+    name="cosmos",
+    what="COSMOS 1.20 V0, V1, V2",
+    recognised="first line '(Format v01.20 with 13 text lines)'",
+    unit="by the series: cm/s2, g, gal, counts with gain",
+    processed="by title",
+    example="CE23837.V1C",
+    detect=begins_with(TITLE),
+    parse=read_cosmos,
 )

@@ -311,35 +311,33 @@ def refuse_spectra(file: SourceFile, options: ReadOptions) -> NoReturn:
     )
 
 
-FORMATS = (
-    Format(
-        name="csmip_v1",
-        what="CSMIP volume 1, both layouts",
-        recognised="first line 'Uncorrected Accelerogram Data'",
-        unit="g or g/10, from the header",
-        processed="no",
-        example="CICLC.v1",
-        detect=is_csmip_v1,
-        parse=read_csmip_v1,
-    ),
-    Format(
-        name="csmip_v2",
-        what="CSMIP volume 2, the acceleration of each channel",
-        recognised="first lines 'Corrected accelerogram' and 'Uncorrected Accelerogram Data'",
-        unit="cm/s2, from the heading of the block",
-        processed="yes",
-        example="CE58667.V2",
-        detect=begins_with(_BOTH_TITLES, 1000),
-        parse=read_csmip_v2,
-    ),
-    Format(
-        name="csmip_v3",
-        what=_SPECTRA_WORDS,
-        recognised=f"first lines like {_SPECTRA}",
-        unit="-",
-        processed="-",
-        example="CE89146.V3",
-        detect=begins_with(re.compile(_SPECTRA, re.IGNORECASE), _SPECTRA_OPENING),
-        parse=refuse_spectra,
-    ),
+CSMIP_V1 = Format(
+    name="csmip_v1",
+    what="CSMIP volume 1, both layouts",
+    recognised="first line 'Uncorrected Accelerogram Data'",
+    unit="g or g/10, from the header",
+    processed="no",
+    example="CICLC.v1",
+    detect=is_csmip_v1,
+    parse=read_csmip_v1,
+)
+CSMIP_V2 = Format(
+    name="csmip_v2",
+    what="CSMIP volume 2, the acceleration of each channel",
+    recognised="first lines 'Corrected accelerogram' and 'Uncorrected Accelerogram Data'",
+    unit="cm/s2, from the heading of the block",
+    processed="yes",
+    example="CE58667.V2",
+    detect=begins_with(_BOTH_TITLES, 1000),
+    parse=read_csmip_v2,
+)
+CSMIP_V3 = Format(
+    name="csmip_v3",
+    what=_SPECTRA_WORDS,
+    recognised=f"first lines like {_SPECTRA}",
+    unit="-",
+    processed="-",
+    example="CE89146.V3",
+    detect=begins_with(re.compile(_SPECTRA, re.IGNORECASE), _SPECTRA_OPENING),
+    parse=refuse_spectra,
 )

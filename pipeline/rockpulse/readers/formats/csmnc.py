@@ -31,7 +31,7 @@ import numpy as np
 
 from rockpulse.readers import kit
 from rockpulse.readers.format import Format, ReadOptions
-from rockpulse.readers.source import NotAcceleration, SourceFile
+from rockpulse.readers.source import SourceFile
 from rockpulse.record.record import Record
 
 _STEP = re.compile(r"EQUALLY SPACED INTERVALS? OF\s*:\s*(\d{0,3}\.?\d{1,9})\s*SEC", re.ASCII | re.IGNORECASE)
@@ -74,10 +74,7 @@ def read_csmnc(file: SourceFile, options: ReadOptions) -> list[Record]:
     head = lines[:_LONGEST_HEADER]
     kind_at, kind = _find(file.name, head, _KIND, "UNCORRECTED ACCELERATION  UNIT: CM/SEC/SEC")
     if kind[2].upper() != "ACCELERATION":
-        raise NotAcceleration(
-            f"{file.name}:{kind_at + 1}: expected acceleration, found {kind[2].lower()}; "
-            "read the acceleration file of the same record"
-        )
+        raise kit.no_acceleration(f"{file.name}:{kind_at + 1}", "acceleration", kind[2].lower())
     unit = kit.canonical_unit(kind[3], f"{file.name}:{kind_at + 1}")
     step_at, step = _find(file.name, head, _STEP, "EQUALLY SPACED INTERVALS OF:  0.005  SEC")
     count_at, declared = _find(file.name, head, _COUNT, "NO. OF POINTS:  12000")
@@ -112,7 +109,6 @@ def read_csmnc(file: SourceFile, options: ReadOptions) -> list[Record]:
                 site_class=_first(head, _SITE),
             ),
             header_peak=kit.printed_number(_first(head, _PEAK)),
-            peak_factor=kit.UNITS[unit],
             warnings=[
                 *notes,
                 *kit.held_length(_first(head, _DURATION), count, dt, _CUT_OFF),
@@ -173,15 +169,13 @@ def _origin(head: Sequence[str]) -> tuple[int, datetime | None]:
     return 0, None
 
 
-FORMATS = (
-    Format(
-        name="csmnc",
-        what="CSMNC (China)",
-        recognised="'EQUALLY SPACED INTERVALS OF:' in the header",
-        unit="cm/s2, from the header",
-        processed="by title",
-        example="051WCW080512142801.EW.dat",
-        detect=is_csmnc,
-        parse=read_csmnc,
-    ),
+CSMNC = Format(
+    name="csmnc",
+    what="CSMNC (China)",
+    recognised="'EQUALLY SPACED INTERVALS OF:' in the header",
+    unit="cm/s2, from the header",
+    processed="by title",
+    example="051WCW080512142801.EW.dat",
+    detect=is_csmnc,
+    parse=read_csmnc,
 )

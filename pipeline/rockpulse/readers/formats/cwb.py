@@ -83,7 +83,6 @@ def read_cwb(file: SourceFile, options: ReadOptions) -> list[Record]:
             start_time=start_time,
             facts=facts,
             header_peak=_peak(header.text(f"amplitudemax{letter.lower()}")),
-            peak_factor=kit.UNITS[unit],
             warnings=notes,
         )
         for number, (letter, sign) in enumerate(channels, start=1)
@@ -157,15 +156,13 @@ def _facing(letter: str, sign: str) -> kit.Direction:
     return replace(facing, azimuth=facing.azimuth + 180.0)  # of N or E
 
 
-FORMATS = (
-    Format(
-        name="cwb",
-        what="CWB or CWA free field (Taiwan)",
-        recognised="lines that begin with '#', one of them '#AmplitudeUnit:'",
-        unit="gal, from the header",
-        processed="no",
-        example="2-EGF.dat",
-        detect=is_cwb,
-        parse=read_cwb,
-    ),
+CWB = Format(
+    name="cwb",
+    what="CWB or CWA free field (Taiwan)",
+    recognised="lines that begin with '#', one of them '#AmplitudeUnit:'",
+    unit="gal, from the header",
+    processed="no",
+    example="2-EGF.dat",
+    detect=is_cwb,
+    parse=read_cwb,
 )

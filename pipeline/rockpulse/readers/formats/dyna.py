@@ -13,7 +13,7 @@ import numpy as np
 
 from rockpulse.readers import kit
 from rockpulse.readers.format import Format, ReadOptions
-from rockpulse.readers.source import NotAcceleration, SourceFile
+from rockpulse.readers.source import SourceFile
 from rockpulse.record.record import Record
 
 _FIRST = "EVENT_NAME"
@@ -95,10 +95,7 @@ def read_dyna(file: SourceFile, options: ReadOptions) -> list[Record]:
         expected = f"'DATA_TYPE: ACCELERATION' in the {header.end} lines of the header"
         raise kit.unexpected(header.where("DATA_TYPE"), expected, "none")
     if kind.upper() != "ACCELERATION":
-        raise NotAcceleration(
-            f"{header.where('DATA_TYPE')}: expected 'DATA_TYPE: ACCELERATION', found {kind!r}; "
-            "read the acceleration file of the same record"
-        )
+        raise kit.no_acceleration(header.where("DATA_TYPE"), "'DATA_TYPE: ACCELERATION'", repr(kind))
     unit = kit.canonical_unit(header.text("UNITS"), header.where("UNITS"))
     step, count = header.number("SAMPLING_INTERVAL_S"), header.text("NDATA")
     if not step > 0.0:
@@ -290,15 +287,13 @@ def _moment(text: str) -> datetime | None:
     return kit.instant([int(part) for part in day], (int(clock[1]), int(clock[3]), float(clock[4])))
 
 
-FORMATS = (
-    Format(
-        name="dyna",
-        what="DYNA 1.x (ESM, ITACA, AFAD)",
-        recognised="a line 'EVENT_NAME:' and others of the keys, at the top or below other lines",
-        unit="cm/s2, from the header",
-        processed="by type",
-        example="HI.ARS1..HNE.D.20190728.160908.C.ACC.ASC",
-        detect=is_dyna,
-        parse=read_dyna,
-    ),
+DYNA = Format(
+    name="dyna",
+    what="DYNA 1.x (ESM, ITACA, AFAD)",
+    recognised="a line 'EVENT_NAME:' and others of the keys, at the top or below other lines",
+    unit="cm/s2, from the header",
+    processed="by type",
+    example="HI.ARS1..HNE.D.20190728.160908.C.ACC.ASC",
+    detect=is_dyna,
+    parse=read_dyna,
 )

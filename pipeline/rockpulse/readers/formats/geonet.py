@@ -77,7 +77,8 @@ def _component(file: SourceFile, lines: Sequence[str], start: int, number: int) 
     reals = kit.fixed_width(lines[at:], at + 1, _WIDTH, _PER_ROW, _PER_ROW, file.name)
     count, rows = _counts(file.name, text[9], start, integers)
     kit.check_count(end, rows, len(lines[first : first + rows]), f"rows of values of component {number}")
-    samples = kit.fixed_width(lines[first:], first + 1, _WIDTH, _PER_ROW, count, file.name)
+    values = (first, first + -(-count // _PER_ROW))
+    samples, surplus = kit.fixed_block(file.name, lines, values, _WIDTH, _PER_ROW, count)
     raw = title[1] is not None
     peak, readings = _PEAK.match(text[13]), _READINGS.match(text[10])
     source, line = (readings, 10) if raw else (peak, 13)
@@ -85,8 +86,7 @@ def _component(file: SourceFile, lines: Sequence[str], start: int, number: int) 
     peak_unit = kit.canonical_unit(peak[2], f"{file.name}:{start + 14}") if peak else unit
     start_time, notes = kit.near_event(*_times(integers))
     step = _step(f"{file.name}:{start + 11}", text[10], float(reals[5]))
-    last = -(-count // _PER_ROW)
-    notes += kit.surplus(lines, first + last, first + last, used=_WIDTH * (count - _PER_ROW * (last - 1)))
+    notes += surplus
     notes += _held(text, step, step * np.arange(count) - reals[1], samples)
     component = kit.matched(_COMPONENT, text[12])
     record = kit.build_record(
@@ -171,15 +171,13 @@ def _times(integers: np.ndarray) -> tuple[datetime | None, datetime | None]:
     return start, kit.instant((year, month, day), (hour, minute, 0.1 * tenths))
 
 
-FORMATS = (
-    Format(
-        name="geonet",
-        what="GeoNet (New Zealand) V1A and V2A, the accelerations",
-        recognised="first line 'Corrected' or 'Uncorrected accelerogram', date_time_site",
-        unit="mm/s2",
-        processed="by type",
-        example="20161113_110313_THZ_20.V2A",
-        detect=begins_with(_TITLE),
-        parse=read_geonet,
-    ),
+GEONET = Format(
+    name="geonet",
+    what="GeoNet (New Zealand) V1A and V2A, the accelerations",
+    recognised="first line 'Corrected' or 'Uncorrected accelerogram', date_time_site",
+    unit="mm/s2",
+    processed="by type",
+    example="20161113_110313_THZ_20.V2A",
+    detect=begins_with(_TITLE),
+    parse=read_geonet,
 )

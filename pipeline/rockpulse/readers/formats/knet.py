@@ -99,16 +99,14 @@ def _component(file: SourceFile, channel: str) -> tuple[str, list[str]]:
     return component, warnings
 
 
-FORMATS = (
-    Format(
-        name="knet",
-        what="K-NET, KiK-net ASCII",
-        recognised="first words 'Origin Time'",
-        unit="counts, scale in the header",
-        processed="no",
-        example="AKT0139608110312.EW",
-        detect=is_knet,
-        parse=read_knet,
-        obspy_reads=True,
-    ),
+KNET = Format(
+    name="knet",
+    what="K-NET, KiK-net ASCII",
+    recognised="first words 'Origin Time'",
+    unit="counts, scale in the header",
+    processed="no",
+    example="AKT0139608110312.EW",
+    detect=is_knet,
+    parse=read_knet,
+    obspy_reads=True,
 )

@@ -90,16 +90,14 @@ def _held_rate(rate: float, channel: Any) -> list[str]:
     return [f"the StationXML states {told:g} samples per s, the data {rate:g}; the interval is that of the data"]
 
 
-FORMATS = (
-    Format(
-        name="miniseed",
-        what="miniSEED with StationXML in the same folder",
-        recognised="record header",
-        unit="counts, gain from StationXML",
-        processed="no",
-        example="CI.WCS2..HNE.mseed",
-        detect=is_miniseed,
-        parse=read_miniseed,
-        obspy_reads=True,
-    ),
+MINISEED = Format(
+    name="miniseed",
+    what="miniSEED with StationXML in the same folder",
+    recognised="record header",
+    unit="counts, gain from StationXML",
+    processed="no",
+    example="CI.WCS2..HNE.mseed",
+    detect=is_miniseed,
+    parse=read_miniseed,
+    obspy_reads=True,
 )

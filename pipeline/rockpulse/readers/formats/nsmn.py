@@ -73,7 +73,6 @@ def read_nsmn(file: SourceFile, options: ReadOptions) -> list[Record]:
             start_time=start_time,
             facts=facts,
             header_peak=peaks.get(component, kit.printed_number("")),
-            peak_factor=kit.UNITS[unit],
             warnings=[*notes, *kit.surplus(lines, end, len(lines))],
         )
         for number, (samples, component) in enumerate(zip(table.T, components, strict=True), start=1)
@@ -119,15 +118,13 @@ def _start_time(header: kit.Entries) -> tuple[datetime | None, list[str]]:
     return kit.near_event(start, _moment(header.text("EARTHQUAKE DATE"))[0])
 
 
-FORMATS = (
-    Format(
-        name="nsmn",
-        what="NSMN (Turkey, before AFAD)",
-        recognised="first line 'STRONG GROUND MOTION RECORDS OF T...'",
-        unit="gal, from the header",
-        processed="no",
-        example="20170720223109_0921.txt",
-        detect=begins_with(_TITLE),
-        parse=read_nsmn,
-    ),
+NSMN = Format(
+    name="nsmn",
+    what="NSMN (Turkey, before AFAD)",
+    recognised="first line 'STRONG GROUND MOTION RECORDS OF T...'",
+    unit="gal, from the header",
+    processed="no",
+    example="20170720223109_0921.txt",
+    detect=begins_with(_TITLE),
+    parse=read_nsmn,
 )

@@ -49,16 +49,14 @@ def _first_times(file: SourceFile) -> dict[str, float]:
     return times
 
 
-FORMATS = (
-    Format(
-        name="renadic",
-        what="RENADIC (Chile) volume 1, parts joined",
-        recognised="first line 'Uncorrected Accelerogram Data', RENADIC in the header",
-        unit="g/10, from the header",
-        processed="no",
-        example="curico1002271parte1.v1",
-        detect=is_renadic,
-        parse=read_renadic,
-        parts=PartRule(re.compile(r"(.*?)[\s_-]*parte?[\s_-]*(\d{1,2})", re.IGNORECASE | re.ASCII), _first_times),
-    ),
+RENADIC = Format(
+    name="renadic",
+    what="RENADIC (Chile) volume 1, parts joined",
+    recognised="first line 'Uncorrected Accelerogram Data', RENADIC in the header",
+    unit="g/10, from the header",
+    processed="no",
+    example="curico1002271parte1.v1",
+    detect=is_renadic,
+    parse=read_renadic,
+    parts=PartRule(re.compile(r"(.*?)[\s_-]*parte?[\s_-]*(\d{1,2})", re.IGNORECASE | re.ASCII), _first_times),
 )

@@ -97,7 +97,6 @@ def read_sac(file: SourceFile, options: ReadOptions) -> list[Record]:
             facts=_facts(header, start),
             # The larger of DEPMIN and DEPMAX without sign, where both are set and one is not 0.
             header_peak=(max(map(abs, extremes)) or math.nan, 0.0),
-            peak_factor=kit.UNITS[unit],
             warnings=notes,
         )
     ]
@@ -150,16 +149,14 @@ def _check_coordinates(file: SourceFile, order: str) -> None:
             raise kit.unexpected(file.name, f"degrees in the header word {name}", f"{value:g}", advice)
 
 
-FORMATS = (
-    Format(
-        name="sac",
-        what="SAC, binary",
-        recognised="header version",
-        unit="asked for (units)",
-        processed="unknown",
-        example="T001230.HNE.sac",
-        detect=is_sac,
-        parse=read_sac,
-        obspy_reads=True,
-    ),
+SAC = Format(
+    name="sac",
+    what="SAC, binary",
+    recognised="header version",
+    unit="asked for (units)",
+    processed="unknown",
+    example="T001230.HNE.sac",
+    detect=is_sac,
+    parse=read_sac,
+    obspy_reads=True,
 )

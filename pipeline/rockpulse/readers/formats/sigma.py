@@ -13,7 +13,7 @@ import numpy as np
 
 from rockpulse.readers import kit
 from rockpulse.readers.format import Format, ReadOptions
-from rockpulse.readers.source import NotAcceleration, SourceFile
+from rockpulse.readers.source import SourceFile
 from rockpulse.record.record import Record
 
 #: Lines in which the header ends; a header has ten.
@@ -51,10 +51,7 @@ def read_sigma(file: SourceFile, options: ReadOptions) -> list[Record]:
     header, kind, unit_text, repeated = _header(file.name, lines)
     where = f"{file.name}:{header.end}"
     if kind in _OTHERS:
-        raise NotAcceleration(
-            f"{where}: expected 'Acceleration time series', found {_OTHERS[kind]}; "
-            "read the acceleration file of the same record"
-        )
+        raise kit.no_acceleration(where, "'Acceleration time series'", _OTHERS[kind])
     unit = kit.canonical_unit(unit_text, where)
     step, count = header.get("time increment", kit.Entry(aside="s", line=header.end)), header.text("number of data")
     if not (_DECIMAL.fullmatch(step.text) and step.aside.lower() in ("", "s", "sec")):
@@ -160,15 +157,13 @@ def _processing(header: kit.Entries) -> tuple[bool | None, list[str]]:
     return (False if words.lower() in ("none", "unprocessed", "raw") else None), notes
 
 
-FORMATS = (
-    Format(
-        name="sigma",
-        what="SIGMA/ITACA .acc",
-        recognised="first lines 'Event Date & Time :', 'Time Increment (s) :', 'Number of Data :'",
-        unit="m/s2, from the header",
-        processed="by the header",
-        example="16837_H2.cor.acc",
-        detect=is_sigma,
-        parse=read_sigma,
-    ),
+SIGMA = Format(
+    name="sigma",
+    what="SIGMA/ITACA .acc",
+    recognised="first lines 'Event Date & Time :', 'Time Increment (s) :', 'Number of Data :'",
+    unit="m/s2, from the header",
+    processed="by the header",
+    example="16837_H2.cor.acc",
+    detect=is_sigma,
+    parse=read_sigma,
 )

@@ -14,7 +14,7 @@ import numpy as np
 from rockpulse.errors import RecordFormatError
 from rockpulse.readers import kit
 from rockpulse.readers.format import Format, ReadOptions
-from rockpulse.readers.source import NotAcceleration, SourceFile
+from rockpulse.readers.source import SourceFile
 from rockpulse.record.record import STANDARD_GRAVITY, Record
 
 #: Series of types 1 to 6, in this order.
@@ -60,10 +60,8 @@ def read_smc(file: SourceFile, options: ReadOptions) -> list[Record]:
         raise kit.unexpected(f"{file.name}:1", expected, repr(lines[0][:40]), "is it an SMC file?")
     kind = title[1]
     if kind not in "12":
-        raise NotAcceleration(
-            f"{file.name}:1: expected an accelerogram (type 1 or 2), found type {kind}, {title[2].lower()}; "
-            "read the acceleration file of the same record"
-        )
+        found = f"type {kind}, {title[2].lower()}"
+        raise kit.no_acceleration(f"{file.name}:1", "an accelerogram (type 1 or 2)", found)
     kit.check_count(f"{file.name}:{len(lines)}", _FIRST_COMMENT, len(lines), "header lines")
     integers = kit.fixed_width(lines[_TEXT_LINES:], _TEXT_LINES + 1, 10, 8, 48, file.name)
     reals = kit.fixed_width(lines[_REALS:], _REALS + 1, 15, 5, 50, file.name)
@@ -103,7 +101,6 @@ def read_smc(file: SourceFile, options: ReadOptions) -> list[Record]:
             start_time=start_time,
             facts=_facts(reals, event, lines[_FIRST_COMMENT:first]),
             header_peak=kit.printed_number(peak[1] if peak else ""),
-            peak_factor=kit.UNITS[_UNIT],
             original_peak=block.peak,
             warnings=[*block.warnings, *_held_extremes(reals, block), *notes],
         )
@@ -120,9 +117,7 @@ def _block(
     if not pairs and not 0.0 < rate <= _RATE_LIMIT:
         expected = f"a sampling rate (second real of the header) above 0 and at most {_RATE_LIMIT:g} per s"
         raise kit.unexpected(f"{name}:{_REALS + 1}", expected, "none" if np.isnan(rate) else str(rate))
-    values = kit.fixed_width(lines[first:], first + 1, 10, 8, count, name)
-    rows = -(-count // 8)
-    warnings = kit.surplus(lines, first + rows, len(lines), name, _TITLE, used=10 * (count - 8 * (rows - 1)))
+    values, warnings = kit.fixed_block(name, lines, (first, len(lines)), 10, 8, count, _TITLE)
     if not pairs:
         return kit.Block(values, 1.0 / rate, _UNIT, np.arange(count) / rate, values, warnings)
     if count % 2:
@@ -214,15 +209,13 @@ def _facts(reals: np.ndarray, event: re.Match[str] | None, comments: Sequence[st
     )
 
 
-FORMATS = (
-    Format(
-        name="smc",
-        what="USGS SMC accelerogram",
-        recognised="first line '1 UNCORRECTED' or '2 CORRECTED ACCELEROGRAM'",
-        unit="cm/s2",
-        processed="by type",
-        example="2516b_a.smc",
-        detect=is_smc,
-        parse=read_smc,
-    ),
+SMC = Format(
+    name="smc",
+    what="USGS SMC accelerogram",
+    recognised="first line '1 UNCORRECTED' or '2 CORRECTED ACCELEROGRAM'",
+    unit="cm/s2",
+    processed="by type",
+    example="2516b_a.smc",
+    detect=is_smc,
+    parse=read_smc,
 )

@@ -123,25 +123,23 @@ def _real(lines: Sequence[str], number: int) -> str:
     return lines[_REALS + row][10 * column : 10 * (column + 1)] if len(lines) >= HEADER_LINES else ""
 
 
-FORMATS = (
-    Format(
-        name="usc_v1",
-        what="USC volume 1 (pairs of a digitised trace)",
-        recognised="first line 'FILE N OF UNCORRECTED ACCELEROGRAM DATA'",
-        unit="g/10, from the header",
-        processed="no",
-        example="017m30lw.e0a",
-        detect=begins_with(_TITLE),
-        parse=read_usc_v1,
-    ),
-    Format(
-        name="usc_v2",
-        what="USC volume 2, the acceleration",
-        recognised="second line 'FILE N OF UNCORRECTED ACCELEROGRAM DATA'",
-        unit="cm/s2, from the peak in the header",
-        processed="yes",
-        example="274o42pv.s0a",
-        detect=begins_with(_CORRECTED, 1000),
-        parse=read_usc_v2,
-    ),
+USC_V1 = Format(
+    name="usc_v1",
+    what="USC volume 1 (pairs of a digitised trace)",
+    recognised="first line 'FILE N OF UNCORRECTED ACCELEROGRAM DATA'",
+    unit="g/10, from the header",
+    processed="no",
+    example="017m30lw.e0a",
+    detect=begins_with(_TITLE),
+    parse=read_usc_v1,
+)
+USC_V2 = Format(
+    name="usc_v2",
+    what="USC volume 2, the acceleration",
+    recognised="second line 'FILE N OF UNCORRECTED ACCELEROGRAM DATA'",
+    unit="cm/s2, from the peak in the header",
+    processed="yes",
+    example="274o42pv.s0a",
+    detect=begins_with(_CORRECTED, 1000),
+    parse=read_usc_v2,
 )

@@ -21,10 +21,10 @@ from rockpulse.readers.kit.checks import (
     Span,
     completeness,
     distinct_sections,
+    fixed_block,
     held_direction,
     last_of_equal,
     repeated_marker,
-    surplus,
 )
 from rockpulse.readers.kit.direction import Direction, direction, on_structure
 from rockpulse.readers.kit.facts import ZONES, clock_fault, coordinates, magnitudes, stated, written
@@ -34,7 +34,6 @@ from rockpulse.readers.kit.text import (
     UNITS,
     canonical_unit,
     check_count,
-    fixed_width,
     matched,
     printed_number,
     text_lines,
@@ -150,9 +149,8 @@ class Heading:
 def channels(file: SourceFile, title: re.Pattern[str], wording: str) -> tuple[list[str], list[Span], tuple[str, ...]]:
     """The lines of a file without the carriage control of a line printer, the span of each channel in them, warnings.
 
-    The first line of each channel must match `title`, which `wording` describes in messages; raises RecordFormatError
-    where another line stands there. A title or an end that stands there twice, and a channel that is a copy of another
-    one, count once, with a warning.
+    The first line of each channel must match `title`, which `wording` describes in messages. A title or an end that
+    stands there twice, and a channel that is a copy of another one, count once, with a warning.
     """
     lines = text_lines(file.content)
     if all(line.startswith(" ") for line in lines if line):
@@ -177,10 +175,7 @@ def channels(file: SourceFile, title: re.Pattern[str], wording: str) -> tuple[li
 
 
 def heading_at(lines: Sequence[str], at: int) -> Heading | None:
-    """The heading at index `at` of the lines of a file; None if the line is no heading or behind the last.
-
-    Where the line stands there twice, the heading is that of the last one, with a warning.
-    """
+    """The heading at index `at` of the lines of a file, the last one of equal ones; None if the line is none."""
     match = _HEADING.match(lines[at][:LONGEST_LINE]) if at < len(lines) else None
     if not match:
         return None
@@ -210,17 +205,12 @@ def equal_block(name: str, lines: Sequence[str], heading: Heading, end: int, uni
     per_row, width = heading.layout or (_ROW, max(len(lines[first].rstrip()) // min(_ROW, count), 1))
     if per_row < 1 or width < 1:
         raise RecordFormatError(f"{where}: expected a format such as (8f9.6), found ({per_row}f{width})")
-    samples = fixed_width(lines[first:end], first + 1, width, per_row, count, name)
-    rows = -(-count // per_row)
-    left = surplus(lines, first + rows, end, used=width * (count - (rows - 1) * per_row))
+    samples, left = fixed_block(name, lines, (first, end), width, per_row, count)
     return Block(samples, dt, found, dt * np.arange(count), samples, (*heading.warnings, *left))
 
 
 def read_header(lines: Sequence[str]) -> Header:
-    """Read the at least `TEXT_LINES` (13) lines of text of a CSMIP channel, volume 1 or 2, or of RENADIC.
-
-    The lines begin with 'Uncorrected Accelerogram Data' and may go on behind the text.
-    """
+    """Read the 13 lines of text and those behind them, from 'Uncorrected Accelerogram Data' on, of one channel."""
     text, behind = [line[:LONGEST_LINE] for line in lines[:TEXT_LINES]], lines[TEXT_LINES:]
     match = _CHANNEL.match(text[6])
     component, place = (match[2], match[4] or "") if match else (text[6].strip(), "")
@@ -257,7 +247,7 @@ def read_header(lines: Sequence[str]) -> Header:
         warnings=notes,
         recorder=text[4].strip(),
         number=f"{match[1]} {match[3] or ''}" if match else "",
-        counted=int(counted[1]) if counted else channel_count(behind),
+        counted=int(counted[1] if counted else matched(_FIRST_ROW, _row(behind, 0)[:LONGEST_LINE].rstrip()) or 0),
         code=direction_code(behind),
     )
 
@@ -296,11 +286,6 @@ def _row(behind: Sequence[str], number: int) -> str:
     return behind[at] if at < len(behind) else ""
 
 
-def channel_count(behind: Sequence[str]) -> int:
-    """Channels of the recorder, from the lines behind the text; 0 where none of them is a row of integers."""
-    return int(matched(_FIRST_ROW, _row(behind, 0)[:LONGEST_LINE].rstrip()) or 0)
-
-
 def direction_code(behind: Sequence[str]) -> int:
     """The azimuth or code of the direction, from the lines behind the text; 0 where the file does not say."""
     text = _row(behind, 1)[_AZIMUTH]
@@ -335,7 +320,7 @@ def held_peak_real(behind: Sequence[str], number: int, block: Block, per_unit: f
 def one_direction(component: str, code: int, repeated: Sequence[str] = ()) -> Direction:
     """The direction of the wording; unknown, with a note, where the code or a line that repeats it tells another one.
 
-    Codes of sensors without an azimuth, 1100 and 1200 for H1 and H2, tell none, and neither does 0.
+    Codes of sensors without an azimuth, 0, 1100 and 1200, tell none.
     """
     told = Direction("horizontal", float(code % 360)) if 1 <= code <= 360 else Direction()
     if code in (_UP, _DOWN):

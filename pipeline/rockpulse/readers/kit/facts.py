@@ -1,9 +1,6 @@
-"""Start times from the numbers of a header, held against the time of the earthquake where the header states it.
+"""Start times, and what a header states of earthquake and site, as far as they can be true.
 
-What a header states about the earthquake and the site of a record, as far as it can be true.
-
-Headers are filled by many hands: zeros and -999 stand for "unknown", units are mixed up. A value that cannot be true is
-left out; it is never an error, since no sample depends on it.
+Zeros and -999 stand for "unknown", units are mixed up: a value that cannot be true is left out, never an error.
 """
 
 import math
@@ -24,8 +21,7 @@ _CLOCK_RUN = timedelta(hours=1)
 
 #: Hours by which the clocks of a zone are ahead of UTC.
 ZONES = {"UTC": 0.0, "GMT": 0.0, "UT": 0.0, "Z": 0.0, "PST": -8.0, "PDT": -7.0}
-#: Letters behind a time that tell of another clock, which is not known: zones (JST, LT), halves of the day. Others, as
-#: the scale of a magnitude, say nothing of the time.
+#: Letters behind a time that tell of another, unknown clock: zones (JST, LT), halves of the day.
 _OTHER_CLOCK = re.compile(r"(?!AT$)[A-Z]{1,3}T|[AP]M|LOC")
 #: 06/16/2005, 20:53:26.1 UTC or 2018/11/30 17:29:29 or 2009-04-06T01:32:39+01:00, and the zone, if it is given.
 _DATE = r"(?<!\d)(?:(\d{1,2})/\s?(\d{1,2})/\s?(\d{2}|\d{4})|(\d{4})([/-])\s?(\d{1,2})\5\s?(\d{1,2}))"
@@ -46,16 +42,9 @@ def clock_fault(moment: datetime) -> str:
 
 
 def instant(day: Sequence[float], time: Sequence[float], zone_hours: float = 0.0) -> datetime | None:
-    """UTC time from year, month, day and hour, minute, second; None where they are no date or no time of day.
+    """UTC time from year, month, day and hour, minute, second of a clock that is `zone_hours` ahead; None if none.
 
-    The second may have a fraction, and be a leap second; the clock of the header is `zone_hours` ahead of UTC.
-
-    Examples
-    --------
-    >>> instant((2018, 2, 6), (23, 50, 29), zone_hours=8)
-    datetime.datetime(2018, 2, 6, 15, 50, 29, tzinfo=datetime.timezone.utc)
-    >>> instant((2018, 2, 30), (0, 0, 0)) is None
-    True
+    The second may have a fraction, and be a leap second.
     """
     hour, minute, second = time
     if not (0 <= hour < 24 and 0 <= minute < 60 and 0.0 <= second < 61.0):
@@ -86,19 +75,7 @@ def near_event(start: datetime | None, origin: datetime | None) -> tuple[datetim
 
 
 def written(text: str) -> datetime | None:
-    """UTC time from the first date and time in a text, year or month first.
-
-    None where there is none, or where its zone is not known.
-
-    Examples
-    --------
-    >>> written("(ORIGIN(CIT): 01/17/94, 12:30:55.4 GMT)")
-    datetime.datetime(1994, 1, 17, 12, 30, 55, 400000, tzinfo=datetime.timezone.utc)
-    >>> written("2009-04-06T01:32:39 ML 5.8")
-    datetime.datetime(2009, 4, 6, 1, 32, 39, tzinfo=datetime.timezone.utc)
-    >>> written("Origin: To be determined") is None
-    True
-    """
+    """UTC time from the first date, year or month first, and time in a text; None where it or its zone is unknown."""
     found = _WRITTEN.search(text)
     if not found:
         return None
@@ -107,8 +84,7 @@ def written(text: str) -> datetime | None:
         return None
     ahead = 0.0
     if found[12]:
-        ahead = int(found[12][1:]) + int(found[13]) / 60.0
-        ahead = -ahead if found[12].startswith("-") else ahead
+        ahead = float(f"{found[12][0]}1") * (int(found[12][1:]) + int(found[13]) / 60.0)
     date = (found[4], found[6], found[7]) if found[4] else (found[3], found[1], found[2])
     year, month, day = map(int, date)
     if year < 100:
@@ -175,11 +151,9 @@ def stated(
     vs30: Number = math.nan,
     site_class: str = "",
 ) -> Facts:
-    """The facts of a header, without values that cannot be true.
+    """The facts of a header, without values that cannot be true: times of an unset clock, magnitudes, places, zeros.
 
-    A magnitude comes with its scale; `vs30` is in m/s. Left out are times that only an unset clock states, magnitudes
-    outside -1 to 10, places that are none, and zeros that stand for "unknown": of magnitude, distance and Vs30, of both
-    coordinates at once, and of the depth of an unknown place.
+    A magnitude comes with its scale; `vs30` is in m/s.
     """
     size = _within(magnitude[0], *_MAGNITUDES, zero=False)
     (latitude, longitude), (station_latitude, station_longitude) = _place(hypocentre), _place(station)
@@ -200,15 +174,7 @@ def stated(
 
 
 def coordinates(text: str) -> tuple[float, float]:
-    """Latitude and longitude from a line of a header; NaN where it names none.
-
-    Examples
-    --------
-    >>> coordinates("STATION NO. 14403   33.929N, 118.260W     SMA-1")
-    (33.929, -118.26)
-    >>> coordinates("Epicentre  42 30 00S 173 15 00E  Bearing S40E")
-    (-42.5, 173.25)
-    """
+    """Latitude and longitude from a line with ``33.929N, 118.260W`` or ``42 30 00S 173 15 00E``; else NaN."""
     found = {"N": math.nan, "E": math.nan}
     named = [(float(degrees), side) for degrees, side in _DECIMAL.findall(text)]
     named += [
@@ -222,21 +188,12 @@ def coordinates(text: str) -> tuple[float, float]:
 
 
 def magnitudes(text: str) -> tuple[float, str]:
-    """Magnitude and scale from a line such as ``ML=6.6, MW=6.7(CIT)``; see `preferred`.
-
-    Examples
-    --------
-    >>> magnitudes("H=18KM. ML=6.6, MW=6.7(CIT); MS=6.7(NEIC)"), magnitudes("Depth    8km M  5.70")
-    ((6.7, 'Mw'), (5.7, ''))
-    """
+    """Magnitude and scale from a line such as ``ML=6.6, MW=6.7(CIT)``; see `preferred`."""
     return preferred((value, scale) for scale, value in _MAGNITUDE.findall(text))
 
 
 def preferred(named: Iterable[tuple[Number, str]]) -> tuple[float, str]:
-    """One of several magnitudes with their scales, without those that cannot be true.
-
-    Mw comes first, then Ms, ML, mb, then the first of the others; NaN where there is none.
-    """
+    """One of several magnitudes that can be true: Mw, then Ms, ML, mb, then the first of the others; else NaN."""
     read = [(_within(value, *_MAGNITUDES, zero=False), _scale(scale)) for value, scale in named]
     found = [one for one in read if not math.isnan(one[0])]
     order = list(_SCALES.values())

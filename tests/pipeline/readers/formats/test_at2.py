@@ -258,8 +258,7 @@ def test_other_readings_of_the_numbers_are_refused(write, content, message):
 
 
 @pytest.mark.parametrize(
-    "line",
-    ["NPTS DT " + "NPTS=1 " * 200_000, "NPTS " + "DT=" + "1" * 1_000_000 + "E", "NPTS, DT = " + "1 " * 500_000],
+    "line", ["NPTS DT " + "NPTS=1 " * 200_000, "NPTS " + "DT=" + "1" * 1_000_000 + "E", "NPTS, DT = " + "1 " * 500_000]
 )
 def test_a_header_line_without_end_costs_no_time(write, line):
     path = write(b"a\nb, 1/1/2000, c, " + b"(" * 500_000 + f"\nACCELERATION IN UNITS OF G\n{line}\n0.1 0.2\n".encode())
