@@ -1,7 +1,4 @@
-"""Readers of strong-motion files: one file per family of formats (:mod:`rockpulse.readers.formats`), one function.
-
-Importing this package loads neither obspy, pandas, numba nor xarray, so that it may serve as a reader plugin.
-"""
+"""Readers of strong-motion files; importing them loads neither obspy, pandas, numba nor xarray."""
 
 import os
 from dataclasses import replace

@@ -1,9 +1,4 @@
-"""From paths to records: files, folders, globs and zip archives; a file that fails becomes a row, not a crash.
-
-Left out without a row, in folders and archives: hidden files and folders, and files that cannot be records by their
-name (notes, configurations, results), and StationXML and QuakeML. Other texts, tables and pictures are "skipped", and
-so are velocities, displacements and spectra; a file that may be a record and that no reader takes "failed".
-"""
+"""From paths to records: files, folders, globs and zip archives; a file that fails becomes a row, not a crash."""
 
 import glob
 import os
@@ -122,11 +117,10 @@ def in_order(row: Failure) -> tuple[str, str]:
 def find_files(
     paths: PathLike | Iterable[PathLike], passed_over: Iterable[PathLike] = ()
 ) -> tuple[list[Found], list[Failure]]:
-    """Files behind the paths of :func:`read_all`, each once, sorted; one that is named once counts as named.
+    """Files behind the paths of :func:`read_all`, each once, sorted, and rows for paths without one.
 
-    `passed_over` are the files that the run writes, no input whatever link or name leads to them: to open and close one
-    that this process has locked would give up the lock. Nothing is opened but XML, to pass over metadata of stations
-    and earthquakes. Each path behind which there is nothing, and each folder that cannot be listed, gives a row.
+    `passed_over` are files that the run writes, under any link or name: to open and close one that this process has
+    locked would give up the lock. Only XML is opened, to pass over metadata of stations and earthquakes.
     """
     found: dict[str, Found] = {}
     failures: list[Failure] = []
@@ -168,10 +162,7 @@ def _behind(text: str) -> tuple[list[Found], list[Failure]]:
 
 
 def check_patterns(found: Sequence[Found], files: Sequence[FileSettings]) -> None:
-    """Raise ConfigError for a pattern that chooses none of the files, nor a member of an archive among them.
-
-    Where there is no file at all, the rows of :func:`find_files` say what is wrong.
-    """
+    """Raise ConfigError for a pattern that chooses none of the files, nor a member of an archive among them."""
     names = [str(item.path) for item in found]
     missed = [row for row in files if not any(map(row.chooses, names))]
     if missed:
@@ -220,10 +211,7 @@ def _quiet_file(path: Path) -> bool:
 
 
 def open_files(found: Found, station_files: Callable[[Path], list[tuple[str, bytes]]]) -> Iterator[Opened]:
-    """Open a file, or each member of an archive; the error that prevented it stands in its place.
-
-    `station_files` gives name and bytes of the StationXML files in a folder.
-    """
+    """Open a file, or each member of an archive, or give the error; `station_files` gives those of a folder."""
     path = found.path
     try:
         check_link(path)

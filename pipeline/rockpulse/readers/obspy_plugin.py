@@ -1,9 +1,7 @@
 """Records as `obspy.Trace` and back, and the formats as plugins of obspy: ``obspy.read("RSN763.AT2")`` is in m/s2.
 
-Fields that a Trace has no place for travel in ``trace.stats.rockpulse``, so that the way there and back loses nothing.
-Only copies in memory and obspy's PICKLE keep it; the files of other formats do not. The entry points that
-``hatch_build.py`` makes name ``<FORMAT>.is_format`` and ``<FORMAT>.read_format`` of this module. Importing it loads
-neither obspy, numba nor xarray.
+Fields that a Trace has no place for travel in ``trace.stats.rockpulse``, which copies in memory and PICKLE keep. The
+entry points that ``hatch_build.py`` makes name ``<FORMAT>.is_format`` and ``<FORMAT>.read_format`` of this module.
 """
 
 from __future__ import annotations
@@ -293,9 +291,8 @@ class Plugin:
     ) -> obspy.Stream:
         """Read every channel of a file into an obspy Stream in m/s2; see `rockpulse.to_trace`.
 
-        `headonly` leaves the samples out; obspy itself applies `starttime`, `endtime` and `nearest_sample` afterwards;
-        `units`, `dt` and `response` are those of `rockpulse.read`, whose errors are raised. Options of other formats
-        (``details``, ``byteorder``) are ignored, as obspy's own readers do, and logged.
+        `headonly` leaves the samples out; obspy itself applies the times afterwards; `units`, `dt` and `response` are
+        those of `rockpulse.read`. Options of other formats are ignored, as obspy's own readers do, and logged.
         """
         import obspy
 

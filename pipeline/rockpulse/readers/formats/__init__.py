@@ -1,7 +1,6 @@
-"""The formats: each module of this package reads one family of files, for each of which it has a row `Format`.
+"""The formats: each module reads one family of files and has a row `Format` for each, which is found by itself.
 
-They are tried in the order of their names, which must not matter: each claims its own files only. A new module is found
-by itself, also by obspy: the build makes the plugins from the same rows (``hatch_build.py``).
+The order does not matter: each claims its own files only. The build makes plugins of obspy from the same rows.
 """
 
 from dataclasses import replace

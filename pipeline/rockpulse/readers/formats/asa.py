@@ -2,7 +2,7 @@
 
 109 lines of header, ``KEY : value``, in Spanish with or without accents in any encoding; what belongs to channels is a
 list such as ``/V/N90E/N00E``. Then a line of channel numbers, one of directions, and rows of accelerations [gal] in
-fields of 10 characters. The values are those of the recorder, without the offset.
+fields of 10 characters, without the offset.
 """
 
 import re

@@ -1,10 +1,7 @@
 """PEER AT2 files: a few header lines, then the acceleration in g, equally spaced.
 
-Velocity (VT2) and displacement (DT2) files look the same; the word on the units line tells them apart.
-
-The database puts a list of what a search found beside the files, ``_SearchResults.csv``: below lines about the search a
-row of headings, "Record Sequence Number" among them, begins the table of the records, one row each, with the names of
-its files. Spectra follow. Rjb and Rrup are distances to the rupture, not to the epicentre, and are not used.
+The database puts a list beside the files, ``_SearchResults.csv``: a row of headings, then one row for each record with
+the names of its files. Rjb and Rrup in it are distances to the rupture, not to the epicentre, and are not used.
 """
 
 import csv
@@ -142,10 +139,7 @@ def read_at2(file: SourceFile, options: ReadOptions) -> list[Record]:
 
 
 def _numbers_stop(name: str, lines: Sequence[str], first: int, count: int) -> tuple[int, list[str]]:
-    """Index of the line behind the numbers, and a warning for numbers behind words.
-
-    Words end the numbers only where `count` of them stand before; else they are damage. A second header is refused.
-    """
+    """Index of the line behind the numbers, and a warning for numbers behind words; a second header is refused."""
     stop = end_of_numbers(lines, first)
     if stop == len(lines) or sum(len(line.split()) for line in lines[first:stop]) < count:
         return len(lines), []
@@ -184,10 +178,7 @@ def _unit(name: str, header: Sequence[str], station: str, given: str | None) -> 
 
 
 def _samples(name: str, lines: Sequence[str], first: int, count: int) -> tuple[np.ndarray, list[str]]:
-    """Samples and warnings; numbers are split at blanks, and by width where fields touch.
-
-    Fields touch where there are fewer numbers than declared, or one that cannot be read.
-    """
+    """Samples and warnings; numbers are split at blanks, and by width where fields touch."""
     block = lines[first:]
     try:
         values = kit.free_numbers(block, first + 1, name)

@@ -1,8 +1,7 @@
 """BHRC volume 1 files of Iran (Building and Housing Research Center), uncorrected.
 
 Each channel has 13 lines of text, 7 of integers, 7 of reals and the accelerations in g/10, 10 fields of 13 characters;
-a line ``/&`` ends it. The azimuths of L and T stand in the line of the station. The time that the files state is that
-of the earthquake: when the record starts is not known.
+a line ``/&`` ends it. The azimuths of L and T stand in the line of the station. The time is that of the earthquake.
 """
 
 import re

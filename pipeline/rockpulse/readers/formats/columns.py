@@ -1,7 +1,6 @@
 """Plain columns of numbers (CSV, TXT): one or more accelerations, with or without a time column.
 
-Nothing is guessed. What the header says of motion, unit, interval and number of samples is believed, and held against
-what the caller says; where they differ, or where the columns cannot be told apart, the file is refused.
+Nothing is guessed: statements of header and caller must agree, and columns that cannot be told apart are refused.
 """
 
 from __future__ import annotations
@@ -101,16 +100,9 @@ def is_columns(head: bytes, name: str) -> bool:
 def read_columns(file: SourceFile, options: ReadOptions) -> list[Record]:
     """Read every column of accelerations.
 
-    Headings, and a row of units below them, tell what the columns are. Without headings, one column is read, or up to
-    three beside a time column. A series that is wrapped into rows is read if the header states its number of values,
-    or, with a warning, if unit and interval are known and the values run on from row to row (`runs_on`). The numbers
-    may stop at a line of words; see `_behind`.
-
-    `options.units` is needed unless every column states its unit in its heading, in brackets or below it; the prose of
-    a header, which may speak of something else, only has to agree. `options.dt` is needed where neither a time column,
-    a line ``N dt`` nor words such as ``dt = 0.005`` or ``sampling rate 200 Hz`` give the interval. Raises UnitError,
-    NotAcceleration for a header that names velocity, displacement or a spectrum only, and RecordFormatError, also for
-    columns that cannot be told apart.
+    Without headings, one column is read, or up to three beside a time column. A series that is wrapped into rows is
+    read if the header states its number of values, or, with a warning, if unit and interval are known and the values
+    run on from row to row (`runs_on`). The prose of a header, which may speak of something else, only has to agree.
     """
     lines = text_lines(file.content)
     layout = find_layout(lines)
@@ -182,10 +174,7 @@ def _columns(
     lacking: Sequence[str],
     behind: Sequence[str],
 ) -> _Columns:
-    """The table of the file, or the one series that is wrapped into its rows, and what is said of the lines `behind`.
-
-    `lacking` names the unit and the interval of a series where they are not given.
-    """
+    """The table of the file, or the one series in its rows; `lacking` names the unit and the interval if not given."""
     first = numbered.start + 1
     rows = lines[numbered.start :]
     check_decimals(name, rows, layout, first, bool(headings))
@@ -224,10 +213,10 @@ def _columns(
 
 
 def _behind(name: str, line: int, behind: Sequence[str], layout: Layout, complete: bool) -> tuple[str, ...]:
-    """What is said of the lines from number `line` on, the first of which is of words.
+    """A warning about the lines from number `line` on, behind the numbers; none for words behind a `complete` series.
 
-    Words behind a `complete` series, whose number of values the header states, say nothing. Rows of numbers that the
-    words name as another quantity are left out with a warning; others, which may go on with the record, are refused.
+    Rows of numbers that the words name as another quantity are left out; others, which may go on with the record,
+    refused.
     """
     rows = [row_width(text, layout.delimiter) == layout.width for text in behind]
     if not any(map(str.strip, behind)) or (complete and not any(rows)):
@@ -250,10 +239,7 @@ def _other_count(said: Collection[int], found: int, what: str) -> str:
 
 
 def _in_reading_order(columns: _Columns, end: np.ndarray, guessed: bool = False) -> _Columns:
-    """The one series in the rows of the columns and in the last row, `end`, which may be shorter.
-
-    `guessed` tells that only the values themselves speak for one series.
-    """
+    """The one series in the rows and in the last one, `end`; `guessed` if only the values themselves speak for it."""
     series = np.concatenate([columns.table.ravel(), end.ravel()])
     note = (
         f"rows of {columns.table.shape[1]} numbers were read as one series of {series.size}, because the values run on "
@@ -277,10 +263,7 @@ def _wrapped(where: str, width: int, found: str, lacking: Sequence[str]) -> Reco
 
 
 def _titled(columns: _Columns) -> bool:
-    """Whether the supposed headings are a title, such as "Acceleration (g) vs Time (s)".
-
-    The first column then runs like time, and the column that would be headed as time does not.
-    """
+    """Whether the supposed headings are a title, "Acceleration (g) vs Time (s)": the first column runs like time."""
     kinds = [heading.kind for heading in columns.headings]
     at = kinds.index("time") if "time" in kinds else 0
     return climbs(columns.table[:, 0]) and not climbs(columns.table[:, at])

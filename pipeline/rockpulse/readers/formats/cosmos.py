@@ -193,10 +193,7 @@ def _unit(series: _Series, where: str) -> str:
 
 
 def _peak(header: Header, factor: float) -> tuple[tuple[float, float], list[str]]:
-    """Peak that the header states with half a unit of its last digit [m/s2], and warnings.
-
-    Real 64 has the unit of the samples; the text has its own, and counts where the two contradict each other.
-    """
+    """The stated peak and half a unit of its last digit [m/s2], by the text if real 64 contradicts it; warnings."""
     coded, (number, unit) = header.real(64) * factor, header.peak()
     word = re.sub(r"sec\b|sec(?=\d)", "s", unit.lower()).replace("/s/s", "/s2")
     own = _UNITS.get(word)

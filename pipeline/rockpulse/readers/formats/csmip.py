@@ -79,11 +79,7 @@ def read_csmip_v1(file: SourceFile, options: ReadOptions) -> list[Record]:
 
 
 def read_uncorrected(file: SourceFile, format: str) -> list[Record]:
-    """Read every channel of a volume 1, whichever network wrote it; `format` becomes `Record.format`.
-
-    The first line of the file is 'Uncorrected Accelerogram Data'. Raises RecordFormatError, UnitError or
-    NotAcceleration.
-    """
+    """Read every channel of a volume 1, whichever network wrote it; `format` becomes `Record.format`."""
     lines, spans, copies = csmip.channels(file, UNCORRECTED, "Uncorrected Accelerogram Data")
     headers = []
     for number, (start, end) in enumerate(spans, 1):
@@ -166,11 +162,7 @@ def read_csmip_v2(file: SourceFile, options: ReadOptions) -> list[Record]:
 
 
 def read_corrected(file: SourceFile, format: str, header: Callable[[Sequence[str]], csmip.Header]) -> list[Record]:
-    """Read a volume 2, whichever network wrote it; `header` reads the 13 lines of text of volume 1.
-
-    The first line of the file is 'Corrected accelerogram'. A channel without acceleration is left out, with a warning
-    on the others; NotAcceleration if none has acceleration. `format` becomes `Record.format`.
-    """
+    """Read a volume 2, whichever network wrote it; `header` reads the 13 lines of text of volume 1."""
     lines, spans, copies = csmip.channels(file, _CORRECTED, "Corrected accelerogram")
     records, left_out, headers = [], [], []
     for number, (start, end) in enumerate(spans, 1):
@@ -249,10 +241,7 @@ def _first(pattern: re.Pattern[str], lines: Sequence[str]) -> re.Match[str] | No
 def _unit_and_peak(
     text: Sequence[str], heading: csmip.Heading, where: str, line: int
 ) -> tuple[str, tuple[float, float], float]:
-    """Unit as worded by the heading, else by the peak; the peak with half a unit of its last digit, and their factor.
-
-    For messages, `where` is the name of the file and `line` the number of the first line of text.
-    """
+    """Unit by the heading, else by the peak; the peak with half a unit of its last digit, and their factor."""
     for at, words in enumerate(text, line):
         if match := _PEAK_2.match(words):
             # USC writes CMS/SEC/SEC.
@@ -278,10 +267,7 @@ def _check_correction(text: Sequence[str], block: kit.Block, where: str) -> None
 
 
 def _held_corrected(text: Sequence[str], behind: Sequence[str], block: kit.Block) -> list[str]:
-    """Warnings where length, peak and its time, interval or the units of the peaks contradict the block.
-
-    They stand in the text and in reals 60 (length), 61 (interval), 65 (time of the peak) and 66 (peak in cm/s2).
-    """
+    """Warnings where length, peak, its time, interval or units (text, reals 60, 61, 65, 66) contradict the block."""
     length, peak = _first(_LENGTH_2, text), _first(_PEAK_2, text)
     others = [match[1] for line in text if (match := _OTHER_PEAKS.match(line))]
     notes = _held(length[1] if length else "", csmip.real(behind, 60), block.values.size, block)

@@ -1,26 +1,9 @@
-"""Files of the China Strong Motion Network Centre (CSMNC).
+"""Files of the China Strong Motion Network Centre (CSMNC): one component.
 
-16 lines of header, the last one blank, then accelerations, 8 in a row; some copies end every line with ``$``. One file
-holds one component. The header::
-
-    <station><date and hour of the earthquake><number>
-    <time of the earthquake> 2013-04-20 8:2:46 BTM
-    <name of the earthquake>
-    EPICENTER  30.300N 103.000E DEPTH 13 KM
-    MAGNITUDE  7.0(Ms)
-    STATION: <code> 30.400N 102.800E
-    SITE CONDITION: ROCK
-    INSTRUMENT TYPE: <recorder>/<sensor>
-    OBSERVING POINT: GROUND
-    COMP. EW
-    UNCORRECTED ACCELERATION          UNIT: CM/SEC/SEC
-    NO. OF POINTS:  12000  EQUALLY SPACED INTERVALS OF:  0.005  SEC
-    PEAK VALUE:     -100.350   AT   26.35 SEC    DURATION:  60 SEC
-    PRE-EVENT TIME:  20  SEC
-    CSMNC
-
-.. note:: The second line is the time of the earthquake in Beijing (UTC+8), and the length of the memory before the
-   trigger says nothing about the time of the trigger: the time of the first sample is not known.
+16 lines of header, the last one blank, then accelerations, 8 in a row; some copies end every line with ``$``. Lines are
+``EPICENTER 30.300N 103.000E DEPTH 13 KM``, ``COMP. EW``, ``UNCORRECTED ACCELERATION UNIT: CM/SEC/SEC``, ``NO. OF
+POINTS: 12000 EQUALLY SPACED INTERVALS OF: 0.005 SEC``, ``PEAK VALUE: -100.350 AT 26.35 SEC`` ... The second one has the
+time of the earthquake in Beijing (UTC+8): that of the first sample is not known.
 """
 
 import re

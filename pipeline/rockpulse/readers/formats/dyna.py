@@ -52,10 +52,7 @@ class _Header(kit.Entries):
 
 
 def is_dyna(head: bytes, name: str) -> bool:
-    """Whether the first line is ``EVENT_NAME:``, or that line, others of the keys and then numbers follow other lines.
-
-    A program or a text that quotes a header has no number behind it.
-    """
+    """Whether ``EVENT_NAME:`` is the first line, or stands with others of the keys and numbers below other lines."""
     if b"EVENT_NAME:" not in head:
         return False
     lines = kit.text_lines(head)
@@ -188,11 +185,7 @@ def _before(lines: Sequence[str]) -> tuple[list[tuple[str, str, int]], list[tupl
 
 
 def _processed(header: _Header) -> tuple[bool | None, list[str], list[str]]:
-    """Whether the volume is a corrected one, the words of the file for what was done, and warnings.
-
-    Unprocessed files of AFAD name the processing of their corrected companions; what tells them apart is that they
-    state no corner frequency.
-    """
+    """Whether the volume is corrected, as corner frequencies tell, the file's words for it, and warnings."""
     done, notes = {}, []
     for prefix, source in (("", ""), (_AAD, " (AAD lines)")):
         low, high = (header.number(f"{prefix}{end}_CUT_FREQUENCY_HZ") for end in ("LOW", "HIGH"))
@@ -232,10 +225,7 @@ def _remarks(header: _Header, step: float, samples: np.ndarray) -> list[str]:
 
 
 def _facing(stream: str, stem: str) -> kit.Direction:
-    """The direction of the stream; unknown, with a note, where the name of the file, as agencies give it, has another.
-
-    Names are NET.STA.LOC.STREAM.D. and so on (ESM), or end in the letter of the component (AFAD).
-    """
+    """The direction of the stream; unknown, with a note, where the name of the file (ESM, AFAD) has another."""
     named = _NAMED.search(stem)
     if not named:
         return kit.direction(stream)

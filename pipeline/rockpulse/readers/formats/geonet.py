@@ -144,11 +144,7 @@ def _step(where: str, line: str, step: float) -> float:
 
 
 def _held(text: Sequence[str], step: float, times: np.ndarray, samples: np.ndarray) -> list[str]:
-    """Warnings where the duration, the time of the peak or the units in the text contradict the samples.
-
-    The times (n,) [s] are those of the text, which are 0 at the beginning of the raw record: real 22 is what the
-    processing has put before it.
-    """
+    """Warnings where duration, time of the peak or units in the text contradict the samples at times (n,) [s]."""
     notes = kit.held_length(kit.matched(_DURATION, text[9]), samples.size, step)
     notes += kit.held_peak_time(kit.matched(_PEAK, text[13], 3), times, samples)
     others = [match[1] for line in text[14:] if (match := _OTHER_PEAKS.match(line))]

@@ -32,10 +32,7 @@ def is_miniseed(head: bytes, name: str) -> bool:
 
 
 def read_miniseed(file: SourceFile, options: ReadOptions) -> list[Record]:
-    """Read every acceleration channel; the gain comes from a StationXML file in the same folder.
-
-    A StationXML with the stem of the miniSEED file comes before the others.
-    """
+    """Read every acceleration channel; the gain comes from a StationXML file in the same folder."""
     stream, notes = obspy_stream(file, "MSEED")
     # Lengths are powers of two, so the shortest divides them all.
     length = min(int(trace.stats.mseed.record_length) for trace in stream)

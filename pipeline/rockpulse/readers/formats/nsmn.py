@@ -1,8 +1,7 @@
 """Files of the Turkish network before AFAD's own format (NSMN, ``kyhdata``).
 
-Lines ``KEY : value`` in ISO-8859-9 (Turkish Latin), a line that names the columns N-S, E-W and U-D, then one row of
-three accelerations [gal] for each sample. The values are those of the recorder with the mean taken off: the peaks that
-the header calls raw are the peaks of the columns.
+Lines ``KEY : value`` in ISO-8859-9 (Turkish Latin), a line that names the columns N-S, E-W and U-D, then rows of three
+accelerations [gal] without their mean: the peaks that the header calls raw are those of the columns.
 """
 
 import re

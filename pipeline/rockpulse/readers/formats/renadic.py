@@ -1,8 +1,7 @@
 """RENADIC volume 1 files of Chile (Universidad de Chile), in the layout of CSMIP pairs.
 
 Recorders of four channels leave one without a sensor, all zeros. Long records are cut into files ``...parte1.v1``,
-``...parte2.v1``. Clocks are those of the instruments, without a time signal: some were never set, others are hours off.
-The time that the header calls the origin of the earthquake is of the same clock, and is not used.
+``...parte2.v1``. Clocks, and so the origin times, are those of the instruments: some were never set.
 """
 
 import re

@@ -103,10 +103,7 @@ def read_sac(file: SourceFile, options: ReadOptions) -> list[Record]:
 
 
 def _facts(header: Any, start: datetime | None) -> kit.Facts:
-    """The earthquake and the station; the origin time O and the first sample B count from one reference [s].
-
-    Where both are the same nobody has set O: no record begins with its earthquake.
-    """
+    """Earthquake and station; origin time O and first sample B count from one reference, and agree if O is unset."""
 
     def word(name: str) -> float:
         return float(f"{float(header.get(name, math.nan)):.7g}")  # the header holds float32

@@ -1,8 +1,7 @@
 """SIGMA and ITACA ``.acc`` text files (Italy, France): one corrected component with a header of ``key : value`` lines.
 
-The line ``Accelaration time series in m/s/s``, in the spelling of the files, ends the header; the samples follow, five
-in a row in fields of 14 characters that may touch. The time in the header is that of the earthquake: when the record
-starts is not known.
+``Accelaration time series in m/s/s``, as the files spell it, ends the header; the samples follow, five in a row in
+fields of 14 characters that may touch. The time in the header is that of the earthquake.
 """
 
 import re
@@ -94,10 +93,7 @@ def read_sigma(file: SourceFile, options: ReadOptions) -> list[Record]:
 
 
 def _header(name: str, lines: Sequence[str]) -> tuple[kit.Entries, str, str, tuple[str, ...]]:
-    """The header, which ends in the line that names the series, the letter and the unit of the series, and warnings.
-
-    RecordFormatError where that line is missing, or a key says two things.
-    """
+    """The header up to the line that names the series, the letter and the unit of the series, and warnings."""
     header = kit.Entries(name)
     for at, line in enumerate(lines[:_HEADER_LIMIT]):
         if series := _SERIES.fullmatch(line[:_LONGEST_LINE]):
@@ -118,10 +114,7 @@ def _header(name: str, lines: Sequence[str]) -> tuple[kit.Entries, str, str, tup
 
 
 def _samples(name: str, lines: Sequence[str], first: int, count: int) -> tuple[np.ndarray, list[str]]:
-    """The declared number of samples, and warnings for what stands behind them.
-
-    The fields are cut by their width where the rows have that of the format, else at blanks.
-    """
+    """The declared samples, cut by the width of the fields or else at blanks, and warnings for the rest."""
     rows = [line.rstrip() for line in lines[first : first + _LOOK_AT]]
     kit.check_count(f"{name}:{len(lines)}", count, count if rows else 0)
     lengths = Counter(map(len, rows))

@@ -146,10 +146,7 @@ def _held_extremes(reals: np.ndarray, block: kit.Block) -> list[str]:
 
 
 def _facing(component: str, integers: np.ndarray) -> kit.Direction:
-    """The direction of the wording and of integers 13 and 14, the angle from the upward vertical and the azimuth.
-
-    The azimuth of a vertical channel says nothing; where wording and integers contradict, the direction is unknown.
-    """
+    """The direction of the wording and of integers 13 and 14, the angle from the upward vertical and the azimuth."""
     upright, azimuth = integers[12], integers[13]
     told = kit.Direction()
     if upright in (0.0, 180.0):
@@ -170,10 +167,7 @@ def _structural(name: str, integers: np.ndarray) -> bool:
 
 
 def _start_time(integers: np.ndarray, event: re.Match[str] | None) -> tuple[datetime | None, list[str]]:
-    """UTC time of the first sample (integers 2 to 7), held against that of the earthquake, line 4.
-
-    Without milliseconds the header repeats the minute of the earthquake, which is no time of the record.
-    """
+    """UTC time of the first sample (integers 2 to 7), held against that of the earthquake, line 4."""
     moment = integers[1:7]
     if np.any(np.isnan(moment)):
         return None, []

@@ -1,8 +1,7 @@
 """Volumes 1 and 2 of the University of Southern California (and of Caltech before it), in the layout of CSMIP.
 
-Volume 1 holds pairs of time [s] and acceleration [g/10] of a digitised trace, with unequal steps and a blank for the
-line printer in front of every row. Volume 2 holds corrected acceleration [cm/s2], then velocity and displacement. The
-time in the header is the minute of the earthquake; when the record starts nobody knows.
+Volume 1 holds pairs of time [s] and acceleration [g/10] of a digitised trace, with unequal steps; volume 2 corrected
+acceleration [cm/s2], then velocity and displacement. The time is the minute of the earthquake.
 """
 
 import re
@@ -62,10 +61,7 @@ def read_usc_v2(file: SourceFile, options: ReadOptions) -> list[Record]:
 
 
 def _held(lines: Sequence[str], points: int, block: kit.Block) -> list[str]:
-    """Warnings where count, duration, or the root of the mean square with its unit, contradicts the pairs.
-
-    The format states no peak: the root of the mean square is what the unit can be held against.
-    """
+    """Warnings where count, duration, or the root of the mean square with its unit, contradicts the pairs."""
     behind, square = lines[TEXT_LINES:], _MEAN_SQUARE.match(lines[12][:_WORDS])
     notes = held_count(behind, points)
     for text in (kit.matched(_DURATION, lines[10][:_WORDS]), real(behind, 3)):

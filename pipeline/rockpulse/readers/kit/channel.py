@@ -164,10 +164,7 @@ def build_record(
 
 
 def usable_channels(channels: Iterable[Callable[[], Record]], notes: Sequence[str] = ()) -> list[Record]:
-    """The usable channels of a file, each read by its callable; each names those left out, and has the `notes`.
-
-    If no channel is usable, NotAcceleration, which is skipped in a folder, is raised only if none is an acceleration.
-    """
+    """The usable channels of a file, each read by its callable; each names those left out, and has the `notes`."""
     records: list[Record] = []
     refusals: list[RecordRefused] = []
     for read_channel in channels:

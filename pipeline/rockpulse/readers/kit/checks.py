@@ -77,10 +77,7 @@ def contradictory(said: Direction, told: Direction) -> bool:
 
 
 def held_direction(said: Direction, told: Direction, note: str) -> Direction:
-    """The direction by two statements, of which one may be unknown; where they contradict, unknown with a note.
-
-    A channel is horizontal if both say so, whichever azimuth it has.
-    """
+    """The direction by two statements, of which one may be unknown; where they contradict, a note says so."""
     if contradictory(said, told):
         return Direction("horizontal" if said.orientation == told.orientation == "horizontal" else "unknown", note=note)
     return told if said.orientation == "unknown" or (np.isnan(said.azimuth) and not np.isnan(told.azimuth)) else said

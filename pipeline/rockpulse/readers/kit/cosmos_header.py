@@ -1,7 +1,4 @@
-"""The header of one channel of a COSMOS file: text, integers, reals, comments, each behind a line that states how many.
-
-Integers and reals are counted from 1, as in the description of the format. Those that stand for "unknown" are NaN.
-"""
+"""The header of one channel of a COSMOS file: text, integers, reals, comments; numbers count from 1, NaN is unknown."""
 
 import re
 from collections.abc import Sequence
@@ -105,10 +102,7 @@ class Header:
         return (found[1], found[2]) if found else ("", "")
 
     def facing(self) -> Direction:
-        """Direction from the words and from integer 54; unknown, with a note, where they contradict each other.
-
-        A channel code of SEED decides between vertical and horizontal.
-        """
+        """Direction from the words and integer 54; unknown, with a note, where they contradict each other."""
         words, code = self.channel()[1], self.integer(54)
         said, coded = direction(words), Direction()
         if code is not None:
@@ -236,10 +230,7 @@ def _numbers(name: str, lines: Sequence[str], at: int, end: int, kind: str) -> t
 
 
 def held_series(header: Header, heading: str, step: float, samples: np.ndarray) -> list[str]:
-    """Warnings where the heading of the series, the text or real 65 contradicts samples (n,) at a step [s].
-
-    The length of the raw record, and the peak in the line that states it, are held against raw records only.
-    """
+    """Warnings where the heading of the series, the text or real 65 contradicts samples (n,) at a step [s]."""
     raw = not header.kind.lower().startswith("corrected")
     spare = _LENGTH_SHARE * step * samples.size
     lengths = (matched(_ABOUT, heading[:200]), matched(_RAW_LENGTH, header.text[9]) if raw else "")

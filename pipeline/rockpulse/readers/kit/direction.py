@@ -92,7 +92,7 @@ def means_vertical(code: str) -> bool:
 
 
 def vertical_if_so(facing: Direction, code: str) -> Direction:
-    """The direction of a header; vertical, with a remark, where the channel code says so: many leave its azimuth at 0."""
+    """The direction of a header; vertical, with a remark, where the channel code says so against an azimuth of 0."""
     if facing.orientation != "horizontal" or not means_vertical(code):
         return facing
     told = "a horizontal direction" if math.isnan(facing.azimuth) else f"an azimuth of {facing.azimuth:g} degrees"
@@ -109,10 +109,7 @@ def heading_direction(name: str) -> Direction:
 
 
 def on_structure(place: str, stated: bool = False) -> bool:
-    """Whether the words for a place mean a structure rather than the ground beside it.
-
-    `stated` is True for a field that only instrumented structures have, where anything but the free field counts.
-    """
+    """Whether words for a place mean a structure; in a field that is `stated` for structures, all but free fields."""
     if not place.strip() or _FREE_FIELD.search(place.strip()):
         return False
     return stated or bool(_ON_STRUCTURE.search(place))

@@ -42,10 +42,7 @@ def clock_fault(moment: datetime) -> str:
 
 
 def instant(day: Sequence[float], time: Sequence[float], zone_hours: float = 0.0) -> datetime | None:
-    """UTC time from year, month, day and hour, minute, second of a clock that is `zone_hours` ahead; None if none.
-
-    The second may have a fraction, and be a leap second.
-    """
+    """UTC time from year, month, day and hour, minute, second, which are `zone_hours` ahead of UTC; None if none."""
     hour, minute, second = time
     if not (0 <= hour < 24 and 0 <= minute < 60 and 0.0 <= second < 61.0):
         return None

@@ -1,9 +1,4 @@
-"""Equal spacing of sample times, recognised through the rounding of printed times or made by interpolation.
-
-Times stand in the (time, acceleration) pairs of a digitised trace, of which the volume 1 files of CSMIP, USC and
-RENADIC hold five in a row, in fields of equal width that may touch, and in the first of plain columns, where heading,
-other statements and the caller must agree with it.
-"""
+"""Equal spacing of sample times, recognised through the rounding of printed times or made by interpolation."""
 
 from __future__ import annotations
 
@@ -60,10 +55,7 @@ def same_step(steps: Iterable[float]) -> bool:
 
 
 def even_step(times: np.ndarray) -> float | None:
-    """Sampling interval [s] of equally spaced times (n,), rounded as printed; None if they are unequal.
-
-    The times increase strictly, n >= 2. A round interval or rate is preferred where the printed digits allow it.
-    """
+    """Sampling interval [s] of increasing, even times (n,), as round as the printed digits allow; else None."""
     if not np.all(np.abs(times) <= LATEST):
         return None
     times = times - times[0]  # the digits of large times are of the first one
@@ -83,10 +75,7 @@ def _fitted_step(times: np.ndarray, rounding: float) -> float | None:
 
 
 def printed_at(times: np.ndarray, dt: float) -> bool:
-    """Whether times (n,) that never decrease are those of samples at interval `dt` [s] after rounding, however coarse.
-
-    Where they are printed more coarsely than `dt`, a missing row may hide in the rounding; a stated count shows it.
-    """
+    """Whether times (n,) that never decrease are those of samples at interval `dt` [s], rounded however coarsely."""
     if not (np.isfinite(dt) and dt > 0.0) or not np.all(np.abs(times) <= LATEST):
         return False
     times = times - times[0]
@@ -98,10 +87,7 @@ def printed_at(times: np.ndarray, dt: float) -> bool:
 
 
 def long_step(times: np.ndarray) -> int | None:
-    """Index of the first long step, if increasing times (n,) are equally spaced once the long steps are closed.
-
-    None for others: those of a digitised trace, which wander, have long steps but no gaps.
-    """
+    """Index of the first long step, if increasing times (n,) are even once long steps are closed; else None."""
     if not np.all(np.abs(times) <= LATEST):
         return None
     times = times - times[0]
@@ -244,10 +230,7 @@ def _seconds(name: str, headings: Sequence[Heading]) -> float:
 def time_column_step(
     name: str, table: np.ndarray, headings: Sequence[Heading], start: int, declared: float | None
 ) -> float | None:
-    """Interval [s] of the first column where it is time: by its heading, or as it hardly ever falls; else None.
-
-    It has to be equally spaced, or to be what rounding makes of the interval `declared` elsewhere.
-    """
+    """Interval [s] of a first column headed as time or hardly ever falling: even, or `declared` and rounded."""
     named = names_time(headings)
     first = table[:, 0] * _seconds(name, headings)
     steps = np.diff(first)

@@ -149,10 +149,7 @@ def _to_float(fields: Sequence[bytes] | np.ndarray, where: str, located: Iterato
 
 
 def fixed_width(lines: Sequence[str], first: int, width: int, per_row: int, count: int, where: str) -> np.ndarray:
-    """The first `count` numbers in columns of equal width, touching or not, as (n,); surplus rows are left alone.
-
-    `lines[0]` is line `first` of the file `where`, from 1.
-    """
+    """The first `count` numbers (n,) in columns of equal width; `lines[0]` is line `first` of the file `where`."""
     if width < 1 or per_row < 1:
         found = f"{per_row} of {width} from line {first} on"
         raise unexpected(where, "fields of at least 1 character, at least 1 in a row", found)
@@ -201,10 +198,7 @@ def free_rows(lines: Sequence[str], first: int, columns: int, where: str) -> np.
 
 
 def canonical_unit(text: str, where: str) -> str:
-    """The key of `UNITS` that a spelling means; UnitError, with `where` (``file:line`` or an option), if there is none.
-
-    Case, blanks, a final dot, ``^``, ``**``, ``sec``, ``/s/s``, ``s-2`` and a raised 2 make no difference.
-    """
+    """The key of `UNITS` that a spelling means; `where` is ``file:line`` or an option, for the UnitError."""
     unit = _accepted(text)
     if unit not in UNITS:
         quantity = quantity_of(text)
@@ -241,7 +235,7 @@ def quantity_of(text: str) -> str:
 
 
 def mentioned_units(text: str) -> Iterator[tuple[str, str, int]]:
-    """ "acceleration" or "velocity" of each unit in running text such as ``acc_cm_s2``, as written, and its index."""
+    """Units in running text such as ``acc_cm_s2``: "acceleration" or "velocity", the unit as written, its index."""
     for match in _MENTIONED.finditer(text.lower().translate(_RAISED).replace("_", "/")):
         squared = match["again"] or match["squared"] or match["other"]
         wording = text[match.start() : match.end()] if text.isascii() else match[0]
