@@ -126,7 +126,9 @@ def read_asa(file: SourceFile, options: ReadOptions) -> list[Record]:
     if _DOUBTFUL.search(quality):
         time_notes.append(f"quality of the record (header): {quality[:200]}")
     date, name = header.text("FECHA DEL SISMO"), header.text("NOMBRE DE LA ESTACION")
-    facts, place = _facts(header), f"{name} {header.continued('LOCALIZACION DE LA ESTACION', 4)}"
+    place = f"{name} {header.continued('LOCALIZACION DE LA ESTACION', 4)}"
+    origin = _moment(_DATE.search(date), _TIME.search(header.text("HORA EPICENTRO")))
+    utc = all(_UTC.search(header.entry(key)[0]) for key in ("FECHA DEL SISMO", "HORA EPICENTRO"))
     return [
         kit.build_record(
             file,
@@ -144,7 +146,12 @@ def read_asa(file: SourceFile, options: ReadOptions) -> list[Record]:
             station_name=name,
             event=" ".join(f"{date} {header.text('HORA EPICENTRO')} {header.text('MAGNITUD').strip('/')}".split()),
             start_time=start_time,
-            facts=facts,
+            origin_time=origin if utc else None,
+            magnitude=kit.magnitudes(header.text("MAGNITUD")),
+            hypocentre=kit.coordinates(header.continued("COORDENADAS DEL EPICENTRO", 1)),
+            depth_km=header.text("PROFUNDIDAD FOCAL"),
+            station_place=kit.coordinates(header.continued("COORDENADAS DE LA ESTACION", 1)),
+            site_class=header.continued("TIPO DE SUELO", 2),
             header_peak=kit.printed_number(peaks[index]),
             peak_factor=kit.UNITS["gal"],
             warnings=[*notes, *held[index], *time_notes],
@@ -236,19 +243,6 @@ def _facing(word: str) -> kit.Direction:
     if facing.orientation == "vertical":
         return replace(facing, sign=-facing.sign)
     return replace(facing, azimuth=(facing.azimuth + 180.0) % 360.0, note=note)
-
-
-def _facts(header: _Header) -> kit.Facts:
-    date, time = _DATE.search(header.text("FECHA DEL SISMO")), _TIME.search(header.text("HORA EPICENTRO"))
-    utc = all(_UTC.search(header.entry(key)[0]) for key in ("FECHA DEL SISMO", "HORA EPICENTRO"))
-    return kit.stated(
-        origin_time=_moment(date, time) if utc else None,
-        magnitude=kit.magnitudes(header.text("MAGNITUD")),
-        hypocentre=kit.coordinates(header.continued("COORDENADAS DEL EPICENTRO", 1)),
-        depth_km=header.text("PROFUNDIDAD FOCAL"),
-        station=kit.coordinates(header.continued("COORDENADAS DE LA ESTACION", 1)),
-        site_class=header.continued("TIPO DE SUELO", 2),
-    )
 
 
 def _moment(date: re.Match[str] | None, time: re.Match[str] | None) -> datetime | None:

@@ -39,9 +39,7 @@ _BARE = re.compile(rf"\s*(?P<count>[1-9]\d{{1,8}})[\s,]+{_STEP}\s*(?:SEC\w*)?\s*
 _NAMES_BOTH = [re.compile(words, re.IGNORECASE) for words in (_NPTS, rf"{_DT}\b")]
 _MILLISECONDS = re.compile(r"(?<![a-z])m(?:illi)?s(?:ec\w*)?\b", re.IGNORECASE)
 _UNIT = re.compile(r"UNITS?\s*(?:OF|ARE|IN|IS|[:=])\s*[(\[]?([^\s)\],;]+)", re.IGNORECASE)
-_SERIES = re.compile(
-    r"\b(ACCELERATION|VELOCITY|DISPLACEMENT|(?:ACC(?:EL)?|VEL|DISPL?)(?=\.?\s+(?:TIME|HIST)))\b", re.IGNORECASE
-)
+_SERIES = re.compile(r"(?i)\b(ACCELERATION|VELOCITY|DISPLACEMENT|(?:ACC(?:EL)?|VEL|DISPL?)(?=\.?\s+(?:TIME|HIST)))\b")
 #: The unit behind the name of the series where the word UNITS is missing: (G), IN G, CM/SEC/SEC; no other words.
 _WITHOUT_WORD = re.compile(
     r"\.?S?(?:\s+(?:TIME|SERIES|HISTORY|DATA|RECORD|VALUES))*[\s,:-]*"
@@ -132,7 +130,8 @@ def read_at2(file: SourceFile, options: ReadOptions) -> list[Record]:
             facing=kit.direction(component.zfill(3)) if component.isdecimal() else None,
             station_name=station or found.station_name,
             event=", ".join(title[:event]) or found.event,
-            facts=found.facts,
+            magnitude=(found.magnitude, ""),
+            vs30=found.vs30,
             warnings=[*warnings, *behind, *notes],
         )
     ]
@@ -223,7 +222,8 @@ class Listed(NamedTuple):
 
     event: str = ""
     station_name: str = ""
-    facts: kit.Facts = kit.NOTHING
+    magnitude: str = ""
+    vs30: str = ""
 
 
 def listed(file: SourceFile) -> tuple[Listed, list[str]]:
@@ -242,8 +242,8 @@ def _rows(content: bytes) -> dict[str, Listed]:
     found: dict[str, Listed] = {}
     heads: list[str] = []
     try:
-        for row in csv.reader(kit.text_lines(content), skipinitialspace=True):
-            cells = [cell.strip() for cell in row]
+        for values in csv.reader(kit.text_lines(content), skipinitialspace=True):
+            cells = [cell.strip() for cell in values]
             if not heads:
                 heads = [cell.lower() for cell in cells] if _LIST_BEGINS in map(str.lower, cells) else []
                 continue
@@ -251,19 +251,13 @@ def _rows(content: bytes) -> dict[str, Listed]:
                 break
             entries = dict(zip(heads, cells, strict=False))
             names = [value for head, value in entries.items() if "filename" in head.replace(" ", "")]
-            found |= {name.replace("\\", "/").rpartition("/")[2].lower(): _listed(entries) for name in names}
+            vs30 = next((value for head, value in entries.items() if head.startswith("vs30")), "")
+            event = " ".join(filter(None, (entries.get("earthquake name"), entries.get("year"))))
+            row = Listed(event, entries.get("station name", ""), entries.get("magnitude", ""), vs30)
+            found |= {name.replace("\\", "/").rpartition("/")[2].lower(): row for name in names}
     except csv.Error as fault:
         raise RecordFormatError(f"{_LIST}: cannot be read as CSV: {fault}; download it again") from fault
     return found
-
-
-def _listed(entries: dict[str, str]) -> Listed:
-    vs30 = next((value for head, value in entries.items() if head.startswith("vs30")), "")
-    return Listed(
-        event=" ".join(filter(None, (entries.get("earthquake name"), entries.get("year")))),
-        station_name=entries.get("station name", ""),
-        facts=kit.stated(magnitude=(entries.get("magnitude", ""), ""), vs30=vs30),
-    )
 
 
 AT2 = Format(

@@ -68,13 +68,11 @@ def _channel(file: SourceFile, lines: Sequence[str], span: kit.Span, number: int
         facing=_facing(component, header[7]),
         station_name=kit.matched(_STATION, header[7]).strip(),
         event=" ".join(origin.split()),
-        facts=kit.stated(
-            origin_time=kit.written(origin),
-            magnitude=kit.magnitudes(header[8]),
-            hypocentre=kit.coordinates(header[8]),
-            depth_km=kit.matched(_DEPTH, header[8]),
-            station=kit.coordinates(header[7]),
-        ),
+        origin_time=kit.written(origin),
+        magnitude=kit.magnitudes(header[8]),
+        hypocentre=kit.coordinates(header[8]),
+        depth_km=kit.matched(_DEPTH, header[8]),
+        station_place=kit.coordinates(header[7]),
         warnings=notes,
     )
 

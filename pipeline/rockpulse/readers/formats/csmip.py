@@ -47,9 +47,7 @@ _PEAK_2 = re.compile(
     r"\s*peak acceleration\s*=\s*(-?\d*\.?\d+)\s*(?!at\b)([a-z][a-z/]*)(?:\s*at\s+(\d{0,6}\.\d{1,6})\s*sec)?",
     re.IGNORECASE,
 )
-_OTHER_PEAKS = re.compile(
-    r"\s*peak\s+(?:velocity|displacement)\s*=\s*-?\d*\.?\d+\s*(?!at\b)([a-z][a-z/]*)", re.IGNORECASE
-)
+_OTHER_PEAKS = re.compile(r"(?i)\s*peak\s+(?:velocity|displacement)\s*=\s*-?\d*\.?\d+\s*(?!at\b)([a-z][a-z/]*)")
 _LENGTH_2 = re.compile(r".{0,40}?\b(?:record length|duration)\s*=\s*(\d{0,6}\.\d{1,6})\s*sec", re.IGNORECASE)
 #: The component in the title and in the last line of the text.
 _COMPONENT = re.compile(r"\b(?:chan\s*\d{1,4}\s*:|comp)\s+(\S.{0,30}?)(?=\s{2}|\s+from\b|\s*$)", re.IGNORECASE)

@@ -23,9 +23,7 @@ _NUMBER = re.compile(r"\d{1,9}(?:\.\d{0,9})?", re.ASCII)
 _FORMAT = re.compile(r"(\d{1,2})F(\d{1,2})\.\d{1,2}", re.ASCII | re.IGNORECASE)
 _CHANNEL = re.compile(r"([UVZNE])\s*\(([+-])\)", re.IGNORECASE)
 _PEAK = re.compile(r"(-?\d{1,9}\.?\d{0,9})\s*~\s*(-?\d{1,9}\.?\d{0,9})", re.ASCII)
-_MOMENT = re.compile(
-    r"(\d{4})/\s*(\d{1,2})/\s*(\d{1,2})-\s*(\d{1,2}):\s*(\d{1,2}):\s*(\d{1,2}(?:\.\d{0,9})?)", re.ASCII
-)
+_MOMENT = re.compile(r"(?a)(\d{4})/\s*(\d{1,2})/\s*(\d{1,2})-\s*(\d{1,2}):\s*(\d{1,2}):\s*(\d{1,2}(?:\.\d{0,9})?)")
 _ZONE = re.compile(r"GMT\s*([+-]\s*\d{1,2})", re.ASCII | re.IGNORECASE)
 
 
@@ -58,13 +56,6 @@ def read_cwb(file: SourceFile, options: ReadOptions) -> list[Record]:
     start_time, notes = _start_time(header, float(table[0, 0]))
     if rows > (length + rounding) * rate + 1.0:
         notes.append(f"the header states {length:g} s at {rate:g} samples per s, the file has {rows} rows")
-    facts = kit.stated(
-        origin_time=_moment(header["origintime"]),
-        magnitude=(header.text("magnitude"), header["magnitude"].aside),
-        hypocentre=(header.text("epicenterlatitude"), header.text("epicenterlongitude")),
-        depth_km=header.text("depth"),
-        station=(header.text("stationlatitude"), header.text("stationlongitude")),
-    )
     return [
         kit.build_record(
             file,
@@ -81,7 +72,11 @@ def read_cwb(file: SourceFile, options: ReadOptions) -> list[Record]:
             station_name=header.text("stationname"),
             event=header.text("origintime"),
             start_time=start_time,
-            facts=facts,
+            origin_time=_moment(header["origintime"]),
+            magnitude=(header.text("magnitude"), header["magnitude"].aside),
+            hypocentre=(header.text("epicenterlatitude"), header.text("epicenterlongitude")),
+            depth_km=header.text("depth"),
+            station_place=(header.text("stationlatitude"), header.text("stationlongitude")),
             header_peak=_peak(header.text(f"amplitudemax{letter.lower()}")),
             warnings=notes,
         )

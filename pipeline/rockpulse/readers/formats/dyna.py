@@ -133,7 +133,15 @@ def read_dyna(file: SourceFile, options: ReadOptions) -> list[Record]:
             event=(place.replace("_", " ") if of_event else "") or header.text("EVENT_NAME"),
             start_time=start_time,
             sensor_depth=header.number("SENSOR_DEPTH_M"),
-            facts=_facts(header),
+            event_id=header.text("EVENT_ID"),
+            origin_time=_origin(header),
+            magnitude=kit.preferred([(header.text("MAGNITUDE_W"), "Mw"), (header.text("MAGNITUDE_L"), "ML")]),
+            hypocentre=(header.text("EVENT_LATITUDE_DEGREE"), header.text("EVENT_LONGITUDE_DEGREE")),
+            depth_km=header.text("EVENT_DEPTH_KM"),
+            distance_km=header.text("EPICENTRAL_DISTANCE_KM"),
+            station_place=(header.text("STATION_LATITUDE_DEGREE"), header.text("STATION_LONGITUDE_DEGREE")),
+            vs30=header.text("VS30_M/S"),
+            site_class=header.text("SITE_CLASSIFICATION_EC8"),
             header_peak=kit.printed_number(peak if _DECIMAL.fullmatch(peak) else ""),
             peak_factor=kit.UNITS["cm/s2"],
             warnings=[
@@ -251,20 +259,6 @@ def _start_time(header: _Header) -> tuple[datetime | None, list[str]]:
 
 def _origin(header: _Header) -> datetime | None:
     return _moment(f"{header.text('EVENT_DATE_YYYYMMDD')} {header.text('EVENT_TIME_HHMMSS')}")
-
-
-def _facts(header: _Header) -> kit.Facts:
-    return kit.stated(
-        event_id=header.text("EVENT_ID"),
-        origin_time=_origin(header),
-        magnitude=kit.preferred([(header.text("MAGNITUDE_W"), "Mw"), (header.text("MAGNITUDE_L"), "ML")]),
-        hypocentre=(header.text("EVENT_LATITUDE_DEGREE"), header.text("EVENT_LONGITUDE_DEGREE")),
-        depth_km=header.text("EVENT_DEPTH_KM"),
-        distance_km=header.text("EPICENTRAL_DISTANCE_KM"),
-        station=(header.text("STATION_LATITUDE_DEGREE"), header.text("STATION_LONGITUDE_DEGREE")),
-        vs30=header.text("VS30_M/S"),
-        site_class=header.text("SITE_CLASSIFICATION_EC8"),
-    )
 
 
 def _moment(text: str) -> datetime | None:

@@ -27,9 +27,7 @@ _STEP = re.compile(r"\bat (?:intervals of\s+)?(\d{0,3}\.\d{1,6})\s*s", re.IGNORE
 _COMPONENT = re.compile(r"component\s+([NS]\s*\d{1,2}(?:\.\d{0,3})?\s*[EW]\b|\S+)", re.IGNORECASE)
 _DISTANCE = re.compile(r".*?\bdist\s+(\d{1,5})\s*km", re.ASCII | re.IGNORECASE)
 _DEPTH = re.compile(r".*?\bdepth\s+(\d{1,3})\s*km", re.ASCII | re.IGNORECASE)
-_PEAK = re.compile(
-    r"acceleration:\s+peak\s*(-?\d{1,9}(?:\.\d{0,9})?)\s*(\S+)(?:\s+at\s+(\d{0,6}\.\d{1,6})\s*s)?", re.IGNORECASE
-)
+_PEAK = re.compile(r"(?i)acceleration:\s+peak\s*(-?\d{1,9}(?:\.\d{0,9})?)\s*(\S+)(?:\s+at\s+(\d{0,6}\.\d{1,6})\s*s)?")
 _OTHER_PEAKS = re.compile(r"(?:velocity|displacement):\s+peak\s*-?\d{1,9}(?:\.\d{0,9})?\s*(\S+)", re.IGNORECASE)
 _DURATION = re.compile(r".{0,60}?\bduration\s+(\d{0,6}\.\d{1,6})\s*s", re.IGNORECASE)
 
@@ -106,14 +104,12 @@ def _component(file: SourceFile, lines: Sequence[str], start: int, number: int) 
         station_name=text[2].strip(),
         event=text[6].strip(),
         start_time=start_time,
-        facts=kit.stated(
-            origin_time=_times(integers)[1],
-            magnitude=kit.magnitudes(text[8]),
-            hypocentre=kit.coordinates(text[8]),
-            depth_km=kit.matched(_DEPTH, text[8]),
-            distance_km=kit.matched(_DISTANCE, text[8]),
-            station=kit.coordinates(text[1]),
-        ),
+        origin_time=_times(integers)[1],
+        magnitude=kit.magnitudes(text[8]),
+        hypocentre=kit.coordinates(text[8]),
+        depth_km=kit.matched(_DEPTH, text[8]),
+        distance_km=kit.matched(_DISTANCE, text[8]),
+        station_place=kit.coordinates(text[1]),
         header_peak=kit.printed_number(peak[1] if peak else ""),
         peak_factor=kit.UNITS[peak_unit],
         warnings=notes,

@@ -73,7 +73,7 @@ def _channel(file: SourceFile, traces: list[Any], number: int, options: ReadOpti
         station_name=site,
         start_time=utc_time(file, stats.starttime),
         sensor_depth=float("nan") if channel.depth is None else float(channel.depth),
-        facts=kit.stated(station=(float(channel.latitude), float(channel.longitude))),
+        station_place=(float(channel.latitude), float(channel.longitude)),
         warnings=[*notes, *found.warnings, *_held_rate(float(stats.sampling_rate), channel)],
         processing=found.processing,
     )

@@ -48,13 +48,6 @@ def read_nsmn(file: SourceFile, options: ReadOptions) -> list[Record]:
         notes.append(f"the header states the peaks of {', '.join(peaks)}, the columns are {', '.join(components)}")
     magnitude = header.text("EARTHQUAKE MAGNITUDE")
     size, _, scale = magnitude.partition(" ")
-    facts = kit.stated(
-        origin_time=_moment(date)[0],
-        magnitude=(size, scale),
-        hypocentre=kit.coordinates(header.text("EPICENTER COORDINATES")),
-        depth_km=header.text("EARTHQUAKE DEPTH"),
-        station=kit.coordinates(header.text("STATION COORDINATES")),
-    )
     return [
         kit.build_record(
             file,
@@ -70,7 +63,11 @@ def read_nsmn(file: SourceFile, options: ReadOptions) -> list[Record]:
             station_name=_turkish(header.text("PLACE")),
             event=f"{date} M {magnitude}" if magnitude else date,
             start_time=start_time,
-            facts=facts,
+            origin_time=_moment(date)[0],
+            magnitude=(size, scale),
+            hypocentre=kit.coordinates(header.text("EPICENTER COORDINATES")),
+            depth_km=header.text("EARTHQUAKE DEPTH"),
+            station_place=kit.coordinates(header.text("STATION COORDINATES")),
             header_peak=peaks.get(component, kit.printed_number("")),
             warnings=[*notes, *kit.surplus(lines, end, len(lines))],
         )

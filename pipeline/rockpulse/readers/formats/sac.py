@@ -2,8 +2,6 @@
 
 import math
 import struct
-from datetime import datetime
-from typing import Any
 
 import numpy as np
 
@@ -75,6 +73,12 @@ def read_sac(file: SourceFile, options: ReadOptions) -> list[Record]:
     extremes = (words["depmin"], words["depmax"])
     extremes = extremes if math.isfinite(sum(extremes)) else (math.nan, math.nan)
     notes += _held_end(words, declared)
+
+    def word(name: str) -> float:
+        return float(f"{float(header.get(name, math.nan)):.7g}")  # the header holds float32
+
+    # Where the origin time O is that of the first sample B nobody has set it: no record begins with its earthquake.
+    to_origin = word("o") - word("b")
     scale = float(header.get("scale", 1.0))
     if scale != 1.0:
         notes.append(f"the header word SCALE = {scale:g} is not applied")
@@ -94,29 +98,17 @@ def read_sac(file: SourceFile, options: ReadOptions) -> list[Record]:
             event=str(header.get("kevnm", "")).strip(),
             sensor_depth=float(header.get("stdp", math.nan)),
             start_time=start,
-            facts=_facts(header, start),
+            origin_time=kit.later(start, to_origin) if math.isfinite(to_origin) and to_origin != 0.0 else None,
+            magnitude=(word("mag"), ""),
+            hypocentre=(word("evla"), word("evlo")),
+            depth_km=word("evdp"),
+            distance_km=word("dist"),
+            station_place=(word("stla"), word("stlo")),
             # The larger of DEPMIN and DEPMAX without sign, where both are set and one is not 0.
             header_peak=(max(map(abs, extremes)) or math.nan, 0.0),
             warnings=notes,
         )
     ]
-
-
-def _facts(header: Any, start: datetime | None) -> kit.Facts:
-    """Earthquake and station; origin time O and first sample B count from one reference, and agree if O is unset."""
-
-    def word(name: str) -> float:
-        return float(f"{float(header.get(name, math.nan)):.7g}")  # the header holds float32
-
-    to_origin = word("o") - word("b")
-    return kit.stated(
-        origin_time=kit.later(start, to_origin) if math.isfinite(to_origin) and to_origin != 0.0 else None,
-        magnitude=(word("mag"), ""),
-        hypocentre=(word("evla"), word("evlo")),
-        depth_km=word("evdp"),
-        distance_km=word("dist"),
-        station=(word("stla"), word("stlo")),
-    )
 
 
 def _words(file: SourceFile, order: str) -> dict[str, float]:

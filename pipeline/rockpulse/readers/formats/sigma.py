@@ -83,7 +83,7 @@ def read_sigma(file: SourceFile, options: ReadOptions) -> list[Record]:
             station=station.strip(),
             station_name=place.strip(),
             event=header.text("event date & time"),
-            facts=kit.stated(origin_time=kit.written(header.text("event date & time"))),
+            origin_time=kit.written(header.text("event date & time")),
             header_peak=kit.printed_number(pga),
             peak_factor=kit.UNITS[pga_unit],
             warnings=[*repeated, *notes],

@@ -80,6 +80,8 @@ def read_smc(file: SourceFile, options: ReadOptions) -> list[Record]:
     station, peak = _STATION.search(text[5]), _PEAK.search(text[6])
     name, component = (station[1], station[2].strip()) if station else ("", "")
     event = _EVENT.match(text[3])
+    known = [float(f"{value:.7g}") for value in reals]  # printed from float32: 5.8000002
+    latitude, longitude, depth, *sizes = known[2:9]
     start_time, notes = _start_time(integers, event)
     if integers[17] > 0.0:
         notes.append("the agency flags a problem of this record (integer 18 of the header)")
@@ -99,7 +101,13 @@ def read_smc(file: SourceFile, options: ReadOptions) -> list[Record]:
             station_name=name,
             event=" ".join(event[5].split()) if event else "",
             start_time=start_time,
-            facts=_facts(reals, event, lines[_FIRST_COMMENT:first]),
+            event_id=next(filter(None, (kit.matched(_EVENT_ID, line) for line in lines[_FIRST_COMMENT:first])), ""),
+            origin_time=_origin(event) if event else None,
+            magnitude=kit.preferred(zip(sizes, ("Mw", "Ms", "ML", ""), strict=True)),
+            hypocentre=(latitude, longitude),
+            depth_km=depth,
+            distance_km=known[16],
+            station_place=(known[10], known[11]),
             header_peak=kit.printed_number(peak[1] if peak else ""),
             original_peak=block.peak,
             warnings=[*block.warnings, *_held_extremes(reals, block), *notes],
@@ -185,22 +193,6 @@ def _origin(event: re.Match[str]) -> datetime | None:
     """The minute of the earthquake, UTC."""
     year, month, day, time = (int(event[group]) for group in range(1, 5))
     return kit.instant((year, month, day), (time // 100, time % 100, 0))
-
-
-def _facts(reals: np.ndarray, event: re.Match[str] | None, comments: Sequence[str]) -> kit.Facts:
-    """The earthquake by reals 3 to 9 and 17, line 4 and the comments, the station by reals 11 and 12."""
-    values = [float(f"{value:.7g}") for value in reals]  # printed from float32: 5.8000002
-    latitude, longitude, depth, *sizes = values[2:9]
-    ids = (found[1] for comment in comments if (found := _EVENT_ID.match(comment)))
-    return kit.stated(
-        event_id=next(ids, ""),
-        origin_time=_origin(event) if event else None,
-        magnitude=kit.preferred(zip(sizes, ("Mw", "Ms", "ML", ""), strict=True)),
-        hypocentre=(latitude, longitude),
-        depth_km=depth,
-        distance_km=values[16],
-        station=(values[10], values[11]),
-    )
 
 
 SMC = Format(

@@ -22,14 +22,12 @@ _CORRECTED = re.compile(r"(?:\s?corrected accelerogram\b[^\r\n]*[\r\n]+)+" + _TI
 _WORDS = 72
 _STATION = re.compile(r"\s*station\s+(?:usc#|no\.?)\s*(\w+)", re.IGNORECASE)
 #: The minute of the earthquake in Greenwich: OCT 01, 1987 -1442 GMT.
-_MINUTE = re.compile(
-    r"\s*([A-Z]{3})[A-Z]*\.?\s+(\d{1,2}),\s*(\d{4})\s*-\s*(\d\d)(\d\d)\s+GMT", re.ASCII | re.IGNORECASE
-)
+_MINUTE = re.compile(r"(?ai)\s*([A-Z]{3})[A-Z]*\.?\s+(\d{1,2}),\s*(\d{4})\s*-\s*(\d\d)(\d\d)\s+GMT")
 _MONTHS = ["JAN", "FEB", "MAR", "APR", "MAY", "JUN", "JUL", "AUG", "SEP", "OCT", "NOV", "DEC"]
 _MAGNITUDE = re.compile(r"\s*magnitude\s*=\s*(\d{1,2}\.\d{0,3})\s", re.ASCII | re.IGNORECASE)
 _DISTANCE = re.compile(r".{0,60}epicentral distance\s*=\s*(\d{1,5}\.\d{0,4})\s*km", re.ASCII | re.IGNORECASE)
-#: Reals of volume 1 in fields of ten characters, eight in a row: epicentral distance [km], magnitude, depth [km].
-_REALS, _OF_EVENT = TEXT_LINES + 7, (11, 12, 14)
+#: Reals of volume 1 in fields of ten characters, eight in a row; 11, 12, 14: distance [km], magnitude, depth [km].
+_REALS = TEXT_LINES + 7
 _COMPONENT = re.compile(r"\s*comp(?:onent)?\s+(.*)", re.IGNORECASE)
 _DURATION = re.compile(r".{0,40}?\bduration\s*=\s*(\d{0,6}\.\d{1,6})\s*sec", re.ASCII | re.IGNORECASE)
 _MEAN_SQUARE = re.compile(
@@ -83,34 +81,28 @@ def _held(lines: Sequence[str], points: int, block: kit.Block) -> list[str]:
 def _header(lines: Sequence[str]) -> Header:
     """The header from the 13 lines of text and those behind them."""
     text, behind = [line[:_WORDS].strip() for line in lines[:TEXT_LINES]], lines[TEXT_LINES:]
+    # In volume 2, the lines of the magnitude and the distance; volume 1 has them among the reals.
+    reals = {number: _real(lines, number) for number in (11, 12, 14)}
+    distance = next((found[1] for line in behind if (found := _DISTANCE.match(line[:_WORDS]))), reals[11])
+    magnitude = next((found[1] for line in behind if (found := _MAGNITUDE.match(line[:_WORDS]))), reals[12])
+    minute, origin = _MINUTE.match(text[2]), None
+    if minute and minute[1].upper() in _MONTHS:
+        day = (int(minute[3]), _MONTHS.index(minute[1].upper()) + 1, int(minute[2]))
+        origin = kit.instant(day, (int(minute[4]), int(minute[5]), 0.0))
     about = {
         "structural": kit.on_structure(text[5]),
         "station": kit.matched(_STATION, text[4]),
         "station_name": text[5],
         "event": " ".join((text[7] or text[1]).split()),
-        "facts": _facts(text, behind, [_real(lines, number) for number in _OF_EVENT]),
+        "origin_time": origin,
+        "magnitude": (magnitude, ""),
+        "hypocentre": kit.coordinates(text[8]),
+        "depth_km": reals[14],
+        "distance_km": distance,
+        "station_place": kit.coordinates(text[4]),
     }
     component = _COMPONENT.match(text[6])
     return Header(component[1] if component else text[6], about=about, code=direction_code(behind))
-
-
-def _facts(text: Sequence[str], behind: Sequence[str], reals: Sequence[str]) -> kit.Facts:
-    """Earthquake and station, from the text and, in volume 2, from the line of the magnitude, else from the reals."""
-    minute = _MINUTE.match(text[2])
-    magnitude = next((found[1] for line in behind if (found := _MAGNITUDE.match(line[:_WORDS]))), reals[1])
-    distance = next((found[1] for line in behind if (found := _DISTANCE.match(line[:_WORDS]))), reals[0])
-    origin = None
-    if minute and minute[1].upper() in _MONTHS:
-        day = (int(minute[3]), _MONTHS.index(minute[1].upper()) + 1, int(minute[2]))
-        origin = kit.instant(day, (int(minute[4]), int(minute[5]), 0.0))
-    return kit.stated(
-        origin_time=origin,
-        magnitude=(magnitude, ""),
-        hypocentre=kit.coordinates(text[8]),
-        depth_km=reals[2],
-        distance_km=distance,
-        station=kit.coordinates(text[4]),
-    )
 
 
 def _real(lines: Sequence[str], number: int) -> str:

@@ -21,15 +21,12 @@ from rockpulse.readers.kit.checks import (
 )
 from rockpulse.readers.kit.direction import Direction, direction, on_structure
 from rockpulse.readers.kit.facts import (
-    NOTHING,
-    Facts,
     coordinates,
     instant,
     later,
     magnitudes,
     near_event,
     preferred,
-    stated,
     written,
 )
 from rockpulse.readers.kit.spacing import Block, declared_points, make_even, pair_block, pair_unit, printed_at

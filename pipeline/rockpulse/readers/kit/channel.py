@@ -4,12 +4,13 @@ import re
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from datetime import datetime
+from typing import Unpack
 
 import numpy as np
 
 from rockpulse.errors import RecordFormatError, RecordRefused
 from rockpulse.readers.kit.direction import Direction, direction, vertical_if_so
-from rockpulse.readers.kit.facts import NOTHING, Facts, clock_fault
+from rockpulse.readers.kit.facts import Facts, clock_fault, stated
 from rockpulse.readers.kit.text import TRUNCATED, UNITS, other_readings, unexpected
 from rockpulse.readers.source import NotAcceleration, SourceFile
 from rockpulse.record.components import SHALLOW
@@ -92,12 +93,12 @@ def build_record(
     event: str = "",
     start_time: datetime | None = None,
     sensor_depth: float = float("nan"),
-    facts: Facts = NOTHING,
     header_peak: tuple[float, float] = (float("nan"), 0.0),
     peak_factor: float | None = None,
     original_peak: float | None = None,
     warnings: Sequence[str] = (),
     processing: Sequence[str] = (),
+    **facts: Unpack[Facts],
 ) -> Record:
     """The record of one channel, the file's `number` from 1, in m/s2 and checked; vertical motion is positive up.
 
@@ -159,7 +160,7 @@ def build_record(
         event=event,
         warnings=tuple(notes),
         processing=tuple(processing),
-        **vars(facts),
+        **stated(**facts),
     )
 
 

@@ -9,14 +9,12 @@ import numpy as np
 
 from rockpulse.readers.kit.checks import held_length, held_peak_time
 from rockpulse.readers.kit.direction import Direction, direction, means_vertical, on_structure
-from rockpulse.readers.kit.facts import Facts, instant, preferred, stated, written
+from rockpulse.readers.kit.facts import instant
 from rockpulse.readers.kit.text import check_count, fixed_width, free_numbers, matched, unexpected
 from rockpulse.remark import Remark
 
 TITLE = re.compile(r"\s?(.{0,60}?)\s*\(Format v\d{1,2}\.\d{1,3} with (\d{1,3}) text lines\)", re.ASCII | re.IGNORECASE)
-_UNKNOWN = re.compile(
-    r"values used when .{0,60}:\s*(-?\d{1,8})\s*,\s*(-?\d{1,8}\.?\d{0,8})\s*$", re.ASCII | re.IGNORECASE
-)
+_UNKNOWN = re.compile(r"(?ai)values used when .{0,60}:\s*(-?\d{1,8})\s*,\s*(-?\d{1,8}\.?\d{0,8})\s*$")
 _LAYOUT = re.compile(r"format\s*=\s*\(\s*(?:\d{1,2}P,?)?(\d{1,3})[IFEGD](\d{1,3})", re.ASCII | re.IGNORECASE)
 _SCNL = re.compile(r"\s*\|\s*<SCNL>([^.\s]*)\.([^.\s]*)\.([^.\s]*)\.([^.\s]*)")
 _CODE = re.compile(r"\bCode:\s*(\w\w|--|__)-(\w*)", re.ASCII)
@@ -25,12 +23,7 @@ _CLOCK = re.compile(
     r"Rcrd start time:.{0,12}?\d{4}.{0,9}?\s\d{1,2}:\s*\d{1,2}:\s*(\d{0,2}\.?\d{0,9})\s*((?!Rcrd)[A-Z]{3,9})?",
     re.ASCII | re.IGNORECASE,
 )
-_PEAK = re.compile(
-    r"\bmax\s*=\s*(-?\d{0,9}\.?\d{1,9}|-?\d{1,9}\.)\s*([A-Z][A-Z0-9/*^]{0,12})", re.ASCII | re.IGNORECASE
-)
-_GEOLOGY = re.compile(r"site geology:\s*(.*?)\s*$", re.IGNORECASE)
-#: Network and number of the earthquake, then the codes of the channel: RcrdId: US.1000hyfh.NP.8040.HNE.01
-_EVENT_ID = re.compile(r"\s*\|\s*RcrdId:\s*(\w{2}\.\w+)\.\w{2}\.\w+\.\w{3}\.", re.ASCII | re.IGNORECASE)
+_PEAK = re.compile(r"(?ai)\bmax\s*=\s*(-?\d{0,9}\.?\d{1,9}|-?\d{1,9}\.)\s*([A-Z][A-Z0-9/*^]{0,12})")
 _COUNTED = re.compile(r"\(\s*(\d{1,3})\s*chns?\s+of\s+\d{1,3}", re.ASCII | re.IGNORECASE)
 _PEAK_TIME = re.compile(r"\bmax\s*=.{0,60}?\bat\s+(\d{0,6}\.\d{0,6})\s*sec", re.ASCII | re.IGNORECASE)
 _RAW_LENGTH = re.compile(r"\s*raw record length\s*=\s*(\d{0,6}\.\d{0,6})\s*sec", re.ASCII | re.IGNORECASE)
@@ -129,22 +122,6 @@ class Header:
         """A warning for sensors that may lie at depth."""
         site = _DEPTHS.get(self.integer(19) or 0)
         return [f"the station is of the type {site!r}: the sensor may lie at depth"] if site else []
-
-    def facts(self) -> Facts:
-        """The earthquake by reals 10 to 17, text line 4 and the comments, the station by reals 1 and 2 and line 6."""
-        geology = _GEOLOGY.search(self.text[5])
-        ids = (found[1] for comment in self.comments if (found := _EVENT_ID.match(comment)))
-        scales = enumerate(("Mw", "Ms", "ML", ""), start=13)
-        return stated(
-            event_id=next(ids, ""),
-            origin_time=written(self.text[3]),
-            magnitude=preferred((self.real(number), scale) for number, scale in scales),
-            hypocentre=(self.real(10), self.real(11)),
-            depth_km=self.real(12),
-            distance_km=self.real(17),
-            station=(self.real(1), self.real(2)),
-            site_class=geology[1] if geology else "",
-        )
 
     def start_time(self) -> tuple[datetime | None, list[str]]:
         """UTC time of the first sample, from integers 40 to 46, real 30 and text line 8, or why there is none."""

@@ -27,7 +27,7 @@ from rockpulse.readers.kit.checks import (
     repeated_marker,
 )
 from rockpulse.readers.kit.direction import Direction, direction, on_structure
-from rockpulse.readers.kit.facts import ZONES, clock_fault, coordinates, magnitudes, stated, written
+from rockpulse.readers.kit.facts import ZONES, clock_fault, coordinates, magnitudes, written
 from rockpulse.readers.kit.spacing import Block
 from rockpulse.readers.kit.text import (
     FILE_DAMAGED,
@@ -47,9 +47,7 @@ TEXT_LINES, HEADER_LINES = 13, 13 + 7 + 7
 
 #: No line of these formats is longer; a damaged one may be.
 LONGEST_LINE = 200
-_HEADING = re.compile(
-    r"\s*(\d{1,15})\s+(?:(accel)erogram points|points of (acc|vel|disp)\w* data)\b(.*)", re.IGNORECASE
-)
+_HEADING = re.compile(r"(?i)\s*(\d{1,15})\s+(?:(accel)erogram points|points of (acc|vel|disp)\w* data)\b(.*)")
 _KINDS = {"a": "acceleration", "v": "velocity", "d": "displacement"}
 _RATE = re.compile(r"\bat\s+([\d.]+)\s*(?:pts|points|samples)/sec", re.IGNORECASE)
 _STEP = re.compile(r"\bspaced at\s+([\d.]+)\s*sec", re.IGNORECASE)
@@ -57,16 +55,12 @@ _UNIT = re.compile(r".*?(?:\bunits\s*(?:of|:)|,\s*in)\s*([^\s)]+)", re.IGNORECAS
 _FORMAT = re.compile(r"\((\d{1,3})[fe](\d{1,3})\.\d+\)", re.IGNORECASE)
 _ROW = 8
 
-_CHANNEL = re.compile(
-    r"\s*chan\s*(\d+)\s*:\s*(.*?)\s*(?:\(sta chn:\s*(\d*)[^)]*\)\s*)?(?:location:\s*(.*?)\s*)?$", re.IGNORECASE
-)
+_CHANNEL = re.compile(r"(?i)\s*chan\s*(\d+)\s*:\s*(.*?)\s*(?:\(sta chn:\s*(\d*)[^)]*\)\s*)?(?:location:\s*(.*?)\s*)?$")
 _PLACE_AFTER = re.compile(r"(\d{1,3}\s*deg|up|down)\b[\s,:-]+(.*)", re.IGNORECASE)
 _STATION = re.compile(r"\s*station (?:id|no)\.\s+(\w+)\s+\d+\.\d*\s*[NS]", re.IGNORECASE)
 _COUNTED = re.compile(r"\((\d{1,3})\s*chns?\s+of\s+\d{1,3}", re.IGNORECASE)
 _SEED_CODES = re.compile(r"\s*(\w+)\.(\w\w)\.(\w+)\.([\w-]{2})\.\w")
-_START = re.compile(
-    r"(?:start|trigger) time:\s*(\d+)/\s*(\d+)/\s*(\d+),?\s+(\d+):\s*(\d+):\s*([\d.]+)\s+([A-Z]+)", re.IGNORECASE
-)
+_START = re.compile(r"(?i)(?:start|trigger) time:\s*(\d+)/\s*(\d+)/\s*(\d+),?\s+(\d+):\s*(\d+):\s*([\d.]+)\s+([A-Z]+)")
 # A trigger time is taken as that of the first sample: those of digital CSMIP recorders are (on the SSA-1 record of
 # Hesperia, 1992, the P wave arrives when it must), and film recorders have no memory of what was before.
 _ORIGIN = re.compile(r"\(origin(?:\([^)]{0,20}\))?:(.{0,40})", re.IGNORECASE)
@@ -231,14 +225,12 @@ def read_header(lines: Sequence[str]) -> Header:
         "station_name": re.split(r"\s{2,}|\s+s/n\b", text[5].strip(), flags=re.IGNORECASE)[0],
         "event": " ".join(re.split(r"\s{2,}\(", text[1].strip())[0].split()),
         "start_time": start_time,
-        "facts": stated(
-            event_id=seed[1] if seed and seed[1].isdecimal() else "",
-            origin_time=written(origin[1]) if origin else None,
-            magnitude=magnitudes(text[8]),
-            hypocentre=coordinates(text[8]),
-            depth_km=depth[1] if depth else "",
-            station=coordinates(text[4]),
-        ),
+        "event_id": seed[1] if seed and seed[1].isdecimal() else "",
+        "origin_time": written(origin[1]) if origin else None,
+        "magnitude": magnitudes(text[8]),
+        "hypocentre": coordinates(text[8]),
+        "depth_km": depth[1] if depth else "",
+        "station_place": coordinates(text[4]),
     }
     return Header(
         component,

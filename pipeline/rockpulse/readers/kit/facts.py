@@ -6,8 +6,8 @@ Zeros and -999 stand for "unknown", units are mixed up: a value that cannot be t
 import math
 import re
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 from datetime import UTC, datetime, timedelta
+from typing import Any, TypedDict, Unpack
 
 #: A record starts at most this long before or after its earthquake; the waves cross the Earth in a third of it.
 NEAR = timedelta(hours=1)
@@ -98,9 +98,7 @@ Place = tuple[Number, Number]
 _NUMBER = re.compile(r"[+-]?(?:\d{1,9}\.?\d{0,15}|\.\d{1,15})(?:[eE][+-]?\d{1,3})?", re.ASCII)
 #: Decimal degrees ("35.525N", "19.33 LAT. N") or degrees, minutes and seconds ("34 06 52N") with the side of the globe.
 _DECIMAL = re.compile(r"(?<![\d.])(\d{1,3}\.\d{0,9})\s*(?:LAT\.|LONG\.)?\s*([NSEW])(?![A-Z])", re.ASCII | re.IGNORECASE)
-_SEXAGESIMAL = re.compile(
-    r"(?<![\d.])(\d{1,3})\s{1,3}(\d{1,2})\s{1,3}(\d{1,2}(?:\.\d{0,6})?)\s*([NSEW])(?![A-Z])", re.ASCII | re.IGNORECASE
-)
+_SEXAGESIMAL = re.compile(r"(?ai)(?<![\d.])(\d{1,3})\s{1,3}(\d{1,2})\s{1,3}(\d{1,2}(?:\.\d{0,6})?)\s*([NSEW])(?![A-Z])")
 _MAGNITUDE = re.compile(r"(?<![A-Za-z0-9.])(M[A-Za-z]?)\s{0,10}[=:]?\s{0,10}(\d{1,2}(?:\.\d{0,3})?)(?![\d.])", re.ASCII)
 #: Scales of magnitudes by their letters, in the order in which one is chosen where a header states several.
 _SCALES = {"mw": "Mw", "ms": "Ms", "ml": "ML", "mb": "mb"}
@@ -114,60 +112,45 @@ _DEEPEST, _FARTHEST = 800.0, 20_040.0
 _VS30 = (30.0, 5000.0)
 
 
-@dataclass(frozen=True)
-class Facts:
-    """Fields of a `Record` by the same names and in the same units; what is not known is NaN, None or empty."""
+class Facts(TypedDict, total=False):
+    """Statements of a header on earthquake and station; those that cannot be true are left out of the record."""
 
-    event_id: str = ""
-    origin_time: datetime | None = None
-    magnitude: float = math.nan
-    magnitude_type: str = ""
-    hypocentre_latitude: float = math.nan
-    hypocentre_longitude: float = math.nan
-    hypocentre_depth: float = math.nan
-    epicentral_distance: float = math.nan
-    station_latitude: float = math.nan
-    station_longitude: float = math.nan
-    vs30: float = math.nan
-    site_class: str = ""
+    event_id: str
+    origin_time: datetime | None
+    magnitude: tuple[Number, str]  # with its scale
+    hypocentre: Place
+    depth_km: Number
+    distance_km: Number
+    station_place: Place
+    vs30: Number  # [m/s]
+    site_class: str
 
 
-#: Of a file that states nothing.
-NOTHING = Facts()
-
-
-def stated(
-    *,
-    event_id: str = "",
-    origin_time: datetime | None = None,
-    magnitude: tuple[Number, str] = (math.nan, ""),
-    hypocentre: Place = (math.nan, math.nan),
-    depth_km: Number = math.nan,
-    distance_km: Number = math.nan,
-    station: Place = (math.nan, math.nan),
-    vs30: Number = math.nan,
-    site_class: str = "",
-) -> Facts:
-    """The facts of a header, without values that cannot be true: times of an unset clock, magnitudes, places, zeros.
-
-    A magnitude comes with its scale; `vs30` is in m/s.
-    """
-    size = _within(magnitude[0], *_MAGNITUDES, zero=False)
-    (latitude, longitude), (station_latitude, station_longitude) = _place(hypocentre), _place(station)
-    return Facts(
-        event_id=_text(event_id),
-        origin_time=None if origin_time is None or clock_fault(origin_time) else origin_time,
-        magnitude=size,
-        magnitude_type="" if math.isnan(size) else _scale(magnitude[1]),
-        hypocentre_latitude=latitude,
-        hypocentre_longitude=longitude,
-        hypocentre_depth=1e3 * _within(depth_km, 0.0, _DEEPEST, zero=not math.isnan(latitude)),
-        epicentral_distance=1e3 * _within(distance_km, 0.0, _FARTHEST, zero=False),
-        station_latitude=station_latitude,
-        station_longitude=station_longitude,
-        vs30=_within(vs30, *_VS30),
-        site_class=_text(site_class),
+def stated(**facts: Unpack[Facts]) -> dict[str, Any]:
+    """Fields of a `Record` from the statements of a header that can be true; else NaN, None or empty."""
+    nowhere, time, (size, scale) = (
+        (math.nan, math.nan),
+        facts.get("origin_time"),
+        facts.get("magnitude", (math.nan, "")),
     )
+    magnitude = _within(size, *_MAGNITUDES, zero=False)
+    latitude, longitude = _place(facts.get("hypocentre", nowhere))
+    station_latitude, station_longitude = _place(facts.get("station_place", nowhere))
+    depth = _within(facts.get("depth_km", math.nan), 0.0, _DEEPEST, zero=not math.isnan(latitude))
+    return {
+        "event_id": _text(facts.get("event_id", "")),
+        "origin_time": None if time is None or clock_fault(time) else time,
+        "magnitude": magnitude,
+        "magnitude_type": "" if math.isnan(magnitude) else _scale(scale),
+        "hypocentre_latitude": latitude,
+        "hypocentre_longitude": longitude,
+        "hypocentre_depth": 1e3 * depth,
+        "epicentral_distance": 1e3 * _within(facts.get("distance_km", math.nan), 0.0, _FARTHEST, zero=False),
+        "station_latitude": station_latitude,
+        "station_longitude": station_longitude,
+        "vs30": _within(facts.get("vs30", math.nan), *_VS30),
+        "site_class": _text(facts.get("site_class", "")),
+    }
 
 
 def coordinates(text: str) -> tuple[float, float]:
