@@ -249,9 +249,8 @@ def _check_targets(paths: Sequence[Path], sources: set[str], overwrite: bool) ->
         if path.exists() and not overwrite:
             raise ConfigError(f"{path}: the file exists; choose another name, or allow it to be replaced (--overwrite)")
         if path.exists() and path.suffix == ".xml" and b"<Source>rockpulse" not in path.read_bytes()[:HEAD]:
-            raise ConfigError(
-                f"{path}: a StationXML that rockpulse did not write is never replaced; choose another name"
-            )
+            found = "a StationXML that rockpulse did not write is never replaced"
+            raise ConfigError(f"{path}: {found}; choose another name")
 
 
 def _remove_empty(folder: Path) -> None:

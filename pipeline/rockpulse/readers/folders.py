@@ -222,9 +222,14 @@ def open_files(found: Found, station_files: Callable[[Path], list[tuple[str, byt
         empty = True
         with Archive(path) as archive:
             for number, name in enumerate(archive.names):
-                if not is_quiet(name, partial(archive.member, number)):
-                    empty = False
-                    yield Opened(name, _member(archive, number), number)
+                if is_quiet(name, partial(archive.member, number)):
+                    continue
+                empty = False
+                try:
+                    member: SourceFile | RockpulseError = archive.member(number)
+                except RockpulseError as fault:
+                    member = fault
+                yield Opened(name, member, number)
         if empty:
             raise RecordFormatError(f"{path}: no file to read in the archive; check it")
     except (RockpulseError, OSError) as fault:
@@ -245,10 +250,3 @@ def read_failure(found: Found, name: str, fault: Exception) -> Failure:
         return Failure(name, "read", f"{name}: {NO_RECORD}", "skipped")
     reason = str(fault) if name in str(fault) else f"{name}: {fault}"
     return Failure(name, "read", reason, "skipped" if isinstance(fault, NotAcceleration) and not named else "failed")
-
-
-def _member(archive: Archive, number: int) -> SourceFile | RockpulseError:
-    try:
-        return archive.member(number)
-    except RockpulseError as fault:
-        return fault

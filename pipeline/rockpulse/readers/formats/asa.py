@@ -14,12 +14,12 @@ from itertools import takewhile
 import numpy as np
 
 from rockpulse.readers import kit
-from rockpulse.readers.format import Format, ReadOptions
+from rockpulse.readers.format import Format, ReadOptions, begins_with
 from rockpulse.readers.source import SourceFile
 from rockpulse.record.record import Record
 
 # The accents come in one byte, in two, or not at all.
-_TITLE = re.compile(rb"[^\0]{0,2000}?ARCHIVO EST.{0,2}NDAR DE ACELERACI", re.IGNORECASE)
+_TITLE = re.compile(r"[^\0]{0,2000}?ARCHIVO EST.{0,2}NDAR DE ACELERACI", re.ASCII | re.IGNORECASE)
 _VALUES = re.compile(r"\s*DATOS DE ACELERACI", re.IGNORECASE)
 _CHANNELS = re.compile(r"CANAL-?\s*(\d{1,2})", re.ASCII | re.IGNORECASE)
 _LAYOUT = re.compile(r"\(?\s*(\d{1,2})\s*F\s*(\d{1,2})\.\d{1,2}", re.ASCII | re.IGNORECASE)
@@ -95,11 +95,6 @@ def _chosen(listed: Sequence[str], numbers: Sequence[int]) -> list[str]:
 def _consonants(text: str) -> str:
     """The consonants and digits of a text, which no accent and no encoding changes."""
     return re.sub(r"[^B-DF-HJ-NP-TV-Z0-9]", "", text[:80].upper())
-
-
-def is_asa(head: bytes, name: str) -> bool:
-    """Whether ``ARCHIVO ESTANDAR DE ACELERACION`` stands near the beginning."""
-    return bool(_TITLE.match(head))
 
 
 def read_asa(file: SourceFile, options: ReadOptions) -> list[Record]:
@@ -277,6 +272,6 @@ ASA = Format(
     unit="gal, from the header",
     processed="no",
     example="CUP50401.012",
-    detect=is_asa,
+    detect=begins_with(_TITLE, 2100),
     parse=read_asa,
 )

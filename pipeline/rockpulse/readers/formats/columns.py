@@ -128,7 +128,9 @@ def read_columns(file: SourceFile, options: ReadOptions) -> list[Record]:
         at = kinds.index("time")
         columns = columns.picked([at, *(index for index in range(len(kinds)) if index != at)])
     first = columns.headings[0] if columns.headings else Heading("")
-    _check_abscissa(where, columns, first)
+    climb = np.diff(columns.table[:, 0])
+    if first.kind == "spectrum" and columns.width > 1 and (np.all(climb > 0.0) or np.all(climb < 0.0)):
+        raise no_acceleration(where, "accelerations over time", f"columns over {first.name!r}, a spectrum")
     step = time_column_step(file.name, columns.table, columns.headings, numbered.start, declared)
     if step is not None:
         if first.kind in ("acceleration", "velocity", "displacement"):
@@ -267,13 +269,6 @@ def _titled(columns: _Columns) -> bool:
     kinds = [heading.kind for heading in columns.headings]
     at = kinds.index("time") if "time" in kinds else 0
     return climbs(columns.table[:, 0]) and not climbs(columns.table[:, at])
-
-
-def _check_abscissa(where: str, columns: _Columns, first: Heading) -> None:
-    """Refuse a table over periods or frequencies, whatever its other columns are called."""
-    steps = np.diff(columns.table[:, 0])
-    if first.kind == "spectrum" and columns.width > 1 and (np.all(steps > 0.0) or np.all(steps < 0.0)):
-        raise no_acceleration(where, "accelerations over time", f"columns over {first.name!r}, a spectrum")
 
 
 def _check_apart(where: str, columns: _Columns, timed: bool, lacking: Sequence[str]) -> None:

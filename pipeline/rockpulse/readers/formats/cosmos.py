@@ -78,11 +78,8 @@ def read_cosmos(file: SourceFile, options: ReadOptions) -> list[Record]:
     starts = sorted(set(last))
     spans, copies = kit.distinct_sections(lines, list(zip(starts, [*starts[1:], len(lines)], strict=True)))
     headers = [read_header(file.name, lines, start, end) for start, end in spans]
-    counts = (
-        kit.Counted(header.start + 1, header.text[6], *header.number_and_count(), kind=header.kind.lower())
-        for header in headers
-    )
-    missing = kit.completeness(file.name, counts, closed=any(_END.match(line) for line in lines[-_CLOSING:]))
+    closed = any(_END.match(line) for line in lines[-_CLOSING:])
+    missing = kit.completeness(file.name, (header.counted() for header in headers), closed=closed)
     numbered = enumerate(zip(headers, spans, strict=True), start=1)
     channels = (partial(_channel, file, lines, header, end, number) for number, (header, (_, end)) in numbered)
     return kit.usable_channels(channels, (*missing, *notes, *copies))
@@ -114,7 +111,11 @@ def _channel(file: SourceFile, lines: Sequence[str], header: Header, end: int, n
         factor = _per_count(header, where)
     else:
         factor = _UNITS[unit]
-        _check_whole(samples, header.unknown, where)
+        missing = np.flatnonzero(samples == header.unknown)
+        if missing.size:
+            which = f"the first number {missing[0] + 1}, are {header.unknown:g}, which stands for unknown"
+            found = f"{missing.size} of {samples.size} samples, {which}"
+            raise RecordRefused(f"{where}: {found}; cut the record there or get a whole one")
     network, station, location, seed = header.codes()
     channel, component, place = header.channel()
     start_time, time_notes = header.start_time()
@@ -235,15 +236,6 @@ def _per_count(header: Header, where: str) -> float:
             f"and output of the sensor (reals 43, 44) give {nominal:g} V/g; {advice}"
         )
     return 1e-6 * header.real(22) / sensitivity * STANDARD_GRAVITY
-
-
-def _check_whole(samples: np.ndarray, unknown: float, where: str) -> None:
-    missing = np.flatnonzero(samples == unknown)
-    if missing.size:
-        raise RecordRefused(
-            f"{where}: {missing.size} of {samples.size} samples, the first number {missing[0] + 1}, are {unknown:g}, "
-            "which stands for unknown; cut the record there or get a whole one"
-        )
 
 
 def _interval(header: Header, count: int, name: str) -> tuple[float, list[str]]:

@@ -15,13 +15,14 @@ Volume 3, spectra, is recognised so that messages name it and no reader takes it
 import re
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import partial
 from typing import NoReturn
 
 from rockpulse.errors import UnitError
 from rockpulse.readers import kit
 from rockpulse.readers.format import Format, ReadOptions, begins_with
 from rockpulse.readers.kit import csmip
-from rockpulse.readers.source import NotAcceleration, SourceFile
+from rockpulse.readers.source import SourceFile
 from rockpulse.record.record import STANDARD_GRAVITY, Record
 
 UNCORRECTED = re.compile(r"\s?uncorrected accelerogram data\b", re.IGNORECASE)
@@ -60,23 +61,13 @@ _STATION = re.compile(r"^\s?station no\.?\s+(\w+)\b[^\r\n]*[\r\n]+(\S[^\r\n]*?)(
 _SPECTRA_OPENING = 4000
 
 
-def is_uncorrected(head: bytes, renadic: bool) -> bool:
+def is_uncorrected(head: bytes, name: str, renadic: bool) -> bool:
     """Whether the first line is the title of an uncorrected volume, and the network is RENADIC or another one."""
     opening = head[:_OPENING].decode("latin-1")
     return bool(UNCORRECTED.match(opening)) and ("renadic" in opening.lower()) is renadic
 
 
-def is_csmip_v1(head: bytes, name: str) -> bool:
-    """Whether the first line is the title of an uncorrected volume, and the network is not RENADIC."""
-    return is_uncorrected(head, renadic=False)
-
-
-def read_csmip_v1(file: SourceFile, options: ReadOptions) -> list[Record]:
-    """Read every channel; the options are not used, because the format states everything."""
-    return read_uncorrected(file, "csmip_v1")
-
-
-def read_uncorrected(file: SourceFile, format: str) -> list[Record]:
+def read_uncorrected(file: SourceFile, options: ReadOptions, format: str) -> list[Record]:
     """Read every channel of a volume 1, whichever network wrote it; `format` becomes `Record.format`."""
     lines, spans, copies = csmip.channels(file, UNCORRECTED, "Uncorrected Accelerogram Data")
     headers = []
@@ -128,17 +119,13 @@ def _uncorrected_block(name: str, lines: Sequence[str], start: int, end: int) ->
         block = kit.pair_block(name, lines, first, end, count, unit)
         return block.noting(*csmip.held_count(lines[start + csmip.TEXT_LINES : first], count))
     if heading.kind != "acceleration":
-        raise NotAcceleration(
-            f"{name}:{first + 1}: expected points of acceleration, found {heading.kind}; "
-            "read the acceleration file of the same record"
-        )
+        raise kit.no_acceleration(f"{name}:{first + 1}", "points of acceleration", heading.kind)
     block = csmip.equal_block(name, lines, heading, end, heading.unit)
     named = _UNIT.match(lines[start + 11][: csmip.LONGEST_LINE])
     stated = [(f"line {first + 1}", block.unit), *([(f"line {start + 12}", named[1].lower())] if named else [])]
     text, where = lines[start + 10][: csmip.LONGEST_LINE], f"{name}:{first + 1}"
-    points, rate = _POINTS.search(text), _RATE.search(text)
-    if points:
-        _check_points(points[1], block, where)
+    rate = _RATE.search(text)
+    _check_points(_POINTS.search(text), block, where)
     number, rounding = kit.printed_number(rate[1] if rate else "")
     if abs(1.0 / block.dt - number) > max(1.01 * rounding, _RATE_TOLERANCE * number):
         expected, found = f"{number:g} samples/sec (text of the channel)", f"a heading with {1.0 / block.dt:g}"
@@ -147,19 +134,16 @@ def _uncorrected_block(name: str, lines: Sequence[str], start: int, end: int) ->
     return block.noting(*counted, *kit.held_units(stated))
 
 
-def _check_points(stated: str, block: kit.Block, where: str) -> None:
-    """Check the count in the text of the channel against that of the heading."""
-    if int(stated) != block.samples.size:
-        expected, found = f"{int(stated)} points (text of the channel)", f"a heading with {block.samples.size}"
+def _check_points(points: re.Match[str] | None, block: kit.Block, where: str) -> None:
+    """Check the count in the text of the channel, if there is one, against that of the heading."""
+    if points and int(points[1]) != block.samples.size:
+        expected, found = f"{int(points[1])} points (text of the channel)", f"a heading with {block.samples.size}"
         raise kit.unexpected(where, expected, found, kit.FILE_DAMAGED)
 
 
-def read_csmip_v2(file: SourceFile, options: ReadOptions) -> list[Record]:
-    """Read the acceleration of every channel; raises NotAcceleration for a file of velocity or displacement only."""
-    return read_corrected(file, "csmip_v2", csmip.read_header)
-
-
-def read_corrected(file: SourceFile, format: str, header: Callable[[Sequence[str]], csmip.Header]) -> list[Record]:
+def read_corrected(
+    file: SourceFile, options: ReadOptions, format: str, header: Callable[[Sequence[str]], csmip.Header]
+) -> list[Record]:
     """Read a volume 2, whichever network wrote it; `header` reads the 13 lines of text of volume 1."""
     lines, spans, copies = csmip.channels(file, _CORRECTED, "Corrected accelerogram")
     records, left_out, headers = [], [], []
@@ -177,6 +161,9 @@ def read_corrected(file: SourceFile, format: str, header: Callable[[Sequence[str
         block = csmip.equal_block(file.name, lines, heading, behind, unit)
         _check_correction(text, block, f"{file.name}:{heading.at + 1}")
         block = block.noting(*_held_corrected(text, lines[start + _ALL_TEXT : heading.at], block))
+        filtered, corrected = _first(_FILTER, text[_CORRECTION:]), _first(_DECLARED, text[_CORRECTION:])
+        steps = [match[group] for match, group in ((corrected, 2), (filtered, 1)) if match]
+        done = [words.lower() if words.isupper() else words for words in steps]
         records.append(
             headers[-1].record(
                 file,
@@ -186,15 +173,13 @@ def read_corrected(file: SourceFile, format: str, header: Callable[[Sequence[str
                 processed=True,
                 header_peak=peak,
                 peak_factor=peak_factor,
-                processing=_correction(text[_CORRECTION:]),
+                processing=[f"by the agency: {' '.join(words.split())}" for words in done],
             )
         )
     if not records:
         _, heading = left_out[0]
-        raise NotAcceleration(
-            f"{file.name}:{heading.at + 1}: expected points of acceleration, found {heading.kind}; "
-            "read the file with the acceleration of the same record"
-        )
+        where, advice = f"{file.name}:{heading.at + 1}", "read the file with the acceleration of the same record"
+        raise kit.no_acceleration(where, "points of acceleration", heading.kind, advice)
     notes = (*csmip.missing_channels(file.name, lines, spans, headers), *copies)
     notes += tuple(
         f"line {heading.at + 1}: channel {number} holds {heading.kind} but no acceleration; it was left out"
@@ -255,9 +240,8 @@ def _unit_and_peak(
 
 def _check_correction(text: Sequence[str], block: kit.Block, where: str) -> None:
     """Check the count and the interval in the text of the channel against those of the heading."""
-    declared, interval = _first(_DECLARED, text), _first(_INTERVAL, text)
-    if declared:
-        _check_points(declared[1], block, where)
+    interval = _first(_INTERVAL, text)
+    _check_points(_first(_DECLARED, text), block, where)
     step, rounding = kit.printed_number(interval[1] if interval else "")
     if abs(block.dt - step) > 1.01 * rounding:
         expected, found = f"an interval of {step:g} s (text of the channel)", f"a heading with {block.dt:g} s"
@@ -278,21 +262,12 @@ def _held_corrected(text: Sequence[str], behind: Sequence[str], block: kit.Block
     return list(dict.fromkeys(notes)) + (kit.held_lengths_of_units([peak[2], *others]) if peak else [])
 
 
-def _correction(correction: Sequence[str]) -> list[str]:
-    """The agency's own words for the correction of the record."""
-    filtered, corrected = _first(_FILTER, correction), _first(_DECLARED, correction)
-    steps = [match[group] for match, group in ((corrected, 2), (filtered, 1)) if match]
-    return [f"by the agency: {' '.join((words.lower() if words.isupper() else words).split())}" for words in steps]
-
-
 def refuse_spectra(file: SourceFile, options: ReadOptions) -> NoReturn:
     """Refuse a volume 3 with the reason."""
     station = _STATION.search(file.head[:_SPECTRA_OPENING].decode("latin-1"))
     of = f" of station {station[1]}, {' '.join(station[2].split())}" if station else ""
-    raise NotAcceleration(
-        f"{file.name}:1: expected an accelerogram{of}, found {_SPECTRA_WORDS}; read the volume 1 or 2 (.V1, .V2) of "
-        "the same record"
-    )
+    advice = "read the volume 1 or 2 (.V1, .V2) of the same record"
+    raise kit.no_acceleration(f"{file.name}:1", f"an accelerogram{of}", _SPECTRA_WORDS, advice)
 
 
 CSMIP_V1 = Format(
@@ -302,8 +277,8 @@ CSMIP_V1 = Format(
     unit="g or g/10, from the header",
     processed="no",
     example="CICLC.v1",
-    detect=is_csmip_v1,
-    parse=read_csmip_v1,
+    detect=partial(is_uncorrected, renadic=False),
+    parse=partial(read_uncorrected, format="csmip_v1"),
 )
 CSMIP_V2 = Format(
     name="csmip_v2",
@@ -313,7 +288,7 @@ CSMIP_V2 = Format(
     processed="yes",
     example="CE58667.V2",
     detect=begins_with(_BOTH_TITLES, 1000),
-    parse=read_csmip_v2,
+    parse=partial(read_corrected, format="csmip_v2", header=csmip.read_header),
 )
 CSMIP_V3 = Format(
     name="csmip_v3",

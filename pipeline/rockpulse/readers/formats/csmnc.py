@@ -13,7 +13,7 @@ from datetime import datetime
 import numpy as np
 
 from rockpulse.readers import kit
-from rockpulse.readers.format import Format, ReadOptions
+from rockpulse.readers.format import Format, ReadOptions, begins_with
 from rockpulse.readers.source import SourceFile
 from rockpulse.record.record import Record
 
@@ -44,11 +44,6 @@ _LONGEST_HEADER = 30
 _BEIJING_HOURS = 8.0
 #: Durations are printed in whole seconds, which may be cut off rather than rounded [s].
 _CUT_OFF = 0.5
-
-
-def is_csmnc(head: bytes, name: str) -> bool:
-    """Whether one of the first lines says ``EQUALLY SPACED INTERVALS OF:  0.005  SEC``."""
-    return bool(_STEP.search(head[:2500].decode("latin-1")))
 
 
 def read_csmnc(file: SourceFile, options: ReadOptions) -> list[Record]:
@@ -157,6 +152,6 @@ CSMNC = Format(
     unit="cm/s2, from the header",
     processed="by title",
     example="051WCW080512142801.EW.dat",
-    detect=is_csmnc,
+    detect=begins_with(re.compile(rf"(?ai)[\s\S]*?{_STEP.pattern}"), 2500),
     parse=read_csmnc,
 )

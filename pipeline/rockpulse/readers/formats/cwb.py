@@ -12,12 +12,12 @@ from datetime import datetime
 import numpy as np
 
 from rockpulse.readers import kit
-from rockpulse.readers.format import Format, ReadOptions
+from rockpulse.readers.format import Format, ReadOptions, begins_with
 from rockpulse.readers.kit.csmip import LONGEST_LINE
 from rockpulse.readers.source import SourceFile
 from rockpulse.record.record import Record
 
-_UNIT_LINE = re.compile(rb"#[^\0]{0,2000}?[\r\n]#\s*AmplitudeUnit\s*:", re.IGNORECASE)
+_UNIT_LINE = re.compile(r"#[^\0]{0,2000}?[\r\n]#\s*AmplitudeUnit\s*:", re.ASCII | re.IGNORECASE)
 _ENTRY = re.compile(r"#\s*([^:(]+)(?:\(([^)]*)\))?\s*:(.*)")
 _NUMBER = re.compile(r"\d{1,9}(?:\.\d{0,9})?", re.ASCII)
 _FORMAT = re.compile(r"(\d{1,2})F(\d{1,2})\.\d{1,2}", re.ASCII | re.IGNORECASE)
@@ -25,11 +25,6 @@ _CHANNEL = re.compile(r"([UVZNE])\s*\(([+-])\)", re.IGNORECASE)
 _PEAK = re.compile(r"(-?\d{1,9}\.?\d{0,9})\s*~\s*(-?\d{1,9}\.?\d{0,9})", re.ASCII)
 _MOMENT = re.compile(r"(?a)(\d{4})/\s*(\d{1,2})/\s*(\d{1,2})-\s*(\d{1,2}):\s*(\d{1,2}):\s*(\d{1,2}(?:\.\d{0,9})?)")
 _ZONE = re.compile(r"GMT\s*([+-]\s*\d{1,2})", re.ASCII | re.IGNORECASE)
-
-
-def is_cwb(head: bytes, name: str) -> bool:
-    """Whether the lines begin with ``#`` and one of them is ``#AmplitudeUnit:``."""
-    return bool(_UNIT_LINE.match(head))
 
 
 def read_cwb(file: SourceFile, options: ReadOptions) -> list[Record]:
@@ -52,7 +47,14 @@ def read_cwb(file: SourceFile, options: ReadOptions) -> list[Record]:
     kit.check_count(f"{file.name}:{len(lines)}", max(1, int((length - rounding) * rate)), rows, "rows")
     table = kit.fixed_width(lines[first:], first + 1, int(fields[2]), columns, rows * columns, file.name)
     table = table.reshape(rows, columns)
-    _check_times(file.name, first, table[:, 0], rate)
+    with np.errstate(over="ignore"):
+        even = kit.printed_at(table[:, 0], 1.0 / rate)
+    if not even:
+        expected = table[0, 0] + np.arange(rows) / rate
+        row = int(np.argmax(np.abs(table[:, 0] - expected) > 0.1 / rate))
+        should, found = f"{expected[row]:g} s ({rate:g} samples per s, header)", f"{table[row, 0]:g} s"
+        advice = "rows are missing or the rate is wrong: download the file again"
+        raise kit.unexpected(f"{file.name}:{first + row + 1}", should, found, advice)
     start_time, notes = _start_time(header, float(table[0, 0]))
     if rows > (length + rounding) * rate + 1.0:
         notes.append(f"the header states {length:g} s at {rate:g} samples per s, the file has {rows} rows")
@@ -101,17 +103,6 @@ def _positive(header: kit.Entries, key: str, what: str) -> tuple[float, float]:
     return kit.printed_number(text)
 
 
-def _check_times(name: str, first: int, times: np.ndarray, rate: float) -> None:
-    """The column of times must be that of samples at the stated rate."""
-    with np.errstate(over="ignore"):
-        if kit.printed_at(times, 1.0 / rate):
-            return
-    expected = times[0] + np.arange(times.size) / rate
-    row = int(np.argmax(np.abs(times - expected) > 0.1 / rate))
-    should, advice = f"{expected[row]:g} s ({rate:g} samples per s, header)", "rows are missing or the rate is wrong"
-    raise kit.unexpected(f"{name}:{first + row + 1}", should, f"{times[row]:g} s", f"{advice}: download the file again")
-
-
 def _start_time(header: kit.Entries, first: float) -> tuple[datetime | None, list[str]]:
     """UTC time of the first sample, which stands at `first` seconds of the time column, and warnings about it."""
     entry = header["starttime"]
@@ -158,6 +149,6 @@ CWB = Format(
     unit="gal, from the header",
     processed="no",
     example="2-EGF.dat",
-    detect=is_cwb,
+    detect=begins_with(_UNIT_LINE, 2100),
     parse=read_cwb,
 )

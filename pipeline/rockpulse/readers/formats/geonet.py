@@ -83,7 +83,11 @@ def _component(file: SourceFile, lines: Sequence[str], start: int, number: int) 
     unit = kit.canonical_unit(source[2] if source else "", f"{file.name}:{start + 1 + line}")
     peak_unit = kit.canonical_unit(peak[2], f"{file.name}:{start + 14}") if peak else unit
     start_time, notes = kit.near_event(*_times(integers))
-    step = _step(f"{file.name}:{start + 11}", text[10], float(reals[5]))
+    step, interval = float(reals[5]), _STEP.search(text[10])
+    stated, rounding = kit.printed_number(interval[1] if interval else "")
+    if not (step > 0.0 and abs(step - stated) <= 1.01 * rounding):
+        expected = f"an interval of {step:g} s (real 26 of the header)"
+        raise kit.unexpected(f"{file.name}:{start + 11}", expected, repr(text[10].strip()))
     notes += surplus
     notes += _held(text, step, step * np.arange(count) - reals[1], samples)
     component = kit.matched(_COMPONENT, text[12])
@@ -128,15 +132,6 @@ def _counts(name: str, line: str, start: int, integers: np.ndarray) -> tuple[int
         expected = "counts of accelerations, velocities and displacements of at least 0"
         raise kit.unexpected(f"{name}:{start + _TEXT_LINES + 4}", expected, str(blocks))
     return blocks[0], sum(-(-block // _PER_ROW) for block in blocks)
-
-
-def _step(where: str, line: str, step: float) -> float:
-    """Sampling interval [s], real 26 of the header; the text, with fewer digits, must agree."""
-    match = _STEP.search(line)
-    stated, rounding = kit.printed_number(match[1] if match else "")
-    if not (step > 0.0 and abs(step - stated) <= 1.01 * rounding):
-        raise kit.unexpected(where, f"an interval of {step:g} s (real 26 of the header)", repr(line.strip()))
-    return step
 
 
 def _held(text: Sequence[str], step: float, times: np.ndarray, samples: np.ndarray) -> list[str]:

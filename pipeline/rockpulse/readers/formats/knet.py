@@ -9,7 +9,7 @@ import re
 import numpy as np
 
 from rockpulse.readers import kit
-from rockpulse.readers.format import Format, ReadOptions
+from rockpulse.readers.format import Format, ReadOptions, begins_with
 from rockpulse.readers.kit.obspy_bridge import codes_of, obspy_stream, utc_time
 from rockpulse.readers.source import SourceFile
 from rockpulse.record.record import Record
@@ -20,11 +20,6 @@ _HEADER_LINES = 17
 #: No line of the header is longer; a damaged one may be.
 _LONGEST_LINE = 200
 _DIRECTIONS = re.compile(r"\.(EW|NS|UD)([12]?)$", re.IGNORECASE)
-
-
-def is_knet(head: bytes, name: str) -> bool:
-    """Whether the file begins with the origin time, as these files do."""
-    return head.startswith(b"Origin Time")
 
 
 def read_knet(file: SourceFile, options: ReadOptions) -> list[Record]:
@@ -104,7 +99,7 @@ KNET = Format(
     unit="counts, scale in the header",
     processed="no",
     example="AKT0139608110312.EW",
-    detect=is_knet,
+    detect=begins_with(re.compile("Origin Time")),
     parse=read_knet,
     obspy_reads=True,
 )

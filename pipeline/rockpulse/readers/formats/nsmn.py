@@ -5,6 +5,7 @@ accelerations [gal] without their mean: the peaks that the header calls raw are 
 """
 
 import re
+from contextlib import suppress
 from datetime import datetime
 
 from rockpulse.readers import kit
@@ -46,6 +47,9 @@ def read_nsmn(file: SourceFile, options: ReadOptions) -> list[Record]:
     (start_time, notes), date = _start_time(header), header.text("EARTHQUAKE DATE")
     if peaks and sorted(peaks) != sorted(components):
         notes.append(f"the header states the peaks of {', '.join(peaks)}, the columns are {', '.join(components)}")
+    place = header.text("PLACE")
+    with suppress(UnicodeEncodeError):  # ISO-8859-9 differs from Latin-1 in six letters
+        place = place.encode("latin-1").decode("iso8859-9")
     magnitude = header.text("EARTHQUAKE MAGNITUDE")
     size, _, scale = magnitude.partition(" ")
     return [
@@ -60,7 +64,7 @@ def read_nsmn(file: SourceFile, options: ReadOptions) -> list[Record]:
             component=component,
             channel=component.replace("-", ""),
             station=header.text("STATION ID"),
-            station_name=_turkish(header.text("PLACE")),
+            station_name=place,
             event=f"{date} M {magnitude}" if magnitude else date,
             start_time=start_time,
             origin_time=_moment(date)[0],
@@ -80,14 +84,6 @@ def _number(header: kit.Entries, key: str) -> float:
     if not _DECIMAL.fullmatch(text) or not float(text) > 0.0:
         raise kit.unexpected(header.where(key), f"'{key} : ' and a number above 0", repr(text))
     return float(text)
-
-
-def _turkish(text: str) -> str:
-    """The text decoded anew as ISO-8859-9, which differs from Latin-1 in six letters."""
-    try:
-        return text.encode("latin-1").decode("iso8859-9")
-    except UnicodeEncodeError:
-        return text
 
 
 def _moment(text: str) -> tuple[datetime | None, str]:

@@ -6,6 +6,7 @@ acceleration [cm/s2], then velocity and displacement. The time is the minute of 
 
 import re
 from collections.abc import Sequence
+from functools import partial
 
 import numpy as np
 
@@ -51,11 +52,6 @@ def read_usc_v1(file: SourceFile, options: ReadOptions) -> list[Record]:
         header = _header(head).noting(*copies, *_held(head, count, block))
         records.append(header.record(file, number, block, format="usc_v1", processed=False))
     return records
-
-
-def read_usc_v2(file: SourceFile, options: ReadOptions) -> list[Record]:
-    """Read the acceleration of every channel; raises NotAcceleration for a file of velocity or displacement only."""
-    return read_corrected(file, "usc_v2", _header)
 
 
 def _held(lines: Sequence[str], points: int, block: kit.Block) -> list[str]:
@@ -129,5 +125,5 @@ USC_V2 = Format(
     processed="yes",
     example="274o42pv.s0a",
     detect=begins_with(_CORRECTED, 1000),
-    parse=read_usc_v2,
+    parse=partial(read_corrected, format="usc_v2", header=_header),
 )

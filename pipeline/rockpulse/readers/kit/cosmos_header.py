@@ -7,7 +7,7 @@ from datetime import datetime
 
 import numpy as np
 
-from rockpulse.readers.kit.checks import held_length, held_peak_time
+from rockpulse.readers.kit.checks import Counted, held_length, held_peak_time
 from rockpulse.readers.kit.direction import Direction, direction, means_vertical, on_structure
 from rockpulse.readers.kit.facts import instant
 from rockpulse.readers.kit.text import check_count, fixed_width, free_numbers, matched, unexpected
@@ -83,10 +83,11 @@ class Header:
         match = _CHANNEL.match(self.text[8])
         return (match[1], match[2], match[3] or "") if match else ("", "", "")
 
-    def number_and_count(self) -> tuple[str, int]:
-        """Number of the channel at the station, and count of channels of its recorder; empty and 0 if not stated."""
+    def counted(self) -> Counted:
+        """The channel and the count of channels of its recorder."""
         counted = _COUNTED.search(self.text[6])
-        return self.channel()[0], int(counted[1]) if counted else 0
+        count = int(counted[1]) if counted else 0
+        return Counted(self.start + 1, self.text[6], self.channel()[0], count, self.kind.lower())
 
     def peak(self) -> tuple[str, str]:
         """Peak of the series and its unit, in the words of text line 11, else of line 10 for a raw record."""
