@@ -172,7 +172,7 @@ class Format:
     def read(self, file: SourceFile, options: ReadOptions) -> list[Record]:
         """The channels of a file, each with an id of its own; a file that holds everything twice is read once."""
         half = file.first_half()
-        records = self.parse(half or file, options)
+        records = [replace(record, format=self.name) for record in self.parse(half or file, options)]
         if self.parts:
             records = self.parts.read(half or file, records)
         records = distinct_ids(records)

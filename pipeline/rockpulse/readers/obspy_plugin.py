@@ -226,7 +226,6 @@ def _new(
         raise UnitError(f"{where}: a factor belongs to units='counts', found units={units!r}; give one of the two")
     record = build_record(
         file,
-        1,
         found.samples,
         float(stats.delta),
         units if units == "counts" else canonical_unit(units, "option units"),

@@ -127,11 +127,10 @@ def read_asa(file: SourceFile, options: ReadOptions) -> list[Record]:
     return [
         kit.build_record(
             file,
-            index + 1,
             samples,
             steps[index],
             unit,
-            format="asa",
+            number=index + 1,
             processed=False,
             component=words[index],
             facing=_facing(words[index]),

@@ -118,11 +118,9 @@ def read_at2(file: SourceFile, options: ReadOptions) -> list[Record]:
     return [
         kit.build_record(
             file,
-            1,
             samples,
             step,
             unit,
-            format="at2",
             processed=processed,
             structural=bool(written and written[2]),
             component=component,

@@ -58,11 +58,10 @@ def _channel(file: SourceFile, lines: Sequence[str], span: kit.Span, number: int
         notes = (f"the header names the component {letter} and {component}; one of them is wrong", *notes)
     return kit.build_record(
         file,
-        number,
         samples,
         step,
         unit,
-        format="bhrc",
+        number=number,
         processed=False,
         component=component,
         facing=_facing(component, header[7]),

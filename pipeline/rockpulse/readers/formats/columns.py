@@ -151,11 +151,10 @@ def read_columns(file: SourceFile, options: ReadOptions) -> list[Record]:
     return [
         build_record(
             file,
-            number,
             samples,
             dt,
             unit,
-            format="columns",
+            number=number,
             processed=None,
             component=heading.name,
             facing=heading_direction(heading.name),

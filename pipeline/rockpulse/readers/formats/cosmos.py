@@ -124,12 +124,11 @@ def _channel(file: SourceFile, lines: Sequence[str], header: Header, end: int, n
     notes += [*peak_notes, *held_series(header, lines[series.at], step, samples)]
     return kit.build_record(
         file,
-        number,
         samples,
         step,
         unit,
+        number=number,
         factor=factor,
-        format="cosmos",
         # "Raw", "Uncorrected" and "Corrected acceleration".
         processed=kind.startswith("corrected"),
         component=f"{component} ({place})" if place else component,

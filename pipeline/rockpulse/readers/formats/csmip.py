@@ -67,8 +67,8 @@ def is_uncorrected(head: bytes, name: str, renadic: bool) -> bool:
     return bool(UNCORRECTED.match(opening)) and ("renadic" in opening.lower()) is renadic
 
 
-def read_uncorrected(file: SourceFile, options: ReadOptions, format: str) -> list[Record]:
-    """Read every channel of a volume 1, whichever network wrote it; `format` becomes `Record.format`."""
+def read_uncorrected(file: SourceFile, options: ReadOptions) -> list[Record]:
+    """Read every channel of a volume 1, whichever network wrote it."""
     lines, spans, copies = csmip.channels(file, UNCORRECTED, "Uncorrected Accelerogram Data")
     headers = []
     for number, (start, end) in enumerate(spans, 1):
@@ -76,13 +76,13 @@ def read_uncorrected(file: SourceFile, options: ReadOptions, format: str) -> lis
         headers.append(csmip.read_header(lines[start : start + csmip.HEADER_LINES]))
     notes = (*csmip.missing_channels(file.name, lines, spans, headers), *copies)
     return [
-        _uncorrected_channel(file, lines, span, number, header.noting(*notes), format)
+        _uncorrected_channel(file, lines, span, number, header.noting(*notes))
         for number, (span, header) in enumerate(zip(spans, headers, strict=True), 1)
     ]
 
 
 def _uncorrected_channel(
-    file: SourceFile, lines: Sequence[str], span: kit.Span, number: int, header: csmip.Header, format: str
+    file: SourceFile, lines: Sequence[str], span: kit.Span, number: int, header: csmip.Header
 ) -> Record:
     start, end = span
     match = _PEAK_1.search(lines[start + 11][: csmip.LONGEST_LINE])
@@ -97,7 +97,6 @@ def _uncorrected_channel(
         file,
         number,
         block.noting(*dict.fromkeys(told)),
-        format=format,
         processed=False,
         header_peak=kit.printed_number(match[1] if match else ""),
         peak_factor=STANDARD_GRAVITY,
@@ -142,7 +141,7 @@ def _check_points(points: re.Match[str] | None, block: kit.Block, where: str) ->
 
 
 def read_corrected(
-    file: SourceFile, options: ReadOptions, format: str, header: Callable[[Sequence[str]], csmip.Header]
+    file: SourceFile, options: ReadOptions, header: Callable[[Sequence[str]], csmip.Header] = csmip.read_header
 ) -> list[Record]:
     """Read a volume 2, whichever network wrote it; `header` reads the 13 lines of text of volume 1."""
     lines, spans, copies = csmip.channels(file, _CORRECTED, "Corrected accelerogram")
@@ -169,7 +168,6 @@ def read_corrected(
                 file,
                 number,
                 block,
-                format=format,
                 processed=True,
                 header_peak=peak,
                 peak_factor=peak_factor,
@@ -278,7 +276,7 @@ CSMIP_V1 = Format(
     processed="no",
     example="CICLC.v1",
     detect=partial(is_uncorrected, renadic=False),
-    parse=partial(read_uncorrected, format="csmip_v1"),
+    parse=read_uncorrected,
 )
 CSMIP_V2 = Format(
     name="csmip_v2",
@@ -288,7 +286,7 @@ CSMIP_V2 = Format(
     processed="yes",
     example="CE58667.V2",
     detect=begins_with(_BOTH_TITLES, 1000),
-    parse=partial(read_corrected, format="csmip_v2", header=csmip.read_header),
+    parse=read_corrected,
 )
 CSMIP_V3 = Format(
     name="csmip_v3",

@@ -67,11 +67,9 @@ def read_csmnc(file: SourceFile, options: ReadOptions) -> list[Record]:
     return [
         kit.build_record(
             file,
-            1,
             samples,
             dt,
             unit,
-            format="csmnc",
             processed=not kind[1],
             component=component,
             facing=facing,

@@ -61,11 +61,10 @@ def read_cwb(file: SourceFile, options: ReadOptions) -> list[Record]:
     return [
         kit.build_record(
             file,
-            number,
             table[:, number],
             1.0 / rate,
             unit,
-            format="cwb",
+            number=number,
             processed=False,
             component=f"{letter}({sign})",
             facing=_facing(letter, sign),

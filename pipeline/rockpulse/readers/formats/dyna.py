@@ -118,11 +118,9 @@ def read_dyna(file: SourceFile, options: ReadOptions) -> list[Record]:
     return [
         kit.build_record(
             file,
-            1,
             samples,
             step,
             unit,
-            format="dyna",
             processed=processed,
             component=header.text("STREAM"),
             facing=_facing(header.text("STREAM"), file.path.stem),

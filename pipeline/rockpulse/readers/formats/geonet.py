@@ -93,12 +93,11 @@ def _component(file: SourceFile, lines: Sequence[str], start: int, number: int) 
     component = kit.matched(_COMPONENT, text[12])
     record = kit.build_record(
         file,
-        number,
         samples,
         step,
         unit,
+        number=number,
         factor=kit.UNITS[unit] * (float(readings[1]) if readings else 1.0),
-        format="geonet",
         processed=not raw,
         component=component,
         facing=_facing(component, int(integers[27])),

@@ -57,12 +57,10 @@ def read_knet(file: SourceFile, options: ReadOptions) -> list[Record]:
     return [
         kit.build_record(
             file,
-            1,
             counts - offset,
             float(stats.delta),
             "counts",
             factor=factor,
-            format="knet",
             processed=False,
             component=component.rstrip("12"),
             **{**codes_of(stats), "channel": component},

@@ -60,12 +60,11 @@ def _channel(file: SourceFile, traces: list[Any], number: int, options: ReadOpti
     found = from_counts(where, np.asarray(trace.data), float(stats.delta), channel.response, options.response)
     return kit.build_record(
         file,
-        number,
         found.samples,
         float(stats.delta),
         "counts",
+        number=number,
         factor=found.factor,
-        format="miniseed",
         processed=PROCESSED.get(channel.description, False),
         component=stats.channel,
         facing=seed_direction(stats.channel, channel.azimuth, channel.dip),

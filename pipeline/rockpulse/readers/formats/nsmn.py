@@ -55,11 +55,10 @@ def read_nsmn(file: SourceFile, options: ReadOptions) -> list[Record]:
     return [
         kit.build_record(
             file,
-            number,
             samples,
             step,
             unit,
-            format="nsmn",
+            number=number,
             processed=False,
             component=component,
             channel=component.replace("-", ""),

@@ -22,7 +22,7 @@ _FIRST_TIME = re.compile(r"\s*(-?\d{0,6}\.\d{1,9})", re.ASCII)
 
 def read_renadic(file: SourceFile, options: ReadOptions) -> list[Record]:
     """Read every channel but dead ones; raises RecordRefused if all are dead."""
-    records = [replace(record, origin_time=None) for record in read_uncorrected(file, options, "renadic")]
+    records = [replace(record, origin_time=None) for record in read_uncorrected(file, options)]
     kept = [record for record in records if record.acceleration.any()]
     if not kept:
         raise RecordRefused(f"{file.name}: all samples of all channels are zero: no sensor was connected")

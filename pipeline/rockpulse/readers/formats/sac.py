@@ -85,12 +85,10 @@ def read_sac(file: SourceFile, options: ReadOptions) -> list[Record]:
     return [
         kit.build_record(
             file,
-            1,
             values,
             # The header holds dt as float32: 0.01 would come as 0.00999999977648.
             float(f"{stats.delta:.7g}"),
             unit,
-            format="sac",
             processed=None,
             component=stats.channel,
             facing=seed_direction(stats.channel, None if azimuth is None else float(azimuth), dip),

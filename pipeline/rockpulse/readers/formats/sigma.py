@@ -71,11 +71,9 @@ def read_sigma(file: SourceFile, options: ReadOptions) -> list[Record]:
     return [
         kit.build_record(
             file,
-            1,
             samples,
             kit.printed_number(step.text)[0],
             unit,
-            format="sigma",
             processed=processed,
             component=component,
             facing=kit.direction(_OTHER_WAY_ROUND.get(component.upper(), component)),

@@ -88,11 +88,9 @@ def read_smc(file: SourceFile, options: ReadOptions) -> list[Record]:
     return [
         kit.build_record(
             file,
-            1,
             block.samples,
             block.dt,
             _UNIT,
-            format="smc",
             processed=kind == "2",
             component=component,
             facing=_facing(component, integers),

@@ -50,7 +50,7 @@ def read_usc_v1(file: SourceFile, options: ReadOptions) -> list[Record]:
         block = kit.pair_block(file.name, lines, start + HEADER_LINES, end, count, unit)
         head = lines[start : start + HEADER_LINES]
         header = _header(head).noting(*copies, *_held(head, count, block))
-        records.append(header.record(file, number, block, format="usc_v1", processed=False))
+        records.append(header.record(file, number, block, processed=False))
     return records
 
 
@@ -125,5 +125,5 @@ USC_V2 = Format(
     processed="yes",
     example="274o42pv.s0a",
     detect=begins_with(_CORRECTED, 1000),
-    parse=partial(read_corrected, format="usc_v2", header=_header),
+    parse=partial(read_corrected, header=_header),
 )

@@ -74,12 +74,12 @@ def _peak_warnings(peak: float, unit: str, factor: float, header_peak: float, ro
 
 def build_record(
     file: SourceFile,
-    number: int,
     samples: np.ndarray,
     dt: float,
     unit: str,
     *,
-    format: str,
+    number: int = 1,
+    format: str = "",
     processed: bool | None,
     factor: float | None = None,
     component: str = "",

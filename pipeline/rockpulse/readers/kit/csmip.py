@@ -105,10 +105,10 @@ class Header:
         """The record of this channel with the samples of `block`; `further` are arguments of `build_record`."""
         return build_record(
             file,
-            number,
             block.samples,
             block.dt,
             block.unit,
+            number=number,
             component=self.full_component,
             facing=one_direction(self.component, self.code, self.repeated),
             original_peak=block.peak,

@@ -12,7 +12,7 @@ import pytest
 from record_writers import at2, pulse
 from source_files import make_zip
 
-from rockpulse.errors import RecordFormatError, UnitError
+from rockpulse.errors import RecordFormatError, RockpulseError, UnitError
 from rockpulse.readers import read
 from rockpulse.readers.folders import read_all
 from rockpulse.readers.format import ReadOptions
@@ -161,31 +161,23 @@ def test_a_header_without_unit_asks_for_one(write):
 
 
 @pytest.mark.parametrize(
-    ("content", "error", "message"),
+    ("content", "message"),
     [
-        (at2(pulse(), count_line="NPTS= 500, DT= .0100 SEC"), RecordFormatError, "expected 500 samples .* found 400"),
-        (
-            at2(pulse(), count_line="NPTS= 99999999999, DT= .01 SEC"),
-            RecordFormatError,
-            "expected 99999999999 samples .* found 400",
-        ),
-        (at2(pulse(), count_line="NPTS= {n}, DT= 0.0 SEC"), RecordFormatError, r"RSN1.AT2:4: expected a positive DT"),
-        (at2(pulse(), count_line="NPTS= {n}, DT= -.01 SEC"), RecordFormatError, r"RSN1.AT2:4: expected a positive DT"),
-        (
-            at2(pulse(), count_line="NPTS= {n}, DT= 5 MSEC"),
-            RecordFormatError,
-            r"RSN1.AT2:4: expected a positive DT in s",
-        ),
-        (at2(pulse(), count_line="NPTS= {n}, DT= .01E SEC"), RecordFormatError, r"RSN1.AT2:4: expected 'NPTS= n"),
-        (at2(pulse(), count_line="NPTS= {n}, DT= VARIABLE"), RecordFormatError, r"RSN1.AT2:4: expected 'NPTS= n"),
-        (at2(pulse(), series="ACCELERATION IN UNITS OF ELLS"), UnitError, r"RSN1.AT2:3: unknown unit"),
-        (at2([*pulse(20), np.nan, 0.1]), RecordFormatError, r"RSN1.AT2:9: expected a finite number, found 'NAN'"),
-        (at2([0.1]), RecordFormatError, "at least 2 samples, found 1"),
-        (at2(pulse())[:150], RecordFormatError, "expected 400 samples|expected 'NPTS"),
+        (at2(pulse(), count_line="NPTS= 500, DT= .0100 SEC"), "expected 500 samples .* found 400"),
+        (at2(pulse(), count_line="NPTS= 99999999999, DT= .01 SEC"), "expected 99999999999 samples .* found 400"),
+        (at2(pulse(), count_line="NPTS= {n}, DT= 0.0 SEC"), r"RSN1.AT2:4: expected a positive DT"),
+        (at2(pulse(), count_line="NPTS= {n}, DT= -.01 SEC"), r"RSN1.AT2:4: expected a positive DT"),
+        (at2(pulse(), count_line="NPTS= {n}, DT= 5 MSEC"), r"RSN1.AT2:4: expected a positive DT in s"),
+        (at2(pulse(), count_line="NPTS= {n}, DT= .01E SEC"), r"RSN1.AT2:4: expected 'NPTS= n"),
+        (at2(pulse(), count_line="NPTS= {n}, DT= VARIABLE"), r"RSN1.AT2:4: expected 'NPTS= n"),
+        (at2(pulse(), series="ACCELERATION IN UNITS OF ELLS"), r"RSN1.AT2:3: unknown unit"),
+        (at2([*pulse(20), np.nan, 0.1]), r"RSN1.AT2:9: expected a finite number, found 'NAN'"),
+        (at2([0.1]), "at least 2 samples, found 1"),
+        (at2(pulse())[:150], "expected 400 samples|expected 'NPTS"),
     ],
 )
-def test_damage_is_named(write, content, error, message):
-    with pytest.raises(error, match=message):
+def test_damage_is_named(write, content, message):
+    with pytest.raises(RockpulseError, match=message):
         read(write(content))
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from record_writers import csmip_equal, csmip_pairs, pulse
 
-from rockpulse.errors import RecordFormatError, UnitError
+from rockpulse.errors import RecordFormatError, RockpulseError
 from rockpulse.readers import read
 from rockpulse.readers.formats.csmip import is_csmip_v1
 from rockpulse.readers.source import NotAcceleration
@@ -149,28 +149,24 @@ def damaged(change) -> bytes:
 
 
 @pytest.mark.parametrize(
-    ("change", "error", "message"),
+    ("change", "message"),
     [
-        (
-            lambda c: b"\n".join(c.split(b"\n")[:35]),
-            RecordFormatError,
-            r"TEST.RAW:\d+: expected 160 numbers .* found 56",
-        ),
-        (lambda c: b"\n".join(c.split(b"\n")[:20]), RecordFormatError, "expected 27 header lines"),
-        (lambda c: c.replace(b"   160 Acc", b"999999999999 Acc"), RecordFormatError, "expected 999999999999 numbers"),
-        (lambda c: c.replace(b"   160 Acc", b"     0 Acc"), RecordFormatError, "expected a positive number"),
-        (lambda c: c.replace(b"at 100 pts", b"at 0 pts"), RecordFormatError, "TEST.RAW:28: expected 'at N pts/sec'"),
-        (lambda c: c.replace(b"units of g.", b"units of furlong."), UnitError, "TEST.RAW:28: unknown unit"),
-        (lambda c: c.replace(b"(8f9.6)", b"(0f9.6)"), RecordFormatError, "expected a format such as"),
-        (lambda c: c.replace(b" 0.300000", b"      NaN"), RecordFormatError, r"TEST.RAW:\d+: .* found 'NaN'"),
-        (lambda c: c.replace(b" 0.300000", b" 0.3000"), RecordFormatError, r"TEST.RAW:\d+: expected 8 fields of 9"),
-        (lambda c: c + b"something else\n", RecordFormatError, "expected 'Uncorrected Accelerogram Data'"),
+        (lambda c: b"\n".join(c.split(b"\n")[:35]), r"TEST.RAW:\d+: expected 160 numbers .* found 56"),
+        (lambda c: b"\n".join(c.split(b"\n")[:20]), "expected 27 header lines"),
+        (lambda c: c.replace(b"   160 Acc", b"999999999999 Acc"), "expected 999999999999 numbers"),
+        (lambda c: c.replace(b"   160 Acc", b"     0 Acc"), "expected a positive number"),
+        (lambda c: c.replace(b"at 100 pts", b"at 0 pts"), "TEST.RAW:28: expected 'at N pts/sec'"),
+        (lambda c: c.replace(b"units of g.", b"units of furlong."), "TEST.RAW:28: unknown unit"),
+        (lambda c: c.replace(b"(8f9.6)", b"(0f9.6)"), "expected a format such as"),
+        (lambda c: c.replace(b" 0.300000", b"      NaN"), r"TEST.RAW:\d+: .* found 'NaN'"),
+        (lambda c: c.replace(b" 0.300000", b" 0.3000"), r"TEST.RAW:\d+: expected 8 fields of 9"),
+        (lambda c: c + b"something else\n", "expected 'Uncorrected Accelerogram Data'"),
     ],
 )
-def test_damage_is_named_with_file_and_line(write, change, error, message):
+def test_damage_is_named_with_file_and_line(write, change, message):
     content = damaged(change)
     assert content != damaged(lambda c: c)
-    with pytest.raises(error, match=message):
+    with pytest.raises(RockpulseError, match=message):
         read(write(content))
 
 

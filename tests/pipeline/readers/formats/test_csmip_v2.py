@@ -7,7 +7,7 @@ import pytest
 from record_writers import pulse
 from record_writers.csmip_v2 import NEW, OLD, csmip_v2
 
-from rockpulse.errors import RecordFormatError, UnitError
+from rockpulse.errors import RecordFormatError, RockpulseError
 from rockpulse.readers import read
 from rockpulse.readers.folders import read_all
 from rockpulse.readers.source import NotAcceleration
@@ -198,78 +198,58 @@ def cut(content: bytes, lines: int) -> bytes:
 
 
 DAMAGE = {
-    "header": (lambda c: cut(c, 20), RecordFormatError, "TEST.V2:20: expected 25 header lines of channel 1"),
-    "numbers": (lambda c: cut(c, 40), RecordFormatError, r"TEST.V2:40: expected a line 'N points of accel data"),
-    "truncated": (
-        lambda c: cut(c, 60),
-        RecordFormatError,
-        r"TEST.V2:60: expected 51 rows of acceleration .*, found 14; .* truncated",
-    ),
-    "velocity": (lambda c: cut(c, 120), RecordFormatError, "TEST.V2:120: expected 51 rows of velocity .* found 22"),
+    "header": (lambda c: cut(c, 20), "TEST.V2:20: expected 25 header lines of channel 1"),
+    "numbers": (lambda c: cut(c, 40), r"TEST.V2:40: expected a line 'N points of accel data"),
+    "truncated": (lambda c: cut(c, 60), r"TEST.V2:60: expected 51 rows of acceleration .*, found 14; .* truncated"),
+    "velocity": (lambda c: cut(c, 120), "TEST.V2:120: expected 51 rows of velocity .* found 22"),
     "one-row": (
         lambda c: b"\n".join([*c.split(b"\n")[:96], *c.split(b"\n")[97:]]),
-        RecordFormatError,
         r"TEST.V2:96: expected 51 rows of acceleration .*, found 50",
     ),
     "old": (
         lambda c: cut(csmip_v2(MOTION, 0.005, OLD, 3, end="\n"), 60),
-        RecordFormatError,
         r"TEST.V2:60: expected 51 rows of acceleration .*, found 14",
     ),
     "huge": (
         lambda c: c.replace(b"   403 points of accel", b"999999999999 points of accel"),
-        RecordFormatError,
         "expected 125000000000 rows of acceleration",
     ),
-    "zero": (lambda c: c.replace(b"   403 points of acc", b"     0 points of acc"), RecordFormatError, "positive"),
+    "zero": (lambda c: c.replace(b"   403 points of acc", b"     0 points of acc"), "positive"),
     "text": (
         lambda c: c.replace(b"   403 POINTS", b"   503 POINTS"),
-        RecordFormatError,
         "TEST.V2:46: expected 503 points .* found a heading with 403",
     ),
     "interval": (
         lambda c: c.replace(b"accel data equally spaced at  .010", b"accel data equally spaced at  .050"),
-        RecordFormatError,
         "TEST.V2:46: expected an interval of 0.01 s .* found a heading with 0.05",
     ),
     "no-interval": (
         lambda c: c.replace(b"accel data equally spaced at  .010", b"accel data equally spaced at  .0.0"),
-        RecordFormatError,
         "TEST.V2:46: expected 'at N pts/sec' or 'equally spaced at N sec'",
     ),
-    "unit": (
-        lambda c: c.replace(b"cm/sec2.", b"furlong."),
-        UnitError,
-        "TEST.V2:46: unknown unit of acceleration 'furlong.'",
-    ),
+    "unit": (lambda c: c.replace(b"cm/sec2.", b"furlong."), "TEST.V2:46: unknown unit of acceleration 'furlong.'"),
     "peak-unit": (
         lambda c: c.replace(b"CM/SEC/SEC", b"CM/SEC/SEX"),
-        UnitError,
         "TEST.V2:18: unknown unit of acceleration 'CM/SEC/SEX'",
     ),
     "no-unit": (
         lambda c: c.replace(b", in cm/sec2.", b"").replace(b"CM/SEC/SEC", b""),
-        UnitError,
         "TEST.V2:46: expected the unit of acceleration",
     ),
-    "format": (lambda c: c.replace(b"(8f10.5)", b"(0f10.5)"), RecordFormatError, "expected a format such as"),
-    "short-row": (lambda c: c.replace(b" 250.00000", b"250.00000"), RecordFormatError, r"expected 8 fields of 10"),
-    "letters": (lambda c: c.replace(b" 250.00000", b"  25o.0000"), RecordFormatError, r"TEST.V2:\d+: .*'25o.0000'"),
-    "not-finite": (lambda c: c.replace(b" 250.00000", b"       NaN"), RecordFormatError, r"TEST.V2:\d+: .*'NaN'"),
-    "twice": (
-        lambda c: c.replace(b"points of veloc", b"points of accel"),
-        RecordFormatError,
-        "found a second block of acceleration",
-    ),
-    "behind": (lambda c: c + b"something else\n", RecordFormatError, "expected 'Corrected accelerogram' .channel 2."),
+    "format": (lambda c: c.replace(b"(8f10.5)", b"(0f10.5)"), "expected a format such as"),
+    "short-row": (lambda c: c.replace(b" 250.00000", b"250.00000"), r"expected 8 fields of 10"),
+    "letters": (lambda c: c.replace(b" 250.00000", b"  25o.0000"), r"TEST.V2:\d+: .*'25o.0000'"),
+    "not-finite": (lambda c: c.replace(b" 250.00000", b"       NaN"), r"TEST.V2:\d+: .*'NaN'"),
+    "twice": (lambda c: c.replace(b"points of veloc", b"points of accel"), "found a second block of acceleration"),
+    "behind": (lambda c: c + b"something else\n", "expected 'Corrected accelerogram' .channel 2."),
 }
 
 
-@pytest.mark.parametrize(("change", "error", "message"), DAMAGE.values(), ids=DAMAGE)
-def test_damage_is_named_with_file_and_line(write, change, error, message):
+@pytest.mark.parametrize(("change", "message"), DAMAGE.values(), ids=DAMAGE)
+def test_damage_is_named_with_file_and_line(write, change, message):
     content = csmip_v2(MOTION, end="\n")
     assert change(content) != content
-    with pytest.raises(error, match=message):
+    with pytest.raises(RockpulseError, match=message):
         read(write(change(content)))
 
 

@@ -8,7 +8,7 @@ import pytest
 from record_writers._shared import pulse
 from record_writers.cwb import cwb
 
-from rockpulse.errors import RecordFormatError, UnitError
+from rockpulse.errors import RockpulseError
 from rockpulse.readers import read
 from rockpulse.record.record import STANDARD_GRAVITY, Record
 
@@ -123,31 +123,27 @@ def without_row(content: bytes, row: int) -> bytes:
 
 
 @pytest.mark.parametrize(
-    ("content", "error", "message"),
+    ("content", "message"),
     [
-        (cwb(THREE)[:9000], RecordFormatError, r"stream:\d+: expected 375 rows .* found \d+"),
-        (cwb(THREE, length="120"), RecordFormatError, r"stream:422: expected 5975 rows .* found 400"),
-        (cwb(THREE, length="999999999"), RecordFormatError, r"expected 49999999925 rows"),
-        (cwb(THREE)[:-7], RecordFormatError, r"stream:422: expected 4 fields of 10 characters"),
-        (without_row(cwb(THREE), 100), RecordFormatError, r"stream:123: expected 2 s .* found 2.02 s"),
-        (
-            cwb(THREE).replace(b"Rate(Hz): 50", b"Rate(Hz): 40"),
-            RecordFormatError,
-            "stream:24: expected 0.025 s .* found 0.02 s",
-        ),
-        (cwb(THREE).replace(b"Rate(Hz): 50", b"Rate(Hz): 0"), RecordFormatError, r"stream:16: expected .*above 0"),
-        (cwb(THREE).replace(b"#SampleRate", b"#Sample"), RecordFormatError, "stream:1: expected a line '#SampleRate"),
-        (cwb(THREE, sequence="Time"), RecordFormatError, "stream:21: expected '#DataSequence: Time U"),
-        (cwb(THREE, sequence="U(+); N(+); E(+)"), RecordFormatError, "stream:21: expected '#DataSequence: Time U"),
-        (cwb(THREE, layout="FREE"), RecordFormatError, "stream:22: expected '#Data: 4F10.3'"),
-        (cwb([one[:1] for one in THREE], length="0.01"), RecordFormatError, "expected at least 2 samples, found 1"),
-        (cwb(THREE, unit="stone. DC"), UnitError, "stream:17: unknown unit of acceleration 'stone'"),
-        (cwb(THREE, sequence="U N E"), RecordFormatError, "stream:21: expected '#DataSequence: Time U"),
-        (cwb(THREE, layout="3F10.3"), RecordFormatError, "stream:22: expected '#Data: 4F10.3'"),
-        (cwb(THREE, layout="4F0.3"), RecordFormatError, "expected fields of at least 1 character"),
-        (cwb(THREE).replace(b"     7.100", b"     7.1x0"), RecordFormatError, "stream:29: expected a finite number"),
+        (cwb(THREE)[:9000], r"stream:\d+: expected 375 rows .* found \d+"),
+        (cwb(THREE, length="120"), r"stream:422: expected 5975 rows .* found 400"),
+        (cwb(THREE, length="999999999"), r"expected 49999999925 rows"),
+        (cwb(THREE)[:-7], r"stream:422: expected 4 fields of 10 characters"),
+        (without_row(cwb(THREE), 100), r"stream:123: expected 2 s .* found 2.02 s"),
+        (cwb(THREE).replace(b"Rate(Hz): 50", b"Rate(Hz): 40"), "stream:24: expected 0.025 s .* found 0.02 s"),
+        (cwb(THREE).replace(b"Rate(Hz): 50", b"Rate(Hz): 0"), r"stream:16: expected .*above 0"),
+        (cwb(THREE).replace(b"#SampleRate", b"#Sample"), "stream:1: expected a line '#SampleRate"),
+        (cwb(THREE, sequence="Time"), "stream:21: expected '#DataSequence: Time U"),
+        (cwb(THREE, sequence="U(+); N(+); E(+)"), "stream:21: expected '#DataSequence: Time U"),
+        (cwb(THREE, layout="FREE"), "stream:22: expected '#Data: 4F10.3'"),
+        (cwb([one[:1] for one in THREE], length="0.01"), "expected at least 2 samples, found 1"),
+        (cwb(THREE, unit="stone. DC"), "stream:17: unknown unit of acceleration 'stone'"),
+        (cwb(THREE, sequence="U N E"), "stream:21: expected '#DataSequence: Time U"),
+        (cwb(THREE, layout="3F10.3"), "stream:22: expected '#Data: 4F10.3'"),
+        (cwb(THREE, layout="4F0.3"), "expected fields of at least 1 character"),
+        (cwb(THREE).replace(b"     7.100", b"     7.1x0"), "stream:29: expected a finite number"),
     ],
 )
-def test_damage_is_named(content, error, message):
-    with pytest.raises(error, match=message):
+def test_damage_is_named(content, message):
+    with pytest.raises(RockpulseError, match=message):
         got(content)
