@@ -30,8 +30,8 @@ _UTC = re.compile(r"GMT|UTC|TMG", re.IGNORECASE)
 _ON_STRUCTURE = re.compile(r"\b(?:azotea|s.{1,2}tano|entrepiso|cortina|corona|piso\s+\d+|nivel\s+\d+)\b", re.IGNORECASE)
 _DOUBTFUL = re.compile(r"incomplet|incorrect|sin tiempo|falla|no\s", re.IGNORECASE)
 _FIELD = 10
-#: Lines of the header, and characters of one; a damaged one may be longer.
-_LONGEST_HEADER, _LONGEST_LINE = 300, 200
+#: Lines of the header.
+_LONGEST_HEADER = 300
 
 
 class _Header:
@@ -156,7 +156,7 @@ def read_asa(file: SourceFile, options: ReadOptions) -> list[Record]:
 
 def _header(name: str, lines: Sequence[str]) -> tuple[_Header, list[int], list[str], int]:
     """The header, the numbers and the directions of the channels, and the index of the first row of values."""
-    head = [line[:_LONGEST_LINE] for line in lines[:_LONGEST_HEADER]]
+    head = [line[: kit.LONGEST_LINE] for line in lines[:_LONGEST_HEADER]]
     title = next((i for i, line in enumerate(head) if _VALUES.match(line)), len(head))
     at = next((i for i in range(title + 1, min(title + 4, len(head))) if _CHANNELS.search(head[i])), 0)
     if not at or at + 3 > len(lines):
@@ -165,7 +165,7 @@ def _header(name: str, lines: Sequence[str]) -> tuple[_Header, list[int], list[s
         raise kit.unexpected(f"{name}:{min(title + 1, len(lines))}", expected, "none", advice)
     header = _Header(name, head[:title])
     numbers = [int(number) for number in _CHANNELS.findall(head[at])]
-    words, (_, listed, line) = lines[at + 1][:_LONGEST_LINE].split(), header.entry("ORIENTACION C1-C6")
+    words, (_, listed, line) = lines[at + 1][: kit.LONGEST_LINE].split(), header.entry("ORIENTACION C1-C6")
     stated = _chosen(header.per_channel("ORIENTACION"), numbers)
     pairs = zip(stated, words, strict=False)
     if len(words) != len(numbers) or any(said and _base(said) != _base(word) for said, word in pairs):

@@ -20,8 +20,6 @@ from rockpulse.readers.source import SourceFile
 from rockpulse.record.record import Record
 
 _HEADER_LIMIT = 10
-#: No line of the header is longer; a damaged one may be.
-_LONGEST_LINE = 200
 # 5,000 is five thousand; 1/200 is no number.
 _COUNT = r"(?P<count>\d{1,3}(?:,\d{3})+(?![\d.])|\d+)"
 _STEP = r"(?P<step>[+-]?(?:\d+\.?\d*|\.\d+)(?:[ED][+-]?\d+)?)(?![\d.ED]|\s*/\s*\d)"
@@ -59,10 +57,10 @@ _LIST, _LIST_BEGINS = "_SearchResults.csv", "record sequence number"
 def _header_end(lines: Sequence[str]) -> int | None:
     """Index of the line that holds the number of points and the interval."""
     for index, line in enumerate(lines[:_HEADER_LIMIT]):
-        line = line[:_LONGEST_LINE]
+        line = line[: kit.LONGEST_LINE]
         if _NAMES_BOTH[0].search(line):
             return index
-        above = lines[index - 1][:_LONGEST_LINE] if index else ""
+        above = lines[index - 1][: kit.LONGEST_LINE] if index else ""
         if _BARE.fullmatch(line) and _SERIES.search(above) and _UNIT.search(above):
             return index
     return None
@@ -73,7 +71,7 @@ def _names_both(lines: Sequence[str]) -> int | None:
     end = _header_end(lines)
     if end is None or "\x00" in "".join(lines[: end + 1]):
         return None
-    last = lines[end][:_LONGEST_LINE]
+    last = lines[end][: kit.LONGEST_LINE]
     return end if all(word.search(last) for word in _NAMES_BOTH) or _BARE.fullmatch(last) else None
 
 
@@ -88,7 +86,7 @@ def read_at2(file: SourceFile, options: ReadOptions) -> list[Record]:
     end = _names_both(lines)
     if end is None:
         raise kit.unexpected(file.name, f"NPTS and DT in one of the first {_HEADER_LIMIT} lines", "none", "is it AT2?")
-    header = [line[:_LONGEST_LINE] for line in lines[: end + 1]]
+    header = [line[: kit.LONGEST_LINE] for line in lines[: end + 1]]
     title = [part.strip() for part in header[1].split(",")] if end > 1 else [""]
     # Names of events have commas too: "Chi-Chi, Taiwan, 9/20/1999, CHY101, E".
     dated = [index for index, part in enumerate(title[1:-1], 1) if _DATE.fullmatch(part)]

@@ -11,7 +11,7 @@ import numpy as np
 
 from rockpulse.readers import kit
 from rockpulse.readers.format import Format, ReadOptions, begins_with
-from rockpulse.readers.kit.csmip import HEADER_LINES, LONGEST_LINE, TEXT_LINES, channels
+from rockpulse.readers.kit.csmip import HEADER_LINES, TEXT_LINES, channels
 from rockpulse.readers.source import SourceFile
 from rockpulse.record.record import Record
 
@@ -44,7 +44,7 @@ def read_bhrc(file: SourceFile, options: ReadOptions) -> list[Record]:
 def _channel(file: SourceFile, lines: Sequence[str], span: kit.Span, number: int) -> Record:
     start, end = span
     kit.check_count(f"{file.name}:{end}", HEADER_LINES, end - start, f"header lines of channel {number}")
-    header, first = [line[:LONGEST_LINE] for line in lines[start : start + TEXT_LINES]], start + HEADER_LINES
+    header, first = [line[: kit.LONGEST_LINE] for line in lines[start : start + TEXT_LINES]], start + HEADER_LINES
     count = kit.declared_points(header[10], f"{file.name}:{start + 11}")
     unit = kit.pair_unit(header[11], f"{file.name}:{start + 12}")
     step = _step(file.name, lines[start + 21], kit.matched(_DURATION, header[10]), start, count)

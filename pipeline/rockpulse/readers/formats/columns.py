@@ -285,16 +285,12 @@ def _check_apart(where: str, columns: _Columns, timed: bool, lacking: Sequence[s
     if not timed:
         raise _wrapped(where, width, f"{width} columns of numbers", lacking)
     for before in range(width - 1):
-        if _integrates(columns.table[:, before], columns.table[:, before + 1]):
+        rate, growth = columns.table[:, before], np.diff(columns.table[:, before + 1])
+        with np.errstate(all="ignore"):
+            alike = growth.size > 2 and abs(np.corrcoef(growth, rate[1:] + rate[:-1])[0, 1])
+        if alike > _INTEGRAL:
             found = f"that column {before + 3} is the integral of column {before + 2}, like velocity after acceleration"
             raise unexpected(where, "accelerations in all columns", found, _NAME_THEM)
-
-
-def _integrates(rate: np.ndarray, series: np.ndarray) -> bool:
-    """Whether one series is the integral of another, sample by sample."""
-    with np.errstate(all="ignore"):
-        growth, sums = np.diff(series), rate[1:] + rate[:-1]
-        return bool(growth.size > 2 and abs(np.corrcoef(growth, sums)[0, 1]) > _INTEGRAL)
 
 
 def _accelerations(name: str, columns: _Columns, prose: Sequence[str]) -> _Columns:

@@ -68,7 +68,9 @@ class _Series:
 def read_cosmos(file: SourceFile, options: ReadOptions) -> list[Record]:
     """Read the acceleration of every channel; velocity and displacement beside it are passed over."""
     lines = kit.text_lines(file.content)
-    starts = [index for index, line in enumerate(lines) if " text lines)" in line and TITLE.match(line[:200])]
+    starts = [
+        index for index, line in enumerate(lines) if " text lines)" in line and TITLE.match(line[: kit.LONGEST_LINE])
+    ]
     if not starts or starts[0] != 0:
         raise RecordFormatError(
             f"{file.name}:1: expected '(Format v01.20 with 13 text lines)', found {lines[0][:60]!r}"
@@ -105,7 +107,7 @@ def _channel(file: SourceFile, lines: Sequence[str], header: Header, end: int, n
     notes += series.warnings
     rows = -(-series.count // per_row)
     behind = range(first + rows, end)
-    stop = next((at for at in behind if _END.match(lines[at]) or _SERIES.match(lines[at][:200])), end)
+    stop = next((at for at in behind if _END.match(lines[at]) or _SERIES.match(lines[at][: kit.LONGEST_LINE])), end)
     notes += kit.surplus(lines, first + rows, stop, used=width * (series.count - (rows - 1) * per_row))
     if unit == "counts":
         factor = _per_count(header, where)
@@ -160,7 +162,7 @@ def _acceleration(name: str, lines: Sequence[str], header: Header, end: int) -> 
     found: list[_Series] = []
     begins = header.end
     for at in range(header.end, end):
-        match = _SERIES.match(lines[at][:200]) if "pts" in lines[at].lower() else None
+        match = _SERIES.match(lines[at][: kit.LONGEST_LINE]) if "pts" in lines[at].lower() else None
         if match and not (found and found[-1].at >= at):
             code = int(match[4]) if match[4] else None
             last = kit.last_of_equal(lines, at)

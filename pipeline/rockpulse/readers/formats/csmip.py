@@ -85,10 +85,10 @@ def _uncorrected_channel(
     file: SourceFile, lines: Sequence[str], span: kit.Span, number: int, header: csmip.Header
 ) -> Record:
     start, end = span
-    match = _PEAK_1.search(lines[start + 11][: csmip.LONGEST_LINE])
+    match = _PEAK_1.search(lines[start + 11][: kit.LONGEST_LINE])
     block = _uncorrected_block(file.name, lines, start, end)
     behind = lines[start + csmip.TEXT_LINES : start + csmip.HEADER_LINES]
-    length = _LENGTH_1.search(lines[start + 10][: csmip.LONGEST_LINE])
+    length = _LENGTH_1.search(lines[start + 10][: kit.LONGEST_LINE])
     told = _held(length[1] if length else "", csmip.real(behind, 3), round(block.duration / block.dt), block)
     told += csmip.held_peak_real(behind, 7, block, STANDARD_GRAVITY)
     times = [(match and match[2]) or "", csmip.real(behind, 8)]
@@ -120,9 +120,9 @@ def _uncorrected_block(name: str, lines: Sequence[str], start: int, end: int) ->
     if heading.kind != "acceleration":
         raise kit.no_acceleration(f"{name}:{first + 1}", "points of acceleration", heading.kind)
     block = csmip.equal_block(name, lines, heading, end, heading.unit)
-    named = _UNIT.match(lines[start + 11][: csmip.LONGEST_LINE])
+    named = _UNIT.match(lines[start + 11][: kit.LONGEST_LINE])
     stated = [(f"line {first + 1}", block.unit), *([(f"line {start + 12}", named[1].lower())] if named else [])]
-    text, where = lines[start + 10][: csmip.LONGEST_LINE], f"{name}:{first + 1}"
+    text, where = lines[start + 10][: kit.LONGEST_LINE], f"{name}:{first + 1}"
     rate = _RATE.search(text)
     _check_points(_POINTS.search(text), block, where)
     number, rounding = kit.printed_number(rate[1] if rate else "")
@@ -149,13 +149,13 @@ def read_corrected(
     for number, (start, end) in enumerate(spans, 1):
         kit.check_count(f"{file.name}:{end}", _ALL_TEXT, end - start, f"header lines of channel {number}")
         read = header(lines[start + 1 : min(start + _ALL_TEXT + 2, end)])
-        repeated = (_COMPONENT.search(lines[at][: csmip.LONGEST_LINE]) for at in (start, start + _ALL_TEXT - 2))
+        repeated = (_COMPONENT.search(lines[at][: kit.LONGEST_LINE]) for at in (start, start + _ALL_TEXT - 2))
         headers.append(replace(read, repeated=tuple(match[1] for match in repeated if match)))
         heading, behind = _acceleration(file.name, lines, start, end)
         if heading.kind != "acceleration":
             left_out.append((number, heading))
             continue
-        text = [line[: csmip.LONGEST_LINE] for line in lines[start : start + _ALL_TEXT]]
+        text = [line[: kit.LONGEST_LINE] for line in lines[start : start + _ALL_TEXT]]
         unit, peak, peak_factor = _unit_and_peak(text, heading, file.name, start + 1)
         block = csmip.equal_block(file.name, lines, heading, behind, unit)
         _check_correction(text, block, f"{file.name}:{heading.at + 1}")

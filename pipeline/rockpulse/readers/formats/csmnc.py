@@ -60,7 +60,7 @@ def read_csmnc(file: SourceFile, options: ReadOptions) -> list[Record]:
     first = next((i for i in range(above, min(len(lines), above + 10)) if _ROW.match(lines[i])), len(lines))
     samples, end = _samples(file.name, lines, first, count)
     component, facing, notes = _direction(file, _first(head, _COMPONENT))
-    size = next((match for line in head if (match := _SIZE.match(line[:200]))), None)
+    size = next((match for line in head if (match := _SIZE.match(line[: kit.LONGEST_LINE]))), None)
     named_at, origin = _origin(head)
     event = [head[named_at].strip(), f"{origin:%Y-%m-%d %H:%M:%S} UTC" if origin else ""] if named_at else []
     magnitude = _first(head, _MAGNITUDE)
@@ -96,14 +96,14 @@ def read_csmnc(file: SourceFile, options: ReadOptions) -> list[Record]:
 def _find(name: str, head: Sequence[str], pattern: re.Pattern[str], wanted: str) -> tuple[int, re.Match[str]]:
     """Index of the first line with the pattern, and the match."""
     for index, line in enumerate(head):
-        if match := pattern.search(line[:200]):
+        if match := pattern.search(line[: kit.LONGEST_LINE]):
             return index, match
     raise kit.unexpected(f"{name}:{len(head)}", f"a line such as {wanted!r} in the header", "none")
 
 
 def _first(head: Sequence[str], pattern: re.Pattern[str]) -> str:
     """The first group of the first line that matches; empty where none does."""
-    return next((match[1].strip() for line in head if (match := pattern.match(line[:200]))), "")
+    return next((match[1].strip() for line in head if (match := pattern.match(line[: kit.LONGEST_LINE]))), "")
 
 
 def _samples(name: str, lines: Sequence[str], first: int, count: int) -> tuple[np.ndarray, int]:
@@ -136,7 +136,7 @@ def _direction(file: SourceFile, word: str) -> tuple[str, kit.Direction, list[st
 def _origin(head: Sequence[str]) -> tuple[int, datetime | None]:
     """Index of the line with the name of the earthquake, which is below that of its time, and its time in UTC."""
     for index, line in enumerate(head[:_ORIGIN_LINES]):
-        if match := _ORIGIN.match(line[:200]):
+        if match := _ORIGIN.match(line[: kit.LONGEST_LINE]):
             numbers = [float(text) for text in match.groups()[:6]]
             ahead = 0.0 if match[7] in ("UTC", "GMT", "UT") else _BEIJING_HOURS
             return index + 1, kit.instant(numbers[:3], numbers[3:], ahead)

@@ -13,7 +13,6 @@ import numpy as np
 
 from rockpulse.readers import kit
 from rockpulse.readers.format import Format, ReadOptions, begins_with
-from rockpulse.readers.kit.csmip import LONGEST_LINE
 from rockpulse.readers.source import SourceFile
 from rockpulse.record.record import Record
 
@@ -89,7 +88,7 @@ def _header(name: str, lines: Sequence[str]) -> kit.Entries:
     """The statements by the letters of their keys, lower case, without the text in parentheses."""
     header = kit.Entries(name)
     for line, text in enumerate(lines, start=1):
-        if match := _ENTRY.match(text[:LONGEST_LINE]):
+        if match := _ENTRY.match(text[: kit.LONGEST_LINE]):
             header[re.sub(r"[\W_]", "", match[1]).lower()] = kit.Entry(match[3].strip(), match[2] or "", line)
     return header
 

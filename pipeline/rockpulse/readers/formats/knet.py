@@ -17,8 +17,6 @@ from rockpulse.record.record import Record
 _SCALE = re.compile(r"Scale Factor\s+(\d+\.?\d*)\s*\(gal\)\s*/\s*(\d+\.?\d*)", re.IGNORECASE)
 _PEAK = re.compile(r"Max\. Acc\. \(gal\)\s+(-?\d+\.?\d*)", re.IGNORECASE)
 _HEADER_LINES = 17
-#: No line of the header is longer; a damaged one may be.
-_LONGEST_LINE = 200
 _DIRECTIONS = re.compile(r"\.(EW|NS|UD)([12]?)$", re.IGNORECASE)
 
 
@@ -26,7 +24,7 @@ def read_knet(file: SourceFile, options: ReadOptions) -> list[Record]:
     """Read the one channel of the file; its mean over the whole record is the offset."""
     lines = kit.text_lines(file.content)
     kit.check_count(f"{file.name}:{len(lines)}", _HEADER_LINES, len(lines), "header lines")
-    header = [line[:_LONGEST_LINE] for line in lines[:_HEADER_LINES]]
+    header = [line[: kit.LONGEST_LINE] for line in lines[:_HEADER_LINES]]
     scale = _SCALE.match(header[13])
     if not scale or float(scale[1]) == 0.0 or float(scale[2]) == 0.0:
         raise kit.unexpected(f"{file.name}:14", "'Scale Factor' as 2000(gal)/8388608", repr(header[13].strip()))

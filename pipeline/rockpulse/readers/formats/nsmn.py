@@ -21,14 +21,14 @@ _DECIMAL = re.compile(r"\d{0,6}\.?\d{1,9}", re.ASCII)
 _CLOCK = r"\s+(\d{1,2}):(\d{1,2}):(\d{1,2}(?:\.\d{0,9})?)\s*(?:\((\w+)\))?"
 _DAY_FIRST = re.compile(r"(\d{1,2})[/.](\d{1,2})[/.](\d{4})" + _CLOCK, re.ASCII)
 _YEAR_FIRST = re.compile(r"(\d{4})[/.](\d{1,2})[/.](\d{1,2})" + _CLOCK, re.ASCII)
-#: Lines of the header, and characters of one; a damaged one may be longer.
-_LONGEST_HEADER, _LONGEST_LINE = 60, 200
+#: Lines of the header.
+_LONGEST_HEADER = 60
 
 
 def read_nsmn(file: SourceFile, options: ReadOptions) -> list[Record]:
     """Read the three channels; the options are not used, because the format states everything."""
     lines = kit.text_lines(file.content)
-    head = [line[:_LONGEST_LINE] for line in lines[:_LONGEST_HEADER]]
+    head = [line[: kit.LONGEST_LINE] for line in lines[:_LONGEST_HEADER]]
     found = next(((at, columns) for at, line in enumerate(head) if (columns := _COLUMNS.match(line))), None)
     if found is None:
         where, expected = f"{file.name}:{min(len(lines), _LONGEST_HEADER)}", "a line 'N-S  E-W  U-D' above the values"

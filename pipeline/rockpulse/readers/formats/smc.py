@@ -29,8 +29,6 @@ _KINDS = (
 _TITLE = re.compile(rf"\s?([1-6])\s+({'|'.join(_KINDS)})", re.IGNORECASE)
 #: Lines of text, and indices of the first line of the reals and of the first line behind them.
 _TEXT_LINES, _REALS, _FIRST_COMMENT = 11, 17, 27
-#: No line of text is longer; a damaged one may be.
-_LONGEST_LINE = 200
 _STATION = re.compile(r"station\s*=\s*(.*?)\s*component\s*=\s*(.*)", re.IGNORECASE)
 _PEAK = re.compile(r"pk acc\s*=\s*(-?\d+\.?\d*(?:E[+-]?\d+)?)", re.IGNORECASE)
 _EVENT_ID = re.compile(r"\|\s*EventID:\s*(\w{1,40})\s*$", re.ASCII | re.IGNORECASE)
@@ -76,7 +74,7 @@ def read_smc(file: SourceFile, options: ReadOptions) -> list[Record]:
             expected = f"comment {number} of {comments}, a line that begins with '|'"
             raise kit.unexpected(f"{file.name}:{_FIRST_COMMENT + number}", expected, repr(line[:40]))
     block = _block(file.name, lines, first, integers, reals, raw=kind == "1")
-    text = [line[:_LONGEST_LINE] for line in lines[:_TEXT_LINES]]
+    text = [line[: kit.LONGEST_LINE] for line in lines[:_TEXT_LINES]]
     station, peak = _STATION.search(text[5]), _PEAK.search(text[6])
     name, component = (station[1], station[2].strip()) if station else ("", "")
     event = _EVENT.match(text[3])

@@ -32,6 +32,7 @@ from rockpulse.readers.kit.facts import (
 from rockpulse.readers.kit.spacing import Block, declared_points, make_even, pair_block, pair_unit, printed_at
 from rockpulse.readers.kit.text import (
     FILE_DAMAGED,
+    LONGEST_LINE,
     TRUNCATED,
     UNITS,
     Entries,

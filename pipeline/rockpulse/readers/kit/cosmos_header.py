@@ -7,10 +7,10 @@ from datetime import datetime
 
 import numpy as np
 
-from rockpulse.readers.kit.checks import Counted, held_length, held_peak_time
+from rockpulse.readers.kit.checks import Counted, contradictory, held_length, held_peak_time
 from rockpulse.readers.kit.direction import Direction, direction, means_vertical, on_structure
 from rockpulse.readers.kit.facts import instant
-from rockpulse.readers.kit.text import check_count, fixed_width, free_numbers, matched, unexpected
+from rockpulse.readers.kit.text import LONGEST_LINE, check_count, fixed_width, free_numbers, matched, unexpected
 from rockpulse.remark import Remark
 
 TITLE = re.compile(r"\s?(.{0,60}?)\s*\(Format v\d{1,2}\.\d{1,3} with (\d{1,3}) text lines\)", re.ASCII | re.IGNORECASE)
@@ -30,8 +30,6 @@ _RAW_LENGTH = re.compile(r"\s*raw record length\s*=\s*(\d{0,6}\.\d{0,6})\s*sec",
 _ABOUT = re.compile(r".{0,80}?\bapprox\.?\s+(\d{1,6}(?:\.\d{0,6})?)\s*secs?\b", re.ASCII | re.IGNORECASE)
 #: A stated length may be off by this share.
 _LENGTH_SHARE = 5e-3
-#: No line of the header is longer; a damaged one may be.
-_LONGEST_LINE = 200
 _ORIENTATIONS = {
     400: Direction("vertical"),
     401: Direction("vertical", sign=-1.0),
@@ -104,13 +102,12 @@ class Header:
             coded = _ORIENTATIONS.get(code, azimuth)
         if "unknown" in (said.orientation, coded.orientation):
             return said if said.orientation != "unknown" else coded
-        turn = abs((said.azimuth - coded.azimuth + 180.0) % 360.0 - 180.0)
         seed, both = self.codes()[3], (said, coded)
         if means_vertical(seed) and {one.orientation for one in both} == {"vertical", "horizontal"}:
             upright = next(one for one in both if one.orientation == "vertical")
             told = f"{words!r} and {code} (integer header 54)"
             return replace(upright, note=Remark("vertical_by_code", channel=seed, told=told))
-        if said.orientation != coded.orientation or said.sign != coded.sign or turn > 1.0:
+        if contradictory(said, coded):
             return Direction(note=f"the text says {words!r}, integer header 54 says {code}: the direction is unknown")
         return coded if np.isnan(said.azimuth) else said
 
@@ -148,7 +145,7 @@ class Header:
 
 def fortran_layout(line: str, where: str) -> tuple[int, int]:
     """Fields in a row and characters in a field, from ``Format=(8F9.6)`` at the end of a heading."""
-    layout = _LAYOUT.search(line[:_LONGEST_LINE])
+    layout = _LAYOUT.search(line[:LONGEST_LINE])
     if not layout or int(layout[1]) < 1 or int(layout[2]) < 1:
         raise unexpected(where, "a format such as Format=(8F9.6)", repr(line.strip()[:90]))
     return int(layout[1]), int(layout[2])
@@ -161,7 +158,7 @@ def read_header(name: str, lines: Sequence[str], start: int, end: int) -> Header
     # More lines of text than the 13 of the format are allowed, fewer are not.
     count = max(int(title[2]), 13)
     check_count(f"{name}:{end}", count, end - start, "text lines")
-    text = [line[:_LONGEST_LINE] for line in lines[start : start + count]]
+    text = [line[:LONGEST_LINE] for line in lines[start : start + count]]
     stated = _UNKNOWN.match(text[12].strip())
     unknown_integer, unknown = (int(stated[1]), float(stated[2])) if stated else (-999, -999.0)
     integers, at = _numbers(name, lines, start + count, end, "integer")
@@ -178,7 +175,7 @@ def read_header(name: str, lines: Sequence[str], start: int, end: int) -> Header
         integers=np.where(integers == unknown_integer, np.nan, integers),
         reals=np.where(reals == unknown, np.nan, reals),
         unknown=unknown,
-        comments=[line[:_LONGEST_LINE] for line in lines[at + 1 : first]],
+        comments=[line[:LONGEST_LINE] for line in lines[at + 1 : first]],
         start=start,
         end=first,
     )
@@ -211,7 +208,7 @@ def held_series(header: Header, heading: str, step: float, samples: np.ndarray) 
     """Warnings where the heading of the series, the text or real 65 contradicts samples (n,) at a step [s]."""
     raw = not header.kind.lower().startswith("corrected")
     spare = _LENGTH_SHARE * step * samples.size
-    lengths = (matched(_ABOUT, heading[:200]), matched(_RAW_LENGTH, header.text[9]) if raw else "")
+    lengths = (matched(_ABOUT, heading[:LONGEST_LINE]), matched(_RAW_LENGTH, header.text[9]) if raw else "")
     notes = [note for text in lengths for note in held_length(text, samples.size, step, spare)]
     lines = header.text[9:11] if raw else header.text[10:11]
     stated = [match[1] for line in lines if (match := _PEAK_TIME.search(line))]

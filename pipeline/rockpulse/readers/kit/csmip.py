@@ -31,6 +31,7 @@ from rockpulse.readers.kit.facts import ZONES, clock_fault, coordinates, magnitu
 from rockpulse.readers.kit.spacing import Block
 from rockpulse.readers.kit.text import (
     FILE_DAMAGED,
+    LONGEST_LINE,
     UNITS,
     canonical_unit,
     check_count,
@@ -45,8 +46,6 @@ from rockpulse.record.record import STANDARD_GRAVITY, Record
 #: Lines of text, and all lines in front of the samples, of a channel of volume 1.
 TEXT_LINES, HEADER_LINES = 13, 13 + 7 + 7
 
-#: No line of these formats is longer; a damaged one may be.
-LONGEST_LINE = 200
 _HEADING = re.compile(r"(?i)\s*(\d{1,15})\s+(?:(accel)erogram points|points of (acc|vel|disp)\w* data)\b(.*)")
 _KINDS = {"a": "acceleration", "v": "velocity", "d": "displacement"}
 _RATE = re.compile(r"\bat\s+([\d.]+)\s*(?:pts|points|samples)/sec", re.IGNORECASE)

@@ -136,7 +136,11 @@ def without_response(where: str, counts: np.ndarray, dt: float, response: Any) -
     import obspy
 
     unit, quantity, scale = _input_unit(where, response)
-    response = _in_si(response, _OBSPY_UNITS[quantity])
+    # With an SI unit at the input of its first stage, in counts per unit of the file.
+    first, response = first_stage(response), copy.copy(response)
+    renamed = copy.copy(first)
+    renamed.input_units = _OBSPY_UNITS[quantity]
+    response.response_stages = [renamed if stage is first else stage for stage in response.response_stages]
     counts = np.asarray(counts, dtype=float)
     try:
         with obspy_notes(terminal=True) as notes:
@@ -189,16 +193,6 @@ def _input_unit(where: str, response: Any) -> tuple[str, str, float]:
     sensitivity = response.instrument_sensitivity
     unit = str(first_stage(response).input_units or (sensitivity and sensitivity.input_units))
     return (unit.upper(), *measured(where, unit))
-
-
-def _in_si(response: Any, unit: str) -> Any:
-    """The response with an SI unit at the input of its first stage, in counts per unit of the file."""
-    first = first_stage(response)
-    renamed = copy.copy(first)
-    renamed.input_units = unit
-    result = copy.copy(response)
-    result.response_stages = [renamed if stage is first else stage for stage in response.response_stages]
-    return result
 
 
 def _disagreement(where: str, response: Any, size: float, quantity: str, scale: float) -> list[str]:

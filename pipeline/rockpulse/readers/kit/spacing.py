@@ -218,21 +218,16 @@ def counts_rows(table: np.ndarray, headings: Sequence[Heading]) -> bool:
     return bool(counts and not names_time(headings))
 
 
-def _seconds(name: str, headings: Sequence[Heading]) -> float:
-    """Factor from the unit that the heading states to s."""
-    unit = headings[0].unit.lower() if headings else ""
-    if any(letter.isdigit() for letter in unit) and names_time(headings):
-        found = f"{headings[0].name!r} in {unit!r}"
-        raise unexpected(name, "a column of times in s, ms or min", found, "write the times in s")
-    return _MINUTES if unit.startswith("min") else _SECONDS.get(unit[:2], 1.0)
-
-
 def time_column_step(
     name: str, table: np.ndarray, headings: Sequence[Heading], start: int, declared: float | None
 ) -> float | None:
     """Interval [s] of a first column headed as time or hardly ever falling: even, or `declared` and rounded."""
     named = names_time(headings)
-    first = table[:, 0] * _seconds(name, headings)
+    unit = headings[0].unit.lower() if headings else ""
+    if named and any(letter.isdigit() for letter in unit):
+        found = f"{headings[0].name!r} in {unit!r}"
+        raise unexpected(name, "a column of times in s, ms or min", found, "write the times in s")
+    first = table[:, 0] * (_MINUTES if unit.startswith("min") else _SECONDS.get(unit[:2], 1.0))
     steps = np.diff(first)
     falls, changes = int(np.sum(steps < 0.0)), int(np.sum(steps != 0.0))
     if table.shape[1] < 2 or steps.size == 0 or not (named or (changes and falls < TIME_FALLS * changes)):

@@ -21,6 +21,8 @@ UNITS: dict[str, float] = {
     "g/10": STANDARD_GRAVITY / 10.0,
 }
 
+#: No line of a header is longer; a damaged one may be.
+LONGEST_LINE = 200
 #: The advice in messages about a damaged header, another part of a file, its end.
 HEADER_DAMAGED = "the header is damaged: download the file again"
 FILE_DAMAGED = "the file is damaged: download it again"

@@ -298,6 +298,16 @@ def test_an_interval_that_is_not_known(write, reals, message):
         read(write(cosmos(pulse(), reals=reals)))
 
 
+@pytest.mark.parametrize(("number", "scale"), [(13, "Mw"), (14, "Ms"), (15, "ML"), (16, "")])
+def test_the_facts_of_the_header(write, number, scale):
+    reals = {1: 34.5, 2: -117.25, 10: 35.5, 11: -118.75, 12: 7.5, 17: 42.5, number: 6.5}
+    (record,) = read(write(cosmos(pulse(), reals=reals, comments=["x", " RcrdId: US.1000hyfh.NP.8040.HNE.01"])))
+    assert (record.station_latitude, record.station_longitude) == (34.5, -117.25)
+    assert (record.hypocentre_latitude, record.hypocentre_longitude) == (35.5, -118.75)
+    assert (record.hypocentre_depth, record.epicentral_distance) == (7500.0, 42500.0)
+    assert (record.event_id, record.magnitude, record.magnitude_type) == ("US.1000hyfh", 6.5, scale)
+
+
 def test_a_sensor_that_may_lie_at_depth_is_named(write):
     (record,) = read(write(cosmos(pulse(), site=50)))
     assert "geotechnical array" in record.warnings[0]

@@ -8,7 +8,7 @@ from record_writers import csmip_equal, csmip_pairs, pulse
 
 from rockpulse.errors import RecordFormatError, RockpulseError
 from rockpulse.readers import read
-from rockpulse.readers.formats.csmip import is_csmip_v1
+from rockpulse.readers.formats.csmip import CSMIP_V1
 from rockpulse.readers.source import NotAcceleration
 from rockpulse.record.record import STANDARD_GRAVITY
 
@@ -126,8 +126,8 @@ def test_a_gap_in_equal_pairs_is_refused_with_its_line(write, dt, row):
 def test_renadic_files_in_the_same_layout_are_left_to_their_own_reader():
     content = csmip_pairs([0.0, 0.01, 0.02], [0.1, 0.2, 0.3])
     chilean = content.replace(b"TEST EARTHQUAKE     JANUARY", b"UNIVERSIDAD DE CHILE - RENADIC")
-    assert is_csmip_v1(content, "x.v1")
-    assert not is_csmip_v1(chilean, "x.v1")
+    assert CSMIP_V1.detect(content, "x.v1")
+    assert not CSMIP_V1.detect(chilean, "x.v1")
 
 
 def test_a_channel_that_points_down_changes_its_sign(write):

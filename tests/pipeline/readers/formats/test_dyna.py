@@ -11,7 +11,7 @@ from record_writers.dyna import CORRECTED, TADAS, dyna
 
 from rockpulse.errors import RecordFormatError, RockpulseError
 from rockpulse.readers import read
-from rockpulse.readers.formats.dyna import FORMATS
+from rockpulse.readers.formats.dyna import DYNA
 from rockpulse.readers.source import NotAcceleration
 from rockpulse.record.record import STANDARD_GRAVITY, Record
 
@@ -207,7 +207,7 @@ def test_other_lines_before_the_title_are_told_and_not_used():
 
 def test_a_text_that_quotes_a_header_is_no_dyna_file():
     header = dyna(VALUES)[: dyna(VALUES).index(b"USER5:") + 8]
-    (row,) = FORMATS
+    row = DYNA
     assert row.detect(b'HEADER = """\n' + header + b'"""\n', "writer.py") is False
     assert row.detect(b"title\n" + header + b"-1.5\n", "x.asc") is True
     assert row.detect(b"title\n" + header, "cut.asc") is True
@@ -291,7 +291,7 @@ def test_a_place_in_the_line_of_the_location():
 
 
 def test_how_much_of_a_header_makes_the_format():
-    (row,) = FORMATS
+    row = DYNA
     keys = b"STATION_CODE: A\nNDATA: 2\nUNITS: g\n"
     title = b"EVENT_NAME: GREECE\n"
     assert row.detect(b"title\n" + title + keys + b"1.0\n", "x.txt") is True

@@ -10,7 +10,7 @@ from record_writers.sigma import sigma
 
 from rockpulse.errors import RecordFormatError, UnitError
 from rockpulse.readers import read
-from rockpulse.readers.formats.sigma import FORMATS
+from rockpulse.readers.formats.sigma import SIGMA
 from rockpulse.readers.source import NotAcceleration
 from rockpulse.record.record import STANDARD_GRAVITY, Record
 
@@ -182,7 +182,7 @@ def test_lines_of_the_header_that_are_none_of_its_keys_are_passed_over():
 
 
 def test_recognition_by_some_of_the_keys():
-    (row,) = FORMATS
+    row = SIGMA
     assert row.detect(CONTENT, "x") is True
     assert row.detect(b"\n".join(CONTENT.split(b"\n")[3:9]), "x") is True
     assert row.detect(b"Network : a\nOrientation : b\nTime Increment (s) : 1\n", "x") is False

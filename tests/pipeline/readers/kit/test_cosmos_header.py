@@ -63,8 +63,12 @@ def test_the_codes_of_a_channel(known, codes):
 )
 def test_the_words_of_a_channel(line, words):
     assert header(line9=line).channel() == words
-    assert header(line9=line, line7="Etna ( 3 chns of 12 at Sta)").number_and_count() == (words[0], 3)
-    assert header(line9=line, line7="Etna").number_and_count() == (words[0], 0)
+    assert header(line9=line, line7="Etna ( 3 chns of 12 at Sta)").counted()[1:4] == (
+        "Etna ( 3 chns of 12 at Sta)",
+        words[0],
+        3,
+    )
+    assert header(line9=line, line7="Etna").counted()[1:4] == ("Etna", words[0], 0)
 
 
 @pytest.mark.parametrize(
@@ -134,22 +138,6 @@ def test_stations_at_depth(site, named):
     notes = header(integers={} if site is None else {19: site}).site_notes()
     assert len(notes) == bool(named)
     assert named in "".join(notes)
-
-
-def test_the_facts_of_a_channel():
-    known = {1: 34.5, 2: -117.25, 10: 35.5, 11: -118.75, 12: 7.5, 17: 42.5}
-    comments = ["none", "| RcrdId: US.1000hyfh.NP.8040.HNE.01", "| RcrdId: US.2.NP.8040.HNE.01"]
-    lines = {"line4": "Origin: 06/16/2005, 20:53:26.1 UTC", "line6": "Coords: 34.5 Site Geology: Deep soil  "}
-    facts = header(reals={**known, 13: 6.1, 14: 6.2, 15: 6.3, 16: 6.4}, comments=comments, **lines).facts()
-    assert (facts.station_latitude, facts.station_longitude) == (34.5, -117.25)
-    assert (facts.hypocentre_latitude, facts.hypocentre_longitude) == (35.5, -118.75)
-    assert (facts.hypocentre_depth, facts.epicentral_distance) == (7500.0, 42500.0)
-    assert facts.origin_time == datetime(2005, 6, 16, 20, 53, 26, 100000, tzinfo=UTC)
-    assert (facts.event_id, facts.site_class) == ("US.1000hyfh", "Deep soil")
-    for number, scale in ((13, "Mw"), (14, "Ms"), (15, "ML"), (16, "")):
-        facts = header(reals={number: 6.5}).facts()
-        assert (facts.magnitude, facts.magnitude_type) == (6.5, scale)
-    assert (facts.event_id, facts.site_class) == ("", "")
 
 
 MOMENT = {40: 2018, 41: 241, 42: 8, 43: 29, 44: 2, 45: 33, 46: 5}
@@ -227,9 +215,7 @@ def test_capitals_make_no_difference():
     assert (found.unknown, found.integer(19), found.integer(20)) == (-777.5, None, -999)
     assert np.isnan(found.real(64))
     assert found.real(66) == -999.0
-    assert (found.peak()[1], found.number_and_count()[1]) == ("G", 3)
-    codes = header(comments=["| rcrdid: us.12.np.8040.hne.01"])
-    assert codes.facts().event_id == "us.12"
+    assert (found.peak()[1], found.counted().counted) == ("G", 3)
 
 
 def test_a_line_that_does_not_tell_what_is_unknown():

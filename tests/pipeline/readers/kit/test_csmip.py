@@ -180,20 +180,18 @@ def test_the_words_of_a_header():
     assert (header.about["event"], header.about["station_name"]) == ("Big Bear", "Pomona")
     assert header.about["start_time"] == datetime(2019, 7, 6, 11, 16, 8, 500000, tzinfo=UTC)
     assert (header.counted, header.warnings, header.recorder) == (7, (), lines["line5"].strip())
-    facts = header.about["facts"]
-    assert (facts.event_id, facts.magnitude, facts.magnitude_type) == ("38457511", 6.5, "ML")
-    assert facts.origin_time == datetime(1994, 1, 17, 12, 30, 55, 400000, tzinfo=UTC)
-    assert (facts.hypocentre_latitude, facts.hypocentre_longitude, facts.hypocentre_depth) == (34.25, -118.5, 18500.0)
-    assert (facts.station_latitude, facts.station_longitude) == (33.5, -118.25)
+    assert (header.about["event_id"], header.about["magnitude"]) == ("38457511", (6.5, "ML"))
+    assert header.about["origin_time"] == datetime(1994, 1, 17, 12, 30, 55, 400000, tzinfo=UTC)
+    assert (header.about["hypocentre"], header.about["depth_km"]) == ((34.25, -118.5), "18.5")
+    assert header.about["station_place"] == (33.5, -118.25)
 
     fewer = read_header(text_of(**lines | {"line4": "ci12.CE.23837.--.x", "line6": "Pomona S/N 12 S/N 13"}))
-    assert (fewer.about["facts"].event_id, fewer.about["location"], fewer.about["station_name"]) == ("", "", "Pomona")
+    assert (fewer.about["event_id"], fewer.about["location"], fewer.about["station_name"]) == ("", "", "Pomona")
     assert (fewer.about["start_time"], fewer.warnings) == (None, ())
-    assert read_header(text_of(line9="H= 18 km")).about["facts"].hypocentre_depth == 18000.0
+    assert read_header(text_of(line9="H= 18 km")).about["depth_km"] == "18"
     fewer = read_header(text_of(**lines | {"line4": "", "line3": "", "line9": ""}))
     assert (fewer.about["network"], fewer.about["station"], fewer.about["location"]) == ("", "14403", "")
-    assert (fewer.about["facts"].event_id, fewer.about["facts"].origin_time) == ("", None)
-    assert np.isnan(fewer.about["facts"].hypocentre_depth)
+    assert (fewer.about["event_id"], fewer.about["origin_time"], fewer.about["depth_km"]) == ("", None, "")
     assert read_header(text_of()).about["station"] == ""
 
 
