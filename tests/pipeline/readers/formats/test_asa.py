@@ -118,14 +118,6 @@ def test_rows_beyond_the_count_are_kept_with_a_warning(write):
     assert "states 398 samples, the file has 400 rows" in record.warnings[0]
 
 
-def test_touching_fields(write):
-    table = TABLE * 1000.0
-    table[7] = [-12345.678, -12345.679, -12345.680]
-    content = asa(table)
-    assert b"-12345.678-12345.679-12345.680" in content
-    assert read(write(content))[2].acceleration[7] == pytest.approx(-123.4568)
-
-
 @pytest.mark.parametrize(
     ("before", "after"),
     [

@@ -7,7 +7,7 @@ from record_writers.columns import table
 
 from rockpulse.errors import RecordFormatError, UnitError
 from rockpulse.readers import read
-from rockpulse.readers.formats.columns import _integrates, is_columns
+from rockpulse.readers.formats.columns import is_columns
 from rockpulse.readers.source import NotAcceleration
 from rockpulse.record.record import STANDARD_GRAVITY
 
@@ -141,12 +141,6 @@ def test_a_column_that_is_the_integral_of_the_one_before_it_is_no_acceleration(w
     velocity = np.append(0.0, np.cumsum(0.005 * (VALUES[1:] + VALUES[:-1])))
     with pytest.raises(RecordFormatError, match="column 3 is the integral of column 2"):
         read(write(table(TIMES, VALUES, velocity, number="{:.9f}")), units="g")
-
-
-@pytest.mark.parametrize(("rows", "told"), [(3, False), (4, True)])
-def test_two_steps_are_too_few_for_an_integral(rows, told):
-    rate = np.array([1.0, 3.0, -2.0, 5.0])[:rows]
-    assert _integrates(rate, np.append(0.0, np.cumsum(rate[1:] + rate[:-1]))) is told
 
 
 def test_the_last_row_of_two_columns_is_no_end_of_a_series(write):

@@ -213,15 +213,6 @@ def test_counts_are_no_unit_of_the_same_size(write):
         read(write(cosmos(pulse(), unit="m/sec2", code="(50)")))
 
 
-@pytest.mark.parametrize(("at", "told"), [(26, False), (27, True), (60, True)])
-def test_numbers_behind_the_last_sample_of_its_row_are_told(write, at, told):
-    lines = cosmos(pulse(403)).splitlines()
-    assert lines[95][27:].strip() == b""
-    lines[95] = lines[95][:at] + b"5" + lines[95][at + 1 :]
-    (record,) = read(write(b"\n".join(lines)))
-    assert record.warnings == (("line 96: numbers beyond the declared count were left out",) if told else ())
-
-
 @pytest.mark.parametrize(
     ("peak", "real", "told"),
     [
@@ -240,15 +231,6 @@ def test_the_peaks_of_the_text_and_of_the_reals(write, peak, real, told):
     if real == -999:
         assert record.header_peak == pytest.approx(0.004 * G, rel=1e-12)
         assert record.warnings == ()
-
-
-def test_a_peak_that_the_whole_header_states_is_held_against_the_samples(write):
-    content = cosmos(pulse(), reals={64: 0.33}).replace(b"max =   0.300", b"max =   0.330")
-    (record,) = read(write(content.replace(b"Max =    0.300", b"Max =    0.330")))
-    assert [warning for warning in record.warnings if "0.33 g" in warning]
-    number = np.round(pulse(400, 100_000.0)).astype(int)
-    assert read(write(counts(number, reals={64: 101_000.0})))[0].warnings == ()
-    assert len(read(write(counts(number, reals={64: 110_000.0})))[0].warnings) == 1
 
 
 def test_a_peak_in_m_s2_is_no_peak_in_counts(write):

@@ -35,15 +35,6 @@ def test_the_real_file(records_folder):
     assert {record.warnings for record in records} == {()}
 
 
-def test_fields_of_ten_characters_touch():
-    columns = [-np.abs(values) - 10_000.0 for values in THREE]
-    content = cwb(columns)
-    assert b"-10000.000-10000.000" in content
-    for record, values in zip(got(content), columns, strict=True):
-        assert record.acceleration == pytest.approx(0.01 * values, rel=1e-9)
-        assert any("peak" in note for note in record.warnings)  # above 5 g
-
-
 @pytest.mark.parametrize(
     ("sequence", "expected"),
     [
@@ -99,14 +90,6 @@ def test_more_rows_than_the_header_states_are_reported():
 @pytest.mark.parametrize(("length", "told"), [("7.98", 0), ("7.96", 1), ("0.01", 1)])
 def test_the_length_may_be_off_by_its_rounding_and_a_step(length, told):
     assert [len(record.warnings) for record in got(cwb(THREE, length=length))] == [told] * 3
-
-
-@pytest.mark.parametrize(("peak", "told"), [("7.400", 1), ("7.200", 0)])
-def test_the_peak_is_held_against_the_samples(peak, told):
-    content = cwb(THREE)
-    assert content.count(b"MAX. U:    7.100~") == 1
-    records = got(content.replace(b"MAX. U:    7.100~", f"MAX. U:    {peak}~".encode()))
-    assert [len(record.warnings) for record in records] == [told, 0, 0]
 
 
 def test_the_facts_of_the_header():

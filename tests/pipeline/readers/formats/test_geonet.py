@@ -35,14 +35,6 @@ def test_only_the_accelerations_of_both_volumes_are_read(corrected, end):
         assert (record.dt, record.start_time) == (0.005, START)
 
 
-def test_fields_of_eight_characters_touch():
-    values = -np.abs(10.0 * THREE[0]) - 10_000.0
-    content = geonet([values], ["Up"])
-    assert b".0-1" in content
-    (record,) = got(content)
-    assert record.acceleration == pytest.approx(0.001 * values, rel=1e-9)
-
-
 def test_readings_in_another_unit_are_multiplied():
     record, _, _ = got(geonet(THREE, reading=0.5))
     assert record.unit_factor == 0.0005
@@ -136,19 +128,6 @@ def test_the_facts_of_the_header():
         assert (record.station_name, record.event) == ("Hanmer Springs Emergency Centre", "5 km south-west of Waiau")
 
 
-@pytest.mark.parametrize(("number", "at"), [(0, 47), (1, 94)])
-@pytest.mark.parametrize(("column", "told"), [(23, False), (24, True), (40, True)])
-def test_numbers_behind_the_last_sample_of_its_row_are_told(number, at, column, told):
-    lines = geonet(THREE).decode().split("\n")
-    assert len(lines[at - 1]) == 24  # the last three of 203 values
-    lines[at - 1] = f"{lines[at - 1]:<{column}}"[:column] + "5"
-    records = got("\n".join(lines).encode())
-    words = f"line {at}: numbers beyond the declared count were left out"
-    assert [record.warnings for record in records] == [
-        ((words,) if told and at == number * 47 + 47 else ())[: index == number] for index in range(3)
-    ]
-
-
 @pytest.mark.parametrize(("padding", "told"), [("  0.0000", 0), ("  0.1500", 1)])
 def test_the_time_of_the_peak_does_not_count_what_the_processing_put_before(padding, told):
     content = geonet(THREE)
@@ -181,14 +160,6 @@ def test_components_without_a_name_are_counted():
         "the units of one file differ: mm/s2 (1), cm/s2 (2), mm/s2 (3)" in " ".join(record.warnings)
         for record in records
     )
-
-
-def test_components_that_stand_twice_are_read_once():
-    one = geonet(THREE, corrected=True)
-    records = got(one + b"\n \n" + one)
-    assert [record.npts for record in records] == [203] * 3
-    assert [len(record.warnings) for record in records] == [3] * 3
-    assert "line 270: the component of line 1 stands" in records[0].warnings[0]
 
 
 def test_a_file_that_ends_before_its_third_component_says_so():

@@ -137,23 +137,6 @@ def test_the_facts_of_both_volumes(write):
         assert (one.hypocentre_latitude, one.hypocentre_longitude) == pytest.approx(hypocentre, abs=1e-6)
 
 
-@pytest.mark.parametrize(
-    ("line", "old", "new", "told"),
-    [
-        (11, b"   1.010 SEC", b"   1.025 SEC", ""),
-        (11, b"   1.010 SEC", b"   1.990 SEC", "the header states 1.99 s, 203 samples at 0.005 s last 1.015 s"),
-        (21, b"     1.010", b"     1.990", "the header states 1.99 s"),
-        (15, b"  203", b"  204", "integer 28 of the header states 204 points, the text 203"),
-    ],
-)
-def test_count_and_length_are_held_against_the_pairs(write, line, old, new, told):
-    content = rewritten(line, lambda text: text.replace(old, new))
-    assert content != usc_v1(TIMES, MOTION, end="\n")
-    (record,) = read(write(content))
-    assert len(record.warnings) == bool(told)
-    assert "".join(record.warnings).startswith(told)
-
-
 def ones(count: int) -> np.ndarray:
     """(203,) values whose mean square is `count` millionths over 203."""
     return 0.001 * np.where(np.arange(203) < count, (-1.0) ** np.arange(203), 0.0)
