@@ -57,8 +57,8 @@ def read_all(
     Parameters
     ----------
     paths : path or iterable of paths
-        Files, folders (searched to any depth; links to folders are not followed), globs (``**`` for any depth; a
-        folder that matches is searched) and zip archives. A path that exists is never taken as a glob.
+        Files, folders (searched to any depth; links to folders are not followed), globs (``**`` for any depth) and zip
+        archives. A path that exists is never taken as a glob.
     units : str, optional
         Unit of the accelerations for files that do not state one; see `rockpulse.read`.
     on_file : callable, optional
@@ -74,15 +74,13 @@ def read_all(
     Returns
     -------
     records : list of Record
-        Sorted by path and channel, with distinct ids: the second of two records with one id and different content
-        has ``~2`` appended. A record that its agency cut into files is one; see
-        `rockpulse.readers.parts.whole_records`.
+        Sorted by path and channel, with distinct ids: the second of two records with one id has ``~2`` appended. A
+        record that its agency cut into files is one.
     failures : list of Failure
-        Sorted by file. A file that is a record, or may be one, and cannot be read "failed", and so did an empty one. A
-        velocity, a displacement, a spectrum, and a text, table or picture that shows no sign of a record, "failed" if
-        it was named and is "skipped" if it was met in a folder, a glob or an archive. A record whose samples and
-        interval another file has is a "duplicate", unless the two say that they face different directions; the one
-        stays that knows most of direction, time and event.
+        Sorted by file. A file that may be a record and cannot be read "failed", and so did an empty one. Velocities,
+        displacements, spectra, and what shows no sign of a record, "failed" if named and are "skipped" otherwise. A
+        record whose samples and interval another file has is a "duplicate", unless the two say that they face different
+        directions; the one stays that knows most of direction, time and event.
 
     Raises
     ------

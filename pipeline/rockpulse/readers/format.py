@@ -32,9 +32,8 @@ class FileSettings(Section):
     ----------
     match : str
         The end of a path, as ``*.g3``, ``site 2/*``, ``old.zip`` (every member of the archive), ``*/a.g3``; ``*`` and
-        ``?`` stand for any letters, also for ``/``. Members of archives are chosen by their own path too. Capitals
-        count; ``.gz`` at the end of a file's name does not. Brackets stand for themselves, a backslash for ``/``;
-        ``./`` in front is passed over.
+        ``?`` stand for any letters, also for ``/``. Capitals count; ``.gz`` at the end of a file's name does not.
+        Brackets stand for themselves, a backslash for ``/``.
     units : str or None
         Unit of the accelerations, a key of `rockpulse.readers.UNITS`.
     dt : float or None

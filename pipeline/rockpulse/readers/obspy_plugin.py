@@ -55,9 +55,9 @@ def to_trace(record: Record) -> obspy.Trace:
     Returns
     -------
     obspy.Trace
-        ``data`` in m/s2 (a copy that may be changed), ``stats.calib`` 1, codes, interval and start time in ``stats``,
-        every other field of the record in ``stats.rockpulse``. Where the record has no start time,
-        ``stats.starttime`` is obspy's own default, 1970-01-01, and ``stats.rockpulse.start_time_known`` is False.
+        ``data`` in m/s2 (a copy), ``stats.calib`` 1, codes, interval and start time in ``stats``, every other field in
+        ``stats.rockpulse``. Without a start time ``stats.starttime`` is obspy's default, 1970-01-01, and
+        ``stats.rockpulse.start_time_known`` is False.
 
     Examples
     --------
@@ -104,10 +104,9 @@ def from_trace(
     Returns
     -------
     Record
-        In m/s2. The steps in ``stats.processing`` are appended to its own. Where ``stats.rockpulse`` has the id, that
-        one stays, even if the trace was cut, unless the codes have changed since: then it is made of the new ones,
-        with a warning, and with a new channel code the direction becomes unknown unless `azimuth` is given
-        (``dataclasses.replace(record, orientation="vertical")`` where you know better).
+        In m/s2. The steps in ``stats.processing`` are appended to its own. The id of ``stats.rockpulse`` stays unless
+        the codes have changed since: then it is made of the new ones, with a warning, and with a new channel code the
+        direction becomes unknown unless `azimuth` is given.
 
     Raises
     ------

@@ -33,10 +33,17 @@ _OFF_AXIS = 45.0
 def obspy_notes(terminal: bool = False) -> Iterator[list[str]]:
     """A list of obspy's warnings, filled as the block ends; with `terminal` also of lines on standard error."""
     notes: list[str] = []
+    lost: list[str] = []
     with _ALONE, python_warnings.catch_warnings(record=True) as caught:
         python_warnings.simplefilter("always")
-        with _standard_error(terminal) as printed, _unraisable() as lost:
-            yield notes
+        # A callback of a C library cannot raise its errors, such as a message in no encoding.
+        before = sys.unraisablehook
+        sys.unraisablehook = lambda one: lost.append(f"a message of its C library is lost ({one.exc_value})")
+        try:
+            with _standard_error(terminal) as printed:
+                yield notes
+        finally:
+            sys.unraisablehook = before
     told = [str(item.message) for item in caught if not issubclass(item.category, _NO_NEWS)]
     notes += dict.fromkeys(f"obspy: {' '.join(text.split())}" for text in (*told, *printed, *lost))
 
@@ -59,18 +66,6 @@ def _standard_error(wanted: bool) -> Iterator[list[str]]:
             os.close(before)
             file.seek(0)
             lines += [line for line in file.read().decode("utf-8", "replace").splitlines() if line.strip()]
-
-
-@contextmanager
-def _unraisable() -> Iterator[list[str]]:
-    """Collect the errors that a callback of a C library could not raise, such as a message in no encoding."""
-    lines: list[str] = []
-    before = sys.unraisablehook
-    sys.unraisablehook = lambda lost: lines.append(f"a message of its C library is lost ({lost.exc_value})")
-    try:
-        yield lines
-    finally:
-        sys.unraisablehook = before
 
 
 def obspy_stream(file: SourceFile, format: str, content: bytes | None = None) -> tuple[Any, list[str]]:

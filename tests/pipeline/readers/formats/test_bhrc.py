@@ -1,7 +1,6 @@
 """BHRC volume 1 (Iran): three channels, azimuths in the station line, damaged files."""
 
 import io
-from datetime import UTC, datetime
 
 import numpy as np
 import pytest
@@ -112,14 +111,6 @@ def test_numbers_behind_the_last_sample_of_its_row_are_told(number, line, column
     records = got(b"\n".join(lines))
     words = (f"line {line}: numbers beyond the declared count were left out",)
     assert [record.warnings for record in records] == [words if told and at == number else () for at in range(3)]
-
-
-def test_the_facts_of_the_header():
-    for record in got(bhrc(THREE)):
-        assert record.origin_time == datetime(2012, 8, 11, 12, 23, 16, tzinfo=UTC)
-        assert (record.magnitude, record.magnitude_type, record.hypocentre_depth) == (6.1, "Mw", 12_000.0)
-        assert (record.hypocentre_latitude, record.hypocentre_longitude) == (38.52, 46.86)
-        assert (record.station_latitude, record.station_longitude) == (38.474, 47.059)
 
 
 @pytest.mark.parametrize(("letter", "told"), [(b"T", True), (b"l", False), (b"X", False)])

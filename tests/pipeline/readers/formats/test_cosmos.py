@@ -10,9 +10,7 @@ from record_writers.cosmos import cosmos, counts, series
 from rockpulse.errors import RecordFormatError, RecordRefused, UnitError
 from rockpulse.readers import read
 from rockpulse.readers.folders import read_all
-from rockpulse.readers.format import ReadOptions
-from rockpulse.readers.formats.cosmos import read_cosmos
-from rockpulse.readers.source import NotAcceleration, SourceFile
+from rockpulse.readers.source import NotAcceleration
 from rockpulse.record.record import STANDARD_GRAVITY
 
 G = STANDARD_GRAVITY
@@ -145,25 +143,6 @@ def test_a_code_of_no_other_quantity(write, code):
     assert read(write(cosmos(pulse(), integers={2: code})))[0].warnings == ()
 
 
-@pytest.mark.parametrize(("lines", "closed"), [(0, True), (2, True), (3, False)])
-def test_the_closing_line_is_one_of_the_last_three(write, lines, closed):
-    (record,) = read(write(cosmos(pulse()) + b"printed 2018\r\n" * lines))
-    assert bool(record.warnings) is not closed
-
-
-def test_a_file_whose_first_line_is_another(write):
-    for content in (b"x", b"words\n" + cosmos(pulse())):
-        with pytest.raises(RecordFormatError, match=r"a:1: expected '\(Format v01.20 with 13 text lines\)', found"):
-            read_cosmos(SourceFile("a", content, lambda content=content: content), ReadOptions())
-
-
-def test_the_words_of_a_heading_are_read_in_any_case(write):
-    content = cosmos(pulse())
-    heading = content.splitlines()[44]
-    (record,) = read(write(content.replace(heading, heading.upper())))
-    assert (record.npts, record.warnings) == (400, ())
-
-
 @pytest.mark.parametrize(
     ("arguments", "channel"),
     [
@@ -177,13 +156,6 @@ def test_a_channel_without_a_code_of_seed(write, arguments, channel):
     (record,) = read(write(cosmos(pulse(), comments=["none"], **arguments)))
     assert record.channel == channel
     assert record.id == f"CE.23837..{channel}@20180829T023307"
-
-
-def test_the_name_of_the_station_begins_at_its_column(write):
-    content = cosmos(pulse())
-    assert content.count(b"CGS  Pomona") == 1
-    (record,) = read(write(content.replace(b"CGS  Pomona", b"CGS-APomona")))
-    assert record.station_name == "Pomona - Orange Grove & Fairplex"
 
 
 @pytest.mark.parametrize(

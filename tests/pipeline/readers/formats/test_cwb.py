@@ -92,14 +92,6 @@ def test_the_length_may_be_off_by_its_rounding_and_a_step(length, told):
     assert [len(record.warnings) for record in got(cwb(THREE, length=length))] == [told] * 3
 
 
-def test_the_facts_of_the_header():
-    for record in got(cwb(THREE)):
-        assert record.origin_time == datetime(2018, 2, 6, 15, 50, 42, tzinfo=UTC)
-        assert (record.magnitude, record.magnitude_type) == (6.0, "ML")
-        assert (record.hypocentre_latitude, record.hypocentre_longitude) == (24.14, 121.69)
-        assert (record.hypocentre_depth, record.station_latitude, record.station_longitude) == (10e3, 23.685, 121.483)
-
-
 def without_row(content: bytes, row: int) -> bytes:
     lines = content.split(b"\r\n")
     return b"\r\n".join(lines[: 22 + row] + lines[23 + row :])

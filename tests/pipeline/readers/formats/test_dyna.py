@@ -255,13 +255,6 @@ def test_the_facts_of_the_header():
     assert (record.epicentral_distance, record.vs30, record.site_class) == (88_100.0, 450.0, "B")
 
 
-@pytest.mark.parametrize("stated", ["3/7/2019 04:09:08", "2019/7/3 04:09:08", "20190703 040908"])
-def test_the_day_and_the_month_are_told_apart(stated):
-    day, _, time = stated.partition(" ")
-    record = got(dyna(VALUES, EVENT_DATE_YYYYMMDD=day, EVENT_TIME_HHMMSS=time, **{START: ""}))
-    assert record.origin_time == datetime(2019, 7, 3, 4, 9, 8, tzinfo=UTC)
-
-
 @pytest.mark.parametrize(
     ("name", "azimuth"),
     [
@@ -320,11 +313,3 @@ def test_two_records_in_one_file_are_refused():
 def test_what_is_held_against_the_samples_and_is_no_number_is_told(key):
     record = got(dyna(VALUES, **{key: "1E308"}))
     assert any(re.fullmatch(rf"line \d+: {re.escape(key)} is no number .* '1E308'", note) for note in record.warnings)
-
-
-def test_a_damaged_number_is_named_with_its_line():
-    lines = dyna(VALUES).decode().split("\n")
-    first = next(at for at, line in enumerate(lines) if re.fullmatch(r"\s*-?\d+\.\d+\s*", line))
-    lines[first + 3] = "x"
-    with pytest.raises(RecordFormatError, match=f"stream:{first + 4}: expected a finite number"):
-        got("\n".join(lines).encode())

@@ -106,28 +106,6 @@ def test_an_azimuth_that_text_and_integer_do_not_agree_on(coded, azimuth):
     assert any("integer 28 of the header says 280" in note for note in record.warnings) is bool(np.isnan(azimuth))
 
 
-@pytest.mark.parametrize(("code", "azimuth"), [(0, np.nan), (1, 1.0), (360, 0.0), (361, np.nan)])
-def test_the_azimuths_that_the_integer_may_state(code, azimuth):
-    content = geonet([THREE[0]], ["X1"]).replace(b"      10       0     140", f"      10{code:8d}     140".encode())
-    (record,) = got(content)
-    assert record.azimuth == pytest.approx(azimuth, nan_ok=True)
-    assert record.orientation == ("unknown" if np.isnan(azimuth) else "horizontal")
-
-
-def test_the_facts_of_the_header():
-    origin = datetime(2016, 11, 13, 11, 2, 47, tzinfo=UTC)
-    for record in got(geonet(THREE, origin=origin).replace(b"     470 ", b"     473 ")):
-        assert record.origin_time == datetime(2016, 11, 13, 11, 2, 47, 300_000, tzinfo=UTC)
-        assert (record.magnitude, record.magnitude_type) == (7.82, "Mw")
-        assert record.hypocentre_latitude == pytest.approx(-(42 + 41 / 60 + 33 / 3600), abs=1e-6)
-        assert record.hypocentre_longitude == pytest.approx(173 + 1 / 60 + 19 / 3600, abs=1e-6)
-        assert record.station_latitude == pytest.approx(-(42 + 31 / 60 + 24 / 3600), abs=1e-6)
-        assert record.station_longitude == pytest.approx(172 + 49 / 60 + 50 / 3600, abs=1e-6)
-        assert (record.hypocentre_depth, record.epicentral_distance) == (15_000.0, 25_000.0)
-        assert (record.station, record.location) == ("HSES", "20")
-        assert (record.station_name, record.event) == ("Hanmer Springs Emergency Centre", "5 km south-west of Waiau")
-
-
 @pytest.mark.parametrize(("padding", "told"), [("  0.0000", 0), ("  0.1500", 1)])
 def test_the_time_of_the_peak_does_not_count_what_the_processing_put_before(padding, told):
     content = geonet(THREE)
@@ -139,14 +117,6 @@ def test_the_time_of_the_peak_does_not_count_what_the_processing_put_before(padd
     if told:
         peak = times[int(np.argmax(np.abs(THREE[0])))]
         assert f"the samples have it at {peak - 0.15:g} s" in record.warnings[0]
-
-
-def test_a_peak_without_a_time():
-    content = geonet([THREE[0]], ["N10E"]).replace(b" at   0.12 s ", b"             ")
-    assert content != geonet([THREE[0]], ["N10E"])
-    (record,) = got(content)
-    assert record.header_peak == pytest.approx(record.pga, rel=1e-9)
-    assert len(record.warnings) == 1  # of the components that are not there
 
 
 def test_components_without_a_name_are_counted():

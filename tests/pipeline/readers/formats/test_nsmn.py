@@ -57,21 +57,6 @@ def test_a_start_time_that_is_none(write, start, note):
     assert note in "".join(record.warnings)
 
 
-@pytest.mark.parametrize(("peak", "told"), [("12.8", 0), ("12.5", 1)])
-def test_a_peak_that_is_printed_with_few_digits(write, peak, told):
-    content = nsmn(TABLE).replace(b"(N-S) 13.000000", f"(N-S) {peak}".encode())
-    assert [len(record.warnings) for record in read(write(content))] == [told, 0, 0]
-
-
-def test_the_facts_of_the_header(write):
-    for record in read(write(nsmn(TABLE))):
-        assert record.origin_time == datetime(2017, 7, 20, 22, 31, 9, tzinfo=UTC)
-        assert (record.magnitude, record.magnitude_type, record.hypocentre_depth) == (6.5, "Mw", 19_440.0)
-        assert (record.hypocentre_latitude, record.hypocentre_longitude) == (36.9198, 27.4435)
-        assert (record.station_latitude, record.station_longitude) == (37.8747, 27.59223)
-        assert (record.station, record.station_name) == ("0921", "AYDIN GERMENCİK")
-
-
 @pytest.mark.parametrize(
     ("line", "message"),
     [
@@ -84,17 +69,6 @@ def test_a_key_that_is_missing_is_asked_for_at_the_end_of_the_header(write, line
     lines = nsmn(TABLE).split(b"\r\n")
     with pytest.raises(RockpulseError, match=message):
         read(write(b"\n".join([*lines[: line - 1], *lines[line:]])))
-
-
-def test_the_names_of_the_columns_stand_in_one_of_the_first_lines(write):
-    lines = nsmn(TABLE).split(b"\r\n")
-    for more, known in ((42, True), (43, False)):
-        content = b"\n".join([*lines[:16], *[b"words"] * more, *lines[16:]])
-        if known:
-            assert read(write(content))[0].npts == 400
-        else:
-            with pytest.raises(RecordFormatError, match=r"test.txt:60: expected a line 'N-S  E-W  U-D'"):
-                read(write(content))
 
 
 @pytest.mark.parametrize(

@@ -56,14 +56,6 @@ def test_rows_whose_first_blank_was_cut_off_are_read_at_the_blanks():
     assert record.warnings == ()
 
 
-def test_a_damaged_number_in_rows_read_at_the_blanks_is_named_with_its_line():
-    lines = sigma(np.abs(VALUES)).decode().split("\n")
-    lines[10:] = [row.strip() for row in lines[10:]]
-    lines[12] = f"x{lines[12]}"
-    with pytest.raises(RecordFormatError, match="stream:13: "):
-        got("\n".join(lines).encode())
-
-
 @pytest.mark.parametrize(
     ("words", "orientation", "azimuth"),
     [
@@ -174,13 +166,6 @@ def test_the_peak_has_a_unit_and_a_rounding_of_its_own(peak, told):
     assert len(record.warnings) == told
 
 
-def test_lines_of_the_header_that_are_none_of_its_keys_are_passed_over():
-    lines = CONTENT.split(b"\n")
-    assert got(b"\n".join([b"a title", *lines[:5], b"----", *lines[5:]])).dt == 0.01
-    with pytest.raises(RecordFormatError, match=r"stream:10: expected one value of 'Orientation', .* line 4, 'WE'"):
-        got(b"\n".join([*lines[:9], b"Orientation : NS", *lines[9:]]))
-
-
 def test_recognition_by_some_of_the_keys():
     row = SIGMA
     assert row.detect(CONTENT, "x") is True
@@ -192,10 +177,3 @@ def test_recognition_by_some_of_the_keys():
         assert row.detect(three + key + b" : 1\n", "x") is known
         assert row.detect(b"words\n" * 36 + three + key + b" : 1\n", "x") is known
         assert row.detect(b"words\n" * 37 + three + key + b" : 1\n", "x") is False
-
-
-def test_rows_read_at_the_blanks_that_end_early_are_named():
-    lines = sigma(np.abs(VALUES)).decode().split("\n")
-    rows = [row.strip() for row in lines[10:]]
-    with pytest.raises(RecordFormatError, match=r"expected 302 samples \(header\), found 295"):
-        got("\n".join([*lines[:10], *rows[:-3]]).encode())

@@ -103,13 +103,6 @@ def rewritten(number: int, change) -> bytes:
     return b"\n".join(lines)
 
 
-def test_the_words_of_a_line_end_at_its_column_72(write):
-    station = "S" * 71 + "T"
-    content = usc_v1(TIMES, MOTION, station=station)
-    assert (station + "72").encode() in content
-    assert read(write(content))[0].station_name == station
-
-
 def test_the_facts_of_both_volumes(write):
     place = (34 + 6 / 60 + 52 / 3600, -(118 + 22 / 60 + 47 / 3600))
     hypocentre = (34 + 12 / 60 + 48 / 3600, -(118 + 32 / 60 + 13 / 3600))

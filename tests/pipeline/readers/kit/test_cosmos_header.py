@@ -208,31 +208,12 @@ def test_a_header_may_begin_anywhere_in_a_file():
         assert np.isnan(found.real(66))
 
 
-def test_capitals_make_no_difference():
-    capitals = [line.upper() for line in lines_of(unknown="   -888, -777.5", integers={19: -888}, reals={64: -777.5})]
-    found = read_header("a", capitals, 0, len(capitals))
-    assert found.kind == "UNCORRECTED ACCELERATION"
-    assert (found.unknown, found.integer(19), found.integer(20)) == (-777.5, None, -999)
-    assert np.isnan(found.real(64))
-    assert found.real(66) == -999.0
-    assert (found.peak()[1], found.counted().counted) == ("G", 3)
-
-
 def test_a_line_that_does_not_tell_what_is_unknown():
     lines = lines_of(integers={20: -9}, reals={66: -9.0})
     lines[12] = "Values"
     found = read_header("a", lines, 0, len(lines))
     assert (found.unknown, found.integer(19), found.integer(21), found.integer(20)) == (-999.0, 4, None, -9)
     assert (np.isnan(found.real(67)), found.real(66)) == (True, -9.0)
-
-
-@pytest.mark.parametrize(("stated", "count"), [("12", 13), ("13", 13), ("14", 14)])
-def test_at_least_thirteen_lines_of_text(stated, count):
-    lines = lines_of(("with 13 text", f"with {stated} text"))
-    if count == 14:
-        lines.insert(13, "one more")
-    found = read_header("a", lines, 0, len(lines))
-    assert (len(found.text), found.text[-1][:3]) == (count, "Val" if count == 13 else "one")
 
 
 @pytest.mark.parametrize(
@@ -265,31 +246,11 @@ def test_comments_begin_with_a_bar():
     assert read_header("a", lines, 0, len(lines)).end == 43
 
 
-@pytest.mark.parametrize(("length", "read"), [(80, True), (81, False)])
-def test_a_heading_of_comments_has_eighty_letters(length, read):
-    lines = lines_of()
-    lines[42] = f"{'1 Comment':>{length}}"
-    if read:
-        assert len(read_header("a", lines, 0, len(lines)).comments) == 1
-        return
-    with pytest.raises(RecordFormatError, match="a:43: expected the number of comment"):
-        read_header("a", lines, 0, len(lines))
-
-
 def test_numbers_that_touch_are_read_by_their_columns():
     lines = lines_of(integers={1: 12345678, 2: 23456789}, reals={1: -12345.678901, 2: -23456.789012})
     found = read_header("a", lines, 0, len(lines))
     assert [found.integer(number) for number in (1, 2, 3)] == [12345678, 23456789, 2]
     assert [found.real(number) for number in (1, 2)] == [-12345.678901, -23456.789012]
-
-
-@pytest.mark.parametrize("row", [14, 18, 22])
-def test_a_row_that_lost_its_columns_is_read_at_its_blanks(row):
-    lines = lines_of()
-    lines[row] = lines[row].replace("    -999", "   -999", 1)
-    assert np.array_equal(
-        read_header("a", lines, 0, len(lines)).integers, read_header("a", lines_of(), 0, 45).integers, equal_nan=True
-    )
 
 
 @pytest.mark.parametrize("row", [14, 17, 23, 25, 40])

@@ -8,8 +8,8 @@ from dataclasses import fields
 from datetime import UTC, datetime, timedelta
 
 import numpy as np
-import obspy
 import pytest
+from make_format_samples import FORMATS, read_options
 
 from rockpulse.readers import read
 from rockpulse.readers.kit.facts import (
@@ -298,31 +298,14 @@ def test_what_real_records_do_not_state_is_unknown(records_folder, name):
     assert {fact for record in read(records_folder / name) for fact in known(record)} == UNKNOWN[name]
 
 
-STATION = {"station_latitude": 35.81574, "station_longitude": -117.59751}
-
-
-def sac(tmp_path, **header):
-    """A SAC file of 20 samples from 03:20 on, with words of its header."""
-    path = tmp_path / "one.sac"
-    trace = obspy.Trace(np.ones(20, dtype=np.float32), {"delta": 0.01, "station": "CLC", "channel": "HNE"})
-    trace.stats.starttime = obspy.UTCDateTime(2019, 7, 6, 3, 20)
-    trace.stats.sac = {"b": 0.0, **header}
-    trace.write(str(path), format="SAC")
-    return known(read(path, units="g")[0])
-
-
-def test_facts_of_sac(tmp_path):
-    place = {"stla": 35.816, "stlo": -117.598, "evla": 35.77, "evlo": -117.599, "lcalda": 0}
-    found = sac(tmp_path, o=-6.96, evdp=8.0, mag=7.1, dist=5.1, **place)
-    assert found == {
-        "origin_time": when(2019, 7, 6, 3, 19, 53, 40000),
-        "magnitude": 7.1,
-        "hypocentre_latitude": 35.77,
-        "hypocentre_longitude": -117.599,
-        "hypocentre_depth": 8000.0,
-        "epicentral_distance": 5100.0,
-        "station_latitude": 35.816,
-        "station_longitude": -117.598,
-    }
-    # Nobody has set O where it is the first sample; a depth of 8000 km is one in metres, of which nobody says so.
-    assert sac(tmp_path, o=0.0, evdp=8000.0) == {}
+@pytest.mark.parametrize(
+    "name", ["clc_bhrc.V1", "clc_cwb.dat", "clc_geonet.V1A", "clc_nsmn.txt", "clc_csmnc.EW.dat", "clc_asa.061"]
+)
+def test_the_samples_tell_the_earthquake_of_their_motion(name):
+    """Ridgecrest as in the catalogue of the USGS, ci38457511: Mw 7.1, 8 km below 35.770 N 117.599 W."""
+    for record in read(FORMATS / name, **read_options().get(name, {})):
+        facts = known(record)
+        assert facts["origin_time"].replace(microsecond=0) == when(2019, 7, 6, 3, 19, 53)
+        assert (facts["magnitude"], facts["magnitude_type"], facts["hypocentre_depth"]) == (7.1, "Mw", 8000.0)
+        places = [facts[f"{of}_{along}"] for of in ("hypocentre", "station") for along in ("latitude", "longitude")]
+        assert places == pytest.approx([35.770, -117.599, 35.816, -117.598], abs=2e-3)
