@@ -9,7 +9,6 @@ from record_writers.asa import asa
 
 from rockpulse.errors import RecordFormatError, UnitError
 from rockpulse.readers import read
-from rockpulse.record.record import STANDARD_GRAVITY
 
 TABLE = np.round(np.column_stack([pulse(400, 5.0), pulse(400, -12.0), pulse(400, 9.0)]), 3)
 TITLE = b"ARCHIVO ESTANDAR DE ACELERACION"
@@ -230,18 +229,3 @@ def test_damage_is_named(write, content, message):
 def test_a_unit_that_is_not_known(write):
     with pytest.raises(UnitError, match=r"test.012:78: unknown unit of acceleration 'Cuentas'"):
         read(write(asa(TABLE, unit="Cuentas")))
-
-
-def test_the_real_file(records_folder):
-    records = read(records_folder / "unam_asa" / "CUP50401.012")
-    assert [(record.npts, record.dt) for record in records] == [(17502, 0.004)] * 3
-    # The peaks of MANIFEST are those without the mean, 1 % of the motion.
-    peaks = [float(np.max(np.abs(record.acceleration - record.acceleration.mean()))) for record in records]
-    assert np.array(peaks) / STANDARD_GRAVITY == pytest.approx([0.0004785, 0.0012, 0.001231], rel=0.005)
-    for record in records:
-        assert record.pga == pytest.approx(record.header_peak, abs=5.1e-5)
-        assert record.start_time == datetime(2004, 1, 2, 0, 0, 1, tzinfo=UTC)
-        assert (record.station, record.processed) == ("CUP5", False)
-        assert record.warnings == ("the header states 17500 samples, the file has 17502 rows; all are kept",)
-    assert [record.orientation for record in records] == ["vertical", "horizontal", "horizontal"]
-    assert (records[1].azimuth, records[2].azimuth) == (90.0, 0.0)

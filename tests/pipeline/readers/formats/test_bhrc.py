@@ -19,19 +19,6 @@ def got(content: bytes) -> list[Record]:
     return read(io.BytesIO(content))
 
 
-def test_the_real_file(records_folder):
-    records = read(records_folder / "bhrc" / "5520-1.V1")
-    assert [(record.npts, record.dt) for record in records] == [(15616, 0.005)] * 3
-    assert [record.pga / STANDARD_GRAVITY for record in records] == pytest.approx([0.1943, 0.09987, 0.2619], rel=5e-4)
-    assert [record.id for record in records] == ["5520-1.L", "5520-1.V", "5520-1.T"]
-    assert [record.azimuth for record in records] == pytest.approx([352.0, np.nan, 82.0], nan_ok=True)
-    assert [record.orientation for record in records] == ["horizontal", "vertical", "horizontal"]
-    assert {record.processed for record in records} == {False}
-    assert {(record.station_name, record.event) for record in records} == {("Ahar", "2012/08/11 12:23:16")}
-    # The file states the time of the earthquake, not that of the record.
-    assert {(record.start_time, record.warnings) for record in records} == {(None, ())}
-
-
 def test_numbers_of_thirteen_characters_touch():
     values = -np.abs(THREE[0])
     content = bhrc([values]).replace(b" -.", b"-0.")

@@ -300,19 +300,6 @@ def test_damage_is_named(write, content, message):
         read(write(content))
 
 
-def test_the_real_uncorrected_volume(records_folder):
-    records = read(records_folder / "cosmos" / "CE23837.V1C")
-    assert [(record.npts, record.dt) for record in records] == [(13400, 0.005)] * 3
-    assert [record.pga / G for record in records] == pytest.approx([0.1054, 0.04876, 0.05902], rel=0.005)
-    assert [record.orientation for record in records] == ["horizontal", "vertical", "horizontal"]
-    assert (records[0].azimuth, records[2].azimuth) == (0.0, 90.0)
-    assert [record.channel for record in records] == ["HNN", "HNZ", "HNE"]
-    for record in records:
-        assert (record.network, record.station, record.processed, record.warnings) == ("CE", "23837", False, ())
-        assert record.start_time == datetime(2018, 8, 29, 2, 33, tzinfo=UTC)
-        assert record.pga == pytest.approx(record.header_peak, rel=1e-6)
-
-
 def test_the_real_file_with_two_series(records_folder):
     records = read(records_folder / "cosmos" / "Cosmos12TimeSeriesTest2.v1")
     # MANIFEST has the 0.005 s of the raw record (real 34). The series is at 10 ms (real 62): 7000 samples last the

@@ -18,17 +18,6 @@ MOTION = np.round(pulse(403, peak=250.0), 3)
 NAME = "TEST.V2"
 
 
-def test_the_text_of_a_real_file(records_folder):
-    record = read(records_folder / "csmip_v2" / "ce36456p_CE36456.V2")[0]
-    assert record.id == ".36456..90@19830502T234248"
-    assert (record.station_name, record.event) == ("PARKFIELD FAULT ZONE 14", "COALINGA EARTHQUAKE")
-    assert record.acceleration[:2] == pytest.approx([-0.03038, -0.00787], rel=1e-12)
-    assert record.processing == (
-        "by the agency: instrument- and baseline-corrected",
-        "by the agency: bandpass filtered with ramps at .050- .100 and 23.00-25.00 cyc/sec",
-    )
-
-
 def test_the_channels_on_the_meloland_overpass_are_structural_and_the_free_field_is_not(records_folder):
     records, failures = read_all(records_folder / "csmip_v2" / "imperialvalley79_ce01336p.zip")
     assert len({record.id for record in records}) == len(records) == 26

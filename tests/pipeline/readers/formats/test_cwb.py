@@ -10,29 +10,13 @@ from record_writers.cwb import cwb
 
 from rockpulse.errors import RockpulseError
 from rockpulse.readers import read
-from rockpulse.record.record import STANDARD_GRAVITY, Record
+from rockpulse.record.record import Record
 
 THREE = tuple(np.round(pulse(400, peak, dt=0.02), 3) for peak in (7.1, 45.5, 50.2))
 
 
 def got(content: bytes) -> list[Record]:
     return read(io.BytesIO(content))
-
-
-def test_the_real_file(records_folder):
-    records = read(records_folder / "cwb" / "2-EGF.dat")
-    assert [(record.npts, record.dt, record.processed) for record in records] == [(6000, 0.02, False)] * 3
-    assert [record.pga / STANDARD_GRAVITY for record in records] == pytest.approx(
-        [0.007258, 0.004636, 0.005124], rel=5e-4
-    )
-    assert [record.header_peak for record in records] == pytest.approx([record.pga for record in records], rel=1e-9)
-    assert [record.orientation for record in records] == ["vertical", "horizontal", "horizontal"]
-    assert [record.azimuth for record in records[1:]] == [0.0, 90.0]
-    # 23:50:29 in Taiwan.
-    assert {record.start_time for record in records} == {datetime(2018, 2, 6, 15, 50, 29, tzinfo=UTC)}
-    assert [record.id for record in records] == [f".EGF..{letter}@20180206T155029" for letter in "UNE"]
-    assert {(record.station_name, record.event) for record in records} == {("Guangfu", "2018/02/06-23:50:42")}
-    assert {record.warnings for record in records} == {()}
 
 
 @pytest.mark.parametrize(

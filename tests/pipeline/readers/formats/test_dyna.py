@@ -24,17 +24,6 @@ def got(content: bytes) -> Record:
     return record
 
 
-def test_codes_of_real_files(records_folder):
-    (esm,) = read(records_folder / "dyna_asc" / "HI.ARS1..HNE.D.20190728.160908.C.ACC.ASC")
-    assert esm.id == "HI.ARS1..HNE@20190728T160919"
-    assert (esm.station_name, esm.event, esm.warnings) == ("Town Hall,Argos,Argolis,Peloponnese", "GREECE", ())
-    (afad,) = read(records_folder / "dyna_asc" / "20101114230825_3104_ap_RawAcc_E.asc")
-    assert afad.id == "TK.3104..HNE@20101114T230919"
-    assert (afad.location, afad.station_name) == ("", "HATAY_HASSA_AKTEPE_SALYK_OCAY_BAHCESI")
-    # The name says raw, the header 'Automatic': its spectrum is flat to 45 Hz, no filter was applied.
-    assert "states no corner frequency" in afad.warnings[0]
-
-
 @pytest.mark.parametrize("end", ["\n", "\r\n"])
 def test_values_are_read_from_the_first_line_that_is_no_key(end):
     record = got(dyna(VALUES, end=end))

@@ -19,12 +19,6 @@ def got(content: bytes) -> list[Record]:
     return read(io.BytesIO(content))
 
 
-def test_codes_of_a_real_file(records_folder):
-    record = read(records_folder / "geonet" / "20161113_110313_THZ_20.V2A")[0]
-    assert record.id == ".THZ.20.S90E@20161113T110233"
-    assert (record.station_name, record.format, record.source_unit) == ("Top House", "geonet", "mm/s2")
-
-
 @pytest.mark.parametrize("corrected", [False, True])
 @pytest.mark.parametrize("end", ["\n", "\r\n"])
 def test_only_the_accelerations_of_both_volumes_are_read(corrected, end):

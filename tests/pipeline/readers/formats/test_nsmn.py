@@ -9,7 +9,6 @@ from record_writers.nsmn import nsmn
 
 from rockpulse.errors import RecordFormatError, RockpulseError
 from rockpulse.readers import read
-from rockpulse.record.record import STANDARD_GRAVITY
 
 TABLE = np.round(np.column_stack([pulse(400, 13.0), pulse(400, -12.0), pulse(400, 9.0)]), 6)
 
@@ -92,14 +91,3 @@ def test_a_key_that_is_missing_is_asked_for_at_the_end_of_the_header(write, line
 def test_damage_is_named(write, content, message):
     with pytest.raises(RecordFormatError, match=message):
         read(write(content))
-
-
-def test_the_real_file(records_folder):
-    records = read(records_folder / "afad_nsmn" / "20170720223109_0921.txt")
-    assert [(record.npts, record.dt) for record in records] == [(28683, 0.01)] * 3
-    assert [record.pga / STANDARD_GRAVITY for record in records] == pytest.approx([0.01346, 0.0124, 0.01003], rel=0.005)
-    for record in records:
-        assert record.pga == pytest.approx(record.header_peak, rel=1e-6)
-        assert record.start_time == datetime(2017, 7, 20, 22, 30, 58, tzinfo=UTC)
-        assert (record.station, record.station_name) == ("0921", "AYDıN GERMENCIK DEVLET HASTANESI")
-        assert (record.processed, record.warnings) == (False, ())

@@ -1,7 +1,6 @@
 """SIGMA/ITACA .acc: header, touching fields, directions, what is no acceleration, damaged files."""
 
 import io
-from datetime import UTC, datetime
 
 import numpy as np
 import pytest
@@ -21,23 +20,6 @@ CONTENT = sigma(VALUES)
 def got(content: bytes) -> Record:
     (record,) = read(io.BytesIO(content))
     return record
-
-
-def test_the_real_file(records_folder):
-    (record,) = read(records_folder / "sigma_itaca" / "16837_H2.cor.acc")
-    assert (record.npts, record.dt, record.azimuth) == (112_600, 0.005, 90.0)
-    assert record.pga / STANDARD_GRAVITY == pytest.approx(0.6635, rel=5e-4)
-    assert record.pga == pytest.approx(record.header_peak, rel=1e-6)
-    assert (record.network, record.station) == ("DPC", "3614")
-    assert record.station_name == "L Aquila - V. Aterno - Centro Valle, Italy"
-    assert (record.event, record.start_time) == ("2009-04-06 01:32:39", None)
-    assert record.origin_time == datetime(2009, 4, 6, 1, 32, 39, tzinfo=UTC)
-    assert (record.processed, record.warnings, record.id) == (True, (), "16837_H2.cor.WE")
-    assert record.processing == (
-        "file: Acausal Butterworth bandpass filtering (4pole-4pole). Post processed to remove leading and trailing "
-        "zeros.",
-        "file: filtered, 0.1-50 Hz",
-    )
 
 
 @pytest.mark.parametrize("end", ["\n", "\r\n", "\r"])

@@ -19,38 +19,6 @@ MOTION = np.round(pulse(203, peak=2.5), 3)
 NAME = "TEST.USC"
 
 
-def test_a_real_volume_1(records_folder):
-    (record,) = read(records_folder / "usc_v1" / "017m30lw.e0a")
-    # 7065 pairs at 3 to 13 ms, on average 4.25 ms, become 7504 samples at 4 ms.
-    assert (record.npts, record.dt) == (7504, 0.004)
-    assert record.duration == pytest.approx(30.013, abs=0.004)
-    assert record.pga / STANDARD_GRAVITY == pytest.approx(0.156, rel=5e-3)
-    assert record.acceleration[:2] == pytest.approx([0.046 * TENTH, 0.022 * TENTH])
-    assert (record.azimuth, record.orientation, record.processed) == (185.0, "horizontal", False)
-    assert (record.station, record.station_name) == ("0017", "8510 WONDERLAND AVE., LOS ANGELES, CA")
-    assert record.event == "NORTHRIDGE EARTHQUAKE JAN 17, 1994 -1230 GMT"
-    assert record.start_time is None  # the header knows the minute of the earthquake
-    assert record.id == "017m30lw.S05W"
-    (warning,) = record.warnings
-    assert "unequal steps of 0.003 to 0.013 s" in warning
-
-
-def test_a_real_volume_2(records_folder):
-    (record,) = read(records_folder / "usc_v2" / "274o42pv.s0a")
-    assert (record.npts, record.dt, record.processed, record.source_unit) == (573, 0.02, True, "cm/s2")
-    assert record.pga / STANDARD_GRAVITY == pytest.approx(0.007004, rel=1e-4)
-    assert record.header_peak == pytest.approx(0.06869)
-    assert record.acceleration[[0, -1]] == pytest.approx([-0.01208, -0.02063])
-    assert (record.azimuth, record.station) == (238.0, "0042")
-    assert record.station_name == "2161 VIA OLIVERA, PALOS VERDES ESTATES, CA"
-    assert record.start_time is None
-    assert record.warnings == ()
-    assert record.processing == (
-        "by the agency: instrument and baseline corrected",
-        "by the agency: band-pass filtered between .600-1.100 and 25.00-27.00 cyc/sec",
-    )
-
-
 @pytest.mark.parametrize("end", ["\n", "\r\n", "\r"])
 def test_equal_pairs_keep_their_samples(write, end):
     (record,) = read(write(usc_v1(TIMES, MOTION, end=end)))
