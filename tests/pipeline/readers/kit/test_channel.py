@@ -65,7 +65,7 @@ def test_a_peak_that_differs_from_the_header_is_printed_beside_it():
     ],
 )
 def test_only_a_peak_one_and_a_half_times_that_of_the_header_is_doubted(stated, code, words):
-    warnings = record(header_peak=(stated, 0.0)).warnings
+    warnings = record(header_peak=(stated, 0.0), peak_factor=1.0).warnings
     assert [code_of(warning) for warning in warnings] == ([code] if code else [])
     assert words in " ".join(warnings)
 
