@@ -134,7 +134,8 @@ def from_trace(
             f"{where}: stats.calib is {stats.calib:g}, and obspy does not say per what; multiply the data yourself and "
             "set it to 1, or give units='counts' and the factor in m/s2 per count"
         )
-    changed = [step for step in _steps(stats) if _changes_unit(step)]
+    # A line of stats.processing is such as "ObsPy 1.5.1: integrate(...)".
+    changed = [step for step in _steps(stats) if {*re.findall(r":\s*(\w+)\(", step)[:1]} & _CHANGES_UNIT]
     if changed and (units is None or units == "counts"):
         raise UnitError(
             f"{where}: the values are no longer what they were: {changed[0]}; say which unit of acceleration they "
@@ -148,12 +149,6 @@ def from_trace(
     if not known or factor is not None:
         raise UnitError(f"{where}: stats.rockpulse says m/s2; give no units and no factor, or delete stats.rockpulse")
     return _restored(where, trace, kept, azimuth)
-
-
-def _changes_unit(step: str) -> bool:
-    """Whether a line of ``stats.processing`` names a method that changes the unit, ``ObsPy 1.5.1: integrate(...)``."""
-    method = re.search(r":\s*(\w+)\(", step)
-    return bool(method and method[1] in _CHANGES_UNIT)
 
 
 def _steps(stats: Any) -> tuple[str, ...]:

@@ -56,6 +56,9 @@ def _channel(file: SourceFile, lines: Sequence[str], span: kit.Span, number: int
     origin, letter = kit.matched(_ORIGIN, header[2]), header[4].strip().upper()
     if letter in ("L", "V", "T") and letter != component:
         notes = (f"the header names the component {letter} and {component}; one of them is wrong", *notes)
+    azimuth, facing = re.search(_AZIMUTH.format(component), header[7], re.IGNORECASE), kit.direction(component)
+    if component != "V" and azimuth and float(azimuth[1]) <= 360.0:
+        facing = kit.Direction("horizontal", float(azimuth[1]) % 360.0)
     return kit.build_record(
         file,
         samples,
@@ -64,7 +67,7 @@ def _channel(file: SourceFile, lines: Sequence[str], span: kit.Span, number: int
         number=number,
         processed=False,
         component=component,
-        facing=_facing(component, header[7]),
+        facing=facing,
         station_name=kit.matched(_STATION, header[7]).strip(),
         event=" ".join(origin.split()),
         origin_time=kit.written(origin),
@@ -93,13 +96,6 @@ def _step(name: str, row: str, duration: str, start: int, count: int) -> float:
         expected = f"the samples per s of {count} points in {duration or 'an unknown number of'} s"
         raise kit.unexpected(f"{name}:{start + 22}", expected, f"{rate:g}")
     return 1.0 / rate
-
-
-def _facing(letter: str, station_line: str) -> kit.Direction:
-    azimuth = re.search(_AZIMUTH.format(letter), station_line, re.IGNORECASE)
-    if letter == "V" or not azimuth or float(azimuth[1]) > 360.0:
-        return kit.direction(letter)
-    return kit.Direction("horizontal", float(azimuth[1]) % 360.0)
 
 
 BHRC = Format(

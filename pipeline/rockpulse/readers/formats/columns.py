@@ -121,11 +121,12 @@ def read_columns(file: SourceFile, options: ReadOptions) -> list[Record]:
     columns = _columns(file.name, lines[:stop], layout, headings, numbered, prose, lacking, lines[stop:])
     if columns.width > 1 and counts_rows(columns.table, columns.headings):
         columns = columns.picked(range(1, columns.width), "the first column counts the rows; it was left out")
-    if _titled(columns):
-        columns, prose = replace(columns, headings=()), lines[: layout.start]
     kinds = [heading.kind for heading in columns.headings]
-    if "time" in kinds:
-        at = kinds.index("time")
+    at = kinds.index("time") if "time" in kinds else 0
+    if climbs(columns.table[:, 0]) and not climbs(columns.table[:, at]):
+        # The headings are a title, such as "Acceleration (g) vs Time (s)".
+        columns, prose = replace(columns, headings=()), lines[: layout.start]
+    elif at:
         columns = columns.picked([at, *(index for index in range(len(kinds)) if index != at)])
     first = columns.headings[0] if columns.headings else Heading("")
     climb = np.diff(columns.table[:, 0])
@@ -261,13 +262,6 @@ def _wrapped(where: str, width: int, found: str, lacking: Sequence[str]) -> Reco
         f"or one series in rows of {width}. {series}. Or write one value to a line, state the number of values in the "
         f"header (NPTS = ...), or {_NAME_THEM}"
     )
-
-
-def _titled(columns: _Columns) -> bool:
-    """Whether the supposed headings are a title, "Acceleration (g) vs Time (s)": the first column runs like time."""
-    kinds = [heading.kind for heading in columns.headings]
-    at = kinds.index("time") if "time" in kinds else 0
-    return climbs(columns.table[:, 0]) and not climbs(columns.table[:, at])
 
 
 def _check_apart(where: str, columns: _Columns, timed: bool, lacking: Sequence[str]) -> None:

@@ -44,6 +44,8 @@ _CODES: dict[int | None, str] = {2: "g", 4: "cm/s2", 7: "in/s2", 10: "gal", 11: 
 _FACTORS = {22: "microvolts per count", 42: "sensor sensitivity, V/g", 47: "sensor gain"}
 #: Integer 2 of quantities other than an acceleration along a line.
 _OTHER_QUANTITIES = {2: "velocity", 3: "displacement", 10: "angular acceleration", 11: "angular velocity"}
+#: Integer 19 of stations whose sensors may lie at depth.
+_DEPTHS = {9: "underground observatory", 14: "tunnel", 50: "geotechnical array"}
 #: The closing line may have lines of blanks behind it.
 _CLOSING = 3
 #: Nominal and calibrated sensitivities differ by some percent, a wrong factor by 2 or more.
@@ -124,6 +126,8 @@ def _channel(file: SourceFile, lines: Sequence[str], header: Header, end: int, n
     structural = header.structural()
     peak, peak_notes = _peak(header, factor)
     notes += [*peak_notes, *held_series(header, lines[series.at], step, samples)]
+    if site := _DEPTHS.get(header.integer(19) or 0):
+        notes.append(f"the station is of the type {site!r}: the sensor may lie at depth")
     return kit.build_record(
         file,
         samples,
@@ -153,7 +157,7 @@ def _channel(file: SourceFile, lines: Sequence[str], header: Header, end: int, n
         site_class=geology[1] if (geology := _GEOLOGY.search(header.text[5])) else "",
         header_peak=peak,
         peak_factor=1.0,
-        warnings=[*notes, *header.site_notes(), *time_notes],
+        warnings=[*notes, *time_notes],
     )
 
 

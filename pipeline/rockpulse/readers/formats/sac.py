@@ -47,7 +47,12 @@ def read_sac(file: SourceFile, options: ReadOptions) -> list[Record]:
     if not 1 <= declared <= available:
         advice = "the file may be truncated: download it again"
         raise kit.unexpected(file.name, f"{declared} samples (header NPTS)", f"room for {available}", advice)
-    _check_coordinates(file, order)
+    for name, word in _COORDINATES.items():
+        # obspy brings longitudes into range by turns of 360 degrees, one by one: of absurd ones it never ends.
+        value = struct.unpack_from(f"{order}f", file.content, 4 * word)[0]
+        if value != _UNDEFINED and not abs(value) <= 360.0:
+            advice = "the file may be damaged: download it again"
+            raise kit.unexpected(file.name, f"degrees in the header word {name}", f"{value:g}", advice)
     (trace,), notes = obspy_stream(file, "SAC")
     stats = trace.stats
     header = stats.sac
@@ -69,16 +74,18 @@ def read_sac(file: SourceFile, options: ReadOptions) -> list[Record]:
     with np.errstate(invalid="ignore"):  # a signalling NaN; Record names it
         values = np.asarray(trace.data, dtype=float)
     start = utc_time(file, stats.starttime) if "nzyear" in header else None
-    words = _words(file, order)
+    # As the file has them, which obspy works out anew; NaN where undefined.
+    raw = {key: struct.unpack_from(f"{order}f", file.content, at)[0] for key, at in _STATED.items()}
+    words = {key: math.nan if value == _UNDEFINED else value for key, value in raw.items()}
     extremes = (words["depmin"], words["depmax"])
     extremes = extremes if math.isfinite(sum(extremes)) else (math.nan, math.nan)
     notes += _held_end(words, declared)
 
-    def word(name: str) -> float:
+    def stated(name: str) -> float:
         return float(f"{float(header.get(name, math.nan)):.7g}")  # the header holds float32
 
     # Where the origin time O is that of the first sample B nobody has set it: no record begins with its earthquake.
-    to_origin = word("o") - word("b")
+    to_origin = stated("o") - stated("b")
     scale = float(header.get("scale", 1.0))
     if scale != 1.0:
         notes.append(f"the header word SCALE = {scale:g} is not applied")
@@ -97,22 +104,16 @@ def read_sac(file: SourceFile, options: ReadOptions) -> list[Record]:
             sensor_depth=float(header.get("stdp", math.nan)),
             start_time=start,
             origin_time=kit.later(start, to_origin) if math.isfinite(to_origin) and to_origin != 0.0 else None,
-            magnitude=(word("mag"), ""),
-            hypocentre=(word("evla"), word("evlo")),
-            depth_km=word("evdp"),
-            distance_km=word("dist"),
-            station_place=(word("stla"), word("stlo")),
+            magnitude=(stated("mag"), ""),
+            hypocentre=(stated("evla"), stated("evlo")),
+            depth_km=stated("evdp"),
+            distance_km=stated("dist"),
+            station_place=(stated("stla"), stated("stlo")),
             # The larger of DEPMIN and DEPMAX without sign, where both are set and one is not 0.
             header_peak=(max(map(abs, extremes)) or math.nan, 0.0),
             warnings=notes,
         )
     ]
-
-
-def _words(file: SourceFile, order: str) -> dict[str, float]:
-    """Floats of the header as the file has them, which obspy works out anew; NaN where undefined."""
-    values = {name: struct.unpack_from(f"{order}f", file.content, at)[0] for name, at in _STATED.items()}
-    return {name: math.nan if value == _UNDEFINED else value for name, value in values.items()}
 
 
 def _held_end(words: dict[str, float], declared: int) -> list[str]:
@@ -125,15 +126,6 @@ def _held_end(words: dict[str, float], declared: int) -> list[str]:
         f"the header states {words['e']:g} s as the time of the last sample (E), {declared} samples at {step:g} s "
         f"from {words['b']:g} s (B) end at {last:g} s"
     ]
-
-
-def _check_coordinates(file: SourceFile, order: str) -> None:
-    """Refuse absurd longitudes: obspy brings them into range by turns of 360 degrees, one by one, and never ends."""
-    for name, word in _COORDINATES.items():
-        value = struct.unpack_from(f"{order}f", file.content, 4 * word)[0]
-        if value != _UNDEFINED and not abs(value) <= 360.0:
-            advice = "the file may be damaged: download it again"
-            raise kit.unexpected(file.name, f"degrees in the header word {name}", f"{value:g}", advice)
 
 
 SAC = Format(

@@ -81,6 +81,11 @@ def read_smc(file: SourceFile, options: ReadOptions) -> list[Record]:
     known = [float(f"{value:.7g}") for value in reals]  # printed from float32: 5.8000002
     latitude, longitude, depth, *sizes = known[2:9]
     start_time, notes = _start_time(integers, event)
+    # On a structure by integers 19, 27 and 28, or 25 (floor); else by the name of the station.
+    structural = not np.isnan(integers[24]) or kit.on_structure(name)
+    if integers[18] in _STRUCTURES:
+        free = _FREE_FIELD_AT.get(int(integers[18]))
+        structural = free is None or integers[free - 1] != 0.0
     if integers[17] > 0.0:
         notes.append("the agency flags a problem of this record (integer 18 of the header)")
     return [
@@ -92,7 +97,7 @@ def read_smc(file: SourceFile, options: ReadOptions) -> list[Record]:
             processed=kind == "2",
             component=component,
             facing=_facing(component, integers),
-            structural=_structural(name, integers),
+            structural=structural,
             station="" if np.isnan(integers[29]) else str(int(integers[29])),
             station_name=name,
             event=" ".join(event[5].split()) if event else "",
@@ -160,14 +165,6 @@ def _facing(component: str, integers: np.ndarray) -> kit.Direction:
     integers_say = " and ".join("none" if np.isnan(value) else f"{value:g}" for value in (upright, azimuth))
     note = f"the text says {component!r}, integers 13 and 14 of the header {integers_say}: the direction is unknown"
     return kit.held_direction(kit.direction(component), told, note)
-
-
-def _structural(name: str, integers: np.ndarray) -> bool:
-    """Whether the sensor is on a structure: integers 19, 27 and 28, or 25 (floor); else the name of the station."""
-    kind = integers[18]
-    if kind in _STRUCTURES:
-        return int(kind) not in _FREE_FIELD_AT or integers[_FREE_FIELD_AT[int(kind)] - 1] != 0.0
-    return not np.isnan(integers[24]) or kit.on_structure(name)
 
 
 def _start_time(integers: np.ndarray, event: re.Match[str] | None) -> tuple[datetime | None, list[str]]:

@@ -78,9 +78,9 @@ def _header(lines: Sequence[str]) -> Header:
     """The header from the 13 lines of text and those behind them."""
     text, behind = [line[:_WORDS].strip() for line in lines[:TEXT_LINES]], lines[TEXT_LINES:]
     # In volume 2, the lines of the magnitude and the distance; volume 1 has them among the reals.
-    reals = {number: _real(lines, number) for number in (11, 12, 14)}
-    distance = next((found[1] for line in behind if (found := _DISTANCE.match(line[:_WORDS]))), reals[11])
-    magnitude = next((found[1] for line in behind if (found := _MAGNITUDE.match(line[:_WORDS]))), reals[12])
+    row = lines[_REALS + 1] if len(lines) >= HEADER_LINES else ""
+    distance = next((found[1] for line in behind if (found := _DISTANCE.match(line[:_WORDS]))), row[20:30])
+    magnitude = next((found[1] for line in behind if (found := _MAGNITUDE.match(line[:_WORDS]))), row[30:40])
     minute, origin = _MINUTE.match(text[2]), None
     if minute and minute[1].upper() in _MONTHS:
         day = (int(minute[3]), _MONTHS.index(minute[1].upper()) + 1, int(minute[2]))
@@ -93,18 +93,12 @@ def _header(lines: Sequence[str]) -> Header:
         "origin_time": origin,
         "magnitude": (magnitude, ""),
         "hypocentre": kit.coordinates(text[8]),
-        "depth_km": reals[14],
+        "depth_km": row[50:60],
         "distance_km": distance,
         "station_place": kit.coordinates(text[4]),
     }
     component = _COMPONENT.match(text[6])
     return Header(component[1] if component else text[6], about=about, code=direction_code(behind))
-
-
-def _real(lines: Sequence[str], number: int) -> str:
-    """A real of volume 1, from 1, as it is written; empty in the text of volume 2, which comes without them."""
-    row, column = divmod(number - 1, 8)
-    return lines[_REALS + row][10 * column : 10 * (column + 1)] if len(lines) >= HEADER_LINES else ""
 
 
 USC_V1 = Format(

@@ -40,7 +40,6 @@ _ORIENTATIONS = {
 _ON_GROUND = {1, 2, 3, 4, 6, 7, 8, 9, 14, 50, 51}
 #: Integer 19: base of a building, building, bridge, dam, wharf, other structures.
 _STRUCTURES = {5, 10, 11, 12, 13, 15, 20}
-_DEPTHS = {9: "underground observatory", 14: "tunnel", 50: "geotechnical array"}
 
 
 @dataclass(frozen=True)
@@ -115,11 +114,6 @@ class Header:
         """Whether the sensor stands on a structure: integer 19 and the place in text line 9."""
         site, place = self.integer(19), self.channel()[2]
         return on_structure(place or ("structure" if site in _STRUCTURES else ""), stated=site not in _ON_GROUND)
-
-    def site_notes(self) -> list[str]:
-        """A warning for sensors that may lie at depth."""
-        site = _DEPTHS.get(self.integer(19) or 0)
-        return [f"the station is of the type {site!r}: the sensor may lie at depth"] if site else []
 
     def start_time(self) -> tuple[datetime | None, list[str]]:
         """UTC time of the first sample, from integers 40 to 46, real 30 and text line 8, or why there is none."""

@@ -19,14 +19,6 @@ def got(content: bytes) -> list[Record]:
     return read(io.BytesIO(content))
 
 
-def test_numbers_of_thirteen_characters_touch():
-    values = -np.abs(THREE[0])
-    content = bhrc([values]).replace(b" -.", b"-0.")
-    assert b"E-01-0." in content
-    (record,) = got(content)
-    assert record.acceleration == pytest.approx(values * TENTH, rel=1e-5, abs=1e-9)
-
-
 @pytest.mark.parametrize(
     ("azimuths", "expected"),
     [
@@ -87,17 +79,6 @@ def test_l_and_t_are_at_right_angles(azimuth, told):
     for record in got(bhrc(THREE, azimuths=f"Azimuth L 352   T {azimuth} ")):
         words = f"the azimuths of L and T, 352 and {azimuth} degrees, are not at right angles"
         assert record.warnings == ((words,) if told else ())
-
-
-@pytest.mark.parametrize(("number", "line"), [(0, 68), (1, 137)])
-@pytest.mark.parametrize(("column", "told"), [(38, False), (39, True)])
-def test_numbers_behind_the_last_sample_of_its_row_are_told(number, line, column, told):
-    lines = bhrc(THREE).split(b"\r\n")
-    assert len(lines[line - 1]) == 39  # the last three of 403 values
-    lines[line - 1] = lines[line - 1][:column] + b"5"
-    records = got(b"\n".join(lines))
-    words = (f"line {line}: numbers beyond the declared count were left out",)
-    assert [record.warnings for record in records] == [words if told and at == number else () for at in range(3)]
 
 
 @pytest.mark.parametrize(("letter", "told"), [(b"T", True), (b"l", False), (b"X", False)])

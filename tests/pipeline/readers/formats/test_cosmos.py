@@ -300,22 +300,6 @@ def test_damage_is_named(write, content, message):
         read(write(content))
 
 
-def test_the_real_file_with_two_series(records_folder):
-    records = read(records_folder / "cosmos" / "Cosmos12TimeSeriesTest2.v1")
-    # MANIFEST has the 0.005 s of the raw record (real 34). The series is at 10 ms (real 62): 7000 samples last the
-    # stated 70 s, and the peak, sample 2785, lies at the stated 27.85 s.
-    assert [(record.npts, record.dt) for record in records] == [(7000, 0.01)] * 2
-    for record in records:
-        assert record.pga / G == pytest.approx(0.1652, rel=0.005)
-        assert record.pga == pytest.approx(record.header_peak, rel=1e-5)
-        assert record.dt * int(np.argmax(np.abs(record.acceleration))) == pytest.approx(27.85)
-        assert (record.processed, record.source_unit, record.orientation) == (True, "cm/s2", "structural")
-        assert record.start_time == datetime(2005, 6, 16, 20, 53, 4, 400000, tzinfo=UTC)
-        assert "0.01 s is that of the stated length of 70 s" in record.warnings[0]
-    assert "the text says '340 deg', integer header 54 says 400" in records[0].warnings[1]
-    assert records[1].azimuth == 90.0
-
-
 def test_the_real_counts_have_every_factor(records_folder):
     (record,) = read(records_folder / "cosmos" / "NP8040-n.1000hyfh.HNE.01.V0c")
     assert (record.npts, record.dt, record.source_unit) == (42000, 0.005, "counts")

@@ -51,22 +51,6 @@ def test_the_fields_of_a_sample(samples):
     assert record.acceleration[:3] == pytest.approx(np.array([-1.1e-5, -1.1e-5, 1e-6]) * STANDARD_GRAVITY, rel=1e-12)
 
 
-@pytest.mark.parametrize(
-    ("heading", "dt", "factor"),
-    [
-        ("{n:6d} Accelerogram points at 200 pts/sec in units of g.       Format: (8f9.6)", 0.005, STANDARD_GRAVITY),
-        ("{n:5d} POINTS OF ACCEL DATA EQUALLY SPACED AT .005 SEC.  (UNITS: G)", 0.005, STANDARD_GRAVITY),
-        ("{n:5d} POINTS OF ACCEL DATA EQUALLY SPACED AT .020 SEC.  (UNITS: CM/SEC/SEC)", 0.02, 0.01),
-    ],
-)
-@pytest.mark.parametrize("end", ["\n", "\r\n", "\r\r\n"])
-def test_spellings_of_the_heading_line(write, heading, dt, factor, end):
-    values = np.round(pulse(101), 6)
-    (record,) = read(write(csmip_equal(values, heading=heading, dt=dt, end=end)))
-    assert record.dt == pytest.approx(dt, rel=1e-12)
-    assert record.acceleration == pytest.approx(values * factor, rel=1e-12)
-
-
 def test_a_leading_carriage_control_blank_on_every_line_is_dropped(write):
     content = csmip_equal(np.round(pulse(), 6), end="\n")
     (plain,) = read(write(content))
@@ -155,25 +139,6 @@ def test_damage_is_named_with_file_and_line(write, change, message):
     assert content != damaged(lambda c: c)
     with pytest.raises(RockpulseError, match=message):
         read(write(content))
-
-
-OF_THREE = "ETNA   S/N 2866  (3 CHNS OF  3 AT STA)"
-LACKING = "the header counts 3 channels of this recorder, the file holds 2; it may be truncated"
-
-
-def of_three(*numbers: int, **changes) -> bytes:
-    directions = {1: " 90 DEG", 2: "UP", 3: "360 DEG"}
-    return b"".join(
-        csmip_equal(np.round(pulse(), 6), number=number, component=directions[number], recorder=OF_THREE, **changes)
-        for number in numbers
-    )
-
-
-def test_a_channel_of_one_number_with_other_samples_is_damage(write):
-    with pytest.raises(
-        RecordFormatError, match=r"TEST.RAW:\d+: expected another channel, found that of line 1 a second"
-    ):
-        read(write(of_three(1, 2) + of_three(1).replace(b" 0.300000", b" 0.299999")))
 
 
 @pytest.mark.parametrize(("rate", "told"), [("33", False), ("34", True)])

@@ -111,20 +111,6 @@ def test_an_interval_may_be_off_by_the_rounding_of_the_text(write):
         read(write(content.replace(b"accel data equally spaced at  .010", b"accel data equally spaced at .0106")))
 
 
-def test_a_block_that_stands_twice_is_read_once(write):
-    lines = csmip_v2(MOTION, end="\n").split(b"\n")
-    heading, velocity = 45, 45 + 1 + 51
-    assert b"veloc" in lines[velocity]
-    (record,) = read(write(b"\n".join([*lines[:velocity], *lines[heading:]])))
-    assert record.npts == 403
-    assert "line 98: the block of line 46 stands in the file again" in record.warnings[0]
-    (record,) = read(write(b"\n".join([*lines[: heading + 1], *lines[heading:]])))
-    assert record.npts == 403
-    assert "line 46: the line is repeated up to line 47" in record.warnings[0]
-    with pytest.raises(RecordFormatError, match=r"TEST.V2:98: .* found a second block"):
-        read(write(b"\n".join([*lines[:velocity], lines[heading].replace(b".010", b".020"), *lines[heading + 1 :]])))
-
-
 def test_a_channel_without_acceleration_is_left_out_with_a_warning_on_the_others(write):
     content = csmip_v2(MOTION, number=1) + csmip_v2(MOTION, number=2, blocks="vd") + csmip_v2(MOTION, number=3)
     for record in read(write(content)):

@@ -13,7 +13,7 @@ from rockpulse.errors import RecordFormatError, RockpulseError
 from rockpulse.readers import read
 from rockpulse.readers.formats.dyna import DYNA
 from rockpulse.readers.source import NotAcceleration
-from rockpulse.record.record import STANDARD_GRAVITY, Record
+from rockpulse.record.record import Record
 
 VALUES = np.round(pulse(300, peak=98.0), 6)
 START = "DATE_TIME_FIRST_SAMPLE_YYYYMMDD_HHMMSS"
@@ -143,16 +143,6 @@ def test_damage_is_named(content, message):
 #: AFAD's portal of today: the corners stand before the first key, the header of old has none.
 NO_CORNERS = CORRECTED | {"LOW_CUT_FREQUENCY_HZ": "", "HIGH_CUT_FREQUENCY_HZ": ""}
 FILTERED = ("file: Butterworth order 1, 0.025-40 Hz (AAD lines)", "file: baseline removed (AAD lines)")
-
-
-def test_a_real_file_of_the_portal_of_today(records_folder):
-    (record,) = read(records_folder / "dyna_asc_afad" / "20230206011732_0201_ap_AAD_Acc_E.asc")
-    assert (record.npts, record.dt, record.azimuth) == (4725, 0.01, 90.0)
-    assert record.pga / STANDARD_GRAVITY == pytest.approx(0.9176, rel=5e-4)
-    assert record.header_peak == pytest.approx(8.7995, rel=1e-6)
-    assert record.id == "TK.0201..HNE@20230206T011732"
-    assert (record.processed, record.processing) == (True, FILTERED)
-    assert (record.event, record.station_name) == ("Kahramanmaras Pazarck Turkiye", "")
 
 
 def test_the_lines_of_afad_before_the_title_are_the_processing():

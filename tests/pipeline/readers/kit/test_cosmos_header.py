@@ -131,15 +131,6 @@ def test_the_type_of_a_station_tells_whether_it_is_a_structure(site, anywhere, u
         assert header(line9=words, integers=integers).structural() is expected
 
 
-@pytest.mark.parametrize(
-    ("site", "named"), [(9, "observatory"), (14, "tunnel"), (50, "geotechnical"), (51, ""), (None, "")]
-)
-def test_stations_at_depth(site, named):
-    notes = header(integers={} if site is None else {19: site}).site_notes()
-    assert len(notes) == bool(named)
-    assert named in "".join(notes)
-
-
 MOMENT = {40: 2018, 41: 241, 42: 8, 43: 29, 44: 2, 45: 33, 46: 5}
 CLOCK = "Rcrd start time: 8/29/2018, 02:33: 9.75"
 
@@ -293,13 +284,6 @@ def test_a_file_of_one_channel_without_its_last_line_says_so(write):
     assert "the file holds 1; it may be truncated" in record.warnings[0]
 
 
-def test_a_channel_of_one_number_with_other_samples_is_damage(write):
-    with pytest.raises(
-        RecordFormatError, match=r"record.txt:97: expected another channel, found that of line 1 a second"
-    ):
-        read(write(channels_of_three(1) + cosmos(pulse(peak=0.2), number=1, component="360 deg", azimuth=360)))
-
-
 @pytest.mark.parametrize(
     ("old", "new", "warned"),
     [
@@ -336,17 +320,6 @@ def test_a_channel_code_of_seed_decides_between_vertical_and_horizontal(
     said = [warning for warning in record.warnings if "the channel code BNZ says vertical, the header " in warning]
     assert len(said) == bool(told)
     assert told in " ".join(said)
-
-
-def test_recorders_are_told_apart_by_their_words(write):
-    one = cosmos(pulse(), number=1, recorder="Etna   s/n 1193 ( 1 Chns of   2 at Sta)")
-    other = cosmos(pulse(), number=2, recorder="Etna   s/n 1194 ( 1 Chns of   2 at Sta)")
-    for record in read(write(one + other)):
-        assert not any("the header counts" in note for note in record.warnings)
-    with pytest.raises(RecordFormatError, match="expected another channel"):
-        read(write(one + cosmos(2.0 * pulse(), number=1, recorder="Etna   s/n 1193 ( 1 Chns of   2 at Sta)")))
-    other = cosmos(pulse(), number=1, recorder="Etna   s/n 1194 ( 1 Chns of   2 at Sta)", place="Roof")
-    assert len(read(write(one + other))) == 2
 
 
 def test_the_last_number_of_a_header_is_read_and_none_beyond_it():

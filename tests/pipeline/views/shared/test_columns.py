@@ -124,6 +124,7 @@ def read(samples, unit="g", **header):
         0.01,
         unit,
         format="test",
+        peak_factor=1.0,
         processed=False,
         **header,
     )
