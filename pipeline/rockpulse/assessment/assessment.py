@@ -42,9 +42,8 @@ def assess(
     Parameters
     ----------
     records : iterable of Record
-        All channels, as :func:`rockpulse.read` returns them. Vertical channels are listed, not assessed, and so are
-        structural ones unless asked for. Pairs of horizontal channels are rotated where ``[records] components`` asks
-        for it.
+        All channels, as :func:`rockpulse.read` returns them. Vertical channels and, unless asked for, structural ones
+        are listed, not assessed; ``[records] components`` says whether pairs of horizontal channels are rotated.
     config : Config, optional
         Options; the defaults without.
     blocks : mapping of str to (width, height), Block or BlockSettings, or sequence of BlockSettings, optional
@@ -52,7 +51,7 @@ def assess(
     failures : iterable of Failure
         Files and channels that reading has left out, to be stored with the results.
     progress : callable, optional
-        Wraps the list of channels or pairs that are assessed on its way into the loop, as ``tqdm.tqdm`` does.
+        Wraps the list of channels or pairs that are assessed, as ``tqdm.tqdm`` does.
 
     Returns
     -------

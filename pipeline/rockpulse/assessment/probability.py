@@ -1,10 +1,8 @@
 """The probability of overturning of every body under one record.
 
-.. note:: One overturning spectrum (:class:`rocking.OverturningSpectrum`) serves every body that it stands for. A body
-   that it does not stand for, and every body where the vertical acts, is marched in lanes of its own
-   (:func:`rocking.overturning_probability`). Bodies do not change each other's numbers: the spectrum is always that of
-   the default frequency parameters next to the body's own, and each of the others has its own draws. A body before a
-   wall is read from a spectrum of its own kind, in the sense of the record that overturns it more likely.
+.. note:: Bodies that an overturning spectrum does not cover, and all under vertical motion, are marched in lanes of
+   their own. Bodies do not change each other's numbers: the frequency parameters next to a body's own, and its draws,
+   are always the same.
 """
 
 from collections.abc import Sequence
@@ -39,13 +37,11 @@ SERVED = {0: (LEAST_RESTITUTION, 1.0), 1: REBOUNDS, -1: REBOUNDS}
 def record_probability(
     scene: Scene, bodies: Bodies, config: Config, channels: Sequence[Record] = ()
 ) -> tuple[dict[str, np.ndarray], OverturningSpectrum | None]:
-    """The probability of overturning of bodies under a record, as it is and brought to each demand; and its spectrum.
+    """Probability of overturning of bodies under a record, as it is and brought to each demand; and its spectrum.
 
-    The variables of PROBABILITY and AT_DEMAND are of all lanes of the bodies, (b x c,) and (b x c, d); the spectrum is
-    None where no body is read from it. The probability is that of the nonlinear model: without ``nonlinear`` among the
-    models, and where the configuration switches it off, it is NaN and the source "none". All restitutions of a body
-    have the same. `channels` are those whose strengths are brought to the demands; without them it is the record. At a
-    factor beyond FARTHEST, or `[search] factor_max`, the probability is NaN.
+    The variables of PROBABILITY and AT_DEMAND are of all lanes, (b x c,) and (b x c, d): NaN, and the source "none",
+    without a probability (``Config.has_probability``), and at factors beyond FARTHEST or `[search] factor_max`. Demands
+    are compared with the strengths of `channels`, without them with that of the record.
     """
     count = len(bodies.names)
     values = {name: np.full(count, np.nan) for name in PROBABILITY}

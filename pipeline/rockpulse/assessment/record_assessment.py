@@ -44,7 +44,7 @@ RECORD_ITSELF = Place(None, ())
 
 @dataclass(frozen=True, eq=False)
 class RecordAssessment:
-    """The effect of one record on every body: the stored variables are taken from this (`take` of their declarations).
+    """The effect of one record on every body, from which `take` of the stored variables reads.
 
     Lanes are bodies times restitution cases, the cases of one body next to each other.
     """
@@ -139,10 +139,7 @@ def _joined(parts: Iterable[np.ndarray]) -> np.ndarray:
 def assess_scene(
     scene: Scene, bodies: Bodies, config: Config, channels: Sequence[Record] = (), pair: Pair | None = None
 ) -> RecordAssessment:
-    """Assess all bodies under one record that was made ready; a ValueError says that a model refuses its numbers.
-
-    `channels` are as for :func:`record_probability`, `pair` those that the record was rotated from.
-    """
+    """Assess all bodies under one record, which was perhaps rotated from `pair`; ValueError if a model refuses it."""
     places = places_of(bodies, scene.record, pair, config)
     if len(places) == 1 and places[0][0] == RECORD_ITSELF:
         return _assess_at(scene, bodies, config, channels, 1.0)

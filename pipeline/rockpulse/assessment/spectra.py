@@ -1,10 +1,7 @@
 """The overturning spectrum and the rocking spectrum of a record as datasets.
 
 .. note:: The overturning spectrum S(p, C) [m/s] is the effective impulse that a slender free-standing block takes from
-   a record: its mean capacity, as a factor on the record, is (g tan(alpha)/p)/S, and it overturns where S exceeds
-   g tan(alpha)/p (:mod:`rocking.spectrum.overturning`). The probability is stored over the factor divided by that
-   capacity. The rocking spectrum says how far blocks of all sizes and slendernesses rock (Makris & Konstantinidis
-   2003): two blocks of equal p, alpha and C rock in the same way, whatever their mass.
+   a record: it overturns where S exceeds g tan(alpha)/p, so that its mean capacity is (g tan(alpha)/p)/S.
 """
 
 from collections.abc import Callable, Sequence
@@ -154,17 +151,13 @@ def overturning_factors(spectrum: xr.Dataset, block: Block) -> dict[str, np.ndar
     Returns
     -------
     dict of str to (m,) ndarray
-        `overturning_probability` under the record as it is, `factor_10`, `factor_50` and `capacity_mean` [-], the
-        names of /summary.
+        `overturning_probability` under the record as it is, `factor_10`, `factor_50` and `capacity_mean` [-], the names
+        of /summary. ln S and P are linear in ln p and in C between the values of the spectrum.
 
     Raises
     ------
     ValueError
         For a block outside the spectrum.
-
-    Notes
-    -----
-    ln S and P are linear in ln p and in C between the values of the spectrum.
 
     Examples
     --------

@@ -1,9 +1,8 @@
 """The verdict on every body over all motions: the probability that they overturn it, and the words for it.
 
-.. note:: The probability is that of the nonlinear model under a stated uncertainty, over earthquakes that weigh alike.
-   Results without it (another model, a design sequence) have 0 or 1 for each motion: whether the model
-   overturns the body, as it is or weaker. Rocking is not monotonic in the strength of the motion: a body may rock under
-   a record and be overturned by a weaker copy of it.
+.. note:: The probability is that of the nonlinear model, over earthquakes of equal weight. Results without it have 0 or
+   1 for each motion: whether the model overturns the body, as it is or weaker, for rocking is not monotonic in
+   strength.
 """
 
 import math
@@ -108,11 +107,7 @@ class BodyVerdict:
 
 
 def standings(answers: Answers) -> np.ndarray:
-    """The :class:`Standing` of every body under every record, (records, bodies).
-
-    A safety factor below 1 at which the model answers is overturning by a weaker record. Unresolved, outside the range
-    of the model, or a factor below 1 at which the model cannot answer: not known.
-    """
+    """The :class:`Standing` of every body under every record, (records, bodies)."""
     factor = answers["safety_factor"]
     found = np.full(factor.shape, Standing.STANDS, dtype=np.int8)
     for doubtful, _ in _doubts(answers):
@@ -189,10 +184,7 @@ def too_far(answers: Answers, demand: str) -> np.ndarray:
 
 
 def chances(answers: Answers, demand: str | None = None) -> np.ndarray:
-    """(records, bodies) probability that a record, as it is or brought to a demand, overturns a body; NaN: not known.
-
-    Without probabilities 1 where it does by the model of the answers, as it is or weaker, and 0 where it does not.
-    """
+    """(records, bodies) probability that a record, as it is or at a demand, overturns a body; NaN where not known."""
     if answers.probable:
         return answers["overturning_probability"] if demand is None else answers.at_demand(demand)
     if demand is not None:

@@ -1,9 +1,4 @@
-"""The sequence whose responses are those of a recorded motion: the calibration the paper left open (section 5).
-
-.. note:: The statistical estimate (:func:`rockpulse.calibrate`) looks at the half-waves of a record; this one looks at
-   what the record does to a family of blocks, and asks for the (I, I_s/I, dT, number of main impulses) that does the
-   same. The duration of the sequence stays that of the statistical estimate.
-"""
+"""The sequence whose responses are those of a recorded motion: the calibration the paper left open (section 5)."""
 
 from dataclasses import replace
 
@@ -131,10 +126,7 @@ def calibrate_response(
 
 
 def envelope(fit: ResponseCalibration, share: float, threads: int | None = None) -> ResponseCalibration:
-    """The calibration with the smallest main impulse that covers a share of the moved blocks [-], from a "fit".
-
-    I_s/I, dT, main count, duration, intervals and profiles stay those of the fit.
-    """
+    """The calibration of a fit with the smallest main impulse that covers a share of the moved blocks [-]."""
     factor, again = enveloping_main(fit.targets, fit.sequence, share, threads)
     sequence = fit.sequence.scaled(factor)
     peaks = fit.targets.reached(sequence, threads)
@@ -162,7 +154,7 @@ def fit_sequence(
     threads: int | None,
     record_id: str,
 ) -> ResponseCalibration:
-    """The likeliest sequence of a set of targets; without `start` main impulses are limited by their number only."""
+    """The likeliest sequence of targets; without `start` main impulses are limited by their number only."""
     space = search_space(targets, start, spacing)
     point = None if start is None or start.main == 0.0 else start_point(space, start)
     threshold = deviance_threshold(int(np.count_nonzero(targets.number)), confidence)
@@ -210,16 +202,11 @@ def fit_sequence(
 def enveloping_main(
     targets: ResponseTargets, sequence: ImpulseSequence, share: float, threads: int | None = None
 ) -> tuple[float, bool]:
-    """The factor on both impulses of a sequence at which it first covers a share of the targets.
+    """Factor on both impulses at which a sequence first covers a share of the targets; and if a larger one does not.
 
-    I_s/I, dT, main count and duration are kept. Silent targets do not count: they are covered by anything. Returned are
-    the upper end of the first bracket, and whether a larger factor of the scan covers less than the share.
-
-    Notes
-    -----
     The peak of a block is not monotonic in I (its number of secondary impulses jumps), so the range is scanned and the
-    first edge refined. It ends where every block overturns at once: (I/I_1c)(1 - sigma/2) of 2, above the root of
-    every spacing. A band of cover narrower than a step of the scan may be missed.
+    first edge refined. It ends where every block overturns at once: (I/I_1c)(1 - sigma/2) of 2, above the root of every
+    spacing. A band of cover narrower than a step of the scan may be missed.
     """
     speaks = ~targets.silent
     critical = np.asarray(targets.blocks.critical_impulse)[speaks]

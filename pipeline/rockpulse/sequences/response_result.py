@@ -88,10 +88,7 @@ INSEPARABLE, WIDE, FEW_SAMPLES = 0.9, 0.3, 100.0
 def remarks(
     calibration: ResponseCalibration, space: SearchSpace, ends: dict[str, tuple[bool, bool]]
 ) -> tuple[str, ...]:
-    """Remarks on a fit within the limits of a search, one sentence each.
-
-    `ends` says of each parameter whether its likely values reach the lower and the upper limit of the search.
-    """
+    """Remarks on a fit; `ends` says which limits of the search the likely values of each parameter reach."""
     targets = calibration.targets
     number, small, overturned, silent = (
         int(np.count_nonzero(kind)) for kind in (targets.number, targets.small, targets.overturned, targets.silent)

@@ -1,15 +1,13 @@
 """The likelihood of a sequence given a set of targets, and the search for the likeliest one and those about as likely.
 
-.. note:: ln(target/peak) is normal with mean 0 and spread s; what is censored enters with the normal distribution
+.. note:: ln(target/peak) is normal with mean 0 and spread s; censored targets enter with the normal distribution
    function. With h = 1/s, n numbers of residuals r_j and censored ones with margins c_j (positive where satisfied)
 
        l(h) = n ln h - h^2/2 sum r_j^2 + sum ln Phi(h c_j) - n/2 ln(2 pi),
 
    which is concave in h (Olsen 1978), so that Newton's iteration finds its only maximum. In the parameters of the
-   sequence the likelihood is only piecewise smooth: the number n of secondary impulses jumps with dT and I, and blocks
-   overturn. So nothing here takes a derivative. Differential evolution, with the number of main impulses an integer
-   among its parameters, and a survey of the whole space begin; then candidates are bred from the best of every cell of
-   the space, in rounds that look ever closer at what is likely. Every candidate is kept: profiles are their edges.
+   sequence the likelihood jumps, so the search takes no derivative: differential evolution and a survey of the whole
+   space, then rounds of candidates from the best of every cell of the space. All are kept for the profiles.
 """
 
 import math
@@ -31,15 +29,10 @@ NEWTON_ROUNDS = 12
 
 
 def log_likelihood(peaks: np.ndarray, targets: ResponseTargets) -> tuple[np.ndarray, np.ndarray]:
-    """Log-likelihood (q,) of sequences by their peaks (q, m) [-], maximal over the spread s, and that spread (q,) [-].
+    """Log-likelihood (q,) of the peaks (q, m) [-] of sequences, maximal over the spread s, and that spread (q,) [-].
 
-    The peaks are theta_max/alpha_c on the m blocks of the targets, inf where overturned; s is at least
-    :data:`SMALLEST_SPREAD`. Of a block that a sequence overturns only "at least 1" is known; a target takes the value
-    from there up that suits it best.
-
-    References
-    ----------
-    Olsen, R. J. (1978), Econometrica 46(5), 1211-1215, doi:10.2307/1911445.
+    A block that a sequence overturns (inf) reaches at least 1: a target takes the value from there up that suits it
+    best (Olsen 1978, doi:10.2307/1911445).
     """
     number = targets.residuals(peaks)[:, targets.number]
     with np.errstate(divide="ignore"):
@@ -106,8 +99,8 @@ class SearchSpace:
     def asked_for(self, points: np.ndarray) -> np.ndarray:
         """I (q,) [m/s] that the targets ask for at the I_s/I and main count of (q, 4) points, in closed form.
 
-        Many secondary impulses let the N-th half-cycle peak as if it had started with v = (I/I_1c) [1 - sigma/2 + (1 -
-        sigma) (C + ... + C^(N-1))] (F4 of the sequence's limit), so a target v I_1c asks for that I; here their median.
+        With many secondary impulses the N-th half-cycle peaks as if it had started with v = (I/I_1c) [1 - sigma/2 + (1
+        - sigma) (C + ... + C^(N-1))], so a target v I_1c asks for that I; here the median of all.
         """
         ratio, count = points[:, RATIO, np.newaxis], points[:, MAIN_COUNT, np.newaxis]
         c = np.minimum(self.restitutions, 1.0 - 1e-9)
@@ -145,11 +138,9 @@ class SearchSpace:
 
 
 def search_space(targets: ResponseTargets, start: ImpulseSequence | None, spacing: str) -> SearchSpace:
-    """The space for a set of targets, with I around the demands of the targets.
+    """The space for targets and the duration of a start, whose other parameters widen the limits.
 
-    The duration of `start` is that of all sequences; without it main impulses are limited by their number only. Its
-    other parameters widen the limits. A peak x is reached by the velocity v = sqrt(1 - (1 - x)^2) (Eq. 6), so the
-    demand on a block is v I_1c.
+    A peak x is reached by the velocity v = sqrt(1 - (1 - x)^2) (Eq. 6), so the demand on a block is v I_1c.
     """
     peak = np.minimum(targets.peaks[targets.number], 1.0)
     demands = np.sqrt(1.0 - (1.0 - peak) ** 2) * np.asarray(targets.blocks.critical_impulse)[targets.number]
@@ -236,11 +227,7 @@ def explore(
     rng: np.random.Generator,
     threads: int | None = None,
 ) -> Explored:
-    """Find the likeliest sequence and fill the region of those that are about as likely.
-
-    `start` (4,), if given, is among the candidates from the first. `enough` is the deviance of the last round: less
-    likely points have no more offspring. The answer does not depend on the number of threads.
-    """
+    """Find the likeliest sequence, from a `start` (4,), and those within the deviance `enough` of it."""
     explored = Explored(targets, space, threads)
     # The start itself first: differential evolution maps it to the unit cube and back, which costs a bit.
     if start is not None:
