@@ -88,7 +88,7 @@ class TieSettings(_OfModel):
 
 @dataclass(frozen=True)
 class FloorSettings(Section):
-    """A mode of the building that a body stands on, as :func:`rocking.floor_motion` has it; `mass` is of the floor.
+    """A mode of the building under a body, as :func:`rocking.floor_motion` has it, with the mass of the floor.
 
     `level` is its height over that of the building [-], which a check of codes asks for.
     """
@@ -281,14 +281,7 @@ class BlockSettings(Section):
             raise ConfigError(f"{self.where}: {doubt}, or set confirm_size = true in its [[block]]")
 
     def block(self) -> Block:
-        """The model's block, with half sizes; one lane, or one per restitution of a list. Its remarks are logged.
-
-        Raises
-        ------
-        ConfigError
-            Where the model refuses it (Housner's restitution for a body squatter than 0.707, a radius that no body of
-            this p has).
-        """
+        """The model's block, one lane or one per restitution of a list, its warnings logged; ConfigError if refused."""
         from rocking import Block
 
         common: dict[str, Any] = {name: self[name] for name in ("restitution", "gravity", "one_sided", "rebound")}
@@ -312,13 +305,7 @@ class BlockSettings(Section):
         return block
 
     def with_pedestals(self) -> dict[str, Block]:
-        """The body as one with its first pedestal, with the first two and so on, by their names.
-
-        Raises
-        ------
-        ConfigError
-            Without a mass, or where it stands over the edge of a pedestal.
-        """
+        """The body as one with its first pedestal, with the first two..., by name; ConfigError without a mass."""
         from rocking.body.supports import with_pedestal
 
         found: dict[str, Block] = {}
@@ -372,16 +359,7 @@ def _doubt(block: BlockSettings) -> str:
 
 
 def parse_block_option(option: str, confirm_size: bool = False) -> BlockSettings:
-    """A block from the command line, ``NAME=WIDTHxHEIGHT`` with full sizes in m; a ConfigError for any other text.
-
-    A size that is doubted is refused too, unless it is confirmed.
-
-    Examples
-    --------
-    >>> block = parse_block_option("pier=0.8x3.2")
-    >>> block.name, block.width, block.height
-    ('pier', 0.8, 3.2)
-    """
+    """A block from ``NAME=WIDTHxHEIGHT`` with full sizes in m; ConfigError for other texts and doubted sizes."""
     name, equals, size = option.rpartition("=")
     width, times, height = size.lower().partition("x")
     if not (equals and times):

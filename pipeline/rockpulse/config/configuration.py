@@ -1,8 +1,4 @@
-"""The configuration of an assessment: a strict TOML file, or the same sections built in Python.
-
-Unknown sections and keys, wrong types and wrong words are errors that name file, key, what was found and what is
-allowed. TOML has no null: an omitted key whose default is "none" is None.
-"""
+"""The configuration of an assessment: a strict TOML file, or the same sections built in Python."""
 
 import dataclasses
 import os
@@ -153,15 +149,7 @@ def _require_different(heading: str, names: list[str]) -> None:
 
 
 def located(path: str, folder: Path) -> Path:
-    """A file, folder or pattern that counts from a folder, as it is found from elsewhere.
-
-    An absolute path stays as it is. The name of the folder is no pattern, whatever characters it holds.
-
-    Examples
-    --------
-    >>> located("*.AT2", Path("site [old]")).as_posix()
-    'site [[]old]/*.AT2'
-    """
+    """A path or pattern that counts from a folder, as found from elsewhere; the folder's name is no pattern."""
     found = folder / path
     return Path(escape(str(folder))) / path if has_magic(path) and not os.path.lexists(found) else found
 

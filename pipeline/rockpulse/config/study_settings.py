@@ -252,13 +252,7 @@ class ReportSettings(Section):
 
 
 def logo_bytes(report: ReportSettings, folder: Path) -> bytes:
-    """The logo, whose path counts from a folder; empty without one.
-
-    Raises
-    ------
-    ConfigError
-        For a file that is not there, is larger than `LOGO_LIMIT`, or is no PNG.
-    """
+    """The logo, whose path counts from a folder, or empty; ConfigError for one too large, not there, or no PNG."""
     if report.logo is None:
         return b""
     path = folder / report.logo

@@ -1,8 +1,7 @@
 """Conditioning of a record: baseline, zero-phase filter, sampling interval; every step asked for and written down.
 
 .. note:: By default a processed volume is left as it is, and no record is filtered: a high-pass takes away part of the
-   one-sided impulses near the fault, which overturn blocks. Where a filter is applied, the PGV and the largest
-   half-wave impulse before and after stand in ``Record.processing``.
+   one-sided impulses near the fault, which overturn blocks.
 """
 
 import logging
@@ -80,8 +79,7 @@ def condition(
     resample_s : float, optional
         New sampling interval [s].
     pre_event_s : float, optional
-        Length of the pre-event window from the first sample [s], wherever a pre-event mean is taken; by default it is
-        found.
+        Length of the pre-event window from the first sample [s]; by default it is found.
 
     Returns
     -------
@@ -99,19 +97,14 @@ def condition(
     Notes
     -----
     *Pre-event window.* S(T) is the energy of the first T seconds about their own mean, which never falls with T. The
-    window ends where S reaches 1e-6 of its value for the whole record, and is refused below 1 s. Shaking that fills
-    less than half of it moves its mean by at most sqrt(S/T): against a strong phase as long as the window, 0.1 % of the
-    rms acceleration.
+    window ends where S reaches 1e-6 of its value for the whole record, and is refused below 1 s.
 
-    *Filter.* The record is tapered, padded with zeros at both ends and cut to its old length afterwards. The pads are
-    1.5 n/f long (Boore 2005; n the order of a pass, f the lowest corner): by then the slowest pole, which decays as
-    exp(-2 pi f sin(pi/(2 n)) t), is below 1e-4 for n = 1 and below 2e-6 for n = 2 to 10. The filtered motion in the
-    pads is lost with them: the cut record starts from zero velocity, while the padded one has by then the velocity that
-    the note states.
+    *Filter.* The record is tapered, padded with 1.5 n/f of zeros at both ends (Boore 2005; n the order of a pass, f the
+    lowest corner) and cut to its old length afterwards: the cut record starts from zero velocity, while the padded one
+    has by then the velocity that the note states.
 
     *Resampling.* Polyphase, with a Kaiser low-pass of 100 dB that passes up to 0.8 of the lower one of the two Nyquist
-    frequencies and stops from it on, so that a coarser record has no aliases. The first sample keeps its time. The line
-    between the first and the last sample is left out of the filter, so that an offset makes no steps at the ends.
+    frequencies and stops from it on, so that a coarser record has no aliases. The first sample keeps its time.
 
     References
     ----------

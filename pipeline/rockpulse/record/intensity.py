@@ -1,8 +1,7 @@
 """Measures of a record, and its intense phase (Arias 1970; Trifunac & Brady 1975; Bolt 1973; Housner 1952).
 
-.. note:: The record is linear between its samples, and every integral, extremum and crossing here is exact for that
-   record. Velocities start from zero at the first sample and take the baseline as the record has it: condition the
-   record first.
+.. note:: The record is linear between its samples, and every integral, extremum and crossing is exact for it.
+   Velocities start from zero at the first sample: condition the record first.
 """
 
 import math

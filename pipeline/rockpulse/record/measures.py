@@ -1,8 +1,7 @@
-"""The intensity measures of a ground motion, one row each: all that any part of the program knows of them.
+"""The intensity measures of a ground motion: a measure is added as a row here and nowhere else.
 
-.. note:: Demands, hazards, fragility, the scaling of records, the stored variables and the configuration's template are
-   made from these rows: a measure is added here and nowhere else. E is the exponentially weighted impulse of
-   :mod:`rocking.march.demand`; its lobes are the largest abs(E) between two changes of sign, up to 16 of them.
+.. note:: E is the exponentially weighted impulse of :mod:`rocking.march.demand`; its lobes are the largest abs(E)
+   between two changes of sign, up to 16 of them.
 """
 
 from __future__ import annotations

@@ -259,9 +259,8 @@ def record_id(
 ) -> str:
     """``NET.STA.LOC.CHA@YYYYMMDDTHHMMSS``, or ``<stem>.<channel>`` where station or time is unknown.
 
-    Letters and digits of any alphabet stay, and ``_ . @ ~ -``; everything else becomes ``_``. The `number` of the
-    channel in the file, from 1, stands in for an empty `channel`. The stem is the name of the file without its last
-    extension.
+    The `number` of the channel in the file stands in for an empty one; all but letters, digits and ``_ . @ ~ -``
+    becomes ``_``.
     """
     text = f"{stem}.{channel or number}"
     if station and start_time is not None:

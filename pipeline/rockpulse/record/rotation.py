@@ -1,8 +1,8 @@
 """A pair of horizontal channels on the same samples, its motion in any direction, and its strongest direction.
 
-.. note:: Azimuths are in degrees, clockwise from north. The ground acceleration is a vector x; a channel that faces the
-   azimuth z records x . u(z), u = (cos z, sin z) to the north and east. Two channels that are not parallel give x, and
-   with it the motion in the direction psi:
+.. note:: Azimuths are in degrees, clockwise from north. A channel that faces the azimuth z records x . u(z), u = (cos
+   z, sin z) to the north and east. Two channels that are not parallel give the vector x, and the motion in direction
+   psi
 
        a(psi) = [a_1 sin(z_2 - psi) + a_2 sin(psi - z_1)]/sin(z_2 - z_1)
 
@@ -159,13 +159,7 @@ def strongest_azimuth(
 
 
 def rotated_component(azimuth: float) -> str:
-    """The component of a record that was turned to an azimuth [degrees].
-
-    Examples
-    --------
-    >>> rotated_component(45.0)
-    '45 degrees, rotated'
-    """
+    """The component of a record that was turned to an azimuth [degrees]: "45 degrees, rotated"."""
     return f"{azimuth:g} degrees, rotated"
 
 
@@ -238,9 +232,8 @@ def condition_pair(pair: Pair, **options: Any) -> Pair:
 
     Notes
     -----
-    Every step of the conditioning is linear in the samples but the search for the pre-event window. Both channels get
-    the shorter one of the two that are found, or the mean where that is below 1 s, so that the channels may be
-    conditioned and then rotated or rotated and then conditioned in this way, with the same result but for rounding.
+    Both channels get the shorter one of the two pre-event windows that are found, or the mean where that is below 1 s:
+    so every step is linear in the samples, and channels may be conditioned before or after they are rotated.
     """
     check_angle(pair)
     if pair.first.processed != pair.second.processed:

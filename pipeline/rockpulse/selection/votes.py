@@ -1,16 +1,10 @@
-"""One shaking, one vote: of several records of one motion, the one that is assessed.
-
-The raw and the processed volume of a record, the sensors at the surface and at depth, two sensors of one station: each
-records the same shaking, which must not count twice in what is said of a set of records.
+"""Duplicate selection: of several records of one motion, the one that is assessed.
 
 .. note:: Two records are of one motion if network and station are the same, they have at least half of the shorter one
    in common in time, and they face the same direction within 5 degrees, opposite senses being one, or are both
    vertical. Where pairs are rotated, a pair holds the motion in every direction. Without station, start time or
-   direction nothing is of one motion with anything; on a structure only what stands at the same place.
-
-   The choice is among volumes, so that the channels of a pair and their vertical one come from one: the channels that
-   one instrument recorded together, in one file or in files of one folder. Whether a record can be used at all is known
-   when it is read: where the processed volume was refused, the raw one votes.
+   direction a record has no duplicate; on a structure only one at the same place. The choice is among volumes (the
+   channels that one instrument recorded together), so that the channels of a pair and their vertical come from one.
 """
 
 import math
@@ -39,19 +33,14 @@ def one_vote_each(
     failures: Iterable[Failure] = (),
     advice: str = "[records] keep with this id assesses both",
 ) -> tuple[list[Record], list[Failure]]:
-    """The records that are assessed, one of each motion, in the order given; of the samples only their number is asked.
+    """The records that are assessed, one of each motion, in the order given, and rows for the others.
 
-    Volumes vote in this order: at the surface before at depth; those whose horizontal channels can all be used; where
-    ``[records] components`` asks for pairs, those with a pair; where ``include_vertical`` asks for it, those with a
-    vertical channel; processed before perhaps processed before raw; the higher sampling rate; the longer; the first by
-    path. A direction that no other volume has votes in any case. A vertical channel goes with the horizontal ones of
-    its volume. A dead channel, and one whose peak was read as hardly an earthquake's and that ``[records] confirm``
-    does not confirm, make no pair, do not count as a vertical channel, and yield to any other of their motion.
-
-    The others are rows of the kinds "depth", for one recorded deeper than the one that votes, and "duplicate". Records
-    that fit ``[records] keep`` are assessed beside the one that votes. A pattern that fits none is an error, or a row
-    where `failures` tell of files that could not be read, as by :func:`unmatched_patterns`. Each row of a record ends
-    with `advice`, which is empty where no settings can be given.
+    Volumes are preferred in this order: at the surface before at depth; those whose horizontal channels can all be
+    used; where ``[records] components`` asks for pairs, those with a pair; where ``include_vertical`` asks for it,
+    those with a vertical channel; processed before perhaps processed before raw; the higher sampling rate; the longer;
+    the first by path. A dead channel, and one with an odd peak that is not confirmed, make no pair and yield to any
+    other of their motion. Records that fit ``[records] keep`` are assessed beside the one chosen. Each row ends with
+    `advice`.
     """
     settings = settings or RecordSettings()
     rows = unmatched_patterns("[records] keep", settings.keep, [record.id for record in records], failures)
@@ -71,10 +60,7 @@ def one_vote_each(
 def unmatched_patterns(
     option: str, patterns: Sequence[str], ids: Sequence[str], failures: Iterable[Failure] = ()
 ) -> list[Failure]:
-    """A row where patterns of an option fit no id, but by the failures of reading files are missing; else ConfigError.
-
-    The option is named as the user gave it, as "[records] keep".
-    """
+    """A row where patterns of an option fit no id and files are missing; ConfigError if every file was read."""
     idle = [pattern for pattern in patterns if not any(id_matches(name, [pattern]) for name in ids)]
     if not idle:
         return []
