@@ -100,12 +100,7 @@ class Bodies:
 
 
 def gather_bodies(blocks: Blocks, records: RecordSettings | None = None) -> Bodies:
-    """Line up the bodies of a configuration, or those that Python gives.
-
-    A Block of shape (c,) stands for c restitution values of one body. A ConfigError without any body, with restitution
-    lists of different lengths, a Block whose sizes differ among its lanes, bodies in different gravity, or one with a
-    direction of its own where the settings of the records are given and ask for no pairs.
-    """
+    """Line up the bodies of a configuration or Python, a Block (c,) as c restitutions of one; ConfigError if none."""
     bodies = list(given_bodies(blocks))
     if records is not None:
         require_pairs([one for _, one in bodies if isinstance(one, BlockSettings)], records)

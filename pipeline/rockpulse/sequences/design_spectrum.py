@@ -50,17 +50,11 @@ class DesignSpectrum:
     main_count: np.ndarray
 
     def covers(self, block: Block) -> np.ndarray:
-        """True, (m,), for the blocks that the spectrum stands for.
-
-        They are free-standing and symmetric, of a slenderness of at least 3.5, p and C within those of the spectrum.
-        """
+        """True, (m,), for free, symmetric blocks of slenderness 3.5 and more, inside the p and C of the spectrum."""
         return within(block.lanes(), self.p, self.restitution)
 
     def effective_impulse(self, block: Block) -> np.ndarray:
-        """S at the p and C of each block, (m,) [m/s]; ln S is linear in ln p and in C.
-
-        Raises ValueError for blocks that the spectrum does not cover (:meth:`covers`).
-        """
+        """S at the p and C of each block, (m,) [m/s], ln S linear in ln p and C; ValueError outside."""
         one = block.lanes()
         outside = np.flatnonzero(~self.covers(one))
         if outside.size:

@@ -11,19 +11,8 @@ from rockpulse.errors import ConfigError
 from rockpulse.record.half_wave import half_waves
 from rockpulse.record.intensity import intense_phase
 from rockpulse.record.record import Record
+from rockpulse.sequences import response_posterior as posterior
 from rockpulse.sequences.estimators import calibrate
-from rockpulse.sequences.response_posterior import (
-    PARAMETERS,
-    correlations,
-    deviance_threshold,
-    flat_ends,
-    independent_share,
-    intervals,
-    main_counts,
-    parameter_values,
-    profiles,
-    sample_posterior,
-)
 from rockpulse.sequences.response_result import ResponseCalibration, remarks
 from rockpulse.sequences.response_search import explore, search_space, start_point
 from rockpulse.sequences.response_targets import (
@@ -157,30 +146,30 @@ def fit_sequence(
     """The likeliest sequence of targets; without `start` main impulses are limited by their number only."""
     space = search_space(targets, start, spacing)
     point = None if start is None or start.main == 0.0 else start_point(space, start)
-    threshold = deviance_threshold(int(np.count_nonzero(targets.number)), confidence)
+    threshold = posterior.deviance_threshold(int(np.count_nonzero(targets.number)), confidence)
     explored = explore(targets, space, point, 4.0 * threshold, rng, threads)
     likeliest = explored.points[np.argmax(explored.likelihood)]
-    independent, correlation = independent_share(targets, explored.peaks(likeliest[np.newaxis]).ravel())
-    posterior = sample_posterior(explored, rng, independent)
-    limits = intervals(space, posterior, confidence)
-    ends = flat_ends(explored, threshold, independent)
-    curves = profiles(explored, independent)
+    independent, correlation = posterior.independent_share(targets, explored.peaks(likeliest[np.newaxis]).ravel())
+    samples = posterior.sample_posterior(explored, rng, independent)
+    limits = posterior.intervals(space, samples, confidence)
+    ends = posterior.flat_ends(explored, threshold, independent)
+    curves = posterior.profiles(explored, independent)
     flat = tuple(name for name, (low, high) in ends.items() if low and high and np.all(curves[name][1] <= threshold))
-    best = explored.best(limits, parameter_values(space, explored.points))
+    best = explored.best(limits, posterior.parameter_values(space, explored.points))
     sequence = space.sequence(explored.points[best])
-    values = parameter_values(space, explored.points[[best]])
+    values = posterior.parameter_values(space, explored.points[[best]])
     peaks = targets.reached(sequence, threads)
     of_start = None if start is None else targets.reached(start, threads)
     calibration = ResponseCalibration(
         record_id=record_id,
         form="fit",
         sequence=sequence,
-        parameters={name: values[name].item() for name in PARAMETERS},
+        parameters={name: value.item() for name, value in values.items()},
         intervals=limits,
-        main_counts=main_counts(posterior),
+        main_counts=posterior.main_counts(samples),
         profiles=curves,
         flat=flat,
-        correlations=correlations(space, posterior),
+        correlations=posterior.correlations(space, samples),
         misfit=targets.misfit(peaks).item(),
         unsafe_share=targets.short_of(peaks).item(),
         spread=float(explored.spread[best]),
@@ -190,7 +179,7 @@ def fit_sequence(
         start_misfit=np.nan if of_start is None else targets.misfit(of_start).item(),
         start_unsafe_share=np.nan if of_start is None else targets.short_of(of_start).item(),
         confidence=confidence,
-        effective_samples=posterior.effective,
+        effective_samples=samples.effective,
         candidates=len(explored.likelihood),
         independent_share=independent,
         neighbour_correlation=correlation,

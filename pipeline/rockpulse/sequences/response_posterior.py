@@ -22,22 +22,16 @@ from rockpulse.sequences.response_targets import ResponseTargets
 #: Powers of the likelihood from round to round: the first proposals are wider than the posterior.
 TEMPERED = (0.2, 0.4, 0.7, 1.0, 1.0, 1.0)
 
-#: Effective samples from which on the sampling ends, and most rounds that are added to reach them. With fewer than 50
-#: a narrow mode had been met by one or two candidates, which then were the whole posterior.
-ENOUGH, ADDED = 200.0, 12
-
-#: Candidates a round, and centres of the kernels they are drawn from.
-DRAWN, CENTRES = 512, 192
+#: Effective samples that end the sampling (with fewer than 50 one or two candidates were the whole posterior), and most
+#: rounds that are added to reach them; candidates a round, and centres of the kernels they are drawn from.
+ENOUGH, ADDED, DRAWN, CENTRES = 200.0, 12, 512, 192
 
 #: Probability of the steps in the number of main impulses; 0 at last.
 COUNT_STEPS = {-1: 0.15, 0: 0.7, 1: 0.15}
 
-#: Widths of the kernels over the standard deviations of the cloud of their number of main impulses. Silverman's 0.45
-#: for three dimensions is for smooth densities: narrow ones follow the edges, wide ones leave no holes.
-WIDTHS = (0.25, 0.75)
-
-#: Share of a kernel's width that is never gone below, of the searched range.
-NARROWEST = 1e-4
+#: Widths of the kernels over the standard deviations of the cloud of their number of main impulses (Silverman's 0.45 is
+#: for smooth densities: narrow ones follow the edges, wide ones leave no holes), and the least share of the range.
+WIDTHS, NARROWEST = (0.25, 0.75), 1e-4
 
 #: Names, units and words of the parameters.
 PARAMETERS = {
@@ -126,21 +120,15 @@ def sample_posterior(explored: Explored, rng: np.random.Generator, share: float 
     mean of all their densities (the balance heuristic, Veach & Guibas 1995). Only samples inside the space are
     returned.
     """
-    space = explored.space
-    points = explored.points
-    log_weights = share * explored.likelihood
+    space, points, log_weights = explored.space, explored.points, share * explored.likelihood
     kernels: list[_Kernels] = []
     drawn, likelihood, densities = np.empty((0, points.shape[1])), np.empty(0), np.empty(0)
     for power in (*TEMPERED, *[1.0] * ADDED):
         kernels.append(_Kernels(points, _normal(power * log_weights), explored, rng))
         candidates = kernels[-1].draw(rng)
         candidates = candidates[np.all((candidates >= space.low) & (candidates <= space.high), axis=1)]
-        densities = np.concatenate(
-            [
-                np.logaddexp(densities, kernels[-1].log_density(drawn)),
-                logsumexp([one.log_density(candidates) for one in kernels], axis=0),
-            ]
-        )
+        here = logsumexp([one.log_density(candidates) for one in kernels], axis=0)
+        densities = np.concatenate([np.logaddexp(densities, kernels[-1].log_density(drawn)), here])
         drawn = np.concatenate([drawn, candidates])
         likelihood = np.concatenate([likelihood, explored.try_points(candidates)])
         points, log_weights = drawn, share * likelihood - densities
@@ -157,12 +145,8 @@ def _normal(log_weights: np.ndarray) -> np.ndarray:
 def parameter_values(space: SearchSpace, points: np.ndarray) -> dict[str, np.ndarray]:
     """(q,) values of each parameter of (q, 4) points; dT is NaN where the spacing has none."""
     interval = np.exp(points[:, INTERVAL]) if space.spacing != "continuous" else np.full(len(points), np.nan)
-    return {
-        "main": space.main(points),
-        "ratio": points[:, RATIO],
-        "interval": interval,
-        "main_count": np.rint(points[:, MAIN_COUNT]),
-    }
+    values = space.main(points), points[:, RATIO], interval, np.rint(points[:, MAIN_COUNT])
+    return dict(zip(PARAMETERS, values, strict=True))
 
 
 def _scale(name: str, values: np.ndarray) -> np.ndarray:

@@ -21,11 +21,9 @@ from scipy.stats import qmc
 from rocking.impulses.impulse_sequence import ImpulseSequence
 from rockpulse.sequences.response_targets import ResponseTargets
 
-#: No sequence is taken to be better than this [-]: 1 % of a peak.
-SMALLEST_SPREAD = 0.01
-
-#: Rounds of Newton's iteration; it converges quadratically from the spread of the numbers alone.
-NEWTON_ROUNDS = 12
+#: No sequence is taken to be better than this [-], 1 % of a peak; rounds of Newton's iteration, which converges
+#: quadratically from the spread of the numbers alone.
+SMALLEST_SPREAD, NEWTON_ROUNDS = 0.01, 12
 
 
 def log_likelihood(peaks: np.ndarray, targets: ResponseTargets) -> tuple[np.ndarray, np.ndarray]:
@@ -57,17 +55,12 @@ def log_likelihood(peaks: np.ndarray, targets: ResponseTargets) -> tuple[np.ndar
 #: Columns of a point: ln of I over what the targets ask for, I_s/I [-], ln dT [s], number of main impulses.
 OFFSET, RATIO, INTERVAL, MAIN_COUNT = range(4)
 
-#: Largest number of main impulses, unless the start has more [-].
-MOST_MAIN = 20
-
-#: Secondary intervals that are searched [s], widened to the start: half-waves of 10 Hz to 0.25 Hz.
-INTERVALS = (0.05, 2.0)
+#: Largest number of main impulses [-], and secondary intervals [s] (half-waves of 10 Hz to 0.25 Hz), unless the start
+#: widens them; and range in which I is searched about the value that the targets ask for, as ln.
+MOST_MAIN, INTERVALS, OFFSETS = 20, (0.05, 2.0), (-1.0, 1.0)
 
 #: Largest I_s/I by spacing: above it the closed form stands for no motion of the block (ground contact).
 LARGEST_RATIO = {"start": 2.0 / 3.0, "middle": 6.0 / 7.0}
-
-#: Range in which I is searched about the value that the targets ask for, as ln.
-OFFSETS = (-1.0, 1.0)
 
 #: Differential evolution: candidates a generation for each parameter, most generations, spread of ln L to stop at.
 POPULATION, GENERATIONS, SETTLED = 10, 15, 0.05
@@ -76,13 +69,9 @@ POPULATION, GENERATIONS, SETTLED = 10, 15, 0.05
 SURVEY, CANDIDATES, ROUNDS = 512, 256, 20
 
 #: Parents of the first round: points less likely than the best by this deviance; it falls in equal ratios to the last.
-WIDEST = 300.0
-
-#: Cells of the space in which the best candidate is kept as a parent: of I_s/I and dT, for each main count.
-CELLS = (16.0, 12.0)
-
-#: Steps of a candidate from its parent, as shares of the difference of two other points and of the likely range.
-STEPS = (0.1, 0.3, 1.0)
+#: The best of every cell of I_s/I and dT, for each main count, is a parent. Steps of a candidate from it, as shares of
+#: the difference of two other points and of the likely range.
+WIDEST, CELLS, STEPS = 300.0, (16.0, 12.0), (0.1, 0.3, 1.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -126,8 +115,9 @@ class SearchSpace:
     def sequence(self, point: np.ndarray) -> ImpulseSequence:
         """One sequence of a (4,) point."""
         many = self.sequences(point[np.newaxis])
-        names = ("main", "secondary", "interval", "main_count")
-        numbers = {name: np.ravel(getattr(many, name)).item() for name in names}
+        numbers = {
+            name: np.ravel(getattr(many, name)).item() for name in ("main", "secondary", "interval", "main_count")
+        }
         return ImpulseSequence(**numbers, duration=self.duration, spacing=self.spacing)
 
     def point(self, main: float, ratio: float, interval: float, main_count: int) -> np.ndarray:
@@ -144,11 +134,9 @@ def search_space(targets: ResponseTargets, start: ImpulseSequence | None, spacin
     """
     peak = np.minimum(targets.peaks[targets.number], 1.0)
     demands = np.sqrt(1.0 - (1.0 - peak) ** 2) * np.asarray(targets.blocks.critical_impulse)[targets.number]
-    shortest, longest = INTERVALS
-    most = MOST_MAIN
+    (shortest, longest), most = INTERVALS, MOST_MAIN
     if start is not None:
-        interval = float(start.interval)
-        if np.isfinite(interval):
+        if np.isfinite(interval := float(start.interval)):
             shortest, longest = min(shortest, interval), max(longest, interval)
         most = max(most, int(start.main_count or 0))
     low = np.array([OFFSETS[0], 0.0, np.log(shortest), 1.0])
@@ -175,13 +163,11 @@ def start_point(space: SearchSpace, start: ImpulseSequence) -> np.ndarray:
 
 
 class Explored:
-    """All candidates of a space that were tried, with their likelihood under the targets."""
+    """All k candidates of a space that were tried: points (k, 4), log-likelihoods (k,) and likeliest spreads (k,)."""
 
     def __init__(self, targets: ResponseTargets, space: SearchSpace, threads: int | None) -> None:
         self.targets, self.space, self.threads = targets, space, threads
-        self._points: list[np.ndarray] = []
-        self._likelihood: list[np.ndarray] = []
-        self._spread: list[np.ndarray] = []
+        self.points, self.likelihood, self.spread = np.empty((0, 4)), np.empty(0), np.empty(0)
 
     def peaks(self, points: np.ndarray) -> np.ndarray:
         """(q, m) peaks of (q, 4) points [-]."""
@@ -190,25 +176,10 @@ class Explored:
     def try_points(self, points: np.ndarray) -> np.ndarray:
         """(q,) log-likelihoods of (q, 4) points, which are kept."""
         likelihood, spread = log_likelihood(self.peaks(points), self.targets)
-        self._points.append(points)
-        self._likelihood.append(likelihood)
-        self._spread.append(spread)
+        self.points = np.concatenate([self.points, points])
+        self.likelihood = np.concatenate([self.likelihood, likelihood])
+        self.spread = np.concatenate([self.spread, spread])
         return likelihood
-
-    @property
-    def points(self) -> np.ndarray:
-        """(k, 4) all points."""
-        return np.concatenate(self._points)
-
-    @property
-    def likelihood(self) -> np.ndarray:
-        """(k,) their log-likelihoods."""
-        return np.concatenate(self._likelihood)
-
-    @property
-    def spread(self) -> np.ndarray:
-        """(k,) their most likely spreads [-]."""
-        return np.concatenate(self._spread)
 
     def best(self, limits: dict[str, tuple[float, float]], values: dict[str, np.ndarray]) -> int:
         """Index of the likeliest candidate within limits, or of the first one, the start, where that is likelier."""

@@ -105,7 +105,7 @@ class Rule:
         )
 
     def sequence(self, waves: HalfWaves, block: Block) -> ImpulseSequence:
-        """The impulse sequences that stand for a record on (m,) blocks, spacing "continuous", main impulse 0 if not lifted.
+        """The impulse sequences that stand for a record on (m,) blocks, spacing "continuous"; 0 if not lifted.
 
         For ``sequence_response(..., paired=True)``. In the limit n -> infinity (VALIDATION F4) half-cycle i is decided
         by v_i = u_1 [(1 - sigma) S_i + sigma/2], S_i = (1 - C^i)/(1 - C), which grows with i. So N main impulses
