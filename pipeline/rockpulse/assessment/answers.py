@@ -45,7 +45,7 @@ class Motions:
 
     @property
     def event_count(self) -> int:
-        """Number of earthquakes that are known to be others; one where none is known."""
+        """Number of different earthquakes; one where none is known."""
         return _others(self.events)
 
     def kept(self, left_out: np.ndarray) -> np.ndarray:
@@ -94,7 +94,7 @@ class Motions:
 
 
 def _others(events: list[str]) -> int:
-    """Number of earthquakes that are known to be others; one where none is known, 0 where there is none."""
+    """Number of different earthquakes; one where none is known, 0 where there is none."""
     return len({event for event in events if event != UNKNOWN}) or len(set(events))
 
 

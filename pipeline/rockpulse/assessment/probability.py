@@ -29,7 +29,6 @@ ENDS = ("", "_low", "_high")
 #: Probability of uplift at the largest factor below which a body counts as one that never moves.
 NEVER = 1e-6
 
-
 #: Bodies that a spectrum serves, by the side on which they turn, and the restitutions or rebounds of its lanes.
 SERVED = {0: (LEAST_RESTITUTION, 1.0), 1: REBOUNDS, -1: REBOUNDS}
 
@@ -76,9 +75,8 @@ def _fill(values: dict[str, np.ndarray], scene: Scene, bodies: Bodies, config: C
                 rows[name + end][places] = getattr(factors, own + end)
 
     still = slender & (1.0 - uncertainty.below(lifting - np.log(limit)) < NEVER)
-    nothing = {
-        own.name: np.array(0.0 if own.name.startswith("at_one") else np.inf) for own in fields(OverturningFactors)
-    }
+    names = [own.name for own in fields(OverturningFactors)]
+    nothing = {name: np.array(0.0 if name.startswith("at_one") else np.inf) for name in names}
     put(np.flatnonzero(still), OverturningFactors(**nothing).up_to(limit))
     at_demand[still] = 0.0
     stored = None
@@ -120,7 +118,5 @@ def _ranges(bodies: Bodies, uncertainty: Uncertainty) -> tuple[np.ndarray, np.nd
     """Least and most C of each of b bodies: the ends of its list, or the shares of its one value."""
     restitution = bodies.per_case(np.asarray(bodies.lanes.restitution, dtype=float))
     low, high = restitution.min(axis=1), restitution.max(axis=1)
-    several = low < high
-    return tuple(
-        np.where(several, end, share * end) for end, share in zip((low, high), uncertainty.restitution, strict=True)
-    )
+    least, most = uncertainty.restitution
+    return np.where(low < high, low, least * low), np.where(low < high, high, most * high)

@@ -45,9 +45,9 @@ def direction_statistics(
 
     directions = np.asarray(azimuths, dtype=float)
     measures: dict[str, Any] = {"pair": list(pairs), "direction_azimuth": directions, "record_index": index}
-    for name, measure in ((PGA, swept(PGA)), ("main_impulse", swept("main_impulse"))):
-        largest, at = largest_over(measure)
-        measures |= {f"{name}_median": median_over(measure), f"{name}_largest": largest}
+    for name in (PGA, "main_impulse"):
+        largest, at = largest_over(swept(name))
+        measures |= {f"{name}_median": median_over(swept(name)), f"{name}_largest": largest}
         measures[f"{name}_azimuth"] = _at(directions, at)
 
     peaks, factors = swept("peak_rotation_ratio"), swept("safety_factor")
@@ -104,9 +104,6 @@ def _at(azimuths: np.ndarray, place: np.ndarray) -> np.ndarray:
 #: The one variable that grows with the records and is in no part: a record alone does not tell it.
 EVENT = "/summary/event"
 
-#: Ends the name of every variable that counts records; in a part it is 0.
-RECORD_INDEX = "record_index"
-
 
 def build_tree(
     parts: Sequence[Mapping[str, np.ndarray]],
@@ -154,7 +151,7 @@ def joined_parts(parts: Sequence[Mapping[str, np.ndarray]], records_before: int 
     return {
         path: np.concatenate(
             [part[path] + start for part, start in zip(parts, first, strict=True)]
-            if path.endswith(RECORD_INDEX)
+            if path.endswith("record_index")
             else [part[path] for part in parts]
         )
         for path in parts[0]

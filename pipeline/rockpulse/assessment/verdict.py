@@ -24,11 +24,8 @@ MAY_OVERTURN, OVERTURNS = 0.05, 0.5
 #: Fewest earthquakes of records brought to a demand from which a verdict is given.
 FEWEST_AT_DEMAND = 5
 
-#: What the rounding of a mean may take from a probability [-].
-ROUNDING = 1e-12
-
-#: Probability of uplift below which a body is said to stay at rest [-].
-NEVER_LIFTED = 1e-3
+#: What the rounding of a mean may take from a probability, and that of uplift below which a body stays at rest [-].
+ROUNDING, NEVER_LIFTED = 1e-12, 1e-3
 
 
 class Standing(IntEnum):
@@ -68,7 +65,7 @@ class DemandVerdict:
 
     @property
     def few(self) -> bool:
-        """Whether there is no verdict for want of earthquakes."""
+        """Whether there are too few earthquakes for a verdict."""
         return self.earthquakes < FEWEST_AT_DEMAND
 
 
@@ -206,11 +203,8 @@ def _overturns_at(answers: Answers, demand: str) -> np.ndarray:
 def _doubts(answers: Answers) -> list[tuple[np.ndarray, str]]:
     """Reasons not to rely on an answer by their codes, the gravest last."""
     weaker = (answers["safety_factor"] < 1.0) & (answers["factor_resolved"] == 0)
-    return [
-        (weaker, "weaker"),
-        (answers["applicable"] == 0, "outside"),
-        (answers["outcome"] == Outcome.UNRESOLVED, "unresolved"),
-    ]
+    outside, unresolved = answers["applicable"] == 0, answers["outcome"] == Outcome.UNRESOLVED
+    return [(weaker, "weaker"), (outside, "outside"), (unresolved, "unresolved")]
 
 
 def _governing(factor: np.ndarray, standing: np.ndarray) -> int:

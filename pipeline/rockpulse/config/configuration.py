@@ -31,8 +31,7 @@ class Config:
     ----------
     site, records, conditioning, half_waves, intense_phase, sequence, models, search : Section
     uncertainty, calibration, fragility, hazard, check, report, run : Section
-        One dataclass per section of the TOML file, each usable as keyword arguments: ``condition(record,
-        **config.conditioning)``.
+        One dataclass per section, usable as keyword arguments: ``condition(record, **config.conditioning)``.
     blocks, demands : tuple of BlockSettings, tuple of DemandSettings
         The bodies ([[block]]) and the demands of the site ([[demand]]), in the order of the file.
     folder : Path

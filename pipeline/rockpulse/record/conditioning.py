@@ -181,9 +181,9 @@ def _watched(record: Record) -> Record:
     final = record.dt * float(np.sum(record.acceleration) - 0.5 * (record.acceleration[0] + record.acceleration[-1]))
     peak = pgv(record)
     warnings = tuple(warning for warning in record.warnings if code_of(warning) != "baseline_drift")
-    if abs(final) > DRIFT_SHARE * peak:
-        return _warned(replace(record, warnings=warnings), Remark("baseline_drift", velocity=final, pgv=peak))
-    return record if warnings == record.warnings else replace(record, warnings=warnings)
+    record = record if warnings == record.warnings else replace(record, warnings=warnings)
+    drifts = abs(final) > DRIFT_SHARE * peak
+    return _warned(record, Remark("baseline_drift", velocity=final, pgv=peak)) if drifts else record
 
 
 def _warned(record: Record, warning: Remark) -> Record:
