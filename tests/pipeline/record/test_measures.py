@@ -1,5 +1,7 @@
 """The table of intensity measures: what it computes, and that every part takes its rows."""
 
+from functools import cache
+
 import numpy as np
 
 import rockpulse as rp
