@@ -12,10 +12,10 @@ TIME = DT * np.arange(800)
 STRONG = 0.45 * np.sin(2.0 * np.pi * TIME) * np.exp(-(((TIME - 4.0) / 1.2) ** 2))
 
 
-def write_at2(path, acceleration, component="90"):
+def write_at2(path, acceleration, component="90", event="TEST EVENT"):
     lines = [
         "PEER STRONG MOTION DATABASE RECORD",
-        f"TEST EVENT, STATION A, {component}",
+        f"{event}, STATION A, {component}",
         "ACCELERATION TIME SERIES IN UNITS OF G",
     ]
     lines.append(f"NPTS= {acceleration.size}, DT= {DT:.4f} SEC")

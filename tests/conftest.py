@@ -15,6 +15,15 @@ os.environ.setdefault("NUMBA_CACHE_DIR", str(kernel_cache(Path(rocking.__file__)
 
 
 @pytest.fixture(scope="session")
+def golden(tmp_path_factory, worker_id):
+    """Results of every study on short records, made once a session (tests/golden.py)."""
+    from golden import golden
+
+    base = tmp_path_factory.getbasetemp()
+    return golden((base if worker_id == "master" else base.parent) / "golden")
+
+
+@pytest.fixture(scope="session")
 def samples() -> Path:
     """The sample records that come with the project."""
     return TOP / "data" / "samples" / "records"

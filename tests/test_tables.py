@@ -23,7 +23,6 @@ NO_MODEL = {
     "a section of the configuration": {},
     "the kind of the motions: records, pairs or the sequence of a site": {
         ("rockpulse.assessment.answers", "sequence"),
-        ("rockpulse.views.plots.probability_map", "sequence"),
         ("rockpulse.views.text.verdicts", "sequence"),
     },
     "a file that holds a sequence": {

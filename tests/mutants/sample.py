@@ -12,6 +12,8 @@ draw depends on the seed and on each mutant alone, so that it stays the same whe
 import argparse
 import ast
 import hashlib
+import multiprocessing
+import os
 import sys
 import tempfile
 import tomllib
@@ -24,7 +26,7 @@ from trial import run
 
 HERE = Path(__file__).parent
 MODULES = (
-    *(f"pipeline/rockpulse/{room}/**/*.py" for room in ("record", "readers", "calibration", "sequences", "assessment")),
+    *(f"pipeline/rockpulse/{room}/**/*.py" for room in ("record", "readers", "sequences", "assessment")),
     "pipeline/rockpulse/studies/fragility/**/*.py",
     "pipeline/rockpulse/views/report/verdict.py",
     "pipeline/rockpulse/run/tasks.py",
@@ -32,6 +34,9 @@ MODULES = (
 )
 PICTURES = ("models/rocking/pictures.py",)
 ADDED = tomllib.loads((HERE / "tests.toml").read_text())
+
+#: The default tests, then those that .ci/run adds to them.
+MARKED = ("not slow and not sweep", "sweep and not slow")
 
 #: Time that a mutant gets: this, or as many times the time of its tests without it, and what a test file may take [s].
 SHORTEST, TIMES, LONGEST = 20.0, 3.0, 600.0
@@ -69,12 +74,26 @@ def imported(path: Path) -> frozenset[str]:
 
 
 @cache
-def seconds_of(test: str) -> float:
-    """The time that a test file takes without a mutant [s]; ends the command where it fails."""
-    fate, seconds = run([test], LONGEST, "", "")
+def seconds_of(test: str, marked: str) -> float:
+    """The time that a test file takes without a mutant [s]; RuntimeError if it fails."""
+    fate, seconds = run([test], marked, LONGEST, "", "")
     if fate != "survived":
-        sys.exit(f"these tests fail on the sources as they are: {test}")
+        raise RuntimeError(f"these tests fail on the sources as they are: {test}")
     return seconds
+
+
+def fate_of(mutant: Mutant) -> str:
+    """What becomes of a mutant under the default tests of its module and, if it survives them, under the sweeps."""
+    tests, fate = tests_of(mutant.module), "untested"
+    with tempfile.TemporaryDirectory() as folder:
+        changed = Path(folder, "mutant.py")
+        changed.write_text(mutant.text())
+        for marked in MARKED if tests else ():
+            limit = max(SHORTEST, TIMES * sum(seconds_of(test, marked) for test in tests))
+            fate, _ = run(tests, marked, limit, str(TOP / mutant.module), str(changed))
+            if fate != "survived":
+                break
+    return fate
 
 
 def shuffled(seed: int, only: str) -> list[Mutant]:
@@ -93,21 +112,17 @@ def main() -> int:
     parser.add_argument("--skip", type=int, default=0, help="leave out the first of them: the sample in parts (0)")
     parser.add_argument("--seed", type=int, default=1, help="of the draw (1)")
     parser.add_argument("--only", default="", metavar="TEXT", help="modules whose path has this text")
+    parser.add_argument("--workers", type=int, default=os.cpu_count(), help="mutants at a time (one a core)")
     parser.add_argument("--least", type=float, default=0.9, help="smallest share that the tests have to notice (0.90)")
     given = parser.parse_args()
     counts = Counter[str]()
-    for number, one in enumerate(shuffled(given.seed, given.only)[given.skip : given.count], given.skip + 1):
-        fate, tests = "untested", tests_of(one.module)
-        if tests:
-            with tempfile.TemporaryDirectory() as folder:
-                mutant = Path(folder, "mutant.py")
-                mutant.write_text(one.text())
-                limit = max(SHORTEST, TIMES * sum(map(seconds_of, tests)))
-                fate, _ = run(tests, limit, str(TOP / one.module), str(mutant))
-        counts[fate] += 1
-        print(f"{number:4} {fate:10} {one.module}:{one.number} {one.operator} {one.occurrence}", flush=True)
-        if fate in ("survived", "untested"):
-            print(f"       - {one.line}\n       + {one.changed_line()}", flush=True)
+    drawn = shuffled(given.seed, given.only)[given.skip : given.count]
+    with multiprocessing.get_context("fork").Pool(given.workers) as pool:
+        for number, (one, fate) in enumerate(zip(drawn, pool.imap(fate_of, drawn), strict=True), given.skip + 1):
+            counts[fate] += 1
+            print(f"{number:4} {fate:10} {one.module}:{one.number} {one.operator} {one.occurrence}", flush=True)
+            if fate in ("survived", "untested"):
+                print(f"       - {one.line}\n       + {one.changed_line()}", flush=True)
     share = (counts["died"] + counts["timed out"]) / max(counts.total(), 1)
     print(
         f"{', '.join(f'{count} {fate}' for fate, count in sorted(counts.items()))}: {100.0 * share:.1f} % are noticed"

@@ -24,10 +24,11 @@ SOURCES = [str(TOP / "pipeline"), str(TOP / "models")]
 PATIENCE = 15
 
 
-def run(tests: list[str], limit: float, mutated: str, mutant: str) -> tuple[str, float]:
+def run(tests: list[str], marked: str, limit: float, mutated: str, mutant: str) -> tuple[str, float]:
     """Whether tests see a module read from another file: "died", "survived" or "timed out"; and the time they took.
 
-    Time and limit are those of the processor [s]; a run that waits for something ends, too.
+    Of the tests those run that are `marked`, a marker expression of pytest. Time and limit are those of the processor
+    [s]; a run that waits for something ends, too.
     """
     child = os.fork()
     if child == 0:
@@ -40,7 +41,9 @@ def run(tests: list[str], limit: float, mutated: str, mutant: str) -> tuple[str,
         for stream in (1, 2):
             os.dup2(silence, stream)
         runpy.run_path(str(HERE / "sitecustomize.py"))
-        os._exit(pytest.main(["-x", "-q", "-p", "no:cacheprovider", "--hypothesis-seed=0", *tests]))
+        options = ["-x", "-q", "-p", "no:cacheprovider", "--hypothesis-seed=0", "-m", marked]
+        ended = pytest.main([*options, *tests])
+        os._exit(0 if ended == pytest.ExitCode.NO_TESTS_COLLECTED else ended)
     _, status, used = os.wait4(child, 0)
     ended_by_time = os.WIFSIGNALED(status) and os.WTERMSIG(status) in (signal.SIGXCPU, signal.SIGALRM)
     fate = "timed out" if ended_by_time else "survived" if status == 0 else "died"

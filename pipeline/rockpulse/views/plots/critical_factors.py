@@ -10,11 +10,13 @@ from matplotlib.axes import Axes
 
 from rockpulse.assessment.answers import fullest_model
 from rockpulse.errors import ResultsError
-from rockpulse.model_table import SEQUENCE_MODELS, UPPER_BOUND, SearchSettings, is_full, is_upper_bound
+from rockpulse.model_table import SEQUENCE_MODELS, SearchSettings, is_full, is_upper_bound
 from rockpulse.views.plots import factor_rows, style
-from rockpulse.views.plots.selection import chosen_case, named_body, one_name, setting, table_of_pair
+from rockpulse.views.plots.selection import chosen_case, named_body, one_name, settings_of, table_of_pair
 from rockpulse.views.plots.style import BLACK, GREEN, GREY, RED, SMALL
 from rockpulse.views.shared.notes import factor_name
+from rockpulse.views.shared.terminal import general
+from rockpulse.views.shared.words import listed, named, numerals, say
 
 #: A window in which the block stands again: hatched, and light in grey where it is too narrow for that.
 _AGAIN: dict[str, Any] = {"fc": "#BBDDF3", "ec": BLACK, "lw": 0.0, "hatch": "////", "hatch_linewidth": 0.6}
@@ -69,26 +71,22 @@ def overturning_map(
     rows = list(product(records, blocks, range(1, summary.sizes.get("case", 1) + 1)))
     searched = not is_full(model) or bool(summary["safety_factor"].sel(model=model).notnull().any())
     name = "safety_factor" if searched else "factor_10"
-    factors, resolved, steps, inside = (
-        _of_rows(summary, one, records, blocks, model) for one in (name, "factor_resolved", "search_step", "applicable")
-    )
+    told = (name, "factor_resolved", "search_step", "applicable", "factor_50", "factor_10_low", "factor_10_high")
+    factors, resolved, steps, inside, half, *ends = (_of_rows(summary, one, records, blocks, model) for one in told)
     if np.all(np.isnan(factors)):
         raise ResultsError(f"{model}: no factors in these results: {_SEARCH}")
-    kept, merged, names, note = factor_rows.shown_rows(summary, rows, factors, most)
+    kept, merged, names, notes = factor_rows.shown_rows(summary, rows, factors, most)
     outside = [body for (_, body, _), within in zip(rows, inside, strict=True) if within == 0]
-    end = float(setting(tree, "search", "factor_max", SearchSettings().factor_max))
+    end = settings_of(tree, SearchSettings).factor_max
     asked = factor_rows.factors_to_demands(summary, [one for one, _, _ in rows], [body for _, body, _ in rows], end)
     needed = {demand: factor_rows.asked_of(ticks, kept, merged) for demand, ticks in asked.items()}
-    rows, factors, bound = [rows[place] for place in kept], factors[kept], resolved[kept] == 0
+    rows, factors, half, bound = [rows[place] for place in kept], factors[kept], half[kept], resolved[kept] == 0
     ax = style.one_axes(ax, height=1.5 + factor_rows.ROW * max(len(rows), 3))
-    half, *ends = (
-        _of_rows(summary, one, records, blocks, model)[kept] for one in ("factor_50", "factor_10_low", "factor_10_high")
-    )
     lowest = factor_rows.least(needed, float(np.nanmin(np.where(factors > 0.0, factors, np.nan), initial=1.0)))
     begin = _BELOW * lowest
     for place, (one, body, case) in enumerate(rows):
         if np.isnan(factors[place]):
-            ax.text(1.0, place, " not known", fontsize=SMALL, color=GREY, va="center")
+            ax.text(1.0, place, f" {say('grade.not_known')}", fontsize=SMALL, color=GREY, va="center")
             continue
         at_end = not any(ticks[place] > np.sqrt(end) for ticks in needed.values())  # else under the words
         if searched:
@@ -97,21 +95,20 @@ def overturning_map(
         else:
             factor_rows.probability_bars(ax, place, [factors[place], half[place]], begin, end, at_end)
     if not searched:  # the interval of each factor
-        low, high = (np.clip(one, begin, end) for one in ends)
+        low, high = (np.clip(one[kept], begin, end) for one in ends)
         ax.hlines(np.arange(low.size), low, high, color=BLACK, lw=0.9, zorder=2.5)
-    _smallest(ax, factors, bound & searched, "smallest factor" if searched else factor_name(name))
+    _smallest(ax, factors, bound & searched, say("plot.factor.smallest") if searched else factor_name(name))
     factor_rows.demand_ticks(ax, needed)
     factor_rows.factor_axis(ax, names, begin, end)
-    ax.set_xlabel(f"factor on the {'impulses of the sequence' if model in SEQUENCE_MODELS else 'record'} [-]")
+    ax.set_xlabel(say(f"plot.factor.on_{'sequence' if model in SEQUENCE_MODELS else 'record'}"))
     legend_rows = factor_rows.legend_once(ax, columns=4)
     heading = style.plain(records[0]) if len(records) == 1 else style.plain(blocks[0])
-    style.title(ax, f"{heading}: {style.look(model).label} model", rows=legend_rows)
-    if not searched:
-        told = summary[name].attrs.get("comment", "nonlinear model")
-        words = f"Dashed: the record as it is. Line: interval of 90 %. P, probability of overturning: {told}."
+    style.title(ax, say("plot.factor.title", name=heading, model=style.look(model).label), rows=legend_rows)
+    if searched:
+        notes += _map_notes(model, end, float(np.nanmax(steps, initial=1.0)), outside, bool(np.any(bound)))
     else:
-        words = _map_notes(model, end, float(np.nanmax(steps, initial=1.0)), outside, bool(np.any(bound)))
-    style.caption(ax, " ".join([note + words, *factor_rows.tick_notes(asked)]))
+        notes.append(say("plot.factor.probability", uncertainty=factor_rows.uncertainty_words(tree)))
+    style.caption(ax, " ".join([*notes, *factor_rows.tick_notes(asked)]))
     return ax
 
 
@@ -153,7 +150,7 @@ def critical_scale(
     full = fullest_model(summary)
     leading = full if full in searched else searched[-1]
     order = np.argsort(own["safety_factor"].sel(model=leading).values, kind="stable")[: factor_rows.ROWS]
-    end = float(setting(tree, "search", "factor_max", SearchSettings().factor_max))
+    end = settings_of(tree, SearchSettings).factor_max
     ax = style.one_axes(ax, height=1.6 + factor_rows.ROW * max(order.size, 4))
     shown = own.isel(record=order)
     records = [str(name) for name in shown["record"].values]
@@ -162,14 +159,14 @@ def critical_scale(
     needed = factor_rows.factors_to_demands(summary, records, block, end)
     factor_rows.demand_ticks(ax, needed)
     factor_rows.factor_axis(ax, records, _BELOW * factor_rows.least(needed, min([1.0, *lowest])), end, none_at[-1])
-    ax.set_xlabel(style.wrapped(style.label(own["safety_factor"].attrs), 64))
+    ax.set_xlabel(style.wrapped(style.label(factors), 64))
     legend_rows = factor_rows.legend_once(ax, columns=3)
-    style.title(ax, f"{style.plain(named_body(summary, block, case))}: critical scale of each record", rows=legend_rows)
-    told = [
-        f"{style.look(name).label.capitalize()}: factor of 10 % probability." for name in searched if name in probable
-    ]
+    name = style.plain(named_body(summary, block, case))
+    style.title(ax, say("plot.scale.title", name=name), rows=legend_rows)
     notes = _scale_notes(own, shown, searched, leading, end)
-    style.caption(ax, " ".join([notes, *told, *factor_rows.tick_notes(needed)]))
+    told = [style.look(name).label.capitalize() for name in searched if name in probable]
+    notes += [say("plot.scale.probable", model=model) for model in told]
+    style.caption(ax, " ".join([*notes, *factor_rows.tick_notes(needed)]))
     return ax
 
 
@@ -191,14 +188,14 @@ def _bars(ax: Axes, place: int, found: dict[str, np.ndarray], begin: float, end:
     if not lower.size:
         factor_rows.none_up_to(ax, place, end, at_end)
     for low, high, resolved in zip(lower, upper, found["resolved"], strict=True):
-        words = "overturns" if resolved else "cannot answer: counts as overturning"
+        words = "overturns" if resolved else "no_answer"
         factor_rows.bar(ax, place, low, high, words, lw=0.4, **(_OVERTURNS if resolved else _UNKNOWN))
     for answered, color in ((found["resolved"] != 0, RED), (found["resolved"] == 0, GREY)):
         middle = np.sqrt(lower * upper)[answered]
         ax.vlines(middle, place - factor_rows.HALF, place + factor_rows.HALF, color=color, lw=_THINNEST, zorder=1.5)
     for low, high in zip(upper, [*lower[1:], end], strict=False):
         if low < end:
-            factor_rows.bar(ax, place, low, high, "stands again", **_AGAIN)
+            factor_rows.bar(ax, place, low, high, "stands_again", **_AGAIN)
 
 
 def _smallest(ax: Axes, factors: np.ndarray, bound: np.ndarray, words: str) -> None:
@@ -226,31 +223,34 @@ def _markers(ax: Axes, answers: xr.Dataset, model: str, none_at: float) -> float
     return float(np.min(factor[finite], initial=1.0))
 
 
-def _map_notes(model: str, end: float, step: float, outside: Sequence[str], bound: bool) -> str:
-    as_it_is = "sequence as it was calibrated" if model in SEQUENCE_MODELS else "record as it is"
-    missing = f"; intervals narrower than {100.0 * (step - 1.0):.2g} % may be missing" if step > 1.0 else ""
-    words = [f"Dashed: the {as_it_is}. Searched up to a factor of {end:g}{missing}."]
-    words.append(f"An interval is drawn at least {_THINNEST:g} pt wide.")
-    words += ["Hollow: a lower bound, from there on the model cannot answer."] * bound
+def _map_notes(model: str, end: float, step: float, outside: Sequence[str], bound: bool) -> list[str]:
+    words = style.notes(as_calibrated=model in SEQUENCE_MODELS, as_recorded=model not in SEQUENCE_MODELS)
+    width = numerals(f"{100.0 * (step - 1.0):.2g}")
+    searched = "searched_in_steps" if step > 1.0 else "searched"
+    words.append(say(f"plot.factor.{searched}", factor=general(end), **{"width": width} if step > 1.0 else {}))
+    words.append(say("plot.factor.thinnest", width=general(_THINNEST)))
+    words += style.notes(hollow_bound=bound)
     if outside:
-        words.append(f"Outside the range of the model: {style.plain(style.counted(dict.fromkeys(outside)))}.")
-    return " ".join([*words, *_bounds([model])])
+        names = listed(list(dict.fromkeys(outside)), factor_rows.LISTED)
+        words.append(say("plot.factor.outside", names=style.plain(names)))
+    return words + _bounds([model])
 
 
-def _scale_notes(own: xr.Dataset, shown: xr.Dataset, searched: Sequence[str], leading: str, end: float) -> str:
+def _scale_notes(own: xr.Dataset, shown: xr.Dataset, searched: Sequence[str], leading: str, end: float) -> list[str]:
     rows, every, answers = shown.sizes["record"], own.sizes["record"], shown.sel(model=list(searched))
     values = answers["safety_factor"].values
-    unknown = np.count_nonzero(np.isnan(values))
-    notes = {
-        f"The {rows} smallest factors of {every} records.": rows < every,
-        f"Ordered by the {leading} model. Dashed: the record, or its sequence, as it is.": True,
-        f">{end:g}: none found up to there.": np.isinf(values).any(),
-        "Hollow: outside the range of the model.": (answers["applicable"].values == 0).any(),
-        "Arrow: a lower bound, from there on the model cannot answer.": (answers["factor_resolved"].values == 0).any(),
-        f"Without a mark: not computed ({unknown}).": unknown > 0,
-    }
-    return " ".join([*(words for words, holds in notes.items() if holds), *_bounds(searched)])
+    unknown = int(np.count_nonzero(np.isnan(values)))
+    words = [say("plot.scale.smallest", count=rows, total=every)] if rows < every else []
+    words.append(say("plot.scale.order", model=named(f"models.{leading}", leading)))
+    words += [say("plot.scale.none", factor=general(end))] if np.isinf(values).any() else []
+    words += style.notes(
+        hollow_outside=bool((answers["applicable"].values == 0).any()),
+        arrow=bool((answers["factor_resolved"].values == 0).any()),
+    )
+    words += [say("plot.scale.unknown", count=unknown)] if unknown else []
+    return words + _bounds(searched)
 
 
 def _bounds(models: Sequence[str]) -> list[str]:
-    return [f"{name.capitalize()} is an {UPPER_BOUND}, not a prediction." for name in models if is_upper_bound(name)]
+    names = [say(f"models.{name}") for name in models if is_upper_bound(name)]
+    return [say("plot.factor.upper_bound", name=name.capitalize()) for name in names]

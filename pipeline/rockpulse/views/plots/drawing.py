@@ -32,10 +32,20 @@ from rockpulse.views.plots.model_histories import histories
 from rockpulse.views.plots.objects import block_outlines, bodies, half_wave_impulses, response, two_half_cycles
 from rockpulse.views.plots.probability_map import probability_map
 from rockpulse.views.plots.rotation import rotation_history
-from rockpulse.views.plots.selection import block_of, named_body, one_name, plain_bodies, ragged, sequence_of, setting
+from rockpulse.views.plots.selection import (
+    block_of,
+    named_body,
+    one_name,
+    plain_bodies,
+    ragged,
+    sequence_of,
+    settings_of,
+)
 from rockpulse.views.plots.site import calibration
 from rockpulse.views.plots.spectra import overturning_spectra, rocking_spectrum, spectra_of_results
 from rockpulse.views.shared.facts import Known
+from rockpulse.views.shared.terminal import general
+from rockpulse.views.shared.words import say
 
 #: Most records whose spectra are marched again for a picture, some seconds in all.
 MARCHED = 12
@@ -45,7 +55,7 @@ FIRST = {ASSESSMENT: ("spectrum", "bodies"), FRAGILITY: ("fragility",), SITE_KIN
 
 
 def _pair(tree: xr.DataTree, record: str | None, block: str | None, case: int) -> tuple[str, str, str]:
-    """A record, a block and their title, which tells in a second line what is known of the record in words."""
+    """A record, a block and their title, with a second line on the earthquake, the station and the direction."""
     summary = tree["summary"].to_dataset()
     record, block = one_name(summary, "record", record), one_name(summary, "block", block)
     names = f"{style.plain(record)}, {style.plain(named_body(summary, block, case))}"
@@ -56,8 +66,7 @@ def _limit_accelerogram(
     tree: xr.DataTree, record: str | None = None, block: str | None = None, case: int = 1
 ) -> np.ndarray:
     record, block, name = _pair(tree, record, block, case)
-    body = block_of(tree["summary"].to_dataset(), block, case)
-    sequence = sequence_of(tree, record)
+    body, sequence = block_of(tree["summary"].to_dataset(), block, case), sequence_of(tree, record)
     try:
         return limit_accelerogram(body, sequence, name=name)
     except ValueError as error:
@@ -73,7 +82,7 @@ def _rotation_history(
     factor: float = 1.0,
 ) -> np.ndarray:
     record, block, name = _pair(tree, record, block, case)
-    name += "" if factor == 1.0 else f", the record times {factor:g}"
+    name = name if factor == 1.0 else say("plot.motion.times", name=name, factor=general(factor))
     return rotation_history(histories(tree, record, block, models, case, factor), title=name)
 
 
@@ -89,8 +98,8 @@ def _rocking_spectrum(tree: xr.DataTree, record: str | None = None, restitution:
     c: Any = restitution if restitution == "housner" else float(restitution)
     gravity = float(summary["gravity"][0])
     spectrum = compute_spectrum(ground_motion.stored_record(tree, record), p, alpha, restitution=c, gravity=gravity)
-    note = "Without the vertical channel, which acted on the verdicts of the file and is not stored."
-    return rocking_spectrum(spectrum, bodies=marked, note=note if ground_motion.had_vertical(summary, record) else "")
+    note = " ".join(style.notes(no_vertical=ground_motion.had_vertical(summary, record)))
+    return rocking_spectrum(spectrum, bodies=marked, note=note)
 
 
 def _reaching(values: Sequence[float], marked: Sequence[float]) -> list[float]:
@@ -117,8 +126,7 @@ def _whole(tree: xr.DataTree, spectra: xr.Dataset, restitution: float) -> xr.Dat
     samples = [ragged(tree, "row_size", ["acceleration"], record) for record in records]
     if there.all() or not there.any() or len(records) > MARCHED or None in samples:
         return spectra
-    stated = {name: setting(tree, "uncertainty", name, value) for name, value in dict(**UncertaintySettings()).items()}
-    uncertainty = UncertaintySettings(**stated).of_draws()
+    uncertainty = settings_of(tree, UncertaintySettings).of_draws()
     whole = [
         overturning_spectrum(ground_motion.stored_record(tree, record), restitution=[nearest], uncertainty=uncertainty)
         for record in records
@@ -164,10 +172,10 @@ def draw(tree: xr.DataTree, kind: str, **options: Any) -> Figure:
     kind : str
         One of :data:`~rockpulse.plots.KINDS`.
     **options
-        What is chosen, those of the kind: `record`, `block`, `demand`, `measure` (names), `models`, `limit_states`
-        (sequences of names), `case` (number of the restitution, from 1), `factor` (on the record), `restitution` (a
-        number or "housner"). None stands for the default. A record or a block may be left out where there is one only;
-        for a name of the file a pattern (* and ?) does that no other name meets.
+        Options of the kind: `record`, `block`, `demand`, `measure` (names), `models`, `limit_states` (sequences of
+        names), `case` (number of the restitution, from 1), `factor` (on the record), `restitution` (a number or
+        "housner"). None is the default. A record or a block may be left out where there is one only; a pattern (* and
+        ?) that only one name meets stands for that name.
 
     Returns
     -------
@@ -280,7 +288,7 @@ def _of_dataset(spectrum: xr.Dataset) -> Axes:
 
 
 def _first(tree: xr.DataTree) -> str:
-    """The kind of picture that results are drawn as where none is asked for."""
+    """The kind of picture of results where none is asked for."""
     found = str(tree.attrs.get("kind", ASSESSMENT))
     for kind in FIRST.get(found, ()):
         if not KINDS[kind].group or KINDS[kind].group in tree.children:

@@ -6,22 +6,29 @@ from typing import Any
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
+from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
 
 from rockpulse.assessment.demand import stored_demands
-from rockpulse.views.plots.selection import named_body
-from rockpulse.views.plots.style import BLACK, BLUE, GREEN, GREY, PALE, RED, SMALL, counted, legend_above, plain
-from rockpulse.views.shared.terminal import shortened
+from rockpulse.config.study_settings import UncertaintySettings
+from rockpulse.model_table import SearchSettings
+from rockpulse.views.plots.selection import named_body, settings_of
+from rockpulse.views.plots.style import BLACK, BLUE, DASHED, GREEN, GREY, PALE, RED, SMALL, legend_above, notes, plain
+from rockpulse.views.shared.terminal import general, shortened
+from rockpulse.views.shared.words import listed, say
 
 #: Rows on a page, of more the lowest factors are shown; the height of a row [in], and the longest name beside it.
 ROWS, ROW, NAME = 60, 0.155, 34
 
+#: Names that are listed of the rows that are drawn as one.
+LISTED = 3
+
 
 def shown_rows(
     summary: xr.Dataset, rows: Sequence[tuple[str, str, int]], factors: np.ndarray, most: int = ROWS
-) -> tuple[np.ndarray, list[np.ndarray], list[str], str]:
-    """The rows that are drawn, those that each of the last ones stands for, the names of all, and words on them.
+) -> tuple[np.ndarray, list[np.ndarray], list[str], list[str]]:
+    """The rows that are drawn, those that each of the last ones stands for, the names of all, and sentences on them.
 
-    Two and more rows without a factor of a kind, in which nothing overturns or it is not known, are one row.
+    Two and more rows in which nothing overturns are one row, and so are those in which it is not known.
     """
     groups = [np.flatnonzero(one) for one in (np.isinf(factors), np.isnan(factors))]
     merged = [group for group in groups if group.size > 1]
@@ -29,7 +36,7 @@ def shown_rows(
     records = len({record for record, _, _ in rows})
     if records > 1 or lone.size > most:  # the weakest for the block on top
         lone = lone[np.argsort(factors[lone], kind="stable")]
-    note = f"The {most} smallest factors of {len(rows)}. " if lone.size > most else ""
+    told = [say("plot.rows.smallest", count=most, total=len(rows))] if lone.size > most else []
     lone = lone[:most]
     every = [named_body(summary, block, case) for _, block, case in rows]
     if records > 1:
@@ -39,9 +46,10 @@ def shown_rows(
     names = [every[place] for place in lone]
     noun = "bodies" if records == 1 else "records" if records == len(rows) else "rows"
     for group in merged:
-        names.append(f"all {group.size} {noun}" if group.size == len(rows) else f"{group.size} other {noun}")
-        note += f"{names[-1].capitalize()}: {plain(counted(every[place] for place in group))}. "
-    return np.array([*lone, *(group[0] for group in merged)], dtype=int), merged, names, note
+        which = "all" if group.size == len(rows) else "other"
+        names.append(say(f"plot.rows.{which}_{noun}", count=group.size))
+        told.append(f"{names[-1].capitalize()}: {plain(listed([every[place] for place in group], LISTED))}.")
+    return np.array([*lone, *(group[0] for group in merged)], dtype=int), merged, names, told
 
 
 def asked_of(ticks: np.ndarray, kept: np.ndarray, merged: Sequence[np.ndarray]) -> np.ndarray:
@@ -55,18 +63,16 @@ def asked_of(ticks: np.ndarray, kept: np.ndarray, merged: Sequence[np.ndarray]) 
 
 def factor_axis(ax: Axes, names: Sequence[str], begin: float, end: float, last: float | None = None) -> None:
     """Label the rows, draw the factor on a logarithmic axis, and leave room beyond it for rows without a factor."""
-    from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
-
     ax.set_xscale("log")
     ax.set_xlim(begin, end if last is None else last)
     if last is not None:
         ax.axvspan(end, last, color=PALE, alpha=0.5, lw=0)
-        ax.text(np.sqrt(end * last), -0.75, f">{end:g}", fontsize=SMALL, ha="center", va="bottom", color=GREY)
+        ax.text(np.sqrt(end * last), -0.75, f">{general(end)}", fontsize=SMALL, ha="center", va="bottom", color=GREY)
     ticks = [tick for tick in (0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100) if begin <= tick <= end]
     ax.xaxis.set_major_locator(FixedLocator(ticks))
     ax.xaxis.set_minor_locator(NullLocator())
-    ax.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-    ax.axvline(1.0, color=BLACK, lw=1.0, ls=(0, (6, 3)))
+    ax.xaxis.set_major_formatter(FuncFormatter(lambda value, _: general(value)))
+    ax.axvline(1.0, color=BLACK, lw=1.0, ls=DASHED)
     ax.set_yticks(range(len(names)), [plain(shortened(name, NAME)) for name in names], fontsize=SMALL)
     ax.set_ylim(len(names) - 0.4, -0.6)
     ax.grid(axis="y", visible=False)
@@ -87,15 +93,13 @@ def factors_to_demands(
 
     NaN stands for a factor beyond the end of the search. Empty where the results have no demand.
     """
-    import xarray as xr
-
     bodies = [blocks] * len(records) if isinstance(blocks, str) else blocks
     at = {name: xr.DataArray(list(values), dims="row") for name, values in (("record", records), ("block", bodies))}
     found = {}
     for name in stored_demands(summary):
-        stored = summary["demand_factor"].sel(at | {"demand": name})
-        factor = (stored.isel(case=0) if "case" in stored.dims else stored).values
-        found[name] = np.where(factor <= end, factor, np.nan)
+        asked = summary["demand_factor"].sel(at | {"demand": name})
+        asked = asked.isel(case=0) if "case" in asked.dims else asked
+        found[name] = asked.where(asked <= end).values
     return found
 
 
@@ -107,29 +111,32 @@ def least(needed: dict[str, np.ndarray], otherwise: float) -> float:
 def demand_ticks(ax: Axes, needed: dict[str, np.ndarray]) -> None:
     """Draw the factors of :func:`factors_to_demands` as ticks in the rows 0, 1, ..., shorter with every demand."""
     for place, (name, factors) in enumerate(needed.items()):
-        words, size = f"to the demand: {plain(shortened(name, 24))}", 9 - 2 * min(place, 2)
+        words, size = say("plot.rows.demand", name=plain(shortened(name, 24))), 9 - 2 * min(place, 2)
         marks: dict[str, Any] = {"ls": "none", "marker": "|", "ms": size, "mew": 1.6, "color": BLACK, "zorder": 4}
         ax.plot(factors, np.arange(factors.size), label=words, **marks)
 
 
 def tick_notes(needed: dict[str, np.ndarray]) -> list[str]:
     """The meaning of the ticks, for the caption."""
-    if not needed:
-        return []
-    words = ["Tick: brings the record to the demand; with its factor right of the tick the block stands there."]
-    if any(np.isnan(factors).any() for factors in needed.values()):
-        words.append("No tick: the demand lies beyond the search.")
-    return words
+    return notes(tick=bool(needed), no_tick=any(np.isnan(factors).any() for factors in needed.values()))
+
+
+def uncertainty_words(tree: xr.DataTree) -> str:
+    """The uncertainty that the probability of overturning is stated under."""
+    known, search = settings_of(tree, UncertaintySettings), settings_of(tree, SearchSettings)
+    low, high = map(general, known.restitution)
+    factor, less = (general(100.0 * spread) for spread in (known.factor, known.geometry))
+    return say("plot.uncertainty", factor=factor, low=low, high=high, less=less, most=general(search.factor_max))
 
 
 #: Half the height of a bar.
 HALF = 0.33
 
-#: Words of the bars of a probability of overturning, from its lower end on, and how they look.
+#: The bars of a probability of overturning from its lower end on, by the keys of their words, and how they look.
 _LEVELS: tuple[tuple[str, dict[str, Any]], ...] = (
-    ("P below 10 %", {"fc": "#E8F3EF", "ec": GREEN, "lw": 0.4}),
-    ("10 to 50 %", {"fc": "#BBDDF3", "ec": BLUE, "lw": 0.4}),
-    ("above 50 %", {"fc": RED, "ec": RED, "lw": 0.4}),
+    ("below_10", {"fc": "#E8F3EF", "ec": GREEN, "lw": 0.4}),
+    ("between", {"fc": "#BBDDF3", "ec": BLUE, "lw": 0.4}),
+    ("above_50", {"fc": RED, "ec": RED, "lw": 0.4}),
 )
 
 
@@ -145,10 +152,10 @@ def probability_bars(ax: Axes, place: int, factors: Sequence[float], begin: floa
 
 def none_up_to(ax: Axes, place: int, end: float, at_end: bool) -> None:
     """The words in a row without a factor, at the end of the search or beside the line at 1."""
-    words, (where, side) = f"  none up to {end:g}  ", (end, "right") if at_end else (1.0, "left")
-    ax.text(where, place, words, fontsize=SMALL - 0.5, color=BLACK, ha=side, va="center")
+    words, (where, side) = say("plot.rows.none_up_to", factor=general(end)), (end, "right") if at_end else (1.0, "left")
+    ax.text(where, place, f"  {words}  ", fontsize=SMALL - 0.5, color=BLACK, ha=side, va="center")
 
 
 def bar(ax: Axes, place: int, low: float, high: float, words: str, **style: Any) -> None:
-    """A bar in a row, between two factors."""
-    ax.barh(place, high - low, left=low, height=2.0 * HALF, label=words, **style)
+    """A bar in a row, between two factors, with a label by its key in the section [plot.bar]."""
+    ax.barh(place, high - low, left=low, height=2.0 * HALF, label=say(f"plot.bar.{words}"), **style)

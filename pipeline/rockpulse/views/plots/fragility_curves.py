@@ -9,11 +9,13 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 
-from rockpulse.config.study_settings import OVERTURNING, UPLIFT, HazardSettings
+from rockpulse.config.study_settings import OVERTURNING, HazardSettings
 from rockpulse.record.measures import PGA
 from rockpulse.views.plots import style
-from rockpulse.views.plots.selection import one_name, setting
+from rockpulse.views.plots.selection import one_name, settings_of
 from rockpulse.views.plots.style import GREY, Look, Panels
+from rockpulse.views.shared.terminal import general
+from rockpulse.views.shared.words import in_numerals, named, numerals, say
 from rockpulse.views.text.fragility import shown_measure, statement
 
 #: Probabilities below this, and above one less it, are not looked at when the range of the axis is chosen.
@@ -25,9 +27,6 @@ _POINTS = 3
 #: A band that is wider than this [-] at most of the levels says nothing; a curve that lies by more than this [-] above
 #: that of a milder limit state is told of.
 _WIDE, _ABOVE = 0.8, 0.01
-
-#: The line at the acceleration that lifts a body.
-LIFTS = "lifts from here on"
 
 #: Points of a curve between two levels of the file, and remarks that are given one by one.
 _BETWEEN, _REMARKS = 8, 4
@@ -105,24 +104,28 @@ def fragility_panels(
         said.append(_panel(ax, tree, own, states, next(with_band, None), len(chosen) == 1))
         ax.set_xlabel(style.wrapped(ax.get_xlabel(), 90 // len(chosen)))
         found = dict(zip(*ax.get_legend_handles_labels()[::-1], strict=True)) | found
-    panels[0].set_ylabel(
-        style.wrapped(style.label(curves["probability"].attrs), 30)
-    )  # small print may leave it little height
-    names = sorted(found, key=lambda words: words == LIFTS)
+    # Small print may leave the label little height.
+    panels[0].set_ylabel(style.wrapped(style.label(curves["probability"]), 30))
+    names = sorted(found, key=lambda words: words == say("plot.fragility.lifts"))
     style.legend_above(panels[0], 3, across=True, handles=[found[name] for name in names], labels=names)
     style.title(panels[0], style.plain(block), rows=-(-len(names) // 3))
     words = [one for one in said[0] if all(one in notes for notes in said)]
     for measure, notes in zip(chosen, said, strict=True):
         own_words = " ".join(one for one in notes if one not in words)
-        name = style.readable(str(curves["measure_long_name"].sel(measure=measure).item()))
-        words += [f"In {name}: {own_words}"] if own_words else []
+        name = _measure_words(curves.sel(measure=measure))
+        words += [say("plot.fragility.of_measure", name=name, words=own_words)] if own_words else []
     style.caption(panels[0], " ".join(words))
     return panels
 
 
 def _usual_measures(tree: xr.DataTree, curves: xr.Dataset) -> list[str]:
-    first, second = shown_measure(curves), str(setting(tree, "hazard", "measure", HazardSettings().measure))
+    first, second = shown_measure(curves), settings_of(tree, HazardSettings).measure
     return [first, second] if second in curves["measure"].values and second != first else [first]
+
+
+def _measure_words(own: xr.Dataset) -> str:
+    words = named(f"measures.{own['measure'].item()}", str(own["measure_long_name"].item()))
+    return style.readable(in_numerals(words))
 
 
 def _panel(
@@ -134,19 +137,21 @@ def _panel(
     marked = len(states) <= _POINTS and tree.attrs.get("data") == "ida"
     remarks: dict[str, list[str]] = {}
     for state, appearance in zip(states, style.looks([_named(state) for state in states]), strict=True):
-        one = own.sel(limit_state=state)
+        one, line = own.sel(limit_state=state), {"color": appearance.color, "ls": appearance.line}
+        words = appearance.label
         if said := statement(one):
-            remarks.setdefault(said, []).append(appearance.label)
+            remarks.setdefault(said, []).append(words)
         if not bool(one["probability"].notnull().any()):
-            ax.plot([], [], color=appearance.color, ls=appearance.line, label=appearance.label + ": no curve" * alone)
+            ax.plot([], [], label=say("plot.fragility.no_curve", state=words) if alone else words, **line)
             continue
-        words = appearance.label + (" (extrapolated)" if alone and int(one["extrapolated"]) else "")
-        ax.plot(*_curve(one, "probability"), color=appearance.color, ls=appearance.line, lw=1.4, label=words)
+        if alone and int(one["extrapolated"]):
+            words = say("plot.fragility.extrapolated", state=words)
+        ax.plot(*_curve(one, "probability"), lw=1.4, label=words, **line)
         if state == banded and not _says_nothing(one, shown):
             (levels, low), (_, high) = _curve(one, "probability_low"), _curve(one, "probability_high")
             ax.fill_between(levels, low, high, color=appearance.color, alpha=0.16, lw=0)
             for edge in (low, high):
-                ax.plot(levels, edge, color=appearance.color, ls=appearance.line, lw=0.5, alpha=0.7)
+                ax.plot(levels, edge, lw=0.5, alpha=0.7, **line)
         if marked:
             capacities = tree["capacities"].to_dataset().sel(block=own["block"].item())
             _capacities(ax, capacities, state, measure, appearance, float(capacities.attrs["factor_max"]))
@@ -155,24 +160,22 @@ def _panel(
     if first < last:
         ax.set_xlim(first, last)
     counts = style.counts(int(own["records"].max()), int(own["events"].max()))
-    notes = [f"{counts}, data: {tree.attrs['data']}.", *_band_notes(tree, own, banded, shown)]
+    data = say(f"plot.fragility.data.{tree.attrs['data']}")
+    notes = [say("plot.fragility.from", records=counts, data=data), *_band_notes(tree, own, banded, shown)]
     lifted = float(own["uplift_acceleration"]) if measure == PGA else np.nan
     if lifted > ax.get_xlim()[0]:
-        ax.axvline(lifted, color=GREY, lw=0.9, label=LIFTS)
-        notes.append("The body is never lifted by less than the grey line, whatever a curve says.")
+        ax.axvline(lifted, color=GREY, lw=0.9, label=say("plot.fragility.lifts"))
+        notes += style.notes(lifts=True)
     ax.set_ylim(-0.01, 1.01)
-    attrs = {"long_name": str(own["measure_long_name"].item())}
-    ax.set_xlabel(style.label(attrs, units=str(own["measure_units"].item())))
+    ax.set_xlabel(f"{_measure_words(own)} [{style.unit(str(own['measure_units'].item()))}]")
     style.plain_ticks(ax.xaxis)
-    if _crossing(own.isel(limit_state=own["limit_state"].isin(states)), shown):
-        notes.append("Fitted one by one: where a curve lies above that of a milder limit state it says nothing.")
-    if marked:
-        notes.append("Marks: records one by one, at the first factor that reaches the limit state (Kaplan-Meier).")
-    return notes + _told(remarks, len(states))
+    crossing = _crossing(own.isel(limit_state=own["limit_state"].isin(states)), shown)
+    return notes + style.notes(fitted_one_by_one=crossing, capacities=marked) + _told(remarks, len(states))
 
 
 def _named(state: str) -> str:
-    return {UPLIFT: "uplift", OVERTURNING: "overturning"}.get(state, rf"$\theta_{{max}}/\alpha_c \geq$ {state}")
+    """The name of a limit state, or the rotation that it is, as mathematics."""
+    return say(f"limit_state.{state}") if state.isalpha() else rf"$\theta_{{max}}/\alpha_c \geq$ {numerals(state)}"
 
 
 def _capacities(ax: Axes, own: xr.Dataset, state: str, measure: str, appearance: Look, end: float) -> None:
@@ -229,17 +232,18 @@ def _band_notes(tree: xr.DataTree, own: xr.Dataset, banded: str | None, shown: n
     if banded is None:
         return []
     one = own.sel(limit_state=banded)
-    told = f"{100.0 * float(tree.attrs['confidence']):g} %, over earthquakes, at each level."
     if _says_nothing(one, shown):
-        told = f"nearly 0 to 1 at most levels, not drawn ({int(one['events'])} earthquakes are too few)."
-    return [f"Band of the curve of {_named(banded)}: {told}"]
+        return [say("plot.fragility.no_band", state=_named(banded), count=int(one["events"]))]
+    confidence = general(100.0 * float(tree.attrs["confidence"]))
+    return [say("plot.fragility.band", state=_named(banded), confidence=confidence)]
 
 
 def _told(remarks: dict[str, list[str]], states: int) -> list[str]:
     """Every remark once, with the limit states to which it applies."""
+    every = say("plot.fragility.all")
     words = [
-        f"{', '.join(names) if len(names) < states else 'All' if states > 1 else names[0]}: {remark}."
+        f"{', '.join(names) if len(names) < states else every if states > 1 else names[0]}: {remark}."
         for remark, names in remarks.items()
     ]
     more = len(words) - _REMARKS
-    return words if more <= 0 else [*words[:_REMARKS], f"{more} more remarks in the file."]
+    return words if more <= 0 else [*words[:_REMARKS], say("plot.more_remarks", count=more)]

@@ -20,8 +20,10 @@ from rockpulse.storage.variables.assessment import WAVES
 from rockpulse.storage.variables.summary import RECORD
 from rockpulse.views.plots import style
 from rockpulse.views.plots.selection import ragged
-from rockpulse.views.plots.style import BLACK, BLUE, FONT, GREY, INSTANTS, ORANGE, RED, SKY, Panels
+from rockpulse.views.plots.style import BLACK, BLUE, DOTTED, FONT, GREY, INSTANTS, ORANGE, RED, SKY, Panels
 from rockpulse.views.shared.facts import Known, RecordFacts
+from rockpulse.views.shared.terminal import figure, fixed
+from rockpulse.views.shared.words import say
 
 #: The remedy where the samples of a record are not in the file.
 STORE = 'the file does not hold the accelerograms: assess again with [records] store = "all"'
@@ -41,23 +43,17 @@ def stored_motion(tree: xr.DataTree, record: str) -> xr.Dataset:
     ResultsError
         Where the file does not hold the accelerogram.
     """
-    import xarray as xr
-
-    own = tree["summary"].to_dataset().sel(record=record)
+    summary = tree["summary"].to_dataset()
+    own = summary.sel(record=record)
     samples = ragged(tree, "row_size", ["acceleration"], record)
     waves = ragged(tree, "half_wave_row_size", [f"half_wave_{name}" for name in WAVES], record)
     if samples is None or waves is None:
         raise ResultsError(f"{record}: {_missing(own)}")
-    scalars = ("dt", "intense_start", "intense_end", "main_impulse", "secondary_impulse")
-    motion = xr.Dataset(
-        {
-            **samples,
-            **{name.removeprefix("half_wave_"): variable for name, variable in waves.items()},
-            **{name: own[name].variable for name in scalars},
-        }
-    )
+    motion = xr.Dataset(samples | {name.removeprefix("half_wave_"): values for name, values in waves.items()})
+    for name in ("dt", "intense_start", "intense_end", "main_impulse", "secondary_impulse"):
+        motion[name] = own[name].variable
     motion["time"] = _TIME.variable(float(own["dt"]) * np.arange(motion.sizes["sample"]))
-    return motion.assign_attrs(record=record, words=Known(tree["summary"].to_dataset(), record=record).described)
+    return motion.assign_attrs(record=record, words=Known(summary, record=record).described)
 
 
 def motion_of_record(
@@ -89,8 +85,6 @@ def motion_of_record(
     >>> motion["impulse"].values.round(3).tolist(), motion["impulse"].attrs["units"]
     ([0.225, -0.225, 0.1], 'm s-1')
     """
-    import xarray as xr
-
     waves = half_waves(record) if waves is None else waves
     phase = intense_phase(record) if phase is None else phase
     if sequence is None:
@@ -139,7 +133,7 @@ def had_vertical(summary: xr.Dataset, record: str) -> bool:
 #: Part of the intense phase that is shown before and after it, and at least so many seconds.
 _AROUND, _LEAST = 0.1, 1.0
 
-#: Stretches of time that the whole record is drawn by: it is an overview.
+#: Columns by which the whole record is drawn: it is an overview.
 _WHOLE = 450
 
 
@@ -160,9 +154,10 @@ def accelerogram(motion: xr.Dataset, axes: Panels | None = None) -> np.ndarray:
     around = max(_AROUND * (phase[1] - phase[0]), _LEAST)
     end = float(motion["time"][-1])
     window = max(phase[0] - around, 0.0), min(phase[1] + around, end)
-    for ax in panels:
+    for ax, name in zip(panels, ("whole-record", "intense-phase", "impulses"), strict=True):
         ax.axhline(0.0, color=BLACK, lw=0.5)
-        ax.axvspan(*phase, color=SKY, alpha=0.2, lw=0, label="intense phase")
+        ax.axvspan(*phase, color=SKY, alpha=0.2, lw=0, label=say("plot.ground.phase"))
+        ax.set_gid(f"panel-{name}")
     _whole(motion, panels[0])
     _half_waves(motion, window, panels[1])
     _impulses(motion, window, panels[2])
@@ -171,9 +166,7 @@ def accelerogram(motion: xr.Dataset, axes: Panels | None = None) -> np.ndarray:
     panels[0].set_xlim(0.0, end)
     for ax in panels[1:]:
         ax.set_xlim(*window)
-    panels[2].set_xlabel(style.label(motion["time"].attrs))
-    for ax, words in zip(panels, ("whole record", "intense phase", "impulses"), strict=True):
-        ax.set_gid(f"panel-{words.replace(' ', '-')}")
+    panels[2].set_xlabel(style.label(motion["time"]))
     return panels
 
 
@@ -182,7 +175,7 @@ def _whole(motion: xr.Dataset, ax: Axes) -> None:
     ax.plot(*thinned(time, acceleration, _WHOLE), color=GREY, lw=0.5)
     strongest = int(np.argmax(np.abs(acceleration)))
     ax.plot(time[strongest], acceleration[strongest], marker="o", ms=3.5, mfc="none", color=RED, ls="none")
-    words = f"PGA {abs(acceleration[strongest]):.3g} m/s² at {time[strongest]:.2f} s"
+    words = say("plot.ground.pga", pga=figure(abs(acceleration[strongest])), time=fixed(time[strongest]))
     placed: dict[str, Any] = {"xycoords": "axes fraction", "ha": "right", "va": "top"}
     ax.annotate(words, (0.995, 0.95), fontsize=FONT - 1.0, color=RED, **placed)
     ax.set_ylabel("[m/s²]")
@@ -197,14 +190,14 @@ def _half_waves(motion: xr.Dataset, window: tuple[float, float], ax: Axes) -> No
     time, acceleration = motion["time"].values, motion["acceleration"].values
     inside = (time >= window[0]) & (time <= window[1])
     ax.plot(*thinned(time[inside], acceleration[inside], INSTANTS), color=GREY, lw=0.6)
-    words: str | None = "half-waves above half the largest impulse"
+    words: str | None = say("plot.ground.strong_half_waves")
     strong = _strong(motion)
     for start, end in zip(motion["start"].values[strong], motion["end"].values[strong], strict=True):
         instants = np.concatenate([[start], time[(time > start) & (time < end)], [end]])
         values = np.interp(instants, time, acceleration)
         ax.fill_between(instants, values, color=ORANGE, alpha=0.85, lw=0.4, ec=ORANGE, label=words, zorder=3)
         words = None
-    ax.set_ylabel(style.wrapped(style.label(motion["acceleration"].attrs), 24))
+    ax.set_ylabel(style.wrapped(style.label(motion["acceleration"]), 24))
     style.legend_above(ax, 2)
 
 
@@ -223,19 +216,19 @@ def _impulses(motion: xr.Dataset, window: tuple[float, float], ax: Axes) -> None
     # Lines from zero to every impulse, as one broken line.
     stems = np.full((np.count_nonzero(shown), 3, 2), np.nan)
     stems[:, :2, 0], stems[:, 0, 1], stems[:, 1, 1] = centroid[shown, np.newaxis], 0.0, impulse[shown]
-    ax.plot(*stems.reshape(-1, 2).T, color=BLUE, lw=0.9, label="impulses")
+    handles = ax.plot(*stems.reshape(-1, 2).T, color=BLUE, lw=0.9, label=say("plot.ground.impulses"))
     strong = _strong(motion) & shown
     if np.any(strong):
-        ax.plot(centroid[strong], impulse[strong], "o", color=BLUE, ms=3.0, label="above half the largest")
-    for name, symbol, dashes in (("main_impulse", "I", "-"), ("secondary_impulse", "I_s", (0, (1.2, 1.2)))):
+        dots: dict[str, Any] = {"color": BLUE, "ms": 3.0, "label": say("plot.ground.strong_impulses")}
+        handles += ax.plot(centroid[strong], impulse[strong], "o", **dots)
+    for name, symbol, dashes in (("main_impulse", "I", "-"), ("secondary_impulse", "I_s", DOTTED)):
         size = float(motion[name])
         if np.isfinite(size):
-            for level, words in ((size, rf"$\pm {symbol}$ = {size:.3g} m/s"), (-size, None)):
-                ax.axhline(level, color=RED, ls=dashes, lw=1.0, label=words)
+            words = rf"$\pm {symbol}$ = {figure(size)} m/s"
+            handles.append(ax.axhline(size, color=RED, ls=dashes, lw=1.0, label=words))
+            ax.axhline(-size, color=RED, ls=dashes, lw=1.0)
     limit = max(largest, 1e-12) * 1.15
     ax.set_ylim(-limit, limit)
-    ax.set_ylabel(style.wrapped(style.label(motion["impulse"].attrs), 24))
-    named = zip(*ax.get_legend_handles_labels(), strict=True)
-    style.legend_above(ax, 4, handles=[handle for handle, words in named if words != "intense phase"])
-    if not np.isfinite(float(motion["main_impulse"])):
-        style.caption(ax, "No impulse sequence was calibrated: the intense phase holds too few half-waves.")
+    ax.set_ylabel(style.wrapped(style.label(motion["impulse"]), 24))
+    style.legend_above(ax, 4, handles=handles)
+    style.caption(ax, " ".join(style.notes(no_sequence=not np.isfinite(float(motion["main_impulse"])))))

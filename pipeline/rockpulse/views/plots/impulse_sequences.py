@@ -11,9 +11,11 @@ import numpy as np
 from rocking.body.block import Block
 from rocking.impulses.impulse_sequence import ImpulseSequence
 from rocking.impulses.sequence import impulse_train, sequence_response
-from rocking.response import Outcome
+from rocking.response import Outcome, Response
 from rockpulse.views.plots import style
 from rockpulse.views.plots.style import BLACK, BLUE, GREY, ORANGE, RED, SMALL, Panels
+from rockpulse.views.shared.terminal import figure
+from rockpulse.views.shared.words import numerals, say
 
 #: Longest stretch that is shown, in main impulses: more of them are the same again.
 _MAIN_SHOWN = 12
@@ -23,11 +25,6 @@ _NAMED = 0.07
 
 #: Words beside a half-cycle.
 _BESIDE: dict[str, Any] = {"textcoords": "offset points", "fontsize": SMALL - 0.5}
-
-_TITLES = (
-    "(a) main impulses $I$ right after each impact (resonance: an upper-bound type input)",
-    "(b) with the secondary sequence: impulses $I_s$ of alternating sign, the first against $I$",
-)
 
 
 def limit_accelerogram(
@@ -51,25 +48,26 @@ def limit_accelerogram(
         of each is the half-cycles of the block, abs(theta)/alpha_c at their peaks.
     """
     panels = style.several_axes(axes, 2, height=5.0, sharex=True, sharey=True)[:, 0]
+    drawn = [replace(sequence, secondary=0.0), sequence]
+    found = [sequence_response(block, own) for own in drawn]
     last, cycles = 0.0, []
-    for ax, words, own in zip(panels, _TITLES, (replace(sequence, secondary=0.0), sequence), strict=True):
+    for ax, words, own, response in zip(panels, ("alone", "both"), drawn, found, strict=True):
         times, impulses = impulse_train(block, own)
         main = np.isclose(np.abs(impulses), own.main)
         if own.secondary > 0.0 and math.isclose(own.secondary, own.main):
-            main = _main_places(block, own, times)
+            main = _main_places(response, own, times)
         starts = times[main][:_MAIN_SHOWN]
         shown = times <= (starts[-1] if starts.size else 0.0)
-        legend = f"main impulses, $I$ = {own.main:.3g} m/s"
-        _draw(ax, times[shown & main], impulses[shown & main], legend, color=BLUE, lw=1.6, ms=4.5)
+        size = say("plot.sequence.main", size=figure(float(own.main)))
+        _draw(ax, times[shown & main], impulses[shown & main], size, color=BLUE, lw=1.6, ms=4.5)
         if own.secondary > 0.0:
-            legend = f"secondary impulses, $I_s$ = {own.secondary:.3g} m/s"
-            if own.spacing == "continuous":
-                legend = r"limit of infinitely many secondary impulses: $I_s/2$ at either end"
-            _draw(ax, times[shown & ~main], impulses[shown & ~main], legend, color=ORANGE, lw=1.0, ms=2.8)
+            size = say("plot.sequence.secondary", size=figure(float(own.secondary)))
+            size = say("plot.sequence.continuous") if own.spacing == "continuous" else size
+            _draw(ax, times[shown & ~main], impulses[shown & ~main], size, color=ORANGE, lw=1.0, ms=2.8)
         ax.axhline(0.0, color=BLACK, lw=0.6)
-        ax.set_ylabel("impulse of the ground [m/s]")
-        style.panel_title(ax, words, rows=1)
-        table = sequence_response(block, own).half_cycles
+        ax.set_ylabel(say("plot.sequence.impulse"))
+        style.panel_title(ax, say(f"plot.sequence.{words}"), rows=1)
+        table = response.half_cycles
         assert table is not None
         # Where the table ends, its last row repeats itself.
         rows = np.minimum(np.arange(starts.size), max(table.duration.size - 1, 0))
@@ -78,22 +76,21 @@ def limit_accelerogram(
         last = max(last, float(np.max(starts + np.where(np.isfinite(durations), durations, 0.0), initial=0.0)))
     room = max(last, 1.0 / float(block.p))
     panels[0].set_xlim(-0.04 * room, 1.12 * room)
-    for ax, bars in zip(panels, cycles, strict=True):
-        _bars(ax, -1.12 * float(sequence.main), room, *bars)
     limit = 1.2 * max(float(sequence.main), 1e-12)
     panels[0].set_ylim(-1.12 * limit, limit)
-    for ax in panels:
+    for ax, bars in zip(panels, cycles, strict=True):
+        _bars(ax, -1.12 * float(sequence.main), room, *bars)
         style.legend_above(ax, 3)
-    panels[-1].set_xlabel("time from the first main impulse [s]")
+    panels[-1].set_xlabel(say("plot.from_first.impulse"))
     if name:
         style.title(panels[0], name, rows=1)
-    style.caption(panels[-1], _remarks(block, sequence))
+    style.caption(panels[-1], _remarks(found, sequence))
     return panels
 
 
-def _main_places(block: Block, sequence: ImpulseSequence, times: np.ndarray) -> np.ndarray:
-    """Places of the main impulses in the train where I_s = I: n secondary ones follow each."""
-    table = sequence_response(block, sequence).half_cycles
+def _main_places(response: Response, sequence: ImpulseSequence, times: np.ndarray) -> np.ndarray:
+    """True for the main impulses of a train with I_s = I, by the number of secondary impulses of each half-cycle."""
+    table = response.half_cycles
     assert table is not None
     main = np.zeros(times.size, dtype=bool)
     at = 0
@@ -115,29 +112,26 @@ def _bars(ax: Any, low: float, room: float, starts: np.ndarray, durations: np.nd
     """Draw the half-cycles as bars along the bottom: their length sets the time of the next main impulse."""
     for start, duration, peak in zip(starts, durations, peaks, strict=True):
         if not math.isfinite(duration):
-            ax.plot(start, low, marker="x", color=RED, ms=5, mew=1.5, ls="none", label="overturning")
-            ax.annotate("overturns", (start, low), (7, 0), ha="left", va="center", color=RED, **_BESIDE)
+            ax.plot(start, low, marker="x", color=RED, ms=5, mew=1.5, ls="none", label=say("limit_state.overturning"))
+            words = say("answer.overturns")
+            ax.annotate(words, (start, low), (7, 0), ha="left", va="center", color=RED, **_BESIDE)
             continue
         ax.plot([start, start + duration], [low, low], color=GREY, lw=1.0, marker="|", ms=6)
         if duration > _NAMED * room:
-            words = f"{peak:.2f}" if peak >= 0.095 else f"{peak:.1g}"
+            words = numerals(f"{peak:.2f}" if peak >= 0.095 else f"{peak:.1g}")
             middle = (start + 0.5 * duration, low)
             ax.annotate(words, middle, (0, 3), ha="center", va="bottom", color="#333333", **_BESIDE)
 
 
-def _remarks(block: Block, sequence: ImpulseSequence) -> str:
-    found = [sequence_response(block, own) for own in (replace(sequence, secondary=0.0), sequence)]
-    words = r"Below each: half-cycles of the block with their peak $\theta/\alpha_c$."
+def _remarks(found: list[Response], sequence: ImpulseSequence) -> str:
+    words = style.notes(below=True)
     count = [_main_count(one, sequence) for one in found]
     if max(count) > _MAIN_SHOWN:
-        words += f" Shown: the first {_MAIN_SHOWN} main impulses of {' and '.join(map(str, count))}."
+        words.append(say("plot.sequence.shown", most=_MAIN_SHOWN, one=count[0], other=count[1]))
     if sequence.secondary > 0.0:
-        words += f' Trial interval $\\Delta T$ = {sequence.interval:.3g} s, spacing "{sequence.spacing}".'
-    if found[1].ground_contact:
-        words += (
-            " The corrected march passes through the ground inside a half-cycle: the closed form stands for no motion."
-        )
-    return words
+        interval = figure(float(sequence.interval), "s")
+        words.append(say("plot.sequence.interval", interval=interval, spacing=sequence.spacing))
+    return " ".join(words + style.notes(ground_contact=bool(found[1].ground_contact)))
 
 
 def _main_count(response: Any, sequence: ImpulseSequence) -> int:

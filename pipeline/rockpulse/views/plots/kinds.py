@@ -11,14 +11,11 @@ from rockpulse.storage.variables.site import SITE_KIND
 class PictureKind:
     """One kind of picture."""
 
-    #: What may be chosen, by the names of the keywords of :func:`~rockpulse.plots.draw`.
-    options: tuple[str, ...]
-    #: What it shows.
-    summary: str
-    #: The command that makes a file from which it is drawn, the kind of that file, and a group that it must have.
-    command: str = "rockpulse assess"
-    file: str = ASSESSMENT
-    group: str = ""
+    options: tuple[str, ...]  # keywords of :func:`~rockpulse.plots.draw`
+    summary: str  # what it shows
+    command: str = "rockpulse assess"  # makes a file from which it is drawn
+    file: str = ASSESSMENT  # the kind of that file
+    group: str = ""  # that the file must have
 
 
 _STORED = 'rockpulse assess with [records] store = "all"'

@@ -11,6 +11,7 @@ from rocking.body.block import Block
 from rocking.response import IMPACT_CUTOFF, Outcome, Response
 from rockpulse.assessment.scene import acting, floor_record
 from rockpulse.config.block_settings import floors_from_text
+from rockpulse.config.settings import RecordSettings
 from rockpulse.errors import ResultsError
 from rockpulse.model_row import Scene
 from rockpulse.model_table import DRAWN, FOLLOWING, MODELS, SEQUENCE_MODELS, ModelSettings
@@ -26,9 +27,11 @@ from rockpulse.views.plots.selection import (
     one_name,
     ragged,
     sequence_of,
-    setting,
+    settings_of,
     table_of_pair,
 )
+from rockpulse.views.shared.terminal import figure
+from rockpulse.views.shared.words import say
 
 #: Peaks that differ by more than this [-] are said to.
 _SAME = 1e-3
@@ -109,26 +112,26 @@ def _history(tree: xr.DataTree, record: str, block: str, model: str, case: int) 
     peak, outcome = float(answer["peak_rotation_ratio"]), int(answer["outcome"])
     overturning = float(answer["overturning_time"]) if "overturning_time" in answer else np.nan
     count = int(answer["impacts"]) if "impacts" in answer else -1
-    remark = [] if "applicable" not in answer or int(answer["applicable"]) else ["outside the range of the model"]
+    remarks = [] if "applicable" not in answer or int(answer["applicable"]) else [say("unknown.outside")]
     if outcome == Outcome.UNRESOLVED:
-        return History(model, remark="; ".join(["unresolved", *remark]))
+        return History(model, remark="; ".join([say("unknown.unresolved"), *remarks]))
     body = block_of(summary, block, case)
     if model in SEQUENCE_MODELS:
         # A design sequence stands for no record: its own time is the only one.
         start = float(np.nan_to_num(summary["intense_start"].sel(record=record)))
         time, rotation, hits = _of_sequence(tree, record, block, model, case)
         time, hits, overturning = start + time, start + hits, start + overturning
-        return History(model, time, rotation, hits, count, overturning, peak, "; ".join(remark))
-    stored = stored_history(tree, record, block, model, case)
-    if stored is None:
+    elif kept := stored_history(tree, record, block, model, case):
+        time, rotation = kept
+        hits = _impacts(time, rotation, body)
+    else:
         motion = recomputed(tree, record, block, body, model, [1.0])
         time, rotation, found = motion.time, motion.rotation[0], float(motion.peak[0])
+        hits = _impacts(time, rotation, body)
         if not (found == peak or abs(found - peak) <= _SAME):
-            again, before = ("overturning" if np.isinf(one) else f"{one:.3g}" for one in (found, peak))
-            remark.append(f"computed again the peak is {again}, stored is {before}")
-    else:
-        time, rotation = stored
-    return History(model, time, rotation, _impacts(time, rotation, body), count, overturning, peak, "; ".join(remark))
+            again, before = (say("limit_state.overturning") if np.isinf(one) else figure(one) for one in (found, peak))
+            remarks.append(say("plot.motion.again", again=again, stored=before))
+    return History(model, time, rotation, hits, count, overturning, peak, "; ".join(remarks))
 
 
 def _scaled(tree: xr.DataTree, record: str, block: str, model: str, case: int, factor: float) -> History:
@@ -137,7 +140,7 @@ def _scaled(tree: xr.DataTree, record: str, block: str, model: str, case: int, f
     time, rotation, *told = recomputed(tree, record, block, body, model, [factor])
     peak, outcome, overturning, count = (values[0] for values in told)
     if outcome == Outcome.UNRESOLVED:
-        return History(model, remark="unresolved")
+        return History(model, remark=say("unknown.unresolved"))
     hits = _impacts(time, rotation[0], body)
     return History(model, time, rotation[0], hits, int(count), float(overturning), float(peak))
 
@@ -258,7 +261,7 @@ def _scene(tree: xr.DataTree, record: Record, waves: dict[str, np.ndarray]) -> S
         waves=HalfWaves(**waves, **others, dt=record.dt, record_id=record.id),
         phase=IntensePhase(0.0, record.duration),
         sequence=None,
-        gain=str(setting(tree, "models", "gain", ModelSettings().gain)),
+        gain=settings_of(tree, ModelSettings).gain,
     )
 
 
@@ -266,7 +269,6 @@ def _worse(body: Block, found: Sequence[Response]) -> Recomputed:
     """Of each factor the response with the larger peak, one that cannot say counting as the largest."""
     rank = [np.nan_to_num(one.peak_rotation_ratio, nan=np.finfo(float).max) for one in found]
     worse = np.argmax(rank, axis=0)
-
     names = ("rotation", "peak_rotation_ratio", "outcome", "overturning_time", "impacts")
     every = (np.stack([getattr(one, name) for one in found]) for name in names)
     rotation, *others = (values[worse, np.arange(worse.size)] for values in every)
@@ -276,6 +278,6 @@ def _worse(body: Block, found: Sequence[Response]) -> Recomputed:
 def _in_direction(summary: xr.Dataset, record: str, block: str, tree: xr.DataTree) -> bool:
     """Whether a record is what shakes a block, which may have a direction of its own."""
     own = float(summary["body_azimuth"].sel(block=block))
-    turned = setting(tree, "records", "components", "horizontal") != "horizontal"
+    turned = settings_of(tree, RecordSettings).components != "horizontal"
     apart = abs(math.remainder(own - float(summary["azimuth"].sel(record=record)), 180.0)) if np.isfinite(own) else 0.0
     return not turned or apart <= FACING_WITHIN

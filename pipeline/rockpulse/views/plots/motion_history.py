@@ -1,8 +1,8 @@
 """The motion under the limit accelerogram instant by instant, from the table of its half-cycles.
 
 .. note:: Rotations are in units of alpha_c and velocities u = theta'/(p alpha_c). Each half-cycle starts from its own
-   row of the table, so that nothing is carried over from one to the next. The first main impulse is positive: the block
-   starts to rock about its left-hand corner, theta < 0, as in :func:`~rocking.impulses.sequence.impulse_train`.
+   row of the table. The first main impulse is positive: the block starts to rock about its left-hand corner, theta < 0,
+   as in :func:`~rocking.impulses.sequence.impulse_train`.
 """
 
 import math

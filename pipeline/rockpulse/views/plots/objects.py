@@ -7,6 +7,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.patches import Polygon
 
 from rocking.body.block import Block
 from rocking.body.outline import Outline
@@ -18,7 +19,10 @@ from rockpulse.record.half_wave import STRONG, HalfWaves
 from rockpulse.views.plots import style
 from rockpulse.views.plots.rotation import moving_stretch
 from rockpulse.views.plots.selection import block_of, one_name
-from rockpulse.views.plots.style import BLACK, BLUE, GREY, INSTANTS, ORANGE, PALE, RED, SMALL
+from rockpulse.views.plots.style import BLACK, BLUE, DASHED, GREY, INSTANTS, ORANGE, PALE, RED, SMALL
+from rockpulse.views.shared.terminal import figure as rounded
+from rockpulse.views.shared.terminal import general
+from rockpulse.views.shared.words import say
 
 #: Colours of the outcomes, and lanes of a response whose histories are drawn.
 COLOURS = {Outcome.AT_REST: GREY, Outcome.ROCKS: BLUE, Outcome.OVERTURNS: RED, Outcome.UNRESOLVED: BLACK}
@@ -41,11 +45,12 @@ def half_wave_impulses(waves: HalfWaves, ax: Axes | None = None) -> Axes:
     ax = style.one_axes(ax, height=2.6)
     size = np.abs(waves.impulse)
     strong = size >= STRONG * np.max(size, initial=0.0)
-    for chosen, colour, words in ((~strong, BLUE, "impulses"), (strong, RED, "above half the largest")):
-        ax.vlines(waves.centroid[chosen], 0.0, waves.impulse[chosen], color=colour, lw=0.9, label=words)
+    for chosen, colour, words in ((~strong, BLUE, "impulses"), (strong, RED, "strong_impulses")):
+        label = say(f"plot.ground.{words}")
+        ax.vlines(waves.centroid[chosen], 0.0, waves.impulse[chosen], color=colour, lw=0.9, label=label)
     ax.axhline(0.0, color=BLACK, lw=0.5)
-    ax.set_xlabel("time from the first sample [s]")
-    ax.set_ylabel("impulse [m/s]")
+    ax.set_xlabel(say("plot.from_first.sample"))
+    ax.set_ylabel(say("plot.object.impulse"))
     style.legend_above(ax, 2)
     style.title(ax, style.plain(waves.record_id), rows=1)
     return ax
@@ -65,18 +70,18 @@ def two_half_cycles(sequence: ImpulseSequence, ax: Axes | None = None) -> Axes:
     ax = style.one_axes(ax, height=2.6)
     mains, others = sequence.two_half_cycles()
     secondary = float(np.ravel(sequence.secondary)[0])
-    ax.vlines(mains[:, 0], 0.0, mains[:, 1], color=RED, lw=2.0, label=f"main impulses, $I$ = {mains[0, 1]:.3g} m/s")
-    words = f"secondary impulses, $I_s$ = {secondary:.3g} m/s"
+    words = say("plot.sequence.main", size=rounded(mains[0, 1]))
+    ax.vlines(mains[:, 0], 0.0, mains[:, 1], color=RED, lw=2.0, label=words)
+    words = say("plot.sequence.secondary", size=rounded(secondary))
     if others.size:
         ax.vlines(others[:, 0], 0.0, others[:, 1], color=BLUE, lw=1.4, label=words)
     elif secondary > 0.0:
         ax.fill_between([0.0, 2.0 * mains[1, 0]], -secondary, secondary, color=BLUE, alpha=0.25, lw=0.0, label=words)
     ax.axhline(0.0, color=BLACK, lw=0.5)
-    ax.set_xlabel(r"intervals $\Delta T$ after the first main impulse [-]")
-    ax.set_ylabel("impulse of the ground [m/s]")
+    ax.set_xlabel(say("plot.object.intervals"))
+    ax.set_ylabel(say("plot.sequence.impulse"))
     style.legend_above(ax, 2)
-    if sequence.intermediate_count is None:
-        style.caption(ax, "How many secondary impulses there are in a half-cycle depends on the block; drawn are four.")
+    style.caption(ax, " ".join(style.notes(of_block=sequence.intermediate_count is None)))
     return ax
 
 
@@ -86,7 +91,8 @@ def block_outlines(block: Block) -> Figure:
     Seen along the base, theta > 0 to the right.
     """
     count = block.shape[0] if block.shape else 0
-    return _outlines([(f"block {lane + 1}", block.lane(lane), []) for lane in range(count)] or [("", block, [])])
+    names = [say("plot.object.block", number=lane + 1) for lane in range(count)]
+    return _outlines([(name, block.lane(lane), []) for lane, name in enumerate(names)] or [("", block, [])])
 
 
 def response(answer: Response, ax: Axes | None = None) -> Axes:
@@ -102,32 +108,39 @@ def response(answer: Response, ax: Axes | None = None) -> Axes:
     ax = style.one_axes(ax)
     codes, peaks = np.ravel(answer.outcome), np.ravel(answer.peak_rotation_ratio)
     if answer.time is None or answer.rotation is None:
-        ax.axhline(1.0, color=BLACK, lw=0.8, ls=(0, (6, 3)))
-        for outcome, colour in COLOURS.items():
-            own = np.flatnonzero(codes == outcome)
-            if own.size:
-                heights = np.nan_to_num(np.minimum(peaks[own], TOP), nan=0.0)
-                ax.bar(own + 1, np.maximum(heights, 0.01), color=colour, label=outcome.word.replace("_", " "))
-        ax.set_xlabel("lane")
-        ax.set_ylabel(r"peak $\theta_{max}/\alpha_c$ [-]")
-        ax.set_ylim(0.0, 1.3)
-        style.legend_above(ax, 4)
-        style.caption(ax, "Dashed: alpha_c. A bar that reaches beyond it overturns.")
-        return ax
+        return _peaks(ax, codes, peaks)
     lanes = answer.rotation.reshape(-1, answer.time.size)
     ax.axhline(0.0, color=PALE, lw=0.8)
     first, last = moving_stretch([(answer.time, rotation) for rotation in lanes[:LANES]])
     shown = (answer.time >= first) & (answer.time <= last)
     ax.set_xlim(first, last)
     for place, rotation in enumerate(lanes[:LANES]):
-        words = Outcome(codes[place]).word.replace("_", " ")
-        words = words if len(lanes) == 1 else f"lane {place + 1}: {words}"
+        words = _word(Outcome(codes[place]))
+        words = words if len(lanes) == 1 else say("plot.object.of_lane", lane=place + 1, words=words)
         ax.plot(*thinned(answer.time[shown], rotation[shown], INSTANTS), lw=1.0, label=words)
-    ax.set_xlabel("time [s]")
-    ax.set_ylabel(r"rotation $\theta$ [rad]")
+    ax.set_xlabel(say("plot.object.time"))
+    ax.set_ylabel(say("plot.object.rotation"))
     style.legend_above(ax, 3)
-    if len(lanes) > LANES:
-        style.caption(ax, f"Drawn are the first {LANES} of {len(lanes)} lanes.")
+    style.caption(ax, say("plot.object.lanes", count=LANES, total=len(lanes)) if len(lanes) > LANES else "")
+    return ax
+
+
+def _word(outcome: Outcome) -> str:
+    return say("grade.rocks" if outcome == Outcome.ROCKS else f"answer.{outcome.name.lower()}")
+
+
+def _peaks(ax: Axes, codes: np.ndarray, peaks: np.ndarray) -> Axes:
+    ax.axhline(1.0, color=BLACK, lw=0.8, ls=DASHED)
+    for outcome, colour in COLOURS.items():
+        own = np.flatnonzero(codes == outcome)
+        if own.size:
+            heights = np.nan_to_num(np.minimum(peaks[own], TOP), nan=0.0)
+            ax.bar(own + 1, np.maximum(heights, 0.01), color=colour, label=_word(outcome))
+    ax.set_xlabel(say("plot.object.lane"))
+    ax.set_ylabel(say("plot.object.peak"))
+    ax.set_ylim(0.0, 1.3)
+    style.legend_above(ax, 4)
+    style.caption(ax, say("plot.object.bars"))
     return ax
 
 
@@ -138,11 +151,9 @@ def bodies(tree: xr.DataTree, block: str | None = None) -> Figure:
     """
     summary = tree["summary"].to_dataset()
     names = [one_name(summary, "block", block)] if block else [str(name) for name in summary["block"].values[:MOST]]
-    drawn = []
-    for name in names:
-        told = str(summary["floors"].sel(block=name).values)
-        drawn.append((name, block_of(summary, name), [one.period for one in floors_from_text(told)]))
-    return _outlines(drawn)
+    floors = [floors_from_text(str(summary["floors"].sel(block=name).values)) for name in names]
+    periods = [[mode.period for mode in floor] for floor in floors]
+    return _outlines([(name, block_of(summary, name), one) for name, one in zip(names, periods, strict=True)])
 
 
 def _outlines(drawn: Sequence[tuple[str, Block, list[float]]]) -> Figure:
@@ -159,29 +170,27 @@ def _outlines(drawn: Sequence[tuple[str, Block, list[float]]]) -> Figure:
 
 
 def _draw(ax: Axes, name: str, block: Block, periods: list[float]) -> None:
-    from matplotlib.patches import Polygon
-
     body = Outline.of(block)
     height = body.height if math.isfinite(body.height) else 2.0 * body.centre
     middle = 0.5 * (body.right - body.left)
     ax.add_patch(Polygon(np.array(body.corners), closed=True, fc=PALE, ec=BLACK, lw=0.8))
     if math.isfinite(body.height):
         ax.plot([body.right + 0.08 * height] * 2, [0.0, height], color=GREY, lw=0.6, marker="_", ms=4)
-        ax.text(body.right + 0.11 * height, 0.5 * height, f"{height:g} m", fontsize=SMALL, va="center")
-        words = f"{body.width:g} m"
+        ax.text(body.right + 0.11 * height, 0.5 * height, f"{general(height)} m", fontsize=SMALL, va="center")
+        words = f"{general(body.width)} m"
     else:
-        words = f"b₁ {body.right:.3g} m, b₂ {body.left:.3g} m\nh {body.centre:.3g} m"
+        b1, b2, h = (rounded(length, "m") for length in (body.right, body.left, body.centre))
+        words = f"b₁ {b1}, b₂ {b2}\nh {h}"
     ax.text(middle, -0.045 * height, words, fontsize=SMALL, ha="center", va="top")
     ax.plot([0.0], [body.centre], "o", ms=3, color=BLACK)
     left = -body.left - 0.12 * height
     if body.side:
         wall = [(left, 0), (-body.left, 0), (-body.left, height), (left, height)]
         ax.add_patch(Polygon(np.array(wall), closed=True, fc="white", ec=GREY, lw=0.8, hatch="////"))
-    ground = -0.16 * height
     ax.plot([left - 0.1 * height, body.right + 0.35 * height], [0.0, 0.0], color=BLACK, lw=1.2)
     if periods:
-        words = "on a floor, T = " + ", ".join(f"{period:g}" for period in periods) + " s"
-        ax.text(middle, ground, words, fontsize=SMALL, ha="center", va="top", color=BLUE)
+        words = say("plot.object.floor", periods=", ".join(map(general, periods)))
+        ax.text(middle, -0.16 * height, words, fontsize=SMALL, ha="center", va="top", color=BLUE)
     for tie in body.ties:
         end = tie.edge + tie.outward * 0.3 * height
         ax.plot([tie.attached, end], [tie.height] * 2, color=BLUE, lw=1.4)

@@ -5,20 +5,23 @@ import re
 import threading
 from io import BytesIO
 
+import matplotlib
 from matplotlib.figure import Figure
 
 #: Dots per inch of a PNG: 300 and more is for photographs.
 RESOLUTION = 200
 
-#: Metadata left out of a file, because they tell the time of the run or take room and say nothing.
+#: Metadata left out of a file: the time of the run, and what takes room and says nothing.
 _UNDATED: dict[str, dict[str, None]] = {
     "svg": dict.fromkeys(("Date", "Creator", "Format", "Type")),
     "pdf": {"CreationDate": None},
     "png": {},
 }
 
-#: Inside a tag: an id, or a reference to one.
+#: A tag, and in it an id or a reference to one.
 _TAG = re.compile(r"<[a-zA-Z][^>]*>")
+_ID = re.compile(r'(\bid="|\bhref="#|url\(#)')
+
 #: Coordinates of a path, which are written to 1e-6 pt.
 _PATH = re.compile(r'\bd="[^"]*"')
 _LONG = re.compile(r"-?\d+\.\d{3,}")
@@ -30,16 +33,12 @@ _FONTS = re.compile(r"font-family: 'DejaVu Sans',[^;\"]*")
 #: matplotlib's settings, and its reader of mathematics, are the same for all threads.
 _WRITING = threading.Lock()
 
-_ID = re.compile(r'(\bid="|\bhref="#|url\(#)')
-
 
 def picture_bytes(figure: Figure, form: str) -> bytes:
     """The content of a file with the figure, as "png", "svg" or "pdf".
 
     The same bytes for the same figure: no time, and in SVG no random ids. Text is text in SVG and PDF.
     """
-    import matplotlib
-
     buffer = BytesIO()
     # Read by the writers when they write, and nowhere else to be given; put back at once, one thread after the other.
     with _WRITING, matplotlib.rc_context({"svg.fonttype": "none", "svg.hashsalt": "rockpulse", "pdf.fonttype": 42}):
@@ -56,7 +55,7 @@ def svg(figure: Figure, name: str | None = None) -> str:
         The figure that is drawn.
     name : str, optional
         Begins every id of the element, and every reference to one: letters, digits, "-" and "_"; different for each
-        picture of a page. Without, it is made from the content, so that only pictures that are equal share their ids.
+        picture of a page. By default made from the content, so that only pictures that are equal share their ids.
 
     Raises
     ------

@@ -4,25 +4,27 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
+from matplotlib import colormaps
 from matplotlib.axes import Axes
+from matplotlib.colors import BoundaryNorm
+from matplotlib.patches import Patch
+from matplotlib.ticker import FuncFormatter
 
 from rockpulse.assessment.answers import Answers, answers_of
 from rockpulse.assessment.verdict import chances, too_far
 from rockpulse.errors import ResultsError
 from rockpulse.views.plots import style
-from rockpulse.views.plots.factor_rows import NAME, ROW
+from rockpulse.views.plots.factor_rows import NAME, ROW, uncertainty_words
 from rockpulse.views.plots.selection import one_name
 from rockpulse.views.plots.style import BLACK, GREY, SMALL
-from rockpulse.views.shared.terminal import ratio, shortened
+from rockpulse.views.shared.terminal import general, ratio, shortened
+from rockpulse.views.shared.words import say
 
 #: Records and bodies on a page; of more the likeliest to overturn are shown.
 ROWS, COLUMNS = 50, 30
 
 #: Bodies whose names stand upright, and whose probabilities are written into the map.
 UPRIGHT, WRITTEN = 5, 10
-
-#: What the motions of results are called.
-MOTIONS = {"record": "records", "pair": "pairs of channels", "sequence": "sequences"}
 
 #: Steps of the colours, among them those at which a body may overturn and overturns.
 LEVELS = np.array([0.0, 0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0])
@@ -43,10 +45,6 @@ def probability_map(tree: xr.DataTree, demand: str | None = None, ax: Axes | Non
     ax : matplotlib Axes, optional
         Where to draw; by default on a figure of its own, as high as its rows.
     """
-    from matplotlib import colormaps
-    from matplotlib.colors import BoundaryNorm
-    from matplotlib.patches import Patch
-
     answers = answers_of(tree)
     motions, known = answers.motions, answers.probable
     if demand is not None and not answers.demands:
@@ -56,9 +54,9 @@ def probability_map(tree: xr.DataTree, demand: str | None = None, ax: Axes | Non
     if demand is not None:
         of_records = np.where(too_far(answers, demand), np.nan, of_records)
     values = np.fmax.reduce(motions.over(of_records, np.nan), axis=1)
-    at = " as they are" if demand is None else f", brought to the demand {style.plain(demand)}"
     if np.isnan(values).all():
-        raise ResultsError(f"probability: what overturns{at} is not known in these results")
+        told = " as they are" if demand is None else f", brought to the demand {demand}"
+        raise ResultsError(f"probability: what overturns{told} is not known in these results")
     likely = np.nan_to_num(values)
     rows = np.argsort(-likely.mean(axis=1), kind="stable")[:ROWS]
     columns = np.sort(np.argsort(-likely.mean(axis=0), kind="stable")[:COLUMNS])
@@ -81,30 +79,30 @@ def probability_map(tree: xr.DataTree, demand: str | None = None, ax: Axes | Non
     ax.xaxis.tick_top()
     handles: list[Any] = []
     if known:
-        style.colour_bar(ax, mesh, LEVELS, "probability P [-]", format="%g", spacing="uniform")
+        levels: dict[str, Any] = {"format": FuncFormatter(lambda level, _: general(level)), "spacing": "uniform"}
+        style.colour_bar(ax, mesh, LEVELS, say("plot.probability.scale"), **levels)
         if columns.size <= WRITTEN:
             for (row, column), value in np.ndenumerate(shown):
                 options: dict[str, Any] = {"color": "white" if value > 0.5 else BLACK, "ha": "center", "va": "center"}
                 ax.text(column + 0.5, row + 0.5, ratio(value), fontsize=SMALL - 1.0, **options)
     else:
-        handles += [Patch(fc=colours(norm(one)), label=words) for one, words in ((0.99, "overturns"), (0.0, "stands"))]
+        verdicts = ((0.99, "overturns"), (0.0, "stands"))
+        handles += [Patch(fc=colours(norm(one)), label=say(f"plot.bar.{words}")) for one, words in verdicts]
     if np.isnan(shown).any():
-        handles.append(Patch(fc="white", ec=GREY, lw=0.5, label="not known"))
+        handles.append(Patch(fc="white", ec=GREY, lw=0.5, label=say("grade.not_known")))
     style.legend_above(ax, 3, across=True, lift=lift, handles=handles)
-    style.title(ax, f"Overturning under the {MOTIONS[motions.kind]}{at}")
-    style.caption(ax, " ".join(_notes(answers, rows.size, columns.size)))
+    what = say(f"plot.probability.motions.{motions.kind}")
+    at = {} if demand is None else {"demand": style.plain(demand)}
+    style.title(ax, say(f"plot.probability.{'title_at' if at else 'title'}", motions=what, **at))
+    style.caption(ax, " ".join(_notes(tree, answers, what, rows.size, columns.size)))
     return ax
 
 
-def _notes(answers: Answers, rows: int, columns: int) -> list[str]:
-    motions, bodies, model = answers.motions, len(answers.bodies), style.look(answers.model).label
-    told = f"No probability is known: whether the {model} model overturns the body."
+def _notes(tree: xr.DataTree, answers: Answers, what: str, rows: int, columns: int) -> list[str]:
+    motions, bodies = len(answers.motions.names), len(answers.bodies)
+    words = [say("plot.probability.rows", count=rows, total=motions, motions=what)] if rows < motions else []
+    words += [say("plot.probability.columns", count=columns, total=bodies)] if columns < bodies else []
+    words += style.notes(worst_direction=answers.motions.kind == "pair")
     if answers.probable:
-        told = f"P: {answers.summary['overturning_probability'].attrs.get('comment', 'nonlinear model')}."
-    notes = {
-        f"The {rows} likeliest of {len(motions.names)} {MOTIONS[motions.kind]}.": rows < len(motions.names),
-        f"The {columns} likeliest of {bodies} bodies.": columns < bodies,
-        "Of a pair of channels the direction that is the likeliest to overturn the body.": motions.kind == "pair",
-        told: True,
-    }
-    return [words for words, holds in notes.items() if holds]
+        return [*words, say("plot.probability.known", uncertainty=uncertainty_words(tree))]
+    return [*words, say("plot.probability.unknown", model=style.look(answers.model).label)]

@@ -11,7 +11,9 @@ from rocking.pictures import thinned
 from rockpulse.model_table import SEQUENCE_MODELS, is_full
 from rockpulse.views.plots import style
 from rockpulse.views.plots.model_histories import History
-from rockpulse.views.plots.style import BLACK, FONT, INSTANTS, SMALL, Panels
+from rockpulse.views.plots.style import BLACK, DASHED, FONT, INSTANTS, SMALL, Panels
+from rockpulse.views.shared.terminal import figure, fixed, general
+from rockpulse.views.shared.words import named, say
 
 #: Motions that stay below this [-] are not looked at when the stretch of time is chosen.
 _MOVES = 0.02
@@ -36,13 +38,13 @@ def rotation_history(histories: Sequence[History], axes: Panels | None = None, t
         Stands above.
     """
     rows = 0.35 + 0.17 * len(histories)
-    moving, below = panels = style.several_axes(
-        axes, 2, height=3.4 + rows, sharex=True, height_ratios=[2.9, rows]
-    ).ravel()
+    ratios = [2.9, rows]
+    moving, below = panels = style.several_axes(axes, 2, height=3.4 + rows, sharex=True, height_ratios=ratios).ravel()
     moving.axhline(0.0, color=BLACK, lw=0.5)
     for level in (-1.0, 1.0):
-        moving.axhline(level, color=BLACK, lw=0.8, ls=(0, (6, 3)))
+        moving.axhline(level, color=BLACK, lw=0.8, ls=DASHED)
     first, last = moving_stretch([(history.time, history.rotation) for history in histories])
+    names = []
     for place, history in enumerate(histories):
         appearance = style.look(history.model)
         color, words = appearance.color, f"{appearance.label}: {_answer(history)}"
@@ -58,30 +60,35 @@ def rotation_history(histories: Sequence[History], axes: Panels | None = None, t
             moving.plot(history.time[inside], history.rotation[inside], color=color, **cross)
         row = np.full(history.impacts.size, place)
         below.plot(history.impacts, row, ls="none", marker="|", ms=7, mew=0.7, color=color)
+        names.append(_model(history) + (f" ({history.impact_count})" if history.impact_count >= 0 else ""))
     if {history.peak for history in histories} == {0.0}:
-        moving.text(0.5, 0.55, "at rest", transform=moving.transAxes, fontsize=FONT, ha="center")
-    names = [one.model + (f" ({one.impact_count})" if one.impact_count >= 0 else "") for one in histories]
+        moving.text(0.5, 0.55, say("answer.at_rest"), transform=moving.transAxes, fontsize=FONT, ha="center")
     below.set_yticks(range(len(histories)), names, fontsize=SMALL)
     below.set_ylim(len(histories) - 0.4, -0.6)
-    below.set_ylabel("impacts")
+    below.set_ylabel(say("plot.motion.impacts"))
     alone = all(history.model in SEQUENCE_MODELS for history in histories)
-    below.set_xlabel(f"time from the first {'main impulse' if alone else 'sample'} [s]")
-    moving.set_ylabel(r"rotation $\theta/\alpha_c$ [-]")
+    below.set_xlabel(say(f"plot.from_first.{'impulse' if alone else 'sample'}"))
+    moving.set_ylabel(say("plot.motion.rotation"))
     moving.set_xlim(first, last)
     moving.set_ylim(*_limits(histories))
-    moving.yaxis.set_major_formatter(lambda value, _: f"{value:g}")  # of small ones too, no power beside the axis
+    moving.yaxis.set_major_formatter(lambda value, _: general(value))  # of small ones too, no power beside the axis
     style.legend_above(moving, 2, across=True, lift=4.0)
     style.title(moving, title, rows=(len(histories) + 1) // 2)
-    style.caption(below, _remarks(histories))
+    style.caption(below, " ".join(_remarks(histories)))
     return panels
+
+
+def _model(history: History) -> str:
+    return named(f"models.{history.model}", history.model)
 
 
 def _answer(history: History) -> str:
     if np.isnan(history.peak):
-        return "unresolved"
-    if np.isinf(history.peak):
-        return "overturns" if np.isnan(history.overturning) else f"overturns by {history.overturning:.1f} s"
-    return "at rest" if history.peak == 0.0 else f"peak {history.peak:.3g}"
+        return say("answer.unresolved")
+    if np.isfinite(history.peak):
+        return say("plot.motion.peak", peak=figure(history.peak)) if history.peak else say("answer.at_rest")
+    known = np.isfinite(history.overturning)
+    return say("plot.motion.overturns", time=fixed(history.overturning, 1)) if known else say("answer.overturns")
 
 
 def _limits(histories: Sequence[History]) -> tuple[float, float]:
@@ -108,14 +115,11 @@ def moving_stretch(motions: Sequence[tuple[np.ndarray, np.ndarray]]) -> tuple[fl
     return max(first - around, 0.0), last + around
 
 
-def _remarks(histories: Sequence[History]) -> str:
-    words = []
-    if _limits(histories)[1] > 1.0:
-        words.append(r"Dashed: $\theta = \pm\alpha_c$.")
-    words.append("Impacts: those between samples of the history; in parentheses the number that the model counts.")
-    if any(np.isfinite(history.overturning) for history in histories):
-        words.append("Cross: overturned (the curve ends where the model stops following the block).")
-    if 0 < sum(history.model in SEQUENCE_MODELS for history in histories) < len(histories):
-        words.append("The sequence models have a time of their own, which here begins with the intense phase.")
-    words += [f"{history.model}: {history.remark}." for history in histories if history.remark]
-    return " ".join(words)
+def _remarks(histories: Sequence[History]) -> list[str]:
+    words = style.notes(
+        dashed_alpha=_limits(histories)[1] > 1.0,
+        impacts=True,
+        cross=any(np.isfinite(history.overturning) for history in histories),
+        own_time=0 < sum(history.model in SEQUENCE_MODELS for history in histories) < len(histories),
+    )
+    return words + [f"{_model(history)}: {history.remark}." for history in histories if history.remark]

@@ -1,9 +1,9 @@
-"""The part of a results file that is drawn: records, blocks and models by their names, and what is stored of them."""
+"""The part of a results file that is drawn: records, blocks and models by their names, and their stored values."""
 
 from collections.abc import Sequence
 from difflib import get_close_matches
 from fnmatch import fnmatchcase
-from typing import Any
+from typing import TypeVar
 
 import numpy as np
 import xarray as xr
@@ -13,15 +13,18 @@ from rocking.body.restraint import Restraints
 from rocking.impulses.impulse_sequence import ImpulseSequence
 from rockpulse.config.configuration import stored_sections
 from rockpulse.errors import ResultsError
+from rockpulse.option import Section
 from rockpulse.storage.hdf5.netcdf4 import flag_words
 from rockpulse.views.shared.terminal import restitution
+
+_Section = TypeVar("_Section", bound=Section)
 
 #: Names listed in a message.
 LISTED = 20
 
 
 def one_name(dataset: xr.Dataset, dimension: str, name: str | None) -> str:
-    """The name along a dimension that was asked for, in full or by a pattern that one name only meets, or the only one.
+    """The name along a dimension that was asked for, in full or by a pattern that only one name meets, or the only one.
 
     A ResultsError for any other, with the nearest names.
     """
@@ -31,9 +34,7 @@ def one_name(dataset: xr.Dataset, dimension: str, name: str | None) -> str:
     if name is None:
         option = dimension.replace("_", "-")
         raise ResultsError(f"expected one of {len(known)} {dimension}s, none was named (--{option}): {_listed(known)}")
-    if name in known:
-        return name
-    met = [label for label in known if fnmatchcase(label, name)]
+    met = [name] if name in known else [label for label in known if fnmatchcase(label, name)]
     if len(met) == 1:
         return met[0]
     if met:
@@ -62,9 +63,10 @@ def chosen_case(summary: xr.Dataset, case: int) -> dict[str, int]:
     return {"case": case - 1} if "case" in summary.dims else {}
 
 
-def setting(tree: xr.DataTree, section: str, name: str, otherwise: Any) -> Any:
-    """A key of the configuration that the results were made with, `otherwise` its default."""
-    return stored_sections(str(tree.attrs.get("configuration", ""))).get(section, {}).get(name, otherwise)
+def settings_of(tree: xr.DataTree, section: type[_Section]) -> _Section:
+    """A section of the configuration that the results were made with, its defaults where they do not hold it."""
+    sections = stored_sections(str(tree.attrs.get("configuration", "")))
+    return section(**sections.get(section.heading.strip("[]"), {}))
 
 
 def block_of(summary: xr.Dataset, block: str, case: int = 1) -> Block:

@@ -3,16 +3,21 @@
 from __future__ import annotations
 
 import textwrap
+from typing import Any
 
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
+from matplotlib.ticker import MaxNLocator, NullLocator
 from scipy.special import ndtr
 
 from rockpulse.record.record import STANDARD_GRAVITY
 from rockpulse.views.plots import style
 from rockpulse.views.plots.spectra import below_the_picture, record_lines, spectrum_axes
-from rockpulse.views.plots.style import BLACK, BLUE, GREY, ORANGE, PALE, RED, SKY, SMALL, Panels
+from rockpulse.views.plots.style import BLACK, BLUE, DOTTED, GREY, ORANGE, PALE, RED, SKY, SMALL, Panels
+from rockpulse.views.shared.terminal import figure, general
+from rockpulse.views.shared.words import named, say
+from rockpulse.views.text.site import site_remarks
 
 #: Largest ratio to the range of the records up to which the axis follows an interval or the design.
 _NEAR = 3.0
@@ -20,8 +25,8 @@ _NEAR = 3.0
 #: A remark longer than this is cut [characters].
 _REMARK = 230
 
-#: Letters of the parameters.
-_SYMBOLS = {"main": "$I$", "ratio": "$I_s/I$", "interval": r"$\Delta T$", "main_count": "number", "duration": "time"}
+#: Letters of the parameters that have one.
+_SYMBOLS = {"main": "$I$", "ratio": "$I_s/I$", "interval": r"$\Delta T$"}
 
 
 def calibration(tree: xr.DataTree, axes: Panels | None = None) -> np.ndarray:
@@ -45,52 +50,57 @@ def calibration(tree: xr.DataTree, axes: Panels | None = None) -> np.ndarray:
     if site.attrs["method"] == "spectrum":
         return np.array([site_spectrum(tree, None if axes is None else np.ravel(np.array(axes, dtype=object))[0])])
     panels = style.several_axes(axes, 3, 2, height=7.2).ravel()
-    names = [str(name) for name in site["parameter"].values]
-    for ax, name in zip(panels, names, strict=False):
-        _parameter(ax, site.sel(parameter=name), site["weight"].values, float(site["confidence"]))
+    for ax, name in zip(panels, site["parameter"].values.tolist(), strict=False):
+        _parameter(ax, site.sel(parameter=name), name, site["weight"].values)
     for ax in panels[0::2]:
-        ax.set_ylabel("share of the records [-]")
+        ax.set_ylabel(say("plot.site.share"))
     last = panels[-1]
     last.set_axis_off()
     handles, words = panels[0].get_legend_handles_labels()
     last.legend(handles, words, loc="center left", fontsize=SMALL, frameon=False, handlelength=2.4, labelspacing=0.8)
     counts = style.counts(int(site["record_count"]), int(site["event_count"]))
-    style.title(panels[0], f"{style.plain(tree.attrs.get('title', ''))}: {counts}, by {site.attrs['method']}")
-    style.caption(panels[-2], _remarks(site))
+    name = style.plain(tree.attrs.get("title", ""))
+    style.title(panels[0], say("plot.site.title", name=name, records=counts, method=site.attrs["method"]))
+    style.caption(panels[-2], " ".join(_remarks(site)))
     return panels
 
 
-def _parameter(ax: Axes, own: xr.Dataset, weight: np.ndarray, confidence: float) -> None:
-    value = own["value"].values
+def _parameter(ax: Axes, own: xr.Dataset, name: str, weight: np.ndarray) -> None:
+    """Draw the distribution of a parameter over the records, its fit, and the design."""
+    value, confidence = own["value"].values, general(100.0 * float(own["confidence"]))
     known = np.isfinite(value) & (weight > 0.0)
-    units = str(own["parameter_unit"].item())
-    style.panel_title(ax, style.readable(str(own["parameter_name"].item())).replace(", $I_s/I$", ""), width=52)
-    ax.set_xlabel(f"{_SYMBOLS.get(str(own['parameter'].item()), '')} [{style.unit(units)}]".strip())
+    words = style.readable(named(f"parameters.{name}", str(own["parameter_name"].item())))
+    style.panel_title(ax, words.replace(", $I_s/I$", ""), width=52)
+    symbol = _SYMBOLS.get(name) or say(f"plot.site.{name}")
+    ax.set_xlabel(f"{symbol} [{style.unit(str(own['parameter_unit'].item()))}]")
     ax.set_ylim(0.0, 1.02)
     ax.set_xscale("log")
+    beside: dict[str, Any] = {"transform": ax.transAxes, "fontsize": SMALL, "color": GREY}
     if not np.any(known):
-        ax.text(0.5, 0.5, "no record has a value", transform=ax.transAxes, ha="center", fontsize=SMALL, color=GREY)
+        ax.text(0.5, 0.5, say("plot.site.no_value"), ha="center", **beside)
         return
     order = np.argsort(value[known], kind="stable")
     ordered, share = value[known][order], np.cumsum(weight[known][order]) / np.sum(weight[known])
-    ax.step(np.r_[ordered[0], ordered], np.r_[0.0, share], where="post", color=BLACK, lw=0.9, label="records")
+    steps = np.r_[ordered[0], ordered], np.r_[0.0, share]
+    ax.step(*steps, where="post", color=BLACK, lw=0.9, label=say("plot.site.records"))
     ax.plot(ordered, share, "o", color=BLACK, ms=2.6)
     lower, upper = own["value_lower"].values[known][order], own["value_upper"].values[known][order]
     bounded = np.isfinite(lower) & np.isfinite(upper)
     if np.any(bounded):
-        ax.hlines(share[bounded], lower[bounded], upper[bounded], color=ORANGE, lw=1.0, label="interval of each record")
+        words = say("plot.site.of_record")
+        ax.hlines(share[bounded], lower[bounded], upper[bounded], color=ORANGE, lw=1.0, label=words)
     _fit(ax, own, confidence)
     design, low, high = (float(own[name]) for name in ("design", "design_lower", "design_upper"))
     if np.isfinite(design):
-        ax.axvline(design, color=RED, lw=1.3, ls=(0, (5, 1.5)), label="design sequence")
+        ax.axvline(design, color=RED, lw=1.3, ls=(0, (5, 1.5)), label=say("plot.site.design"))
         if np.isfinite(low) and np.isfinite(high):
-            words = f"its {100.0 * confidence:g} % interval ($I$ alone)"
+            words = say("plot.site.of_design", confidence=confidence)
             ax.axvspan(low, high, color=RED, alpha=0.13, lw=0, label=words)
     ax.set_xlim(_range(ordered, np.r_[lower[bounded], upper[bounded], design]))
-    _ticks(ax, whole=str(own["parameter"].item()) == "main_count")
+    _ticks(ax, whole=name == "main_count")
     missing = int(np.count_nonzero(~np.isfinite(value) & (weight > 0.0)))
     if missing:
-        ax.text(0.02, 0.97, f"{missing} without a limit", transform=ax.transAxes, va="top", fontsize=SMALL, color=GREY)
+        ax.text(0.02, 0.97, say("plot.site.without_limit", count=missing), va="top", **beside)
 
 
 def _range(values: np.ndarray, others: np.ndarray) -> tuple[float, float]:
@@ -104,23 +114,21 @@ def _range(values: np.ndarray, others: np.ndarray) -> tuple[float, float]:
     return low / room, high * room
 
 
-def _fit(ax: Axes, own: xr.Dataset, confidence: float) -> None:
+def _fit(ax: Axes, own: xr.Dataset, confidence: str) -> None:
     """Draw the lognormal curve and the interval of its median."""
     median, dispersion = float(own["median"]), float(own["dispersion"])
     if np.isfinite(median) and np.isfinite(dispersion) and dispersion > 0.0:
         values = median * np.exp(np.linspace(-2.6, 2.6, 101) * dispersion)
         shares = ndtr(np.log(values / median) / dispersion)
-        ax.plot(values, shares, color=BLUE, lw=1.2, ls=(0, (1.2, 1.2)), label="lognormal fit")
+        ax.plot(values, shares, color=BLUE, lw=1.2, ls=DOTTED, label=say("plot.site.fit"))
     low, high = float(own["median_lower"]), float(own["median_upper"])
     if np.isfinite(low) and np.isfinite(high):
-        words = f"{100.0 * confidence:g} % interval of the median"
+        words = say("plot.site.of_median", confidence=confidence)
         ax.plot([low, high], [0.5, 0.5], color=SKY, lw=4.0, solid_capstyle="butt", zorder=2.5, label=words)
 
 
 def _ticks(ax: Axes, whole: bool) -> None:
     """Label the ticks with plain numbers, whole ones for counts."""
-    from matplotlib.ticker import MaxNLocator, NullLocator
-
     low, high = ax.get_xlim()
     style.plain_ticks(ax.xaxis, 100.0)
     if high / low < 6.0:  # within less than a decade the usual round numbers
@@ -128,20 +136,18 @@ def _ticks(ax: Axes, whole: bool) -> None:
         ax.xaxis.set_minor_locator(NullLocator())
 
 
-def _remarks(site: xr.Dataset) -> str:
-    """The gravest remark, which comes first."""
-    words = [f"Design: quantile {float(site['quantile']):g} by {site.attrs['design']}."]
+def _remarks(site: xr.Dataset) -> list[str]:
+    """The design, and the gravest remark, which comes first."""
+    words = [say("plot.site.quantile", quantile=general(float(site["quantile"])), design=site.attrs["design"])]
     remarks = _sentences(site)
     for one in remarks[:1]:
         first = textwrap.shorten(one, _REMARK, placeholder=" …")
         words.append(style.plain(first if first.endswith("…") else f"{first}."))
-    if len(remarks) > 1:
-        words.append(f"{len(remarks) - 1} more remarks in the file.")
-    return " ".join(words)
+    return words + ([say("plot.more_remarks", count=len(remarks) - 1)] if len(remarks) > 1 else [])
 
 
 def _sentences(site: xr.Dataset) -> list[str]:
-    return [line[:1].upper() + line[1:] for line in str(site["remarks"].item()).splitlines() if line]
+    return [line[:1].upper() + line[1:] for line in site_remarks(site)]
 
 
 def site_spectrum(tree: xr.DataTree, ax: Axes | None = None) -> Axes:
@@ -158,24 +164,24 @@ def site_spectrum(tree: xr.DataTree, ax: Axes | None = None) -> Axes:
     }
     p = spectra["p"].values
     record_lines(ax, p, curves["spectrum"])
-    quantile, confidence = (100.0 * float(site[name]) for name in ("quantile", "confidence"))
+    quantile, confidence = (general(100.0 * float(site[name])) for name in ("quantile", "confidence"))
     if np.all(np.isfinite(curves["spectrum_design"])):
-        words = f"{confidence:g} % interval of the 84 % spectrum"
+        words = say("plot.site.of_spectrum", confidence=confidence)
         ax.fill_between(p, curves["spectrum_84_lower"], curves["spectrum_84_upper"], color=PALE, lw=0, label=words)
-        ax.plot(p, curves["spectrum_50"], color=BLUE, lw=1.8, label="median over earthquakes")
+        ax.plot(p, curves["spectrum_50"], color=BLUE, lw=1.8, label=say("plot.site.median"))
         ax.plot(p, curves["spectrum_84"], color=BLUE, lw=1.8, ls="--", label="84 %")
     known = site.isel(block=np.flatnonzero(np.isfinite(site["effective_impulse"].values)))
     if known.sizes["block"]:
         middle, low, high = (known[f"effective_impulse{end}"].values for end in ("", "_lower", "_upper"))
-        words, ends = f"$I_{{eff}}$ of the design ({quantile:g} %) at the body's own C", (middle - low, high - middle)
+        words, ends = say("plot.site.effective", quantile=quantile), (middle - low, high - middle)
         ax.errorbar(known["p"].values, middle, yerr=ends, fmt="_", ms=9, color=RED, lw=1.2, label=words)
     # g tan(alpha)/p from I_1c = g alpha/(p cos alpha).
     alpha, rates = site["alpha_c"].values, site["p"].values.tolist()
     speeds = (site["critical_impulse"].values * np.sin(alpha) / alpha).tolist()
     points = dict(zip(map(str, site["block"].values), zip(rates, speeds, strict=True), strict=True))
     rows = spectrum_axes(ax, spectra["p"], points, STANDARD_GRAVITY, columns=2)
-    style.title(ax, f"{style.plain(tree.attrs.get('title', ''))}, $C$ = {restitution:.3g}", rows=rows)
-    said = ["A body overturns under the design where the middle of its bar lies above its point."]
-    said = [*said[: known.sizes["block"]], *(f"{style.plain(one)}." for one in _sentences(site)[:1])]
+    style.title(ax, f"{style.plain(tree.attrs.get('title', ''))}, $C$ = {figure(restitution)}", rows=rows)
+    said = style.notes(under_design=known.sizes["block"] > 0)
+    said += [f"{style.plain(one)}." for one in _sentences(site)[:1]]
     style.caption(ax, " ".join([*said, *below_the_picture(ax, curves["spectrum"])]))
     return ax

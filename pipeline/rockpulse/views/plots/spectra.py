@@ -5,15 +5,21 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
+from matplotlib import colormaps
 from matplotlib.axes import Axes
+from matplotlib.colors import BoundaryNorm
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch, PathPatch
+from matplotlib.path import Path
 
 from rocking.response import Outcome
-from rockpulse.earthquakes import FEWEST_EVENTS, weighted_quantile
+from rockpulse.earthquakes import FEWEST_EVENTS, mean_weights, weighted_quantile
 from rockpulse.views.plots import style
 from rockpulse.views.plots.factor_rows import factors_to_demands
 from rockpulse.views.plots.selection import plain_bodies
-from rockpulse.views.plots.style import BLACK, BLUE, FONT, GREY, PALE, RED, SMALL
-from rockpulse.views.shared.terminal import shortened
+from rockpulse.views.plots.style import BLACK, BLUE, DOTTED, FONT, GREY, PALE, RED, SMALL
+from rockpulse.views.shared.terminal import general, restitution, shortened
+from rockpulse.views.shared.words import counted, say
 
 #: Sizes whose p is marked along the top [m].
 _RADII = (0.2, 0.3, 0.5, 1.0, 2.0, 4.0, 8.0)
@@ -44,11 +50,6 @@ def rocking_spectrum(
     note : str
         Further words for the small print.
     """
-    from matplotlib import colormaps
-    from matplotlib.colors import BoundaryNorm
-    from matplotlib.patches import Patch, PathPatch
-    from matplotlib.path import Path
-
     ax = style.one_axes(ax, height=4.4)
     outcome = spectrum["outcome"].transpose("alpha_c", "p").values
     peak = spectrum["peak_rotation_ratio"].transpose("alpha_c", "p").values
@@ -60,49 +61,45 @@ def rocking_spectrum(
     rotation = np.minimum(peak, np.nextafter(1.0, 0.0))
     shown = np.where(fallen, 2.0, np.where(outcome == Outcome.ROCKS, rotation, np.nan))
     p, alpha = spectrum["p"].values, spectrum["alpha_c"].values
-    mesh = ax.pcolormesh(
-        p, alpha, np.ma.masked_invalid(shown), cmap=colours, norm=BoundaryNorm(levels, colours.N), rasterized=True
-    )
+    cells: dict[str, Any] = {"cmap": colours, "norm": BoundaryNorm(levels, colours.N), "rasterized": True}
+    mesh = ax.pcolormesh(p, alpha, np.ma.masked_invalid(shown), **cells)
     if np.any(fallen):
         corners = np.asarray(mesh.get_coordinates())
         ways = [(0, 0), (0, 1), (1, 1), (1, 0), (0, 0)]
         around = np.stack([corners[i : i + len(alpha), j : j + len(p)] for i, j in ways], axis=2)[fallen]
-        cells = Path.make_compound_path(*(Path(cell, closed=True) for cell in around))
-        ax.add_patch(PathPatch(cells, **_FALLEN | {"fc": "none"}, lw=0.0, rasterized=True))
+        path = Path.make_compound_path(*(Path(cell, closed=True) for cell in around))
+        ax.add_patch(PathPatch(path, **_FALLEN | {"fc": "none"}, lw=0.0, rasterized=True))
     ax.grid(visible=False)
-    style.colour_bar(ax, mesh, levels[::2], style.label(spectrum["peak_rotation_ratio"].attrs))
+    style.colour_bar(ax, mesh, levels[::2], style.label(spectrum["peak_rotation_ratio"]))
     handles: list[Any] = []
     if np.any(fallen):
-        handles.append(Patch(**_FALLEN, lw=0.5, label="overturns"))
+        handles.append(Patch(**_FALLEN, lw=0.5, label=say("answer.overturns")))
     if np.any(outcome == Outcome.AT_REST):
-        handles.append(Patch(fc="white", ec=BLACK, lw=0.5, label="at rest"))
+        handles.append(Patch(fc="white", ec=BLACK, lw=0.5, label=say("answer.at_rest")))
     row, column = np.nonzero(outcome == Outcome.UNRESOLVED)
     if row.size:
-        ax.plot(p[column], alpha[row], ls="none", marker="x", ms=3, color=RED, label="unresolved")
+        ax.plot(p[column], alpha[row], ls="none", marker="x", ms=3, color=RED, label=say("answer.unresolved"))
         handles += ax.get_legend_handles_labels()[0]
     handles += body_marks(ax, dict(bodies or {}))
     ax.set_xlim(_edges(p))
     ax.set_ylim(_edges(alpha))
-    ax.set_xlabel(style.label(spectrum["p"].attrs, symbol="$p$"))
-    ax.set_ylabel(style.label(spectrum["alpha_c"].attrs, symbol=r"$\alpha_c$"))
+    ax.set_xlabel(style.label(spectrum["p"], symbol="$p$"))
+    ax.set_ylabel(style.label(spectrum["alpha_c"], symbol=r"$\alpha_c$"))
     size_scale(ax, float(spectrum.attrs["gravity"]))
     style.legend_above(ax, 3, across=True, lift=32.0, handles=handles)
-    factor = float(spectrum.attrs["scale"])
-    words = style.plain(spectrum.attrs["record"]) + ("" if factor == 1.0 else f", times {factor:g}")
+    name, factor = style.plain(spectrum.attrs["record"]), float(spectrum.attrs["scale"])
+    words = name if factor == 1.0 else say("plot.spectra.times", name=name, factor=general(factor))
     style.title(ax, words, rows=3 - (-len(handles) // 3))
-    c = spectrum["restitution"].values
-    span = f"{c.min():.3f}" if np.ptp(c) == 0.0 else f"{c.min():.3f} to {c.max():.3f}, with $\\alpha_c$ (Housner)"
-    remarks = [f"Nonlinear equation, $C$ = {span}."]
-    remarks += ["Every block stays at rest."] * bool(np.all(outcome == Outcome.AT_REST))
-    remarks += ["Bodies with another $C$ rock differently from the blocks of the map."] * bool(bodies)
+    low, high = (restitution(float(end(spectrum["restitution"]))) for end in (np.min, np.max))
+    span = low if low == high else say("plot.spectra.housner", low=low, high=high)
+    remarks = [say("plot.spectra.equation", c=span)]
+    remarks += style.notes(all_at_rest=bool(np.all(outcome == Outcome.AT_REST)), other_c=bool(bodies))
     style.caption(ax, " ".join([*remarks, note]).strip())
     return ax
 
 
 def body_marks(ax: Axes, bodies: dict[str, tuple[float, float]]) -> list[Any]:
     """Draw numbers on the map for the bodies, and list their names in the legend."""
-    from matplotlib.lines import Line2D
-
     handles = []
     ring: dict[str, Any] = {"ls": "none", "marker": "o", "mfc": "white", "mec": BLACK}
     for number, (name, (p, alpha)) in enumerate(bodies.items(), start=1):
@@ -113,7 +110,7 @@ def body_marks(ax: Axes, bodies: dict[str, tuple[float, float]]) -> list[Any]:
         ax.plot(p, alpha, ls="none", **figure)
         handles.append(Line2D([], [], ls="none", **figure, label=style.plain(shortened(name, 24))))
     if len(bodies) > _NAMED:
-        handles.append(Line2D([], [], ms=3, **ring, label=f"{len(bodies) - _NAMED} more bodies"))
+        handles.append(Line2D([], [], ms=3, **ring, label=say("plot.spectra.more", count=len(bodies) - _NAMED)))
     return handles
 
 
@@ -135,10 +132,10 @@ def size_scale(ax: Axes, gravity: float) -> None:
     low, high = ax.get_xlim()
     top = ax.secondary_xaxis("top", functions=(swapped, back))
     shown = [radius for radius in _RADII if low <= float(back(np.array(radius))) <= high]
-    top.set_xticks(shown, [f"{radius:g}" for radius in shown], fontsize=SMALL)
+    top.set_xticks(shown, list(map(general, shown)), fontsize=SMALL)
     top.minorticks_off()
     top.tick_params(width=0.6, length=3)
-    top.set_xlabel("half the diagonal R of a rectangle [m]", fontsize=FONT)
+    top.set_xlabel(say("plot.spectra.radius"), fontsize=FONT)
 
 
 #: Spectra of single records that are drawn.
@@ -193,35 +190,32 @@ def overturning_spectra(
     straight, few = 0 < p.size < several.sizes["p"], False
     if known.size == 1:
         low, high = (at[name].values[known[0]] for name in ("spectrum_low", "spectrum_high"))
-        ax.fill_between(p, low, high, color=PALE, lw=0, label="90 % interval")
-        ax.plot(p, curves[0], color=BLUE, label="spectrum of the record")
+        ax.fill_between(p, low, high, color=PALE, lw=0, label=say("plot.spectra.interval"))
+        ax.plot(p, curves[0], color=BLUE, label=say("plot.spectra.of_record"))
     elif known.size:
         record_lines(ax, p, curves)
-        labels = None if events is None else [events[int(place)] for place in known]
-        weights, few = _alike(labels, known.size), labels is not None and len(set(labels)) < FEWEST_EVENTS
-        drawn: list[Any] = [(curves, 0.5, BLUE, "-", "median"), (curves, 0.84, BLUE, "--", "84 %")]
+        labels = np.asarray(range(several.sizes["record"]) if events is None else events)[known]
+        weights, few = mean_weights(labels).mean(axis=0), events is not None and len(set(labels)) < FEWEST_EVENTS
+        drawn: list[Any] = [(curves, 0.5, BLUE, "-", say("plot.spectra.median")), (curves, 0.84, BLUE, "--", "84 %")]
         for place, (name, factors) in enumerate((demands or {}).items()):
             scaled = curves * np.asarray(factors, dtype=float)[known, np.newaxis]
-            dashes = ((0, (1.2, 1.2)), (0, (6, 1.5, 1, 1.5)))[place % 2]
-            drawn.append((scaled, 0.5, RED, dashes, f"median at the demand {style.plain(name)}"))
+            dashes = (DOTTED, (0, (6, 1.5, 1, 1.5)))[place % 2]
+            drawn.append((scaled, 0.5, RED, dashes, say("plot.spectra.at_demand", name=style.plain(name))))
         for own, level, color, dashes, words in drawn if not few else ():
             quantile = [weighted_quantile(column, level, weights) for column in own.T]
             ax.plot(p, quantile, color=color, ls=dashes, lw=1.8, label=words)
     points = {name: (rate, gravity * np.tan(alpha) / rate) for name, (rate, alpha) in (bodies or {}).items()}
     rows = spectrum_axes(ax, several["p"], points, gravity, columns=3)
     names = several["record"].values if "record" in several.coords else [several.attrs.get("record", "")]
-    words = style.plain(names[known[0]]) if known.size == 1 else f"{known.size} records"
-    style.title(ax, f"{words}, $C$ = {grid[chosen]:g}", rows=rows)
-    remarks = ["A body overturns, at its mean capacity, under a record whose curve lies above its point."]
-    remarks += below_the_picture(ax, curves)
-    notes = {
-        "A body with a larger C falls under a higher curve, one with a smaller C under a lower one.": bool(bodies),
-        "No spectrum was stored.": not known.size,
-        "Straight where no body lies: [uncertainty] spectrum = all marches the whole curve.": straight,
-        f"Fewer than {FEWEST_EVENTS} earthquakes have no median.": few,
-        f"{len(names) - known.size} of {len(names)} records have no spectrum.": known.size < len(names),
-    }
-    style.caption(ax, " ".join([*remarks, *(words for words, holds in notes.items() if holds)]))
+    words = style.plain(names[known[0]]) if known.size == 1 else counted(known.size, "record")
+    style.title(ax, f"{words}, $C$ = {general(grid[chosen])}", rows=rows)
+    remarks = [*style.notes(below_curve=True), *below_the_picture(ax, curves)]
+    remarks += style.notes(larger_c=bool(bodies), no_spectrum=not known.size, straight=straight)
+    if few:
+        remarks.append(say("plot.spectra.few", count=FEWEST_EVENTS))
+    if known.size < len(names):
+        remarks.append(say("plot.spectra.without", count=len(names) - known.size, total=len(names)))
+    style.caption(ax, " ".join(remarks))
     return ax
 
 
@@ -250,13 +244,13 @@ def spectra_of_results(tree: xr.DataTree, spectra: xr.Dataset, restitution: floa
 def record_lines(ax: Axes, p: np.ndarray, curves: np.ndarray) -> None:
     """Draw the spectra of single records (records, a) [m/s] over p (a,) thinly, with one entry in the legend."""
     for place, curve in enumerate(curves[:_DRAWN]):
-        ax.plot(p, curve, color=GREY, lw=0.5, alpha=0.6, label="" if place else f"{len(curves)} records")
+        ax.plot(p, curve, color=GREY, lw=0.5, alpha=0.6, label="" if place else counted(len(curves), "record"))
 
 
 def below_the_picture(ax: Axes, curves: np.ndarray) -> list[str]:
     """How many curves (records, a) lie below the Axes of :func:`spectrum_axes`, in a sentence; none where none does."""
     below = int(np.count_nonzero(np.all(curves < ax.get_ylim()[0], axis=1)))
-    return [f"Below the picture, far from every body: {below} of {len(curves)} curves."] if below else []
+    return [say("plot.spectra.below", count=below, total=len(curves))] if below else []
 
 
 def spectrum_axes(
@@ -275,21 +269,13 @@ def spectrum_axes(
         first, last = max(first, float(drawn[0]) / _ROOM), min(last, float(drawn[1]) * _ROOM)
     ax.set_xlim(first, last)
     ticks = [value for value in _TICKS if first <= value <= last]
-    ax.set_xticks(ticks, [f"{value:g}" for value in ticks])
+    ax.set_xticks(ticks, list(map(general, ticks)))
     ax.minorticks_off()
     low, high = ax.get_ylim()
     ax.set_ylim(max(low, _DEEPEST * min((speed for _, speed in points.values()), default=0.0)), high)
     style.plain_ticks(ax.yaxis)
-    ax.set_xlabel(style.label(p.attrs, symbol="$p$"))
-    ax.set_ylabel(r"effective impulse $S$, or $g\,\tan\alpha_c/p$ of a body [m/s]")
+    ax.set_xlabel(style.label(p, symbol="$p$"))
+    ax.set_ylabel(say("plot.spectra.effective"))
     size_scale(ax, gravity)
     style.legend_above(ax, columns, across=True, lift=32.0, handles=handles)
     return 3 - (-len(handles) // columns)
-
-
-def _alike(events: Sequence[str] | None, count: int) -> np.ndarray:
-    """Weights (records,) with which every earthquake counts the same, that sum up to one."""
-    if events is None:
-        return np.full(count, 1.0 / count)
-    _, place, sizes = np.unique(np.asarray(events, dtype=str), return_inverse=True, return_counts=True)
-    return 1.0 / (sizes[place] * sizes.size)

@@ -1,24 +1,31 @@
-"""One look for all pictures: sizes for a page of A4, colours that hold for colour-blind eyes and in grey, and words.
+"""One look for all pictures: sizes for a page of A4, colours for colour-blind eyes and for grey, texts and numbers.
 
-Nothing here touches matplotlib's global settings: every size is set on the artist itself, so that pictures drawn side
-by side in one process, or in a user's own session, do not change each other. Names given by users are plain text.
+Every size is set on the artist itself: matplotlib's global settings stay. Names given by users are plain text.
 """
 
 from __future__ import annotations
 
 import re
 import textwrap
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
+import xarray as xr
+from matplotlib import colormaps
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis
 from matplotlib.collections import QuadMesh
+from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter, ScalarFormatter
+from matplotlib.transforms import ScaledTranslation, blended_transform_factory
 
 from rockpulse.foreign_text import escaped
 from rockpulse.model_table import MODELS
+from rockpulse.views.plots.picture import NotebookFigure
+from rockpulse.views.shared.terminal import general
+from rockpulse.views.shared.words import counted, in_numerals, language, named, say
 
 #: Width of a picture: that of the text on a page of A4 with margins of 25 mm [in].
 WIDTH = 6.3
@@ -40,6 +47,9 @@ PALETTE = {
 BLACK, BLUE, ORANGE, GREEN, RED, SKY, PURPLE, GREY = PALETTE.values()
 PALE = "#DDDDDD"
 
+#: Dashes: of a line to compare with, and dots.
+DASHED, DOTTED = (0, (6, 3)), (0, (1.2, 1.2))
+
 #: Label of the figures that are made here.
 _OURS = "rockpulse"
 
@@ -51,7 +61,7 @@ Panels: TypeAlias = "Axes | Sequence[Axes] | np.ndarray"
 
 
 class Look(NamedTuple):
-    """The look of a model, or of any other of a few things side by side: never its colour alone."""
+    """The look of one of a few things side by side: never its colour alone."""
 
     label: str
     color: str
@@ -59,11 +69,11 @@ class Look(NamedTuple):
     marker: str
 
 
-#: For what is no model: limit states, curves of a family.
+#: For things that are no models, as limit states.
 _CYCLE = [
     (BLUE, "-", "o"),
     (RED, (0, (5, 1.3)), "s"),
-    (GREEN, (0, (1.2, 1.2)), "^"),
+    (GREEN, DOTTED, "^"),
     (ORANGE, (0, (6, 1.5, 1, 1.5)), "D"),
     (PURPLE, (0, (3, 1, 1, 1, 1, 1)), "v"),
     (BLACK, (0, (8, 2)), "P"),
@@ -77,11 +87,11 @@ def look(name: str) -> Look:
     if name not in MODELS:
         return Look(name, BLACK, "-", "x")
     color, line, marker = MODELS[name].look
-    return Look(MODELS[name].label, PALETTE[color], line, marker)
+    return Look(named(f"labels.{name}", MODELS[name].label), PALETTE[color], line, marker)
 
 
 def looks(names: Sequence[str]) -> list[Look]:
-    """The looks of named things of one family, in order; colours that come again have other lines and markers."""
+    """The looks of named things, in order; a colour that is used again has another line and marker."""
     turns = [divmod(place, len(_CYCLE)) for place in range(len(names))]
     other = [_CYCLE[(at + 2 * turn + 1) % len(_CYCLE)] if turn else _CYCLE[at] for turn, at in turns]
     return [Look(name, _CYCLE[at][0], *one[1:]) for name, (_, at), one in zip(names, turns, other, strict=True)]
@@ -89,17 +99,12 @@ def looks(names: Sequence[str]) -> list[Look]:
 
 def ramp(names: Sequence[str]) -> list[Look]:
     """The looks of the named steps of one quantity, in order: from dark to light, neighbours by other lines too."""
-    from matplotlib import colormaps
-    from matplotlib.colors import to_hex
-
     shades = colormaps["cividis"](np.linspace(0.0, 0.88, len(names)))
     return [Look(name, to_hex(shades[place]), *_CYCLE[place % 4][1:]) for place, name in enumerate(names)]
 
 
 def figure_of(width: float = WIDTH, height: float = 3.4) -> Figure:
     """A figure of some size [in] that belongs to no window and no global list."""
-    from rockpulse.views.plots.picture import NotebookFigure
-
     figure = NotebookFigure(figsize=(width, height), layout="constrained")
     figure.set_label(_OURS)
     return figure
@@ -107,8 +112,6 @@ def figure_of(width: float = WIDTH, height: float = 3.4) -> Figure:
 
 def whole_figure(what: Figure | Axes | np.ndarray) -> Figure:
     """The figure of Axes, or of the first of several; a figure is its own."""
-    from matplotlib.figure import Figure
-
     if isinstance(what, Figure):
         return what
     figure: Figure = np.ravel(np.array(what, dtype=object))[0].get_figure(root=True)
@@ -116,19 +119,19 @@ def whole_figure(what: Figure | Axes | np.ndarray) -> Figure:
 
 
 def _ours(ax: Axes) -> bool:
-    """Whether Axes stand on a figure that was made here, so that its margins are free."""
+    """Whether the figure of some Axes was made here, so that its margins are free."""
     return whole_figure(ax).get_label() == _OURS
 
 
 def one_axes(ax: Axes | None, height: float = 3.4) -> Axes:
-    """The Axes that were given, or new ones on a figure of their own of some height [in], dressed."""
+    """The given Axes, or new ones on a figure of their own of some height [in], in this look."""
     return dressed(figure_of(height=height).subplots() if ax is None else ax)
 
 
 def several_axes(axes: Panels | None, rows: int, columns: int = 1, height: float = 5.0, **options: Any) -> np.ndarray:
-    """As :func:`one_axes` for rows x columns of panels, in that shape; a ValueError for another number of Axes.
+    """As :func:`one_axes` for rows x columns of panels, with options of :meth:`matplotlib.figure.Figure.subplots`.
 
-    The options are those of :meth:`matplotlib.figure.Figure.subplots`.
+    A ValueError for another number of Axes.
     """
     if axes is None:
         panels = figure_of(height=height).subplots(rows, columns, squeeze=False, **options)
@@ -142,6 +145,14 @@ def several_axes(axes: Panels | None, rows: int, columns: int = 1, height: float
     return panels
 
 
+class Numerals(ScalarFormatter):
+    """The usual numbers at ticks, in the form of the language that is written."""
+
+    def __call__(self, x: float, pos: int | None = None) -> str:
+        """The text of a tick."""
+        return in_numerals(super().__call__(x, pos))
+
+
 def dressed(ax: Axes) -> Axes:
     """Axes with the sizes of this look."""
     ax.tick_params(which="both", labelsize=SMALL, width=0.6, length=3)
@@ -152,29 +163,30 @@ def dressed(ax: Axes) -> Axes:
     for axis in (ax.xaxis, ax.yaxis):
         axis.label.set_fontsize(FONT)
         axis.get_offset_text().set_fontsize(SMALL)
+        if language() != "en":
+            axis.set_major_formatter(Numerals())
     return ax
 
 
 def colour_bar(ax: Axes, mesh: QuadMesh, ticks: np.ndarray, words: str, **options: Any) -> None:
     """Draw the scale of colours of a map beside it."""
+    options = {"format": Numerals(), **options}
     bar = whole_figure(ax).colorbar(mesh, ax=ax, ticks=ticks, pad=0.02, fraction=0.05, **options)
     bar.ax.tick_params(labelsize=SMALL, width=0.6)
     bar.set_label(words, fontsize=FONT)
 
 
 def legend(ax: Axes, **options: Any) -> None:
-    """The legend of what has a label, if anything has, with the options of :meth:`matplotlib.axes.Axes.legend`."""
+    """The legend of labelled artists, if there are any, with options of :meth:`matplotlib.axes.Axes.legend`."""
     if options.get("handles") or ax.get_legend_handles_labels()[1]:
         ax.legend(**{"fontsize": SMALL, "frameon": True, "framealpha": 0.85, "edgecolor": "none", **options})
 
 
 def legend_above(ax: Axes, ncols: int, across: bool = False, lift: float = 0.0, **options: Any) -> None:
-    """The legend in rows of `ncols` entries above the Axes, where it hides nothing.
+    """The legend in rows of `ncols` entries above the Axes, `lift` further up [pt].
 
-    With `across` it begins at the left edge of a figure of our own, beside long names. `lift` moves it further up [pt].
+    With `across` it begins at the left edge of a figure of our own, beside long names.
     """
-    from matplotlib.transforms import ScaledTranslation, blended_transform_factory
-
     figure, beside = whole_figure(ax), across and _ours(ax)
     above = blended_transform_factory(figure.transFigure if beside else ax.transAxes, ax.transAxes)
     place = above + ScaledTranslation(0.0, lift / 72.0, figure.dpi_scale_trans)
@@ -186,8 +198,7 @@ def legend_above(ax: Axes, ncols: int, across: bool = False, lift: float = 0.0, 
 def title(ax: Axes, words: str, rows: int = 0, width: int = 74) -> None:
     """The title of a picture: above a figure of our own, else above its uppermost Axes and their own title.
 
-    `rows` is the number of rows of a legend that stands above the Axes, `width` the longest line. Names of the user's
-    stand in `words` as :func:`plain` gives them.
+    `rows` is the number of rows of a legend above the Axes, `width` the longest line; names in it are :func:`plain`.
     """
     if words and _ours(ax):
         whole_figure(ax).suptitle(wrapped(words, width), x=0.01, ha="left", fontsize=FONT)
@@ -201,7 +212,7 @@ def panel_title(ax: Axes, words: str, rows: int = 0, width: int = 92) -> None:
 
 
 def caption(ax: Axes, words: str, width: int = 106) -> None:
-    """Small print below the label of the horizontal axis of the lowest Axes: what is uncertain, what the signs mean."""
+    """Small print below the label of the horizontal axis of the lowest Axes."""
     options: dict[str, Any] = {"fontsize": SMALL, "color": "#333333", "linespacing": 1.25}
     if words and _ours(ax):
         whole_figure(ax).supxlabel(wrapped(words, width), x=0.01, ha="left", **options)
@@ -211,13 +222,16 @@ def caption(ax: Axes, words: str, width: int = 106) -> None:
         ax.annotate(wrapped(words, width), (0.0, 0.0), (0.0, -5.0), below, "offset points", **options)
 
 
+def notes(**held: bool) -> list[str]:
+    """The sentences of the small print that hold, by their keys in the section [plot.note]."""
+    return [say(f"plot.note.{key}") for key, holds in held.items() if holds]
+
+
 def plain_ticks(axis: Axis, wide: float = 200.0) -> None:
     """Label the ticks of a logarithmic axis with plain numbers, not powers of ten; only these on a `wide` one."""
-    from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
-
     low, high = axis.get_view_interval()
     axis.set_major_locator(LogLocator(subs=(1.0,) if high / low >= wide else (1.0, 2.0, 5.0)))
-    axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    axis.set_major_formatter(FuncFormatter(lambda value, _: general(value)))
     axis.set_minor_formatter(NullFormatter())
 
 
@@ -251,26 +265,14 @@ def unit(units: str) -> str:
 
 
 def readable(long_name: str) -> str:
-    r"""A long name with its symbols as mathematics, without the remarks that follow a semicolon.
-
-    Examples
-    --------
-    >>> readable("largest rotation over alpha_c; inf where the block overturns, 0 at rest")
-    'largest rotation over $\\alpha_c$'
-    """
+    """A long name with its symbols as mathematics, without the remarks that follow a semicolon."""
     return _SYMBOL.sub(lambda found: _SYMBOLS[found.group()], long_name.split(";")[0].strip())
 
 
-def label(attrs: Mapping[Any, Any], units: str | None = None, symbol: str = "") -> str:
-    """Text of an axis from the attributes `long_name` and `units` (or other units), with the letter of the quantity.
-
-    Examples
-    --------
-    >>> label({"long_name": "main impulse I of the calibrated sequence", "units": "m s-1"})
-    'main impulse I of the calibrated sequence [m/s]'
-    """
-    name = f"{readable(str(attrs['long_name']))} {symbol}".rstrip()
-    return f"{name} [{unit(str(attrs['units']) if units is None else units)}]"
+def label(variable: xr.DataArray, symbol: str = "") -> str:
+    """Text of an axis: the long name of a variable of results, the letter of the quantity, and the unit."""
+    name = readable(named(f"variables.{variable.name}", str(variable.attrs["long_name"])))
+    return f"{name} {symbol}".rstrip() + f" [{unit(str(variable.attrs['units']))}]"
 
 
 def plain(name: object) -> str:
@@ -279,10 +281,9 @@ def plain(name: object) -> str:
 
 
 def wrapped(words: str, width: int) -> str:
-    r"""Text broken into lines by its drawn length: mathematics counts as long as it is drawn, and is never broken.
+    r"""Text broken into lines of `width` characters: mathematics counts as long as it is drawn, and is never broken.
 
-    `width` is the longest line in characters; longer words are cut, so that no id leaves the picture. Line breaks in
-    the text stay.
+    Longer words are cut, so that no id leaves the picture. Line breaks in the text stay.
 
     Examples
     --------
@@ -303,11 +304,4 @@ def wrapped(words: str, width: int) -> str:
 
 def counts(records: int, events: int) -> str:
     """The numbers of records and of their earthquakes."""
-    return f"{records} record{'s' * (records != 1)} of {events} earthquake{'s' * (events != 1)}"
-
-
-def counted(names: Iterable[object], most: int = 3) -> str:
-    """The first few names, and the number of the others: ``a, b, c and 2 more``."""
-    listed = [str(name) for name in names]
-    more = len(listed) - most
-    return ", ".join(listed) if more <= 0 else f"{', '.join(listed[:most])} and {more} more"
+    return say("records_of", records=counted(records, "record"), earthquakes=counted(events, "earthquake"))

@@ -1,6 +1,5 @@
 """The pictures of the page: drawn when the template asks for them, each with ids of its own."""
 
-import re
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
@@ -9,28 +8,22 @@ import numpy as np
 import xarray as xr
 from markupsafe import Markup
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 from rockpulse.assessment.answers import Answers, answers_of, fullest_model
 from rockpulse.errors import ResultsError
 from rockpulse.model_table import DRAWN
 from rockpulse.views.plots.selection import plain_bodies
-from rockpulse.views.plots.style import wrapped
 from rockpulse.views.report.beside import Paired
 from rockpulse.views.report.content import Content
 from rockpulse.views.report.drawings import strip
-from rockpulse.views.report.picture_words import in_language
 from rockpulse.views.shared.terminal import figure
-from rockpulse.views.shared.words import in_numerals, say
+from rockpulse.views.shared.words import say
 
 #: Records that are drawn with their half-waves and impulses: all, or of more those that govern a body.
 IN_FULL = 20
 
 #: Records in the map of a body: those of the smallest factors.
 IN_A_MAP = 20
-
-#: What is written in a picture.
-_TEXT = re.compile(r"(?<=>)[^<>]+(?=<)")
 
 
 @dataclass(frozen=True)
@@ -48,8 +41,6 @@ class Pictures:
         self._tree = tree
         self._site, self._fragility = (None if other is None else other.tree for other in (site, fragility))
         self._summary = tree["summary"].to_dataset()
-        names = [str(name) for axis in ("record", "block") for name in self._summary[axis].values]
-        self._names = tuple(name for name in names if in_numerals(name) != name)
         stored = tree["records"].to_dataset() if "records" in tree.children else None
         self._stored = None if stored is None or "acceleration" not in stored else stored
         count = self._summary.sizes["record"]
@@ -172,12 +163,7 @@ class Pictures:
         except ResultsError as reason:
             return Picture(Markup(""), str(reason))
         assert figure is not None
-        _translated(figure)
-        return Picture(Markup(_TEXT.sub(self._numbered, svg(figure, name))), caption)
-
-    def _numbered(self, text: re.Match[str]) -> str:
-        """A text of a picture with its numbers in the form of the language; a name with a number in it stays."""
-        return text[0] if any(name in text[0] for name in self._names) else in_numerals(text[0])
+        return Picture(Markup(svg(figure, name)), caption)
 
     def fragility(self, block: str) -> Picture:
         """The curves of a body; only asked for with a fragility file."""
@@ -210,18 +196,3 @@ def _bare(ax: Axes) -> Axes:
     figure.suptitle("")
     figure.supxlabel("")
     return ax
-
-
-def _translated(figure: Figure) -> None:
-    """Put the texts of a figure into the words of the page; lines are as long as the longest one was."""
-    from matplotlib.text import Text
-    from matplotlib.ticker import FixedLocator
-
-    for text in figure.findobj(Text):
-        lines = text.get_text().split("\n")
-        told = in_language(" ".join(lines))
-        text.set_text(wrapped(told, max(map(len, lines))) if len(lines) > 1 else told)
-    for ax in figure.axes:
-        for axis in (ax.xaxis, ax.yaxis):
-            if isinstance(axis.get_major_locator(), FixedLocator):
-                axis.set_ticklabels([in_language(tick.get_text()) for tick in axis.get_ticklabels()])

@@ -21,13 +21,7 @@ from rockpulse.remark import Remark, restored
 _FOLDER = files("rockpulse.views").joinpath("words")
 
 #: Codes of the languages that there is a file of.
-LANGUAGES = tuple(
-    sorted(
-        one.name.removesuffix(".toml")
-        for one in _FOLDER.iterdir()
-        if one.name.endswith(".toml") and "_" not in one.name
-    )
-)
+LANGUAGES = tuple(sorted(one.name.removesuffix(".toml") for one in _FOLDER.iterdir() if one.name.endswith(".toml")))
 
 _LANGUAGE = ContextVar("language", default="en")
 

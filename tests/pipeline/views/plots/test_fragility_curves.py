@@ -165,7 +165,6 @@ def test_the_grey_line_is_the_acceleration_that_lifts(fragility_tree):
     ("hazard", "expected"),
     [
         ("", ["velocity_ratio", "pga"]),
-        ('[hazard]\nk0 = 1e-4\nk = 2.5\nmeasure = "velocity_ratio"\n', ["velocity_ratio"]),
         ('[hazard]\nk0 = 1e-4\nk = 2.5\nmeasure = "pgv"\n', ["velocity_ratio"]),
     ],
 )

@@ -27,7 +27,7 @@ WORDS = table("en")
 OTHERS = [language for language in LANGUAGES if language != "en"]
 
 #: Sections of other languages for what is declared in English below the views.
-BELOW = ("remarks", "model_words", "parameters", "measures")
+BELOW = ("labels", "variables", "measures", "model_words", "parameters", "remarks")
 
 
 def fields(text):
@@ -46,7 +46,7 @@ def test_no_word_is_missing_and_no_field_differs(language):
 def test_what_is_declared_below_has_words(language):
     told = {key.partition(".")[2]: text for key, text in table(language).items() if key.startswith("remarks.")}
     assert {code for code, text in told.items() if fields(text) != fields(TEMPLATES[code])} == set()
-    assert {f"model_words.{name}" for name in MODELS} <= set(table(language))
+    assert {f"{of}.{name}" for of in ("model_words", "labels") for name in MODELS} <= set(table(language))
     assert {f"models.{name}" for name in MODELS} <= set(WORDS)
     assert {f"unknown.{reason.name.lower()}" for reason in Reason if reason} <= set(WORDS)
 
