@@ -25,10 +25,8 @@ from rockpulse.record.record import Record
 from rockpulse.storage.variables.probability import AT_DEMAND, PROBABILITY, READ, SOURCES
 
 ENDS = ("", "_low", "_high")
-
 #: Probability of uplift at the largest factor below which a body counts as one that never moves.
 NEVER = 1e-6
-
 #: Bodies that a spectrum serves, by the side on which they turn, and the restitutions or rebounds of its lanes.
 SERVED = {0: (LEAST_RESTITUTION, 1.0), 1: REBOUNDS, -1: REBOUNDS}
 

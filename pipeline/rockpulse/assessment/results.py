@@ -24,7 +24,6 @@ from rockpulse.storage.hdf5.atomic import ASSESSMENT, named
 #: Colours of the verdicts in a picture, and the bodies that are drawn.
 COLOURS = {Grade.STAYS: GREY, Grade.ROCKS: BLUE, Grade.MAY_OVERTURN: ORANGE, Grade.NOT_KNOWN: INK, Grade.OVERTURNS: RED}
 DRAWN = 20
-
 #: Height of a body in the picture [px].
 ROW = 18.0
 

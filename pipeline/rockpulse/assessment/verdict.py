@@ -20,10 +20,8 @@ from rockpulse.model_table import is_upper_bound
 
 #: Probabilities of overturning from which on a body may overturn, and overturns [-].
 MAY_OVERTURN, OVERTURNS = 0.05, 0.5
-
 #: Fewest earthquakes of records brought to a demand from which a verdict is given.
 FEWEST_AT_DEMAND = 5
-
 #: What the rounding of a mean may take from a probability, and that of uplift below which a body stays at rest [-].
 ROUNDING, NEVER_LIFTED = 1e-12, 1e-3
 

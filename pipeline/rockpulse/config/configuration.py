@@ -18,7 +18,6 @@ from rockpulse.option import Section, hint
 
 #: Sections of which there may be several.
 SEVERAL = ("block", "demand")
-
 #: What messages call a configuration that results hold.
 STORED = "the configuration stored in the results"
 

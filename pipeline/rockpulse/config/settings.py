@@ -13,7 +13,6 @@ from rockpulse.record.measures import DEMAND, PERIODIC, PGA, ROWS, SCALING, quot
 SPACINGS = ("end", "middle", "start", "open", "continuous")
 #: Words of `weights`, which also takes the name of a table.
 WEIGHTS = ("equal", "event")
-
 #: Most processes of one machine.
 MOST_WORKERS = 10_000
 

@@ -19,15 +19,12 @@ if TYPE_CHECKING:
 
 #: The codes whose checks are known, in the order of tables.
 CODES = ("circolare_2009", "circolare_2019", "en_1998")
-
 #: Limit states that are no rotation.
 UPLIFT, OVERTURNING = "uplift", "overturning"
 DATA = ("stripes", "ida", "cloud")
 MODELS = ("lognormal", "logistic")
-
 #: Units of the levels of the measures that a hazard is given in.
 HAZARD_UNITS = tuple(dict.fromkeys(unit for name in HAZARD for unit in MEASURES[name].known_units))
-
 #: Largest logo [bytes]: as text it is an attribute of the results file, of which HDF5 takes 64 kB.
 LOGO_LIMIT = 45_000
 #: What every PNG begins with.

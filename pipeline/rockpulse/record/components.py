@@ -21,7 +21,6 @@ _TAKEN = " ([records] structural = true does that)"
 _UPWARDS = "channel on a structure, vertical or in an unknown direction: read, not assessed as horizontal"
 _INSTEAD = 'components = "horizontal" assesses it as it was recorded'
 _BOTH_IN_ONE = "put both directions into one file with headings such as 'time [s],acc N [g],acc E [g]'"
-
 #: SEED codes of one sensor differ in the last letter only; the second letter is the kind of instrument.
 _SEED = re.compile(r"([FGDCESHBMLV])([HLMGN])[ENZ123]")
 #: KiK-net records at the bottom of a borehole (1) and at the surface (2).

@@ -21,27 +21,20 @@ from rockpulse.remark import Remark, code_of, find
 
 #: The pre-event window ends where the energy about its own mean reaches this share of the whole record's.
 QUIET_SHARE = 1e-6
-
 #: Shortest pre-event window that is found without being given [s].
 QUIET_LENGTH = 1.0
-
 #: A record whose velocity ends at more than this share of the PGV is warned of.
 DRIFT_SHARE = 0.1
-
 #: The default taper is at most this share of the record at each end.
 TAPER_SHARE = 0.05
-
 #: Length of each pad: this times the order of a pass, in periods of the lowest corner (Boore 2005).
 PAD_PERIODS = 1.5
-
 #: Longest pad [samples]: a corner that asks for more is no filter of a record.
 LONGEST_PAD = 10_000_000
-
 #: Anti-alias filter of the resampling: ripple and stop band [dB], transition up to the lower Nyquist frequency as a
 #: share of it.
 RESAMPLING_ATTENUATION = 100.0
 RESAMPLING_TRANSITION = 0.2
-
 #: Largest numerator and denominator of a resampling ratio.
 RESAMPLING_LIMIT = 1000
 

@@ -18,10 +18,8 @@ from rockpulse.record.record import Record
 
 #: What half-waves have a value of each for.
 COLUMNS = ("impulse", "centroid", "start", "end", "peak", "lobes")
-
 #: A merged wave keeps at least this share of the absolute impulses of its lobes.
 KEPT_SHARE = 0.5
-
 #: Impulses of a picture from this share of the largest on are strong, and below the other one not drawn.
 STRONG, VISIBLE = 0.5, 0.01
 

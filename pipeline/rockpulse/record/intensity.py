@@ -15,13 +15,10 @@ from rockpulse.record.record import STANDARD_GRAVITY, Record
 
 #: Length of the intense phase in section 4 of Casapulla & Maione (2017) [s].
 WINDOW_LENGTH = 20.0
-
 #: Damping of oscillators [-], and the periods of Housner's intensity [s].
 DAMPING, PERIODS = 0.05, np.linspace(0.1, 2.5, 49)
-
 #: Points of a period at which the response of an oscillator is at least looked at.
 POINTS = 16
-
 #: Default level of the bracketed duration [m/s2] (Bolt 1973).
 BRACKET_LEVEL = 0.05 * STANDARD_GRAVITY
 

@@ -20,13 +20,10 @@ from rockpulse.errors import RecordFormatError
 
 #: The file unit "g", always this value [m/s2].
 STANDARD_GRAVITY = 9.80665
-
 #: Between the files of a record that was made of several, and between their checksums.
 BETWEEN = "; "
-
 #: Largest sample that is taken for an acceleration [m/s2]; the squares of larger ones may overflow.
 STRONGEST = 1e9
-
 #: Fields whose texts many records of a batch have in common.
 SHARED = frozenset(
     ("network", "channel", "component", "orientation", "format", "source_unit", "event", "event_id", "magnitude_type")

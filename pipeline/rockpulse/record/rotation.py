@@ -26,7 +26,6 @@ from rockpulse.remark import Remark, code_of, remarked
 
 #: Two channels need at least this sine between them: below it (10 degrees) their noise is multiplied by more than 6.
 SMALLEST_SINE = 0.17
-
 #: The search for the strongest direction: steps one after the other [degrees]; how many maxima of the first are looked
 #: into, and from which share of the highest on.
 STEPS = (1.0, 0.1, 0.01)

@@ -24,7 +24,6 @@ logger = logging.getLogger("rockpulse")
 
 #: No larger peak counts before it is confirmed [m/s2].
 LARGEST = CREDIBLE_PEAK_G[1] * STANDARD_GRAVITY
-
 #: A channel that faces the direction asked for within this stands for it without a partner [degrees].
 FACING_WITHIN = 1.0
 

@@ -19,34 +19,27 @@ from rockpulse.selection.tables import given_table, read_event_table
 #: Records that start within this of one another are of one earthquake [s]; so are those of one name, unless their times
 #: are known to lie further apart.
 JOINED_WITHIN_S = 600.0
-
 #: Earthquakes whose stated origin times lie within this are one [s], if their stated magnitudes, of whatever scale, do
 #: not differ by more than that; those further apart than `JOINED_WITHIN_S` are two, unless further records join them.
 SAME_ORIGIN_S = 60.0
 SAME_MAGNITUDE = 1.0
-
 #: A clock may be off by its time zone, never by more than this [s].
 CLOCK_S = 86400.0
-
 _GENERIC = (
     "EARTHQUAKE EQ EVENT MAINSHOCK MAIN SHOCK RECORD RCRD RECORDED OF THE UNKNOWN UNNAMED NONE NA NULL MAG MAGNITUDE "
     "MW ML MS MB MD MC MA ME JAN FEB MAR APR MAY JUN JUL AUG SEP OCT NOV DEC JANUARY FEBRUARY MARCH APRIL JUNE JULY "
     "AUGUST SEPTEMBER OCTOBER NOVEMBER DECEMBER MON TUE WED THU FRI SAT SUN GMT UTC UT PST PDT MST MDT CST CDT EST "
     "EDT HST AKST AKDT JST NZST NZDT AVOL CA"
 )
-
 #: Words of event titles that name no earthquake.
 GENERIC = frozenset(_GENERIC.split())
-
 #: Dates with their year at the end or the start: 10/15/1979, 01/16/95, 2010-02-27.
 _DATE = re.compile(
     r"\b\d{1,2}[/.-]\d{1,2}[/.-](\d{4})\b|\b\d{1,2}[/-]\d{1,2}[/-](\d\d)\b|\b(\d{4})[/.-]\d{1,2}[/.-]\d{1,2}\b"
 )
 _YEAR = re.compile(r"\b((?:19|20)\d\d)\b")
-
 #: Two-digit years from this on are of the twentieth century.
 _CENTURY = 30
-
 #: The number of an earthquake in its sequence, as NGA writes it: Imperial Valley-06.
 _NUMBER = re.compile(r"[A-Za-z]-(\d\d)\b")
 

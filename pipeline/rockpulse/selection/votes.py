@@ -10,7 +10,6 @@
 import math
 from collections import Counter, defaultdict
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
 from functools import cached_property
 from operator import attrgetter, itemgetter
 from pathlib import PurePath
@@ -23,7 +22,6 @@ from rockpulse.remark import find
 
 #: Azimuths that differ by no more than this, or by as much from 180, are one direction [degrees].
 SAME_DIRECTION = 5.0
-
 _PROCESSED = {True: "a processed volume", None: "one that may be processed", False: "a raw one"}
 
 
@@ -97,48 +95,23 @@ def _at_once(members: Sequence[Record]) -> Iterator[list[Record]]:
     yield stretch
 
 
-@dataclass(frozen=True, eq=False)
 class _Volume:
     """The channels that one instrument recorded together, no two of one direction."""
 
-    channels: list[Record]
-    confirm: Sequence[str]  # patterns of the ids of channels whose peak is right
-
-    @cached_property
-    def horizontal(self) -> list[Record]:
-        """The channels that are assessed."""
-        return [one for one in self.channels if one.orientation != "vertical"]
-
-    @cached_property
-    def vertical(self) -> list[Record]:
-        """The channels that may act beside them."""
-        return [one for one in self.channels if one.orientation == "vertical"]
+    def __init__(self, channels: list[Record], confirm: Sequence[str]) -> None:
+        self.channels, self.confirm = channels, confirm  # patterns of the ids of channels whose peak is right
+        self.horizontal = [one for one in channels if one.orientation != "vertical"]
+        self.vertical = [one for one in channels if one.orientation == "vertical"]
+        self.level, self.processed = sensor_level(channels[0]), channels[0].processed
+        # Longest interval, to six digits: some headers state a rate, others an interval.
+        self.dt = float(f"{max(one.dt for one in channels):.6g}")
+        self.duration = max(one.duration for one in channels)
 
     @cached_property
     def pair(self) -> tuple[Record, ...]:
         """The two horizontal channels without a fault that can be rotated; empty where there are none."""
         pairs, _ = find_pairs([one for one in self.horizontal if not _fault(one, self.confirm)])
         return pairs[0].channels if len(pairs) == 1 else ()
-
-    @property
-    def level(self) -> float:
-        """Depth of the sensor [m], 0 at the surface."""
-        return sensor_level(self.channels[0])
-
-    @property
-    def processed(self) -> bool | None:
-        """State of processing, the same for all channels."""
-        return self.channels[0].processed
-
-    @cached_property
-    def dt(self) -> float:
-        """Longest sampling interval [s], to six digits: some headers state a rate, others an interval."""
-        return float(f"{max(one.dt for one in self.channels):.6g}")
-
-    @cached_property
-    def duration(self) -> float:
-        """Length of the longest channel [s]."""
-        return max(one.duration for one in self.channels)
 
     def rank(self, settings: RecordSettings) -> tuple[object, ...]:
         """Key that sorts volumes by their claim to vote."""
@@ -231,19 +204,19 @@ class _Poll:
 def _volumes(records: Sequence[Record], confirm: Sequence[str]) -> list[_Volume]:
     """The volumes of the records of a site; a second channel of one direction begins another."""
     channels = Counter(record.source for record in records)
-    groups: dict[tuple[object, ...], list[_Volume]] = defaultdict(list)
+    groups: dict[tuple[object, ...], list[list[Record]]] = defaultdict(list)
     for record in sorted(records, key=attrgetter("start_time", "source", "channel", "id")):
         # Members of an archive lie in folders of it.
         folder = str(PurePath(record.source.replace("!", "/")).parent)
         together = record.source if channels[record.source] > 1 else folder
         found = groups[*instrument(record), together]
         for volume in found:
-            if all(concurrent(record, one) and not _one_direction(record, one) for one in volume.channels):
-                volume.channels.append(record)
+            if all(concurrent(record, one) and not _one_direction(record, one) for one in volume):
+                volume.append(record)
                 break
         else:
-            found.append(_Volume([record], confirm))
-    return [volume for found in groups.values() for volume in found]
+            found.append([record])
+    return [_Volume(volume, confirm) for found in groups.values() for volume in found]
 
 
 def _one_direction(record: Record, other: Record) -> bool:

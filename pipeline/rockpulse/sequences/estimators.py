@@ -16,7 +16,6 @@ from rockpulse.record.intensity import IntensePhase
 
 #: A sequence needs a main impulse, another one, and an interval that more than one pair has a say in.
 FEWEST_WAVES = 3
-
 #: Half-waves above this share of the largest one count as main.
 MAIN_SHARE = 0.5
 
@@ -42,20 +41,17 @@ MAIN: dict[str, Callable[[np.ndarray, int, float], tuple[float, int]]] = {
     "mean-largest": _mean_of_largest,
     "quantile": _quantile,
 }
-
 #: Secondary impulse from the absolute impulses of the others [m/s].
 SECONDARY: dict[str, Callable[[np.ndarray], float]] = {
     "median": lambda others: float(np.median(others)),
     "mean": lambda others: float(np.mean(others)),
     "rms": lambda others: float(np.sqrt(np.mean(others**2))),
 }
-
 #: Interval of the secondary impulses from the spacings of successive centroids [s].
 INTERVAL: dict[str, Callable[[np.ndarray], float]] = {
     "median": lambda spacings: float(np.median(spacings)),
     "mean": lambda spacings: float(np.mean(spacings)),
 }
-
 #: Number of main impulses from the absolute impulses in falling order; None is without limit.
 MAIN_COUNT: dict[str, Callable[[np.ndarray], int | None]] = {
     "half-largest": lambda sizes: int(np.count_nonzero(sizes > MAIN_SHARE * sizes[0])),

@@ -25,7 +25,6 @@ from rockpulse.sequences.response_targets import (
 
 #: Forms of the calibration: the likeliest sequence, or one that covers a share of the blocks.
 FORMS = ("fit", "enveloping")
-
 #: Main impulses of the scan of an envelope, of each refinement, and the relative width of the last bracket.
 SCANNED, REFINED, TOLERANCE = 400, 33, 1e-6
 

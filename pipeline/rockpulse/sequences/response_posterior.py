@@ -21,18 +21,14 @@ from rockpulse.sequences.response_targets import ResponseTargets
 
 #: Powers of the likelihood from round to round: the first proposals are wider than the posterior.
 TEMPERED = (0.2, 0.4, 0.7, 1.0, 1.0, 1.0)
-
 #: Effective samples that end the sampling (with fewer than 50 one or two candidates were the whole posterior), and most
 #: rounds that are added to reach them; candidates a round, and centres of the kernels they are drawn from.
 ENOUGH, ADDED, DRAWN, CENTRES = 200.0, 12, 512, 192
-
 #: Probability of the steps in the number of main impulses; 0 at last.
 COUNT_STEPS = {-1: 0.15, 0: 0.7, 1: 0.15}
-
 #: Widths of the kernels over the standard deviations of the cloud of their number of main impulses (Silverman's 0.45 is
 #: for smooth densities: narrow ones follow the edges, wide ones leave no holes), and the least share of the range.
 WIDTHS, NARROWEST = (0.25, 0.75), 1e-4
-
 #: Names, units and words of the parameters.
 PARAMETERS = {
     "main": ("m/s", "main impulse"),
@@ -40,10 +36,8 @@ PARAMETERS = {
     "interval": ("s", "interval dT of the secondary impulses"),
     "main_count": ("", "number of main impulses"),
 }
-
 #: Parts into which the range of a profile is divided, and the deviance up to which it shows candidates.
 PARTS, SHOWN = 24, 20.0
-
 #: One-sided level of the test on a correlation, as normal deviate, and the largest correlation that is believed.
 SIGNIFICANT, LARGEST = 1.645, 0.9
 

@@ -54,20 +54,15 @@ def log_likelihood(peaks: np.ndarray, targets: ResponseTargets) -> tuple[np.ndar
 
 #: Columns of a point: ln of I over what the targets ask for, I_s/I [-], ln dT [s], number of main impulses.
 OFFSET, RATIO, INTERVAL, MAIN_COUNT = range(4)
-
 #: Largest number of main impulses [-], and secondary intervals [s] (half-waves of 10 Hz to 0.25 Hz), unless the start
 #: widens them; and range in which I is searched about the value that the targets ask for, as ln.
 MOST_MAIN, INTERVALS, OFFSETS = 20, (0.05, 2.0), (-1.0, 1.0)
-
 #: Largest I_s/I by spacing: above it the closed form stands for no motion of the block (ground contact).
 LARGEST_RATIO = {"start": 2.0 / 3.0, "middle": 6.0 / 7.0}
-
 #: Differential evolution: candidates a generation for each parameter, most generations, spread of ln L to stop at.
 POPULATION, GENERATIONS, SETTLED = 10, 15, 0.05
-
 #: Candidates of the survey of the whole space, of each later round, and rounds.
 SURVEY, CANDIDATES, ROUNDS = 512, 256, 20
-
 #: Parents of the first round: points less likely than the best by this deviance; it falls in equal ratios to the last.
 #: The best of every cell of I_s/I and dT, for each main count, is a parent. Steps of a candidate from it, as shares of
 #: the difference of two other points and of the likely range.

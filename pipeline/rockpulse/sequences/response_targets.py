@@ -24,24 +24,18 @@ from rockpulse.record.record import Record
 #: Peaks below this are known to be small, and no more [-]: just after uplift the size of a peak is decided by how far
 #: the acceleration exceeds the threshold, of which a sequence knows nothing.
 SMALL = 0.05
-
 #: Fewest peaks that are numbers: four parameters and a spread, and one to spare.
 FEWEST_NUMBERS = 6
-
 #: Frequency parameters [1/s]: half-diagonals of 7.4 to 0.3 m. On smaller blocks a half-wave is no impulse.
 FREQUENCIES = (1.0, 5.0)
-
 #: Critical angles [rad]: slenderness 12.5 to 3.
 ANGLES = (0.08, 0.32)
-
 #: Restitutions over Housner's, which tell the parameters apart (docs/decisions/010). At 0.4 hardly more than the last
 #: main impulse counts; no free block is that dull, but the equation that its peak comes from is the same.
 RESTITUTIONS = (1.0, 0.8, 0.6, 0.4)
-
 #: I_1c of a family over that of the edge. Blocks below the edge overturn and are bounds; at 3, the impulse that takes
 #: a block of the edge to alpha_c takes one to 1 - sqrt(1 - 1/9) = 0.06 of it, just above what counts as a number.
 ABOUT_EDGE = (0.8, 3.0)
-
 #: Values of p and of alpha_c in the pool, blocks chosen for each restitution, and points they are chosen from.
 POOL, CHOSEN, POINTS = 10, 25, 8192
 

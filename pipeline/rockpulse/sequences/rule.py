@@ -30,10 +30,8 @@ from rockpulse.record.half_wave import HalfWaves
 
 #: Working points: the march of each (:class:`rockpulse.models.HalfWaveDemand`), and the factor that 1/D stands for.
 POINTS = {"balanced": ("march", "capacity_mean"), "conservative": ("march_10", "factor_10")}
-
 #: The rule that comes with the package.
 SHIPPED = "rule.toml"
-
 #: Unit and words of each of :func:`traits`.
 TRAITS = {
     "p": "p {} to {} 1/s",
@@ -41,7 +39,6 @@ TRAITS = {
     "slenderness": "slenderness {} to {}",
     "restitution_ratio": "C {} to {} times Housner's",
 }
-
 #: Bodies count as inside the fitted range up to this far beyond its ends [-]: figures rounded to two digits.
 SLACK = 0.01
 
