@@ -17,8 +17,6 @@ from rockpulse.record.measures import FRAGILITY, HAZARD, MEASURES, PGA, REFERENC
 if TYPE_CHECKING:
     from rocking.spectrum.probability import Uncertainty
 
-#: The codes whose checks are known, in the order of tables.
-CODES = ("circolare_2009", "circolare_2019", "en_1998")
 #: Limit states that are no rotation.
 UPLIFT, OVERTURNING = "uplift", "overturning"
 DATA = ("stripes", "ida", "cloud")
