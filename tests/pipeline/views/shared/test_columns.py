@@ -114,7 +114,7 @@ def test_the_remarks_of_the_readers_are_marked():
         (1e-7 * wave, {}, " (peak?)"),
     ):
         source = SourceFile("a.txt", b"x", lambda: b"x")
-        record = build_record(source, 1, samples, 0.01, "g", format="test", processed=False, **header)
+        record = build_record(source, samples, 0.01, "g", format="test", peak_factor=1.0, processed=False, **header)
         assert signs(record.pga, with_codes(record.warnings)[1]) == expected, record.warnings
 
 
