@@ -152,7 +152,7 @@ class RowMatcher:
         labels = {pointer: POINTS_AT[pointer] for pointer in pointers if POINTS_AT[pointer] in self.named}
 
         def name(k: int) -> tuple[str, ...]:
-            at, told = int(first[k]), []
+            at, told = int(first[k]), list[str]()
             for pointer, label in labels.items():
                 pointed = self.one.variables[pointer][at : at + 1].values
                 told += self.named[label].names(int(self._common(pointed, label, "first")[0]))
