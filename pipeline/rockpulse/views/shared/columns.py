@@ -226,7 +226,7 @@ def _probability(value: float, low: float, high: float) -> Cell:
 
 def count_of(count: int, total: int) -> Cell:
     """A number of all."""
-    return Cell(say("count_of", count=count, total=total), float(count))
+    return Cell(say("count_of", count=count, total=total), count)
 
 
 def _counted(codes: str) -> Cell:
