@@ -10,14 +10,7 @@ import pytest
 from make_schema import KINDS, TABLE, with_tables
 
 import rockpulse as rp
-from rockpulse import (
-    BlockSettings,
-    DemandSettings,
-    ModelSettings,
-    RecordSettings,
-    SearchSettings,
-    UncertaintySettings,
-)
+from rockpulse import BlockSettings, DemandSettings, ModelSettings, RecordSettings, SearchSettings, UncertaintySettings
 from rockpulse.assessment.tree import EVENT
 from rockpulse.record.synthetic import synthetic_motion
 from rockpulse.remark import WARNINGS

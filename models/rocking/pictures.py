@@ -1,8 +1,4 @@
-"""Small pictures and cards of objects for a notebook: lines and polygons as SVG, made of text alone.
-
-.. note:: A picture is drawn in the units of its data, x to the right and y upwards. Lines take the colour of the text
-   around them unless they have one of their own, so that a picture can be read on a light and on a dark page.
-"""
+"""Small SVG pictures and cards of objects for a notebook, in the units of their data, x to the right, y upwards."""
 
 import html
 from abc import ABC, abstractmethod
@@ -124,13 +120,7 @@ class Shown(ABC):
 
 
 def brief(values: ArrayLike, unit: str = "", digits: int = 4) -> str:
-    """A number in a few digits with its unit, the range of several of them, or "unknown" where none is known.
-
-    Examples
-    --------
-    >>> brief(0.25, "m"), brief([0.5, 0.25, 2.0], "m"), brief(float("nan"), "m")
-    ('0.25 m', '0.25 to 2 m', 'unknown')
-    """
+    """A number in a few digits with its unit, the range of several ones, or "unknown" if all are NaN."""
     known = np.asarray(values, dtype=float).ravel()
     known = known[~np.isnan(known)]
     if known.size == 0:
@@ -140,16 +130,7 @@ def brief(values: ArrayLike, unit: str = "", digits: int = 4) -> str:
 
 
 def thinned(x: np.ndarray, y: np.ndarray, columns: int = COLUMNS) -> tuple[np.ndarray, np.ndarray]:
-    """Points (n,) of a line, those of a long one as the smallest and the largest of each of so many stretches.
-
-    The two stand in the order in which they come, NaN where a stretch holds nothing else. A line of at most twice as
-    many points is left alone.
-
-    Examples
-    --------
-    >>> thinned(np.arange(8.0), np.array([0.0, 3.0, 1.0, 2.0, 0.0, -4.0, 0.0, 1.0]), columns=2)
-    (array([0., 1., 5., 7.]), array([ 0.,  3., -4.,  1.]))
-    """
+    """Points (n,) of a line, reduced to the smallest and the largest of each of some columns, in their order."""
     if y.size <= 2 * columns:
         return x, y
     kept: list[int] = []

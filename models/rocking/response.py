@@ -84,28 +84,25 @@ class Response(LaneValues, Shown):
     Attributes
     ----------
     peak_rotation_ratio : float or ndarray
-        Largest abs(theta)/alpha_c [-], found inside the samples; inf when overturned, 0 at rest, NaN only when
-        UNRESOLVED.
-    outcome : int or ndarray
-        :class:`Outcome`.
-    reason : int or ndarray
-        :class:`Reason`, NONE unless UNRESOLVED.
+        Largest abs(theta)/alpha_c [-], inside the samples too; inf if overturned, 0 at rest, NaN only if UNRESOLVED.
+    outcome, reason : int or ndarray
+        :class:`Outcome`, and :class:`Reason`, NONE unless UNRESOLVED.
     overturning_time : float or ndarray
         Time at which overturning is certain [s]; NaN without.
     overturning_half_cycle : int or ndarray
         1 + impacts before overturning; -1 without. The sequence and impulsive models count every half-cycle, the
         response to a record those that end with a counted impact.
     impacts : int or ndarray
-        Impacts faster than :data:`IMPACT_CUTOFF` p alpha_c, those after the input included; -1 where they never end
+        Impacts faster than :data:`IMPACT_CUTOFF` p alpha_c, those after the input included; -1 if they never end
         (C = 1) or the lane is UNRESOLVED.
     time, rotation, velocity : ndarray or None
-        History [s], [rad], [rad/s], where asked for.
+        History [s], [rad], [rad/s], if asked for.
     half_cycles : HalfCycles or None
         The table of the sequence models.
     ground_contact : bool or ndarray or None
-        Sequence model only: True where a half-cycle of the corrected march passes through the ground before its end
-        (spacing "start" above I_s/I = 2/3, "middle" above 6/7). There the closed form, which knows the end only, stands
-        for no motion of the block, and the impulse train gives another answer.
+        Sequence model only: True if a half-cycle of the corrected march passes through the ground before its end
+        (spacing "start" above I_s/I = 2/3, "middle" above 6/7). The closed form, which knows the end only, is then no
+        motion of the block, and the impulse train gives another answer.
     active_samples : int or ndarray or None
         Response to a record only: samples in which the block moved, neither at rest nor overturned.
     """
@@ -227,10 +224,7 @@ def response_of(
     half_cycles: HalfCycles | None = None,
     **others: np.ndarray,
 ) -> Response:
-    """The (q, m) response that a kernel has written, with `others` of its fields in any shape of as many values.
-
-    The `motion` (q m, n, 2) is theta and theta' at n samples.
-    """
+    """The (q, m) response that a kernel has written; `motion` (q m, n, 2) is theta and theta' at n samples."""
     lanes = {name: values.reshape(shape) for name, values in (results._asdict() | others).items()}
     if motion is not None:
         lanes |= {name: motion[..., k].reshape(*shape, -1) for k, name in enumerate(("rotation", "velocity"))}

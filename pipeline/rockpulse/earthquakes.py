@@ -39,23 +39,12 @@ def mean_weights(events: Sequence[str] | np.ndarray) -> np.ndarray:
 
 
 def draw_earthquakes(events: int, resamples: int, seed: int | Sequence[int]) -> np.ndarray:
-    """Counts of each of g earthquakes in each of b resamples: (b, g) whole numbers whose rows sum to g.
-
-    They depend on the arguments alone; a seed of several numbers gives each kind of result a stream of its own.
-    """
+    """Counts (b, g) of g earthquakes in b resamples; a seed of several numbers gives a stream of its own."""
     return np.random.default_rng(seed).multinomial(events, np.full(events, 1.0 / events), size=resamples)
 
 
 def weighted_quantile(values: np.ndarray, level: float, weights: np.ndarray) -> float:
-    """Smallest of the values (n,) with at least a share `level` of the weight at or below it; NaN without any.
-
-    NaN values are left out.
-
-    Examples
-    --------
-    >>> weighted_quantile(np.array([3.0, 1.0, 2.0]), 0.5, np.array([1.0, 1.0, 5.0]))
-    2.0
-    """
+    """Smallest finite value of (n,) with at least a share `level` of the weight at or below it; NaN without any."""
     known = np.isfinite(values) & (weights > 0.0)
     if not np.any(known):
         return math.nan
@@ -65,10 +54,7 @@ def weighted_quantile(values: np.ndarray, level: float, weights: np.ndarray) -> 
 
 
 def probability_interval(probability: Any, events: Any) -> tuple[np.ndarray, np.ndarray]:
-    """Ends of the interval of a mean probability over so many earthquakes (Clopper & Pearson 1934, two-sided).
-
-    With the confidence :data:`CONFIDENCE`, as if the earthquakes were drawn at random from those that are to be
-    expected. A mean of 0 or 1 gives the rule of three: its other end lies less than 3/n away.
+    """Clopper and Pearson's interval (1934) of a mean probability over a number of earthquakes.
 
     Examples
     --------
@@ -164,11 +150,7 @@ class Limits(NamedTuple):
 
 
 def bootstrap_t_limits(scores: np.ndarray, estimate: float, error: float, confidence: float) -> Limits:
-    """Limits exp(estimate - score error) by the scores (b,) of the draws.
-
-    A score is (value of the draw - estimate)/standard error of the draw, NaN where the draw has none. The limits are
-    NaN where more than :data:`LOST` of the draws are lost, or where the estimate has no error.
-    """
+    """Limits exp(estimate - score error) by the scores (b,), (draw - estimate)/(standard error of the draw)."""
     known = scores[np.isfinite(scores)]
     lost = 1.0 - known.size / scores.size
     if lost > LOST or not (np.isfinite(error) and error > 0.0):
@@ -247,11 +229,7 @@ def fit_lognormal(
 def log_moments(
     logarithms: np.ndarray, weights: np.ndarray, events: np.ndarray, draws: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Mean and dispersion (b, p) of logarithms (n, p) in resamples of earthquakes.
-
-    A row of ones among the draws stands for the sample itself. NaN where a resample holds no value, or too few for a
-    dispersion.
-    """
+    """Mean and dispersion (b, p) of logarithms (n, p) in resamples of earthquakes; NaN with too few values."""
     known = np.isfinite(logarithms)
     values, share = np.where(known, logarithms, 0.0), weights[:, np.newaxis] * known
     sums = np.stack([share, share * values, share * values**2], axis=1)

@@ -1,7 +1,6 @@
 """The errors that rockpulse raises on purpose, and the rows of files and channels that gave no assessed record.
 
-Every class can be made of its message alone, so that it survives pickling on its way back from a worker process.
-File-system faults stay :class:`OSError`.
+Each is made of its message alone, so that it survives pickling; file-system faults stay :class:`OSError`.
 """
 
 import re
@@ -125,13 +124,7 @@ def told(group: Sequence[Failure]) -> str:
 
 
 def some(names: Sequence[str], most: int) -> str:
-    """The first of some names, and how many more there are.
-
-    Examples
-    --------
-    >>> some(["a", "b", "c"], 2), some([], 2)
-    ('a, b and 1 more', 'none')
-    """
+    """The first names, and how many more there are."""
     more = f" and {len(names) - most} more" if len(names) > most else ""
     return (", ".join(names[:most]) or "none") + more
 
@@ -142,11 +135,5 @@ def unread(rows: Iterable[Failure]) -> bool:
 
 
 def last_part(file: str) -> str:
-    """The last part of the name of a file, or of a member of an archive.
-
-    Examples
-    --------
-    >>> last_part("data/b.zip!in/a.AT2")
-    'a.AT2'
-    """
+    """The last part of the name of a file, or of a member of an archive."""
     return file.replace("\\", "/").rpartition("!")[2].rpartition("/")[2] or file

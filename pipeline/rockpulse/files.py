@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rockpulse.errors import ConfigError, RockpulseError
+from rockpulse.errors import ConfigError, ResultsError, RockpulseError
 from rockpulse.foreign_text import first_line
 
 if TYPE_CHECKING:
@@ -43,16 +43,7 @@ def check_regular(path: str | os.PathLike[str], error: type[RockpulseError] = Co
 
 
 def read_text(path: Path, limit: int = TABLE_LIMIT, what: str = "a text file") -> str:
-    """The text of a file in UTF-8, with or without a byte-order mark.
-
-    Raises
-    ------
-    ConfigError
-        For a pipe or a device, a file of more than `limit` bytes, and bytes that are no UTF-8; the message calls the
-        file `what`.
-    OSError
-        Where the file cannot be opened.
-    """
+    """The text of a file in UTF-8; a ConfigError, which calls it `what`, for a pipe, too many bytes or other bytes."""
     check_regular(path)
     with path.open("rb") as file:
         content = file.read(limit + 1)
@@ -65,10 +56,7 @@ def read_text(path: Path, limit: int = TABLE_LIMIT, what: str = "a text file") -
 
 
 def parse_toml(text: str, name: str, error: type[RockpulseError] = ConfigError) -> dict[str, Any]:
-    """The content of a TOML text, which messages call by its `name`.
-
-    Raises `error` for a text that is no TOML, is nested deeper than `DEEPEST`, or has an integer beyond `LARGEST`.
-    """
+    """The content of a TOML text called `name`; `error` for invalid TOML, deep nesting and very large integers."""
     deep = f"{name}: sections and arrays are nested deeper than {DEEPEST} times, the limit"
     large = f"{name}: an integer is beyond the limit of 2^63; write a number with a decimal point"
     try:
@@ -100,7 +88,7 @@ DECIMAL_COMMA = re.compile(r"([+-]?\d*),(\d+(?:[eE][+-]?\d+)?)")
 
 
 def separator(text: str) -> str:
-    """What stands between the cells of the first line of a table."""
+    """The delimiter of the first row of a table."""
     head = text.lstrip("\n").partition("\n")[0]
     return next((mark for mark in (";", "\t") if mark in head), ",")
 
@@ -168,6 +156,33 @@ def _hidden(target: Path) -> Path:
     return target.with_name(f".rockpulse.{os.getpid()}.{secrets.token_hex(4)}.part")
 
 
+def check_file(path: str | os.PathLike[str], overwrite: bool, suffixes: tuple[str, ...] = (".csv",)) -> Path:
+    """The path; a ResultsError where no file can be written there, or one exists that must not be overwritten."""
+    target = Path(path)
+    if not target.name.lower().endswith(suffixes):
+        raise ResultsError(f"{path}: expected a name that ends in {', '.join(suffixes)}, got {target.suffix!r}")
+    if target.exists() and not target.is_file():
+        raise ResultsError(f"{path}: expected the name of a file, found something that is no regular file")
+    if target.exists() and not overwrite:
+        raise ResultsError(f"{path}: the file exists; choose another name, or allow it to be replaced (--overwrite)")
+    if not target.absolute().parent.is_dir():
+        raise ResultsError(f"{path}: there is no folder {target.absolute().parent}; create it first")
+    try:
+        with FileSet() as trial:
+            trial.add(target, b"")
+    except OSError as error:
+        raise ResultsError(f"{path}: cannot write into the folder {target.parent}: {error.strerror}") from error
+    return target
+
+
+def write_files(contents: Mapping[Path, bytes]) -> None:
+    """Write all files or none."""
+    with FileSet() as files:
+        for path, content in contents.items():
+            files.add(path, content)
+        files.commit()
+
+
 @contextmanager
 def _named(path: Path) -> Iterator[None]:
     """Give errors of the operating system the name of the file that was asked for."""
@@ -178,11 +193,7 @@ def _named(path: Path) -> Iterator[None]:
 
 
 class FileSet:
-    """Contents that are written beside their places at once, and moved there by `commit`.
-
-    A symbolic link stays what it is: the file it points to is written. Leaving the context removes what was not
-    committed.
-    """
+    """Contents written beside their places, links followed, and moved there by `commit`; else removed at the end."""
 
     def __init__(self) -> None:
         self._parts = ExitStack()
@@ -194,14 +205,18 @@ class FileSet:
     def __exit__(self, *fault: object) -> None:
         self._parts.close()
 
-    def add(self, target: Path, content: bytes) -> None:
-        """Write the content of a file, not yet in its place; an OSError carries the name of `target`."""
+    def part(self, target: Path) -> Path:
+        """The path at which to write the content of a file, not yet in its place."""
         place = Path(os.path.realpath(target))
         part = _hidden(place)
         self._parts.callback(part.unlink, missing_ok=True)
-        with _named(target):
-            part.write_bytes(content)
         self._moves.append((target, part, place))
+        return part
+
+    def add(self, target: Path, content: bytes) -> None:
+        """Write the content of a file, not yet in its place; an OSError carries the name of `target`."""
+        with _named(target):
+            self.part(target).write_bytes(content)
 
     def commit(self) -> None:
         """Put every file in its place; if one fails, all that was there before comes back and the OSError is raised."""

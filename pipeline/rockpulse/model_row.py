@@ -132,10 +132,7 @@ class Model:
         return self.respond(block.take(known), scene).among(known, rocking.Reason.NOT_MODELLED)
 
     def intervals(self, block: rocking.Block, scene: Scene) -> rocking.ScaleIntervals:
-        """The factors on the input at which (m,) blocks overturn; a factor at which the model stops is a lower bound.
-
-        NaN for those blocks of which the model does not know everything.
-        """
+        """The factors on the input at which (m,) blocks overturn; NaN for blocks with what the model does not know."""
         known = self.answers(block, scene)
         if not np.any(known):
             return rocking.ScaleIntervals.unknown(block.shape)

@@ -182,8 +182,8 @@ _ROWS = (
     Model(
         name="nonlinear",
         label="nonlinear",
-        words="the full equation of motion under the accelerogram itself: "
-        "θ″ = −p² [(1 + a_v/g) sin(±α_c − θ) + (a_g/g) cos(±α_c − θ)].",
+        words="the full equation of motion under the accelerogram itself: θ″ = −p² [(1 + a_v/g) sin(±α_c − θ) + "
+        "(a_g/g) cos(±α_c − θ)].",
         respond=partial(_recorded, equation="nonlinear"),
         search=partial(_search_recorded, equation="nonlinear"),
         look=("blue", "-", "o"),

@@ -110,11 +110,7 @@ def test_a_reader_that_leaves_early_is_no_error(arguments):
     os.close(read)
     with os.fdopen(write, "w") as pipe:
         done = subprocess.run(
-            [sys.executable, "-m", "rockpulse", *arguments],
-            stdout=pipe,
-            stderr=subprocess.PIPE,
-            text=True,
-            check=False,
+            [sys.executable, "-m", "rockpulse", *arguments], stdout=pipe, stderr=subprocess.PIPE, text=True, check=False
         )
     assert done.stderr == ""
     assert done.returncode == 0

@@ -1,8 +1,4 @@
-"""Lanes of blocks: some of an array of them, several stacked, seen from behind, with other angles.
-
-.. note:: The lane fields of a block are scalars for one body and arrays (m,) for several. What acts on a body beside
-   its weight is an object, and an array of objects for several bodies one of which has it.
-"""
+"""The fields of blocks, scalars for one body and arrays (m,) for several, and the operations on their lanes."""
 
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, field
@@ -123,10 +119,7 @@ class BlockLanes(LaneValues, Shown):
         return other.changed(restraints=seen if self.shape else seen[()])
 
     def varied(self, loss: ArrayLike, restitution: ArrayLike) -> Self:
-        """(m,) bodies with angles exp(-loss) times theirs, at their R and p, and other restitutions or rebounds.
-
-        `restitution` is that of the right-hand corner; that of the other one has the same share of its own.
-        """
+        """Bodies (m,) of the same R and p with angles times exp(-loss) and another right-hand `restitution`."""
         share = np.divide(restitution, self.restitution, out=np.ones(self.shape), where=self.restitution > 0.0)
         ratio = np.broadcast_to(np.asarray(restitution, dtype=float), self.shape)
         alike = self.restitution_2 == self.restitution

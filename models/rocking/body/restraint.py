@@ -1,8 +1,7 @@
-"""What holds or pushes a rocking body beside its weight: ties and restrainers, loads that rest on it, thrusts.
+"""Restraints of a rocking body: ties, loads that rest on it, thrusts.
 
-.. note:: A point of the body at the height z and the distance xi behind the corner moves outward by x = z sin(phi) + xi
-   (1 - cos(phi)) when the body has turned by phi about the corner; a horizontal force there has the arm dx/dphi = z
-   cos(phi) + xi sin(phi). Forces are horizontal, as of a tie that is long against x.
+.. note:: A point at the height z and the distance xi behind the corner moves outward by x = z sin(phi) + xi (1 -
+   cos(phi)) at the rotation phi; a horizontal force there has the arm dx/dphi = z cos(phi) + xi sin(phi).
 """
 
 import json
@@ -149,13 +148,7 @@ TIE, FRICTION = 0.0, 1.0
 
 @dataclass(frozen=True)
 class Restraints:
-    """All that acts on one body beside its weight.
-
-    Attributes
-    ----------
-    ties, loads, thrusts : tuple
-        Loads that are carried along are not among them: they are part of the body.
-    """
+    """All restraints of one body; a load that is carried along is part of the body and not among them."""
 
     ties: tuple[Tie, ...] = ()
     loads: tuple[Load, ...] = ()

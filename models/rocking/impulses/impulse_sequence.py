@@ -1,19 +1,12 @@
-"""The limit accelerogram: a main sequence at the impacts, a secondary one between them (Casapulla & Maione 2017).
-
-.. note:: Every main impulse acts right after an impact and speeds the block up. Between two of them an even number of
-   secondary impulses acts at equal intervals with alternate signs; the first one opposes the main impulse before it.
-   How long a half-cycle lasts, and with it their number, depends on the block: a picture shows the number that the
-   sequence prescribes, four where it prescribes none.
-"""
+"""The limit accelerogram: a main sequence at the impacts, a secondary one between them (Casapulla & Maione 2017)."""
 
 import math
-import operator
 from dataclasses import dataclass, replace
 from typing import Any, Self
 
 import numpy as np
 
-from rocking.arguments import ArrayLike, Floats, Integers
+from rocking.arguments import ArrayLike, Floats, Integers, counts
 from rocking.impulses.half_cycle import CONTINUOUS, END, MIDDLE, OPEN, START
 from rocking.impulses.main import effective_amplification
 from rocking.pictures import BLUE, GREY, RED, Picture, Shown, brief
@@ -90,27 +83,28 @@ class ImpulseSequence(Shown):
         )
         for name, (valid, expected) in zip(names, needed, strict=True):
             _require(valid, f"{name}: expected {expected}", getattr(self, name))
-        limit = _counts("main_count", self.main_count, least=1)
+        limit: Any = None if self.main_count is None else counts("main_count", self.main_count, least=1)
         try:
-            *whole, counts = np.broadcast_arrays(*given, np.asarray(limit))
+            *whole, limits = np.broadcast_arrays(*given, np.asarray(limit))
         except ValueError:
             raise ValueError(
                 "main, secondary, interval, duration and main_count: expected numbers or arrays of one length, "
                 f"got shapes {', '.join(str(array.shape) for array in given)}, {np.shape(limit)}"
             ) from None
         found = {name: np.array(array) for name, array in zip(names, whole, strict=True)}
-        found |= {"main_count": np.array(counts)} if isinstance(limit, np.ndarray) else {}
+        found |= {"main_count": np.array(limits)} if isinstance(limit, np.ndarray) else {}
         for array in found.values():
             array.setflags(write=False)
         vars(self).update({name: array.item() if array.ndim == 0 else array for name, array in found.items()})
         if not isinstance(limit, np.ndarray):
             vars(self)["main_count"] = limit
-        count = _count("intermediate_count", self.intermediate_count, least=2)
-        if count is not None and count % 2:
-            raise ValueError(
-                f"intermediate_count: expected an even number, so that the impulses sum to zero, got {count}"
-            )
-        vars(self)["intermediate_count"] = count
+        if self.intermediate_count is not None:
+            count = counts("intermediate_count", self.intermediate_count, least=2, lanes=False)
+            if count % 2:
+                raise ValueError(
+                    f"intermediate_count: expected an even number, so that the impulses sum to zero, got {count}"
+                )
+            vars(self)["intermediate_count"] = count
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -134,20 +128,13 @@ class ImpulseSequence(Shown):
         Returns
         -------
         float or (q,) ndarray
-            I_eff = I [(1 - sigma) S_N + sigma/2] [m/s], sigma = I_s/I, S_N = (1 - C^N)/(1 - C). Without a `main_count`
-            N is without limit: the supremum, which itself does not overturn.
+            I_eff = I [(1 - sigma) S_N + sigma/2] [m/s], sigma = I_s/I, S_N = (1 - C^N)/(1 - C); without a `main_count`
+            the supremum over N, which itself does not overturn. The last main impulse decides (VALIDATION F4, V27).
 
         Raises
         ------
         ValueError
-            For another spacing than "continuous" with secondary impulses, whose effect no one number tells, for a
-            finite duration, or a C outside 0 to 1.
-
-        Notes
-        -----
-        Half-cycle k is decided by I [(1 - sigma) S_k + sigma/2] (VALIDATION F4, n -> infinity), which grows with k for
-        0 <= sigma <= 1 and C >= 0, so that the last main impulse decides (V27). I, sigma and N that have one I_eff
-        cannot be told apart by what they overturn.
+            For secondary impulses of another spacing than "continuous", a finite duration, or a C outside 0 to 1.
 
         Examples
         --------
@@ -180,10 +167,9 @@ class ImpulseSequence(Shown):
         return facts | {"spacing": self.spacing}
 
     def two_half_cycles(self) -> tuple[np.ndarray, np.ndarray]:
-        """The impulses of two half-cycles, the first of several sequences, as (k, 2) places and sizes.
+        """Main and secondary impulses of two half-cycles, the first of several sequences, as (k, 2) places and sizes.
 
-        Places are in intervals after the first main impulse [-], sizes in m/s with the sign of the ground's change of
-        velocity. The main impulses come first, then the intermediate ones: none of spacing "continuous".
+        Places are in intervals after the first main impulse [-], sizes in m/s with the sign of the change of velocity.
         """
         main, secondary = float(np.ravel(self.main)[0]), float(np.ravel(self.secondary)[0])
         number = np.arange(min(self.intermediate_count or SHOWN, MOST))
@@ -227,25 +213,3 @@ def _numbers(name: str, value: ArrayLike) -> np.ndarray:
 def _require(valid: np.ndarray, expected: str, value: ArrayLike) -> None:
     if not np.all(valid):
         raise ValueError(f"{expected}; got {value!r}")
-
-
-def _counts(name: str, value: Any, least: int) -> Any:
-    array = np.asarray(value)
-    if array.ndim == 0:
-        return _count(name, value, least)
-    if array.ndim > 1 or not np.issubdtype(array.dtype, np.integer):
-        raise ValueError(f"{name}: expected a whole number, a (q,) array of them or None, got {value!r}")
-    _require(array >= least, f"{name}: expected at least {least}", value)
-    return array.astype(np.int64)
-
-
-def _count(name: str, value: Any, least: int) -> int | None:
-    if value is None:
-        return None
-    try:
-        count = operator.index(value)
-    except TypeError:
-        raise ValueError(f"{name}: expected a whole number or None, got {value!r}") from None
-    if count < least:
-        raise ValueError(f"{name}: expected at least {least}, got {count}")
-    return count

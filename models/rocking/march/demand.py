@@ -1,16 +1,12 @@
 """The demand of a ground motion on a block, on the block's own time scale: the impulse measure of rocking.
 
-.. note:: While a block rocks on the side s, the growing mode y = s theta/alpha - 1 + s theta'/(p alpha) of the linear
-   equation obeys y' = p y - s p a_g/(g alpha), so that
+.. note:: The growing mode y = s theta/alpha - 1 + s theta'/(p alpha) of the linear equation obeys y' = p y - s p a_g/(g
+   alpha), so a later impulse counts exp(-p (tau - t0)) of an earlier one:
 
-   y(t) = exp(p (t - t0)) [y(t0) - s p/(g alpha) (E(t0) - exp(-p (t - t0)) E(t))],
+   E(t0) = integral from t0 to the end of a_g(tau) exp(-p (tau - t0)) dtau.
 
-   E(t0) = integral from t0 to the end of a_g(tau) exp(-p (tau - t0)) dtau:
-
-   a later impulse counts exp(-p (tau - t0)) of an earlier one. A block that lifts off from rest at t0 (y = -1)
-   overturns without an impact iff p abs(E(t0))/(g alpha) exceeds 1 towards the right side, which makes
-   p abs(E)/(g tan alpha) a natural measure; an impact starts the next excursion with y = -1 + C times the speed that
-   the last one left.
+   A block that lifts at t0 (y = -1) overturns without an impact iff p abs(E(t0))/(g alpha) exceeds 1 towards the right
+   side; an impact starts the next excursion with y = -1 + C times the speed of arrival.
 """
 
 import math
@@ -58,10 +54,9 @@ def _lobes(
     largest: np.ndarray,
     last: np.ndarray,
 ) -> None:
-    """Largest abs(E) of the lobes of E(t0), descending, and the last sample with more than each level left.
+    """Largest abs(E) of the lobes of E(t0), descending, and the last sample with more build-up left than each level.
 
-    E is exact for a piecewise linear ground and found by one backward pass. What is left at a sample is the build-up of
-    the lobes after it, the one around it counted whole.
+    E is exact for a piecewise linear ground and found by one backward pass.
     """
     count = largest.shape[1]
     unseen = np.empty(ratios.shape[0], dtype=np.int64)
@@ -136,19 +131,15 @@ class Demand:
 def ground_demand(block: Block, acceleration: ArrayLike, dt: float) -> Demand:
     """Demand of a ground motion on blocks.
 
+    E is computed at p = 2^(k/4) 1/s for the nodes that enclose the given p, and interpolated linearly in log p: a pass
+    costs as much for a thousand blocks as for a few.
+
     Parameters
     ----------
     block : Block
         One block, which counts as (1,), or (m,) of them.
-    acceleration : (n,) array_like
-        Ground acceleration a_g [m/s2], finite.
-    dt : float
-        Sampling interval [s].
-
-    Notes
-    -----
-    E is computed at p = 2^(k/4) 1/s for the nodes that enclose the given p, and interpolated linearly in log p: a pass
-    costs as much for a thousand blocks as for a few.
+    acceleration, dt : (n,) array_like, float
+        Ground acceleration a_g [m/s2], finite, and its sampling interval [s].
 
     Examples
     --------

@@ -1,13 +1,7 @@
-"""Response to a sampled accelerogram, linear or nonlinear, over blocks and scale factors.
+"""Response to a record, linear or nonlinear, over blocks and scale factors, and the friction that it requires.
 
-.. note:: theta > 0 rocks about the right-hand corner; the ground acceleration is linear between samples and zero after
-   the last one. The kernel is :mod:`rocking.march.kernel`.
-
-Sliding of a rocking body, as a check: the friction that its motion without sliding asks for.
-
-.. note:: The centre of mass of a body that has turned by theta is at x = -s R sin(alpha - abs(theta)), z = R cos(alpha
-   - abs(theta)) from its corner. Its base has to carry M (a_g + x'') across and M (g + a_v + z'') up: it asks for a
-   coefficient mu = abs(a_g + x'')/(g + a_v + z''), at rest abs(a_g)/(g + a_v).
+.. note:: theta > 0 rocks about the right-hand corner. The centre of mass is at x = -s R sin(alpha - abs(theta)), z = R
+   cos(alpha - abs(theta)) from its corner, so the base requires mu = abs(a_g + x'')/(g + a_v + z'') not to slide.
 """
 
 from typing import Any, Literal, NamedTuple
@@ -64,47 +58,41 @@ def recorded_response(
     ----------
     block : Block
         One block or (m,) of them.
-    acceleration : (n,) array_like
-        Horizontal ground acceleration a_g [m/s2], n >= 2, linear between samples; zero after the last one.
-    dt : float
-        Sampling interval [s].
+    acceleration, dt : (n,) array_like, float
+        Horizontal ground acceleration a_g [m/s2], n >= 2, linear between samples, zero after the last one; its sampling
+        interval [s].
     equation : {"nonlinear", "linear"}
         The full equation, or its limit for slender blocks and small rotations (Eq. 1).
     scale : float or (q,) array_like
         Factor on the record, horizontal and vertical, not negative [-].
     vertical : (n,) array_like, optional
         Vertical ground acceleration a_v [m/s2], positive up, on the same samples; nonlinear equation only.
-    initial_rotation : float or (m,) array_like
-        theta at the first sample [rad]; positive about the right-hand corner.
-    initial_velocity : float or (m,) array_like
-        theta' at the first sample [rad/s].
+    initial_rotation, initial_velocity : float or (m,) array_like
+        theta [rad], positive about the right-hand corner, and theta' [rad/s] at the first sample.
     history : bool
         Also return time, rotation and velocity at the samples.
     gain : {"linear", "tangent"}
-        Linear equation only. "linear": lifted at g alpha_c, as Eq. 1 stands. "tangent": the record times alpha_c/tan
-        alpha_c, so that the block is lifted at g tan(alpha_c) as by the nonlinear equation; most of the difference
-        between the two is the instant of uplift (docs/decisions/006).
+        Linear equation only. "linear": lifted at g alpha_c (Eq. 1). "tangent": the record times alpha_c/tan(alpha_c),
+        so that the block is lifted at g tan(alpha_c) as by the nonlinear equation (docs/decisions/006).
     block_scale : float or (m,) array_like
         Factor on the record for each block, on top of `scale`, not negative [-].
     verdict : Demand, optional
-        Demand of the same ground on the same blocks (:func:`rocking.ground_demand`), where nothing but the
-        outcome of a block that starts at rest is wanted: a lane ends as soon as that is settled, by a bound where it
-        overturns and by a measured margin where it rocks (docs/decisions/006), with the peak so far and -1 impacts
-        then. The overturning time is that of the angle of no return. Nonlinear equation without vertical
-        acceleration and histories only.
+        Demand of the same ground on the same blocks (:func:`rocking.ground_demand`), if nothing but the outcome of a
+        block that starts at rest is wanted: a lane ends as soon as it is settled, by a bound where it overturns and by
+        a measured margin where it rocks (docs/decisions/006), with the peak so far and -1 impacts. The overturning time
+        is that of the angle of no return. Nonlinear equation without vertical acceleration and histories only.
     step : float
-        Longest step as p dt [-], at most 0.3; a sample is divided where its own p dt is larger.
+        Longest step as p dt [-], at most 0.3; a sample is divided if its own p dt is larger.
     last_term : float
         Largest last term of the Taylor series of a step of the nonlinear equation, over alpha_c [-]: a step with a
         larger one is halved. inf for no such control.
     threads : int, optional
-        Threads among which the lanes are split; all available cores without. The answer does not depend on it.
+        Threads that share the lanes; None for all available cores. The results do not depend on it.
 
     Returns
     -------
     Response
-        Arrays (q, m), without the axes whose argument was a scalar; histories (q, m, n) likewise, NaN
-        after overturning.
+        Arrays (q, m), a scalar axis dropped; histories (q, m, n) likewise, NaN after overturning.
 
     Raises
     ------
@@ -116,10 +104,9 @@ def recorded_response(
     -----
     theta'' = -p^2 [(1 + a_v/g) sin(s alpha - theta) + (a_g/g) cos(s alpha - theta)], s = sgn theta, or linear
     theta'' = p^2 (theta - s alpha - a_g/g). The block lifts off strictly above (g + a_v) tan(alpha), or g alpha,
-    towards theta > 0 when a_g is negative. At an impact theta' becomes C theta'. A nonlinear lane overturns at
-    abs(theta) = pi/2; a linear one when its growing mode y = s theta/alpha - 1 + s theta'/(p alpha) exceeds the
-    largest abs(a_g)/(g alpha) that is left, looked at after every step and impact. After the record the motion is
-    followed in closed form.
+    towards theta > 0 if a_g is negative. At an impact theta' becomes C theta'. A nonlinear lane overturns at abs(theta)
+    = pi/2; a linear one when its growing mode y = s theta/alpha - 1 + s theta'/(p alpha) exceeds the largest
+    abs(a_g)/(g alpha) that is left. After the record the motion is followed in closed form.
 
     References
     ----------

@@ -116,11 +116,11 @@ def exceedance_intervals(
     ----------
     exceeds : callable
         Takes numbers of lanes (n,), which may repeat, and factors (q, n) with a column for each of them, and returns
-        a (q, n) array: bool, or a number that is 1 or more where the limit is exceeded and says below 1 how near the
+        a (q, n) array: bool, or a number that is 1 or more if the limit is exceeded and says below 1 how near the
         lane came to it; NaN, no answer, counts as exceeding. It need not be monotonic in the factor.
     start : (m,) array_like
-        Below this no exceedance is possible, > 0 [-]; the scan of a lane begins here. Where it lies above
-        `factor_max`, inf included, the lane has no interval.
+        Below this no exceedance is possible, > 0 [-]; the scan of a lane begins here. If it is above `factor_max`, inf
+        included, the lane has no interval.
     factor_max : float
         End of the search [-].
     points : int or (m,) array_like of int
@@ -131,9 +131,8 @@ def exceedance_intervals(
     Notes
     -----
     The scan has the step (factor_max/start)^(1/(points - 1)), and the factor one besides. Below the first exceedance of
-    a lane, steps in which it may come near the limit are halved, where `exceeds` tells. An interval, or a gap
-    between two, that is narrower than the step is seen only where a factor happens to fall into it. Then all edges are
-    bisected together; where a bracket holds several edges, one of them is found.
+    a lane, steps in which it may come near the limit are halved. A narrower interval, or gap between two, is seen only
+    if a factor happens to fall into it. Then all edges are bisected together, one edge of each bracket.
 
     Examples
     --------
@@ -207,10 +206,10 @@ def _scan(
 def _denser(
     exceeds: Exceeds, lane: np.ndarray, factor: np.ndarray, reach: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """The scan with those steps halved, once or more, that may hide an exceedance below the first one of their lane.
+    """The scan with those steps halved that may hide an exceedance below the first one of their lane.
 
-    A step may come as near the limit as the nearer one of its ends and, beyond that, by as much as the reach bends
-    there: its second difference, large where the scan does not resolve how the reach changes with the factor.
+    A step may come as near the limit as the nearer one of its ends plus the bend of the reach there, its second
+    difference.
     """
     halvings = np.zeros(lane.size, dtype=np.int64)  # of the step that begins at the factor
     due = np.append(NEAR, np.inf)

@@ -1,16 +1,10 @@
 """The half-waves of a record alone: lanes of an overturning spectrum, and the demand on a block.
 
-.. note:: A half-wave is taken as the triangle that has its ends, its impulse and its centroid: two straight pieces of
-   ground. While a block rocks on the side s, the growing mode y = s theta/alpha - 1 + s theta'/(p alpha) of the linear
-   equation obeys y' = p y - s p a_g/(g alpha) (demand.py): a later impulse counts exp(-p (t - t0)) of an earlier one,
-   E(t0) = sum over the half-waves after t0 of I_k exp(-p (t_k - t0)) for short ones, and here exact for triangles. A
-   block that lifts off at t0 overturns without an impact iff p abs(E(t0)) exceeds g alpha. The lobes of E tell how many
+.. note:: A half-wave is taken as the triangle of its ends, impulse and centroid. The march is 1 over the factor at
+   which the linear equation (Eqs. 1-2), lifted at g tan(alpha), overturns under the half-waves. One march is chaotic;
+   with the uncertainty of body and strength it has a distribution (:class:`rocking.OverturningSpectrum`), of which the
+   mean logarithm and the factor at P = 10 % are taken. The lobes of the weighted impulse E (demand.py) tell how many
    impulses act.
-
-   The *march* is 1 over the factor at which the linear equation (Eqs. 1-2), lifted at g tan(alpha), overturns under
-   the half-waves in their own order. One march is chaotic; with the stated uncertainty of the body and of the strength
-   of its motion it has a distribution (:class:`rocking.OverturningSpectrum` of :mod:`rocking.spectrum.half_waves`), of
-   which the mean logarithm and the factor of 10 % probability are taken.
 """
 
 import math
@@ -48,8 +42,7 @@ BANDS = ((LEAST_RESTITUTION, MOST_RESTITUTION), *((0.45 / 1.5**k, 0.75 / 1.5**k)
 def triangles(start: np.ndarray, centroid: np.ndarray, end: np.ndarray, impulse: np.ndarray) -> np.ndarray:
     """Times [s] and ground accelerations [m/s2] of the corners of half-waves as triangles, (2, 3 k).
 
-    A triangle from start to end has its centroid at (start + top + end)/3, in the middle third; a top that would lie
-    outside goes to the nearer end.
+    The centroid is at (start + top + end)/3; a top that would lie outside goes to the nearer end.
     """
     top = np.clip(3.0 * centroid - start - end, start, end)
     length = end - start
@@ -67,15 +60,7 @@ def half_wave_lanes(
     between: tuple[float, float] = (LEAST_RESTITUTION, MOST_RESTITUTION),
     threads: int | None = None,
 ) -> SpectrumLanes:
-    """March the lanes of an overturning spectrum through half-waves, as :func:`piece_lanes`.
-
-    Examples
-    --------
-    >>> from rocking import OverturningSpectrum
-    >>> lanes = half_wave_lanes([0.0, 0.5], [0.25, 0.7], [0.5, 1.0], [0.4, -0.3], p=[1.8, 2.0])
-    >>> OverturningSpectrum(lanes).spectrum([0.9]).round(2).tolist()  # m/s, at each p
-    [[0.19], [0.19]]
-    """
+    """March the lanes of an overturning spectrum through half-waves, as :func:`piece_lanes`."""
     times, ground = triangles(*checked_half_waves(start, centroid, end, impulse))
     return piece_lanes(times, ground, p, between, threads)
 
@@ -169,10 +154,8 @@ def demand_of_half_waves(
     ----------
     block : Block
         One block, which counts as (1,), or (m,) of them.
-    start, centroid, end : (k,) array_like
-        Times of the half-waves [s], in order, centroids inside.
-    impulse : (k,) array_like
-        Their signed impulses [m/s].
+    start, centroid, end, impulse : (k,) array_like
+        Times of the half-waves [s], in order, centroids inside, and their signed impulses [m/s].
     threads : int, optional
         Threads that share the lanes; None for all available cores. The results do not depend on it.
 
@@ -183,9 +166,9 @@ def demand_of_half_waves(
 
     Notes
     -----
-    With the linear equation the march sees nothing of a block but p, C and x = f p/(g tan alpha). It is made at
-    frequency parameters a ratio of 1.128 apart and read between them, probabilities linear in ln p, which a march at
-    the p of the body itself meets within 2 % (docs/decisions/009). C is uniform in 0.9 to 1 times that of the block.
+    The march depends on p, C and x = f p/(g tan alpha) of a block alone. It is made at frequency parameters a ratio of
+    1.128 apart and read between them, probabilities linear in ln p, within 2 % of a march at the p of the body itself
+    (docs/decisions/009). C is uniform in 0.9 to 1 times that of the block.
 
     Examples
     --------

@@ -1,14 +1,8 @@
-"""The overturning spectrum of a ground motion: one curve that tells every slender free-standing block its capacity.
+"""The overturning spectrum of a ground motion: one curve with the capacity of every slender free-standing block.
 
-.. note:: With x = f p/(g tan alpha) the capacity of a slender block under a record depends on its p and C alone
-   (:mod:`rocking.spectrum.lanes`). So a record has P(x; p, C), the probability that a block of nominal restitution C
-   overturns under the stated uncertainty, and a spectrum S(p, C) = 1/exp(E ln x_c) [m/s], x_c the x at which it
-   overturns: the effective impulse that such a block takes from the record. A block overturns where S exceeds
-   g tan(alpha)/p, its capacity is (g tan(alpha)/p)/S.
-
-   A draw of factor and geometry moves ln x by a shift Z whose distribution is known
-   (:class:`rocking.Uncertainty`), so P is the verdict of the lanes smoothed by the density of Z, over the
-   lanes whose restitution lies in the range of the block:
+.. note:: S(p, C) = 1/exp(E ln x_c) [m/s], x_c the x = f p/(g tan alpha) at which a block overturns: it overturns if S
+   exceeds g tan(alpha)/p. A draw of factor and geometry shifts ln x by Z with a known density h (:class:`Uncertainty`),
+   so P(x; p, C) is the verdict v_i of the lanes smoothed by h, over those with a C in the range of the block:
 
    P(x) = sum_i w_i h(ln x_i - ln x) v_i/sum_i w_i h(ln x_i - ln x),  v_i = 1 where lane i overturns
 
@@ -105,12 +99,10 @@ def covered(
     between: tuple[float, float] = (LEAST_RESTITUTION, 1.0),
     side: int = 0,
 ) -> np.ndarray:
-    """True, (m,), for the blocks that a spectrum stands for, with C between `least` and `most` (m,).
+    """True, (m,), for slender bodies that a spectrum stands for: symmetric and free, or before a wall on `side`.
 
-    They are symmetric and nothing holds them, or they stand before a wall on the `side` of the lanes; of a slenderness
-    of at least 3.5, their p and C within those of the lanes, p the (a,) frequency parameters of the spectrum [1/s] and
-    `between` its restitutions. A range of C below a tenth of those restitutions (0.03 of 0.675 to 1) holds too few
-    lanes.
+    Their p and the range `least` to `most` (m,) of C lie within those of the lanes; a range below a tenth of that of
+    the lanes holds too few of them.
     """
     alone = (np.asarray(block.side) == side) & ~np.asarray(block.restrained)
     alone &= np.asarray(block.symmetric) | (side != 0)

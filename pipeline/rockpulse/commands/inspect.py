@@ -17,10 +17,7 @@ if TYPE_CHECKING:
     from rockpulse.storage.hdf5.results_file import ResultsFile
 
 #: Files of other verbs by their characteristic group: words for the file, and the module of its text.
-SHOWN_WHOLE = {
-    "site": ("this is a site file", "site"),
-    "fragility": ("this is a fragility file", "fragility"),
-}
+SHOWN_WHOLE = {"site": ("this is a site file", "site"), "fragility": ("this is a fragility file", "fragility")}
 
 #: Options that ask for a list of cases.
 OF_CASES = ("model", "outcome", "where", "sort", "limit", "worst")

@@ -12,8 +12,9 @@ from rockpulse.errors import ConfigError
 
 
 def _run(args: argparse.Namespace) -> int:
-    from rockpulse.commands.output_files import check_file, csv_bytes, write_files
     from rockpulse.config.configuration import config_from_text, load_config
+    from rockpulse.files import check_file, write_files
+    from rockpulse.storage.export.table_file import csv_bytes
     from rockpulse.storage.hdf5.results_file import load
     from rockpulse.studies.risk.frequency import annual_frequency, standing_test
     from rockpulse.studies.risk.hazard_files import hazard_of, site_hazards_of
@@ -106,10 +107,7 @@ VERB = Verb(
             "--config CONFIG": "configuration with a section [hazard]; default: that of the fragility",
             "--limit-state STATE": "of a fragility; default: overturning",
             "--years T": ("time for the probability; default: that of [hazard]", {"type": float}),
-            "--age YEARS": (
-                "time for which the bodies have stood: does that contradict the hazard?",
-                {"type": float},
-            ),
+            "--age YEARS": ("time for which the bodies have stood: does that contradict the hazard?", {"type": float}),
             "--resamples N": ("draws for the bands of a fragility, 0 for none; default: 500", {"type": int}),
             "-o --output TABLE": "write the table too (CSV), and of a fragility beside it TABLE_levels.csv, what each "
             "range of levels contributes",

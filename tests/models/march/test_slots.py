@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from rocking.march.slots import Accelerogram, extremes, largest_left, next_exceedance
+from rocking.march.slots import Accelerogram, extremes, largest_left, next_lift
 
 NONE = np.empty(0)
 
@@ -13,6 +13,11 @@ NONE = np.empty(0)
 def looked_over(acceleration, vertical=NONE):
     """The accelerogram with its extremes."""
     return Accelerogram(acceleration, vertical, extremes(acceleration, vertical), 0.01)
+
+
+def next_exceedance(start, record, factor, threshold):
+    """Of a block with two like corners."""
+    return next_lift(start, record, factor, 1.0, threshold, 0.0, threshold, 0.0)
 
 
 def spiky(seed, n):

@@ -1,8 +1,4 @@
-"""A group of a results file as a long table: one row per answer, every variable a column.
-
-A variable with fewer dimensions than the table is repeated: the PGA of a record stands beside each of its answers. An
-index into `record`, `block` or `model` becomes the name it stands for, a flag its word.
-"""
+"""A group of a results file as a long table: one row per answer, every variable a column, repeated where need be."""
 
 from __future__ import annotations
 

@@ -36,13 +36,7 @@ class _Stored(BackendArray):
 
 
 def dataset_of(group: h5py.Group) -> xr.Dataset:
-    """A group of an open file, its texts read and its numbers not; it is of no use once the file is closed.
-
-    Raises
-    ------
-    ValueError
-        For a variable whose dimensions the file does not name.
-    """
+    """A group of an open file, its texts read and its numbers not; a ValueError for a dimension without a name."""
     variables: dict[Hashable, xr.Variable] = {
         one.name: xr.Variable(one.dimensions(), _values(one.stored), attributes(one.stored))
         for one in variables_of(group)
@@ -148,11 +142,7 @@ def _plain(value: Any) -> Any:
 
 
 def slab(variable: xr.Variable, positions: dict[Any, Any]) -> np.ndarray:
-    """Values at positions along each dimension, by reading the box around them.
-
-    HDF5 reads a box at the speed of the disk and scattered positions one by one. Positions are integers in any order,
-    or a slice; a dimension that is not named is read whole, and a name that the variable lacks is passed over.
-    """
+    """Values at positions along each dimension, by reading the box around them, which is faster in HDF5."""
     box: list[slice] = []
     inside: list[Any] = []
     for dim, size in variable.sizes.items():
@@ -171,10 +161,7 @@ def slab(variable: xr.Variable, positions: dict[Any, Any]) -> np.ndarray:
 
 
 def pointwise(variable: xr.Variable, places: dict[str, np.ndarray]) -> np.ndarray:
-    """One value for each of r places, by reading the box around them.
-
-    `places` holds (r,) positions along each dimension; names that the variable lacks are passed over.
-    """
+    """One value for each of r places, (r,) positions along each dimension, by reading the box around them."""
     starts = {dim: int(places[dim].min()) if places[dim].size else 0 for dim in map(str, variable.dims)}
     stops = {dim: int(places[dim].max()) + 1 if places[dim].size else 0 for dim in starts}
     values = variable[tuple(slice(starts[dim], stops[dim]) for dim in starts)].values
@@ -190,13 +177,7 @@ def flag_words(variable: xr.Variable | xr.DataArray) -> dict[int, str]:
 
 
 def worded(values: np.ndarray, words: dict[int, str]) -> np.ndarray:
-    """Integer values of a flag as the words of :func:`flag_words`; a number that has none stays as it is.
-
-    Examples
-    --------
-    >>> worded(np.array([1, 0, 7]), {0: "no", 1: "yes"}).tolist()
-    ['yes', 'no', '7']
-    """
+    """Integer values of a flag as the words of :func:`flag_words`; a number that has none stays as it is."""
     codes, inverse = np.unique(values, return_inverse=True)
     names = np.array([words.get(code, str(code)) for code in codes.tolist()], dtype=object)
     return names[inverse].reshape(values.shape) if codes.size else values.astype(object)

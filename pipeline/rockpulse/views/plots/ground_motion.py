@@ -31,8 +31,8 @@ STORE = 'the file does not hold the accelerograms: assess again with [records] s
 #: Stored variables that are fields of a record by another name: by it alone no record is counted to an earthquake.
 _FIELDS = {"event_title": "event"}
 
-_ACCELERATION = real("m s-2", "ground acceleration", dims=("sample",))
-_TIME = real("s", "time from the first sample", dims=("sample",))
+_ACCELERATION = real("ground acceleration", "m s-2", dims=("sample",))
+_TIME = real("time from the first sample", "s", dims=("sample",))
 
 
 def stored_motion(tree: xr.DataTree, record: str) -> xr.Dataset:
