@@ -332,9 +332,11 @@ def test_files_of_different_kinds_are_refused(saved, tmp_path):
     other.attrs["kind"] = "site calibration"
     save(other, tmp_path / "b.h5")
     with (
-        open_results(tmp_path / "a.h5") as one,
+        open_results(saved) as one,
         open_results(tmp_path / "b.h5") as two,
-        pytest.raises(ResultsError, match=r"two files of one kind, found .*a\.h5 \(assessment\) and .*b\.h5 \(site"),
+        pytest.raises(
+            ResultsError, match=r"two files of one kind, found .*results\.h5 \(assessment\) and .*b\.h5 \(site"
+        ),
     ):
         compare_results(one, two)
 
