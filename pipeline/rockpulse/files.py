@@ -94,16 +94,7 @@ def separator(text: str) -> str:
 
 
 def table_of(path: str, text: str) -> pd.DataFrame:
-    """The cells of a table as texts without blanks around them; lines that are empty or begin with # are passed over.
-
-    Where semicolons or tabs stand between the cells, numbers may have decimal commas. Cells that are missing at the end
-    of a row are empty.
-
-    Raises
-    ------
-    ConfigError
-        For no heading, a column that stands twice, or a row of more cells than the heading has.
-    """
+    """The cells of a table as texts; lines that are empty or begin with # are skipped, decimal commas become points."""
     import pandas as pd
 
     lines = [line for line in text.splitlines() if line.strip() and not line.startswith("#")]

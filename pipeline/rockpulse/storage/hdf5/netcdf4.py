@@ -1,9 +1,7 @@
-"""The conventions by which netCDF-4 stores variables, dimensions and attributes in HDF5, read by h5py alone.
+"""How netCDF-4 stores variables, dimensions and attributes in HDF5, read by h5py alone.
 
-A dimension is a dimension scale: the variable of its name, or a dataset without values that stands for it. Every other
-variable is attached to the scales of its dimensions. A group becomes an xarray.Dataset whose numbers are read when they
-are asked for, and not decoded: texts are texts, NaN is NaN. xarray's own way through h5netcdf looks every object up
-anew at every property, which takes several times as long for a hundred variables (docs/decisions/005).
+A dimension is a dimension scale: the variable of its name, or a dataset without values. xarray's own way through
+h5netcdf takes several times as long for a hundred variables (docs/decisions/005).
 """
 
 from __future__ import annotations
