@@ -64,9 +64,7 @@ DIRECTIONS: Declared = {
         dims=("direction",),
         explanation="from 0 up to 180 degrees: the motion of the opposite direction is the mirror image",
     ),
-    "record_index": whole(
-        "index into record of /summary; -1 where the direction was not assessed", dims=("pair", "direction")
-    ),
+    "record_index": whole("index into record of /summary; -1 where not assessed", dims=("pair", "direction")),
     **along(
         ("pair",),
         pga_median=real("median over direction of the peak ground acceleration", "m s-2"),
@@ -87,7 +85,7 @@ DIRECTIONS: Declared = {
             "NaN where one has no answer"
         ),
         largest_azimuth=real(
-            "azimuth of the largest rotation; where several directions overturn, of the one that does so first",
+            "azimuth of the largest rotation; of several that overturn, of the first to do so",
             "degree",
         ),
         overturning_share=real("share of all directions that overturn"),

@@ -185,7 +185,7 @@ DEMAND = along(
     **_measured(STORED_OF_BODIES, lambda measure: _of_strength(measure.name)),
     impulse_ratio=real("I/I_1c; NaN where the record gave no sequence"),
     floor_amplification=real(
-        "peak acceleration of the floor that the body stands on over that of the ground; 1 on the ground",
+        "peak acceleration of the floor over that of the ground; 1 on the ground",
         of_ground=True,
     ),
     friction_required=real(
@@ -195,7 +195,7 @@ DEMAND = along(
         "body has no `friction`, a wall behind it, ties, loads or thrusts",
     ),
     friction_share=real(
-        "share of the samples at which it asks for more than `friction`", of_ground=True, explanation="NaN as above"
+        "share of the samples that ask for more than `friction`", of_ground=True, explanation="NaN as above"
     ),
 )
 
@@ -274,9 +274,7 @@ SITE_DEMAND = along(
         _of_demands(lambda demand: demand.strength if demand.measure == PGA else np.nan),
     ),
     demand_measure=text("measure of the strength that the site asks for", _of_demands(lambda demand: demand.measure)),
-    demand_value=real(
-        "strength that the site asks for, in demand_units", take=_of_demands(lambda demand: demand.strength)
-    ),
+    demand_value=real("strength asked for, in demand_units", take=_of_demands(lambda demand: demand.strength)),
     demand_units=text("unit of demand_value", _of_demands(lambda demand: ROWS[demand.measure].unit)),
     demand_period=real(
         "period of the oscillator whose pseudo-acceleration the site asks for; NaN for another measure",
