@@ -38,6 +38,7 @@ SMALL = [
     ["plot", "--list"],
     ["formats"],
     ["init-config"],
+    ["completion", "bash"],
 ]
 
 

@@ -76,12 +76,6 @@ def test_the_results_hold_the_configuration_that_was_resolved(tree, tmp_path):
     assert [name.rpartition("/")[2] for name in config.records.paths] == ["strong.AT2", "weak.AT2"]
 
 
-def test_what_inspect_shows_is_what_assess_showed(told, capsys):
-    target, shown, _ = told
-    assert main(["inspect", str(target)]) == 0
-    assert shown.startswith(capsys.readouterr().out)
-
-
 def test_a_folder_with_a_broken_record_is_exit_code_one_and_the_others_are_assessed(folder, tmp_path, capsys):
     target = tmp_path / "results.h5"
     assert assess(folder, "-o", target) == 1
@@ -175,13 +169,3 @@ def test_the_configuration_names_records_and_blocks(folder, tmp_path, capsys):
     out = capsys.readouterr().out
     assert len(re.findall(r"^  column, C = 0\.[89]00 ", out, re.M)) == 2
     assert "resonance" not in out
-
-
-def test_a_file_name_in_an_odd_encoding_is_assessed(folder, tmp_path, capsys):
-    odd = tmp_path / "caf\udce9.AT2"
-    try:
-        odd.write_bytes((folder / "weak.AT2").read_bytes())
-    except (OSError, UnicodeEncodeError):
-        pytest.skip("this file system takes no name outside UTF-8")
-    assert assess(odd, "-o", tmp_path / "results.h5") == 0
-    assert values(tmp_path / "results.h5", "source")[0].endswith("caf\ufffd.AT2")

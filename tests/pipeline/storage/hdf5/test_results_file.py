@@ -63,14 +63,6 @@ def loaded(tmp_path_factory):
     return load(path)
 
 
-def test_seconds_stay_numbers_and_flags_stay_bytes(loaded):
-    summary = loaded["summary"]
-    assert summary["dt"].dtype == np.float64
-    assert summary["outcome"].dtype == np.int8
-    assert summary["outcome"].attrs["flag_values"].dtype == np.int8
-    assert summary["outcome"].attrs["flag_meanings"] == "at_rest rocks overturns unresolved"
-
-
 def test_provenance_is_complete(loaded):
     attrs = loaded.attrs
     assert attrs["Conventions"] == "CF-1.11"
