@@ -128,13 +128,6 @@ def test_without_a_search_or_a_probability_nothing_is_told():
     assert (found.source.tolist(), found.demands) == ([["none"]] * 2, {})
 
 
-def test_sources_are_told_in_words():
-    summary = summary_of([2.0, 3.0, 4.0])
-    summary["probability_source"] = (("record", "block"), [[2], [0], [1]])
-    found = Answers(summary)
-    assert found.source.tolist() == [["own_lanes"], ["none"], ["spectrum"]]
-
-
 def two_demands(summary, other):
     """The same with a second demand, whose variables are other multiples of those of the first."""
     second = summary.assign({name: times * summary[name] for name, times in other.items()}).assign_coords(
@@ -201,14 +194,6 @@ def test_directions_that_were_not_assessed_tell_no_earthquake():
     assert answers_of(xr.DataTree.from_dict({"/summary": summary, "/directions": first})).motions.events == ["Kobe"]
 
 
-def test_records_without_number_of_samples_are_records():
-    summary = summary_of([2.0] * 3)
-    for npts, kind in (([-1, -1, -1], "sequence"), ([-1, 0, -1], "record"), ([0, 0, 0], "record")):
-        assert Answers(summary.assign(npts=("record", npts))).motions.kind == kind
-    assert Answers(summary_of([])).motions.kind == "record"
-    assert Answers(summary).motions.index.tolist() == [[0], [1], [2]]
-
-
 def test_motions_too_weak_to_tell_are_left_out_of_a_margin():
     (margin,) = answers(summary_of([INF, 3.0, 5.0], up_to=0.99)).margins()
     assert (margin.smallest, margin.median, margin.weak, margin.unknown, margin.place) == (3.0, 4.0, 1, 0, 1)
@@ -270,20 +255,6 @@ def test_a_motion_is_kept_for_a_body_where_a_direction_is():
         1,
         0,
     ]
-
-
-def test_values_are_taken_by_motion_and_direction():
-    values = np.array([1, 2, 3, 4, 5])
-    assert PAIRS.over(values, -9).tolist() == [[1, 2], [3, 4], [5, -9]]
-    over = PAIRS.over(np.stack([values, 10.0 * values], axis=1), NAN)
-    assert over.shape == (3, 2, 2)
-    np.testing.assert_array_equal(over[:, :, 1], [[10.0, 20.0], [30.0, 40.0], [50.0, NAN]])
-
-
-def test_something_is_so_in_one_direction_or_in_a_missing_one():
-    so = np.array([[False, True], [True, True], [False, False], [False, False], [False, True]])
-    assert PAIRS.anywhere(so).tolist() == [[True, True], [False, False], [False, True]]
-    assert PAIRS.anywhere(so, missing=True).tolist() == [[True, True], [False, False], [True, True]]
 
 
 def test_earthquakes_weigh_alike_and_what_is_not_known_is_left_out():

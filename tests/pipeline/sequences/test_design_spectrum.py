@@ -107,11 +107,6 @@ def test_rounding_takes_no_block_out(restitution, inside):
     assert within(block, np.array([1.0, 4.0]), np.array([0.8, 0.9])).tolist() == [inside]
 
 
-def test_a_spectrum_may_be_of_blocks_without_rebound():
-    block = Block.from_parameters(p=[2.0, 2.0], alpha=0.1, restitution=[0.0, 0.1], log=False)
-    assert within(block, np.array([1.0, 4.0]), np.array([0.0])).tolist() == [True, False]
-
-
 def test_the_nearest_p_is_that_in_equal_ratios():
     free = Block.from_parameters(p=2.0, alpha=0.1, restitution=0.9, log=False)
     assert DESIGN.covers(free).tolist() == [True]

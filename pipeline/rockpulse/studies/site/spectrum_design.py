@@ -1,8 +1,8 @@
 """The design of a site by the overturning spectra of its records: quantiles over earthquakes, sequences of bodies.
 
 .. note:: At every p and C the quantile is the smallest S with at least that share of the weight at or below it. The
-   intervals resample earthquakes. What is said of a quantile needs earthquakes beyond it: with fewer than 1/(1 -
-   quantile) of them it is the largest one seen, and no interval says how much larger the next one is.
+   intervals resample earthquakes. With fewer than 1/(1 - quantile) of them it is the largest one, of which no interval
+   is known.
 """
 
 import math
@@ -32,15 +32,15 @@ from rockpulse.storage.variables.site import OF_RECORDS, SITE, SITE_AXES, SPECTR
 from rockpulse.studies.site.records import facts_of_record, no_facts, scaled_motion
 from rockpulse.studies.site.remarks import FEWEST_EVENTS, scaled_far
 
-#: Quantiles that every file has beside that of the design, by their names.
+#: Quantiles of every file beside that of the design, by name.
 STATED = {"spectrum_50": 0.5, "spectrum_84": 0.84}
 
 
 def site_spectrum_record(motion: Motion, watch: Watch, config: Config) -> Part:
-    """Scale a motion and work out its overturning spectrum: arrays by the names of the file.
+    """Scales a motion and computes its overturning spectrum: arrays (1,) by the names of the file.
 
-    They are (1,), but "spectrum" (1, a, c), "record_ratio" and "record_main_count" (1, a). RecordRefused where the
-    motion cannot be scaled or is nothing but zeros.
+    "spectrum" is (1, a, c), "record_ratio" and "record_main_count" (1, a). RecordRefused for a motion that cannot be
+    scaled or is zero.
     """
     with watch("solve"):
         record, factor = scaled_motion(motion, config)
@@ -68,18 +68,12 @@ def no_spectrum_record() -> Part:
 
 
 def fewest_events(quantile: float) -> int:
-    """Earthquakes below which no quantile of a site is stated: one lies beyond it, and at least five.
-
-    Examples
-    --------
-    >>> fewest_events(0.5), fewest_events(0.84), fewest_events(0.95)
-    (5, 7, 20)
-    """
+    """Fewest earthquakes for a quantile of a site: one lies beyond it, and at least five."""
     return max(FEWEST_EVENTS, math.ceil((1.0 - ROUNDING) / min(quantile, 1.0 - quantile)))
 
 
 class Quantiles(NamedTuple):
-    """A quantile of k values over records, with the ends of its interval; NaN with a single earthquake."""
+    """A quantile of k values over records, with its interval; NaN with a single earthquake."""
 
     value: np.ndarray  # (k,)
     lower: np.ndarray  # (k,)
@@ -88,7 +82,7 @@ class Quantiles(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class QuantileSample:
-    """Weights and events of n records, and resamples of the events, of which quantiles are taken."""
+    """Weights and events of n records, and resamples of the events."""
 
     weights: np.ndarray  # (n,) above zero
     events: np.ndarray  # (n,) number of each record's event
@@ -96,9 +90,9 @@ class QuantileSample:
     confidence: float
 
     def quantiles(self, values: np.ndarray, levels: list[float], logarithmic: bool) -> list[Quantiles]:
-        """Quantiles over the records of values (n, ...), one for each level, of the shape of the values of a record.
+        """Quantiles of values (n, ...) over the records, one for each level, of the shape of the values of a record.
 
-        The interval of positive values is worked out on their logarithms where these are asked for.
+        The interval of positive values is that of their logarithms with `logarithmic`.
         """
         flat = values.reshape(values.shape[0], -1)
         found = np.empty((len(levels), 3, flat.shape[1]))
@@ -129,10 +123,9 @@ def spectrum_design(
     config: Config,
     remarks: Sequence[str],
 ) -> dict[str, xr.Dataset]:
-    """Lay out the spectra of all records, their quantiles and the design of every body: nodes of a file by their paths.
+    """The spectra of all records, their quantiles and the design of every body: nodes of a file by path.
 
-    `done` is what :func:`site_spectrum_record` found of every record, and "event"; the weights are of mean one;
-    `remarks` is what is to be said already.
+    `done` are the arrays of :func:`site_spectrum_record` of all records, and "event"; the weights are of mean one.
     """
     settings = config.calibration
     names, numbers = np.unique(done["event"], return_inverse=True)
@@ -184,7 +177,7 @@ def spectrum_design(
 def _interval_tables(
     sample: QuantileSample, of_records: Mapping[str, np.ndarray], quantile: float
 ) -> dict[str, np.ndarray]:
-    """The quantiles of /spectra with both ends of their intervals, by name."""
+    """The quantiles of /spectra with their intervals, by name."""
     levels = {**STATED, "spectrum_design": quantile}
     of_levels = sample.quantiles(of_records["spectrum"], list(levels.values()), logarithmic=True)
     found = dict(zip(levels, of_levels, strict=True))
@@ -197,7 +190,7 @@ def _interval_tables(
 
 
 def _bodies(spectra: Mapping[str, np.ndarray], blocks: Block | None, weights: np.ndarray) -> dict[str, np.ndarray]:
-    """The design of each body (m,) and its interval, NaN for a body outside the spectrum or without any weight."""
+    """The design of each body (m,) and its interval; NaN outside the spectrum or without weights."""
     names = [name for name, one in SITE.items() if one.dims == ("block",)]
     if blocks is None:
         return {name: np.empty(0) for name in names}

@@ -25,17 +25,7 @@ from rockpulse.views.report.records import (
     warning_table,
 )
 from rockpulse.views.report.remarks import Limit, limits, remarks
-from rockpulse.views.report.verdict import (
-    MOST,
-    Card,
-    Drawing,
-    basis,
-    body_table,
-    cards,
-    counted_by,
-    drawings,
-    legend,
-)
+from rockpulse.views.report.verdict import MOST, Card, Drawing, basis, body_table, cards, counted_by, drawings, legend
 from rockpulse.views.shared.files_used import files_used
 from rockpulse.views.shared.table import Fact, Table
 from rockpulse.views.shared.words import named, say

@@ -22,7 +22,7 @@ from rockpulse.readers.kit.channel import CREDIBLE_PEAK_G
 from rockpulse.record.measures import PGA, STORED, STORED_OF_BODIES, Measure
 from rockpulse.record.record import STANDARD_GRAVITY
 from rockpulse.remark import remarked
-from rockpulse.views.shared.table import Cell, Heading, Mark, number
+from rockpulse.views.shared.table import Cell, Heading, Mark, Table, number
 from rockpulse.views.shared.terminal import ABSENT, between, lower_bound, ratio, restitution, shortened
 from rockpulse.views.shared.words import say
 
@@ -57,13 +57,38 @@ class Column:
     cell: Callable[..., Cell]
     unit: str = ""
     width: int | None = None
-    title: str = ""  # in place of that of the words: a name, as of a model
+    title: str | None = None  # in place of that of the words: a name, as of a model
+    note: str = ""
 
     @property
     def heading(self) -> Heading:
         """The heading with its small print."""
-        note = say(f"column.{self.name}.note") if self.name in _NOTED else ""
-        return Heading(self.title or say(f"column.{self.name}.head"), self.unit, note, self.width)
+        title = say(f"column.{self.name}.head") if self.title is None else self.title
+        note = say(f"column.{self.name}.note") if self.name in _NOTED else self.note
+        return Heading(title, self.unit, note, self.width)
+
+
+def titled(title: str, cell: Callable[..., Cell], *of: str, **options: Any) -> Column:
+    """A column of one table alone, under a title of its own."""
+    return Column(title, of, cell, title=title, **options)
+
+
+class Along:
+    """The variables of a dataset along its only dimension as the rows of a table."""
+
+    def __init__(self, dataset: xr.Dataset) -> None:
+        self._dataset = dataset
+
+    def __getitem__(self, name: str) -> Sequence[Any]:
+        found: list[Any] = self._dataset[name].values.tolist()
+        return found
+
+
+def tabulated(
+    key: str, caption: str, selected: Sequence[Column], dataset: xr.Dataset, notes: tuple[str, ...] = ()
+) -> Table:
+    """The table of some columns with a row for every place along the dimension of a dataset."""
+    return Table(key, caption, headed(selected), tuple(filled(selected, Along(dataset))), notes)
 
 
 #: Columns with small print below their heading.
@@ -186,8 +211,9 @@ def grade_cell(one: BodyVerdict, before: str = "") -> Cell:
     return Cell(before + told, float(one.overall), grade="fair" if unsure else GRADES[one.overall])
 
 
-def _shown(show: Callable[[float], str], scale: float = 1.0) -> Callable[[float], Cell]:
-    return lambda value: number(value / scale, show)
+def shown(show: Callable[[float], str], scale: float = 1.0) -> Callable[[float], Cell]:
+    """The cell of a number in units of a scale."""
+    return lambda value: number(value if scale == 1.0 else value / scale, show)
 
 
 def _searched(factor: float, limit: float, resolved: int) -> Cell:
@@ -198,7 +224,8 @@ def _probability(value: float, low: float, high: float) -> Cell:
     return Cell(ratio(value) if math.isnan(low) else f"{ratio(value)} ({between(low, high, ratio)})", value)
 
 
-def _of_all(count: int, total: int) -> Cell:
+def count_of(count: int, total: int) -> Cell:
+    """A number of all."""
     return Cell(say("count_of", count=count, total=total), float(count))
 
 
@@ -223,7 +250,7 @@ def _of_measure(row: Measure) -> Column:
             unit,
             title=title,
         )
-    return Column(row.name, (row.name,), _shown(ratio, scale), unit, title=title)
+    return Column(row.name, (row.name,), shown(ratio, scale), unit, title=title)
 
 
 _RECORD = ("record", PGA, "warning_codes")
@@ -237,11 +264,11 @@ COLUMNS = {
         Column("record", _RECORD, lambda *one: record_cell(shortened(one[0], ID_WIDTH), *one[1:])),
         Column("block", ("block",), Cell, width=NAME_WIDTH),
         Column("model", ("model",), lambda name: Cell(say(f"models.{name}"))),
-        Column("restitution", ("restitution",), _shown(restitution)),
+        Column("restitution", ("restitution",), shown(restitution)),
         *map(_of_measure, STORED_OF_BODIES),
-        Column("impulse_ratio", ("impulse_ratio",), _shown(ratio)),
+        Column("impulse_ratio", ("impulse_ratio",), shown(ratio)),
         Column("answer", ("outcome", "peak_rotation_ratio", "applicable"), answer_cell),
-        Column("overturning_probability", ("overturning_probability",), _shown(ratio)),
+        Column("overturning_probability", ("overturning_probability",), shown(ratio)),
         Column(
             "probability_interval",
             tuple(f"overturning_probability{end}" for end in ("", "_low", "_high")),
@@ -265,27 +292,27 @@ COLUMNS = {
         ),
         # a record
         *map(_of_measure, STORED),
-        Column("main_impulse", ("main_impulse",), _shown(ratio), "m/s"),
+        Column("main_impulse", ("main_impulse",), shown(ratio), "m/s"),
         Column("magnitude", ("magnitude",), number),
         Column("epicentral_distance", ("epicentral_distance",), lambda distance: number(distance / 1000.0), "km"),
         Column("warnings", ("warning_codes",), _counted),
-        Column("overturns", ("fallen", "total"), _of_all),
+        Column("overturns", ("fallen", "total"), count_of),
         # a block
-        Column("width", ("width",), _shown(ratio), "m"),
-        Column("height", ("height",), _shown(ratio), "m"),
-        Column("alpha_c", ("alpha_c",), _shown(ratio), "rad"),
-        Column("p", ("p",), _shown(ratio), "1/s"),
-        Column("critical_impulse", ("critical_impulse",), _shown(ratio), "m/s"),
+        Column("width", ("width",), shown(ratio), "m"),
+        Column("height", ("height",), shown(ratio), "m"),
+        Column("alpha_c", ("alpha_c",), shown(ratio), "rad"),
+        Column("p", ("p",), shown(ratio), "1/s"),
+        Column("critical_impulse", ("critical_impulse",), shown(ratio), "m/s"),
         Column("restitutions", ("restitutions",), _restitutions),
-        Column("overturned_by", ("fallen", "total"), _of_all),
+        Column("overturned_by", ("fallen", "total"), count_of),
         # the verdict on a body over all motions, and the worst for a motion
         Column("verdict", ("found",), grade_cell),
-        Column("up_to", ("high",), _shown(ratio)),
-        Column("uplift", ("uplift",), _shown(ratio, STANDARD_GRAVITY), "g"),
+        Column("up_to", ("high",), shown(ratio)),
+        Column("uplift", ("uplift",), shown(ratio, STANDARD_GRAVITY), "g"),
         Column("median_factor_50", ("median",), unexplained),
         Column("median_safety_factor", ("median",), unexplained),
-        Column("top", ("top",), _shown(ratio), "cm"),
-        Column("turn", ("turn",), _shown(ratio), "deg"),
+        Column("top", ("top",), shown(ratio), "cm"),
+        Column("turn", ("turn",), shown(ratio), "deg"),
         Column("worst", ("worst",), Cell),
         Column("worst_for", ("worst_for",), Cell),
     )

@@ -37,7 +37,7 @@ def test_a_velocity_that_is_drift_is_marked_and_explained(summary):
     assert f"{RECORDS[0]}  PGA 0.567 g  PGV 0.71 m/s  I 0.62 m/s\n" in text
     assert f"{RECORDS[1]}  PGA 0.471 g  PGV ~0.43 m/s (drift)  I 0.35 m/s\n" in text
     assert "  ~ (drift): the record's baseline drifts" in text
-    assert "drift" not in verdict_table(summary, records=RECORDS[:1])
+    assert "drift" not in verdict_table(summary.sel(record=list(RECORDS[:1])))
 
 
 def test_what_is_outside_the_range_of_a_model_is_marked_and_explained(summary):
@@ -76,7 +76,7 @@ def test_a_peak_that_a_model_did_not_give_is_a_dash(summary):
 
 
 def test_restitution_cases_have_a_row_each_unless_they_are_all_the_same():
-    text = verdict_table(results_tree(2)["summary"].to_dataset(), records=RECORDS[:1])
+    text = verdict_table(results_tree(2)["summary"].to_dataset().isel(record=[0]))
     assert [line.split()[1] for line in text.splitlines() if line.startswith("  column")] == ["0.930", "0.830"]
     assert sum(line.startswith("  boundary wall") for line in text.splitlines()) == 1
 
@@ -147,10 +147,10 @@ def test_a_closed_form_misses_nothing_and_a_sequence_is_searched_in_steps(search
 
 
 def test_notes_count_what_is_shown(searched):
-    for shown in ({"records": RECORDS[:1]}, {"blocks": BLOCKS[1:2]}):
-        text = " ".join(verdict_table(searched, **shown).split())
+    for shown in ({"record": [0]}, {"block": [1]}):
+        text = " ".join(verdict_table(searched.isel(shown)).split())
         assert "1 with SF below 1 that rocks:" in text
-    text = " ".join(verdict_table(searched, records=RECORDS[1:]).split())
+    text = " ".join(verdict_table(searched.sel(record=list(RECORDS[1:]))).split())
     assert "SF: smallest" in text
     assert "SF below 1" not in text
     several = results_tree(2)["summary"].to_dataset()
@@ -248,7 +248,7 @@ def test_where_nothing_was_found_the_cell_says_up_to_where(searched):
     assert row(text, "boundary wall", RECORDS[2])[-1] == ">10"
     assert ">10: none found up to there, where the search ends ([search] factor_max)" in " ".join(text.split())
     assert "none" not in text.replace("none found", "")
-    assert "none found" not in verdict_table(searched, records=RECORDS[:2])
+    assert "none found" not in verdict_table(searched.sel(record=list(RECORDS[:2])))
     factors = factor_table(Answers(searched))
     assert row(factors, "column", RECORDS[2])[3:] == [">10", ">10", "1.70"]
     assert ">: none found up to there" in factors
@@ -281,7 +281,7 @@ def test_a_record_of_a_doubtful_peak_is_marked_wherever_a_verdict_rests_on_it(su
     assert f"{RECORDS[1]} (clipped?)  PGA" in text
     assert "(peak?): a peak above 5 g or below 1e-6 g" in text
     assert "(clipped?): the record stays" in text
-    assert "peak?" not in verdict_table(summary, records=RECORDS[1:])
+    assert "peak?" not in verdict_table(summary.sel(record=list(RECORDS[1:])))
     assert f"boundary wall: {RECORDS[0]} (peak?)\n" in overturned(Answers(summary))
     assert f"column: {RECORDS[1]} (clipped?) (0.82)" in overturned(Answers(summary))
 
@@ -290,7 +290,7 @@ def test_a_rotation_beyond_the_critical_angle_is_explained_where_there_is_one(su
     assert "Above 1" not in verdict_table(summary)
     summary["peak_rotation_ratio"][1, 1, 2] = 1.13
     assert "Above 1: rocked beyond the critical angle and back" in verdict_table(summary)
-    assert "Above 1" not in verdict_table(summary, blocks=BLOCKS[:1])
+    assert "Above 1" not in verdict_table(summary.sel(block=list(BLOCKS[:1])))
 
 
 def test_what_overturns_is_named_by_the_fullest_model_and_counted_for_all(summary):

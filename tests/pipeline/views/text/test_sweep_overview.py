@@ -5,19 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import xarray as xr
-from swept_motions import (
-    ACROSS,
-    TOWER,
-    WALL,
-    channel,
-    config,
-    sweep,
-)
+from swept_motions import ACROSS, TOWER, WALL, channel, config, sweep
 
-from rockpulse import (
-    DemandSettings,
-    ModelSettings,
-)
+from rockpulse import DemandSettings, ModelSettings
 from rockpulse.assessment.answers import answers_of
 from rockpulse.assessment.assessment import assess
 from rockpulse.assessment.verdict import verdicts
