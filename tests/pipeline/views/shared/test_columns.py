@@ -120,11 +120,11 @@ def read(samples, unit="g", **header):
     """A record as a reader makes it."""
     return build_record(
         SourceFile("a.txt", b"x", lambda: b"x"),
-        1,
         np.asarray(samples),
         0.01,
         unit,
         format="test",
+        peak_factor=1.0,
         processed=False,
         **header,
     )
