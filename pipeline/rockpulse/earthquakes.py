@@ -129,6 +129,49 @@ def _few_earthquakes(sizes: np.ndarray, confidence: float) -> tuple[float, float
     return correction, float(t.ppf(0.5 * (1.0 + confidence), max(1.0 / square - 1.0, 1.0)))
 
 
+class Quantiles(NamedTuple):
+    """A quantile of k values over records, with its interval; NaN with a single earthquake."""
+
+    value: np.ndarray  # (k,)
+    lower: np.ndarray  # (k,)
+    upper: np.ndarray  # (k,)
+
+
+def record_quantiles(
+    values: np.ndarray,
+    levels: list[float],
+    logarithmic: bool,
+    *,
+    weights: np.ndarray,
+    events: np.ndarray,
+    draws: np.ndarray,
+    confidence: float,
+) -> list[Quantiles]:
+    """Weighted quantiles of values (n, ...) over records, one for each level, of the shape of a record's values.
+
+    The interval is that of the logarithms with `logarithmic`.
+    """
+    flat = values.reshape(values.shape[0], -1)
+    found = np.empty((len(levels), 3, flat.shape[1]))
+    sizes = np.bincount(events, weights)
+    drawn = draws[:, events] * weights
+    for column in range(flat.shape[1]):
+        order = np.argsort(flat[:, column], kind="stable")
+        ordered = flat[order, column]
+        below, of_draws = np.cumsum(weights[order]), np.cumsum(drawn[:, order], axis=1)
+        for row, level in enumerate(levels):
+            share = level - ROUNDING
+            value = ordered[np.searchsorted(below, share * below[-1])]
+            # As many records lie below the quantile as there are sums below the share.
+            resampled = ordered[np.sum(of_draws < share * of_draws[:, -1:], axis=1)]
+            if logarithmic:
+                ends = np.exp(bootstrap_interval(np.log(value), np.log(resampled), sizes, confidence))
+            else:
+                ends = np.array(bootstrap_interval(float(value), resampled, sizes, confidence))
+            found[row, :, column] = value, *ends
+    return [Quantiles(*one) for one in found.reshape(len(levels), 3, *values.shape[1:])]
+
+
 class Limits(NamedTuple):
     """Limits of a quantity by the bootstrap-t, NaN where too many draws are lost, and the share of the lost ones."""
 

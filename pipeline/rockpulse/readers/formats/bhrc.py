@@ -38,7 +38,13 @@ def read_bhrc(file: SourceFile, options: ReadOptions) -> list[Record]:
     counts = (kit.Counted(at + 1, "", one.component, _COMPONENTS) for at, one in zip(starts, records, strict=True))
     units = kit.held_units((record.component, record.source_unit) for record in records)
     missing = kit.completeness(file.name, counts, "files of this format hold")
-    return kit.with_warnings(records, (*missing, *copies, *units, *_held_azimuths(records)))
+    azimuths = {record.component: record.azimuth for record in records}
+    turn = abs(azimuths.get("T", np.nan) - azimuths.get("L", np.nan)) % 180.0
+    if abs(turn - 90.0) > _SQUARE:  # NaN, of an unknown one, is not
+        units.append(
+            f"the azimuths of L and T, {azimuths['L']:g} and {azimuths['T']:g} degrees, are not at right angles"
+        )
+    return kit.with_warnings(records, (*missing, *copies, *units))
 
 
 def _channel(file: SourceFile, lines: Sequence[str], span: kit.Span, number: int) -> Record:
@@ -77,15 +83,6 @@ def _channel(file: SourceFile, lines: Sequence[str], span: kit.Span, number: int
         station_place=kit.coordinates(header[7]),
         warnings=notes,
     )
-
-
-def _held_azimuths(records: Sequence[Record]) -> list[str]:
-    """A warning where L and T, as the lines of the station have them, are not at right angles."""
-    azimuths = {record.component: record.azimuth for record in records}
-    turn = abs(azimuths.get("T", np.nan) - azimuths.get("L", np.nan)) % 180.0
-    if abs(turn - 90.0) <= _SQUARE or np.isnan(turn):
-        return []
-    return [f"the azimuths of L and T, {azimuths['L']:g} and {azimuths['T']:g} degrees, are not at right angles"]
 
 
 def _step(name: str, row: str, duration: str, start: int, count: int) -> float:

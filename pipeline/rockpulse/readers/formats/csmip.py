@@ -158,7 +158,12 @@ def read_corrected(
         text = [line[: kit.LONGEST_LINE] for line in lines[start : start + _ALL_TEXT]]
         unit, peak, peak_factor = _unit_and_peak(text, heading, file.name, start + 1)
         block = csmip.equal_block(file.name, lines, heading, behind, unit)
-        _check_correction(text, block, f"{file.name}:{heading.at + 1}")
+        where, interval = f"{file.name}:{heading.at + 1}", _first(_INTERVAL, text)
+        _check_points(_first(_DECLARED, text), block, where)
+        step, rounding = kit.printed_number(interval[1] if interval else "")
+        if abs(block.dt - step) > 1.01 * rounding:
+            expected, found = f"an interval of {step:g} s (text of the channel)", f"a heading with {block.dt:g} s"
+            raise kit.unexpected(where, expected, found, kit.FILE_DAMAGED)
         block = block.noting(*_held_corrected(text, lines[start + _ALL_TEXT : heading.at], block))
         filtered, corrected = _first(_FILTER, text[_CORRECTION:]), _first(_DECLARED, text[_CORRECTION:])
         steps = [match[group] for match, group in ((corrected, 2), (filtered, 1)) if match]
@@ -234,16 +239,6 @@ def _unit_and_peak(
             "'Peak acceleration = N', found none; repair the header or download the file again"
         )
     return heading.unit, kit.printed_number(""), 1.0
-
-
-def _check_correction(text: Sequence[str], block: kit.Block, where: str) -> None:
-    """Check the count and the interval in the text of the channel against those of the heading."""
-    interval = _first(_INTERVAL, text)
-    _check_points(_first(_DECLARED, text), block, where)
-    step, rounding = kit.printed_number(interval[1] if interval else "")
-    if abs(block.dt - step) > 1.01 * rounding:
-        expected, found = f"an interval of {step:g} s (text of the channel)", f"a heading with {block.dt:g} s"
-        raise kit.unexpected(where, expected, found, kit.FILE_DAMAGED)
 
 
 def _held_corrected(text: Sequence[str], behind: Sequence[str], block: kit.Block) -> list[str]:

@@ -79,7 +79,13 @@ def read_sac(file: SourceFile, options: ReadOptions) -> list[Record]:
     words = {key: math.nan if value == _UNDEFINED else value for key, value in raw.items()}
     extremes = (words["depmin"], words["depmax"])
     extremes = extremes if math.isfinite(sum(extremes)) else (math.nan, math.nan)
-    notes += _held_end(words, declared)
+    last, step = words["b"] + words["delta"] * (declared - 1), words["delta"]
+    # E is a float32: of large times it has few digits.
+    if abs(words["e"] - last) > _LAST_STEPS * abs(step) + 1e-6 * abs(last):
+        notes.append(
+            f"the header states {words['e']:g} s as the time of the last sample (E), {declared} samples at {step:g} s "
+            f"from {words['b']:g} s (B) end at {last:g} s"
+        )
 
     def stated(name: str) -> float:
         return float(f"{float(header.get(name, math.nan)):.7g}")  # the header holds float32
@@ -113,18 +119,6 @@ def read_sac(file: SourceFile, options: ReadOptions) -> list[Record]:
             header_peak=(max(map(abs, extremes)) or math.nan, 0.0),
             warnings=notes,
         )
-    ]
-
-
-def _held_end(words: dict[str, float], declared: int) -> list[str]:
-    """A warning where E is not the time of the last of the declared samples; obspy refuses more or fewer of them."""
-    last, step = words["b"] + words["delta"] * (declared - 1), words["delta"]
-    # E is a float32: of large times it has few digits.
-    if not abs(words["e"] - last) > _LAST_STEPS * abs(step) + 1e-6 * abs(last):
-        return []
-    return [
-        f"the header states {words['e']:g} s as the time of the last sample (E), {declared} samples at {step:g} s "
-        f"from {words['b']:g} s (B) end at {last:g} s"
     ]
 
 
