@@ -119,10 +119,9 @@ class Body(NamedTuple):
 
 
 class Margin(NamedTuple):
-    """Smallest and median of some factors or capacities over demand [-]: inf: none found, NaN: not known.
+    """Smallest and median of factors or capacities over demand [-]: inf: none found, NaN: not known.
 
-    The median is over motions of which all directions are known. Motions too weak for the search to reach 1 are left
-    out, unless all are.
+    The median is over motions of which all directions are known; those too weak for the search to reach 1 are left out.
     """
 
     smallest: float

@@ -1,9 +1,4 @@
-"""The probability of overturning of every body under one record.
-
-.. note:: Bodies that an overturning spectrum does not cover, and all under vertical motion, are marched in lanes of
-   their own. Bodies do not change each other's numbers: the frequency parameters next to a body's own, and its draws,
-   are always the same.
-"""
+"""The probability of overturning of every body under one record; bodies do not change each other's numbers."""
 
 from collections.abc import Sequence
 from dataclasses import fields
@@ -36,9 +31,8 @@ def record_probability(
 ) -> tuple[dict[str, np.ndarray], OverturningSpectrum | None]:
     """Probability of overturning of bodies under a record, as it is and brought to each demand; and its spectrum.
 
-    The variables of PROBABILITY and AT_DEMAND are of all lanes, (b x c,) and (b x c, d): NaN, and the source "none",
-    without a probability (``Config.has_probability``), and at factors beyond FARTHEST or `[search] factor_max`. Demands
-    are compared with the strengths of `channels`, without them with that of the record.
+    The variables of PROBABILITY and AT_DEMAND are of all lanes, (b x c,) and (b x c, d): NaN without a probability, and
+    beyond FARTHEST or `[search] factor_max`. Demands are compared with the strengths of `channels`, else of the record.
     """
     count = len(bodies.names)
     values = {name: np.full(count, np.nan) for name in PROBABILITY}

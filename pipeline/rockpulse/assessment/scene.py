@@ -1,8 +1,4 @@
-"""One record made ready for the models: for all bodies, for those on floors or turned, and for those before a wall.
-
-.. note:: A body that leans on a wall falls away from it only. If the azimuths of the record and of the body's fall are
-   within SAME_DIRECTION of each other, or of opposite ones, the sense is known; else the worse of both senses counts.
-"""
+"""One record made ready for the models: for all bodies, for those on floors or turned, and for those before a wall."""
 
 import math
 from collections.abc import Sequence
@@ -146,7 +142,8 @@ def joined_responses(
     return Response.join(whole, lanes, sum(places.size for places in lanes))
 
 
-#: Degrees between the azimuths of a record and of a body's fall up to which the record tells the sense.
+#: Degrees between the azimuths of a record and of a body's fall, or the opposite one, up to which the sense is known;
+#: else a body before a wall, which falls away from it only, is assessed in both, and the worse answer counts.
 SAME_DIRECTION = 30.0
 
 

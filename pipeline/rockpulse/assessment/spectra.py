@@ -1,8 +1,4 @@
-"""The overturning spectrum and the rocking spectrum of a record as datasets.
-
-.. note:: The overturning spectrum S(p, C) [m/s] is the effective impulse that a slender free-standing block takes from
-   a record: it overturns where S exceeds g tan(alpha)/p, so that its mean capacity is (g tan(alpha)/p)/S.
-"""
+"""The overturning spectrum S(p, C), the impulse that a slender block takes from a record, and the rocking spectrum."""
 
 from collections.abc import Callable, Sequence
 from typing import Literal

@@ -1,9 +1,4 @@
-"""The verdict on every body over all motions: the probability that they overturn it, and the words for it.
-
-.. note:: The probability is that of the nonlinear model, over earthquakes of equal weight. Results without it have 0 or
-   1 for each motion: whether the model overturns the body, as it is or weaker, for rocking is not monotonic in
-   strength.
-"""
+"""The verdict on every body over all motions: the probability that they overturn it, and the words for it."""
 
 import math
 from collections.abc import Iterator, Sequence

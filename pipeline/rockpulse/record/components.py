@@ -169,10 +169,7 @@ def matching_vertical(record: Record, verticals: Iterable[Record]) -> Record | N
 
 
 def align(vertical: Record, record: Record) -> np.ndarray:
-    """Vertical acceleration (n,) [m/s2], positive up, at the samples of a horizontal channel, both conditioned.
-
-    On absolute time if both know it, else from the first sample; linear between samples, zero where there are none.
-    """
+    """Vertical acceleration (n,) [m/s2], positive up, at the samples of a horizontal channel; else zero."""
     start = offset(record, vertical)
     return np.interp(record.time, vertical.time + start, vertical.acceleration, left=0.0, right=0.0)
 

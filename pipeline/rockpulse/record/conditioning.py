@@ -1,8 +1,4 @@
-"""Conditioning of a record: baseline, zero-phase filter, sampling interval; every step asked for and written down.
-
-.. note:: By default a processed volume is left as it is, and no record is filtered: a high-pass takes away part of the
-   one-sided impulses near the fault, which overturn blocks.
-"""
+"""Conditioning of a record: baseline, zero-phase filter, sampling interval; every step asked for and written down."""
 
 import logging
 import math

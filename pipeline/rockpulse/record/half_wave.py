@@ -1,8 +1,4 @@
-"""Half-waves of an accelerogram: the impulses between the changes of sign of the ground acceleration.
-
-.. note:: The record is linear between its samples, so that zero crossings, impulses and centroids are exact. The
-   impulses placed at their centroids keep the ground velocity and displacement at every wave boundary (VALIDATION F10).
-"""
+"""Half-waves: the impulses between the zero crossings of a record, linear between its samples (VALIDATION F10)."""
 
 from __future__ import annotations
 

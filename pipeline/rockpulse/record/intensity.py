@@ -1,8 +1,4 @@
-"""Measures of a record, and its intense phase (Arias 1970; Trifunac & Brady 1975; Bolt 1973; Housner 1952).
-
-.. note:: The record is linear between its samples, and every integral, extremum and crossing is exact for it.
-   Velocities start from zero at the first sample: condition the record first.
-"""
+"""Measures of a record that is linear between its samples, and its intense phase; velocities start from zero."""
 
 import math
 from collections.abc import Callable

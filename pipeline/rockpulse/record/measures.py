@@ -1,8 +1,4 @@
-"""The intensity measures of a ground motion: a measure is added as a row here and nowhere else.
-
-.. note:: E is the exponentially weighted impulse of :mod:`rocking.march.demand`; its lobes are the largest abs(E)
-   between two changes of sign, up to 16 of them.
-"""
+"""The intensity measures of a ground motion: a measure is added as a row here and nowhere else."""
 
 from __future__ import annotations
 

@@ -238,11 +238,7 @@ def _spread(acceleration: np.ndarray) -> bool:
 def record_id(
     network: str, station: str, location: str, channel: str, start_time: datetime | None, stem: str, number: int
 ) -> str:
-    """``NET.STA.LOC.CHA@YYYYMMDDTHHMMSS``, or ``<stem>.<channel>`` where station or time is unknown.
-
-    The `number` of the channel in the file stands in for an empty one; all but letters, digits and ``_ . @ ~ -``
-    becomes ``_``.
-    """
+    """``NET.STA.LOC.CHA@YYYYMMDDTHHMMSS`` or ``<stem>.<channel or number>``, of word characters and ``.@~-``."""
     text = f"{stem}.{channel or number}"
     if station and start_time is not None:
         text = f"{network}.{station}.{location}.{channel or number}@{start_time:%Y%m%dT%H%M%S}"

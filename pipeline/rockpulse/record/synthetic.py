@@ -88,11 +88,7 @@ def _balanced(whole: np.ndarray) -> np.ndarray:
 
 
 def synthetic_lanes(seed: int, count: int, restitution: float = 0.9) -> SyntheticLanes:
-    """Blocks and peak accelerations (count,), drawn lane by lane from a seed of 0 to 2**32 - 1.
-
-    p from 1 to 8 1/s (log-uniform), alpha from 0.05 to 0.3 rad, PGA from 0.2 to 0.4 g of 9.80665 m/s2 (uniform),
-    rounded to 1e-6. The first lanes of a longer call are those of a shorter one.
-    """
+    """Blocks of p 1 to 8 1/s, alpha 0.05 to 0.3 rad and PGA 0.2 to 0.4 g (count,), drawn lane by lane from a seed."""
     if count < 1:
         raise ConfigError(f"count: expected at least one lane, got {count!r}")
     share = _frozen_stream(seed).uniform(size=(count, 3))

@@ -1,7 +1,4 @@
-"""The motions that are assessed: channels as recorded, or pairs of them rotated.
-
-.. note:: The plan (:func:`plan_motions`) asks for no samples, so that thousands of records are planned without them.
-"""
+"""The motions that are assessed, planned without their samples: channels as recorded, or pairs of them rotated."""
 
 import logging
 import math
@@ -70,10 +67,9 @@ class VerticalRefused(RecordRefused):
 
 
 def plan_motions(records: Sequence[Record], config: Config) -> tuple[list[PlannedMotion], list[Failure]]:
-    """The channels and pairs that section [records] asks for, in the order of the (first) channels; rows for others.
+    """The channels and pairs that section [records] asks for, in order, and a row for each other channel.
 
-    A channel within :data:`FACING_WITHIN` of the azimuth asked for, or against it, needs no partner. If the site has a
-    demand, a channel gets its partner: a pair is brought to it as one.
+    A channel within :data:`FACING_WITHIN` of the azimuth asked for needs no partner; if there is a demand it gets it.
     """
     horizontal, failures = select_horizontal(records, config.records.structural)
     if config.records.components == "horizontal":
@@ -216,10 +212,7 @@ def unconfirmed(conditioned: Record, confirm: Iterable[str], configured: bool = 
 
 
 def unconfirmed_peaks(planned: PlannedMotion, motions: Sequence[Motion], config: Config, stage: str) -> list[Failure]:
-    """A row for each channel that is left out for an unconfirmed peak, its own or that of one acting with it.
-
-    A pair of which only a rotated motion lies above 5 g is left out as a whole, unless both channels are confirmed.
-    """
+    """A row for each channel left out for an unconfirmed peak: its own, one acting with it, or the pair's."""
     confirm = config.records.confirm
     channels, up = motions[0].channels, motions[0].vertical
     of_pair = f"{planned.name}: " if planned.rotated else ""

@@ -1,8 +1,6 @@
 """Records of one earthquake, which are left out together, and resampled together, in every statistic.
 
-.. note:: Records are joined by the number and the time of the earthquake where the files state them, else by name and
-   by time; a table of the user's own decides where that is not right. In doubt records are joined: fewer events mean
-   wider intervals, never narrower ones.
+In doubt records are joined: fewer events mean wider intervals, never narrower ones. The user's table decides.
 """
 
 import re

@@ -33,11 +33,7 @@ def read_weight_table(path: Path) -> dict[str, float]:
 
 
 def record_weights(ids: Sequence[str], events: Sequence[str], rule: str, table: dict[str, float] | None) -> np.ndarray:
-    """Weight (n,) of every record, of mean one; ConfigError for a record without one, or if all are 0.
-
-    By the rule "equal" every record weighs the same, by "event" every event, shared by its records; any other rule is
-    the name of the table of weights by id.
-    """
+    """Weight (n,) of every record, of mean one, by the rule "equal" or "event" or, by any other name, the table."""
     if rule == "equal":
         weights = np.ones(len(ids))
     elif rule == "event":
@@ -70,10 +66,7 @@ class Selection:
 
 
 def read_selection_table(path: Path) -> Selection:
-    """Records chosen elsewhere, from a CSV table with the columns record, factor or level, and perhaps weight.
-
-    A record may stand in several rows; without weights all rows weigh alike. ConfigError for any other table.
-    """
+    """Records chosen elsewhere, from a CSV table with the columns record, factor or level, and perhaps weight."""
     where = "[fragility] selection"
     header, lines = _rows(path, ("record",), where)
     kinds = [name for name in ("factor", "level") if name in header]

@@ -1,10 +1,7 @@
 """Duplicate selection: of several records of one motion, the one that is assessed.
 
-.. note:: Two records are of one motion if network and station are the same, they have at least half of the shorter one
-   in common in time, and they face the same direction within 5 degrees, opposite senses being one, or are both
-   vertical. Where pairs are rotated, a pair holds the motion in every direction. Without station, start time or
-   direction a record has no duplicate; on a structure only one at the same place. The choice is among volumes (the
-   channels that one instrument recorded together), so that the channels of a pair and their vertical come from one.
+Records are of one motion if station, time (half of the shorter) and direction (within 5 degrees) are the same; a pair
+that is rotated holds every direction. The choice is among volumes, the channels that one instrument recorded together.
 """
 
 import math
@@ -31,14 +28,12 @@ def one_vote_each(
     failures: Iterable[Failure] = (),
     advice: str = "[records] keep with this id assesses both",
 ) -> tuple[list[Record], list[Failure]]:
-    """The records that are assessed, one of each motion, in the order given, and rows for the others.
+    """The records that are assessed, one of each motion, in the order given, and rows, with `advice`, for the others.
 
-    Volumes are preferred in this order: at the surface before at depth; those whose horizontal channels can all be
-    used; where ``[records] components`` asks for pairs, those with a pair; where ``include_vertical`` asks for it,
-    those with a vertical channel; processed before perhaps processed before raw; the higher sampling rate; the longer;
-    the first by path. A dead channel, and one with an odd peak that is not confirmed, make no pair and yield to any
-    other of their motion. Records that fit ``[records] keep`` are assessed beside the one chosen. Each row ends with
-    `advice`.
+    Preferred are volumes at the surface; whose horizontal channels can all be used; with a pair or a vertical channel
+    where these are asked for; processed; of the higher sampling rate; longer; first by path. A dead channel, and one
+    with an odd peak that is not confirmed, yield to any other. Records of ``[records] keep`` are assessed beside the
+    one chosen.
     """
     settings = settings or RecordSettings()
     rows = unmatched_patterns("[records] keep", settings.keep, [record.id for record in records], failures)

@@ -1,8 +1,4 @@
-"""From the half-waves of one record to the parameters of an impulse sequence.
-
-.. note:: Amplitudes are absolute values. Every estimator of the secondary impulse sees only half-waves that are no
-   larger than the main impulse, so that I_s/I is at most 1.
-"""
+"""From the half-waves of one record to the parameters of an impulse sequence; amplitudes are absolute values."""
 
 import math
 from collections.abc import Callable, Mapping

@@ -1,10 +1,7 @@
 """The posterior probability of sequences given the targets, by adaptive importance sampling, and what it tells.
 
-.. note:: The likelihood jumps wherever the number of secondary impulses of a block changes, so a deviance is not
-   chi-squared distributed (docs/decisions/010); the posterior needs no smoothness. The prior is flat in ln I, I_s/I, ln
-   dT, the number of main impulses and ln of the spread. The profile of a parameter is the smallest deviance 2 (ln L_max
-   - ln L) among candidates of about its value. Residuals of similar blocks are alike: ln L is multiplied by the
-   independent `share`.
+The likelihood jumps with the numbers of secondary impulses, so a deviance is not chi-squared distributed
+(docs/decisions/010). The prior is flat in ln I, I_s/I, ln dT, the number of main impulses and ln of the spread.
 """
 
 import math
@@ -109,10 +106,9 @@ class _Kernels:
 def sample_posterior(explored: Explored, rng: np.random.Generator, share: float = 1.0) -> Posterior:
     """Sample the posterior, ln L times `share`, from a finished search, to which the samples are added.
 
-    Population Monte Carlo (Cappé et al. 2004, J. Comput. Graph. Stat. 13(4), 907-929): each round draws from normal
-    kernels about the points that the rounds before found likely, and all rounds share one weight, likelihood over the
-    mean of all their densities (the balance heuristic, Veach & Guibas 1995). Only samples inside the space are
-    returned.
+    Population Monte Carlo (Cappé et al. 2004, J. Comput. Graph. Stat. 13(4), 907-929): each round draws from kernels
+    about likely points; the weight is likelihood over the mean of all densities (balance heuristic, Veach & Guibas
+    1995).
     """
     space, points, log_weights = explored.space, explored.points, share * explored.likelihood
     kernels: list[_Kernels] = []
@@ -186,10 +182,7 @@ def intervals(space: SearchSpace, posterior: Posterior, confidence: float) -> di
 
 
 def likeliest_counts(shares: dict[int, float], confidence: float) -> tuple[float, float]:
-    """Lowest and highest of the likeliest numbers whose joint probability is nearest to a level.
-
-    No set of whole numbers holds just the level; quantiles hold at least that, mostly far more, and cover too often.
-    """
+    """Lowest and highest of the likeliest numbers whose joint probability is nearest to a level."""
     numbers, probabilities = np.array(list(shares)), np.array(list(shares.values()))
     order = np.argsort(-probabilities, kind="stable")
     nearest = np.argmin(np.abs(np.cumsum(probabilities[order]) - confidence))
@@ -232,9 +225,9 @@ def correlations(space: SearchSpace, posterior: Posterior) -> dict[tuple[str, st
 def independent_share(targets: ResponseTargets, peaks: np.ndarray) -> tuple[float, float]:
     """Share of the numbers that are independent observations, and the correlation r of neighbours.
 
-    (1 - r)/(1 + r), the ratio of effective to nominal sample size of a chain, or 1 where r is not significant at 5 %
-    (Clifford et al. 1989, doi:10.2307/2532039). r is that of the residuals, about zero, of `peaks` (m,) [-] of each
-    block with those of the block nearest to it in (ln p, ln alpha_c, C), each over its standard deviation.
+    (1 - r)/(1 + r), or 1 where r is not significant at 5 % (Clifford et al. 1989, doi:10.2307/2532039). r is that of
+    the residuals, about zero, of `peaks` (m,) with those of the nearest block in (ln p, ln alpha_c, C), each
+    standardised.
     """
     number = targets.number
     residuals = targets.residuals(peaks[np.newaxis])[0, number]

@@ -1,9 +1,4 @@
-"""The targets of a calibrated sequence: the peak rotations of a family of blocks, and the choice of that family.
-
-.. note:: A peak is theta_max/alpha_c. A block at rest is no target: an impulse has no acceleration, so that a sequence
-   sets every block in motion. Most is learned from peaks that are numbers; their limits follow from I_1c = g alpha_c/(p
-   cos alpha_c), so a family lies about the I_1c at which the motion begins to overturn blocks of each restitution.
-"""
+"""The targets of a calibrated sequence: the peak rotations theta_max/alpha_c of a family of blocks, and its choice."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -42,10 +37,9 @@ POOL, CHOSEN, POINTS = 10, 25, 8192
 
 @dataclass(frozen=True, eq=False)
 class ResponseTargets:
-    """Peaks and outcomes of a family of blocks under one motion.
+    """Peaks and outcomes of a family of blocks under one motion; RecordRefused or TooWeak for too few that rock.
 
-    ConfigError for arrays that do not fit; RecordRefused with fewer than 6 numbers; TooWeak where fewer than 6 blocks
-    move.
+    A block at rest is no target: an impulse has no acceleration, so that a sequence sets every block in motion.
     """
 
     blocks: Block  # (m,)
@@ -129,9 +123,7 @@ class ResponseTargets:
 def block_family() -> Block:
     """The default family: 100 blocks of p 1 to 5 1/s, slenderness 12.5 to 3, and 0.6 to 1 times Housner's restitution.
 
-    The restitution tells the parameters apart (docs/decisions/010): a block answers the N-th main impulse with the
-    velocity I [1 - sigma/2 + (1 - sigma) (C + ... + C^(N-1))]/I_1c, in which I, sigma = I_s/I and N act differently at
-    different C only.
+    The restitution tells the parameters apart (docs/decisions/010): I, I_s/I and N act differently at different C only.
     """
     axes = np.geomspace(*FREQUENCIES, 5), np.geomspace(*ANGLES, 5), [1.0, 0.9, 0.75, 0.6]
     return _blocks(*(axis.ravel() for axis in np.meshgrid(*axes, indexing="ij")))
@@ -155,10 +147,9 @@ def recorded_targets(
 def motion_family(answer: Callable[[Block], Response]) -> Block:
     """The family of blocks for a motion: 100 of engineering size, 25 for each of four restitutions.
 
-    They are evenly spread over (ln p, ln alpha_c) where I_1c is 0.8 to 3 times that of the edge of overturning. The
-    edge is the I_1c below which lie as many moved blocks of the pool as overturn. Blocks are chosen by their
-    parameters, never by their own peak, so that the choice does not bend what is fitted to them. TooWeak where
-    `answer`, the response of (m,) blocks, moves no block of the pool.
+    They are evenly spread over (ln p, ln alpha_c) where I_1c is 0.8 to 3 times that of the edge, below which lie as
+    many moved blocks of the pool as overturn; chosen by their parameters, never by their own peak. TooWeak if none
+    moves.
     """
     axes = np.geomspace(*FREQUENCIES, POOL), np.geomspace(*ANGLES, POOL), RESTITUTIONS
     p, alpha, factor = (axis.ravel() for axis in np.meshgrid(*axes, indexing="ij"))

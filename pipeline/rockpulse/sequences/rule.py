@@ -1,9 +1,7 @@
 """From a record's half-waves to an impulse sequence whose verdict on a block is a prediction of the record's.
 
-.. note:: The demand D = factor x march, but no more than PGA/(g tan alpha), for without uplift nothing overturns. The
-   march is that of :func:`rockpulse.models.demand_of_half_waves`: 1/D stands for the mean capacity of the nonlinear
-   equation at the point "balanced", for the factor of 10 % probability at the point "conservative". The sequence
-   overturns iff D >= 1, its peak is 1 - sqrt(1 - D^2), and its safety factor is 1/D.
+The demand D = factor x march (:func:`rockpulse.models.demand_of_half_waves`), but no more than PGA/(g tan alpha). The
+sequence overturns iff D >= 1, its peak is 1 - sqrt(1 - D^2), and its safety factor is 1/D.
 """
 
 import math

@@ -106,21 +106,6 @@ def test_every_model_has_answers_under_the_same_motions():
         np.testing.assert_array_equal(one["outcome"], summary["outcome"].sel(model=name))
 
 
-@pytest.mark.parametrize(
-    ("models", "fullest"),
-    [
-        (["nonlinear", "linear"], "nonlinear"),
-        (["resonance", "conservative"], "conservative"),
-        (["sequence", "x"], "sequence"),
-    ],
-)
-def test_the_fullest_model_answers(models, fullest):
-    each = [summary_of([1.0 + k]).assign_coords(model=[name]) for k, name in enumerate(models)]
-    summary = xr.concat(each, "model", data_vars="minimal", coords="minimal")
-    found = Answers(summary)
-    assert (found.model, found["safety_factor"].tolist()) == (fullest, [[1.0 + models.index(fullest)]])
-
-
 def test_without_a_search_or_a_probability_nothing_is_told():
     found = Answers(summary_of([np.nan, np.nan]))
     assert (found.motions.kind, found.motions.event_count) == ("record", 1)
@@ -243,18 +228,6 @@ PAIRS = Motions(["x", "y", "z"], INDEX, ["a", "b", "a"], "pair")
 )
 def test_earthquakes_that_are_known_are_counted_or_one(events, count):
     assert Motions(["x"] * len(events), np.zeros((len(events), 1), int), events, "record").event_count == count
-
-
-def test_a_motion_is_kept_for_a_body_where_a_direction_is():
-    left_out = np.array([[True, True], [True, False], [False, True], [True, True], [True, False]])
-    kept = PAIRS.kept(left_out)
-    assert kept.tolist() == [[False, True], [True, False], [False, True]]
-    assert PAIRS.event_counts(kept).tolist() == [1, 1]
-    assert PAIRS.event_counts(np.array([[True, True, False], [True, False, False], [False, True, False]])).tolist() == [
-        2,
-        1,
-        0,
-    ]
 
 
 def test_earthquakes_weigh_alike_and_what_is_not_known_is_left_out():

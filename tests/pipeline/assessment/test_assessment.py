@@ -71,8 +71,7 @@ def test_parts_are_joined_with_the_records_counted_on():
 
 
 @pytest.mark.parametrize(
-    ("path", "dimension"),
-    [("/summary/outcome", "record"), ("/summary/p", "block"), ("/half_cycles/peak", "row")],
+    ("path", "dimension"), [("/summary/outcome", "record"), ("/summary/p", "block"), ("/half_cycles/peak", "row")]
 )
 def test_the_dimension_along_which_a_variable_grows_is_its_first(path, dimension):
     assert Assessment(Config(blocks=(WALL,))).dimension_of(path) == dimension
@@ -210,8 +209,7 @@ def test_restitution_list_adds_a_dimension():
     low, high = (assess([record("one", 0, 2.5)], config, {"wall": Block(0.2, 1.5, c)})["summary"] for c in (0.6, 0.9))
     for case, single in enumerate((low, high)):
         assert np.array_equal(
-            summary["peak_rotation_ratio"].sel(block="wall").values[0, case],
-            single["peak_rotation_ratio"].values[0, 0],
+            summary["peak_rotation_ratio"].sel(block="wall").values[0, case], single["peak_rotation_ratio"].values[0, 0]
         )
 
 

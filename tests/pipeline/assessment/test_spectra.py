@@ -8,7 +8,6 @@ import xarray as xr
 
 import rockpulse as rp
 from rocking import OverturningSpectrum, spectrum_lanes
-from rockpulse.assessment import spectra as module
 from rockpulse.assessment.spectra import (
     overturning_curve,
     overturning_factors,
@@ -171,15 +170,6 @@ def test_every_cell_is_the_response_of_that_block(restitution):
             assert int(cell["outcome"]) == response.outcome
             assert float(cell["peak_rotation_ratio"]) == response.peak_rotation_ratio
             assert float(cell["restitution"]) == block.restitution
-
-
-def test_the_blocks_of_the_default_are_those_of_the_documentation():
-    """R = 3 g/(4 p^2) from 7.4 m to 0.2 m and slenderness from 20 to 2.4, both in even steps."""
-    assert 3.0 * 9.80665 / (4.0 * np.array(module.P)[[0, -1]] ** 2) == pytest.approx([7.355, 0.2043], abs=0.0005)
-    assert 1.0 / np.tan(np.array(module.ALPHAS)[[0, -1]]) == pytest.approx([19.98, 2.365], abs=0.005)
-    assert np.diff(module.P) == pytest.approx(0.05)
-    assert np.diff(module.ALPHAS) == pytest.approx(0.005)
-    assert (module.P[7], module.ALPHAS[7]) == (1.35, 0.085)  # as they are written
 
 
 def test_the_vertical_acts_and_gravity_is_that_of_the_place():

@@ -333,6 +333,7 @@ def test_an_unknown_name_is_no_attribute():
         _ = obspy_plugin.NOSUCH
 
 
+@pytest.mark.sweep
 def test_no_plugin_claims_a_file_of_obspy_s_own_formats():
     folders = sorted(Path(obspy.__file__).parent.glob("io/*/tests/data"))
     if not folders:

@@ -227,21 +227,6 @@ def test_borehole_and_surface_of_kik_net_are_two_pairs_with_their_own_verticals(
     assert [matching_vertical(one, ups).channel for one in channels] == ["UD1", "UD2", "UD1", "UD2"]
 
 
-def test_two_locations_in_one_file_are_two_instruments():
-    known = {"format": "miniseed", "processed": False, "source": "x.mseed"}
-    channels = [
-        horizontal(azimuth, channel=f"HN{letter}", location=location, **known)
-        for location in ("00", "10")
-        for letter, azimuth in (("E", 90.0), ("N", 0.0))
-    ]
-    pairs, failures = find_pairs(channels)
-    assert [[one.location for one in pair.channels] for pair in pairs] == [["00", "00"], ["10", "10"]]
-    assert not failures
-    ups = [replace(one, channel="HNZ", orientation="vertical") for one in channels[::2]]
-    assert matching_vertical(channels[3], ups).location == "10"
-    assert matching_vertical(channels[3], ups[:1]) is None
-
-
 @pytest.mark.parametrize(
     ("others", "taken"),
     [
@@ -295,16 +280,6 @@ def test_sensors_at_other_depths_are_no_pair_and_have_no_vertical_in_common():
 )
 def test_the_place_on_a_structure_stands_behind_the_direction(component, place):
     assert place_on_structure(replace(record("structural"), component=component)) == place
-
-
-@pytest.mark.parametrize("places", [("", ""), ("(ROOF)", "(ROOF)")])
-def test_on_a_structure_the_file_stands_for_a_place_that_is_not_told(places):
-    channels = [
-        replace(horizontal(azimuth, source=source), component=component, orientation="structural")
-        for azimuth, source, component in zip((90.0, 0.0), ("a.v1", "b.v1"), places, strict=True)
-    ]
-    assert len(pairs_of(*channels)[0]) == (places[0] != "")
-    assert len(pairs_of(*(replace(one, source="a.v1") for one in channels))[0]) == 1
 
 
 @pytest.mark.parametrize(("wait", "paired"), [(0.49, True), (0.495, True), (0.5, False), (-0.49, True), (-0.5, False)])

@@ -254,14 +254,6 @@ def test_a_common_window_of_one_second_is_long_enough(quiet, words):
     assert not any("of both channels" in note for note in given)
 
 
-def test_without_a_common_pre_event_window_both_lose_the_mean():
-    pair = Pair(channel(noise(8, quiet=50), 0.0, processed=False), channel(noise(9, quiet=300), 90.0, processed=False))
-    conditioned = condition_pair(pair)
-    for one in conditioned.channels:
-        assert abs(np.mean(one.acceleration)) < 1e-12
-        assert any("the mean instead" in note for note in one.processing)
-
-
 def test_drift_is_judged_in_the_direction_that_is_assessed():
     drifting = channel(np.sin(2 * np.pi * TIME) + 0.05, 90.0)
     pair = condition_pair(Pair(drifting, channel(np.sin(2 * np.pi * TIME), 0.0)))

@@ -90,9 +90,3 @@ def test_a_motion_is_written_out_by_its_formula():
     motion -= envelope * motion.sum() / envelope.sum()
     found = synthetic_motion(seed, duration, dt, pga)
     assert found == pytest.approx(motion * pga / np.abs(motion).max(), abs=2.1e-6)
-
-
-@pytest.mark.parametrize(("seed", "count", "name"), [(0, 0, "count"), (2**32, 3, "seed")])
-def test_lanes_out_of_range_are_refused_by_name(seed, count, name):
-    with pytest.raises(ConfigError, match=name):
-        synthetic_lanes(seed, count)

@@ -6,24 +6,9 @@ from datetime import timedelta
 import numpy as np
 import pytest
 from nominal import Config
-from swept_motions import (
-    ALONG,
-    POLARISED,
-    START,
-    TOWER,
-    channel,
-    config,
-    motions_under,
-    sweep,
-    upwards,
-)
+from swept_motions import ALONG, POLARISED, START, TOWER, channel, config, motions_under, sweep, upwards
 
-from rockpulse import (
-    BlockSettings,
-    ConditioningSettings,
-    IntensePhaseSettings,
-    ModelSettings,
-)
+from rockpulse import BlockSettings, ConditioningSettings, IntensePhaseSettings, ModelSettings
 from rockpulse.assessment.assessment import assess
 from rockpulse.models import Outcome
 from rockpulse.record.conditioning import condition

@@ -204,10 +204,6 @@ def test_a_table_that_is_wrong_is_named(named, words):
         group_events([record("a")], named)
 
 
-def test_the_samples_are_one_earthquake_and_its_foreshock_minutes_before(ridgecrest):
-    assert len(set(group_events(ridgecrest))) == 1
-
-
 @pytest.mark.sweep
 def test_real_records(records_folder):
     """Every file of the folder, by what its name says of the earthquake."""

@@ -97,16 +97,6 @@ def test_a_hundred_sequences_with_noise_are_recovered():
     # calibrate_response finds 4 to 29 main impulses on strong records, 22 of 23 within the 20 that are searched;
     # calibrate, which looks at half-waves, 2 to 35.
     cases = [recovered(seed, counts=range(2, 21)) for seed in range(100)]
-    for first, last in ((2, 20), (2, 3), (4, 8), (9, 20)):
-        some = [case for case in cases if first <= case[0]["main_count"] <= last]
-        widths = relative_widths(some)
-        print(
-            f"{len(some)} cases of {first} to {last} main impulses: coverage {coverage(some)}, number promised ", end=""
-        )
-        print(f"{promised(some):.3f}; interval of I: median {np.median(widths):.3f}, widest {widths.max():.3f}")
-    print(f"dT flat in {sum('interval' in fit.flat for _, fit in cases)}; effective samples ", end="")
-    print(f"at least {min(fit.effective_samples for _, fit in cases):.0f}; numbers: median ", end="")
-    print(np.median([np.count_nonzero(fit.targets.number) for _, fit in cases]))
     found = coverage(cases)
     assert all(0.83 <= share <= 0.97 for share in found.values())
     held = promised(cases)

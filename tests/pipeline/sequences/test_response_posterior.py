@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from scipy.special import logsumexp
-from scipy.stats import chi2, f, multivariate_normal, norm
+from scipy.stats import chi2, f, norm
 
 from rockpulse.models import Block, Outcome
 from rockpulse.sequences import response_posterior
@@ -87,62 +87,6 @@ class Made:
     def try_points(self, points):
         self.calls += 1
         return self.made(points)
-
-
-def test_kernels_lie_about_likely_points_and_are_as_wide_as_their_cloud():
-    """A cloud of few points has the half of the deviation of all; a width that is zero has 1e-4 of the range."""
-    rng = np.random.default_rng(5)
-    points = np.column_stack([rng.normal(0.0, [1.0, 0.05, 0.5], (1000, 3)), np.full(1000, 3.0)])
-    points[:, 1] += 0.5 + 0.03 * points[:, 0]
-    points[:6, 3], points[6:13, 3] = 4.0, 5.0
-    weights = rng.random(1000)
-    weights /= weights.sum()
-    weights[:13] = 0.02
-    weights /= weights.sum()
-    explored = SimpleNamespace(space=SimpleNamespace(low=LOW, high=HIGH))
-    found = response_posterior._Kernels(points, weights, explored, rng)
-    least = np.diag(1e-8 * (HIGH - LOW)[:3] ** 2)
-
-    def covariance(own):
-        share = weights[own] / weights[own].sum()
-        away = points[own, :3] - share @ points[own, :3]
-        return (away.T * share) @ away / (1.0 - np.sum(share**2)) + least  # of a sample with weights
-
-    # Six points of equal weight are no more than twice three, seven are.
-    expected = {3.0: covariance(points[:, 3] == 3.0), 5.0: covariance(points[:, 3] == 5.0)}
-    expected[4.0] = 0.25 * (covariance(np.full(1000, True)) - least) + least
-    assert found.factors.keys() == expected.keys()
-    for count, factor in found.factors.items():
-        assert factor @ factor.T == pytest.approx(expected[count], rel=1e-9, abs=1e-15)
-    assert found.centres.shape == (192, 4)
-    assert np.mean(found.centres[:, 3] != 3.0) == pytest.approx(weights[:13].sum(), abs=0.1)
-    assert [np.mean(found.widths == width) for width in (0.25, 0.75)] == pytest.approx([0.5, 0.5], abs=0.15)
-
-    at = np.array([[0.3, 0.5, 0.1, 3.0], [-0.5, 0.45, -0.2, 4.0], [0.1, 0.5, 0.0, 6.0], [0.0, 0.5, 0.0, 9.0]])
-    step = {-1.0: 0.15, 0.0: 0.7, 1.0: 0.15}
-    direct = [
-        sum(
-            step.get(point[3] - centre[3], 0.0)
-            * multivariate_normal(centre[:3], width**2 * expected[centre[3]]).pdf(point[:3])
-            for centre, width in zip(found.centres, found.widths, strict=True)
-        )
-        for point in at
-    ]
-    assert direct[3] == 0.0
-    density = found.log_density(at)
-    assert density[3] == -np.inf
-    # But for a constant that all kernels share.
-    assert density[:3] - density[0] == pytest.approx(np.log(direct[:3]) - np.log(direct[0]), rel=1e-9)
-
-    drawn = np.concatenate([found.draw(rng) for _ in range(40)])
-    assert drawn.shape == (40 * 512, 4)
-    # What is drawn has the density that is told: the mean of another density over it is one for every N.
-    constant = np.log(192.0) + 1.5 * np.log(2.0 * np.pi)
-    for count, mixed in ((2.0, 0.15), (3.0, 1.0), (4.0, 0.15)):
-        own = drawn[:, 3] == count
-        narrow = multivariate_normal([0.0, 0.5, 0.0], 0.3 * expected[3.0])
-        ratio = narrow.pdf(drawn[own, :3]) / np.exp(found.log_density(drawn[own]) - constant)
-        assert np.sum(ratio) / len(drawn) == pytest.approx(1.0, abs=0.06 / np.sqrt(mixed)), count
 
 
 def test_every_round_draws_from_what_the_rounds_before_found_likely(monkeypatch):

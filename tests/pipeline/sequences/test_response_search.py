@@ -312,32 +312,6 @@ def test_generations_come_nearer_to_what_is_likely(monkeypatch):
     assert found == pytest.approx(best, abs=0.05)
 
 
-def offspring(points, likelihood, cut=1.0, seed=0, low=LOW, high=HIGH):
-    explored = SimpleNamespace(
-        space=SimpleNamespace(low=low, high=high), points=np.array(points), likelihood=np.array(likelihood)
-    )
-    return response_search._offspring(explored, cut, np.random.default_rng(seed))
-
-
-def test_what_leaves_the_space_is_reflected_at_its_edge(monkeypatch):
-    monkeypatch.setattr(response_search, "STEPS", (1.0,))
-    for edge, inward in ((LOW, 1.0), (HIGH, -1.0)):
-        points = np.tile(edge, (40, 1))
-        points[::2, :3] += inward * np.array([0.2, 0.1, 0.4])
-        points[:, 3] = edge[3]
-        found = offspring(points, np.zeros(40))
-        assert np.all((found >= LOW) & (found <= HIGH))
-        inside = inward * (found[:, :3] - edge[:3])
-        assert np.all(inside > 0.0)
-        assert np.all(inside < 2.0 * np.array([0.2, 0.1, 0.4]) * 1.3)
-        # 0 or 1 step in from the edge or back over it, give or take a tenth of the spread, which is half a step.
-        shares = inside / np.array([0.2, 0.1, 0.4])
-        assert np.all(np.abs(shares - np.rint(shares)) < 0.25)
-        assert set(np.rint(shares).ravel()) == {0.0, 1.0, 2.0}
-        # One main impulse less than one is one more than one: two.
-        assert set(found[:, 3]) == {edge[3], edge[3] + inward}
-
-
 @pytest.mark.sweep
 def test_the_likely_region_is_filled_with_candidates():
     data = targets(ImpulseSequence(0.3, 0.18, 0.2, np.inf, main_count=3))

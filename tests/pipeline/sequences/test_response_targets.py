@@ -62,11 +62,7 @@ def test_residuals_by_hand():
 def test_the_misfit_is_the_rms_residual_of_those_that_speak():
     peaks = np.full((2, 10), 0.2)
     peaks[1] = 0.4
-    squares = [
-        *(np.log(np.array(NUMBERS) / 0.2) ** 2).tolist(),
-        np.log(0.2) ** 2,
-        np.log(0.05 / 0.2) ** 2,
-    ]
+    squares = [*(np.log(np.array(NUMBERS) / 0.2) ** 2).tolist(), np.log(0.2) ** 2, np.log(0.05 / 0.2) ** 2]
     doubled = [*(np.log(np.array(NUMBERS) / 0.4) ** 2).tolist(), np.log(0.4) ** 2, np.log(0.05 / 0.4) ** 2]
     assert FOUR.misfit(peaks) == pytest.approx([np.sqrt(np.sum(squares) / 8.0), np.sqrt(np.sum(doubled) / 8.0)])
 

@@ -205,7 +205,7 @@ def _capacity(capacity: float, limit: float, pga: float) -> Cell:
 
 def count_of(count: int, total: int) -> Cell:
     """A number of all."""
-    return Cell(say("count_of", count=count, total=total), float(count))
+    return Cell(say("count_of", count=count, total=total), count)
 
 
 def _counted(codes: str) -> Cell:
