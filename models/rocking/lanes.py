@@ -13,7 +13,6 @@ import numpy as np
 
 #: Slices per thread: lanes differ in cost, so a thread that is done early takes another one.
 SLICES_PER_THREAD = 8
-
 #: The limits in force. A list, not one number: the blocks of several threads overlap and end in any order.
 _limits: list[int] = []
 _changing = threading.Lock()
@@ -24,7 +23,7 @@ OF_LANES = {"fill": np.nan, "axis": -1}
 
 
 def lane_field(fill: Any = np.nan, axis: int = -1, **options: Any) -> Any:
-    """A field with one value for each lane along an axis; `fill` stands for that of a lane without an answer."""
+    """A field with one value for each lane along an axis; `fill` is the value of a lane without an answer."""
     return field(metadata={"fill": fill, "axis": axis}, **options)
 
 

@@ -10,11 +10,9 @@ from numpy.typing import ArrayLike
 #: The colour of the text around the picture; then those of Okabe & Ito (2008), and a grey.
 INK = "currentColor"
 BLUE, ORANGE, RED, GREY = "#0072B2", "#E69F00", "#D55E00", "#808080"
-
 #: Size of a picture [px], and the margin around what is drawn.
 WIDTH, HEIGHT, MARGIN = 380.0, 120.0, 14.0
-
-#: Columns of a picture by which a long line is drawn: more cannot be told apart.
+#: Columns to which a long line is reduced: more cannot be distinguished.
 COLUMNS = 300
 
 
@@ -96,15 +94,15 @@ class Shown(ABC):
 
     @abstractmethod
     def _facts(self) -> dict[str, str]:
-        """What is told of the object, by short names; a name may be empty."""
+        """The facts of the object by short names; a name may be empty."""
 
     @abstractmethod
     def _picture(self) -> Picture | None:
         """The picture of the object; None where there is nothing to draw."""
 
     def __repr__(self) -> str:
-        told = ", ".join(f"{name} {value}".strip() for name, value in self._facts().items())
-        return f"<{type(self).__name__} {told}>"
+        facts = ", ".join(f"{name} {value}".strip() for name, value in self._facts().items())
+        return f"<{type(self).__name__} {facts}>"
 
     def _repr_html_(self) -> str:
         """The object as a notebook shows it: its facts as a table, and the picture beside them."""

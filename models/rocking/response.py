@@ -13,7 +13,6 @@ from rocking.pictures import BLUE, GREY, INK, RED, Picture, Shown, brief, thinne
 
 #: Impacts slower than this are not counted, as speed over p alpha_c [-] (about 5e-7 of alpha_c in rotation).
 IMPACT_CUTOFF = 1e-3
-
 #: Lanes whose peaks are drawn, and the largest theta/alpha_c that is shown [-].
 DRAWN, TOP = 200, 1.2
 
@@ -55,18 +54,13 @@ class HalfCycles(LaneValues):
 
     Attributes
     ----------
-    start_velocity : (h, ...) ndarray
-        u_i = theta'/(p alpha_c) right after the impact and the main impulse [-].
-    peak : (h, ...) ndarray
-        Largest theta/alpha_c in the half-cycle [-]; inf where the block overturns.
-    duration : (h, ...) ndarray
-        Time to the next impact [s]; inf where there is none.
+    start_velocity, peak, impact_speed : (h, ...) ndarray
+        u_i = theta'/(p alpha_c) right after the impact and the main impulse [-]; largest theta/alpha_c [-], inf if the
+        block overturns; speed u_r right before the next impact [-].
+    duration, interval : (h, ...) ndarray
+        Time to the next impact, inf if there is none, and corrected interval dT_i of the intermediate impulses [s].
     impulse_count : (h, ...) ndarray of int
-        Number n_i of intermediate impulses (0 without, -1 where n -> infinity or where there is no half-cycle).
-    interval : (h, ...) ndarray
-        Corrected interval dT_i of the intermediate impulses [s]; NaN without.
-    impact_speed : (h, ...) ndarray
-        Speed u_r right before the next impact [-]; NaN where there is none.
+        Number n_i of intermediate impulses (0 without, -1 if n -> infinity or there is no half-cycle).
     """
 
     start_velocity: np.ndarray = lane_field()

@@ -66,15 +66,11 @@ _EXAMPLES = 2
 
 @dataclass(frozen=True)
 class Failure:
-    """One row of the failures table.
+    """One row of the failures table: a file (``archive.zip!member``), the step that left it out, and why.
 
-    `file` is ``archive.zip!member`` for a member of an archive. `stage` is the step that left it out: "find", "read",
-    "events", "select", "pair", "rotate", "assess", "calibrate" or "fragility". `kind` is "failed", which needs
-    attention: a record, or what may be one, gave no result; "skipped" for a text, table, picture, velocity or spectrum
-    that was met in a folder, glob or zip, or a record too weak for the purpose; "duplicate" where the same content was
-    read already, or another record of the same shaking is assessed in its place; "depth" where a record of the same
-    shaking that was recorded nearer to the surface is assessed in its place; "vertical" or "structural" where it was
-    read, but not assessed as horizontal ground motion.
+    Its kind is "failed", which needs attention; "skipped" for what is no record, or too weak; "duplicate", "depth"
+    where another record of the same shaking is assessed in its place; "vertical" or "structural" if it is no horizontal
+    ground motion.
     """
 
     file: str
@@ -106,15 +102,7 @@ def alike(rows: Iterable[Failure]) -> list[list[Failure]]:
 
 
 def told(group: Sequence[Failure]) -> str:
-    """The reason of rows that are alike: of one with its place, of several with their number and two places.
-
-    Examples
-    --------
-    >>> told([Failure("a.AT2", "read", "a.AT2:4: expected 100 samples, found 3", "failed")])
-    'a.AT2:4: expected 100 samples, found 3'
-    >>> told([Failure(name, "read", f"{name}: no reader recognises the file", "failed") for name in "abc"])
-    '3 files (a, b and 1 more): no reader recognises the file'
-    """
+    """The reason of rows that are alike: of one with its place, of several with their number and two places."""
     first = group[0]
     if len(group) == 1:  # most reasons begin with the file and a line in it
         return first.reason if first.file in first.reason else f"{first.file}: {first.reason}"

@@ -71,16 +71,11 @@ def parse_toml(text: str, name: str, error: type[RockpulseError] = ConfigError) 
     for _ in range(DEEPEST):
         if any(type(value) is int and abs(value) >= LARGEST for value in level):
             raise error(large)
-        level = [value for one in level for value in _inside(one)]
+        inside = (one.values() if isinstance(one, Mapping) else one if isinstance(one, list) else () for one in level)
+        level = [value for values in inside for value in values]
     if level:
         raise error(deep)
     return document
-
-
-def _inside(value: Any) -> list[Any]:
-    if isinstance(value, Mapping):
-        return list(value.values())
-    return value if isinstance(value, list) else []
 
 
 #: A number with a decimal comma, as it may stand between semicolons or tabs.
@@ -94,16 +89,7 @@ def separator(text: str) -> str:
 
 
 def table_of(path: str, text: str) -> pd.DataFrame:
-    """The cells of a table as texts without blanks around them; lines that are empty or begin with # are passed over.
-
-    Where semicolons or tabs stand between the cells, numbers may have decimal commas. Cells that are missing at the end
-    of a row are empty.
-
-    Raises
-    ------
-    ConfigError
-        For no heading, a column that stands twice, or a row of more cells than the heading has.
-    """
+    """The cells of a table as texts; lines that are empty or begin with # are skipped, decimal commas become points."""
     import pandas as pd
 
     lines = [line for line in text.splitlines() if line.strip() and not line.startswith("#")]
@@ -115,7 +101,10 @@ def table_of(path: str, text: str) -> pd.DataFrame:
         ]
     except csv.Error as error:
         raise ConfigError(f"{path}: cannot be read as a table: {first_line(error)}") from None
-    heads, *cells = [_without_empty_end(row) for row in rows] or [[]]
+    for row in rows:  # spreadsheets write empty cells behind the last one
+        while row and not row[-1]:
+            row.pop()
+    heads, *cells = rows or [[]]
     if twice := [name for name in dict.fromkeys(heads) if heads.count(name) > 1]:
         raise ConfigError(f"{path}: expected each column once, found {twice[0]!r} {heads.count(twice[0])} times")
     for number, row in enumerate(cells, start=1):
@@ -143,12 +132,6 @@ def numbers(path: str, table: pd.DataFrame, column: str) -> np.ndarray:
             f"{path}: row {row + 1} of column {column!r}: expected a number, found {table[column].iloc[row]!r}"
         )
     return found
-
-
-def _without_empty_end(row: list[str]) -> list[str]:
-    """The cells without the empty ones behind the last that is none, as spreadsheets write them."""
-    count = max((place for place, cell in enumerate(row, start=1) if cell), default=0)
-    return row[:count]
 
 
 def _hidden(target: Path) -> Path:

@@ -17,8 +17,6 @@ from rockpulse.record.record import Record
 if TYPE_CHECKING:
     from rockpulse.sequences.rule import Rule
 
-__all__ = ["Equation", "Model", "Scene", "loaded_rule"]
-
 #: The equations of motion under an accelerogram, by the words of :func:`rocking.recorded_response`.
 Equation = Literal["linear", "nonlinear"]
 

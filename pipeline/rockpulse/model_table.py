@@ -1,8 +1,6 @@
 """Table of models, from the cheapest to the full equation of motion: one row a model, with all that is known of it.
 
-A model is added here and nowhere else: its functions, and a row of :data:`MODELS`. Whatever asks what a model can do
-asks its row; a test finds the name of a model outside this table. The solvers are loaded when a function is called, for
-the configuration takes the names of the models from here.
+A model is added here and nowhere else. The solvers are loaded when a function is called.
 """
 
 from collections.abc import Iterable

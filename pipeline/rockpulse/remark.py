@@ -146,16 +146,10 @@ PLAIN = "plain"
 
 
 class Remark(str):
-    """A remark as its English text, with the code and the values that the text is made of.
+    """A remark as its English text, with its code, a key of `TEMPLATES` (``of_vertical/clipped`` for one in another).
 
-    `code` is a key of `TEMPLATES`; of a remark that holds another one both codes, ``of_vertical/clipped``. `values` are
-    the numbers, texts, other remarks, or lists of remarks that the text names.
-
-    Examples
-    --------
-    >>> remark = Remark("clipped", count=8, end="largest")
-    >>> remark, remark.code
-    ('8 samples in a row at the largest value: the record may be clipped', 'clipped')
+    >>> Remark("clipped", count=8, end="largest")
+    '8 samples in a row at the largest value: the record may be clipped'
     """
 
     code: str
@@ -200,13 +194,7 @@ def counted(count: int, noun: str) -> Remark:
 
 
 def as_stored(remarks: Iterable[str]) -> str:
-    """Remarks by their codes and values, as JSON; another text as one of the code `PLAIN`.
-
-    Examples
-    --------
-    >>> restored(as_stored([Remark("set_by", name="a", share=0.5, left=Remark("left_none"))]))[0].values["left"].code
-    'left_none'
-    """
+    """Remarks by their codes and values, as JSON; another text as one of the code `PLAIN`."""
     coded = (one if isinstance(one, Remark) else Remark(PLAIN, text=one) for one in remarks)
     return json.dumps([_packed(one) for one in coded], ensure_ascii=False)
 

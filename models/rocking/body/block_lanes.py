@@ -13,13 +13,10 @@ from rocking.lanes import LaneValues, lane_field
 from rocking.pictures import Picture, Shown, brief
 
 STANDARD_GRAVITY = 9.80665
-
 #: The linear, resonance and sequence models are stated for slenderness of at least this (section 3).
 SLENDERNESS_RANGE = 3.0
-
 #: Bodies of an array that are drawn, side by side.
 DRAWN = 8
-
 #: The quantities of the right-hand corner that have a partner at the left-hand one.
 OPPOSITE = {"alpha_c": "alpha_2", "p": "p_2", "radius": "radius_2", "restitution": "restitution_2"}
 
@@ -106,7 +103,7 @@ class BlockLanes(LaneValues, Shown):
         return np.asarray(rotation / np.where(other, self.alpha_2, self.alpha_c))
 
     def mirrored(self) -> Self:
-        """The same body seen from behind: its corners change places, and a wall stands on its other side."""
+        """The same body seen from behind: its corners are exchanged, and a wall is on its other side."""
         pairs = OPPOSITE | {other: name for name, other in OPPOSITE.items()}
         other = self.changed(side=-self.side, **{name: getattr(self, opposite) for name, opposite in pairs.items()})
         if self.restraints is None:

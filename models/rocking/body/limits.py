@@ -97,7 +97,6 @@ def both_corners(
 
 #: Full sizes [m] outside which a body is doubted: a number in another unit is likelier than such a body.
 LARGEST_SIZE, LEAST_HEIGHT, LEAST_WIDTH = 30.0, 0.05, 0.001
-
 #: Frequency parameters of bodies that an overturning spectrum is for [1/s], 24 from 0.5 to 8 at a ratio of 1.128:
 #: rectangles with R from 29 m down to 0.11 m.
 RATES = np.geomspace(0.5, 8.0, 24)
@@ -124,7 +123,7 @@ def most_restitution(p: np.ndarray, alpha: np.ndarray, radius: np.ndarray | None
 
 
 def restitution_of(given: ArrayLike, most: np.ndarray, own: bool) -> np.ndarray:
-    """The velocity ratios of an impact; "housner" stands for the most, which `own` says is by the body's own radius."""
+    """Velocity ratios of an impact; "housner" is the largest one, which is from the radius of the body if `own`."""
     if isinstance(given, str):
         if given != "housner":
             raise ValueError(f"restitution: expected a number in [0, 1] or 'housner', got {given!r}")

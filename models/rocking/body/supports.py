@@ -68,7 +68,6 @@ def with_pedestal(block: Block, width: float, height: float, mass: float, restit
 
 #: Samples of the floor's motion in the shortest period.
 SAMPLES = 40
-
 #: Most of the time for which the floor is followed after the ground has come to rest, in periods of each mode.
 MOST_PERIODS = 1000.0
 
@@ -78,10 +77,9 @@ class FloorMotion(NamedTuple):
 
     Attributes
     ----------
-    acceleration : (n,) ndarray
-        Horizontal acceleration of the floor [m/s2], linear between samples.
-    dt : float
-        Sampling interval [s]: that of the ground divided by a whole number.
+    acceleration, dt : (n,) ndarray, float
+        Horizontal acceleration of the floor [m/s2], linear between samples, and its interval [s], that of the ground
+        divided by a whole number.
     amplification : float
         Peak of the floor over that of the ground [-].
     """

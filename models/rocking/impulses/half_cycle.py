@@ -26,10 +26,8 @@ from numba import njit
 
 #: A velocity within this of the critical one counts as critical [-]: some hundred rounding errors, far below any datum.
 CRITICAL_TOLERANCE = 1e-13
-
 #: exp of more than this overflows.
 _LARGEST_EXPONENT = 700.0
-
 #: Hops that `free_decay_time` adds one by one before it gives up.
 _HOP_LIMIT = 100_000
 

@@ -13,10 +13,8 @@ from rocking.pictures import BLUE, GREY, RED, Picture, Shown, brief
 
 #: Number of intermediate impulses in a half-cycle of the picture, and the most of them.
 SHOWN, MOST = 4, 12
-
 #: Place of the first intermediate impulse after the main one, in intervals.
 FIRST = {"end": 1.0, "middle": 0.5, "start": 0.0, "open": 1.0}
-
 #: Where the intermediate impulses stand in the half-cycle: t_k = (k - phi) dT with T = n dT for "end" (phi = 0),
 #: "middle" (1/2) and "start" (1); "open": t_k = k dT with T = (n + 1) dT; "continuous": the limit of infinitely many.
 #: The numbers are the kernels' codes.
@@ -29,12 +27,10 @@ class ImpulseSequence(Shown):
 
     Parameters
     ----------
-    main : float or (q,) array_like
-        I, size of a main impulse [m/s], not negative.
-    secondary : float or (q,) array_like
-        I_s, size of a secondary impulse [m/s], 0 <= I_s <= I.
+    main, secondary : float or (q,) array_like
+        Sizes I of a main impulse, not negative, and I_s of a secondary impulse, 0 <= I_s <= I [m/s].
     interval : float or (q,) array_like
-        Trial interval dT of the secondary impulses [s], positive; NaN is allowed where it has no meaning (spacing
+        Trial interval dT of the secondary impulses [s], positive; NaN is allowed if it has no meaning (spacing
         "continuous", or `intermediate_count` given).
     duration : float or (q,) array_like
         Main impulses act in half-cycles that start before this time [s], positive; inf for ever.
@@ -44,11 +40,6 @@ class ImpulseSequence(Shown):
         Number n of secondary impulses in every half-cycle, even and at least 2; None takes n from the trial interval.
     spacing : {"end", "middle", "start", "open", "continuous"}
         See :data:`SPACINGS`.
-
-    Attributes
-    ----------
-    shape : tuple of int
-        Shape of the lanes: () or (q,).
 
     References
     ----------

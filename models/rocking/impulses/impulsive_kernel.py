@@ -14,10 +14,8 @@ from rocking.impulses import half_cycle
 from rocking.response import IMPACT_CUTOFF, Outcome, Reason
 
 PAPER, LINEAR, EXACT, TANGENT = range(4)
-
 #: Impacts followed between two impulses before a lane is UNRESOLVED.
 IMPACT_LIMIT = 100_000
-
 #: An impulse this close to an impact, as time times p, acts together with it. Times of some hundred seconds are
 #: rounded by 1e-13 s and the instability of the motion multiplies that by up to 1e3; moving an impact by 1e-9/p moves
 #: the motion by no more than 1e-9.
@@ -25,10 +23,8 @@ COINCIDENCE = 1e-9
 
 _AT_REST, _ROCKS, _OVERTURNS, _UNRESOLVED = (int(outcome) for outcome in Outcome)
 _IMPACT_LIMIT_REASON = int(Reason.IMPACT_LIMIT)
-
 #: Longest time counted in the growth factor of a wait, times p [-]; exp of more than about 709 overflows.
 _LONGEST_GROWTH = 700.0
-
 #: A wait whose counted part has shrunk below this is filled up again from what is left of it.
 _SHORTEST_GROWTH = 100.0
 

@@ -19,7 +19,6 @@ from rocking.response import IMPACT_CUTOFF, Outcome, Reason, Response
 
 #: Halvings of the bracket of the upper edge of a band of factors.
 HALVINGS = 60
-
 #: Half-cycles whose durations are added up before a lane is UNRESOLVED.
 _HALF_CYCLE_LIMIT = 10_000_000
 

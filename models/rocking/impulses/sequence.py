@@ -25,12 +25,10 @@ from rocking.impulses.sequence_kernel import (
 from rocking.lanes import LaneValues, lane_field, split_lanes
 from rocking.response import HalfCycles, Outcome, Reason, Response, empty_results
 
-#: Shorter trial intervals, times p [-], cannot be told from the continuous limit.
+#: Shorter trial intervals, times p [-], cannot be distinguished from the continuous limit.
 _SHORTEST_INTERVAL = 1e-4
-
-#: Larger numbers of intermediate impulses cannot be told from the continuous limit.
+#: Larger numbers of intermediate impulses cannot be distinguished from the continuous limit.
 _LARGEST_COUNT = 1_000_000
-
 #: Largest number of impulses in a train.
 _TRAIN_LIMIT = 2_000_000
 

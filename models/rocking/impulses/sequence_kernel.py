@@ -14,10 +14,8 @@ from rocking.response import IMPACT_CUTOFF, HalfCycles, Outcome, Reason, Respons
 
 #: Half-cycles followed in one lane before it is UNRESOLVED.
 HALF_CYCLE_LIMIT = 50_000
-
 #: A half-cycle that starts with the velocity of an earlier one, to this share of it, closes a cycle.
 CYCLE_TOLERANCE = 1e-13
-
 #: Columns of the table, in the order of :class:`rocking.response.HalfCycles`: u_i, peak, duration, n_i, dT_i, u_r.
 COLUMNS = 6
 
@@ -159,7 +157,6 @@ def sequence_lanes(first_lane, last_lane, lanes, results, table):
 
 #: A march lower than this is one through the ground [-]; above it is rounding.
 GROUND_TOLERANCE = 1e-12
-
 #: Half-cycles kept in a table unless the caller asks for more.
 TABLE_ROWS = 1000
 
@@ -184,7 +181,7 @@ def combined(
 
 
 def empty_table(rows: int, lanes: int) -> Table:
-    """A table of so many half-cycles for a kernel to write to."""
+    """A table with a number of half-cycles for a kernel to write to."""
     table = Table(np.full((COLUMNS, rows, lanes), np.nan), np.empty(lanes), np.empty(lanes, dtype=np.int64))
     table.columns[3] = -1.0  # impulse_count
     return table

@@ -44,7 +44,6 @@ from rocking.response import IMPACT_CUTOFF
     STALLS,  # changes of what acts on the body, one after the other, without any motion between them
 ) = range(FLOAT_ROWS * WIDTH, (FLOAT_ROWS + 24) * WIDTH, WIDTH)
 CORNER_ROWS = FLOAT_ROWS + 24
-
 #: Rows of the two corners.
 PAIRS = (
     (row.ALPHA, OTHER_ALPHA),
@@ -150,7 +149,7 @@ def hops_are_over(f, j, record, equation, far, held):
         peak = max(peak, f[OTHER_PEAK + j] * alpha / other_alpha)
     if threshold <= 0.0 or pull <= 0.0:
         return False
-    # Each corner is asked about a push that lifts it; against a wall the ground can only press.
+    # Each corner has the push that lifts it; against a wall the ground can only press.
     start = -f[row.SIDE + j] * (f[row.SAMPLE_GROUND + j] + f[row.SAMPLE_SLOPE + j] * passed)
     end = -f[row.SIDE + j] * (f[row.SAMPLE_GROUND + j] + f[row.SAMPLE_SLOPE + j] * length)
     demand, demand_end = max(start / level, -start / other), max(end / level, -end / other)

@@ -34,7 +34,7 @@ def corner_slots() -> Slots:
 
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
 def begin_corner_lane(f, i, j, lane, record, lanes, options, held):
-    """Put a lane into slot j; returns how it stands at the first sample, MOVING or as it ends."""
+    """Put a lane into slot j; returns its state at the first sample, MOVING or its end."""
     block = lane % lanes.side.size
     rotation, spin, side = lanes.rotation[block], lanes.spin[block], lanes.side[block]
     f[more.ONE_SIDED + j] = 1.0 if side != 0.0 else 0.0

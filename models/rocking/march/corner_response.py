@@ -120,15 +120,13 @@ def static_capacity(block: Block, rotation: ArrayLike, side: int = 1) -> np.ndar
     ----------
     block : Block
         One body.
-    rotation : float or (k,) array_like
-        abs(theta) [rad], from 0 to below pi/2.
-    side : int
-        1 for theta > 0, -1 for theta < 0.
+    rotation, side : float or (k,) array_like, int
+        abs(theta) [rad], from 0 to below pi/2; 1 for theta > 0, -1 for theta < 0.
 
     Returns
     -------
     (k,) ndarray
-        Acceleration of the ground against the rotation [m/s2]: g tan(alpha - theta) where nothing but its weight acts.
+        Acceleration of the ground against the rotation [m/s2]: g tan(alpha - theta) under its weight alone.
 
     Examples
     --------

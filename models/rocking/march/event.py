@@ -6,26 +6,22 @@ from numba import njit
 
 from rocking.march import slots as row
 from rocking.march.polynomial import ORDER, ROTATION, bracketed_root, first_impact, value, velocity
-from rocking.march.slots import BLOCK, LARGEST, LEFT, STEEPEST, largest_left, next_lift
+from rocking.march.slots import BLOCK, LARGEST, LEFT, STEEPEST, largest_left, next_exceedance
 from rocking.march.steps import HALVED, IMPACT, NOTHING, OVER, REMNANT, enter_vertical
 from rocking.response import IMPACT_CUTOFF
 
 LINEAR, NONLINEAR = 0, 1
 
-# How a slot stands after a step.
+# States of a slot after a step.
 MOVING, RESTING, OVERTURNED, IMPACT_LIMITED, FLYING, CALM = range(6)
-
 #: A chatter is cut short only where its hops are below this share of the peak so far.
 CHATTER_SHARE = 1e-3
-
 #: After so many impacts in one sample (a restitution next to one) hops below the peak itself will do, and the chatter
 #: may be cut short beyond its sample with a history as well: it then shows rest in place of hops below the cut-off.
 MANY_IMPACTS = 1000
-
 #: Impacts slower than the cut-off that are followed without a rest between them before the lane is given up. With C = 1
 #: a chatter neither dies out nor comes to rest: this is all the work that it can cost, however long the record.
 SLOW_IMPACTS = 1_000_000
-
 #: A step is not halved below this share of the longest one for the sake of its series.
 SHORTEST = 1.0 / 4096.0
 
@@ -170,7 +166,7 @@ def wake(f, i, j, record):
             f[row.ACTIVE + j] += 1.0 if i[row.ENDED + j] != int(f[row.SAMPLE + j]) else 0.0
             return MOVING
         sample = int(f[row.SAMPLE + j])
-        ahead = next_lift(sample + 1, record, f[row.FACTOR + j], 1.0, threshold, 0.0, threshold, 0.0)
+        ahead = next_exceedance(sample + 1, record, f[row.FACTOR + j], threshold)
         if ahead > last:
             return RESTING
         # It lifts on the way to that sample, which is this one where rounding has put the crossing at its end.

@@ -18,7 +18,6 @@ from rocking.response import Outcome, Reason
 
 AT_REST, ROCKS, OVERTURNS, UNRESOLVED = (int(outcome) for outcome in Outcome)
 NO_REASON, IMPACT_LIMIT, FREE_FLIGHT = int(Reason.NONE), int(Reason.IMPACT_LIMIT), int(Reason.FREE_FLIGHT)
-
 #: How far above the threshold a block lifts, as a share of it: "strictly above" must not be decided by the last bit.
 STRICTLY = 1e-14
 
@@ -101,7 +100,7 @@ def take_state(f, i, j, lane, factor, side, rotation, spin, last_term):
 
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
 def first_status(f, j, equation, strongest):
-    """How a moving slot stands at the first sample, OVERTURNED or MOVING, under at most abs(a_g)/g = `strongest`."""
+    """State of a moving slot at the first sample, OVERTURNED or MOVING, under at most abs(a_g)/g = `strongest`."""
     if equation == event.LINEAR:
         over = f[row.PHI + j] - f[row.ALPHA + j] + f[row.SPEED + j] > strongest
     else:
@@ -112,7 +111,7 @@ def first_status(f, j, equation, strongest):
 # begin_lane, end_lane and decide have one caller each and take NamedTuples that a call would copy field by field.
 @njit(cache=True, nogil=True, error_model="numpy", forceinline=True, _nrt=False)
 def begin_lane(f, i, j, lane, record, lanes, options):
-    """Put a lane into slot j; returns how it stands at the first sample, MOVING or as it ends."""
+    """Put a lane into slot j; returns its state at the first sample, MOVING or its end."""
     block = lane % lanes.alpha.size
     factor = lanes.factors[lane // lanes.alpha.size] * lanes.gains[block]
     alpha, rotation, spin = lanes.alpha[block], lanes.rotation[block], lanes.spin[block]

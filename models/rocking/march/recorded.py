@@ -8,7 +8,7 @@ from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
-from rocking.arguments import ArrayLike, Floats, numbers, read_only, record_samples
+from rocking.arguments import ArrayLike, Floats, numbers, positive, read_only, record_samples
 from rocking.body.block import Block
 from rocking.march.corner_response import march_bodies, run
 from rocking.march.demand import Demand
@@ -21,17 +21,13 @@ from rocking.response import Response
 STRONGEST = 1e7
 
 EQUATIONS = {"linear": LINEAR, "nonlinear": NONLINEAR}
-
 #: Largest last term of the Taylor series of a step, over alpha_c [-]; a longer step is halved.
 LAST_TERM = 1e-14
-
-#: Smallest one that may be asked for: below it rounding decides.
+#: The smallest one that is allowed: below it rounding decides.
 SMALLEST_LAST_TERM = 1e-17
-
 #: Longest sample [-], as p dt, and fastest start, as theta'/p [rad], that are taken for a block under a record.
 LONGEST_SAMPLE, FASTEST_START = 1e4, 1e3
-
-#: Longest step that may be asked for, as p dt [-].
+#: The longest step that is allowed, as p dt [-].
 LONGEST_STEP = 0.3
 
 
@@ -127,9 +123,7 @@ def recorded_response(
         raise ValueError(f"equation: expected one of {sorted(EQUATIONS)}, got {equation!r}")
     if not isinstance(block, Block):
         raise ValueError(f"block: expected a rocking.Block, got {block!r}")
-    dt = float(numbers("dt", dt, "a positive sampling interval in s", lanes=False))
-    if dt <= 0.0:
-        raise ValueError(f"dt: expected a positive sampling interval in s, got {dt!r}")
+    dt = float(positive("dt", dt, "s", lanes=False))
     if gain not in ("linear", "tangent") or (gain == "tangent" and equation != "linear"):
         raise ValueError(f"gain: expected 'linear', or 'tangent' with equation='linear', got {gain!r}")
     if vertical is not None and equation == "linear":
@@ -240,16 +234,15 @@ def recorded_response(
 
 
 class SlidingDemand(NamedTuple):
-    """The friction that the motion of (m,) bodies asks for, at the samples of the record until overturning.
+    """The friction that the motion of (m,) bodies requires, at the samples of the record until overturning.
 
     Attributes
     ----------
-    required : (m,) ndarray
-        Largest coefficient of friction [-]; inf where the normal force vanishes.
-    share : (m,) ndarray
-        Share of the samples at which it is above the one that is there [-]; NaN where none was given.
+    required, share : (m,) ndarray
+        Largest required coefficient of friction [-], inf if the normal force vanishes; share of the samples at which it
+        is above the given one [-], NaN without one.
     loses_contact : (m,) ndarray of bool
-        True where the normal force vanishes.
+        True if the normal force vanishes.
     """
 
     required: np.ndarray
@@ -265,7 +258,7 @@ def sliding_demand(
     vertical: ArrayLike | None = None,
     scale: float = 1.0,
 ) -> SlidingDemand:
-    """The friction that a rocking motion without sliding asks for, by the nonlinear equation.
+    """The friction that a rocking motion without sliding requires, by the nonlinear equation.
 
     Parameters
     ----------
@@ -274,13 +267,13 @@ def sliding_demand(
     acceleration, dt, vertical, scale
         As for :func:`~rocking.recorded_response`, with one factor.
     friction : float or (m,) array_like
-        Coefficient at the base [-]; NaN where it is not known.
+        Coefficient at the base [-]; NaN if it is not known.
 
     Returns
     -------
     SlidingDemand
-        NaN, and False, for bodies before a wall and for those with ties, loads or thrusts, whose forces on the base
-        this does not know. Impacts ask for more, see :func:`impact_friction`.
+        NaN, and False, for bodies before a wall and with ties, loads or thrusts, whose forces on the base are not
+        known. Impacts require more, see :func:`impact_friction`.
 
     Examples
     --------
@@ -327,8 +320,8 @@ def sliding_demand(
 def impact_friction(block: Block, restitution: ArrayLike | None = None) -> Floats:
     """Ratio of the impulses across and up of an impact that ends the rotation about the right-hand corner [-].
 
-    h (1 - C)/(b_1 + C b_2), of a body whose centre of mass lies h above its corners: what an impact asks of friction if
-    it does not slide. Information, no verdict: it lasts an instant. C is that of the body unless it is given.
+    h (1 - C)/(b_1 + C b_2), with the centre of mass h above the corners: the friction that an impact without sliding
+    requires. Information, no verdict: it lasts an instant. C is that of the body unless it is given.
 
     Examples
     --------

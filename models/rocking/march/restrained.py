@@ -19,10 +19,8 @@ from rocking.march import slots as row
 # What an element does: a tie is slack, holds as a spring, yields, or is broken; a load holds as a spring, or slides
 # towards theta > 0 or theta < 0.
 SLACK, SPRING, YIELDS, BROKEN, SLIDES_UP, SLIDES_DOWN = range(6)
-
 #: Longest step of a spring, as the phase of its oscillation [rad].
 LONGEST_PHASE = 0.3
-
 #: How near phi counts as being at the end of a range, over the range's own size [-].
 TOUCHING = 1e-13
 

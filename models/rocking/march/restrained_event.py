@@ -118,10 +118,8 @@ def restrained_steps(f, width):
 
 #: Steps of the motion on the ground at rest that are taken before it counts as bounded.
 MOST_STEPS = 2_000_000
-
 #: Changes of what acts on a body that does not move, after which it is taken to be balanced for a step.
 MOST_STALLS = 8.0
-
 #: Turning points of a motion that never touches the ground again after which it counts as bounded.
 MOST_TURNS = 4
 

@@ -14,7 +14,6 @@ from rocking.response import IMPACT_CUTOFF
 # What happened in a step. From LOOK_CLOSER on the slot stays where it is: HALVED is to be tried again with half the
 # step, OVER has overturned.
 NOTHING, IMPACT, LOOK_CLOSER, HALVED, OVER = 0.0, 1.0, 2.0, 3.0, 4.0
-
 #: The iteration for an impact is of third order: after a step below this share of the way, the rest is rounding.
 CONVERGED = 3e-6
 
@@ -127,7 +126,6 @@ def finish_steps(f, width):
 
 #: Impacts followed inside one sample before the lane is given up (only a restitution next to one gets there).
 IMPACTS_PER_SAMPLE = 10_000
-
 #: What is left of a sample below this share of the longest step belongs to the step before it.
 REMNANT = 1e-9
 

@@ -20,20 +20,15 @@ from rocking.search.factors import ScaleIntervals, exceedance_intervals
 
 #: Factors of the scan of one block.
 POINTS = 64
-
 #: The largest number below one: how near a block has come that passes alpha_c and comes back.
 BELOW = float(np.nextafter(1.0, 0.0))
-
 #: The search begins this share below the factor that lifts the block, which rounding must not put above it.
 ROUNDING = 1e-12
-
 #: Ratio of neighbouring factors where a search is needed.
 STEP = 1.005
-
 #: Where no bound is known the search starts here, as main impulse over I_1c.
 SMALLEST_START = 1e-3
-
-#: A gap between two bands that is narrower than this share of the factor is none, as in a search.
+#: Bands are joined across a gap that is narrower than this share of the factor, as in a search.
 EDGE_TOLERANCE = 1e-6
 
 

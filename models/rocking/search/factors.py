@@ -13,19 +13,15 @@ from rocking.lanes import OF_LANES, LaneValues
 #: Below the first exceedance, where the safety factor is read, a step of the scan is halved for the k-th time where the
 #: lane may come this near the limit in it (docs/decisions/008).
 NEAR = (0.2, 0.45, 0.7, 0.95, 1.2, 1.45)
-
 #: Steps of a lane that are halved together, from the lowest on: half of all that are due, at least these.
 TOGETHER = 4
-
 #: Tells of lanes (n,) and factors (q, n) which exceed a limit.
 Exceeds = Callable[[np.ndarray, np.ndarray], np.ndarray]
 
 #: Factors times lanes of one call of the scan: it bounds the memory of a call.
 CASES_AT_ONCE = 16384
-
 #: The fields of :class:`ScaleIntervals` with one value for each interval.
 OF_INTERVALS = ("lower", "upper", "open", "resolved")
-
 #: Most factors of the scan in one lane.
 POINTS_MAX = 10**7
 
@@ -36,23 +32,19 @@ class ScaleIntervals(LaneValues):
 
     Attributes
     ----------
-    safety_factor : (m,) ndarray
-        Smallest factor found to exceed the limit [-]; inf if none up to the end of the search.
-    safe_up_to : (m,) ndarray
-        Largest factor up to which the search found nothing [-]: the lower end of the last bracket of `safety_factor`,
-        or the end of the search.
+    safety_factor, safe_up_to : (m,) ndarray
+        Smallest factor found to exceed the limit [-], inf if none; largest factor up to which the search found nothing:
+        the lower end of the last bracket, or the end of the search.
     lane : (k,) ndarray of int
         Lane of each interval; ascending, and within a lane the intervals ascend.
     lower, upper : (k,) ndarray
         Ends of the intervals of exceedance [-]; the limit is exceeded at both.
-    open : (k,) ndarray of bool
-        True where the limit is still exceeded at the end of the search, which then is `upper`.
+    open, resolved : (k,) ndarray of bool
+        True if the limit is still exceeded at the end of the search, which then is `upper`; False if it counts as
+        exceeded at `lower` because the model cannot answer there.
     step : (m,) ndarray
-        Ratio of neighbouring factors of the scan [-]: narrower intervals, and gaps between two, may be missed. One
-        where nothing can be missed: edges in closed form, or a start beyond the end of the search. NaN where nothing
-        was searched.
-    resolved : (k,) ndarray of bool
-        False where the limit counts as exceeded at `lower` because the model cannot answer there.
+        Ratio of neighbouring factors of the scan [-]: narrower intervals, and gaps, may be missed. One if nothing can
+        be missed (closed form, or a start beyond the end of the search); NaN if nothing was searched.
     """
 
     safety_factor: np.ndarray = field(metadata=OF_LANES)

@@ -27,28 +27,20 @@ from rocking.spectrum.probability import Uncertainty, lane_bells, tail_masses
 
 #: Standard deviations that are drawn: no shift of the factor and no loss of the angle beyond them is looked at.
 REACH = 4.0
-
 #: A body of C = 1 never comes to rest after the record, and its lane costs twenty times one of C = 0.99.
 MOST_RESTITUTION = 0.999
-
 #: Points of a Sobol set that are drawn at once: the lanes of each part are a multiple of it.
 SET = 32
-
-#: The capacity is guessed where the build-up of the ground (demand.py) is so many times what overturns.
+#: Build-up of the ground (demand.py) at the guess of the capacity, over the one that overturns.
 BUILD_UP_AT_CAPACITY = 2.5
-
 #: Lanes of the first part, over so much of ln f to either side of the guess.
 FIRST, FIRST_HALF = 64, 0.8
-
 #: Lanes of each piece that makes the first part longer, and its length in ln f.
 MORE, MORE_LENGTH = 32, 0.8
-
-#: The first part ends where no lane overturns in so much of ln f at its bottom, and none stands at its top.
+#: Length in ln f at its bottom without overturning, and at its top without survival, at which the first part ends.
 QUIET = 0.2
-
 #: Lanes of the second part, and the least density of them over that of lanes in full disagreement.
 SECOND, FLOOR = 192, 0.2
-
 #: Width in ln f over which verdicts of the first part count as neighbours, and points at which their density is known.
 NEIGHBOURS, POINTS = 0.12, 201
 
@@ -75,7 +67,7 @@ class BodyLanes:
     unresolved: np.ndarray  #: (n,) of bool, True if it cannot be answered (free flight)
     bottom: float  #: ln f between which the lanes lie
     top: float
-    open: bool  #: True if lanes still stand at the largest factor: what is above it is not known
+    open: bool  #: True if lanes survive the largest factor: the verdicts above it are unknown
 
     def sums(self, log_level: np.ndarray, shift: Uncertainty) -> tuple[np.ndarray, tuple[np.ndarray, np.ndarray]]:
         """What each lane counts at each level (n, k), and the mass of the shift below and above the lanes (k,)."""

@@ -27,16 +27,12 @@ from rocking.spectrum.probability import (
 
 #: Levels are exp(LEVEL_STEP k), k whole: 1 is one of them, and all bodies have the same.
 LEVEL_STEP = 0.04
-
 #: Draws of the lanes for an interval, and the shares of them below its ends.
 RESAMPLES, LOW, HIGH = 200, 0.05, 0.95
-
 #: Factors that are read off P, and the probability at each.
 SHARES = {"factor_10": 0.1, "factor_50": 0.5}
-
 #: Share of the most that a lane counts at a level, from which on it is near it.
 NEAR = 0.01
-
 #: A largest factor that is a level counts as one, and a share of a C of 1 as no more than 1, however they are rounded.
 ROUNDING = 1e-9
 

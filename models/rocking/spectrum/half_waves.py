@@ -3,8 +3,8 @@
 .. note:: A half-wave is taken as the triangle of its ends, impulse and centroid. The march is 1 over the factor at
    which the linear equation (Eqs. 1-2), lifted at g tan(alpha), overturns under the half-waves. One march is chaotic;
    with the uncertainty of body and strength it has a distribution (:class:`rocking.OverturningSpectrum`), of which the
-   mean logarithm and the factor at P = 10 % are taken. The lobes of the weighted impulse E (demand.py) tell how many
-   impulses act.
+   mean logarithm and the factor at P = 10 % are taken. The lobes of the weighted impulse E (demand.py) count the
+   impulses that act.
 """
 
 import math
@@ -27,13 +27,10 @@ from rocking.spectrum.slender import lobe_tops, weighted_impulse
 
 #: Points of each side of a triangle on which E is computed.
 POINTS = 8
-
 #: Lobes of E above this share of the largest one are main impulses.
 MAIN_SHARE = 0.5
-
 #: Frequency parameters of the marches are RATES[0] STEP^k, k whole: those of the default spectrum and beyond.
 STEP = (RATES[-1] / RATES[0]) ** (1.0 / (RATES.size - 1))
-
 #: Restitutions of the marches: a band of each, from the share 0.9 of the lowest nominal C in it to the highest one. A
 #: body of a lower C than the last holds is taken as if it had that: an impact leaves next to nothing of its speed.
 BANDS = ((LEAST_RESTITUTION, MOST_RESTITUTION), *((0.45 / 1.5**k, 0.75 / 1.5**k) for k in range(6)))
@@ -98,17 +95,13 @@ class HalfWaveDemand:
 
     Attributes
     ----------
-    march : (m,) ndarray
-        1 over the mean capacity of the march: exp of the mean logarithm of the factor at which it overturns [-].
-    march_10 : (m,) ndarray
-        1 over the factor at which the march overturns with a probability of 10 % [-].
+    march, march_10 : (m,) ndarray
+        1 over exp of the mean logarithm of the factor at which the march overturns, and over that at P = 10 % [-].
     main_count : (m,) ndarray of int
         Number of lobes above half the largest one; at least 1.
-    ratio : (m,) ndarray
-        Root mean square of the other lobes between the first and the last of them, over the largest one [-]; 0 where
-        there is none.
-    interval : (m,) ndarray
-        Median spacing of the lobes from the first to the last main one [s]; NaN where there is one only.
+    ratio, interval : (m,) ndarray
+        Root mean square of the other lobes between the first and the last of them over the largest one [-], 0 without;
+        and median spacing of the lobes from the first to the last main one [s], NaN if there is one only.
     """
 
     march: np.ndarray
@@ -119,14 +112,12 @@ class HalfWaveDemand:
 
 
 def impulse_lobes(start: ArrayLike, centroid: ArrayLike, end: ArrayLike, impulse: ArrayLike, rate: float) -> Lobes:
-    """Lobes of the exponentially weighted impulse of half-waves.
+    """Lobes of the exponentially weighted impulse E of half-waves, as for :func:`demand_of_half_waves`.
 
     Parameters
     ----------
-    start, centroid, end, impulse : (k,) array_like
-        Half-waves, as for :func:`demand_of_half_waves`; none give no lobes.
-    rate : float
-        p of the block [1/s].
+    start, centroid, end, impulse, rate : (k,) array_like and float
+        Half-waves, and p of the block [1/s].
 
     Examples
     --------
@@ -197,10 +188,8 @@ def lobe_shapes(
 
     Parameters
     ----------
-    start, centroid, end, impulse : (k,) array_like
-        Half-waves, as for :func:`demand_of_half_waves`.
-    rates : (a,) array_like
-        Frequency parameters p [1/s].
+    start, centroid, end, impulse, rates : (k,) array_like and (a,) array_like
+        Half-waves, as for :func:`demand_of_half_waves`, and frequency parameters p [1/s].
 
     Returns
     -------
@@ -253,7 +242,7 @@ def _spectra(
         nodes = RATES[0] * STEP ** np.unique([below[here], below[here] + 1.0])
         lanes = half_wave_lanes(start, centroid, end, impulse / largest, nodes, BANDS[one], threads)
         spectrum = OverturningSpectrum(lanes)
-        # A slender block of the same p and C stands for each.
+        # Each body is represented by a slender block of the same p and C.
         slender = Block.from_parameters(p=rates[here], alpha=0.1, restitution=nominal[here], log=False)
         read = spectrum.factors(slender)
         speed = slender.gravity * np.tan(0.1) / slender.p

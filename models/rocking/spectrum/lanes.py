@@ -25,35 +25,25 @@ from rocking.spectrum.slender import march_pieces, weighted_impulse
 
 #: Largest acceleration over gravity that is taken for a ground motion [-].
 STRONGEST = 1e6
-
-#: Shorter pieces are no pieces [s]: a triangle whose top stands at one of its ends has one only.
+#: Shorter pieces are left out [s], such as one side of a triangle whose top is at one of its ends.
 SHORTEST = 1e-12
-
 #: Restitutions that the lanes cover. A block of C = 1 never comes to rest: its lane costs twenty times one of 0.99.
 LEAST_RESTITUTION, MOST_RESTITUTION = 0.675, 0.999
-
 #: Rebounds e that the lanes of blocks before a wall cover.
 REBOUNDS = (0.25, 0.55)
-
 #: Lanes of each p in the first and in the second part.
 FIRST, SECOND = 144, 700
-
-#: The first part ends where the exponentially weighted impulse is so many times what overturns a block at rest...
+#: The first part ends where the weighted impulse is this number of times the one that overturns a resting block, ...
 HIGHEST = 1.0 / 0.06
-
 #: ... and at least this far above uplift [-], in ln x.
 LEAST_SPAN = 0.7
-
-#: Where a lane of the last share of the first part still stands, that part is made longer, at most so many times.
+#: Share of the first part in which a survivor makes that part longer, and the largest number of these extensions.
 LAST_SHARE, WIDENINGS = 0.1, 6
-
 #: Capacities fall with C: lanes of one expected verdict lie along ln x + SLOPE (C - MIDDLE).
 SLOPE, MIDDLE = 1.3, 0.85
-
 #: Width over which verdicts of the first part count as neighbours in ln x, and the least density of the second part
 #: over that of lanes in full disagreement.
 NEIGHBOURS, FLOOR = 0.12, 0.08
-
 #: Points on which the density of the second part is worked out.
 POINTS = 161
 
@@ -68,18 +58,15 @@ class SpectrumLanes:
     ----------
     p : (a,) ndarray
         Frequency parameters, ascending [1/s].
-    log_x : (a, n) ndarray
-        ln of x = f p/(g tan alpha), x in s/m.
-    restitution : (a, n) ndarray
-        C of each lane [-].
-    weight : (a, n) ndarray
-        Stretch of ln x times share of the restitutions that a lane stands for [-].
+    log_x, restitution, weight : (a, n) ndarray
+        ln of x = f p/(g tan alpha) [s/m], C, and stretch of ln x times share of the restitutions that a lane represents
+        [-].
     peak : (a, n) ndarray
-        Largest abs(theta)/alpha [-]; inf where the lane overturns, or cannot be answered.
+        Largest abs(theta)/alpha [-]; inf if the lane overturns, or cannot be answered.
     bottom, top : (a,) ndarray
         ln x below which nothing is lifted, and above which everything counts as overturned.
     between : (float, float)
-        Restitutions that the lanes stand for [-].
+        Restitutions that the lanes represent [-].
     side : int
         1 or -1 for lanes before a wall, that turn towards theta > 0 or theta < 0 only and whose restitution is the
         rebound e; 0 for free ones.
@@ -217,7 +204,7 @@ def _filled(
     weight = np.where(inside, 1.0 / (first + second), 0.0)
     order = np.argsort(restitution, axis=1, kind="stable")
     ordered = [np.take_along_axis(values, order, axis=1) for values in (log_x, restitution, weight, peak)]
-    # One next to 1 stands for it.
+    # A restitution next to 1 represents 1.
     covered = (between[0], 1.0 if between[1] == MOST_RESTITUTION else between[1])
     log_x, restitution, weight, peak = ordered
     return SpectrumLanes(rates, log_x, restitution, weight, peak, bottom, top, covered)

@@ -32,21 +32,16 @@ from rocking.spectrum.probability import (
 
 #: Levels of x are exp(LEVEL_STEP k), k whole: those of two records are the same numbers.
 LEVEL_STEP = 0.05
-
 #: Standard deviations of the shift beyond which it does not reach.
 REACH = 6.0
-
 #: Standard normal quantile of intervals of 90 %.
 TWO_SIDED = 1.6448536269514722
-
 #: Error of the similarity and of the interpolation in ln p, as a standard deviation of ln f, part of every interval
 #: (docs/decisions/018).
 INTERPOLATION = 0.02
-
 #: Narrowest range of C that is read from the lanes, over the range of C that they fill [-].
 LEAST_SHARE = 0.09
-
-#: Slenderness from which on the spectrum stands for a block (docs/decisions/018).
+#: Least slenderness of a block that the spectrum represents (docs/decisions/018).
 LEAST_SLENDERNESS = 3.5
 
 
@@ -54,7 +49,7 @@ LEAST_SLENDERNESS = 3.5
 class OverturningFactors:
     """Probability of overturning of (m,) blocks under a record, and the factors on it that it grows with.
 
-    `_low` and `_high` are the ends of intervals of 90 %. A factor that is not reached by the largest one asked for is
+    `_low` and `_high` are the ends of intervals of 90 %. A factor above the largest one that is searched is
     inf, its `_low` that largest one.
 
     Attributes
@@ -81,7 +76,7 @@ class OverturningFactors:
     capacity_mean_high: np.ndarray
 
     def up_to(self, factor_max: float) -> Self:
-        """The same, with every factor above the largest one asked for inf, and its `_low` at most that one."""
+        """The same, with every factor above the largest one inf, and its `_low` at most that one."""
         found: dict[str, np.ndarray] = {}
         for name in ("factor_10", "factor_50", "capacity_mean"):
             for one in (name, f"{name}_high"):
@@ -99,7 +94,7 @@ def covered(
     between: tuple[float, float] = (LEAST_RESTITUTION, 1.0),
     side: int = 0,
 ) -> np.ndarray:
-    """True, (m,), for slender bodies that a spectrum stands for: symmetric and free, or before a wall on `side`.
+    """True, (m,), for slender bodies that a spectrum represents: symmetric and free, or before a wall on `side`.
 
     Their p and the range `least` to `most` (m,) of C lie within those of the lanes; a range below a tenth of that of
     the lanes holds too few of them.
@@ -128,17 +123,13 @@ class OverturningSpectrum:
 
     Parameters
     ----------
-    lanes : SpectrumLanes
-        Marched lanes (:func:`rocking.spectrum.lanes`).
-    uncertainty : Uncertainty
-        Of factor and geometry; that of the restitution is given with each block.
+    lanes, uncertainty : SpectrumLanes, Uncertainty
+        Marched lanes (:func:`rocking.spectrum_lanes`); the restitution of the uncertainty is given with each block.
 
     Attributes
     ----------
-    p : (a,) ndarray
-        Frequency parameters [1/s].
-    level : (k,) ndarray
-        Levels of x = f p/(g tan alpha) [s/m].
+    p, level : (a,) ndarray, (k,) ndarray
+        Frequency parameters [1/s], and levels of x = f p/(g tan alpha) [s/m].
     """
 
     def __init__(self, lanes: SpectrumLanes, uncertainty: Uncertainty | None = None) -> None:
@@ -158,7 +149,7 @@ class OverturningSpectrum:
     def probability(self, restitution: ArrayLike, rotation: float = np.inf) -> np.ndarray:
         """P(x; p, C) at the levels (a, c, k), fitted so that it never falls with x.
 
-        The restitution of a draw lies between the shares of the nominal C (c,) that the uncertainty tells. The limit
+        The restitution of a draw lies between shares of the nominal C (c,), as the uncertainty has them. The limit
         state is a `rotation` theta/alpha that is reached; inf for overturning. A ValueError for a C whose draws lie
         outside the lanes, or a rotation that is not positive.
         """
@@ -172,22 +163,20 @@ class OverturningSpectrum:
         return 1.0 / mean_capacity(self.level, self.probability(restitution, rotation))
 
     def covers(self, block: Block, least: np.ndarray, most: np.ndarray) -> np.ndarray:
-        """True, (m,), for the blocks that this spectrum stands for (:func:`covered`)."""
+        """True, (m,), for the blocks that this spectrum represents (:func:`covered`)."""
         return covered(block, least, most, self.p, self.lanes.between, self.lanes.side)
 
     def factors(
         self, block: Block, least: ArrayLike | None = None, most: ArrayLike | None = None, factor_max: float = np.inf
     ) -> OverturningFactors:
-        """Probability of overturning of blocks under the record, and the factors on it that it grows with.
+        """Probability of overturning of blocks under the record, and the factors on it at some probabilities.
 
         Parameters
         ----------
         block : Block
             (m,) blocks that the spectrum covers (:meth:`covers`).
-        least, most : (m,) array_like, optional
-            C between which that of a draw is uniform [-]; the shares of the nominal one of the uncertainty without.
-        factor_max : float
-            Largest factor that is asked for [-]; above it factors are inf.
+        least, most, factor_max
+            As for :func:`rocking.overturning_probability`.
         """
         probability, error, speed = self._of_blocks(block, least, most)
         # A higher probability is a lower factor; an end of an interval is the outermost crossing of its band.

@@ -27,13 +27,10 @@ from rocking.arguments import ArrayLike, numbers
 
 #: Least spread of the factor on the record [-]: lanes on a finite number of levels cannot show a narrower one.
 LEAST_SPREAD = 0.02
-
 #: Largest spreads that are taken for uncertainties and not for slips of the unit [-].
 LARGEST_SPREAD = 1.0
-
 #: Sum of weights below which no lane is near a level.
 NO_LANE = 1e-9
-
 #: Scales of the shift beyond which its density counts as 0: it is 1e-14 of the highest there.
 FARTHEST = 8.0
 

@@ -14,10 +14,8 @@ from numba import njit
 
 #: Slower impacts, as u' [-], end the rocking where the ground does not lift the block: u would reach 5e-7.
 SLOWEST = 1e-3
-
 #: Steps of the search for an impact, and its accuracy as u [-].
 STEPS, ACCURACY = 60, 1e-10
-
 #: Impacts that are followed within one piece.
 MOST_IMPACTS = 100_000
 

@@ -31,7 +31,9 @@ def _run(args: argparse.Namespace) -> int:
         raise ConfigError(
             f"--age: it says that bodies still stand, so expected --limit-state overturning, found {limit_state}"
         )
-    files = _files(args.output, args.bodies is None)
+    files = [] if args.output is None else [Path(args.output)]
+    if files and args.bodies is None:  # what each range of levels contributes
+        files.append(files[0].with_name(f"{files[0].stem}_levels{files[0].suffix}"))
     for path in files:
         check_file(path, args.overwrite)
     if args.hazard is not None and args.config is not None:
@@ -70,14 +72,6 @@ def _run(args: argparse.Namespace) -> int:
         for words in warnings:
             tell(f"warning: {words}", sys.stderr)
     return 0
-
-
-def _files(output: str | None, levels: bool) -> list[Path]:
-    """The files to write: the table of bodies, and beside it that of levels."""
-    if output is None:
-        return []
-    path = Path(output)
-    return [path, path.with_name(f"{path.stem}_levels{path.suffix}")] if levels else [path]
 
 
 VERB = Verb(

@@ -46,11 +46,7 @@ _COMPARISONS: dict[str, Callable[[Any, Any], Any]] = {
 
 @dataclass(frozen=True)
 class Condition:
-    """A condition on a variable: ``safety_factor < 1`` or ``SF < 1``, ``outcome = overturns``, ``source = *.AT2``.
-
-    `comparison` is one of <=, >=, !=, <, > and =. `value` is a number; a word of a flag; a text, in which * and ? stand
-    for any letters; several with "|" between them.
-    """
+    """A condition on a variable: ``SF < 1``, ``outcome = overturns``, ``source = *.AT2``, with "|" between values."""
 
     name: str
     comparison: str
@@ -116,12 +112,7 @@ class Condition:
 
 @dataclass(frozen=True)
 class Selection:
-    """The rows of a table that are asked for; all in the order of the file by default.
-
-    `names` holds patterns (* and ? stand for any letters) of the labels along a dimension: ``{"record": ("CI.*",)}``.
-    All `conditions` have to hold. `sort` is the variable by which the rows are sorted, what is not known comes last.
-    `limit` is the largest number of rows.
-    """
+    """The rows of a table that are asked for, by patterns of labels along dimensions; by default all."""
 
     names: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     conditions: tuple[Condition, ...] = ()

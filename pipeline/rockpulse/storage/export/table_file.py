@@ -24,16 +24,6 @@ SHEET_ROWS = 1_048_576
 TYPED = {".xlsx": "openpyxl", ".parquet": "pyarrow"}
 
 
-def check_library(path: Path) -> None:
-    """Raise a ResultsError where the library for a table of this suffix is not installed."""
-    library = TYPED[path.suffix]
-    if find_spec(library) is None:
-        raise ResultsError(
-            f"{path}: a table of this kind is written by {library}, which is not installed: pip install "
-            "'rockpulse[tables]', or choose a name that ends in .csv"
-        )
-
-
 def write_typed(table: LongTable, part: Path, kind: str, seen: Callable[[pd.DataFrame], None]) -> None:
     """Write all rows to the workbook or Parquet file `part`; `seen` is called with every frame."""
     import pandas as pd
@@ -81,8 +71,12 @@ def check_table_target(path: str | Path, overwrite: bool = False) -> Path:
     if not Path(path).name.endswith(SUFFIXES):
         raise ResultsError(f"{path}: expected a name that ends in {', '.join(SUFFIXES[:-1])} or {SUFFIXES[-1]}")
     target = check_file(path, overwrite, SUFFIXES)
-    if target.suffix in TYPED:
-        check_library(target)
+    library = TYPED.get(target.suffix)
+    if library is not None and find_spec(library) is None:
+        raise ResultsError(
+            f"{path}: a table of this kind is written by {library}, which is not installed: "
+            "pip install 'rockpulse[tables]', or choose a name that ends in .csv"
+        )
     check_file(readme_of(target), overwrite, (".md",))
     return target
 

@@ -67,7 +67,9 @@ def replacing(
         check_target(path, overwrite, kind)  # somebody else may have written it during the run
         part.replace(target)
     except OSError as error:
-        raise ResultsError(f"{path}: cannot write the results: {_reason(error)}") from error
+        hidden = re.search(r"errno = (\d+)", str(error))  # HDF5 hides the number in a long text
+        reason = os.strerror(int(hidden[1])) if hidden else error.strerror or str(error)
+        raise ResultsError(f"{path}: cannot write the results: {reason}") from error
     finally:
         part.unlink(missing_ok=True)
     if os.name == "posix":  # elsewhere a folder cannot be opened
@@ -153,12 +155,6 @@ def _kind(target: Path) -> str | None:
             return str(hdf5.attrs.get("kind", ASSESSMENT)) if ours else None
     except (OSError, RuntimeError, KeyError):
         return DAMAGED
-
-
-def _reason(error: OSError) -> str:
-    """The words of the operating system for an error, whose number HDF5 hides in a long text."""
-    hidden = re.search(r"errno = (\d+)", str(error))
-    return os.strerror(int(hidden[1])) if hidden else error.strerror or str(error)
 
 
 def flush(path: Path, mode: int) -> None:

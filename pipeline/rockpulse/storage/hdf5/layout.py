@@ -31,8 +31,11 @@ def wrong_variables(variables: Mapping[str, h5py.Dataset], kind: str, units: boo
         if says_no_variable(variable.attrs.get("NAME")):
             continue
         group, _, name = path.rpartition("/")
-        differences = [
-            _difference(variable, one, units) for one in _declared(kind, group, name.removeprefix(NOT_A_COORDINATE))
+        name = name.removeprefix(NOT_A_COORDINATE)
+        differences = [  # a group may differ with the sort of results
+            _difference(variable, declared[name], units)
+            for title, declared in GROUPS[kind].items()
+            if title.partition(",")[0] == group and name in declared
         ]
         if differences and all(differences):
             yield f"variable {path}: {differences[0]}"
@@ -50,12 +53,6 @@ def missing_variables(variables: Mapping[str, h5py.Dataset], kind: str) -> Itera
             due = not sort and expected.stored is None
             if due and f"{group}/{name}" not in found:
                 yield f"variable {group}/{name}: it is missing"
-
-
-def _declared(kind: str, group: str, name: str) -> list[StoredVariable]:
-    """All declarations of a variable: a group may differ with the sort of results."""
-    tables = (declared for title, declared in GROUPS[kind].items() if title.partition(",")[0] == group)
-    return [declared[name] for declared in tables if name in declared]
 
 
 def _difference(found: h5py.Dataset, expected: StoredVariable, units: bool) -> str:

@@ -14,18 +14,6 @@ from rockpulse.storage.variables.summary import LANES, SUMMARY
 GROWING = frozenset({"record", "row", "interval", "wave", "sample", "history", "instant"})
 
 
-def _of_half_cycle(name: str) -> Callable[[Any], np.ndarray]:
-    return lambda one: one.half_cycles(lambda rows: getattr(rows.source, name)[rows.cycle, rows.lane])
-
-
-def _of_interval(name: str) -> Callable[[Any], np.ndarray]:
-    return lambda one: one.intervals(lambda rows: getattr(rows.source, name))
-
-
-def _of_wave(name: str) -> Callable[[Any], np.ndarray]:
-    return lambda one: getattr(one.scene.waves, name)
-
-
 def _pointers(table: str) -> dict[str, StoredVariable]:
     """The columns of a table of an assessed record that say what a row belongs to; the record counts as the first."""
 
@@ -42,7 +30,7 @@ def _pointers(table: str) -> dict[str, StoredVariable]:
 
 HALF_CYCLE = along(
     ("row",),
-    _of_half_cycle,
+    lambda name: lambda one: one.half_cycles(lambda rows: getattr(rows.source, name)[rows.cycle, rows.lane]),
     **_pointers("half_cycles"),
     half_cycle=whole("number of the half-cycle, from 1", lambda one: one.half_cycles(lambda rows: rows.cycle + 1)),
     start_velocity=real("u = theta'/(p alpha_c) at its start"),
@@ -55,7 +43,7 @@ HALF_CYCLE = along(
 
 OVERTURNING = along(
     ("interval",),
-    _of_interval,
+    lambda name: lambda one: one.intervals(lambda rows: getattr(rows.source, name)),
     **_pointers("intervals"),
     lower=real("smallest factor on the model's input that overturns in this interval"),
     upper=real("largest one; the end of the search where open"),
@@ -76,9 +64,7 @@ DIRECTIONS: Declared = {
         dims=("direction",),
         explanation="from 0 up to 180 degrees: the motion of the opposite direction is the mirror image",
     ),
-    "record_index": whole(
-        "index into record of /summary; -1 where the direction was not assessed", dims=("pair", "direction")
-    ),
+    "record_index": whole("index into record of /summary; -1 where not assessed", dims=("pair", "direction")),
     **along(
         ("pair",),
         pga_median=real("median over direction of the peak ground acceleration", "m s-2"),
@@ -99,7 +85,7 @@ DIRECTIONS: Declared = {
             "NaN where one has no answer"
         ),
         largest_azimuth=real(
-            "azimuth of the largest rotation; where several directions overturn, of the one that does so first",
+            "azimuth of the largest rotation; of several that overturn, of the first to do so",
             "degree",
         ),
         overturning_share=real("share of all directions that overturn"),
@@ -121,7 +107,7 @@ DIRECTIONS: Declared = {
 
 WAVES = along(
     ("wave",),
-    _of_wave,
+    lambda name: lambda one: getattr(one.scene.waves, name),
     impulse=real("signed impulse of the half-wave", "m s-1"),
     centroid=real("time of its centroid from the first sample", "s"),
     start=real("its start", "s"),

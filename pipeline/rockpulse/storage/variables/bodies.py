@@ -27,7 +27,7 @@ BLOCK = along(
     ("block",),
     _of_body,
     width=real(
-        "full width in the plane of rocking; NaN where only p and alpha are known",
+        "full width; NaN where only p and alpha are known",
         "m",
         lambda bodies, config: bodies.width,
     ),

@@ -25,6 +25,10 @@ READ = {
 }
 
 
+def _fixed(values: np.ndarray) -> Callable[[Any, Config], np.ndarray]:
+    return lambda bodies, config: values
+
+
 def _of_lanes(name: str) -> Callable[[Any], np.ndarray]:
     return lambda one: one.per_lane(one.probability[name])
 
@@ -119,19 +123,15 @@ ROTATIONS = np.array([0.1, 0.4, 0.6, 1.0])
 
 #: Along its axes. They are the same for every record of a file, so that the spectra of all records are one array.
 SPECTRUM_AXES: Declared = {
-    "p": real("frequency parameter of the blocks", "s-1", lambda bodies, config: RATES, dims=("p",)),
+    "p": real("frequency parameter of the blocks", "s-1", _fixed(RATES), dims=("p",)),
     "restitution": real(
         "nominal restitution C of the blocks",
-        take=lambda bodies, config: RESTITUTIONS,
+        take=_fixed(RESTITUTIONS),
         dims=("restitution",),
         explanation="that of a draw lies between the shares of it that `[uncertainty] restitution` tells",
     ),
-    "level": real(
-        "factor on the record over the mean capacity of the block", take=lambda bodies, config: LEVELS, dims=("level",)
-    ),
-    "rotation": real(
-        "limit state of rotation, theta/alpha_c", take=lambda bodies, config: ROTATIONS, dims=("rotation",)
-    ),
+    "level": real("factor on the record over the mean capacity of the block", take=_fixed(LEVELS), dims=("level",)),
+    "rotation": real("limit state of rotation, theta/alpha_c", take=_fixed(ROTATIONS), dims=("rotation",)),
 }
 
 SPECTRUM: Declared = {

@@ -47,9 +47,7 @@ VARIABLES: Declared = {
     "event_count": whole("events of such records"),
     "lifting_events": whole("those of these events that have a record which lifts a block"),
     "lifted_share": real("share of the pairs of record and block that count, for the record lifts the block"),
-    "unresolved_share": real(
-        "share of the pairs of record and block whose answer is not known; they count as overturned"
-    ),
+    "unresolved_share": real("share of the pairs of record and block without an answer, which count as overturned"),
     "design_set_by": text(
         "blocks whose overturning sets I: just below it they stand and the quantile is not covered; empty where larger "
         "rotations reach the quantile"
@@ -63,13 +61,9 @@ VARIABLES: Declared = {
     "judged_pairs": whole("pairs of record and block that the coverage rests on"),
     "judged_events": whole("events that the coverage rests on"),
     "coverage_in_sample": real("the same share by the design made of all records: no test of it"),
-    "coverage_all": real(
-        "as coverage, with the blocks that the design overturns, which it covers whatever the records do"
-    ),
+    "coverage_all": real("as coverage, with the blocks that the design overturns, which it always covers"),
     "standing_share": real("share of the pairs that count on blocks that the design leaves standing"),
-    "remarks": text(
-        "what the numbers of this file do not say by themselves, one remark a line", explanation="the gravest first"
-    ),
+    "remarks": text("what the numbers of this file do not say, one remark a line", explanation="the gravest first"),
     "remark_values": text("the same remarks by their codes and values, as JSON"),
     **along(
         ("parameter",),
@@ -78,9 +72,7 @@ VARIABLES: Declared = {
         median_upper=real("upper end of its interval, clustered by event; NaN with one event", _OF_PARAMETER),
         dispersion=real("standard deviation of the logarithm, of records of different events"),
         dispersion_lower=real("lower end of its interval, clustered by event; NaN with one event"),
-        dispersion_upper=real(
-            "upper end of its interval, clustered by event; inf where too few events bound it, NaN with one event"
-        ),
+        dispersion_upper=real("upper end of its interval, clustered by event; inf if unbounded, NaN with one event"),
         quantile_16=real("weighted 16 % quantile of the records, a value that occurs", _OF_PARAMETER),
         quantile_50=real("weighted median of the records, a value that occurs", _OF_PARAMETER),
         quantile_84=real("weighted 84 % quantile of the records, a value that occurs", _OF_PARAMETER),
@@ -99,14 +91,12 @@ VARIABLES: Declared = {
     **OF_RECORDS,
     **along(
         ("record",),
-        misfit=real(
-            "root mean square of ln(sequence/recorded) of the peak rotations where both rock; NaN where nothing does"
-        ),
+        misfit=real("RMS of ln(sequence/recorded) of the peak rotations where both rock; NaN where nothing does"),
         unsafe_share=real(
-            "share of the blocks that the record lifts whose rotation under its own sequence is below the recorded one"
+            "share of the lifted blocks whose rotation under the record's own sequence is below the recorded one"
         ),
         left_out_main=real(
-            "main impulse of the design sequence made without the event of the record; NaN without such a design",
+            "main impulse I of the design without the event of the record; NaN if there is none",
             "m s-1",
         ),
         calibration_remarks=text("what the calibration of its sequence says of itself, one remark a line"),
@@ -148,9 +138,7 @@ VARIABLES: Declared = {
 
 COORDINATES: Declared = {
     "record": text("record id", dims=("record",)),
-    "block": text(
-        "name of the body", dims=("block",), explanation="a body with several restitutions is several blocks"
-    ),
+    "block": text("name of the body", dims=("block",), explanation="one for each restitution of a body"),
     "site_event": text("event", dims=("site_event",)),
     "parameter": text("parameter of the impulse sequence", dims=("parameter",)),
     "other_parameter": text("the other one of a pair", dims=("other_parameter",)),

@@ -1,7 +1,6 @@
 """The variables of /summary in an assessment in the order of the file, and how each is taken."""
 
 from collections.abc import Callable, Iterable
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -56,11 +55,6 @@ def _of_sequence(take: Callable[[Any], Any], absent: float = np.nan) -> Callable
     return lambda one: absent if one.sequence is None else take(one.sequence)
 
 
-def _vertical_channel(one: Any) -> str:
-    acting = find(one.record.processing, "vertical_acceleration")
-    return "" if acting is None else str(acting.values["record"])
-
-
 #: How what is no field of a record is taken from what was assessed.
 _OF_RECORD: dict[str, Callable[[Any], Any] | None] = {
     "event": None,  # known once all records are
@@ -78,7 +72,9 @@ _OF_RECORD: dict[str, Callable[[Any], Any] | None] = {
     "warnings": lambda one: with_codes(one.record.warnings)[0],
     "warning_codes": lambda one: with_codes(one.record.warnings)[1],
     "processing": lambda one: "\n".join(one.record.processing),
-    "vertical_channel": _vertical_channel,
+    "vertical_channel": lambda one: (
+        "" if (acting := find(one.record.processing, "vertical_acceleration")) is None else str(acting.values["record"])
+    ),
 }
 
 
@@ -117,10 +113,6 @@ def _of_strength(name: str) -> Callable[[Any], Any]:
     return lambda one: one.per_lane(one.strength[name])
 
 
-def _of_motion(measure: Measure, one: Any) -> Any:
-    return measure.value(RecordOnBodies(one.record, lambda: one.scene.waves))
-
-
 def _measured(measures: Iterable[Measure], take: Callable[[Measure], Callable[..., Any]]) -> dict[str, StoredVariable]:
     """The variable of each measure, and after it whether a drifting baseline puts it in doubt."""
     found = {}
@@ -156,7 +148,7 @@ RECORD = along(
     start_time=text("UTC time of the first sample, ISO 8601"),
     npts=whole("number of samples", of_ground=True),
     dt=real("sampling interval", "s", of_ground=True),
-    **_measured(STORED, lambda measure: partial(_of_motion, measure)),
+    **_measured(STORED, lambda measure: lambda one: measure.value(RecordOnBodies(one.record, lambda: one.scene.waves))),
     intense_start=real("start of the intense phase from the first sample", "s", of_ground=True),
     intense_end=real("end of the intense phase from the first sample", "s", of_ground=True),
     main_impulse=real("main impulse I of the calibrated sequence", "m s-1"),
@@ -185,7 +177,7 @@ DEMAND = along(
     **_measured(STORED_OF_BODIES, lambda measure: _of_strength(measure.name)),
     impulse_ratio=real("I/I_1c; NaN where the record gave no sequence"),
     floor_amplification=real(
-        "peak acceleration of the floor that the body stands on over that of the ground; 1 on the ground",
+        "peak acceleration of the floor over that of the ground; 1 on the ground",
         of_ground=True,
     ),
     friction_required=real(
@@ -195,7 +187,7 @@ DEMAND = along(
         "body has no `friction`, a wall behind it, ties, loads or thrusts",
     ),
     friction_share=real(
-        "share of the samples at which it asks for more than `friction`", of_ground=True, explanation="NaN as above"
+        "share of the samples that ask for more than `friction`", of_ground=True, explanation="NaN as above"
     ),
 )
 
@@ -274,9 +266,7 @@ SITE_DEMAND = along(
         _of_demands(lambda demand: demand.strength if demand.measure == PGA else np.nan),
     ),
     demand_measure=text("measure of the strength that the site asks for", _of_demands(lambda demand: demand.measure)),
-    demand_value=real(
-        "strength that the site asks for, in demand_units", take=_of_demands(lambda demand: demand.strength)
-    ),
+    demand_value=real("strength asked for, in demand_units", take=_of_demands(lambda demand: demand.strength)),
     demand_units=text("unit of demand_value", _of_demands(lambda demand: ROWS[demand.measure].unit)),
     demand_period=real(
         "period of the oscillator whose pseudo-acceleration the site asks for; NaN for another measure",

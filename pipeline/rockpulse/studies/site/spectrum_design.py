@@ -6,9 +6,9 @@
 """
 
 import math
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from typing import Any, NamedTuple
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -19,7 +19,7 @@ from rocking.spectrum.half_waves import lobe_shapes
 from rocking.spectrum.overturning import OverturningSpectrum
 from rockpulse.assessment.spectra import LANES
 from rockpulse.config.configuration import Config
-from rockpulse.earthquakes import ROUNDING, bootstrap_interval, draw_earthquakes
+from rockpulse.earthquakes import ROUNDING, Quantiles, draw_earthquakes, record_quantiles
 from rockpulse.errors import RecordRefused
 from rockpulse.record.half_wave import half_waves
 from rockpulse.remark import Remark, as_stored
@@ -72,49 +72,6 @@ def fewest_events(quantile: float) -> int:
     return max(FEWEST_EVENTS, math.ceil((1.0 - ROUNDING) / min(quantile, 1.0 - quantile)))
 
 
-class Quantiles(NamedTuple):
-    """A quantile of k values over records, with its interval; NaN with a single earthquake."""
-
-    value: np.ndarray  # (k,)
-    lower: np.ndarray  # (k,)
-    upper: np.ndarray  # (k,)
-
-
-@dataclass(frozen=True, eq=False)
-class QuantileSample:
-    """Weights and events of n records, and resamples of the events."""
-
-    weights: np.ndarray  # (n,) above zero
-    events: np.ndarray  # (n,) number of each record's event
-    draws: np.ndarray  # (b, g) how often each event is in each resample
-    confidence: float
-
-    def quantiles(self, values: np.ndarray, levels: list[float], logarithmic: bool) -> list[Quantiles]:
-        """Quantiles of values (n, ...) over the records, one for each level, of the shape of the values of a record.
-
-        The interval of positive values is that of their logarithms with `logarithmic`.
-        """
-        flat = values.reshape(values.shape[0], -1)
-        found = np.empty((len(levels), 3, flat.shape[1]))
-        sizes = np.bincount(self.events, self.weights)
-        drawn = self.draws[:, self.events] * self.weights
-        for column in range(flat.shape[1]):
-            order = np.argsort(flat[:, column], kind="stable")
-            ordered = flat[order, column]
-            below, of_draws = np.cumsum(self.weights[order]), np.cumsum(drawn[:, order], axis=1)
-            for row, level in enumerate(levels):
-                share = level - ROUNDING
-                value = ordered[np.searchsorted(below, share * below[-1])]
-                # As many records lie below the quantile as there are sums below the share.
-                resampled = ordered[np.sum(of_draws < share * of_draws[:, -1:], axis=1)]
-                if logarithmic:
-                    ends = np.exp(bootstrap_interval(np.log(value), np.log(resampled), sizes, self.confidence))
-                else:
-                    ends = np.array(bootstrap_interval(float(value), resampled, sizes, self.confidence))
-                found[row, :, column] = value, *ends
-        return [Quantiles(*one) for one in found.reshape(len(levels), 3, *values.shape[1:])]
-
-
 def spectrum_design(
     done: Mapping[str, np.ndarray],
     weights: np.ndarray,
@@ -136,9 +93,11 @@ def spectrum_design(
     enough = count >= least
     if enough:
         draws = draw_earthquakes(count, settings.bootstrap, [config.run.seed, *b"site"])
-        sample = QuantileSample(weights[counted], events, draws, settings.confidence)
+        quantiles = partial(
+            record_quantiles, weights=weights[counted], events=events, draws=draws, confidence=settings.confidence
+        )
         own = {name: values[counted] for name, values in spectra.items()}
-        spectra |= _interval_tables(sample, own, settings.quantile)
+        spectra |= _interval_tables(quantiles, own, settings.quantile)
     else:
         few = Remark("too_few_events", count=count, least=int(least), quantile=float(settings.quantile))
         remarks = [few, *remarks]
@@ -175,14 +134,14 @@ def spectrum_design(
 
 
 def _interval_tables(
-    sample: QuantileSample, of_records: Mapping[str, np.ndarray], quantile: float
+    quantiles: Callable[..., list[Quantiles]], of_records: Mapping[str, np.ndarray], quantile: float
 ) -> dict[str, np.ndarray]:
     """The quantiles of /spectra with their intervals, by name."""
     levels = {**STATED, "spectrum_design": quantile}
-    of_levels = sample.quantiles(of_records["spectrum"], list(levels.values()), logarithmic=True)
+    of_levels = quantiles(of_records["spectrum"], list(levels.values()), logarithmic=True)
     found = dict(zip(levels, of_levels, strict=True))
-    (ratio,) = sample.quantiles(of_records["record_ratio"], [0.5], logarithmic=False)
-    (count,) = sample.quantiles(of_records["record_main_count"].astype(float), [0.5], logarithmic=False)
+    (ratio,) = quantiles(of_records["record_ratio"], [0.5], logarithmic=False)
+    (count,) = quantiles(of_records["record_main_count"].astype(float), [0.5], logarithmic=False)
     found["ratio"] = Quantiles(ratio.value, np.clip(ratio.lower, 0.0, 1.0), np.clip(ratio.upper, 0.0, 1.0))
     found["main_count"] = Quantiles(count.value, np.maximum(np.floor(count.lower), 1.0), np.ceil(count.upper))
     ends = ("", "_lower", "_upper")

@@ -1,7 +1,4 @@
-"""The changes between two assessments that decide: answers on the other side of a limit, and the margin of a body.
-
-The verdict is that of the fullest model; its changes come first.
-"""
+"""The changes between two assessments that decide: answers on the other side of a limit, and margins of bodies."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field

@@ -1,9 +1,4 @@
-"""The changes between two results files: rows only one of them has, values beyond a tolerance, verdicts that flipped.
-
-Rows are matched by their names (records, blocks, models), not by their place; in tables that point at them, such as the
-half-cycles, by what they point at. All values of both files are read and compared, part by part: stored checksums say
-what was written, not what is there now (``rockpulse verify`` checks them).
-"""
+"""The changes between two results files: rows of one only, values beyond a tolerance, verdicts that flipped."""
 
 import math
 from collections.abc import Iterator, Mapping, Sequence

@@ -53,10 +53,7 @@ NAMED = 6
 
 @dataclass(frozen=True, eq=False)
 class Paired:
-    """Another file beside the results, and what they have in common.
-
-    The tree holds, of fragility curves, those of bodies of the results only, each once.
-    """
+    """Another file beside the results, of fragility curves the common bodies alone, and what both have in common."""
 
     tree: xr.DataTree
     missing: tuple[str, ...]  # bodies of the results only
@@ -223,10 +220,7 @@ def _set(value: Any) -> str:
 
 @dataclass(frozen=True)
 class Part:
-    """A section of the report: loud remarks, sentences, tables.
-
-    ``blocks`` names the bodies that have curves; ``banded`` says whether any of these has a confidence band.
-    """
+    """A section of the report: loud remarks, sentences, tables; the bodies with curves, and whether one has a band."""
 
     remarks: tuple[str, ...]
     statements: tuple[str, ...]

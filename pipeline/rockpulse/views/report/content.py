@@ -94,8 +94,7 @@ def gather(tree: xr.DataTree, site: Paired | None = None, fragility: Paired | No
     sections = stored_sections(configuration)
     files, drawn = files_used(tree), drawings(tree)
     calibrated = None if site is None else site.tree["site"].to_dataset()
-    components = str(sections.get("records", {}).get("components", ""))
-    said = remarks(answers, found, files, calibrated, components)
+    said = remarks(answers, found, files, calibrated, str(sections.get("records", {}).get("components", "")))
     title = str(tree.attrs.get("title", ""))
     if configuration and not sections.get("site", {}).get("name"):
         title = say(f"page.title_by_{'sequence' if by_sequence else 'records'}")

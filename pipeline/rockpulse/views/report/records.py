@@ -60,10 +60,7 @@ def record_named(known: Known, name: str) -> str:
 
 
 def used_table(answers: Answers) -> Table:
-    """A row for the records of one station and earthquake: its magnitude, directions, PGA and the worst answer.
-
-    Of many the strongest ones; the caption tells how many there are.
-    """
+    """A row for the records of one station and earthquake; of many the strongest ones, as the caption says."""
     pga = answers["pga"]
     groups: dict[tuple[str, str, str], list[int]] = {}
     for row, (record, event) in enumerate(zip(answers.records, answers["event"], strict=True)):

@@ -1,7 +1,4 @@
-"""The report as a file: one page of HTML that asks nothing of a network, or the PDF that a browser prints of it.
-
-The browser is one that is on this machine, Chrome, Chromium or Edge, without a window.
-"""
+"""The report as a file: one page of HTML that asks nothing of a network, or the PDF that a browser prints of it."""
 
 import base64
 import hashlib

@@ -127,10 +127,7 @@ def _pooled(curves: xr.Dataset, efficiency: xr.Dataset) -> str:
 
 
 def sufficiency_tables(efficiency: xr.Dataset) -> list[Table]:
-    """The number of cases in which the capacity depends on a quality of the record beside the measure.
-
-    One table, with a column for every quality that was tested; none where nothing was.
-    """
+    """The numbers of cases in which capacity depends on a quality beside the measure, each a column; or no table."""
     p_value = efficiency["pooled_p_value"].transpose("measure", "quality", "limit_state")
     tested = np.isfinite(p_value.values)
     tests = int(np.count_nonzero(tested))

@@ -1,7 +1,4 @@
-"""A site file as text: its remarks first, then the parameters, the design sequence and the coverage.
-
-By the overturning spectrum: what the design asks of every body, in effective impulses, then sequences of them.
-"""
+"""A site file as text: by sequences parameters, design and coverage, by the spectrum the design of every body."""
 
 import math
 from collections.abc import Callable

@@ -274,10 +274,7 @@ def worst_motions(answers: Answers, most: int) -> str:
 
 
 def governing(answers: Answers) -> str:
-    """The records that the verdicts rest on in words, with the bodies; empty where nothing is known of any.
-
-    Of every body that is the record of its smallest factor or, without one, the first that overturns it.
-    """
+    """The records of the smallest factors, or that overturn, in words with their bodies; empty where none is known."""
     ruled: dict[int, dict[str, None]] = {}
     for one in verdicts(answers):
         if one.governing >= 0:

@@ -50,12 +50,6 @@ def test_extremes_are_those_of_the_samples_in_each_column():
     assert np.isfinite(found[:, :88]).all()
 
 
-def test_a_curve_that_ends_before_the_stretch_has_no_values_there():
-    found = Columns(0.0, 10.0, 10).extremes(np.arange(6.0), np.ones(6))
-    assert found[0].tolist()[:6] == [1.0] * 6
-    assert np.isnan(found[:, 6:]).all()
-
-
 def test_packing_keeps_sixteen_bits():
     extremes = np.array([[-3.0, np.nan, 0.1], [1.0, np.nan, 0.2]])
     one = packed(extremes)

@@ -200,16 +200,6 @@ def test_where_nothing_was_found_the_page_says_up_to_where(results):
     assert any("1 of 3 bodies lifted by none of these motions" in one.head for one in found.remarks)
 
 
-def test_a_rotation_beyond_the_critical_angle_is_explained_where_there_is_one(results):
-    assert not any("Above 1" in note for note in gather(results).notes)
-    peaks = results["summary"]["peak_rotation_ratio"].values[0].copy()
-    body = list(results["summary"]["block"].values).index("stele")
-    outcome = results["summary"]["outcome"].values[0].copy()
-    outcome[body], peaks[body] = 1, 1.2
-    notes = gather(changed(results, outcome=outcome, peak_rotation_ratio=peaks)).notes
-    assert any("Above 1: rocked beyond the critical angle" in note for note in notes)
-
-
 def test_results_without_a_record_call_nothing_safe(results):
     tree = results.copy()
     tree["summary"] = xr.DataTree(tree["summary"].to_dataset().isel(record=[]))

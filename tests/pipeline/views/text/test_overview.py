@@ -129,21 +129,24 @@ def test_the_factor_of_the_fullest_model_stands_beside_the_verdicts(searched):
     assert row(factor_table(Answers(searched)), "column", RECORDS[0])[-2:] == ["0.84", "(3)"]
 
 
-def test_what_a_search_may_miss_is_said(searched):
-    assert "step of the search" not in verdict_table(searched)
-    searched["search_step"] = xr.full_like(searched["safety_factor"], 1.047)
-    assert "step of the search (up to 4.7%)" in " ".join(verdict_table(searched).split())
-
-
-def test_a_closed_form_misses_nothing_and_a_sequence_is_searched_in_steps(searched):
-    searched["search_step"] = xr.full_like(searched["safety_factor"], 1.0)
-    assert "Bands narrower" not in verdict_table(searched)
-    searched["search_step"][:] = 1.005
-    renamed = searched.assign_coords(model=("model", ["x", "resonance", "sequence"]))
-    assert "(up to 0.5%) may lie below it: do not read it to two digits ([search] step)." in " ".join(
-        verdict_table(renamed).split()
-    )
-    assert "([search] points)." in " ".join(verdict_table(searched).split())
+@pytest.mark.parametrize(
+    ("step", "models", "told"),
+    [
+        (1.047, None, "(up to 4.7%) may lie below it: do not read it to two digits ([search] points)."),
+        (
+            1.005,
+            ["x", "resonance", "sequence"],
+            "(up to 0.5%) may lie below it: do not read it to two digits ([search] step).",
+        ),
+        (1.0, None, None),
+    ],
+)
+def test_what_a_search_may_miss_is_said(searched, step, models, told):
+    """A closed form misses nothing, and a sequence is searched in steps."""
+    searched["search_step"] = xr.full_like(searched["safety_factor"], step)
+    shown = searched if models is None else searched.assign_coords(model=("model", models))
+    text = " ".join(verdict_table(shown).split())
+    assert told in text if told else "Bands narrower" not in text
 
 
 def test_notes_count_what_is_shown(searched):
@@ -171,11 +174,6 @@ def test_a_factor_at_which_the_model_cannot_answer_is_marked_and_explained(searc
     assert "!: a lower bound" in factor_table(Answers(searched))
     ends = {len(line.rstrip("!")) for line in text.splitlines() if line.startswith(("  column", "  boundary wall"))}
     assert len(ends) == 1  # the marks stand beyond the numbers
-
-
-def test_a_sequence_in_place_of_a_record_is_named(searched):
-    searched["npts"][:] = -1
-    assert "SF: smallest factor on the main impulse" in verdict_table(searched)
 
 
 def test_without_a_search_there_is_no_column_of_factors(summary):
@@ -319,11 +317,6 @@ def test_the_record_that_governs_is_told_in_words_once(summary):
     tree = results_tree()
     tree["summary"] = xr.DataTree(known)
     assert text in overview(tree, whole=True)
-
-
-def test_by_a_model_that_was_searched_the_smallest_factor_governs(searched):
-    text = governing(Answers(searched))
-    assert text.startswith("What governs (the record of the smallest safety factor, by the nonlinear model):")
 
 
 def test_where_nothing_is_known_of_a_record_nothing_is_told_of_it(summary):
