@@ -1,12 +1,11 @@
-"""Coverage of design sequences on records of events left out, by how the design is chosen.
+"""Coverage of design sequences on records of events left out (`[calibration] method = "statistics"`).
 
-    python benchmarks/site_coverage.py --records FOLDER ... [--response] [--pga 0.15] [--scale-to pga --target 4]
+    python benchmarks/site_coverage.py --records FOLDER ... [--pga 0.15] [--scale-to pga --target 4]
 
-The horizontal channels above the PGA [g] (mean removed, high-pass 0.1 Hz), with the sequences of their half-waves or,
-with --response, those calibrated on responses (5 s a record), and 12 blocks: slenderness 4, 6, 8, 12 by R = 1, 2, 4 m,
-Housner's restitution. One line a design and quantile: I of the design of all records, share of the pairs of record and
-block that count on blocks left standing, coverage with its 90 % interval on blocks left standing, coverage of all
-blocks. "pooled" is "response" with the share taken over all blocks, those that the design overturns included.
+The horizontal channels above the PGA [g] (mean removed, high-pass 0.1 Hz), with the sequences of their half-waves, and
+12 blocks: slenderness 4, 6, 8, 12 by R = 1, 2, 4 m, Housner's restitution. One line a quantile: I of the design of all
+records, share of the pairs of record and block that count on blocks left standing, coverage with its 90 % interval on
+blocks left standing, coverage of all blocks.
 """
 
 import argparse
@@ -14,11 +13,10 @@ import argparse
 import numpy as np
 
 from rockpulse import CalibrationSettings, ConditioningSettings, Config, calibrate_site, condition, read_all
-from rockpulse.errors import RecordRefused, RockpulseError
-from rockpulse.models import Block, ImpulseSequence, sequence_response
+from rockpulse.errors import RockpulseError
+from rockpulse.models import Block
 from rockpulse.record.components import select_horizontal
 from rockpulse.record.record import STANDARD_GRAVITY, Record
-from rockpulse.studies.site import design as site_design
 from rockpulse.studies.site.design import BEYOND, SiteSample, covered, design_sequence
 from rockpulse.studies.site.records import rotation_to_cover
 from rockpulse.studies.site.sequence_design import coverage_of, leave_one_event_out
@@ -51,28 +49,15 @@ def strong(folders: list[str], pga: float) -> list[Record]:
     return found
 
 
-def pooled(sample: SiteSample, quantile: float) -> ImpulseSequence:
-    """The smallest I from which on the share over all blocks is at least the quantile."""
-    shape = design_sequence(sample, quantile, "response")
-    mains = np.geomspace(0.02 * shape.main, 20.0 * shape.main, 1000)
-    reached = np.asarray(sequence_response(sample.blocks, shape.scaled(mains / shape.main), 0).peak_rotation_ratio)
-    counted = ~np.isnan(sample.peaks)
-    shares = [np.average((sample.peaks <= row)[counted]) for row in reached]
-    short = np.flatnonzero(np.array(shares) < quantile)
-    return shape.scaled(float(mains[short[-1] + 1]) / shape.main)
-
-
 def main() -> None:
     """Print the table."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--records", nargs="+", required=True, metavar="FOLDER")
-    parser.add_argument("--response", action="store_true")
     parser.add_argument("--pga", type=float, default=0.15)
     parser.add_argument("--scale-to", choices=("none", "pga", "pgv", "impulse"), default="none")
     parser.add_argument("--target", type=float)
     args = parser.parse_args()
-    method = "response" if args.response else "statistics"
-    calibration = CalibrationSettings(method=method, scale_to=args.scale_to, target=args.target)
+    calibration = CalibrationSettings(method="statistics", scale_to=args.scale_to, target=args.target)
     config = Config(conditioning=CONDITIONING, calibration=calibration)
     site = calibrate_site(strong(args.records, args.pga), config, blocks())["site"].to_dataset()
     sample = SiteSample(
@@ -83,23 +68,17 @@ def main() -> None:
         blocks=Block.stack([block.lanes(1) for block in blocks().values()]),
         spacing="end",
     )
-    print(f"{site.sizes['record']} channels of {site.sizes['site_event']} events; sequences by {method}")
+    print(f"{site.sizes['record']} channels of {site.sizes['site_event']} events")
     print(f"misfit {np.nanmedian(site['misfit']):.2f}, unsafe share {np.nanmedian(site['unsafe_share']):.2f} (medians)")
-    site_design.DESIGN["pooled"] = pooled
-    print("design      quantile      I  standing  coverage of the standing    of all")
+    print("quantile      I  standing  coverage of the standing    of all")
     for quantile in QUANTILES:
-        for design in site_design.DESIGN:
-            try:
-                sequence = design_sequence(sample, quantile, design)
-            except RecordRefused as error:
-                print(f"{design:10}  {quantile:8}  {error}")
-                continue
-            marks = leave_one_event_out(sample, quantile, design).covered
-            stands = np.average(covered(sample, sequence)[~np.isnan(sample.peaks)] != BEYOND)
-            share, low, high = coverage_of(marks, sample, 0.9)
-            of_all = coverage_of(marks, sample, 0.9, standing=False)[0]
-            interval = f"{share:8.3f} ({low:.3f} to {high:.3f})"
-            print(f"{design:10}  {quantile:8}  {sequence.main:5.3f}  {stands:8.2f}  {interval}  {of_all:8.3f}")
+        sequence = design_sequence(sample, quantile)
+        marks = leave_one_event_out(sample, quantile).covered
+        stands = np.average(covered(sample, sequence)[~np.isnan(sample.peaks)] != BEYOND)
+        share, low, high = coverage_of(marks, sample, 0.9)
+        of_all = coverage_of(marks, sample, 0.9, standing=False)[0]
+        interval = f"{share:8.3f} ({low:.3f} to {high:.3f})"
+        print(f"{quantile:8}  {sequence.main:5.3f}  {stands:8.2f}  {interval}  {of_all:8.3f}")
 
 
 if __name__ == "__main__":

@@ -63,8 +63,6 @@ from .run.options import BatchOptions as BatchOptions
 from .run.options import BatchReport as BatchReport
 from .sequences.design_spectrum import DesignSpectrum as DesignSpectrum
 from .sequences.estimators import calibrate as calibrate
-from .sequences.response import calibrate_response as calibrate_response
-from .sequences.response_result import ResponseCalibration as ResponseCalibration
 from .sequences.rule import Rule as Rule
 from .sequences.rule import load_rule as load_rule
 from .storage.export.long_table import results_table as results_table

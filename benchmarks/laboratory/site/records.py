@@ -1,8 +1,9 @@
 """What both methods of a site need of each record, computed once: the capacities, the spectra and the fitted sequence.
 
 .. note:: The capacity of a body is `factor_50` of the nonlinear overturning spectrum of the record, under the default
-   uncertainty. The spectrum and the sequence are those of ``rockpulse calibrate`` for one record. The fit of a sequence
-   takes about ten seconds of a core and is stored: a second run goes on where the first one stopped.
+   uncertainty. The spectrum is that of ``rockpulse calibrate`` for one record, the sequence that of
+   :func:`laboratory.site.response.calibrate_response`. Its fit takes about ten seconds of a core and is stored: a
+   second run goes on where the first one stopped.
 """
 
 import re
@@ -12,15 +13,18 @@ from pathlib import Path
 import numpy as np
 
 from laboratory.ensemble import StrongMotion
+from laboratory.site.response import calibrate_response
 from rocking.body.block import Block
+from rocking.march.recorded import recorded_response
+from rocking.response import Outcome
 from rocking.spectrum.lanes import spectrum_lanes
 from rocking.spectrum.overturning import OverturningSpectrum
+from rockpulse.assessment.scene import extract
 from rockpulse.config.configuration import Config
-from rockpulse.config.settings import CalibrationSettings
 from rockpulse.errors import RecordRefused
 from rockpulse.selection.directions import Motion
 from rockpulse.storage.variables.probability import RESTITUTIONS
-from rockpulse.studies.site.records import rotation_to_cover, site_record
+from rockpulse.studies.site.records import parameters_of, rotation_to_cover
 from rockpulse.studies.site.spectrum_design import site_spectrum_record
 
 __all__ = ["BODIES", "known_of"]
@@ -40,8 +44,8 @@ BODIES = Block.from_parameters(
 def known_of(motion: StrongMotion, folder: Path) -> dict[str, np.ndarray]:
     """Capacities, spectra and sequence of a motion by name, from its file in a folder if there is one.
 
-    `capacity` (12,) [-], `rule` and `nonlinear` (a, c) [m/s], `value` (5,) and `peaks` (12,) as in a site file by the
-    method "response"; NaN if the record moves too few bodies for a fit.
+    `capacity` (12,) [-], `rule` and `nonlinear` (a, c) [m/s], `value` (5,) the parameters of the sequence, NaN if the
+    record moves too few bodies for a fit, and `peaks` (12,) the recorded rotations to be covered.
     """
     path = folder / f"{re.sub('[^A-Za-z0-9.-]', '_', motion.record.id)}.npz"
     if not path.exists():
@@ -51,18 +55,21 @@ def known_of(motion: StrongMotion, folder: Path) -> dict[str, np.ndarray]:
 
 
 def _computed(motion: StrongMotion) -> dict[str, np.ndarray]:
-    record = motion.record
+    record, config = motion.record, Config()
     own = OverturningSpectrum(spectrum_lanes(record.acceleration, record.dt))
-    of_rule = site_spectrum_record(Motion(record), lambda _: nullcontext(), Config())
-    fitting = Config(calibration=CalibrationSettings(method="response"))
+    of_rule = site_spectrum_record(Motion(record), lambda _: nullcontext(), config)
+    found = recorded_response(BODIES, record.acceleration, record.dt)
+    peaks = np.where(found.outcome == Outcome.UNRESOLVED, np.nan, found.peak_rotation_ratio)
+    scene = extract(record, config)
     try:
-        fitted = site_record(Motion(record), lambda _: nullcontext(), BODIES, fitting)
+        fit = calibrate_response(scene.record, start=scene.sequence, spacing=config.sequence.spacing)
+        value = np.array(parameters_of(fit.sequence))
     except RecordRefused:
-        fitted = {"value": np.full((1, 5), np.nan), "peaks": np.full((1, *BODIES.shape), np.nan)}
+        value = np.full(5, np.nan)
     return {
         "capacity": own.factors(BODIES).factor_50,
         "nonlinear": own.spectrum(RESTITUTIONS),
         "rule": of_rule["spectrum"][0],
-        "value": fitted["value"][0],
-        "peaks": rotation_to_cover(fitted["peaks"][0]),
+        "value": value,
+        "peaks": rotation_to_cover(peaks),
     }

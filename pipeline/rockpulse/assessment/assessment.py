@@ -11,7 +11,7 @@ import xarray as xr
 from rocking.impulses.impulse_sequence import ImpulseSequence
 from rockpulse.assessment.record_assessment import assess_scene
 from rockpulse.assessment.results import registered
-from rockpulse.assessment.scene import extract, matched, solver_options
+from rockpulse.assessment.scene import extract, solver_options
 from rockpulse.assessment.tree import EVENT, build_tree, nothing, record_part, template
 from rockpulse.config.bodies import Bodies, gather_bodies, refuse_aloft
 from rockpulse.config.configuration import Config, given_config
@@ -121,7 +121,7 @@ def assess_motion(motion: Motion, watch: Watch, bodies: Bodies, config: Config) 
         scene = extract(motion.record, config, motion.vertical)
     with watch("solve"):
         pair = Pair(*motion.channels) if len(motion.channels) == 2 else None
-        assessment = assess_scene(matched(scene, config), bodies, config, motion.pair, pair)
+        assessment = assess_scene(scene, bodies, config, motion.pair, pair)
     with watch("pack"):
         return record_part(assessment)
 

@@ -15,7 +15,7 @@ from rocking.search.capacity import uplift_scale
 from rocking.search.factors import ScaleIntervals
 from rocking.spectrum.overturning import OverturningSpectrum
 from rockpulse.assessment.probability import record_probability
-from rockpulse.assessment.scene import aloft, joined_responses, matched, places_of, senses, turned
+from rockpulse.assessment.scene import aloft, joined_responses, places_of, senses, turned
 from rockpulse.assessment.spectra import spectrum_values
 from rockpulse.config.bodies import Bodies, Place
 from rockpulse.config.configuration import Config
@@ -141,7 +141,6 @@ def assess_scene(
         below = turned(scene, place, pair, config)
         there = aloft(below, place, config)
         stronger = there.record.pga / below.record.pga
-        there = there if there is scene else matched(there, config)
         parts.append(_assess_at(there, bodies.chosen(numbers), config, channels or [record], stronger))
     warnings = dict.fromkeys(remark for part in parts for remark in part.record.warnings)
     record = replace(record, warnings=(*record.warnings, *(one for one in warnings if one not in record.warnings)))

@@ -16,7 +16,7 @@ from rockpulse.config.bodies import Bodies, Place
 from rockpulse.config.configuration import Config
 from rockpulse.errors import RecordRefused
 from rockpulse.model_row import Scene
-from rockpulse.model_table import MODELS, RULE_POINT
+from rockpulse.model_table import RULE_POINT
 from rockpulse.record.components import Pair, align, uncovered
 from rockpulse.record.conditioning import condition
 from rockpulse.record.half_wave import half_waves
@@ -59,28 +59,6 @@ def solver_options(config: Config) -> dict[str, Any]:
     models, search = config.models, config.search
     own = {"gain": models.gain, "histories": models.histories}
     return own | {"factor_max": search.factor_max, "points": search.points, "step": search.step}
-
-
-def matched(scene: Scene, config: Config) -> Scene:
-    """The scene with a sequence matched to its record if the method is "response"; none, and a warning, if too weak."""
-    wanted = config.sequence.method == "response" and any(MODELS[name].paired for name in config.models.use)
-    if not wanted or scene.sequence is None:
-        return scene
-    from rockpulse.sequences.response import calibrate_response  # a second, and rarely asked for
-
-    try:
-        found = calibrate_response(
-            scene.record,
-            vertical=scene.vertical,
-            start=scene.sequence,
-            spacing=config.sequence.spacing,
-            seed=config.run.seed,
-        )
-    except RecordRefused as error:
-        record = scene.record.with_warning(Remark("no_sequence", reason=str(error)))
-        return replace(scene, record=record, sequence=None)
-    record = replace(scene.record, processing=(*scene.record.processing, *found.remarks))
-    return replace(scene, record=record, sequence=found.sequence)
 
 
 #: The oscillations of a floor are followed until they are below so much of gravity: a thousandth of the uplift of a

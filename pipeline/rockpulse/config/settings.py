@@ -134,12 +134,12 @@ class IntensePhaseSettings(Section):
 class SequenceSettings(Section):
     """The sequence that stands for a record; all but the method are keyword arguments of :func:`rockpulse.calibrate`.
 
-    The method "rule" gives every body a sequence of its own, by the conservative point of the rule; the others one for
-    all bodies, from the statistics of the half-waves or matched to the response of bodies to the record.
+    The method "rule" gives every body a sequence of its own, by the conservative point of the rule; "statistics" one
+    for all bodies, from the half-waves of the record.
     """
 
     heading = "[sequence]"
-    method: str = choice("rule", ("rule", "statistics", "response"))
+    method: str = choice("rule", ("rule", "statistics"))
     main: str = choice("largest", ("largest", "mean-largest", "quantile"))
     secondary: str = choice("rms", ("rms", "median", "mean"))
     interval: str = choice("median", ("median", "mean"))
@@ -200,17 +200,15 @@ class DemandSettings(Section):
 class CalibrationSettings(Section):
     """The way from the records of a site to its design sequence (:func:`rockpulse.calibrate_site`).
 
-    Without `weights` earthquakes are alike with the method "spectrum", and records are with the other ones.
+    Without `weights` earthquakes are alike with the method "spectrum", and records are with "statistics".
     """
 
     heading = "[calibration]"
-    method: str = choice("spectrum", ("spectrum", "response", "statistics"))
+    method: str = choice("spectrum", ("spectrum", "statistics"))
     spectrum: str = choice("rule", ("rule", "nonlinear"))
-    family: str = choice("default", ("default", "blocks"))
     weights: str | None = text(None)
     scale_to: str = choice("none", ("none", *SCALING))
     target: float | None = number(None, low=0.0, above=True, unit=units_in_words(SCALING))
-    design: str = choice("response", ("response", "parameters"))
     quantile: float = number(0.84, low=0.01, high=0.99)
     confidence: float = number(0.9, low=0.5, high=0.99)
     bootstrap: int = count(1000, low=100)

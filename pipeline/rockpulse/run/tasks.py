@@ -37,9 +37,8 @@ IDLE = {
     "fragility": {"site", "report", "models", "uncertainty", "calibration", "hazard", "check"},
 }
 
-#: Keys of [calibration] for the end of a run, those of method "response" alone, and keys of [fragility] for the end.
-LATE = ("weights", "design", "quantile", "bootstrap")
-OF_MATCHING = ("family", "confidence")
+#: Keys of [calibration] and of [fragility] for the end of a run.
+LATE = ("weights", "quantile", "confidence", "bootstrap")
 OF_FITS = ("model", "overturning_model", "confidence")
 
 
@@ -98,14 +97,13 @@ def configuration_fingerprint(config: Config, verb: str) -> str:
 
     It excludes paths, duplicate selection, workers, names, and options for the end of a run (tables of events and
     weights, statistics, fits). Units, intervals and confirmed ids are in the fingerprint of each task; the seed counts
-    only if the response of each record is matched or bodies have a probability of overturning.
+    only if bodies have a probability of overturning.
     """
-    matched = verb == "calibrate" and config.calibration.method == "response"
-    seeded = matched or (verb == "assess" and (config.has_probability or config.sequence.method == "response"))
+    seeded = verb == "assess" and config.has_probability
     config = replace(
         config,
         records=replace(config.records, paths=(), events=None, keep=(), units=None, dt=None, files=(), confirm=()),
-        calibration=_as_default(config.calibration, LATE if matched else LATE + OF_MATCHING),
+        calibration=_as_default(config.calibration, LATE),
         fragility=_as_default(config.fragility, OF_FITS),
         search=config.search if verb == "assess" else replace(config.search, intervals=False),
         uncertainty=replace(config.uncertainty, azimuth=False),

@@ -8,7 +8,6 @@ import pytest
 import rockpulse as rp
 from rocking.response import HalfCycles, Response
 from rockpulse import models
-from rockpulse.assessment import record_assessment
 from rockpulse.assessment.record_assessment import assess_scene
 from rockpulse.assessment.scene import aloft, extract, floor_record, joined_responses, places_of
 from rockpulse.config.bodies import Place, gather_bodies
@@ -174,15 +173,6 @@ def test_what_is_told_of_a_floor_is_a_remark_of_the_record_once():
     for blocks in (squat[:2], squat):
         told = rp.assess([RECORD], replace(asked, blocks=tuple(blocks)))["summary"]["warnings"].item()
         assert told.count("1 of 1 bodies lie outside the range") == 1
-
-
-def test_the_sequence_of_a_floor_is_matched_to_its_motion(monkeypatch):
-    asked = config(body("ground"), body("aloft", floors=(FLOOR,)))
-    scene, seen = extract(RECORD, asked), []
-    monkeypatch.setattr(record_assessment, "matched", lambda there, _: seen.append(there.record) or there)
-    assess_scene(scene, gather_bodies(asked.blocks), asked)
-    assert [one is scene.record for one in seen] == [False]
-    assert np.array_equal(seen[0].acceleration, floor_record(RECORD, (FLOOR,)).acceleration)
 
 
 def test_a_stiff_building_is_the_ground():

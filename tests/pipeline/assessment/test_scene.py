@@ -1,15 +1,12 @@
 """A record made ready for the models: the vertical beside it, and the sequence that it is assessed by."""
 
 from dataclasses import replace
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 import rockpulse as rp
-from rockpulse.assessment.scene import extract, matched, prepare
-from rockpulse.errors import RecordRefused
-from rockpulse.sequences import response
+from rockpulse.assessment.scene import extract, prepare
 
 T = np.arange(0.0, 6.0, 0.01)
 RECORD = rp.Record(3.0 * np.sin(9.0 * T) * np.exp(-(((T - 3.0) / 1.5) ** 2)), dt=0.01, id="burst", processed=True)
@@ -45,36 +42,6 @@ def test_a_record_with_too_few_half_waves_has_no_sequence():
     assert scene.sequence is None
     assert "no_sequence" in codes(scene.record)
     assert extract(RECORD, CONFIG).sequence is not None
-
-
-def test_a_sequence_is_matched_to_the_record_where_that_is_asked_for(monkeypatch):
-    asked = replace(CONFIG, sequence=replace(CONFIG.sequence, method="response"), run=replace(CONFIG.run, seed=7))
-    scene = extract(RECORD, asked)
-    given = {}
-
-    def calibrated(record, **options):
-        given.update(options, record=record)
-        return SimpleNamespace(remarks=("one", "two"), sequence="matched")
-
-    monkeypatch.setattr(response, "calibrate_response", calibrated)
-    found = matched(scene, asked)
-    assert (found.sequence, found.record.processing[-2:]) == ("matched", ("one", "two"))
-    assert given == {
-        "record": scene.record, "vertical": None, "start": scene.sequence, "spacing": asked.sequence.spacing, "seed": 7
-    }  # fmt: skip
-    # Nothing is searched by another method, without a sequence to begin with, or for models that take none.
-    assert matched(scene, CONFIG) is scene
-    bare, unasked = replace(scene, sequence=None), replace(asked, models=rp.ModelSettings(use=("nonlinear",)))
-    assert matched(bare, asked) is bare
-    assert matched(scene, unasked) is scene
-
-    def refused(record, **options):
-        raise RecordRefused("too few bodies move")
-
-    monkeypatch.setattr(response, "calibrate_response", refused)
-    found = matched(scene, asked)
-    assert (found.sequence, codes(found.record)) == (None, ["no_sequence"])
-    assert "too few bodies move" in found.record.warnings[0]
 
 
 @pytest.mark.parametrize(("method", "rule"), [("rule", "conservative"), ("statistics", "")])

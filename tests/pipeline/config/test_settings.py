@@ -32,14 +32,12 @@ def test_the_words_are_those_of_the_modules_that_act_on_them():
     from rockpulse.record.intensity import INTENSE_PHASES
     from rockpulse.selection.directions import DIRECTIONS
     from rockpulse.sequences import estimators
-    from rockpulse.studies.site.design import DESIGN
 
     served = {
         ("records", "components"): ("horizontal", *DIRECTIONS),
         ("records", "response"): RESPONSES,
         ("conditioning", "baseline"): BASELINES,
         ("intense_phase", "method"): INTENSE_PHASES,
-        ("calibration", "design"): DESIGN,
         ("sequence", "spacing"): SPACINGS,
         ("sequence", "main"): estimators.MAIN,
         ("sequence", "secondary"): estimators.SECONDARY,

@@ -155,8 +155,8 @@ def test_a_fingerprint_changes_with_the_vertical_channel(samples, tmp_path):
     assert {name for name in before if before[name] != after[name]} == {name for name in before if "CLC" in name}
 
 
-#: The method by which the response of each record is matched.
-MATCHED = CalibrationSettings(method="response")
+#: The spectrum of each record, and statistics over the records at the end.
+BY_SPECTRUM = CalibrationSettings(method="spectrum")
 
 #: Every section with a change, and the verbs whose numbers it changes.
 CHANGES = [
@@ -172,7 +172,7 @@ CHANGES = [
     # Told by the records that are read with them, and by each task.
     ({"records": RecordSettings(units="g", dt=0.02, files=(FileSettings(match="*", units="g"),))}, ""),
     ({"records": RecordSettings(confirm=("*",))}, ""),
-    ({"run": RunSettings(seed=3)}, "assess calibrate"),
+    ({"run": RunSettings(seed=3)}, "assess"),
     ({"uncertainty": UncertaintySettings(factor=0.2)}, "assess"),
     ({"conditioning": ConditioningSettings(highpass_hz=0.1)}, "assess calibrate fragility"),
     ({"half_waves": HalfWaveSettings(merge=False)}, "assess calibrate fragility"),
@@ -185,31 +185,20 @@ CHANGES = [
     ({"search": SearchSettings(intervals=True)}, "assess"),
     ({"demands": (DemandSettings(name="x", acceleration=1.0),)}, "assess calibrate fragility"),
     ({"calibration": CalibrationSettings(method="statistics")}, "calibrate"),
-    ({"calibration": replace(MATCHED, confidence=0.8)}, "calibrate"),
-    ({"calibration": replace(MATCHED, family="blocks")}, "calibrate"),
-    ({"calibration": replace(MATCHED, scale_to="pga", target=3.0)}, "calibrate"),
-    ({"calibration": replace(MATCHED, quantile=0.5)}, ""),
-    ({"calibration": replace(MATCHED, bootstrap=200)}, ""),
-    ({"calibration": replace(MATCHED, weights="w.csv")}, ""),
-    ({"calibration": replace(MATCHED, design="parameters")}, ""),
+    ({"calibration": replace(BY_SPECTRUM, confidence=0.8)}, ""),
+    ({"calibration": replace(BY_SPECTRUM, scale_to="pga", target=3.0)}, "calibrate"),
+    ({"calibration": replace(BY_SPECTRUM, quantile=0.5)}, ""),
+    ({"calibration": replace(BY_SPECTRUM, bootstrap=200)}, ""),
+    ({"calibration": replace(BY_SPECTRUM, weights="w.csv")}, ""),
 ]
 
 
 @pytest.mark.parametrize("verb", ["assess", "calibrate", "fragility"])
 def test_the_fingerprint_of_the_configuration_changes_with_what_changes_numbers(verb):
-    start = replace(config(), calibration=MATCHED)
+    start = replace(config(), calibration=BY_SPECTRUM)
     plain = configuration_fingerprint(start, verb)
     changed = [change for change, _ in CHANGES if configuration_fingerprint(replace(start, **change), verb) != plain]
     assert changed == [change for change, verbs in CHANGES if verb in verbs]
-
-
-@pytest.mark.parametrize("method", ["spectrum", "statistics"])
-def test_seed_and_confidence_count_only_where_a_response_is_matched(method):
-    plain = CalibrationSettings(method=method)
-    before = configuration_fingerprint(replace(config(), calibration=plain), "calibrate")
-    for change in ({"run": RunSettings(seed=3)}, {"calibration": replace(plain, confidence=0.8, family="blocks")}):
-        changed = replace(config(), calibration=plain)
-        assert configuration_fingerprint(replace(changed, **change), "calibrate") == before
 
 
 def test_the_seed_counts_in_an_assessment_only_where_there_is_a_probability():

@@ -99,13 +99,10 @@ VARIABLES: Declared = {
             "main impulse I of the design without the event of the record; NaN if there is none",
             "m s-1",
         ),
-        calibration_remarks=text("what the calibration of its sequence says of itself, one remark a line"),
     ),
     **along(
         ("record", "parameter"),
         value=real("parameter of the record's own sequence", _OF_PARAMETER),
-        value_lower=real("lower end of its interval, where the method gives one", _OF_PARAMETER),
-        value_upper=real("upper end of its interval, where the method gives one", _OF_PARAMETER),
     ),
     **along(
         ("block",),
@@ -226,7 +223,7 @@ SPECTRA_AXES: Declared = {
 
 #: Every variable of a site file, by its group.
 SITE_GROUPS: dict[str, Declared] = {
-    "/site, by the response or the statistics": {**COORDINATES, **VARIABLES},
+    "/site, by the statistics": {**COORDINATES, **VARIABLES},
     "/site, by the spectrum": {**SITE_AXES, **SITE},
     "/spectra, by the spectrum": {**SPECTRA_AXES, **SPECTRA},
     "/failures": FAILURE,

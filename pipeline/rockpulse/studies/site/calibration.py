@@ -19,12 +19,11 @@ from rockpulse.run.analysis import Analysis, Blocks, Part, Prepared, Work, joine
 from rockpulse.selection.directions import PlannedMotion, planned_ids
 from rockpulse.selection.tables import read_weight_table, record_weights
 from rockpulse.sequences.design_spectrum import DesignSpectrum
-from rockpulse.sequences.response_targets import block_family
 from rockpulse.storage.hdf5.atomic import ASSESSMENT, named
 from rockpulse.storage.hdf5.results_file import load
 from rockpulse.storage.variables import failure_table
 from rockpulse.storage.variables.site import SITE_KIND
-from rockpulse.studies.site.records import no_site_record, site_record
+from rockpulse.studies.site.records import block_family, no_site_record, site_record
 from rockpulse.studies.site.sequence_design import sequence_design
 from rockpulse.studies.site.spectrum_design import no_spectrum_record, site_spectrum_record, spectrum_design
 
@@ -50,7 +49,7 @@ def calibrate_site(
         Sections records, conditioning, half_waves, intense_phase, sequence, calibration, run and the bodies.
     blocks : mapping of str to (width, height), Block or BlockSettings, or sequence of BlockSettings, optional
         The bodies of the design, in place of those of the configuration. Without any, the spectrum is stored alone, and
-        one sequence covers a family of 100 (:func:`rockpulse.sequences.response_targets.block_family`).
+        one sequence covers a family of 100 (:func:`rockpulse.studies.site.records.block_family`).
     failures, progress
         As for :func:`rockpulse.assess`.
 

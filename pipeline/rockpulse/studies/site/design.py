@@ -1,10 +1,9 @@
 """The design sequence of a site: one sequence out of the distribution of its records' sequences.
 
 .. note:: A sequence has a shape (I_s/I, dT, number of main impulses, duration) and a size I. Its parameters do not
-   order sequences by their effect (Casapulla & Maione 2017, section 4), but the rotations do. Hence the design
-   "response": the shape of the medians, and the smallest I at which the sequence covers the quantile of the recorded
-   rotations of the blocks that it leaves standing. The design "parameters", the quantile of I with the conditional
-   medians of the others, is for comparison; the coverage of records left out judges both.
+   order sequences by their effect (Casapulla & Maione 2017, section 4), but the rotations do. Hence the
+   design has the shape of the medians, and the smallest I at which the sequence covers the quantile of the recorded
+   rotations of the blocks that it leaves standing; the coverage of records left out judges it.
 
    Blocks that the design overturns do not count: they are covered by any record, so that the quantile would not hold
    for the blocks that the design calls safe (docs/decisions/011).
@@ -13,11 +12,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.stats import norm
 
 from rocking.body.block import Block
 from rocking.impulses.impulse_sequence import ImpulseSequence
@@ -73,15 +70,8 @@ class SiteSample:
         )
 
 
-def design_sequence(sample: SiteSample, quantile: float, design: str) -> ImpulseSequence:
-    """The design sequence that covers a share `quantile` of a sample [-], by one of DESIGN.
-
-    Raises RecordRefused if no record lifts a block ("response"), or for a single record ("parameters").
-    """
-    return DESIGN[design](sample, quantile)
-
-
-def _by_response(sample: SiteSample, quantile: float) -> ImpulseSequence:
+def design_sequence(sample: SiteSample, quantile: float) -> ImpulseSequence:
+    """The design sequence that covers a share `quantile` of a sample [-]; RecordRefused if no record lifts a block."""
     shape = _sequence(_medians(sample), sample)
     if not np.any(sample.counted):
         raise RecordRefused(
@@ -104,26 +94,6 @@ def _by_response(sample: SiteSample, quantile: float) -> ImpulseSequence:
             )
         low, high = float(mains[short[-1]]), float(mains[short[-1] + 1])
     return replace(shape, main=high, secondary=min(shape.secondary / shape.main * high, high))
-
-
-def _by_parameters(sample: SiteSample, quantile: float) -> ImpulseSequence:
-    dispersion = _moments(sample)[1]
-    if not np.isfinite(dispersion[0]):
-        raise RecordRefused(
-            'a quantile of the parameters needs at least two records; take design = "response" or more records'
-        )
-    slope = np.nan_to_num(correlation(sample.logarithms, sample.weights)[0])
-    slope[0] = 1.0
-    values = _medians(sample) * np.exp(norm.ppf(quantile) * slope * np.nan_to_num(dispersion))
-    values[3] = np.floor(values[3] + 0.5)
-    return _sequence(values, sample)
-
-
-#: Functions that choose the design sequence, by the word of ``[calibration] design``.
-DESIGN: dict[str, Callable[[SiteSample, float], ImpulseSequence]] = {
-    "response": _by_response,
-    "parameters": _by_parameters,
-}
 
 
 def _moments(sample: SiteSample) -> tuple[np.ndarray, np.ndarray]:
@@ -200,7 +170,7 @@ def _falls_short(hits: np.ndarray, total: np.ndarray, quantile: float) -> np.nda
 
 
 def overturning_limit(sample: SiteSample, sequence: ImpulseSequence, quantile: float) -> tuple[np.ndarray, float]:
-    """Blocks (m,) whose overturning sets the main impulse of a design "response", and the share covered below it [-].
+    """Blocks (m,) whose overturning sets the main impulse of a design, and the share covered below it [-].
 
     They stand just below I and not at it, and the quantile is reached because they no longer count; else none.
     """
@@ -216,7 +186,7 @@ def overturning_limit(sample: SiteSample, sequence: ImpulseSequence, quantile: f
 
 
 def main_impulse_interval(
-    sample: SiteSample, sequence: ImpulseSequence, quantile: float, design: str, draws: np.ndarray, confidence: float
+    sample: SiteSample, sequence: ImpulseSequence, quantile: float, draws: np.ndarray, confidence: float
 ) -> tuple[float, float]:
     """Event-clustered bootstrap interval [m/s] of the main impulse of the design of a sample, its shape kept.
 
@@ -226,12 +196,6 @@ def main_impulse_interval(
     grid, about 2 %.
     """
     middle = math.log(sequence.main)
-    if design == "parameters":
-        mean, dispersion = log_moments(sample.logarithms[:, :1], sample.weights, sample.events, draws)
-        resampled = (mean + norm.ppf(quantile) * dispersion)[:, 0]
-        sizes = np.bincount(sample.events, sample.weights)
-        lower, upper = bootstrap_interval(middle, resampled, sizes, confidence)
-        return math.exp(lower), math.exp(upper)
     mains = np.geomspace(*_range(sample), GRID * 2)
     reached = _reached(sample, sequence, mains)
     stands = ~np.isinf(reached)

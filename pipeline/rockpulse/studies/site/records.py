@@ -16,14 +16,12 @@ from rocking.response import Outcome
 from rockpulse.assessment.scene import extract
 from rockpulse.config.configuration import Config
 from rockpulse.errors import RecordRefused, TooWeak
-from rockpulse.model_row import Scene
 from rockpulse.record.half_wave import half_waves
 from rockpulse.record.measures import IMPULSE, MEASURES, STORED_LEVELS, RecordOnBodies
 from rockpulse.record.record import Record
 from rockpulse.remark import Remark, find
 from rockpulse.run.analysis import Part, Watch
 from rockpulse.selection.directions import Motion
-from rockpulse.sequences.response import calibrate_response
 from rockpulse.storage.variables.site import OF_RECORDS
 from rockpulse.storage.variables.summary import facts_of
 from rockpulse.studies.site.design import PARAMETERS
@@ -57,17 +55,24 @@ def scaled(record: Record, factor: float) -> Record:
     return replace(record, acceleration=factor * record.acceleration).with_note(f"scaled by {factor:.6g}")
 
 
+def block_family() -> Block:
+    """The 100 bodies of a site that lists none: p 1 to 5 1/s, slenderness 12.5 to 3, 0.6 to 1 times Housner's C."""
+    axes = np.geomspace(1.0, 5.0, 5), np.geomspace(0.08, 0.32, 5), [1.0, 0.9, 0.75, 0.6]
+    p, alpha, share = (axis.ravel() for axis in np.meshgrid(*axes, indexing="ij"))
+    return Block.from_parameters(p, alpha, share * (1.0 - 1.5 * np.sin(alpha) ** 2))
+
+
 def rotation_to_cover(peaks: np.ndarray) -> np.ndarray:
     """The rotation that covers a recorded theta_max/alpha_c: NaN at rest, inf if overturned or unresolved."""
     return np.where(peaks == 0.0, np.nan, np.where(np.isnan(peaks), np.inf, peaks))
 
 
 def site_record(motion: Motion, watch: Watch, blocks: Block, config: Config) -> Part:
-    """Scales a motion, calibrates its sequence and applies it to (m,) blocks: arrays (1,) by the names of the file.
+    """Scales a motion, takes the sequence of its half-waves and applies it to (m,) blocks: arrays (1,) by name.
 
-    "value", "value_lower" and "value_upper" (1, 5) are the parameters of the sequence and their intervals, NaN for
-    none; "peaks" (1, m) the recorded theta_max/alpha_c: inf overturned, 0 at rest, NaN unresolved. Raises ValueError if
-    the motion cannot be scaled or calibrated, TooWeak if it moves too few blocks.
+    "value" (1, 5) are the parameters of the sequence, NaN for none; "peaks" (1, m) the recorded theta_max/alpha_c: inf
+    overturned, 0 at rest, NaN unresolved. Raises ValueError if the motion cannot be scaled or has no sequence, TooWeak
+    if it moves no block.
     """
     with watch("solve"):
         conditioned, factor = scaled_motion(motion, config)
@@ -79,17 +84,12 @@ def site_record(motion: Motion, watch: Watch, blocks: Block, config: Config) -> 
         if scene.sequence is None:
             reason = find(record.warnings, "no_sequence")
             raise (RecordRefused if np.any(peaks != 0.0) else TooWeak)(str(reason))
-        sequence, intervals, remarks = _calibrated(scene, scene.sequence, blocks, config)
-        misfit, unsafe = _compared(peaks, sequence, blocks)
-    ends = [intervals.get(name, (math.nan, math.nan)) for name in PARAMETERS]
+        misfit, unsafe = _compared(peaks, scene.sequence, blocks)
     found = {
         **facts_of_record(record, factor, config),
-        "calibration_remarks": "\n".join(remarks),
         "misfit": misfit,
         "unsafe_share": unsafe,
-        "value": parameters_of(sequence),
-        "value_lower": [lower for lower, _ in ends],
-        "value_upper": [upper for _, upper in ends],
+        "value": parameters_of(scene.sequence),
         "peaks": peaks,
     }
     return {name: np.array([values]) for name, values in found.items()}
@@ -99,9 +99,8 @@ def no_site_record(blocks: Block) -> Part:
     """Every array of :func:`site_record` on (m,) blocks, and "event", without a row."""
     return {
         **no_facts(),
-        "calibration_remarks": np.zeros(0, dtype=str),
         **dict.fromkeys(("misfit", "unsafe_share"), np.zeros(0)),
-        **dict.fromkeys(("value", "value_lower", "value_upper"), np.zeros((0, len(PARAMETERS)))),
+        "value": np.zeros((0, len(PARAMETERS))),
         "peaks": np.zeros((0, *blocks.shape)),
     }
 
@@ -147,24 +146,6 @@ def parameters_of(sequence: ImpulseSequence) -> list[float]:
         math.nan if sequence.main_count is None else float(sequence.main_count),
         float(sequence.duration) if math.isfinite(sequence.duration) else math.nan,
     ]
-
-
-def _calibrated(
-    scene: Scene, start: ImpulseSequence, blocks: Block, config: Config
-) -> tuple[ImpulseSequence, dict[str, tuple[float, float]], tuple[str, ...]]:
-    settings = config.calibration
-    if settings.method == "statistics":
-        return start, {}, ()
-    found = calibrate_response(
-        scene.record,
-        blocks if settings.family == "blocks" else None,
-        vertical=scene.vertical,
-        start=start,
-        spacing=config.sequence.spacing,
-        confidence=settings.confidence,
-        seed=config.run.seed,
-    )
-    return found.sequence, dict(found.intervals), found.remarks
 
 
 def _compared(peaks: np.ndarray, sequence: ImpulseSequence, blocks: Block) -> tuple[float, float]:

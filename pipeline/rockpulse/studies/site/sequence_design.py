@@ -40,7 +40,7 @@ class Coverage(NamedTuple):
     main: np.ndarray  # (n,) main impulse of that design [m/s]
 
 
-def leave_one_event_out(sample: SiteSample, quantile: float, design: str) -> Coverage:
+def leave_one_event_out(sample: SiteSample, quantile: float) -> Coverage:
     """Judges the design of all earthquakes but one on the records of that one."""
     marks, mains = np.full(sample.peaks.shape, math.nan), np.full(sample.weights.size, math.nan)
     for event in np.unique(sample.events):
@@ -49,7 +49,7 @@ def leave_one_event_out(sample: SiteSample, quantile: float, design: str) -> Cov
         if not np.any(others):
             continue
         try:
-            sequence = design_sequence(sample.part(others), quantile, design)
+            sequence = design_sequence(sample.part(others), quantile)
         except RecordRefused:  # the others make no design
             continue
         marks[out] = covered(sample.part(out), sequence)
@@ -122,16 +122,14 @@ def sequence_design(
     # Records of no weight are in the file, but not in the statistics.
     fitted = sample.part(weights > 0.0)
     draws = draw_earthquakes(int(fitted.events.max()) + 1, settings.bootstrap, [config.run.seed, *b"site"])
-    design = design_sequence(fitted, settings.quantile, settings.design)
-    left_out = leave_one_event_out(sample, settings.quantile, settings.design)
+    design = design_sequence(fitted, settings.quantile)
+    left_out = leave_one_event_out(sample, settings.quantile)
     marks = left_out.covered
     coverage = coverage_of(marks, sample, settings.confidence)
     in_sample = covered(fitted, design)
     per_parameter = _per_parameter(fitted, design, draws, config)
     counted, rests = ~np.isnan(fitted.peaks), judged(marks, sample)
-    fallen, below = np.zeros(len(block_names), dtype=bool), math.nan
-    if settings.design == "response":
-        fallen, below = overturning_limit(fitted, design, settings.quantile)
+    fallen, below = overturning_limit(fitted, design, settings.quantile)
     site: dict[str, Any] = {
         "quantile": settings.quantile,
         "confidence": settings.confidence,
@@ -180,7 +178,7 @@ def sequence_design(
         "parameter_name": [PARAMETER[name][1] for name in PARAMETERS],
     }
     dataset = xr.Dataset(with_values(VARIABLES, values), with_values(COORDINATES, coordinates))
-    dataset.attrs |= {"design": settings.design, "spacing": config.sequence.spacing}
+    dataset.attrs |= {"spacing": config.sequence.spacing}
     return {"/site": dataset}
 
 
@@ -194,7 +192,7 @@ def _per_parameter(
 ) -> dict[str, np.ndarray]:
     settings = config.calibration
     fit = fit_lognormal(sample.logarithms, sample.weights, sample.events, draws, settings.confidence)
-    ends = main_impulse_interval(sample, design, settings.quantile, settings.design, draws, settings.confidence)
+    ends = main_impulse_interval(sample, design, settings.quantile, draws, settings.confidence)
     table = {"median": fit.median, "dispersion": fit.dispersion, "design": np.array(parameters_of(design))}
     for place, end in enumerate(("lower", "upper")):
         table[f"median_{end}"] = fit.median_interval[place]

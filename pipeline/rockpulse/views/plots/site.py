@@ -14,7 +14,7 @@ from scipy.special import ndtr
 from rockpulse.record.record import STANDARD_GRAVITY
 from rockpulse.views.plots import style
 from rockpulse.views.plots.spectra import below_the_picture, record_lines, spectrum_axes
-from rockpulse.views.plots.style import BLACK, BLUE, DOTTED, GREY, ORANGE, PALE, RED, SKY, SMALL, Panels
+from rockpulse.views.plots.style import BLACK, BLUE, DOTTED, GREY, PALE, RED, SKY, SMALL, Panels
 from rockpulse.views.shared.terminal import figure, general
 from rockpulse.views.shared.words import named, say
 from rockpulse.views.text.site import site_remarks
@@ -81,11 +81,6 @@ def _parameter(ax: Axes, own: xr.Dataset, name: str, weight: np.ndarray) -> None
     steps = np.r_[ordered[0], ordered], np.r_[0.0, share]
     ax.step(*steps, where="post", color=BLACK, lw=0.9, label=say("plot.site.records"))
     ax.plot(ordered, share, "o", color=BLACK, ms=2.6)
-    lower, upper = own["value_lower"].values[known][order], own["value_upper"].values[known][order]
-    bounded = np.isfinite(lower) & np.isfinite(upper)
-    if np.any(bounded):
-        words = say("plot.site.of_record")
-        ax.hlines(share[bounded], lower[bounded], upper[bounded], color=ORANGE, lw=1.0, label=words)
     _fit(ax, own, confidence)
     design, low, high = (float(own[name]) for name in ("design", "design_lower", "design_upper"))
     if np.isfinite(design):
@@ -93,7 +88,7 @@ def _parameter(ax: Axes, own: xr.Dataset, name: str, weight: np.ndarray) -> None
         if np.isfinite(low) and np.isfinite(high):
             words = say("plot.site.of_design", confidence=confidence)
             ax.axvspan(low, high, color=RED, alpha=0.13, lw=0, label=words)
-    ax.set_xlim(_range(ordered, np.r_[lower[bounded], upper[bounded], design]))
+    ax.set_xlim(_range(ordered, design))
     style.plain_ticks(ax.xaxis, 100.0)
     low, high = ax.get_xlim()
     if high / low < 6.0:  # within less than a decade the usual round numbers
@@ -104,11 +99,11 @@ def _parameter(ax: Axes, own: xr.Dataset, name: str, weight: np.ndarray) -> None
         ax.text(0.02, 0.97, say("plot.site.without_limit", count=missing), va="top", **beside)
 
 
-def _range(values: np.ndarray, others: np.ndarray) -> tuple[float, float]:
-    """Limits of the axis: the range of the records, extended to other drawn values that lie near it."""
+def _range(values: np.ndarray, design: float) -> tuple[float, float]:
+    """Limits of the axis: the range of the records, extended to the design if it lies near."""
     low, high = float(values[0]), float(values[-1])
-    near = others[np.isfinite(others) & (others >= low / _NEAR) & (others <= high * _NEAR)]
-    low, high = float(np.min(near, initial=low)), float(np.max(near, initial=high))
+    if low / _NEAR <= design <= high * _NEAR:
+        low, high = min(low, design), max(high, design)
     if low == high:
         low, high = 0.7 * low, 1.4 * high
     room = (high / low) ** 0.08
@@ -130,7 +125,7 @@ def _fit(ax: Axes, own: xr.Dataset, confidence: str) -> None:
 
 def _remarks(site: xr.Dataset) -> list[str]:
     """The design, and the gravest remark, which comes first."""
-    words = [say("plot.site.quantile", quantile=general(float(site["quantile"])), design=site.attrs["design"])]
+    words = [say("plot.site.quantile", quantile=general(float(site["quantile"])))]
     remarks = _sentences(site)
     for one in remarks[:1]:
         first = textwrap.shorten(one, _REMARK, placeholder=" …")

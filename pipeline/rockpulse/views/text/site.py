@@ -111,7 +111,6 @@ def design(site: xr.Dataset) -> str:
     return say(
         "site.design",
         quantile=general(_number(site, "quantile")),
-        method=site.attrs["design"],
         main=figure(value["main"], "m/s"),
         confidence=_percent(site, "confidence"),
         interval=say("site.no_interval") if interval == ABSENT else interval,

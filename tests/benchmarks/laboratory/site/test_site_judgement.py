@@ -32,4 +32,4 @@ def test_an_exact_spectrum_has_the_share_of_its_order_statistic_and_a_doubled_on
 
 def test_a_sequence_of_one_impulse_overturns_at_its_critical_impulse():
     one = ImpulseSequence(0.5, 0.0, 1.0, np.inf, main_count=1)
-    assert overturning_factor(one) == pytest.approx(np.asarray(BODIES.critical_impulse) / 0.5, rel=0.006)
+    assert overturning_factor(one) == pytest.approx(np.asarray(BODIES.critical_impulse) / 0.5, rel=0.012)

@@ -2,7 +2,6 @@
 
 import dataclasses
 from datetime import UTC, datetime
-from types import SimpleNamespace
 
 import numpy as np
 import pandas as pd
@@ -14,9 +13,7 @@ from rockpulse.config.configuration import Config
 from rockpulse.errors import ConfigError, RecordRefused
 from rockpulse.models import Block
 from rockpulse.record.measures import SCALING
-from rockpulse.run.analysis import worked
 from rockpulse.studies.site import records as site_record
-from rockpulse.studies.site.calibration import SiteCalibration
 
 TIME = 0.01 * np.arange(1200)
 BLOCKS = {"wall": Block(0.15, 1.5), "pier": Block(0.4, 1.8), "column": Block(0.5, 4.0)}
@@ -161,8 +158,6 @@ def test_one_record_alone_still_has_a_design():
     one = site(RECORDS[:1])
     assert np.isfinite(one["design"]).all()
     assert np.isnan(one["dispersion"]).all()
-    with pytest.raises(RecordRefused, match="at least two records"):
-        site(RECORDS[:1], design="parameters")
 
 
 @pytest.mark.parametrize("measure", SCALING)
@@ -240,43 +235,9 @@ def test_a_record_that_fails_is_a_row_and_never_the_end():
         rp.calibrate_site([dead], config(), BLOCKS)
 
 
-@pytest.mark.sweep
-def test_a_record_that_moves_too_few_blocks_is_skipped_and_no_failure(tmp_path):
-    weak = shake(9, 0.003, name="weak")
-    settings = config(method="response")
-    tree = rp.calibrate_site([RECORDS[0], weak], settings, BLOCKS)
-    rows = tree["failures"].to_dataset()
-    assert (rows["kind"].values.tolist(), rows["stage"].values.tolist()) == (["skipped"], ["calibrate"])
-    assert "weak: the motion moves none of 400 blocks" in str(rows["reason"].values[0])
-    family = {f"post {number}": Block(0.2, 1.0 + 0.1 * number) for number in range(6)}
-    (row,) = calibrated(weak, family, method="response", family="blocks")
-    assert (row.kind, row.stage) == ("skipped", "calibrate")
-    assert "0 of 6 blocks rock to a peak" in row.reason
-    # One that overturns them all is the strongest of its site: to leave it out is for the user to decide.
-    (row,) = calibrated(shake(9, 8.0, name="strong"), family, method="response", family="blocks")
-    assert (row.kind, row.stage) == ("failed", "calibrate")
-    assert "6 overturn" in row.reason
-
-
-def calibrated(record, blocks, **calibration):
-    """What becomes of one record."""
-    analysis = SiteCalibration(config(**calibration), blocks)
-    (planned,) = analysis.prepare([record]).planned
-    return list(worked(planned, analysis.work, analysis.name, analysis.config))
-
-
 def test_bodies_that_nothing_lifts_have_no_design():
     with pytest.raises(RecordRefused, match="no record sets any block rocking"):
         rp.calibrate_site(RECORDS, config(), {"slab": Block(3.0, 3.0)})
-
-
-def test_a_design_that_overturns_every_block_says_so():
-    # The statistics of half-waves overrate what a record does; so does a quantile of them.
-    found = site([shake(seed, 4.0) for seed in range(8)], design="parameters")
-    assert float(found["standing_share"]) == 0.0
-    assert "overturns every block" in str(found["remarks"].item())
-    assert np.isnan(found["coverage"])
-    assert float(found["coverage_all"]) == 1.0
 
 
 def test_a_body_of_several_restitutions_is_several_blocks():
@@ -318,31 +279,3 @@ def test_horizontal_pairs_are_rotated_and_verticals_act_as_in_an_assessment():
     level = rp.calibrate_site([north, east, up], plain, BLOCKS)["site"]
     assert (found["rotation_ratio"].values != level["rotation_ratio"].values).any()
     assert tree["failures"]["kind"].values.tolist() == ["vertical"]
-
-
-def test_the_response_method_is_asked_for_the_scaled_record_and_stored(monkeypatch):
-    asked = []
-
-    def answer(record, blocks, **options):
-        asked.append((record, blocks, options))
-        sequence = rp.models.ImpulseSequence(0.2, 0.1, 0.3, 20.0, 3, spacing=options["spacing"])
-        return SimpleNamespace(sequence=sequence, intervals={"main": (0.1, 0.4)}, remarks=("one", "two"))
-
-    monkeypatch.setattr(site_record, "calibrate_response", answer)
-    found = site(RECORDS[:2], method="response", family="blocks", scale_to="pga", target=3.0, confidence=0.8)
-    assert [record.pga for record, _, _ in asked] == pytest.approx([3.0, 3.0])
-    assert asked[0][1].shape == (3,)
-    assert (asked[0][2]["confidence"], asked[0][2]["seed"]) == (0.8, 0)
-    np.testing.assert_allclose(found["value"], np.tile([0.2, 0.5, 0.3, 3.0, 20.0], (2, 1)))
-    assert found["value_lower"].values[0].tolist()[0] == 0.1
-    assert np.isnan(found["value_upper"].values[0][1:]).all()
-    assert found["calibration_remarks"].values.tolist() == ["one\ntwo"] * 2
-
-
-@pytest.mark.slow
-def test_the_response_method_gives_intervals_and_a_small_misfit():
-    found = rp.calibrate_site(RECORDS[3:4], config(method="response"), BLOCKS)["site"]
-    main = found["value"].values[0, 0]
-    assert found["value_lower"].values[0, 0] < main < found["value_upper"].values[0, 0]
-    assert str(found["calibration_remarks"].values[0])
-    assert float(found["misfit"][0]) < 1.0

@@ -48,15 +48,15 @@ MAINS = 0.05 * 1.1 ** np.arange(10)  # none of them overturns a block
 
 @pytest.mark.parametrize(("quantile", "record"), [(0.05, 0), (0.1, 0), (0.5, 4), (0.84, 8), (0.95, 9)])
 def test_the_design_is_the_record_that_has_the_share_at_or_below_it(quantile, record):
-    design = design_sequence(sample_of(MAINS), quantile, "response")
+    design = design_sequence(sample_of(MAINS), quantile)
     assert design.main == pytest.approx(MAINS[record], rel=2e-4)
     assert (design.secondary / design.main, design.interval) == (pytest.approx(0.3), pytest.approx(0.1))
     assert (design.main_count, design.duration, design.spacing) == (2, pytest.approx(20.0), "end")
 
 
 def test_a_motion_twice_as_strong_gives_the_design_of_the_stronger_motion():
-    weak = design_sequence(sample_of(MAINS), 0.84, "response")
-    strong = design_sequence(sample_of(1.5 * MAINS), 0.84, "response")
+    weak = design_sequence(sample_of(MAINS), 0.84)
+    strong = design_sequence(sample_of(1.5 * MAINS), 0.84)
     assert strong.main == pytest.approx(1.5 * weak.main, rel=4e-4)
 
 
@@ -64,7 +64,7 @@ def test_blocks_that_the_design_overturns_do_not_buy_the_quantile_for_the_others
     # The first block is overturned by most records, which any strong sequence covers; the others rock as recorded.
     peaks = rotations(MAINS)
     peaks[2:, 0] = np.inf
-    design = design_sequence(sample_of(MAINS, peaks=peaks), 0.9, "response")
+    design = design_sequence(sample_of(MAINS, peaks=peaks), 0.9)
     marks = covered(sample_of(MAINS, peaks=peaks), design)
     standing = marks != BEYOND
     assert not standing[:, 0].any()
@@ -74,7 +74,7 @@ def test_blocks_that_the_design_overturns_do_not_buy_the_quantile_for_the_others
 def test_pairs_at_rest_do_not_count():
     peaks = rotations(MAINS)
     peaks[:5] = np.nan
-    design = design_sequence(sample_of(MAINS, peaks=peaks), 0.5, "response")
+    design = design_sequence(sample_of(MAINS, peaks=peaks), 0.5)
     assert design.main == pytest.approx(MAINS[7], rel=2e-4)  # the third of the five that count
     marks = covered(sample_of(MAINS, peaks=peaks), design)
     assert np.isnan(marks[:5]).all()
@@ -83,7 +83,7 @@ def test_pairs_at_rest_do_not_count():
 
 def test_a_sample_in_which_nothing_rocks_has_no_design():
     with pytest.raises(RecordRefused, match="no record sets any block rocking"):
-        design_sequence(sample_of(MAINS, peaks=np.full((10, 3), np.nan)), 0.5, "response")
+        design_sequence(sample_of(MAINS, peaks=np.full((10, 3), np.nan)), 0.5)
 
 
 def test_a_shape_that_no_size_makes_strong_enough_is_refused():
@@ -92,38 +92,22 @@ def test_a_shape_that_no_size_makes_strong_enough_is_refused():
     values = sample.values.copy()
     values[:, 1] = 1.0
     with pytest.raises(RecordRefused, match="take another spacing"):
-        design_sequence(replace(sample, values=values), 0.84, "response")
-
-
-def test_parameters_are_quantile_and_conditional_medians_of_the_lognormal():
-    sample = sample_of(MAINS)
-    values = sample.values.copy()
-    values[:, 2] = 0.1 * (MAINS / MAINS[0]) ** 2  # fully correlated: the interval goes with the square of I
-    design = design_sequence(replace(sample, values=values), 0.84, "parameters")
-    main = np.exp(np.mean(np.log(MAINS)) + 0.994458 * np.std(np.log(MAINS), ddof=1))
-    assert design.main == pytest.approx(main, rel=1e-5)
-    assert design.interval == pytest.approx(0.1 * (main / MAINS[0]) ** 2, rel=1e-5)
-    assert (design.secondary / design.main, design.main_count) == (pytest.approx(0.3), 2)
-
-
-def test_parameters_of_a_single_record_have_no_quantile():
-    with pytest.raises(RecordRefused, match="at least two records"):
-        design_sequence(sample_of(MAINS[:1]), 0.84, "parameters")
+        design_sequence(replace(sample, values=values), 0.84)
 
 
 def test_the_count_of_the_design_is_a_whole_number_that_occurs():
     sample = sample_of(MAINS)
     values = sample.values.copy()
     values[:, 3] = [1, 1, 1, 1, 3, 3, 8, 8, 8, 8]
-    assert design_sequence(replace(sample, values=values), 0.5, "response").main_count == 3
+    assert design_sequence(replace(sample, values=values), 0.5).main_count == 3
     values[:, 3] = np.nan  # none has a limit
-    assert design_sequence(replace(sample, values=values), 0.5, "response").main_count is None
+    assert design_sequence(replace(sample, values=values), 0.5).main_count is None
 
 
 def test_left_out_events_are_covered_where_all_events_are_alike():
     events = np.repeat(np.arange(5), 2)
     mains = np.tile([0.06, 0.08], 5)
-    found = leave_one_event_out(sample_of(mains, events), 0.9, "response")
+    found = leave_one_event_out(sample_of(mains, events), 0.9)
     assert (found.covered == 1.0).all()
     np.testing.assert_allclose(found.main, 0.08, rtol=2e-4)
 
@@ -131,18 +115,18 @@ def test_left_out_events_are_covered_where_all_events_are_alike():
 def test_an_event_stronger_than_all_others_is_not_covered_without_it():
     mains = np.array([0.05, 0.05, 0.05, 0.05, 0.09])
     sample = sample_of(mains)
-    found = leave_one_event_out(sample, 0.95, "response")
+    found = leave_one_event_out(sample, 0.95)
     np.testing.assert_array_equal(found.covered[-1], 0.0)
     np.testing.assert_array_equal(found.covered[:-1], 1.0)
     share, lower, upper = coverage_of(found.covered, sample, 0.9)
     assert share == pytest.approx(0.8)
     assert lower < 0.5 < 0.95 < upper  # five events say little
-    assert covered(sample, design_sequence(sample, 0.95, "response")).mean() == 1.0  # in sample it looks perfect
+    assert covered(sample, design_sequence(sample, 0.95)).mean() == 1.0  # in sample it looks perfect
 
 
 def test_a_single_event_leaves_nothing_to_judge():
     sample = sample_of(MAINS, events=np.zeros(10, dtype=int))
-    found = leave_one_event_out(sample, 0.84, "response")
+    found = leave_one_event_out(sample, 0.84)
     assert np.isnan(found.covered).all()
     assert np.isnan(found.main).all()
     assert np.isnan(coverage_of(found.covered, sample, 0.9)).all()
@@ -152,10 +136,8 @@ def test_the_interval_of_the_design_holds_it_and_narrows_with_events():
     widths = []
     for repeats in (1, 6):
         sample = sample_of(np.tile(MAINS, repeats))
-        design = design_sequence(sample, 0.7, "response")
-        lower, upper = main_impulse_interval(
-            sample, design, 0.7, "response", draw_earthquakes(10 * repeats, 400, 0), 0.9
-        )
+        design = design_sequence(sample, 0.7)
+        lower, upper = main_impulse_interval(sample, design, 0.7, draw_earthquakes(10 * repeats, 400, 0), 0.9)
         assert lower < design.main < upper
         widths.append(np.log(upper / lower))
     assert widths[1] < 0.6 * widths[0]
@@ -166,11 +148,11 @@ def test_a_block_that_leaves_the_count_sets_the_design_and_is_named():
     peaks = rotations(MAINS)
     peaks[5:, 0] = np.inf
     sample = sample_of(MAINS, peaks=peaks)
-    design = design_sequence(sample, 0.84, "response")
+    design = design_sequence(sample, 0.84)
     fallen, below = overturning_limit(sample, design, 0.84)
     assert fallen.tolist() == [True, False, False]
     assert below == pytest.approx(25.0 / 30.0)
-    ends = main_impulse_interval(sample, design, 0.84, "response", draw_earthquakes(10, 400, 0), 0.9)
+    ends = main_impulse_interval(sample, design, 0.84, draw_earthquakes(10, 400, 0), 0.9)
     assert np.isnan(ends[0])
     assert np.isinf(ends[1])
     reached = [sequence_response(sample.blocks, design.scaled(factor)).peak_rotation_ratio[0] for factor in (0.9999, 1)]
@@ -179,36 +161,33 @@ def test_a_block_that_leaves_the_count_sets_the_design_and_is_named():
 
 def test_a_design_reached_by_rotations_is_set_by_no_block():
     sample = sample_of(MAINS)
-    fallen, below = overturning_limit(sample, design_sequence(sample, 0.84, "response"), 0.84)
+    fallen, below = overturning_limit(sample, design_sequence(sample, 0.84), 0.84)
     assert not fallen.any()
     assert below == pytest.approx(0.8)
 
 
 def test_a_design_that_overturns_everything_has_no_certainty():
     sample = sample_of(MAINS, peaks=np.full((10, 3), np.inf))
-    design = design_sequence(sample, 0.84, "response")
-    ends = main_impulse_interval(sample, design, 0.84, "response", draw_earthquakes(10, 400, 0), 0.9)
+    design = design_sequence(sample, 0.84)
+    ends = main_impulse_interval(sample, design, 0.84, draw_earthquakes(10, 400, 0), 0.9)
     assert np.isnan(ends[0])
     assert np.isinf(ends[1])
 
 
 def test_resamples_that_agree_leave_a_step_of_their_grid():
     sample = sample_of(np.full(10, 0.07))
-    design = design_sequence(sample, 0.84, "response")
-    lower, upper = main_impulse_interval(sample, design, 0.84, "response", draw_earthquakes(10, 400, 0), 0.9)
+    design = design_sequence(sample, 0.84)
+    lower, upper = main_impulse_interval(sample, design, 0.84, draw_earthquakes(10, 400, 0), 0.9)
     assert 0.97 < lower / design.main < 0.985
     assert 1.015 < upper / design.main < 1.03
 
 
-@pytest.mark.parametrize("design", ["response", "parameters"])
-def test_records_without_weight_judge_nothing(design):
+def test_records_without_weight_judge_nothing():
     events, weights = np.repeat(np.arange(5), 2), np.repeat([1.0, 1.0, 1.0, 1.0, 0.0], 2)
-    with_them = leave_one_event_out(sample_of(MAINS, events, weights), 0.5, design)
-    without = leave_one_event_out(sample_of(MAINS[:8], events[:8]), 0.5, design)
+    with_them = leave_one_event_out(sample_of(MAINS, events, weights), 0.5)
+    without = leave_one_event_out(sample_of(MAINS[:8], events[:8]), 0.5)
     np.testing.assert_array_equal(with_them.main[:8], without.main)
     np.testing.assert_array_equal(with_them.covered[:8], without.covered)
-    two = leave_one_event_out(sample_of(MAINS[:6], events[:6], [1, 0, 0, 0, 0, 1]), 0.5, "parameters")
-    assert np.isnan(two.main[[0, 1, 4, 5]]).all()  # one record of weight is left, and it has no dispersion
 
 
 def test_events_that_are_not_judged_are_told_with_the_reason():
@@ -216,12 +195,12 @@ def test_events_that_are_not_judged_are_told_with_the_reason():
     peaks[0] = np.nan  # lifts nothing
     peaks[1:3] = np.inf  # without the last one the others overturn all
     sample = sample_of(MAINS[:4], peaks=peaks)
-    found = leave_one_event_out(sample, 0.84, "response")
+    found = leave_one_event_out(sample, 0.84)
     assert unjudged_events(found, sample)[0] == "unlifted"
     assert unjudged_events(found, sample)[3] == "overturning_design"
     assert not judged(found.covered, sample)[[0, 3]].any()
     lone = sample_of(MAINS[:2], peaks=np.vstack([np.full(3, np.nan), rotations(MAINS[1:2])]))
-    reasons = unjudged_events(leave_one_event_out(lone, 0.5, "response"), lone)
+    reasons = unjudged_events(leave_one_event_out(lone, 0.5), lone)
     assert reasons == {0: "unlifted", 1: "no_design"}
 
 

@@ -28,7 +28,7 @@ def site(peaks, design=0.2, upper=0.3):
     return xr.Dataset(
         variables,
         {"parameter": ["main"], "block": ["b"], "record": np.arange(peaks.shape[1]), "site_event": ["e"]},
-        {"method": "response"},
+        {"method": "statistics"},
     )
 
 

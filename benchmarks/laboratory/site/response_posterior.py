@@ -13,8 +13,8 @@ from scipy import stats
 from scipy.spatial import cKDTree
 from scipy.special import logsumexp
 
-from rockpulse.sequences.response_search import INTERVAL, MAIN_COUNT, RATIO, Explored, SearchSpace
-from rockpulse.sequences.response_targets import ResponseTargets
+from laboratory.site.response_search import INTERVAL, MAIN_COUNT, RATIO, Explored, SearchSpace
+from laboratory.site.response_targets import ResponseTargets
 
 #: Powers of the likelihood from round to round: the first proposals are wider than the posterior.
 TEMPERED = (0.2, 0.4, 0.7, 1.0, 1.0, 1.0)
@@ -43,7 +43,7 @@ SIGNIFICANT, LARGEST = 1.645, 0.9
 class Posterior:
     """Weighted samples of the posterior."""
 
-    points: np.ndarray  # (k, 4), as in :class:`rockpulse.sequences.response_search.SearchSpace`
+    points: np.ndarray  # (k, 4), as in :class:`laboratory.site.response_search.SearchSpace`
     weights: np.ndarray  # (k,) that sum to 1
 
     @property

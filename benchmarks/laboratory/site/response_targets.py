@@ -120,15 +120,6 @@ class ResponseTargets:
         return np.asarray(np.sqrt(np.nanmean(self.residuals(peaks) ** 2, axis=1)))
 
 
-def block_family() -> Block:
-    """The default family: 100 blocks of p 1 to 5 1/s, slenderness 12.5 to 3, and 0.6 to 1 times Housner's restitution.
-
-    The restitution tells the parameters apart (docs/decisions/010): I, I_s/I and N act differently at different C only.
-    """
-    axes = np.geomspace(*FREQUENCIES, 5), np.geomspace(*ANGLES, 5), [1.0, 0.9, 0.75, 0.6]
-    return _blocks(*(axis.ravel() for axis in np.meshgrid(*axes, indexing="ij")))
-
-
 def recorded_targets(
     record: Record,
     blocks: Block,

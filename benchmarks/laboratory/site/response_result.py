@@ -4,10 +4,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from laboratory.site.response_posterior import PARAMETERS
+from laboratory.site.response_search import INTERVAL, MAIN_COUNT, RATIO, SearchSpace
+from laboratory.site.response_targets import ResponseTargets
 from rocking.impulses.impulse_sequence import ImpulseSequence
-from rockpulse.sequences.response_posterior import PARAMETERS
-from rockpulse.sequences.response_search import INTERVAL, MAIN_COUNT, RATIO, SearchSpace
-from rockpulse.sequences.response_targets import ResponseTargets
 
 
 @dataclass(frozen=True, eq=False)
@@ -18,8 +18,6 @@ class ResponseCalibration:
     ----------
     record_id : str
         Whose responses they are.
-    form : {"fit", "enveloping"}
-        Likeliest sequence, or the one that covers a share of the family.
     sequence : ImpulseSequence
         The sequence.
     parameters : dict of str to float
@@ -55,7 +53,6 @@ class ResponseCalibration:
     """
 
     record_id: str
-    form: str
     sequence: ImpulseSequence
     parameters: dict[str, float]
     intervals: dict[str, tuple[float, float]]

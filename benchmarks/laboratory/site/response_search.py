@@ -18,8 +18,8 @@ from scipy.optimize import differential_evolution
 from scipy.special import log_ndtr
 from scipy.stats import qmc
 
+from laboratory.site.response_targets import ResponseTargets
 from rocking.impulses.impulse_sequence import ImpulseSequence
-from rockpulse.sequences.response_targets import ResponseTargets
 
 #: No sequence is taken to be better than this [-], 1 % of a peak; rounds of Newton's iteration, which converges
 #: quadratically from the spread of the numbers alone.
