@@ -1,4 +1,4 @@
-"""Runs of the command line on a folder of eight records, and a smaller folder for runs in Python."""
+"""Runs of the command line on a folder of four records, and a folder for runs in Python."""
 
 from pathlib import Path
 
@@ -7,12 +7,12 @@ from record_writers import at2, pulse
 from rockpulse import BlockSettings, CalibrationSettings, Config, ModelSettings, SearchSettings
 from rockpulse.cli import main
 
-RECORDS = 8
+RECORDS = 4
 CONFIGURATION = """
 [site]
 name = "Test"
 [models]
-use = ["sequence"]
+use = ["resonance"]
 [search]
 models = []
 [[block]]
@@ -22,7 +22,7 @@ height = 3.0
 """
 
 CONFIG = Config(
-    models=ModelSettings(use=("sequence",)),
+    models=ModelSettings(use=("resonance",)),
     search=SearchSettings(models=()),
     blocks=(BlockSettings(name="wall", width=0.4, height=3.0),),
 )
@@ -37,9 +37,16 @@ def four_records(folder):
     return folder
 
 
-def write(path, peak):
-    """A record of 6,000 samples: 48 kB in the results, a page of 64 kB in the journal."""
-    path.write_bytes(at2(pulse(6000, peak), title="Event, 1/2/2003, Station, 090"))
+def write(path, peak, samples=400):
+    path.write_bytes(at2(pulse(samples, peak), title="Event, 1/2/2003, Station, 090"))
+
+
+def records_in(folder, count, samples=400):
+    """The folder with a number of records and a configuration."""
+    for number in range(count):
+        write(folder / f"r{number}.AT2", 0.2 + 0.05 * number, samples)
+    (folder / "site.toml").write_text(CONFIGURATION)
+    return folder
 
 
 def names(folder):

@@ -16,11 +16,7 @@ REASONS = "none impact_limit free_flight half_cycle_limit"
 CONFIGURATION = '[site]\nname = "Borgo"\n'
 
 OUTCOMES = np.array(
-    [
-        [[2, 2, 2], [2, 1, 1], [2, 1, 3]],
-        [[2, 2, 1], [1, 1, 1], [1, 1, 1]],
-        [[0, 0, 0], [0, 0, 0], [0, 0, 0]],
-    ],
+    [[[2, 2, 2], [2, 1, 1], [2, 1, 3]], [[2, 2, 1], [1, 1, 1], [1, 1, 1]], [[0, 0, 0], [0, 0, 0], [0, 0, 0]]],
     dtype=np.int8,
 )
 

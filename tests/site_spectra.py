@@ -40,7 +40,7 @@ def done_with(strengths, events):
 
 def site_of(strengths, events=None, blocks=BLOCKS, **calibration):
     """The tree of such records, of one earthquake each without `events`."""
-    config = rp.Config(calibration=CalibrationSettings(**{"bootstrap": 200, **calibration}))
+    config = rp.Config(calibration=CalibrationSettings(**{"bootstrap": 100, **calibration}))
     done = done_with(strengths, range(len(strengths)) if events is None else events)
     return SiteCalibration(config, blocks or {}).collect([done], [], [])
 

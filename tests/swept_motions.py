@@ -5,7 +5,7 @@ from datetime import UTC, datetime
 import numpy as np
 from nominal import Config
 
-from rockpulse import BlockSettings, ModelSettings, RecordSettings
+from rockpulse import BlockSettings, ModelSettings, RecordSettings, SearchSettings
 from rockpulse.assessment.assessment import assess
 from rockpulse.record.record import Record
 from rockpulse.selection.directions import conditioned_motions, plan_motions
@@ -34,9 +34,8 @@ def upwards(station="CCC"):
 
 
 def config(components, blocks=(WALL, TOWER), models=None, **records):
-    return Config(
-        blocks=blocks, records=RecordSettings(components=components, **records), models=models or ModelSettings()
-    )
+    records, search = RecordSettings(components=components, **records), SearchSettings(points=8)
+    return Config(blocks=blocks, records=records, models=models or ModelSettings(), search=search)
 
 
 def sweep(*records, **options):

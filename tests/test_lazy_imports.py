@@ -12,11 +12,9 @@ READERS = Path(__file__).parents[1] / "pipeline" / "rockpulse" / "readers"
 HEAVY = ("numba", "xarray", "h5py", "pandas", "scipy.signal", "obspy", "matplotlib", "jinja2")
 
 
-def loaded(script):
-    """Which heavy packages a fresh interpreter has loaded after a script."""
-    report = (
-        f"\nimport json, sys\nprint(json.dumps([name for name in {HEAVY!r} if name in sys.modules]), file=sys.stderr)"
-    )
+def loaded(script, of=HEAVY):
+    """Which of some packages a fresh interpreter has loaded after a script."""
+    report = f"\nimport json, sys\nprint(json.dumps([name for name in {of!r} if name in sys.modules]), file=sys.stderr)"
     done = subprocess.run(
         [sys.executable, "-c", script + report], capture_output=True, text=True, timeout=300, check=True
     )
@@ -40,6 +38,7 @@ SMALL = [
     ["plot", "--list"],
     ["formats"],
     ["init-config"],
+    ["completion", "bash"],
 ]
 
 
@@ -51,6 +50,10 @@ def none_of(steps):
 
 def test_help_and_small_verbs_load_nothing_heavy():
     assert loaded(none_of(command(*arguments) for arguments in SMALL)) == []
+
+
+def test_the_help_does_not_load_numpy():
+    assert "numpy" not in loaded(command("--help"), of=("numpy",))
 
 
 def test_no_reader_loads_anything_heavy():

@@ -10,14 +10,7 @@ import pytest
 from make_schema import KINDS, TABLE, with_tables
 
 import rockpulse as rp
-from rockpulse import (
-    BlockSettings,
-    DemandSettings,
-    ModelSettings,
-    RecordSettings,
-    SearchSettings,
-    UncertaintySettings,
-)
+from rockpulse import BlockSettings, DemandSettings, ModelSettings, RecordSettings, SearchSettings, UncertaintySettings
 from rockpulse.assessment.tree import EVENT
 from rockpulse.record.synthetic import synthetic_motion
 from rockpulse.remark import WARNINGS
@@ -30,7 +23,7 @@ CHEST = BlockSettings(name="chest", width=1.0, height=2.2)
 
 
 def channel(azimuth, station="STA"):
-    samples = synthetic_motion(seed=int(azimuth) + 1, duration=6.0, pga=4.0)
+    samples = synthetic_motion(seed=int(azimuth) + 1, duration=3.0, pga=4.0)
     return rp.Record(
         samples, dt=0.01, id=f"XX.{station}..{azimuth:g}", station=station, azimuth=azimuth, processed=True
     )

@@ -1,7 +1,4 @@
-"""Numerics of rocking blocks on floats and arrays, in SI units.
-
-Nothing in here knows of files, obspy or xarray; the package imports only the standard library, numpy, scipy and numba.
-"""
+"""Numerics of rocking blocks in SI units, by the standard library, numpy, scipy and numba alone."""
 
 import lazy_loader
 

@@ -1,10 +1,4 @@
-"""Types of the quantities that models take and give: a number for one lane, an array for several.
-
-.. note:: A lane is one block under one factor on the input. What models take is anything that numpy makes a number or
-   an array of; what they give is a Python number where the caller gave scalars, else an array of the lanes' shape.
-
-Arguments of the models as arrays: numbers that are finite, positive where they have to be, of one length.
-"""
+"""Arguments and answers of the models: numbers for one lane, a block under a scale factor, and arrays for several."""
 
 from typing import Any, TypeAlias
 
@@ -18,10 +12,7 @@ Booleans: TypeAlias = bool | NDArray[np.bool_]
 
 
 def numbers(name: str, value: ArrayLike, expected: str, lanes: bool = True) -> np.ndarray:
-    """The value as a finite number, or as a one-dimensional array of them where `lanes` allows it.
-
-    Anything else raises a ValueError with the name of the argument, what was expected and what was given.
-    """
+    """The value as a finite number, or a one-dimensional array of them if `lanes` allows it; else a ValueError."""
     shape = "or an array of them" if lanes else "not an array"
     try:
         array = np.asarray(_real(value), dtype=float)
@@ -40,6 +31,21 @@ def positive(name: str, value: ArrayLike, unit: str, lanes: bool = True) -> np.n
     if not np.all(array > 0.0):
         raise ValueError(f"{name}: expected a positive, finite number in {unit}, got {value!r}")
     return array
+
+
+#: A number of main impulses that is no limit.
+UNLIMITED = 2**62
+
+
+def counts(name: str, value: Any, least: int, lanes: bool = True) -> Any:
+    """A whole number of at least `least`, or an array (q,) of them if `lanes` allows it; else a ValueError."""
+    array = np.asarray(value)
+    if array.ndim > int(lanes) or not np.issubdtype(array.dtype, np.integer):
+        shape = " or a (q,) array of them" if lanes else ""
+        raise ValueError(f"{name}: expected a whole number{shape}, got {value!r}")
+    if not np.all((array >= least) & (array < UNLIMITED)):
+        raise ValueError(f"{name}: expected at least {least}, got {value!r}")
+    return int(array) if array.ndim == 0 else array.astype(np.int64)
 
 
 def together(**values: np.ndarray) -> tuple[np.ndarray, ...]:

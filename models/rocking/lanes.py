@@ -13,7 +13,6 @@ import numpy as np
 
 #: Slices per thread: lanes differ in cost, so a thread that is done early takes another one.
 SLICES_PER_THREAD = 8
-
 #: The limits in force. A list, not one number: the blocks of several threads overlap and end in any order.
 _limits: list[int] = []
 _changing = threading.Lock()
@@ -24,7 +23,7 @@ OF_LANES = {"fill": np.nan, "axis": -1}
 
 
 def lane_field(fill: Any = np.nan, axis: int = -1, **options: Any) -> Any:
-    """A field with one value for each lane along an axis; `fill` stands for that of a lane without an answer."""
+    """A field with one value for each lane along an axis; `fill` is the value of a lane without an answer."""
     return field(metadata={"fill": fill, "axis": axis}, **options)
 
 
@@ -58,10 +57,7 @@ class LaneValues:
 
     @classmethod
     def join(cls, parts: Sequence[Self], places: Sequence[np.ndarray], count: int, **fills: Any) -> Self:
-        """Parts of some lanes each as one of `count` lanes, at their places (k,).
-
-        Where no part has a lane, or one part is longer than another along a further axis, stands the fill of the field.
-        """
+        """Join parts at their places (k,) among `count` lanes; lanes without a part have the fill of each field."""
         found: dict[str, Any] = {}
         for name, (fill, axis) in cls.lane_fields().items():
             values = [getattr(part, name) for part in parts]
@@ -106,19 +102,7 @@ def available_cores() -> int:
 
 @contextmanager
 def thread_limit(threads: int) -> Iterator[None]:
-    """Let ``threads=None`` mean at most this many threads, everywhere in this process, while the block lasts.
-
-    A process that shares the machine with others of its kind runs its kernels on one thread this way; the answers do
-    not depend on it. Of several limits in force, in nested blocks or in blocks of several threads, the smallest holds.
-
-    Examples
-    --------
-    >>> slices = []
-    >>> with thread_limit(1):
-    ...     split_lanes(lambda first, last: slices.append((first, last)), 1000, threads=None)
-    >>> slices
-    [(0, 1000)]
-    """
+    """Limit ``threads=None`` to this number of threads in the whole process; of several limits the smallest holds."""
     threads = _checked(threads, "a whole number of at least 1")
     with _changing:
         _limits.append(threads)
@@ -130,12 +114,7 @@ def thread_limit(threads: int) -> Iterator[None]:
 
 
 def split_lanes(kernel_call: Callable[[int, int], None], lanes: int, threads: int | None, smallest: int = 64) -> None:
-    """Run a kernel over all lanes, in slices on several threads; None for all that :func:`thread_limit` leaves.
-
-    ``kernel_call(first, last)`` answers lanes first to last - 1, writes to no others and releases the interpreter lock.
-    An exception that it raises is passed on. With fewer than two slices of `smallest` lanes everything runs in the
-    calling thread.
-    """
+    """Run ``kernel_call(first, last)``, which releases the interpreter lock, on slices of at least `smallest` lanes."""
     if threads is None:
         threads = min([available_cores(), *_limits])
     threads = _checked(threads, "a whole number of at least 1, or None for all cores")

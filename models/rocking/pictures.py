@@ -1,8 +1,4 @@
-"""Small pictures and cards of objects for a notebook: lines and polygons as SVG, made of text alone.
-
-.. note:: A picture is drawn in the units of its data, x to the right and y upwards. Lines take the colour of the text
-   around them unless they have one of their own, so that a picture can be read on a light and on a dark page.
-"""
+"""Small SVG pictures and cards of objects for a notebook, in the units of their data, x to the right, y upwards."""
 
 import html
 from abc import ABC, abstractmethod
@@ -14,11 +10,9 @@ from numpy.typing import ArrayLike
 #: The colour of the text around the picture; then those of Okabe & Ito (2008), and a grey.
 INK = "currentColor"
 BLUE, ORANGE, RED, GREY = "#0072B2", "#E69F00", "#D55E00", "#808080"
-
 #: Size of a picture [px], and the margin around what is drawn.
 WIDTH, HEIGHT, MARGIN = 380.0, 120.0, 14.0
-
-#: Columns of a picture by which a long line is drawn: more cannot be told apart.
+#: Columns to which a long line is reduced: more cannot be distinguished.
 COLUMNS = 300
 
 
@@ -100,15 +94,15 @@ class Shown(ABC):
 
     @abstractmethod
     def _facts(self) -> dict[str, str]:
-        """What is told of the object, by short names; a name may be empty."""
+        """The facts of the object by short names; a name may be empty."""
 
     @abstractmethod
     def _picture(self) -> Picture | None:
         """The picture of the object; None where there is nothing to draw."""
 
     def __repr__(self) -> str:
-        told = ", ".join(f"{name} {value}".strip() for name, value in self._facts().items())
-        return f"<{type(self).__name__} {told}>"
+        facts = ", ".join(f"{name} {value}".strip() for name, value in self._facts().items())
+        return f"<{type(self).__name__} {facts}>"
 
     def _repr_html_(self) -> str:
         """The object as a notebook shows it: its facts as a table, and the picture beside them."""
@@ -124,13 +118,7 @@ class Shown(ABC):
 
 
 def brief(values: ArrayLike, unit: str = "", digits: int = 4) -> str:
-    """A number in a few digits with its unit, the range of several of them, or "unknown" where none is known.
-
-    Examples
-    --------
-    >>> brief(0.25, "m"), brief([0.5, 0.25, 2.0], "m"), brief(float("nan"), "m")
-    ('0.25 m', '0.25 to 2 m', 'unknown')
-    """
+    """A number in a few digits with its unit, the range of several ones, or "unknown" if all are NaN."""
     known = np.asarray(values, dtype=float).ravel()
     known = known[~np.isnan(known)]
     if known.size == 0:
@@ -140,16 +128,7 @@ def brief(values: ArrayLike, unit: str = "", digits: int = 4) -> str:
 
 
 def thinned(x: np.ndarray, y: np.ndarray, columns: int = COLUMNS) -> tuple[np.ndarray, np.ndarray]:
-    """Points (n,) of a line, those of a long one as the smallest and the largest of each of so many stretches.
-
-    The two stand in the order in which they come, NaN where a stretch holds nothing else. A line of at most twice as
-    many points is left alone.
-
-    Examples
-    --------
-    >>> thinned(np.arange(8.0), np.array([0.0, 3.0, 1.0, 2.0, 0.0, -4.0, 0.0, 1.0]), columns=2)
-    (array([0., 1., 5., 7.]), array([ 0.,  3., -4.,  1.]))
-    """
+    """Points (n,) of a line, reduced to the smallest and the largest of each of some columns, in their order."""
     if y.size <= 2 * columns:
         return x, y
     kept: list[int] = []

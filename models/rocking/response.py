@@ -13,7 +13,6 @@ from rocking.pictures import BLUE, GREY, INK, RED, Picture, Shown, brief, thinne
 
 #: Impacts slower than this are not counted, as speed over p alpha_c [-] (about 5e-7 of alpha_c in rotation).
 IMPACT_CUTOFF = 1e-3
-
 #: Lanes whose peaks are drawn, and the largest theta/alpha_c that is shown [-].
 DRAWN, TOP = 200, 1.2
 
@@ -55,18 +54,13 @@ class HalfCycles(LaneValues):
 
     Attributes
     ----------
-    start_velocity : (h, ...) ndarray
-        u_i = theta'/(p alpha_c) right after the impact and the main impulse [-].
-    peak : (h, ...) ndarray
-        Largest theta/alpha_c in the half-cycle [-]; inf where the block overturns.
-    duration : (h, ...) ndarray
-        Time to the next impact [s]; inf where there is none.
+    start_velocity, peak, impact_speed : (h, ...) ndarray
+        u_i = theta'/(p alpha_c) right after the impact and the main impulse [-]; largest theta/alpha_c [-], inf if the
+        block overturns; speed u_r right before the next impact [-].
+    duration, interval : (h, ...) ndarray
+        Time to the next impact, inf if there is none, and corrected interval dT_i of the intermediate impulses [s].
     impulse_count : (h, ...) ndarray of int
-        Number n_i of intermediate impulses (0 without, -1 where n -> infinity or where there is no half-cycle).
-    interval : (h, ...) ndarray
-        Corrected interval dT_i of the intermediate impulses [s]; NaN without.
-    impact_speed : (h, ...) ndarray
-        Speed u_r right before the next impact [-]; NaN where there is none.
+        Number n_i of intermediate impulses (0 without, -1 if n -> infinity or there is no half-cycle).
     """
 
     start_velocity: np.ndarray = lane_field()
@@ -84,28 +78,25 @@ class Response(LaneValues, Shown):
     Attributes
     ----------
     peak_rotation_ratio : float or ndarray
-        Largest abs(theta)/alpha_c [-], found inside the samples; inf when overturned, 0 at rest, NaN only when
-        UNRESOLVED.
-    outcome : int or ndarray
-        :class:`Outcome`.
-    reason : int or ndarray
-        :class:`Reason`, NONE unless UNRESOLVED.
+        Largest abs(theta)/alpha_c [-], inside the samples too; inf if overturned, 0 at rest, NaN only if UNRESOLVED.
+    outcome, reason : int or ndarray
+        :class:`Outcome`, and :class:`Reason`, NONE unless UNRESOLVED.
     overturning_time : float or ndarray
         Time at which overturning is certain [s]; NaN without.
     overturning_half_cycle : int or ndarray
         1 + impacts before overturning; -1 without. The sequence and impulsive models count every half-cycle, the
         response to a record those that end with a counted impact.
     impacts : int or ndarray
-        Impacts faster than :data:`IMPACT_CUTOFF` p alpha_c, those after the input included; -1 where they never end
+        Impacts faster than :data:`IMPACT_CUTOFF` p alpha_c, those after the input included; -1 if they never end
         (C = 1) or the lane is UNRESOLVED.
     time, rotation, velocity : ndarray or None
-        History [s], [rad], [rad/s], where asked for.
+        History [s], [rad], [rad/s], if asked for.
     half_cycles : HalfCycles or None
         The table of the sequence models.
     ground_contact : bool or ndarray or None
-        Sequence model only: True where a half-cycle of the corrected march passes through the ground before its end
-        (spacing "start" above I_s/I = 2/3, "middle" above 6/7). There the closed form, which knows the end only, stands
-        for no motion of the block, and the impulse train gives another answer.
+        Sequence model only: True if a half-cycle of the corrected march passes through the ground before its end
+        (spacing "start" above I_s/I = 2/3, "middle" above 6/7). The closed form, which knows the end only, is then no
+        motion of the block, and the impulse train gives another answer.
     active_samples : int or ndarray or None
         Response to a record only: samples in which the block moved, neither at rest nor overturned.
     """
@@ -227,10 +218,7 @@ def response_of(
     half_cycles: HalfCycles | None = None,
     **others: np.ndarray,
 ) -> Response:
-    """The (q, m) response that a kernel has written, with `others` of its fields in any shape of as many values.
-
-    The `motion` (q m, n, 2) is theta and theta' at n samples.
-    """
+    """The (q, m) response that a kernel has written; `motion` (q m, n, 2) is theta and theta' at n samples."""
     lanes = {name: values.reshape(shape) for name, values in (results._asdict() | others).items()}
     if motion is not None:
         lanes |= {name: motion[..., k].reshape(*shape, -1) for k, name in enumerate(("rotation", "velocity"))}

@@ -1,7 +1,4 @@
-"""rockpulse: from recorded strong-motion files to the overturning safety of large slender rigid blocks.
-
-The public names are loaded on first use, so that a reader plugin or ``rockpulse --help`` costs next to nothing.
-"""
+"""rockpulse: overturning safety of large slender rigid blocks from strong-motion records; names load on first use."""
 
 import lazy_loader
 

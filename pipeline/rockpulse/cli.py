@@ -1,7 +1,4 @@
-"""The command line: one module per verb under :mod:`rockpulse.commands`.
-
-Exit codes: 0 all done, 1 some records failed, 2 wrong usage, configuration or results file.
-"""
+"""The command line: one module per verb under :mod:`rockpulse.commands`."""
 
 import argparse
 import io

@@ -1,10 +1,8 @@
 """Statistics over earthquakes: resampling, intervals and weighted quantiles.
 
-.. note:: Records of one earthquake are no independent observations, so a statistic is a function of sums over
-   earthquakes, a resample draws whole earthquakes, and a jackknife leaves out one after the other. Weights (n,) are not
-   negative and need no norm; `events` (n,) are numbers from 0 to g - 1; `draws` (b, g) tell how often each earthquake
-   is in each resample (:func:`draw_earthquakes`); `estimates` (1 + K, ...) are of all data, then without each of K
-   earthquakes.
+.. note:: Records of one earthquake are not independent: resamples draw whole earthquakes, a jackknife leaves
+   out one after the other. Weights (n,) are not negative; `events` (n,) are numbers from 0; `draws` (b, g) count each
+   earthquake in each resample; `estimates` (1 + K, ...) are of all data, then without each of K earthquakes.
 """
 
 import math
@@ -39,23 +37,12 @@ def mean_weights(events: Sequence[str] | np.ndarray) -> np.ndarray:
 
 
 def draw_earthquakes(events: int, resamples: int, seed: int | Sequence[int]) -> np.ndarray:
-    """Counts of each of g earthquakes in each of b resamples: (b, g) whole numbers whose rows sum to g.
-
-    They depend on the arguments alone; a seed of several numbers gives each kind of result a stream of its own.
-    """
+    """Counts (b, g) of g earthquakes in b resamples; a seed of several numbers gives a stream of its own."""
     return np.random.default_rng(seed).multinomial(events, np.full(events, 1.0 / events), size=resamples)
 
 
 def weighted_quantile(values: np.ndarray, level: float, weights: np.ndarray) -> float:
-    """Smallest of the values (n,) with at least a share `level` of the weight at or below it; NaN without any.
-
-    NaN values are left out.
-
-    Examples
-    --------
-    >>> weighted_quantile(np.array([3.0, 1.0, 2.0]), 0.5, np.array([1.0, 1.0, 5.0]))
-    2.0
-    """
+    """Smallest finite value of (n,) with at least a share `level` of the weight at or below it; NaN without any."""
     known = np.isfinite(values) & (weights > 0.0)
     if not np.any(known):
         return math.nan
@@ -65,10 +52,7 @@ def weighted_quantile(values: np.ndarray, level: float, weights: np.ndarray) -> 
 
 
 def probability_interval(probability: Any, events: Any) -> tuple[np.ndarray, np.ndarray]:
-    """Ends of the interval of a mean probability over so many earthquakes (Clopper & Pearson 1934, two-sided).
-
-    With the confidence :data:`CONFIDENCE`, as if the earthquakes were drawn at random from those that are to be
-    expected. A mean of 0 or 1 gives the rule of three: its other end lies less than 3/n away.
+    """Clopper and Pearson's interval (1934) of a mean probability over a number of earthquakes.
 
     Examples
     --------
@@ -88,12 +72,8 @@ def probability_interval(probability: Any, events: Any) -> tuple[np.ndarray, np.
 def share_interval(
     hits: np.ndarray, weights: np.ndarray, events: np.ndarray, confidence: float
 ) -> tuple[float, float, float]:
-    """A weighted share of hits (n,), from 0 to 1 each, with both ends of its interval over earthquakes; n at least 1.
+    """A weighted share of hits (n,), from 0 to 1 each, with the ends of its interval; NaN for one earthquake.
 
-    The ends are NaN for a single earthquake.
-
-    Notes
-    -----
     Korn and Graubard's interval (1998, Survey Methodology 24, 193-201): Clopper and Pearson's for the effective number
     of independent trials, s(1 - s)/var s with the variance of the ratio over earthquakes, times (z/t_(g-1))^2. Where
     all or nothing is hit the variance says nothing, and every earthquake counts as one trial: no certainty from few.
@@ -120,19 +100,13 @@ def share_interval(
 def bootstrap_interval(
     estimate: float, resampled: np.ndarray, sizes: np.ndarray, confidence: float
 ) -> tuple[float, float]:
-    """Lower and upper end of the interval of an estimate, from its values (b,) in resamples of earthquakes.
+    """Ends of the interval of an estimate from its values (b,) in resamples; `sizes` (g,) are weights.
 
-    A value is NaN where a resample holds none, inf where it has no bound; `sizes` (g,) is the weight of the records of
-    each earthquake. NaN where the estimate is not finite, and with a single earthquake. The upper end is inf where more
-    resamples are than the interval leaves out above.
-
-    Notes
-    -----
     Estimate -+ t_f sqrt(c) times the standard deviation of the resamples. A bootstrap of g earthquakes finds the
     variance too small by (g - 1)/g and does not know that it is an estimate (Hesterberg 2015, sections 3.2 and 4.4,
     doi:10.1080/00031305.2015.1089789). For earthquakes of shares s_g, each of one value, the mean of the resampled
     variance of their mean is 1/c = 1 - 2 sum s^3/sum s^2 + sum s^2 of the true one, and f + 1 = 1/sum s^2 is their
-    effective number, at least 2. For the mean of g normal values of one weight the interval is Student's.
+    effective number, at least 2. NaN where nothing is finite, inf where more resamples are than are left out above.
     """
     correction, student = _few_earthquakes(sizes, confidence)
     known = resampled[np.isfinite(resampled)]
@@ -155,6 +129,49 @@ def _few_earthquakes(sizes: np.ndarray, confidence: float) -> tuple[float, float
     return correction, float(t.ppf(0.5 * (1.0 + confidence), max(1.0 / square - 1.0, 1.0)))
 
 
+class Quantiles(NamedTuple):
+    """A quantile of k values over records, with its interval; NaN with a single earthquake."""
+
+    value: np.ndarray  # (k,)
+    lower: np.ndarray  # (k,)
+    upper: np.ndarray  # (k,)
+
+
+def record_quantiles(
+    values: np.ndarray,
+    levels: list[float],
+    logarithmic: bool,
+    *,
+    weights: np.ndarray,
+    events: np.ndarray,
+    draws: np.ndarray,
+    confidence: float,
+) -> list[Quantiles]:
+    """Weighted quantiles of values (n, ...) over records, one for each level, of the shape of a record's values.
+
+    The interval is that of the logarithms with `logarithmic`.
+    """
+    flat = values.reshape(values.shape[0], -1)
+    found = np.empty((len(levels), 3, flat.shape[1]))
+    sizes = np.bincount(events, weights)
+    drawn = draws[:, events] * weights
+    for column in range(flat.shape[1]):
+        order = np.argsort(flat[:, column], kind="stable")
+        ordered = flat[order, column]
+        below, of_draws = np.cumsum(weights[order]), np.cumsum(drawn[:, order], axis=1)
+        for row, level in enumerate(levels):
+            share = level - ROUNDING
+            value = ordered[np.searchsorted(below, share * below[-1])]
+            # As many records lie below the quantile as there are sums below the share.
+            resampled = ordered[np.sum(of_draws < share * of_draws[:, -1:], axis=1)]
+            if logarithmic:
+                ends = np.exp(bootstrap_interval(np.log(value), np.log(resampled), sizes, confidence))
+            else:
+                ends = np.array(bootstrap_interval(float(value), resampled, sizes, confidence))
+            found[row, :, column] = value, *ends
+    return [Quantiles(*one) for one in found.reshape(len(levels), 3, *values.shape[1:])]
+
+
 class Limits(NamedTuple):
     """Limits of a quantity by the bootstrap-t, NaN where too many draws are lost, and the share of the lost ones."""
 
@@ -164,11 +181,7 @@ class Limits(NamedTuple):
 
 
 def bootstrap_t_limits(scores: np.ndarray, estimate: float, error: float, confidence: float) -> Limits:
-    """Limits exp(estimate - score error) by the scores (b,) of the draws.
-
-    A score is (value of the draw - estimate)/standard error of the draw, NaN where the draw has none. The limits are
-    NaN where more than :data:`LOST` of the draws are lost, or where the estimate has no error.
-    """
+    """Limits exp(estimate - score error) by the scores (b,), (draw - estimate)/(standard error of the draw)."""
     known = scores[np.isfinite(scores)]
     lost = 1.0 - known.size / scores.size
     if lost > LOST or not (np.isfinite(error) and error > 0.0):
@@ -247,11 +260,7 @@ def fit_lognormal(
 def log_moments(
     logarithms: np.ndarray, weights: np.ndarray, events: np.ndarray, draws: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Mean and dispersion (b, p) of logarithms (n, p) in resamples of earthquakes.
-
-    A row of ones among the draws stands for the sample itself. NaN where a resample holds no value, or too few for a
-    dispersion.
-    """
+    """Mean and dispersion (b, p) of logarithms (n, p) in resamples of earthquakes; NaN with too few values."""
     known = np.isfinite(logarithms)
     values, share = np.where(known, logarithms, 0.0), weights[:, np.newaxis] * known
     sums = np.stack([share, share * values, share * values**2], axis=1)
@@ -278,9 +287,8 @@ def _dispersion_interval(
 ) -> tuple[float, float]:
     """Chi-square interval of a dispersion, its degrees of freedom from the resamples.
 
-    The variance of the mean gives the effective number of independent records, s^2/var m, times (z/t)^2 for not
-    knowing it, at least 1; the variance of the dispersion itself gives 2 s^4/var s^2, less where tails are heavy. The
-    smaller of the two counts, and the number of records less one.
+    The variance of the mean gives the effective number of records, s^2/var m, times (z/t)^2, at least 1; that of the
+    dispersion 2 s^4/var s^2, less where tails are heavy. The smaller counts, and the number of records less one.
     """
     from scipy.stats import chi2, norm
 

@@ -1,7 +1,6 @@
 """The errors that rockpulse raises on purpose, and the rows of files and channels that gave no assessed record.
 
-Every class can be made of its message alone, so that it survives pickling on its way back from a worker process.
-File-system faults stay :class:`OSError`.
+Each is made of its message alone, so that it survives pickling; file-system faults stay :class:`OSError`.
 """
 
 import re
@@ -67,15 +66,11 @@ _EXAMPLES = 2
 
 @dataclass(frozen=True)
 class Failure:
-    """One row of the failures table.
+    """One row of the failures table: a file (``archive.zip!member``), the step that left it out, and why.
 
-    `file` is ``archive.zip!member`` for a member of an archive. `stage` is the step that left it out: "find", "read",
-    "events", "select", "pair", "rotate", "assess", "calibrate" or "fragility". `kind` is "failed", which needs
-    attention: a record, or what may be one, gave no result; "skipped" for a text, table, picture, velocity or spectrum
-    that was met in a folder, glob or zip, or a record too weak for the purpose; "duplicate" where the same content was
-    read already, or another record of the same shaking is assessed in its place; "depth" where a record of the same
-    shaking that was recorded nearer to the surface is assessed in its place; "vertical" or "structural" where it was
-    read, but not assessed as horizontal ground motion.
+    Its kind is "failed", which needs attention; "skipped" for what is no record, or too weak; "duplicate", "depth"
+    where another record of the same shaking is assessed in its place; "vertical" or "structural" if it is no horizontal
+    ground motion.
     """
 
     file: str
@@ -107,15 +102,7 @@ def alike(rows: Iterable[Failure]) -> list[list[Failure]]:
 
 
 def told(group: Sequence[Failure]) -> str:
-    """The reason of rows that are alike: of one with its place, of several with their number and two places.
-
-    Examples
-    --------
-    >>> told([Failure("a.AT2", "read", "a.AT2:4: expected 100 samples, found 3", "failed")])
-    'a.AT2:4: expected 100 samples, found 3'
-    >>> told([Failure(name, "read", f"{name}: no reader recognises the file", "failed") for name in "abc"])
-    '3 files (a, b and 1 more): no reader recognises the file'
-    """
+    """The reason of rows that are alike: of one with its place, of several with their number and two places."""
     first = group[0]
     if len(group) == 1:  # most reasons begin with the file and a line in it
         return first.reason if first.file in first.reason else f"{first.file}: {first.reason}"
@@ -125,13 +112,7 @@ def told(group: Sequence[Failure]) -> str:
 
 
 def some(names: Sequence[str], most: int) -> str:
-    """The first of some names, and how many more there are.
-
-    Examples
-    --------
-    >>> some(["a", "b", "c"], 2), some([], 2)
-    ('a, b and 1 more', 'none')
-    """
+    """The first names, and how many more there are."""
     more = f" and {len(names) - most} more" if len(names) > most else ""
     return (", ".join(names[:most]) or "none") + more
 
@@ -142,11 +123,5 @@ def unread(rows: Iterable[Failure]) -> bool:
 
 
 def last_part(file: str) -> str:
-    """The last part of the name of a file, or of a member of an archive.
-
-    Examples
-    --------
-    >>> last_part("data/b.zip!in/a.AT2")
-    'a.AT2'
-    """
+    """The last part of the name of a file, or of a member of an archive."""
     return file.replace("\\", "/").rpartition("!")[2].rpartition("/")[2] or file

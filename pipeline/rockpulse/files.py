@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rockpulse.errors import ConfigError, RockpulseError
+from rockpulse.errors import ConfigError, ResultsError, RockpulseError
 from rockpulse.foreign_text import first_line
 
 if TYPE_CHECKING:
@@ -43,16 +43,7 @@ def check_regular(path: str | os.PathLike[str], error: type[RockpulseError] = Co
 
 
 def read_text(path: Path, limit: int = TABLE_LIMIT, what: str = "a text file") -> str:
-    """The text of a file in UTF-8, with or without a byte-order mark.
-
-    Raises
-    ------
-    ConfigError
-        For a pipe or a device, a file of more than `limit` bytes, and bytes that are no UTF-8; the message calls the
-        file `what`.
-    OSError
-        Where the file cannot be opened.
-    """
+    """The text of a file in UTF-8; a ConfigError, which calls it `what`, for a pipe, too many bytes or other bytes."""
     check_regular(path)
     with path.open("rb") as file:
         content = file.read(limit + 1)
@@ -65,10 +56,7 @@ def read_text(path: Path, limit: int = TABLE_LIMIT, what: str = "a text file") -
 
 
 def parse_toml(text: str, name: str, error: type[RockpulseError] = ConfigError) -> dict[str, Any]:
-    """The content of a TOML text, which messages call by its `name`.
-
-    Raises `error` for a text that is no TOML, is nested deeper than `DEEPEST`, or has an integer beyond `LARGEST`.
-    """
+    """The content of a TOML text called `name`; `error` for invalid TOML, deep nesting and very large integers."""
     deep = f"{name}: sections and arrays are nested deeper than {DEEPEST} times, the limit"
     large = f"{name}: an integer is beyond the limit of 2^63; write a number with a decimal point"
     try:
@@ -83,16 +71,11 @@ def parse_toml(text: str, name: str, error: type[RockpulseError] = ConfigError) 
     for _ in range(DEEPEST):
         if any(type(value) is int and abs(value) >= LARGEST for value in level):
             raise error(large)
-        level = [value for one in level for value in _inside(one)]
+        inside = (one.values() if isinstance(one, Mapping) else one if isinstance(one, list) else () for one in level)
+        level = [value for values in inside for value in values]
     if level:
         raise error(deep)
     return document
-
-
-def _inside(value: Any) -> list[Any]:
-    if isinstance(value, Mapping):
-        return list(value.values())
-    return value if isinstance(value, list) else []
 
 
 #: A number with a decimal comma, as it may stand between semicolons or tabs.
@@ -100,22 +83,13 @@ DECIMAL_COMMA = re.compile(r"([+-]?\d*),(\d+(?:[eE][+-]?\d+)?)")
 
 
 def separator(text: str) -> str:
-    """What stands between the cells of the first line of a table."""
+    """The delimiter of the first row of a table."""
     head = text.lstrip("\n").partition("\n")[0]
     return next((mark for mark in (";", "\t") if mark in head), ",")
 
 
 def table_of(path: str, text: str) -> pd.DataFrame:
-    """The cells of a table as texts without blanks around them; lines that are empty or begin with # are passed over.
-
-    Where semicolons or tabs stand between the cells, numbers may have decimal commas. Cells that are missing at the end
-    of a row are empty.
-
-    Raises
-    ------
-    ConfigError
-        For no heading, a column that stands twice, or a row of more cells than the heading has.
-    """
+    """The cells of a table as texts; lines that are empty or begin with # are skipped, decimal commas become points."""
     import pandas as pd
 
     lines = [line for line in text.splitlines() if line.strip() and not line.startswith("#")]
@@ -127,7 +101,10 @@ def table_of(path: str, text: str) -> pd.DataFrame:
         ]
     except csv.Error as error:
         raise ConfigError(f"{path}: cannot be read as a table: {first_line(error)}") from None
-    heads, *cells = [_without_empty_end(row) for row in rows] or [[]]
+    for row in rows:  # spreadsheets write empty cells behind the last one
+        while row and not row[-1]:
+            row.pop()
+    heads, *cells = rows or [[]]
     if twice := [name for name in dict.fromkeys(heads) if heads.count(name) > 1]:
         raise ConfigError(f"{path}: expected each column once, found {twice[0]!r} {heads.count(twice[0])} times")
     for number, row in enumerate(cells, start=1):
@@ -157,15 +134,36 @@ def numbers(path: str, table: pd.DataFrame, column: str) -> np.ndarray:
     return found
 
 
-def _without_empty_end(row: list[str]) -> list[str]:
-    """The cells without the empty ones behind the last that is none, as spreadsheets write them."""
-    count = max((place for place, cell in enumerate(row, start=1) if cell), default=0)
-    return row[:count]
-
-
 def _hidden(target: Path) -> Path:
     """A new name in the folder of a file."""
     return target.with_name(f".rockpulse.{os.getpid()}.{secrets.token_hex(4)}.part")
+
+
+def check_file(path: str | os.PathLike[str], overwrite: bool, suffixes: tuple[str, ...] = (".csv",)) -> Path:
+    """The path; a ResultsError where no file can be written there, or one exists that must not be overwritten."""
+    target = Path(path)
+    if not target.name.lower().endswith(suffixes):
+        raise ResultsError(f"{path}: expected a name that ends in {', '.join(suffixes)}, got {target.suffix!r}")
+    if target.exists() and not target.is_file():
+        raise ResultsError(f"{path}: expected the name of a file, found something that is no regular file")
+    if target.exists() and not overwrite:
+        raise ResultsError(f"{path}: the file exists; choose another name, or allow it to be replaced (--overwrite)")
+    if not target.absolute().parent.is_dir():
+        raise ResultsError(f"{path}: there is no folder {target.absolute().parent}; create it first")
+    try:
+        with FileSet() as trial:
+            trial.add(target, b"")
+    except OSError as error:
+        raise ResultsError(f"{path}: cannot write into the folder {target.parent}: {error.strerror}") from error
+    return target
+
+
+def write_files(contents: Mapping[Path, bytes]) -> None:
+    """Write all files or none."""
+    with FileSet() as files:
+        for path, content in contents.items():
+            files.add(path, content)
+        files.commit()
 
 
 @contextmanager
@@ -178,11 +176,7 @@ def _named(path: Path) -> Iterator[None]:
 
 
 class FileSet:
-    """Contents that are written beside their places at once, and moved there by `commit`.
-
-    A symbolic link stays what it is: the file it points to is written. Leaving the context removes what was not
-    committed.
-    """
+    """Contents written beside their places, links followed, and moved there by `commit`; else removed at the end."""
 
     def __init__(self) -> None:
         self._parts = ExitStack()
@@ -194,14 +188,18 @@ class FileSet:
     def __exit__(self, *fault: object) -> None:
         self._parts.close()
 
-    def add(self, target: Path, content: bytes) -> None:
-        """Write the content of a file, not yet in its place; an OSError carries the name of `target`."""
+    def part(self, target: Path) -> Path:
+        """The path at which to write the content of a file, not yet in its place."""
         place = Path(os.path.realpath(target))
         part = _hidden(place)
         self._parts.callback(part.unlink, missing_ok=True)
-        with _named(target):
-            part.write_bytes(content)
         self._moves.append((target, part, place))
+        return part
+
+    def add(self, target: Path, content: bytes) -> None:
+        """Write the content of a file, not yet in its place; an OSError carries the name of `target`."""
+        with _named(target):
+            self.part(target).write_bytes(content)
 
     def commit(self) -> None:
         """Put every file in its place; if one fails, all that was there before comes back and the OSError is raised."""

@@ -14,34 +14,16 @@ _LONGEST = 300
 
 
 def escaped(text: str) -> str:
-    r"""The text with each character that a terminal or a page would obey in place of showing it as an escape.
-
-    Examples
-    --------
-    >>> print(escaped("title\x1b[2J"))
-    title\x1b[2J
-    """
+    """The text with each character that a terminal or a page would obey as an escape."""
     return _UNSAFE.sub(lambda found: found[0].encode("unicode_escape").decode("ascii"), text)
 
 
 def first_line(error: object) -> str:
-    r"""The first line of a message of another library, no longer than 300 characters.
-
-    Examples
-    --------
-    >>> first_line(ValueError("no number\n(line 3)"))
-    'no number'
-    """
+    """The first line of a message of another library, no longer than 300 characters."""
     lines = str(error).strip().splitlines() or [type(error).__name__]
     return lines[0] if len(lines[0]) <= _LONGEST else f"{lines[0][:_LONGEST]}..."
 
 
 def not_a_formula(text: str) -> str:
-    """The text of a cell, after an apostrophe where a spreadsheet would take it for a formula; a number stays one.
-
-    Examples
-    --------
-    >>> not_a_formula("=1+1"), not_a_formula("wall"), not_a_formula("-2.5")
-    ("'=1+1", 'wall', '-2.5')
-    """
+    """The text of a cell, after an apostrophe where a spreadsheet would take it for a formula; a number stays one."""
     return f"'{text}" if _FORMULA.match(text) and not _NUMBER.fullmatch(text) else text

@@ -17,8 +17,6 @@ from rockpulse.record.record import Record
 if TYPE_CHECKING:
     from rockpulse.sequences.rule import Rule
 
-__all__ = ["Equation", "Model", "Scene", "loaded_rule"]
-
 #: The equations of motion under an accelerogram, by the words of :func:`rocking.recorded_response`.
 Equation = Literal["linear", "nonlinear"]
 
@@ -132,10 +130,7 @@ class Model:
         return self.respond(block.take(known), scene).among(known, rocking.Reason.NOT_MODELLED)
 
     def intervals(self, block: rocking.Block, scene: Scene) -> rocking.ScaleIntervals:
-        """The factors on the input at which (m,) blocks overturn; a factor at which the model stops is a lower bound.
-
-        NaN for those blocks of which the model does not know everything.
-        """
+        """The factors on the input at which (m,) blocks overturn; NaN for blocks with what the model does not know."""
         known = self.answers(block, scene)
         if not np.any(known):
             return rocking.ScaleIntervals.unknown(block.shape)

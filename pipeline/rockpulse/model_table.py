@@ -1,8 +1,6 @@
 """Table of models, from the cheapest to the full equation of motion: one row a model, with all that is known of it.
 
-A model is added here and nowhere else: its functions, and a row of :data:`MODELS`. Whatever asks what a model can do
-asks its row; a test finds the name of a model outside this table. The solvers are loaded when a function is called, for
-the configuration takes the names of the models from here.
+A model is added here and nowhere else. The solvers are loaded when a function is called.
 """
 
 from collections.abc import Iterable
@@ -182,8 +180,8 @@ _ROWS = (
     Model(
         name="nonlinear",
         label="nonlinear",
-        words="the full equation of motion under the accelerogram itself: "
-        "θ″ = −p² [(1 + a_v/g) sin(±α_c − θ) + (a_g/g) cos(±α_c − θ)].",
+        words="the full equation of motion under the accelerogram itself: θ″ = −p² [(1 + a_v/g) sin(±α_c − θ) + "
+        "(a_g/g) cos(±α_c − θ)].",
         respond=partial(_recorded, equation="nonlinear"),
         search=partial(_search_recorded, equation="nonlinear"),
         look=("blue", "-", "o"),

@@ -1,20 +1,5 @@
-"""Numerics of rocking blocks, the public name of the package ``rocking``.
-
-The names are those of :mod:`rocking`, which is loaded on first use.
-"""
-
-from typing import Any
+"""Numerics of rocking blocks: the public names of the package :mod:`rocking`, loaded on first use."""
 
 import rocking
 
-__all__ = rocking.__all__
-
-
-def __getattr__(name: str) -> Any:
-    """The public name of :mod:`rocking`; AttributeError where it has none."""
-    return getattr(rocking, name)
-
-
-def __dir__() -> list[str]:
-    """The public names."""
-    return rocking.__dir__()
+__getattr__, __dir__, __all__ = rocking.__getattr__, rocking.__dir__, rocking.__all__

@@ -1,8 +1,4 @@
-"""One key of the configuration: which values it takes and how that is worded in a message.
-
-A section of the configuration is a frozen dataclass whose fields are made here. The check travels with the field, so a
-value is refused in the same words whether it comes from a TOML file, the command line or Python.
-"""
+"""The keys of a section of the configuration: dataclass fields that check their values in the same words everywhere."""
 
 import dataclasses
 import difflib
@@ -144,11 +140,7 @@ def choices(default: tuple[str, ...], words: tuple[str, ...], empty: bool = Fals
 
 
 def number(default: Any, low: float = -math.inf, high: float = math.inf, above: bool = False, unit: str = "") -> Any:
-    """A key that takes a number within limits in `unit`; `above` excludes `low` itself.
-
-    Zero aside, its size lies between 1e-15 and 1e15, so that no formula with it is without a result.
-    The default ``dataclasses.MISSING`` makes a key that must be given.
-    """
+    """A key that takes a finite number within limits in `unit`; `above` excludes `low` itself."""
     expected = f"a number in {unit}" if unit else "a number"
     if math.isfinite(low):
         expected += f" {'>' if above else '>='} {low:g}"

@@ -1,20 +1,5 @@
-"""Pictures of results: each takes Axes or makes its own, and returns them.
+"""Pictures of results: each takes Axes or makes its own, and returns them; loaded on first use."""
 
-The names are those of :mod:`rockpulse.views.plots`, which is loaded on first use.
-"""
+from rockpulse.views import plots
 
-from typing import Any
-
-import rockpulse.views.plots
-
-__all__ = rockpulse.views.plots.__all__
-
-
-def __getattr__(name: str) -> Any:
-    """The public name of :mod:`rockpulse.views.plots`; AttributeError where it has none."""
-    return getattr(rockpulse.views.plots, name)
-
-
-def __dir__() -> list[str]:
-    """The public names."""
-    return rockpulse.views.plots.__dir__()
+__getattr__, __dir__, __all__ = plots.__getattr__, plots.__dir__, plots.__all__

@@ -7,20 +7,6 @@ import re
 from collections.abc import Iterable
 from typing import Any
 
-__all__ = [
-    "PLAIN",
-    "TEMPLATES",
-    "WARNINGS",
-    "Remark",
-    "as_stored",
-    "code_of",
-    "counted",
-    "find",
-    "remarked",
-    "restored",
-    "with_codes",
-]
-
 #: What few earthquakes say of intervals.
 _WIDE = (
     "the intervals are wide because little is known (those of two or three events may come out narrow by chance), and "
@@ -33,16 +19,12 @@ WARNINGS = {
     # a channel as it was read
     "dead_channel": "all samples are zero: a dead channel",
     "clipped": "{count:d} samples in a row at the {end} value: the record may be clipped",
-    "full_scale": (
-        "the peak is where the range of a 24-bit recorder ends ({counts:d} counts): the record may be clipped"
-    ),
-    "header_peak": (
-        "the header states a peak of {stated:.4g} g, the data have {found:.4g} g; check the unit and that the file is "
-        "whole"
-    ),
-    "header_peak_near": (
-        "the header states a peak of {stated:.4g} g, the data have {found:.4g} g: {share:.1f} % {sense}"
-    ),
+    "full_scale": "the peak is where the range of a 24-bit recorder ends ({counts:d} counts): the record may be "
+    "clipped",
+    "header_peak": "the header states a peak of {stated:.4g} g, the data have {found:.4g} g; check the unit and that "
+    "the file is whole",
+    "header_peak_near": "the header states a peak of {stated:.4g} g, the data have {found:.4g} g: {share:.1f} % "
+    "{sense}",
     "odd_peak": "peak {peak:.3g} g in the unit {unit}; the values would be {readings}",
     "long_interval": "a sampling interval of {interval:g} s is long for an accelerogram; is it in s?",
     "part_of_record": "part {part:d} of a record that is cut into files: give all of them together",
@@ -51,20 +33,14 @@ WARNINGS = {
     # a record on its way to the models
     "on_structure": "on a structure, assessed as if this were ground motion",
     "orientation_unknown": "the orientation is unknown; assessed as horizontal",
-    "baseline_guessed": (
-        "the format does not say whether the record is processed: the mean was subtracted; choose a baseline to keep "
-        "or correct it"
-    ),
-    "baseline_drift": (
-        "baseline drift: the ground velocity ends at {velocity:.3g} m/s, the PGV of {pgv:.3g} m/s may be off by as "
-        "much; compare with another baseline or a high-pass"
-    ),
+    "baseline_guessed": "the format does not say whether the record is processed: the mean was subtracted; choose a "
+    "baseline to keep or correct it",
+    "baseline_drift": "baseline drift: the ground velocity ends at {velocity:.3g} m/s, the PGV of {pgv:.3g} m/s may be "
+    "off by as much; compare with another baseline or a high-pass",
     "start_assumed": "both channels are taken to start together, no times are known",
     "no_sequence": "no impulse sequence: {reason}",
-    "scaled_far": (
-        "scaled by {factor:.3g}: outside {low:g} to {high:g} a scaled record stands for no recorded earthquake of that "
-        "strength"
-    ),
+    "scaled_far": "scaled by {factor:.3g}: outside {low:g} to {high:g} a scaled record stands for no recorded "
+    "earthquake of that strength",
     "scaled_alone": "brought to the demand by its own strength, not by that of a pair: {reason}",
     "scaled_to_drift": "scaled to a PGV that its drifting baseline puts in doubt",
     # its vertical channel
@@ -73,10 +49,8 @@ WARNINGS = {
     "vertical_start_assumed": "vertical channel: taken to start with this one, no times are known",
     "vertical_short": "vertical channel: taken as zero for {missing:.4g} s without it",
     # a sequence in place of a record
-    "demand_not_compared": (
-        "a sequence has no PGA, nor any other strength to bring to the demand of the site ([[demand]]): nothing is "
-        "compared with it"
-    ),
+    "demand_not_compared": "a sequence has no PGA, nor any other strength to bring to the demand of the site "
+    "([[demand]]): nothing is compared with it",
     # a remark on another record, behind this one
     "of_vertical": "vertical channel: {remark}",
     "of_channel": "{channel}: {remark}",
@@ -93,50 +67,33 @@ STATEMENTS = {
     "interval": "{low:.3g} to {high:.3g}",
     "and_more": "{names} and {count:d} more",
     # the calibration of a site
-    "one_event": (
-        "ONE EVENT ({event}): nothing can be left out, so the coverage of other earthquakes is not known, nor is any "
-        "interval clustered by event; the dispersion is that within this event. The design describes these records, "
-        "not the site"
-    ),
+    "one_event": "ONE EVENT ({event}): nothing can be left out, so the coverage of other earthquakes is not known, nor "
+    "is any interval clustered by event; the dispersion is that within this event. The design describes these records, "
+    "not the site",
     "few_events": f"FEW EVENTS: {{count:d}}, fewer than {{needed:d}}: {_WIDE}",
     "few_lifting_events": (
         "FEW EVENTS: {count:d}, only {lifting:d} with a record that lifts a block, fewer than {needed:d}: " + _WIDE
     ),
     "few_records": "FEW RECORDS: {count:d}, fewer than {needed:d}: {tail}",
-    "tail_above": (
-        "about {beyond:.1f} of them lie above the quantile {quantile:g}, which rests on the strongest one or two; take "
-        "more records"
-    ),
-    "tail_below": (
-        "about {beyond:.1f} of them lie below the quantile {quantile:g}, which rests on the weakest one or two; take "
-        "more records"
-    ),
-    "tail_among": (
-        "the quantile {quantile:g} lies among them, and is known no better than its interval says; take more records"
-    ),
-    "unresolved_pairs": (
-        "{share:.1%} of the pairs of record and block are unresolved (a vertical acceleration that cancels gravity, "
-        "for one) and count as overturned, for nothing else is sure to cover them"
-    ),
-    "nothing_standing": (
-        "the design overturns every block that a record sets rocking: no rotation is left to be covered, and the "
-        "design says no more than that; take sturdier blocks or a lower quantile"
-    ),
-    "set_by": (
-        "I is set by the overturning of {name}: just below it the design covers {share:.0%} of the rotations of the "
-        "blocks left standing, and at it {left}; with sturdier blocks in the list I may be larger"
-    ),
+    "tail_above": "about {beyond:.1f} of them lie above the quantile {quantile:g}, which rests on the strongest one or "
+    "two; take more records",
+    "tail_below": "about {beyond:.1f} of them lie below the quantile {quantile:g}, which rests on the weakest one or "
+    "two; take more records",
+    "tail_among": "the quantile {quantile:g} lies among them, and is known no better than its interval says; take more "
+    "records",
+    "unresolved_pairs": "{share:.1%} of the pairs of record and block are unresolved (a vertical acceleration that "
+    "cancels gravity, for one) and count as overturned, for nothing else is sure to cover them",
+    "nothing_standing": "the design overturns every block that a record sets rocking: no rotation is left to be "
+    "covered, and the design says no more than that; take sturdier blocks or a lower quantile",
+    "set_by": "I is set by the overturning of {name}: just below it the design covers {share:.0%} of the rotations of "
+    "the blocks left standing, and at it {left}; with sturdier blocks in the list I may be larger",
     "left_none": "no block is left",
     "left_without": "it is no longer among them",
-    "open_interval": (
-        "the interval of I is open: in the resamples I stops where a block overturns, which tells of the block and not "
-        "of the records"
-    ),
+    "open_interval": "the interval of I is open: in the resamples I stops where a block overturns, which tells of the "
+    "block and not of the records",
     "coverage_unknown": "the coverage is not known: no event could be judged{without}",
-    "coverage_of_few": (
-        "the coverage ({coverage:.0%}, {interval}{little}) rests on {pairs:d} pairs of record and block of {judged:d} "
-        "of {total:d} events{without}"
-    ),
+    "coverage_of_few": "the coverage ({coverage:.0%}, {interval}{little}) rests on {pairs:d} pairs of record and block "
+    "of {judged:d} of {total:d} events{without}",
     "no_interval": "no interval",
     "share_interval": "{low:.0%} to {high:.0%}",
     "hardly_known": ": hardly known",
@@ -144,58 +101,41 @@ STATEMENTS = {
     "unlifted": "{names} (lifts no block)",
     "no_design": "{names} (the others alone make no design)",
     "overturning_design": "{names} (the design of the others overturns all that it lifts)",
-    "falls_short": (
-        "the design falls short: it covers {share:.0%} (at most {most:.0%}) of the rotations of events left out, on "
-        "blocks left standing, instead of {nominal:.0%}: the events differ by more than the others show, or one shape "
-        "cannot serve all blocks"
-    ),
-    "few_lifted": (
-        "only {share:.1%} of the pairs of record and block count, for the other records do not lift the other blocks: "
-        "the design rests on few of them"
-    ),
-    "scaled_far_in_all": (
-        "{count:d} of {total:d} records are scaled by less than {low:g} or more than {high:g} (from {least:.2g} to "
-        "{most:.2g}): their duration and interval are those of earthquakes of another size"
-    ),
+    "falls_short": "the design falls short: it covers {share:.0%} (at most {most:.0%}) of the rotations of events left "
+    "out, on blocks left standing, instead of {nominal:.0%}: the events differ by more than the others show, or one "
+    "shape cannot serve all blocks",
+    "few_lifted": "only {share:.1%} of the pairs of record and block count, for the other records do not lift the "
+    "other blocks: the design rests on few of them",
+    "scaled_far_in_all": "{count:d} of {total:d} records are scaled by less than {low:g} or more than {high:g} (from "
+    "{least:.2g} to {most:.2g}): their duration and interval are those of earthquakes of another size",
     "too_few_events": "not enough earthquakes ({count:d}; at least {least:d} for the quantile {quantile:g})",
     "outside_spectrum": "outside the spectrum, and without a design: {names}",
     "vertical_left_out": ("the vertical acceleration is left out: no spectrum is common to all bodies under it"),
     # a fragility curve
     "band_one_event": "no band: without the event {event} there would be no curve",
     "band_few_events": "no band: the records come from {events}, it needs {needed:d}",
-    "median_above": (
-        "extrapolated: the median, {median:.3g}, lies above every level looked at, up to {level:.3g}; {reached} of "
-        "{records:d} reached the limit state"
-    ),
-    "median_below": (
-        "extrapolated: the median, {median:.3g}, lies below every level looked at, from {level:.3g}; {reached} of "
-        "{records:d} reached the limit state"
-    ),
+    "median_above": "extrapolated: the median, {median:.3g}, lies above every level looked at, up to {level:.3g}; "
+    "{reached} of {records:d} reached the limit state",
+    "median_below": "extrapolated: the median, {median:.3g}, lies below every level looked at, from {level:.3g}; "
+    "{reached} of {records:d} reached the limit state",
     "no_record": "no curve: no record",
     "one_record_reached": "no curve: one record only, {levels} reached; a dispersion needs several",
     "one_record_not_reached": "no curve: one record only, {levels} not reached; a dispersion needs several",
     "nothing_reached": "no curve: none of {records} reached the limit state, looked at up to {level:.3g}",
-    "nothing_reached_between": (
-        "no curve: none of {records} reached the limit state, looked at up to {low:.3g} to {high:.3g}"
-    ),
-    "everything_reached": (
-        "no curve: all of {records} reached the limit state at every level, from {level:.3g}; look at lower levels"
-    ),
-    "one_reached": (
-        "no curve: one record only reached the limit state, at {levels}, of {records:d}; a dispersion needs several"
-    ),
+    "nothing_reached_between": "no curve: none of {records} reached the limit state, looked at up to {low:.3g} to "
+    "{high:.3g}",
+    "everything_reached": "no curve: all of {records} reached the limit state at every level, from {level:.3g}; look "
+    "at lower levels",
+    "one_reached": "no curve: one record only reached the limit state, at {levels}, of {records:d}; a dispersion needs "
+    "several",
     "step": "a step at {level:.3g}: all capacities that are known are the same, there is no dispersion",
     "not_increasing": "no curve: the limit state is not reached more often at higher levels",
     "no_maximum": "no curve: the likelihood has no maximum that could be found",
     "one_level": "no curve: all motions are of one level, {level:.3g}; a dispersion needs several",
-    "separated_at": (
-        "no curve: no motion below {level:.3g} and every motion above it reached the limit state; the dispersion "
-        "cannot be told; look at levels nearby"
-    ),
-    "separated": (
-        "no curve: no motion up to {low:.3g} and every motion from {high:.3g} reached the limit state; the median lies "
-        "between them, the dispersion cannot be told"
-    ),
+    "separated_at": "no curve: no motion below {level:.3g} and every motion above it reached the limit state; the "
+    "dispersion cannot be told; look at levels nearby",
+    "separated": "no curve: no motion up to {low:.3g} and every motion from {high:.3g} reached the limit state; the "
+    "median lies between them, the dispersion cannot be told",
     "not_stronger": "no curve: the motions that reached the limit state are no stronger than the others",
 }
 
@@ -206,16 +146,10 @@ PLAIN = "plain"
 
 
 class Remark(str):
-    """A remark as its English text, with the code and the values that the text is made of.
+    """A remark as its English text, with its code, a key of `TEMPLATES` (``of_vertical/clipped`` for one in another).
 
-    `code` is a key of `TEMPLATES`; of a remark that holds another one both codes, ``of_vertical/clipped``. `values` are
-    the numbers, texts, other remarks, or lists of remarks that the text names.
-
-    Examples
-    --------
-    >>> remark = Remark("clipped", count=8, end="largest")
-    >>> remark, remark.code
-    ('8 samples in a row at the largest value: the record may be clipped', 'clipped')
+    >>> Remark("clipped", count=8, end="largest")
+    '8 samples in a row at the largest value: the record may be clipped'
     """
 
     code: str
@@ -260,13 +194,7 @@ def counted(count: int, noun: str) -> Remark:
 
 
 def as_stored(remarks: Iterable[str]) -> str:
-    """Remarks by their codes and values, as JSON; another text as one of the code `PLAIN`.
-
-    Examples
-    --------
-    >>> restored(as_stored([Remark("set_by", name="a", share=0.5, left=Remark("left_none"))]))[0].values["left"].code
-    'left_none'
-    """
+    """Remarks by their codes and values, as JSON; another text as one of the code `PLAIN`."""
     coded = (one if isinstance(one, Remark) else Remark(PLAIN, text=one) for one in remarks)
     return json.dumps([_packed(one) for one in coded], ensure_ascii=False)
 

@@ -7,6 +7,8 @@ import pytest
 
 from rockpulse.readers import read
 
+pytestmark = pytest.mark.sweep
+
 
 @pytest.fixture(scope="module")
 def layouts(parse):

@@ -23,7 +23,7 @@ KINDS = {
 }
 
 
-def drawn(kind, number):
+def drawn(kind, number, seconds=4.0):
     """Body, ground acceleration [m/s2], interval [s] and equation of a case."""
     rng = np.random.default_rng([list(KINDS).index(kind), number])
     dt = float(rng.choice([0.01, 0.02, 0.04]))
@@ -71,6 +71,6 @@ def drawn(kind, number):
         )
     if number % 3 == 0:
         block = block.mirrored()
-    motion = shaking(number, int(4.0 / dt), dt, 0.3, 4.0)
+    motion = shaking(number, int(seconds / dt), dt, 0.3, 4.0)
     ground = motion * GRAVITY * np.tan(block.weaker.alpha_c) * rng.choice([1.3, 2.0, 3.0, 5.0])
     return block, ground, dt, KINDS[kind][number % len(KINDS[kind])]

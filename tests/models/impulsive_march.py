@@ -9,11 +9,7 @@ import math
 from rocking.body.block import Block
 from rocking.response import Outcome
 
-GAINS = {
-    "paper": math.cos,
-    "linear": lambda alpha: 1.0,
-    "tangent": lambda alpha: alpha / math.tan(alpha),
-}
+GAINS = {"paper": math.cos, "linear": lambda alpha: 1.0, "tangent": lambda alpha: alpha / math.tan(alpha)}
 #: Hops slower than this are not followed: they rise by less than 1e-14 of alpha_c.
 SLOWEST = 1e-7
 

@@ -8,19 +8,13 @@ import logging
 
 import numpy as np
 
-from rocking import (
-    Block,
-    ImpulseSequence,
-    impulsive_response,
-    recorded_response,
-    sequence_response,
-)
+from rocking import Block, ImpulseSequence, impulsive_response, recorded_response, sequence_response
 from rocking.impulses.sequence import scaled_outcomes
 from rockpulse.record.synthetic import synthetic_motion
 
 DT = 0.02
-MOTION = synthetic_motion(3, duration=3.0, dt=DT, pga=5.0)
-UP = synthetic_motion(4, duration=3.0, dt=DT, pga=3.0)
+MOTION = synthetic_motion(3, duration=1.6, dt=DT, pga=6.0)
+UP = synthetic_motion(4, duration=1.6, dt=DT, pga=3.0)
 PULSE = np.concatenate([4.5 * np.sin(np.pi * np.arange(16) / 15), np.zeros(60)])
 SCALES = (0.3, 0.5, 1.0, 3.0)
 

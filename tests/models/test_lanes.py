@@ -93,11 +93,11 @@ def test_a_limit_is_a_whole_number_of_at_least_one(threads, monkeypatch):
 @pytest.mark.parametrize("equation", ["linear", "nonlinear"])
 def test_answers_do_not_depend_on_threads_or_neighbours(equation):
     rng = np.random.default_rng(8)
-    lanes = 400
+    lanes = 300
     block = Block.from_parameters(p=rng.uniform(1, 8, lanes), alpha=rng.uniform(0.05, 0.3, lanes), restitution=0.9)
     motion = synthetic(seed=5)
     one = recorded_response(block, motion, 0.01, equation, threads=1)
-    for threads in (2, 3, 7):
+    for threads in (2, 7):
         more = recorded_response(block, motion, 0.01, equation, threads=threads)
         for name in ("peak_rotation_ratio", "outcome", "overturning_time", "impacts", "active_samples"):
             assert np.array_equal(getattr(one, name), getattr(more, name), equal_nan=True), name

@@ -52,15 +52,6 @@ def test_answers_keep_their_places_among_blocks_that_have_none(impulse):
     assert np.isnan(whole.half_cycles.start_velocity[..., 1]).all()
 
 
-def test_histories_keep_their_places_too():
-    motion = 4.0 * np.sin(0.1 * np.arange(200))
-    some = recorded_response(BODIES, motion, 0.01, history=True)
-    whole = some.among(KNOWN, Reason.FREE_FLIGHT)
-    assert np.array_equal(whole.rotation[KNOWN], some.rotation, equal_nan=True)
-    assert np.isnan(whole.rotation[1]).all()
-    assert np.array_equal(whole.time, some.time)
-
-
 def test_counts_and_flags_of_blocks_without_an_answer_say_that_there_is_none():
     motion = 4.0 * np.sin(0.1 * np.arange(200))
     some = recorded_response(BODIES, motion, 0.01, scale=[0.5, 1.0], history=True)
@@ -141,12 +132,6 @@ def test_names_of_outcomes_are_those_that_results_store():
 
     stored = SUMMARY["outcome"].variable(np.zeros((1, 1, 1)), ("record", "block", "model")).attrs["flag_meanings"]
     assert EVERY.outcome_name.tolist() == str(stored).split() == [outcome.word for outcome in Outcome]
-
-
-def test_shapes_are_those_of_the_outcome():
-    response = recorded_response(Block(width=[0.25, 0.6], height=2.2), SHAKING, DT, scale=[0.1, 1.0, 4.0])
-    assert response.overturned.shape == response.outcome_name.shape == (3, 2)
-    assert np.array_equal(response.overturned, response.outcome_name == "overturns")
 
 
 def test_a_response_is_told_in_a_line():

@@ -1,17 +1,15 @@
 """The command line as a whole: its exit codes, what it prints, and that no wrong input shows a traceback."""
 
 import os
-import re
+import shutil
 import subprocess
 import sys
 from dataclasses import replace
 
 import h5py
-import numpy as np
 import pytest
 from results_tree import results_bytes
 
-import rockpulse as rp
 from rockpulse import __version__, cli
 from rockpulse.cli import build_parser, main
 from rockpulse.commands import VERBS
@@ -91,26 +89,18 @@ def test_the_help_of_every_verb_fits_the_terminal_and_shows_its_examples(capsys,
             assert f"\n  {example}\n" in text
 
 
-def test_the_help_names_every_verb_and_the_exit_codes():
-    text = build_parser().format_help()
-    for verb in ("assess", "inspect", "formats", "init-config"):
-        assert re.search(rf"^ +{verb}\b", text, re.M), verb
-    assert "Exit codes: 0" in text
-
-
 def test_the_module_runs_like_the_command():
     done = subprocess.run([sys.executable, "-m", "rockpulse", "formats"], capture_output=True, text=True, check=False)
     assert done.returncode == 0
     assert "at2" in done.stdout
 
 
-@pytest.mark.parametrize("arguments", [["init-config"], pytest.param(["plot", "--list"], marks=pytest.mark.sweep)])
-def test_a_reader_that_leaves_early_is_no_error(arguments):
+def test_a_reader_that_leaves_early_is_no_error():
     read, write = os.pipe()
     os.close(read)
     with os.fdopen(write, "w") as pipe:
         done = subprocess.run(
-            [sys.executable, "-m", "rockpulse", *arguments],
+            [sys.executable, "-m", "rockpulse", "init-config"],
             stdout=pipe,
             stderr=subprocess.PIPE,
             text=True,
@@ -120,19 +110,12 @@ def test_a_reader_that_leaves_early_is_no_error(arguments):
     assert done.returncode == 0
 
 
-@pytest.mark.parametrize(
-    "arguments",
-    [
-        ["init-config", "-o", "{new}"],
-        *(pytest.param(words, marks=pytest.mark.sweep) for words in (["formats"], ["plot", "--list"], ["--version"])),
-    ],
-)
-def test_standard_output_that_is_closed_does_not_stop_the_command(arguments, tmp_path):
+def test_standard_output_that_is_closed_does_not_stop_the_command(tmp_path):
     new = tmp_path / "new.toml"
-    command = [sys.executable, "-m", "rockpulse", *(argument.format(new=new) for argument in arguments)]
+    command = [sys.executable, "-m", "rockpulse", "init-config", "-o", str(new)]
     done = subprocess.run(["sh", "-c", 'exec "$@" >&-', "sh", *command], stderr=subprocess.PIPE, text=True, check=False)
     assert (done.returncode, done.stderr) == (0, "")
-    assert new.exists() == ("init-config" in arguments)
+    assert new.exists()
 
 
 @pytest.mark.sweep
@@ -148,11 +131,10 @@ def test_a_report_and_an_overview_are_made_where_standard_output_is_closed(tmp_p
 
 
 @pytest.mark.skipif(not os.path.exists("/dev/full"), reason="this system has no device that is always full")  # noqa: PTH110
-@pytest.mark.parametrize("arguments", [["formats"], pytest.param(["plot", "--list"], marks=pytest.mark.sweep)])
-def test_standard_output_that_is_full_is_a_message(arguments):
+def test_standard_output_that_is_full_is_a_message():
     with open("/dev/full", "w") as full:  # noqa: PTH123
         done = subprocess.run(
-            [sys.executable, "-m", "rockpulse", *arguments], stdout=full, stderr=subprocess.PIPE, text=True, check=False
+            [sys.executable, "-m", "rockpulse", "formats"], stdout=full, stderr=subprocess.PIPE, text=True, check=False
         )
     assert done.returncode == 2
     assert done.stderr == "rockpulse: No space left on device\n"
@@ -192,11 +174,11 @@ def test_an_interruption_is_told_and_has_the_usual_code(monkeypatch, capsys):
 
 
 @pytest.mark.parametrize("changed", [False, True])
-def test_an_internal_error_is_shown_with_what_differs_in_the_file(changed, tmp_path, monkeypatch, capsys, caplog):
+def test_an_internal_error_is_shown_with_what_differs_in_the_file(
+    changed, golden, tmp_path, monkeypatch, capsys, caplog
+):
     path = tmp_path / "results.h5"
-    record = rp.Record(np.sin(np.arange(0.0, 4.0, 0.02)), dt=0.02, id="motion", processed=True)
-    config = rp.Config(models=rp.ModelSettings(use=("resonance",)))
-    rp.save(rp.assess([record], config, {"wall": rp.models.Block(0.1, 1.0)}), path)
+    shutil.copy(golden.results, path)
     if changed:
         with h5py.File(path, "r+") as file:
             file["summary/pga"].attrs["foreign"] = 1

@@ -51,7 +51,7 @@ def test_every_model_answers_and_is_searched(name):
     one, model = scene(), MODELS[name]
     assert model.name == name
     assert model.words
-    assert model.respond(BLOCKS, one).outcome.shape == (3,)
+    assert model.response(BLOCKS, one).outcome.shape == (3,)
     assert model.intervals(BLOCKS, one).safety_factor.shape == (3,)
     assert set(model.knows) <= set(FEATURES)
 

@@ -26,15 +26,7 @@ def bhrc(
     rate: float | None = None,
     end: str = "\r\n",
 ) -> bytes:
-    """The channels L, V and T, accelerations in g/10.
-
-    Parameters
-    ----------
-    columns : three (n,) arrays
-        Accelerations of L, V and T [g/10].
-    count, rate : optional
-        What the header declares, where that is not the number of samples and the rate.
-    """
+    """The channels L, V and T, accelerations in g/10; `count` and `rate` are what the header declares."""
     lines: list[str] = []
     for number, (values, letter) in enumerate(zip(columns, "LVT", strict=False), start=1):
         points = len(values) if count is None else count

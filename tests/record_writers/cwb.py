@@ -26,17 +26,7 @@ def cwb(
     layout: str = "4F10.3",
     end: str = "\r\n",
 ) -> bytes:
-    """The channels U, N and E, accelerations in gal.
-
-    Parameters
-    ----------
-    columns : three (n,) arrays
-        Accelerations in the order of `sequence` [gal].
-    first : float
-        Time of the first row [s].
-    length : str, optional
-        Duration that the header states, where that is not the number of samples over the rate.
-    """
+    """The channels U, N and E, or of `sequence`, accelerations in gal, from `first` [s] on; `length` as stated."""
     count = len(columns[0])
     lines = [
         "#Earthquake Information",

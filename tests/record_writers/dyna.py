@@ -98,17 +98,7 @@ AAD_HIGH_CUT_FREQUENCY_HZ: 40.0
 def dyna(
     values: Sequence[float], dt: float = 0.01, end: str = "\n", without: Sequence[str] = (), **changes: object
 ) -> bytes:
-    """One channel, accelerations in cm/s2.
-
-    Parameters
-    ----------
-    values : (n,) sequence of float
-        Accelerations [cm/s2].
-    without : sequence of str
-        Keys to leave out.
-    changes
-        Values of other keys, ``_`` for ``/``: a header of 64 lines, those of ESM unless changed.
-    """
+    """One channel, accelerations in cm/s2, under a header of 64 lines, those of ESM but for `without` and `changes`."""
     header = dict(line.split(":", 1) for line in _ESM.splitlines())
     at = int(np.argmax(np.abs(values)))
     header |= {

@@ -28,19 +28,7 @@ def geonet(
     peak: float | None = None,
     end: str = "\n",
 ) -> bytes:
-    """A file of several components, accelerations in mm/s2.
-
-    Parameters
-    ----------
-    columns : sequence of (n,) array
-        Accelerations of each component [mm/s2].
-    corrected : bool
-        V2A, with blocks of velocity and displacement behind the accelerations, instead of V1A.
-    reading : float
-        Unit of the readings of a V1A file [mm/s2].
-    peak : float, optional
-        Peak that the header states, where that is not the peak of the samples [mm/s2].
-    """
+    """A file of several components, accelerations in mm/s2, V1A (in units of `reading` [mm/s2]) or V2A."""
     lines: list[str] = []
     name = f"{origin:%Y%m%d_%H%M%S}_{site}_20"
     for values, component in zip(columns, components, strict=True):

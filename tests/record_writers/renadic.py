@@ -19,17 +19,7 @@ def renadic(
     count: int | None = None,
     end: str = "\r\n",
 ) -> bytes:
-    """A file of several channels, accelerations in g/10.
-
-    Parameters
-    ----------
-    columns : sequence of (n,) array
-        Accelerations of each channel [g/10].
-    first : float
-        Time of the first sample [s].
-    count : int, optional
-        Points that the header declares, where that is not the number of samples.
-    """
+    """A file of several channels, accelerations in g/10, from `first` [s] on; `count` is what the header declares."""
     lines: list[str] = []
     for number, (values, component) in enumerate(zip(columns, components, strict=True), start=1):
         points = len(values) if count is None else count

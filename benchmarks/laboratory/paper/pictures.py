@@ -63,7 +63,7 @@ def draw_figure4(figure: xr.Dataset, spacing: str, count: float = np.inf) -> Fig
         "Grey: the range of the paper."
     )
     if bool(own["no_motion"].any()):
-        words += " Gaps: the closed form stands for no motion of a block."
+        words += " Gaps: there the closed form is not a motion of a block."
     caption(panels[0], words)
     return panels[0].get_figure()
 

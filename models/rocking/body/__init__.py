@@ -1,1 +1,1 @@
-"""What a rigid body is: its corners, its restitution, what holds it and what it stands on."""
+"""The rigid body: corners, restitution, restraints, and the pedestal or floor under it."""

@@ -1,10 +1,4 @@
-"""The rigid block: geometry, restitution and the constants of its rocking motion (Casapulla & Maione 2017, section 3).
-
-.. note:: A rectangle of half-width b and half-height a turns about its lower corners; R is the half-diagonal, alpha_c
-   the angle between R and the vertical, and p = sqrt(3 g/(4 R)) the frequency parameter. A body that is no rectangle
-   has p = sqrt(M g R/I_0), with R from the corner to the centre of mass. A body without symmetry has an alpha, a p and
-   a restitution for each of its corners; one that leans on a wall turns about one of them only.
-"""
+"""The rigid block: geometry, restitution and constants of its rocking motion (Casapulla & Maione 2017, section 3)."""
 
 import logging
 import math
@@ -14,39 +8,25 @@ from typing import Any, Self
 import numpy as np
 
 from rocking.arguments import ArrayLike, numbers, positive, together
+from rocking.body import limits
 from rocking.body.block_lanes import SLENDERNESS_RANGE, STANDARD_GRAVITY, BlockLanes
-from rocking.body.limits import (
-    Corner,
-    both_corners,
-    check_restraints,
-    most_restitution,
-    radius_of_rectangle,
-    remarks_on,
-    restitutions_of,
-)
 from rocking.body.restraint import Load, Restraints, Thrust, Tie, carried
 
 logger = logging.getLogger("rockpulse")
 
 
 class Block(BlockLanes):
-    """A rigid block, or an array of them, by its half sizes or by its full ones.
-
-    The fields broadcast to one shape (m,), or () for a single block.
+    """A rigid block, or an array of them, by its half sizes or by its full ones; the fields broadcast to (m,), or ().
 
     Parameters
     ----------
-    half_width : float or (m,) array_like
-        b, half the base in the plane of rocking [m].
-    half_height : float or (m,) array_like
-        a, half the height [m].
-    width : float or (m,) array_like
-        2b, the full base in the plane of rocking [m]; with `height`, in place of the two halves.
-    height : float or (m,) array_like
-        2a, the full height [m].
+    half_width, half_height : float or (m,) array_like
+        b and a, half the base in the plane of rocking and half the height [m].
+    width, height : float or (m,) array_like
+        2b and 2a, the full sizes [m], in place of the two halves.
     restitution : "housner", float or (m,) array_like
-        Velocity ratio C of an impact, C = theta'(after)/theta'(before) [-], 0 <= C <= 1. "housner" stands for
-        1 - 1.5 sin^2(alpha_c), the bound of angular-momentum conservation (Housner's own r is its square).
+        Velocity ratio C = theta'(after)/theta'(before) of an impact [-], 0 <= C <= 1. "housner" is 1 - 1.5
+        sin^2(alpha_c), the bound of angular-momentum conservation (Housner's own r is its square).
     gravity : float
         Acceleration of gravity at the block [m/s2].
     offset, lean : float or (m,) array_like
@@ -55,50 +35,43 @@ class Block(BlockLanes):
     one_sided : bool
         Whether the body leans on a wall and turns towards theta > 0 only, away from it.
     rebound : "sorrentino", float or (m,) array_like, optional
-        Of a one-sided body, in place of the restitution: e = -theta'(after)/theta'(before) of a return to the wall [-].
-        "sorrentino", which stands for :func:`rocking.body.limits.sorrentino`, without.
+        Of a one-sided body, in place of the restitution: e = -theta'(after)/theta'(before) of a return to the wall [-];
+        by default :func:`rocking.body.limits.sorrentino`.
     ties, loads, thrusts : sequence of Tie, Load, Thrust
-        What holds and pushes the body beside its weight, the same for all lanes.
-    mass : float or (m,) array_like, optional
-        Of the body [kg], needed with ties, loads or thrusts; or `density` [kg/m3] and `length` [m], along the base and
-        across the plane of rocking.
+        Restraints, the same for all lanes.
+    mass, density, length : float or (m,) array_like, optional
+        Mass [kg], or density [kg/m3] and length across the plane of rocking [m]; needed with restraints.
     log : bool
         Whether the warnings are logged too, by the logger "rockpulse".
 
     Attributes
     ----------
-    alpha_c : float or (m,) ndarray
-        Angle between the vertical and the line from the right-hand corner, that of theta > 0, to the centre of mass:
-        the rotation of unstable equilibrium [rad].
-    p : float or (m,) ndarray
-        Frequency parameter about that corner [1/s].
-    radius : float or (m,) ndarray
-        R, from the corner to the centre of mass [m]: half the diagonal of a rectangle; for a body given by p and alpha
-        the radius that was given with them, else that of the rectangle with the same p.
+    alpha_c, p, radius : float or (m,) ndarray
+        Of the right-hand corner (theta > 0): angle of the line to the centre of mass with the vertical [rad], frequency
+        parameter [1/s], distance R from the centre of mass [m] (of the rectangle with the same p if it is not known).
+    alpha_2, p_2, radius_2, restitution_2 : float or (m,) ndarray
+        The same for the left-hand corner (theta < 0), and C of the impact that ends the rotation about it; e before a
+        wall.
     slenderness : float or (m,) ndarray
         a/b = 1/tan(alpha_c) [-].
     critical_impulse : float or (m,) ndarray
         I_1c = g alpha_c/(p cos alpha_c), the impulse that overturns the resting block at once (Eq. 9 with i = 1) [m/s].
-    alpha_2, p_2, radius_2, restitution_2 : float or (m,) ndarray
-        The same for the left-hand corner, that of theta < 0; for a symmetric body as for the other one. C is that of
-        the impact which ends the rotation about its corner, and e for a one-sided body.
     side : int or (m,) ndarray
         1 for a body that turns towards theta > 0 only, -1 for its mirror image, 0 for one that turns both ways.
     mass : float or (m,) ndarray
-        With the loads that it carries along [kg]; NaN where it was not given.
+        With the loads that it carries along [kg]; NaN if it was not given.
     restraints : Restraints, (m,) ndarray of them, or None
-        What acts on it beside its weight.
+        Ties, loads and thrusts.
     warnings : tuple of str
-        Remarks for the user: a restitution above what angular momentum allows, a slenderness below the paper's range, a
-        size that is doubted (larger than 30 m, less than 5 cm high or 1 mm wide, wider than high).
+        A restitution above what angular momentum allows, a slenderness below the paper's range, a doubtful size.
 
     Raises
     ------
     ValueError
-        For sizes or gravity that are not positive and finite, for one size alone or a half size beside a full one, a
-        restitution outside [0, 1], or "housner" for a block so squat that the formula turns negative (slenderness below
-        0.707); for a centre of mass that is not above the base, a rebound without `one_sided` or a restitution with it,
-        ties, loads or thrusts without a mass, above the body or so strong that they turn it over at rest.
+        For sizes or gravity that are not positive and finite, one size alone or a half size beside a full one, a
+        restitution outside [0, 1], or "housner" below a slenderness of 0.707, where it is negative; for a centre of
+        mass outside the base, a rebound without `one_sided` or a restitution with it, restraints without a mass, above
+        the body or so strong that they turn it over at rest.
 
     References
     ----------
@@ -110,9 +83,6 @@ class Block(BlockLanes):
     >>> block = Block(half_width=0.5, half_height=1.93649167, gravity=9.81)
     >>> round(float(block.p), 7), round(float(block.restitution), 5)
     (1.9180068, 0.90625)
-
-    The same by its full sizes:
-
     >>> wall = Block(width=0.25, height=2.2)
     >>> wall.half_width, wall.half_height, wall.width, wall.height
     (0.125, 1.1, 0.25, 2.2)
@@ -158,11 +128,11 @@ class Block(BlockLanes):
         if not np.any(shift) and not carried(loads)[0]:
             p = np.sqrt(3.0 * gravity / (4.0 * radius))
             alpha = np.arctan2(base, rise)
-            first = Corner(radius, alpha, p, most_restitution(p, alpha, None, gravity))
+            first = limits.Corner(radius, alpha, p, limits.most_restitution(p, alpha, None, gravity))
             second, shape = first, "rectangle"
         else:
             body = base - shift, base + shift, rise * np.cos(options["lean"]), radius / math.sqrt(3.0)
-            first, second, mass = both_corners(*body, mass, loads, gravity)
+            first, second, mass = limits.both_corners(*body, mass, loads, gravity)
             shape = "general"
         acting = Restraints(tuple(ties), tuple(carried(loads)[1]), tuple(thrusts))
         self._finish(
@@ -191,25 +161,19 @@ class Block(BlockLanes):
         alpha : float or (m,) array_like
             Angle between the vertical and the line from the corner to the centre of mass [rad], below pi/2.
         restitution : float, (m,) array_like or "housner"
-            As for :class:`Block`. "housner" stands for the most that conservation of angular momentum allows: with
-            `radius` 1 - 2 (p^2 R/g) sin^2(alpha), the bound of this (symmetric) body; without it 1 - 1.5 sin^2(alpha),
-            that of the rectangle with the same alpha.
-        gravity : float
-            Acceleration of gravity [m/s2].
+            As for :class:`Block`. "housner" is the bound of angular momentum: 1 - 2 (p^2 R/g) sin^2(alpha) with a
+            `radius`, else 1 - 1.5 sin^2(alpha), that of the rectangle with the same alpha.
         radius : float or (m,) array_like, optional
-            R, the distance from the corner to the centre of mass [m]. It changes no motion, which depends on p, alpha
-            and C: it tells which restitution the body can have.
-        one_sided, rebound
+            R, from the corner to the centre of mass [m]; it matters for the bound of the restitution only.
+        gravity, one_sided, rebound, log
             As for :class:`Block`; the rebound is a number.
-        log : bool
-            Whether the warnings are logged too, by the logger "rockpulse".
 
         Raises
         ------
         ValueError
             For p, alpha, radius or gravity that are not positive and finite, an alpha of pi/2 or more, a restitution
-            outside [0, 1], "housner" where the bound is negative, or a radius that no body of this p has: p^2 R/g is
-            M R^2/I_0, and I_0 = I_G + M R^2.
+            outside [0, 1], "housner" if the bound is negative, or a radius that no body of this p has: p^2 R/g = M
+            R^2/I_0 < 1.
 
         Examples
         --------
@@ -230,8 +194,8 @@ class Block(BlockLanes):
                 f"alpha: expected an angle below pi/2 rad, got {alpha!r}; it is given in radians, not degrees"
             )
         weight = float(positive("gravity", gravity, "m/s2", lanes=False))
-        most = most_restitution(p_, alpha_, own[0] if own else None, weight)
-        first = Corner(own[0] if own else radius_of_rectangle(p_, weight), alpha_, p_, most)
+        most = limits.most_restitution(p_, alpha_, own[0] if own else None, weight)
+        first = limits.Corner(own[0] if own else limits.radius_of_rectangle(p_, weight), alpha_, p_, most)
         block, unknown = object.__new__(cls), np.full(p_.shape, np.nan)
         half, shape, wall = (unknown, unknown), "own" if own else "unknown", (one_sided, rebound)
         block._finish(half, first, first, restitution, weight, shape, wall, (Restraints(), None), log)
@@ -261,16 +225,12 @@ class Block(BlockLanes):
         ----------
         b_1, b_2 : float or (m,) array_like
             Horizontal distances of the right-hand and of the left-hand corner from the centre of mass [m].
-        height : float or (m,) array_like
-            Of the centre of mass above the corners [m].
-        gyration : float or (m,) array_like
-            Radius of gyration about the centre of mass, sqrt(I_G/M) [m].
+        height, gyration : float or (m,) array_like
+            Height of the centre of mass above the corners, and radius of gyration sqrt(I_G/M) about it [m].
         restitution : "housner", float or (m,) array_like
-            C of both impacts; "housner" stands for what conservation of angular momentum allows each,
-            (rho^2 + h^2 - b_1 b_2)/(rho^2 + R^2), R that of the corner that is met.
-        gravity : float
-            Acceleration of gravity [m/s2].
-        one_sided, rebound, ties, loads, thrusts, mass, log
+            C of both impacts; "housner" is the bound of angular momentum, (rho^2 + h^2 - b_1 b_2)/(rho^2 + R^2), R that
+            of the corner that is met.
+        gravity, one_sided, rebound, ties, loads, thrusts, mass, log
             As for :class:`Block`; the rebound is a number.
 
         Examples
@@ -282,7 +242,7 @@ class Block(BlockLanes):
         sizes = {"b_1": b_1, "b_2": b_2, "height": height, "gyration": gyration}
         near, far, rise, rho = together(**{name: positive(name, value, "m") for name, value in sizes.items()})
         weight = float(positive("gravity", gravity, "m/s2", lanes=False))
-        first, second, mass = both_corners(near, far, rise, rho, mass, loads, weight)
+        first, second, mass = limits.both_corners(near, far, rise, rho, mass, loads, weight)
         acting = Restraints(tuple(ties), tuple(carried(loads)[1]), tuple(thrusts))
         block = object.__new__(cls)
         half = 0.5 * (near + far), np.full(near.shape, np.nan)
@@ -292,8 +252,8 @@ class Block(BlockLanes):
     def _finish(
         self,
         half: tuple[np.ndarray, np.ndarray],
-        first: Corner,
-        second: Corner,
+        first: limits.Corner,
+        second: limits.Corner,
         restitution: ArrayLike,
         gravity: float,
         shape: str,
@@ -301,11 +261,8 @@ class Block(BlockLanes):
         held: tuple[Restraints, Any],
         log: bool,
     ) -> None:
-        """Take half sizes, corners, (one_sided, rebound) and (restraints, mass).
-
-        The `shape` is "rectangle", "general", "own" (by p, alpha and radius) or "unknown".
-        """
-        ratios = restitutions_of(restitution, (first.most, second.most), wall, first.alpha, shape)
+        """Set all fields; `shape` is "rectangle", "general", "own" (by p, alpha and radius) or "unknown"."""
+        ratios = limits.restitutions_of(restitution, (first.most, second.most), wall, first.alpha, shape)
         restraints, mass = held
         alone = {"size": first.alpha, "restitution": ratios[0]}
         known = np.asarray(np.nan) if mass is None else positive("mass", mass, "kg")
@@ -332,11 +289,11 @@ class Block(BlockLanes):
         one = {name: value.item() if value.ndim == 0 else value for name, value in values.items()}
         vars(self).update(one | {"gravity": gravity, "restraints": None})
         if restraints:
-            check_restraints(restraints, first, second, self)
+            limits.check_restraints(restraints, first, second, self)
             whole = np.empty(lanes, dtype=object)
             whole[...] = restraints
             vars(self)["restraints"] = whole if lanes else restraints
-        remarks = remarks_on(half, (first, second), ratios, shape, one_sided=wall[0])
+        remarks = limits.remarks_on(half, (first, second), ratios, shape, one_sided=wall[0])
         if not np.all(self.slender):
             remarks.append(
                 f"slenderness {np.min(values['slenderness']):.3g} is below {SLENDERNESS_RANGE:g}: "

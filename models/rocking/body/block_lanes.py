@@ -1,8 +1,4 @@
-"""Lanes of blocks: some of an array of them, several stacked, seen from behind, with other angles.
-
-.. note:: The lane fields of a block are scalars for one body and arrays (m,) for several. What acts on a body beside
-   its weight is an object, and an array of objects for several bodies one of which has it.
-"""
+"""The fields of blocks, scalars for one body and arrays (m,) for several, and the operations on their lanes."""
 
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, field
@@ -17,13 +13,10 @@ from rocking.lanes import LaneValues, lane_field
 from rocking.pictures import Picture, Shown, brief
 
 STANDARD_GRAVITY = 9.80665
-
 #: The linear, resonance and sequence models are stated for slenderness of at least this (section 3).
 SLENDERNESS_RANGE = 3.0
-
 #: Bodies of an array that are drawn, side by side.
 DRAWN = 8
-
 #: The quantities of the right-hand corner that have a partner at the left-hand one.
 OPPOSITE = {"alpha_c": "alpha_2", "p": "p_2", "radius": "radius_2", "restitution": "restitution_2"}
 
@@ -110,7 +103,7 @@ class BlockLanes(LaneValues, Shown):
         return np.asarray(rotation / np.where(other, self.alpha_2, self.alpha_c))
 
     def mirrored(self) -> Self:
-        """The same body seen from behind: its corners change places, and a wall stands on its other side."""
+        """The same body seen from behind: its corners are exchanged, and a wall is on its other side."""
         pairs = OPPOSITE | {other: name for name, other in OPPOSITE.items()}
         other = self.changed(side=-self.side, **{name: getattr(self, opposite) for name, opposite in pairs.items()})
         if self.restraints is None:
@@ -123,10 +116,7 @@ class BlockLanes(LaneValues, Shown):
         return other.changed(restraints=seen if self.shape else seen[()])
 
     def varied(self, loss: ArrayLike, restitution: ArrayLike) -> Self:
-        """(m,) bodies with angles exp(-loss) times theirs, at their R and p, and other restitutions or rebounds.
-
-        `restitution` is that of the right-hand corner; that of the other one has the same share of its own.
-        """
+        """Bodies (m,) of the same R and p with angles times exp(-loss) and another right-hand `restitution`."""
         share = np.divide(restitution, self.restitution, out=np.ones(self.shape), where=self.restitution > 0.0)
         ratio = np.broadcast_to(np.asarray(restitution, dtype=float), self.shape)
         alike = self.restitution_2 == self.restitution

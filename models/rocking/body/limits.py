@@ -1,16 +1,10 @@
-"""The two corners on which a rigid body rocks, and its impact on a wall behind it.
+"""The corners of a rigid body, the restitution that angular momentum allows, and sizes that are doubtful.
 
-.. note:: A body whose centre of mass lies b_1 and b_2 from its right-hand and left-hand corner and h above them turns
-   about corner i with R_i^2 = b_i^2 + h^2, tan(alpha_i) = b_i/h and p_i^2 = g R_i/(rho^2 + R_i^2), rho its radius of
-   gyration. An impact on corner 2 keeps the angular momentum about it: (rho^2 + R_2^2) theta'_after = (rho^2 + R_1 R_2
-   cos(alpha_1 + alpha_2)) theta'_before, and R_1 R_2 cos(alpha_1 + alpha_2) = h^2 - b_1 b_2.
-
-What a rigid body can be: its restitution by angular momentum, its radius, and sizes that are doubted.
-
-.. note:: An impact on the other corner keeps the angular momentum about that corner. A symmetric body has
-   (I_0 - 2 M R^2 sin^2 alpha) theta' before the impact and I_0 theta' after it, so C is at most
-   1 - 2 (M R^2/I_0) sin^2 alpha = 1 - 2 (p^2 R/g) sin^2 alpha. M R^2/I_0 is 3/4 for a rectangle, which gives
-   Housner's 1 - 1.5 sin^2 alpha, and below 1 for any body, for I_0 = I_G + M R^2.
+.. note:: The centre of mass lies b_1 and b_2 from the right-hand and left-hand corner and h above them. About corner i
+   R_i^2 = b_i^2 + h^2, tan(alpha_i) = b_i/h and p_i^2 = g R_i/(rho^2 + R_i^2), rho the radius of gyration. An impact on
+   corner 2 keeps the angular momentum about it: (rho^2 + R_2^2) theta'_after = (rho^2 + h^2 - b_1 b_2) theta'_before. A
+   symmetric body has C <= 1 - 2 (p^2 R/g) sin^2(alpha); p^2 R/g = M R^2/I_0 is 3/4 for a rectangle and below 1 for any
+   body.
 """
 
 from collections.abc import Sequence
@@ -35,10 +29,7 @@ class Corner(NamedTuple):
 
 
 def corner(near: np.ndarray, far: np.ndarray, height: np.ndarray, gyration: np.ndarray, gravity: float) -> Corner:
-    """The corner `near` [m] away from the centre of mass, horizontally, of bodies with the other one `far` [m] away.
-
-    The centre of mass is at `height` [m], the radius of gyration about it `gyration` [m].
-    """
+    """The corner `near` [m] beside the centre of mass, which is at `height` [m]; the other corner is `far` [m] off."""
     square = near**2 + height**2
     most = (gyration**2 + height**2 - near * far) / (gyration**2 + height**2 + far**2)
     p = np.sqrt(gravity * np.sqrt(square) / (gyration**2 + square))
@@ -46,19 +37,9 @@ def corner(near: np.ndarray, far: np.ndarray, height: np.ndarray, gyration: np.n
 
 
 def sorrentino(alpha: Any) -> Any:
-    """Rebound e of a rectangle from a wall behind it: abs((1 - 1.5 sin^2 alpha)^2 (1 - 1.5 cos^2 alpha)).
+    """Rebound e of a rectangle from a wall: abs((1 - 1.5 sin^2 alpha)^2 (1 - 1.5 cos^2 alpha)), a convention.
 
-    A convention for the sequence base, wall, base, and not a sequence of impacts: one impact on the wall alone would
-    give 0.5 at any slenderness.
-
-    References
-    ----------
     Sorrentino, L., Kunnath, S., Monti, G., Scalora, G. (2008), Eng. Struct. 30(8), 2140-2153.
-
-    Examples
-    --------
-    >>> [round(float(sorrentino(np.arctan(1.0 / slenderness))), 3) for slenderness in (4, 8, 12)]
-    [0.342, 0.455, 0.48]
     """
     base, wall = 1.0 - 1.5 * np.sin(alpha) ** 2, 1.0 - 1.5 * np.cos(alpha) ** 2
     return np.abs(base**2 * wall)
@@ -116,7 +97,6 @@ def both_corners(
 
 #: Full sizes [m] outside which a body is doubted: a number in another unit is likelier than such a body.
 LARGEST_SIZE, LEAST_HEIGHT, LEAST_WIDTH = 30.0, 0.05, 0.001
-
 #: Frequency parameters of bodies that an overturning spectrum is for [1/s], 24 from 0.5 to 8 at a ratio of 1.128:
 #: rectangles with R from 29 m down to 0.11 m.
 RATES = np.geomspace(0.5, 8.0, 24)
@@ -128,10 +108,7 @@ def radius_of_rectangle(p: float | np.ndarray, gravity: float) -> Any:
 
 
 def most_restitution(p: np.ndarray, alpha: np.ndarray, radius: np.ndarray | None, gravity: float) -> np.ndarray:
-    """The largest C that angular momentum allows each body; without a radius that of the rectangle with its alpha.
-
-    A ValueError for a radius that no body of this p has.
-    """
+    """The largest C that angular momentum allows; without a radius that of the rectangle of the same alpha."""
     if radius is None:
         return 1.0 - 1.5 * np.sin(alpha) ** 2
     share = p**2 * radius / gravity
@@ -146,7 +123,7 @@ def most_restitution(p: np.ndarray, alpha: np.ndarray, radius: np.ndarray | None
 
 
 def restitution_of(given: ArrayLike, most: np.ndarray, own: bool) -> np.ndarray:
-    """The velocity ratios of an impact; "housner" stands for the most, which `own` says is by the body's own radius."""
+    """Velocity ratios of an impact; "housner" is the largest one, which is from the radius of the body if `own`."""
     if isinstance(given, str):
         if given != "housner":
             raise ValueError(f"restitution: expected a number in [0, 1] or 'housner', got {given!r}")
@@ -165,10 +142,7 @@ def restitution_of(given: ArrayLike, most: np.ndarray, own: bool) -> np.ndarray:
 def restitutions_of(
     given: ArrayLike, most: tuple[np.ndarray, np.ndarray], wall: tuple[bool, Any], alpha: np.ndarray, shape: str
 ) -> tuple[np.ndarray, np.ndarray]:
-    """The velocity ratios of the impacts on both corners, or the rebound of a body before a wall for both.
-
-    `wall` is whether there is one, and the rebound as it was given.
-    """
+    """The velocity ratios of the impacts on both corners, or the rebound if `wall` (one_sided, rebound) says so."""
     one_sided, rebound = wall
     if not isinstance(one_sided, bool | np.bool_):
         raise ValueError(f"one_sided: expected True or False, got {one_sided!r}")
@@ -244,13 +218,7 @@ def restitution_remark(restitution: np.ndarray, most: np.ndarray, shape: str) ->
 
 
 def doubt_of_size(width: float, height: float) -> str:
-    """What is doubtful about the full sizes of a body [m]; an empty text where nothing is.
-
-    Examples
-    --------
-    >>> doubt_of_size(600.0, 1700.0), doubt_of_size(2.4, 0.6), doubt_of_size(0.6, 2.4)
-    ('larger than 30 m', 'wider than high', '')
-    """
+    """What is doubtful about the full sizes [m] of a body, such as "wider than high"; an empty text if nothing is."""
     if max(width, height) > LARGEST_SIZE:
         return f"larger than {LARGEST_SIZE:g} m"
     if height < LEAST_HEIGHT:

@@ -1,7 +1,6 @@
-"""The outline of a body, and where what holds it acts: what every drawing of a body is made of.
+"""The outline of a body and the places of its restraints, for every drawing of a body.
 
-.. note:: Seen along the base, theta > 0 to the right. Lengths are in metres, x from the centre of mass to the right, y
-   from the base upwards. The right-hand corner, about which theta > 0 turns, is b_1 = R sin(alpha) off.
+Lengths are in metres, x from the centre of mass to the right and y from the base upwards; theta > 0 turns to the right.
 """
 
 import math
@@ -29,40 +28,16 @@ class TieLine(NamedTuple):
 
 @dataclass(frozen=True)
 class Outline:
-    """The outline of one body [m].
+    """The outline of one body [m]."""
 
-    Attributes
-    ----------
-    left, right : float
-        Distances of the corners from the centre of mass, both positive.
-    centre : float
-        Height of the centre of mass.
-    height : float
-        Height of the body; NaN where that is not known: a triangle of corners and centre of mass stands for it.
-    side : int
-        1 or -1 for a wall on its left or right, 0 without one.
-    ties : tuple of TieLine
-        One for each rotation that a tie acts against.
-    loads : tuple of (float, float)
-        x and y at which each load bears.
-    thrusts : tuple of (float, float, float)
-        x and y of the point of each thrust, and its force [N].
-
-    Examples
-    --------
-    >>> from rocking import Block
-    >>> Outline.of(Block(width=0.5, height=2.0)).corners
-    [(-0.25, 0.0), (0.25, 0.0), (0.25, 2.0), (-0.25, 2.0)]
-    """
-
-    left: float
+    left: float  #: distances of the corners from the centre of mass, both positive
     right: float
-    centre: float
-    height: float = math.nan
-    side: int = 0
-    ties: tuple[TieLine, ...] = ()
-    loads: tuple[tuple[float, float], ...] = ()
-    thrusts: tuple[tuple[float, float, float], ...] = ()
+    centre: float  #: height of the centre of mass
+    height: float = math.nan  #: of the body; NaN if unknown: a triangle of corners and centre of mass is drawn instead
+    side: int = 0  #: 1 or -1 for a wall on its left or right
+    ties: tuple[TieLine, ...] = ()  #: one for each rotation that a tie acts against
+    loads: tuple[tuple[float, float], ...] = ()  #: x and y of each bearing
+    thrusts: tuple[tuple[float, float, float], ...] = ()  #: x and y of each point, and the force [N]
 
     @classmethod
     def of(cls, block: Any) -> Self:

@@ -1,8 +1,7 @@
-"""What holds or pushes a rocking body beside its weight: ties and restrainers, loads that rest on it, thrusts.
+"""Restraints of a rocking body: ties, loads that rest on it, thrusts.
 
-.. note:: A point of the body at the height z and the distance xi behind the corner moves outward by x = z sin(phi) + xi
-   (1 - cos(phi)) when the body has turned by phi about the corner; a horizontal force there has the arm dx/dphi = z
-   cos(phi) + xi sin(phi). Forces are horizontal, as of a tie that is long against x.
+.. note:: A point at the height z and the distance xi behind the corner moves outward by x = z sin(phi) + xi (1 -
+   cos(phi)) at the rotation phi; a horizontal force there has the arm dx/dphi = z cos(phi) + xi sin(phi).
 """
 
 import json
@@ -23,11 +22,11 @@ def _checked(what: str, values: Any, limits: dict[str, tuple[float, bool, str]])
     """Raise ValueError for a field of `values` below its least value, or equal to it where that is not allowed."""
     for name, (least, equal, unit) in limits.items():
         given = getattr(values, name)
-        told = f"a number {'of at least' if equal else 'above'} {least:g} {unit}".rstrip()
+        expected = f"a number {'of at least' if equal else 'above'} {least:g} {unit}".rstrip()
         infinite = name in ("yield_force", "ultimate") and given == math.inf
-        value = math.inf if infinite else float(numbers(f"{what} {name}", given, told, lanes=False))
+        value = math.inf if infinite else float(numbers(f"{what} {name}", given, expected, lanes=False))
         if value < least or (value == least and not equal):
-            raise ValueError(f"{what} {name}: expected {told}, got {given!r}")
+            raise ValueError(f"{what} {name}: expected {expected}, got {given!r}")
         object.__setattr__(values, name, value)
 
 
@@ -37,21 +36,17 @@ class Tie:
 
     Attributes
     ----------
-    height : float
-        z of its attachment above the base [m].
+    height, distance : float
+        z of its attachment above the base, and xi of it behind the corner of the rotation [m]: 0 for a plate on the
+        outer face, the width of the body for one on the inner face.
     stiffness : float
         K, force over elongation [N/m].
     gap : float
         Outward displacement of the attachment that it leaves free [m].
-    yield_force : float
-        Largest force [N]: it yields there, and keeps what it has lengthened. inf for a tie that does not yield.
-    ultimate : float
-        Elongation at which it breaks [m]. inf for one that does not.
+    yield_force, ultimate : float
+        Largest force [N], at which it yields and keeps its elongation, and elongation at which it breaks [m]; or inf.
     side : {"positive", "negative", "both"}
         Rotations that it acts against: theta > 0, theta < 0, or one such tie for each.
-    distance : float
-        xi, of its attachment behind the corner of that rotation [m]: 0 for a plate on the outer face, the width of the
-        body for one on the inner face.
 
     Examples
     --------
@@ -87,13 +82,12 @@ class Load:
     ----------
     weight : float
         Force that it puts on the body [N].
-    height : float
-        z of its bearing above the base [m].
+    height, distance : float, float or None
+        z of its bearing above the base and distance behind the corner of theta > 0 [m]; None for the middle of the
+        base.
     friction : float or None
         Coefficient between it and the body [-]: it stays with the building and holds the body back, in both
         directions, by at most friction times weight. None: its mass is carried along by the body.
-    distance : float or None
-        Of its bearing behind the corner of theta > 0 [m]; None for the middle of the base.
     """
 
     weight: float
@@ -116,10 +110,8 @@ class Thrust:
     ----------
     force : float
         Towards theta > 0; negative towards theta < 0 [N].
-    height : float
-        z of its line of action above the base [m].
-    distance : float
-        xi, of its point of action behind the corner of theta > 0 [m].
+    height, distance : float
+        z of its line of action above the base, and xi of its point of action behind the corner of theta > 0 [m].
     """
 
     force: float
@@ -149,13 +141,7 @@ TIE, FRICTION = 0.0, 1.0
 
 @dataclass(frozen=True)
 class Restraints:
-    """All that acts on one body beside its weight.
-
-    Attributes
-    ----------
-    ties, loads, thrusts : tuple
-        Loads that are carried along are not among them: they are part of the body.
-    """
+    """All restraints of one body; a load that is carried along is part of the body and not among them."""
 
     ties: tuple[Tie, ...] = ()
     loads: tuple[Load, ...] = ()
@@ -174,11 +160,11 @@ class Restraints:
         return json.dumps({one.name: [vars(part) for part in getattr(self, one.name)] for one in fields(self)})
 
     @classmethod
-    def from_text(cls, told: str) -> Self | None:
+    def from_text(cls, text: str) -> Self | None:
         """Restraints from :meth:`as_text`; None from an empty text."""
-        if not told:
+        if not text:
             return None
-        parts, makers = json.loads(told), {"ties": Tie, "loads": Load, "thrusts": Thrust}
+        parts, makers = json.loads(text), {"ties": Tie, "loads": Load, "thrusts": Thrust}
         return cls(**{name: tuple(make(**one) for one in parts[name]) for name, make in makers.items()})
 
     def mirrored(self, base: float) -> Self:

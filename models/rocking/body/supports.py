@@ -1,11 +1,4 @@
-"""A body and the pedestal under it as one rigid body.
-
-The motion of a floor or of the top of a building from that of the ground: modes in parallel.
-
-.. note:: Each mode is an oscillator y'' + 2 zeta omega y' + omega^2 y = -a_g, and the floor moves with a_f = a_g + sum
-   of Gamma phi y''. The ground acceleration is linear between samples, for which the recurrence of an oscillator is
-   exact (first-order hold).
-"""
+"""A body on a pedestal as one rigid body, and the motion of a floor by oscillators in parallel."""
 
 import math
 from typing import NamedTuple
@@ -18,34 +11,27 @@ from rocking.body.block import Block
 
 
 def with_pedestal(block: Block, width: float, height: float, mass: float, restitution: ArrayLike = "housner") -> Block:
-    """One body of a block and a homogeneous rectangular pedestal, in the middle of whose top it stands.
+    """One body of a block and a homogeneous rectangular pedestal; the block stands in the middle of its top.
 
     Parameters
     ----------
     block : Block
         One body with a mass, without a wall or restraints.
-    width, height : float
-        Full size of the pedestal in the plane of rocking [m].
-    mass : float
-        Of the pedestal [kg].
+    width, height, mass : float
+        Full size of the pedestal in the plane of rocking [m], and its mass [kg].
     restitution : float, list of float or "housner"
         Velocity ratio of an impact of the whole.
 
     Returns
     -------
     Block
-        It turns about the corners of the pedestal.
+        It turns about the corners of the pedestal. The block alone on top of the pedestal is another case to check.
 
     Raises
     ------
     ValueError
         For a block without a mass, with a wall or restraints, or wider at its base than the pedestal; for sizes or a
-        mass that are no positive numbers; or where the whole has its centre of mass outside its base.
-
-    Notes
-    -----
-    Moments of inertia are added about the common centre of mass (Steiner). The two may also move each on its own: the
-    block alone on the top of the pedestal is the other case to look at.
+        mass that are no positive numbers; or if the whole has its centre of mass outside its base.
 
     Examples
     --------
@@ -82,7 +68,6 @@ def with_pedestal(block: Block, width: float, height: float, mass: float, restit
 
 #: Samples of the floor's motion in the shortest period.
 SAMPLES = 40
-
 #: Most of the time for which the floor is followed after the ground has come to rest, in periods of each mode.
 MOST_PERIODS = 1000.0
 
@@ -92,10 +77,9 @@ class FloorMotion(NamedTuple):
 
     Attributes
     ----------
-    acceleration : (n,) ndarray
-        Horizontal acceleration of the floor [m/s2], linear between samples.
-    dt : float
-        Sampling interval [s]: that of the ground divided by a whole number.
+    acceleration, dt : (n,) ndarray, float
+        Horizontal acceleration of the floor [m/s2], linear between samples, and its interval [s], that of the ground
+        divided by a whole number.
     amplification : float
         Peak of the floor over that of the ground [-].
     """
@@ -113,18 +97,20 @@ def floor_motion(
     participation: ArrayLike = 1.0,
     quiet: float = 1e-3,
 ) -> FloorMotion:
-    """The motion of a floor under a ground motion.
+    """The motion of a floor under a ground motion, by modes in parallel.
+
+    Each mode is y'' + 2 zeta omega y' + omega^2 y = -a_g, and a_f = a_g + sum of Gamma phi y'' (Chopra 2012, sections
+    5.2 and 13.1), by the recurrence that is exact for a ground linear between samples.
 
     Parameters
     ----------
     acceleration : (n,) array_like
-        Horizontal ground acceleration a_g [m/s2], linear between samples and zero after them; before the first one it
-        rises from zero within one interval of the answer.
+        Horizontal ground acceleration a_g [m/s2], linear between samples and zero after them.
     dt : float
         Sampling interval [s].
     period, damping, participation : float or (k,) array_like
-        Period [s], share of critical damping [-], above 0 and below 1, and Gamma phi at the level of the floor [-] of
-        each mode. An oscillator of one mode that is the whole building has 1; a mode's Gamma phi may be negative.
+        Of each mode: period [s], share of critical damping [-] in (0, 1), and Gamma phi at the level of the floor [-],
+        which is 1 for a single mode that is the whole building and may be negative.
     quiet : float
         Acceleration [m/s2] below which the oscillations after the record are left out; a thousandth of g tan(alpha) of
         a body loses nothing that could move it.
@@ -140,14 +126,8 @@ def floor_motion(
         For periods that are not positive, a damping outside (0, 1), several lengths, and what
         :func:`~rocking.recorded_response` refuses of a record.
 
-    References
-    ----------
-    Chopra, A. K. (2012), Dynamics of Structures, 4th ed., sections 5.2 and 13.1.
-
     Examples
     --------
-    A building of 0.4 s shakes its top harder than the ground does:
-
     >>> sine = np.sin(2.0 * np.pi * np.arange(0.0, 4.005, 0.01) / 0.4)
     >>> top = floor_motion(sine, 0.01, period=0.4)
     >>> round(top.amplification, 1), top.dt

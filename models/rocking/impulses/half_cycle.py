@@ -1,17 +1,12 @@
-"""Natural motion of a rocking block between impulses (Casapulla & Maione 2017, Eqs. 1-2, 6-7).
+"""Natural motion of a block between impulses (Casapulla & Maione 2017, Eqs. 1-2, 6-7), and half-cycles with impulses.
 
-.. note:: Rotations are in units of alpha_c and times in units of 1/p, so that x = s theta/alpha_c (s the side the
-   block rocks on) obeys x'' = x - 1 while x > 0. The velocity x' = s theta'/(p alpha_c) is positive away from the
-   ground. The motion is the sum of a growing and a decaying mode, x = 1 + (y e^tau + z e^-tau)/2 with y = x - 1 + x'
-   and z = x - 1 - x'; it comes back iff y < 0.
+.. note:: Rotations are in units of alpha_c and times in units of 1/p: x = s theta/alpha_c (s the side of the rotation)
+   obeys x'' = x - 1 while x > 0, and x' = s theta'/(p alpha_c) is positive away from the ground. The motion x = 1 + (y
+   e^tau + z e^-tau)/2 has a growing mode y = x - 1 + x' and a decaying mode z = x - 1 - x'; it returns iff y < 0. All
+   formulas keep their digits for tiny hops (x' = 1e-9) and next to overturning.
 
-Every formula is written so that it keeps its digits for hops that are tiny (x' = 1e-9) and for motions next to
-overturning.
-
-One half-cycle with intermediate impulses has a closed form (section 3.2). It starts on the ground with the velocity u.
-The secondary impulses change the velocity by -a, +a, -a, ... with a = u_1 I_s/I, n of them, n even.
-
-With t = T/2, s = a/2 and v = u - s the condition x(T) = 0 for a half-cycle of duration T is F(t) = target:
+A half-cycle with n (even) secondary impulses -a, +a, -a, ... of the velocity, a = u_1 I_s/I, starts on the ground with
+the velocity u (section 3.2). With t = T/2, s = a/2 and v = u - s its duration T solves F(t) = target:
 
 =========  ==================  ================================  ======
 spacing    impulses            F(t)                              target
@@ -22,10 +17,6 @@ start      (k - 1) dT          tanh t (1 + s tanh(t/n))          v
 open       k dT, T = (n+1) dT  tanh t - s tanh(t/(n+1))/tanh t   v
 limit      n -> infinity       tanh t                            v
 =========  ==================  ================================  ======
-
-The two marches through a half-cycle with intermediate impulses (Casapulla & Maione 2017, steps 3, 4 and 6).
-
-.. note:: Units of alpha_c and 1/p; the velocity changes by -a, +a, -a, ... as in :mod:`rocking.impulses.half_cycle`.
 """
 
 import math
@@ -35,20 +26,15 @@ from numba import njit
 
 #: A velocity within this of the critical one counts as critical [-]: some hundred rounding errors, far below any datum.
 CRITICAL_TOLERANCE = 1e-13
-
 #: exp of more than this overflows.
 _LARGEST_EXPONENT = 700.0
-
 #: Hops that `free_decay_time` adds one by one before it gives up.
 _HOP_LIMIT = 100_000
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def state(rotation, velocity, time):
-    """x and x' after a time of natural motion, times p and not negative (Eq. 2).
-
-    Exponents are cut off at 700, so that long waits cannot overflow.
-    """
+    """x and x' after a time (times p) of natural motion (Eq. 2), which is cut off at 700 against overflow."""
     if time < 1.0:
         half = math.sinh(0.5 * time)
         sinh, cosh_less_one = math.sinh(time), 2.0 * half * half
@@ -69,11 +55,7 @@ def impact_speed(rotation, velocity):
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def return_growth(rotation, velocity, speed):
-    """e^tau - 1 of the return time, without exp and log, given the speed of the impact; inf where there is no return.
-
-    The waits of a motion that is followed from impact to impact can so be kept as growth factors, e^(t - tau) - 1 =
-    (e^t - e^tau)/e^tau.
-    """
+    """e^tau - 1 of the return time tau, without exp and log, from the speed of the impact; inf without a return."""
     growing = rotation - 1.0 + velocity
     if growing >= 0.0:
         return np.inf
@@ -83,10 +65,9 @@ def return_growth(rotation, velocity, speed):
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def return_time(rotation, velocity):
-    """Time times p until the block, at x >= 0 with x', meets the ground; inf where it does not come back (y >= 0).
+    """Time (times p) until a block at x >= 0 with x' returns to the ground; inf if it does not return (y >= 0).
 
-    From rest at x0 it is Housner's quarter period acosh(1/(1 - x0)). x(tau) = 0 gives e^tau = (1 + w)/(1 - x - x'),
-    hence tau = log1p((x + x' + w)/(1 - x - x')); on the way down x' + w cancels and is written as x (2 - x)/(w - x').
+    tau = log1p((x + x' + w)/(1 - x - x')); on the way down x' + w cancels and is computed as x (2 - x)/(w - x').
     """
     return math.log1p(return_growth(rotation, velocity, impact_speed(rotation, velocity)))
 
@@ -108,16 +89,7 @@ def top(rotation, velocity):
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def hop(velocity):
-    """Peak 1 - sqrt(1 - u^2) and duration 2 atanh(u) times p of the half-cycle that starts with u >= 0 (Eqs. 6, 7).
-
-    Both are inf where the block does not come back (u >= 1).
-
-    Examples
-    --------
-    >>> peak, duration = hop(0.75)
-    >>> round(peak, 6), round(duration, 6)
-    (0.338562, 1.94591)
-    """
+    """Peak 1 - sqrt(1 - u^2) and duration 2 atanh(u) (times p) of a half-cycle (Eqs. 6, 7); both inf for u >= 1."""
     if velocity >= 1.0:
         return np.inf, np.inf
     return top(0.0, velocity), math.log1p(2.0 * velocity / (1.0 - velocity))
@@ -125,11 +97,10 @@ def hop(velocity):
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def free_decay_time(velocity, restitution):
-    """Time times p until a block comes to rest after infinitely many hops, the sum over k >= 0 of 2 atanh(C^k u).
+    """Time (times p) until rest after infinitely many hops, sum over k >= 0 of 2 atanh(C^k u); inf for u or C >= 1.
 
-    It is inf for u >= 1, for C = 1, and for C so near to one (above about 1 - 1e-5) that hops of more than half the
-    critical energy number over 100 000. Below u = 0.8 the sum over the hops of each term of the series of atanh is
-    geometric: 2 sum over odd j of u^j/(j (1 - C^j)).
+    Below u = 0.8 it is the series 2 sum over odd j of u^j/(j (1 - C^j)). More than 100 000 hops above that count as
+    inf.
     """
     if velocity >= 1.0 or restitution >= 1.0:
         return np.inf
@@ -154,10 +125,7 @@ def free_decay_time(velocity, restitution):
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def impacts_above(speed, restitution, cutoff):
-    """Number of impacts of a free decay that are faster than a positive cut-off, the first one with `speed`.
-
-    It is the number of k >= 0 with C^k speed > cutoff; -1 where they never end (C = 1).
-    """
+    """Number of impacts of a free decay above a positive cut-off: of k >= 0 with C^k speed > cutoff; -1 for C = 1."""
     if speed <= cutoff:
         return 0
     if restitution >= 1.0:
@@ -196,12 +164,12 @@ def _condition(half, count, spacing, s):
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def corrected_duration(velocity, secondary, count, spacing):
-    """Smallest T times p with x(T) = 0 for u, a secondary impulse 0 <= a <= u and n of them; inf: the block overturns.
+    """The smallest T (times p) with x(T) = 0, for 0 <= a <= u and n impulses; inf if the block overturns.
 
-    The root of the continuous limit, atanh(v), is a lower bound for "end", "middle" and "open", so none of them has a
-    root without it. Their F rises, concave, to one maximum and falls after it: Newton's iteration from the lower bound
-    climbs monotonically to the smaller root and steps over the maximum, where F' <= 0, iff there is none. For "start"
-    F rises for ever, to 1 + s; there the root is bracketed.
+    The root atanh(v) of the continuous limit is a lower bound of the roots for "end", "middle" and "open"; if it does
+    not exist, they have no root. Their F is concave with one maximum: Newton's iteration from the lower bound increases
+    up to the smaller root, or passes the maximum (F' <= 0) if there is no root. F of "start" increases to 1 + s: its
+    root is bracketed.
     """
     s = 0.5 * secondary
     target = velocity - s
@@ -271,10 +239,10 @@ def impact_speed_after(velocity, secondary, time, count, spacing):
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def stays_bounded(main, ratio, restitution):
-    """Whether a main sequence u_1 without end and a continuous secondary one (`ratio` = I_s/I) never overturn a block.
+    """Whether an endless main sequence u_1 with a continuous secondary one (`ratio` I_s/I) never overturns the block.
 
-    v* = u_1 (1 - (1 + C) I_s/(2 I))/(1 - C) <= 1 (F2, F4). Equality is bounded, because the limit is not reached; the
-    rounding of u_1 and of C, which moves 1 - C, must not decide it.
+    v* = u_1 (1 - (1 + C) I_s/(2 I))/(1 - C) <= 1 (F2, F4). Equality is bounded, as the limit is never reached; rounding
+    of u_1 and of C, which changes 1 - C, must not decide it.
     """
     if main * (1.0 - 0.5 * ratio) >= 1.0 - CRITICAL_TOLERANCE:
         return False
@@ -289,19 +257,21 @@ _TRIAL_LIMIT = 1_000_000
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def first_return(velocity, secondary, interval, spacing):
-    """First return T* times p of the march with the trial `interval` dT times p; inf where it does not come back.
-
-    Steps 3 and 4, for u, a and any spacing but the continuous one. If y >= 0 after an impulse towards the ground, the
-    next one away from it makes y at least a, and y exp(delta) - a stays non-negative from then on: no return.
-    """
-    rotation, elapsed, push = 0.0, 0.0, -secondary
+def _first_wait(spacing, interval):
+    """Time from the main impulse to the first secondary one."""
     if spacing == START:
-        wait = 0.0
-    elif spacing == MIDDLE:
-        wait = 0.5 * interval
-    else:
-        wait = interval
+        return 0.0
+    return 0.5 * interval if spacing == MIDDLE else interval
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def first_return(velocity, secondary, interval, spacing):
+    """First return T* (times p) of the march with the trial `interval` dT (times p), steps 3 and 4, or inf.
+
+    If y >= 0 after an impulse towards the ground, the next one away from it makes y at least a, and y exp(delta) - a
+    stays non-negative from then on: there is no return.
+    """
+    rotation, elapsed, push, wait = 0.0, 0.0, -secondary, _first_wait(spacing, interval)
     for _ in range(_TRIAL_LIMIT):
         growing = rotation - 1.0 + velocity
         if growing >= (secondary * math.exp(-wait) if push < 0.0 else 0.0):
@@ -318,19 +288,9 @@ def first_return(velocity, secondary, interval, spacing):
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def peak_and_lowest(velocity, secondary, time, count, spacing):
-    """Largest x of the corrected march, at a top or an impulse, and smallest x at the impulses inside it (step 6).
-
-    The half-cycle has u, a, n impulses and the finite `time` T times p; its spacing is not the continuous one. Below
-    zero the march has passed through the ground: the closed form knows the end of the half-cycle only.
-    """
+    """Largest x of the corrected march (step 6), and smallest x at its impulses: below 0 it is in the ground."""
     interval = time / (count + 1 if spacing == OPEN else count)
-    if spacing == START:
-        wait = 0.0
-    elif spacing == MIDDLE:
-        wait = 0.5 * interval
-    else:
-        wait = interval
-    rotation, push, peak, lowest = 0.0, -secondary, 0.0, np.inf
+    wait, rotation, push, peak, lowest = _first_wait(spacing, interval), 0.0, -secondary, 0.0, np.inf
     for impulse in range(count + 1):
         if impulse == count:
             wait = 0.0 if spacing == END else (0.5 * interval if spacing == MIDDLE else interval)

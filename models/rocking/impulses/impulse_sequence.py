@@ -1,29 +1,20 @@
-"""The limit accelerogram: a main sequence at the impacts, a secondary one between them (Casapulla & Maione 2017).
-
-.. note:: Every main impulse acts right after an impact and speeds the block up. Between two of them an even number of
-   secondary impulses acts at equal intervals with alternate signs; the first one opposes the main impulse before it.
-   How long a half-cycle lasts, and with it their number, depends on the block: a picture shows the number that the
-   sequence prescribes, four where it prescribes none.
-"""
+"""The limit accelerogram: a main sequence at the impacts, a secondary one between them (Casapulla & Maione 2017)."""
 
 import math
-import operator
 from dataclasses import dataclass, replace
 from typing import Any, Self
 
 import numpy as np
 
-from rocking.arguments import ArrayLike, Floats, Integers
+from rocking.arguments import ArrayLike, Floats, Integers, counts
 from rocking.impulses.half_cycle import CONTINUOUS, END, MIDDLE, OPEN, START
 from rocking.impulses.main import effective_amplification
 from rocking.pictures import BLUE, GREY, RED, Picture, Shown, brief
 
 #: Number of intermediate impulses in a half-cycle of the picture, and the most of them.
 SHOWN, MOST = 4, 12
-
 #: Place of the first intermediate impulse after the main one, in intervals.
 FIRST = {"end": 1.0, "middle": 0.5, "start": 0.0, "open": 1.0}
-
 #: Where the intermediate impulses stand in the half-cycle: t_k = (k - phi) dT with T = n dT for "end" (phi = 0),
 #: "middle" (1/2) and "start" (1); "open": t_k = k dT with T = (n + 1) dT; "continuous": the limit of infinitely many.
 #: The numbers are the kernels' codes.
@@ -36,12 +27,10 @@ class ImpulseSequence(Shown):
 
     Parameters
     ----------
-    main : float or (q,) array_like
-        I, size of a main impulse [m/s], not negative.
-    secondary : float or (q,) array_like
-        I_s, size of a secondary impulse [m/s], 0 <= I_s <= I.
+    main, secondary : float or (q,) array_like
+        Sizes I of a main impulse, not negative, and I_s of a secondary impulse, 0 <= I_s <= I [m/s].
     interval : float or (q,) array_like
-        Trial interval dT of the secondary impulses [s], positive; NaN is allowed where it has no meaning (spacing
+        Trial interval dT of the secondary impulses [s], positive; NaN is allowed if it has no meaning (spacing
         "continuous", or `intermediate_count` given).
     duration : float or (q,) array_like
         Main impulses act in half-cycles that start before this time [s], positive; inf for ever.
@@ -51,11 +40,6 @@ class ImpulseSequence(Shown):
         Number n of secondary impulses in every half-cycle, even and at least 2; None takes n from the trial interval.
     spacing : {"end", "middle", "start", "open", "continuous"}
         See :data:`SPACINGS`.
-
-    Attributes
-    ----------
-    shape : tuple of int
-        Shape of the lanes: () or (q,).
 
     References
     ----------
@@ -90,27 +74,28 @@ class ImpulseSequence(Shown):
         )
         for name, (valid, expected) in zip(names, needed, strict=True):
             _require(valid, f"{name}: expected {expected}", getattr(self, name))
-        limit = _counts("main_count", self.main_count, least=1)
+        limit: Any = None if self.main_count is None else counts("main_count", self.main_count, least=1)
         try:
-            *whole, counts = np.broadcast_arrays(*given, np.asarray(limit))
+            *whole, limits = np.broadcast_arrays(*given, np.asarray(limit))
         except ValueError:
             raise ValueError(
                 "main, secondary, interval, duration and main_count: expected numbers or arrays of one length, "
                 f"got shapes {', '.join(str(array.shape) for array in given)}, {np.shape(limit)}"
             ) from None
         found = {name: np.array(array) for name, array in zip(names, whole, strict=True)}
-        found |= {"main_count": np.array(counts)} if isinstance(limit, np.ndarray) else {}
+        found |= {"main_count": np.array(limits)} if isinstance(limit, np.ndarray) else {}
         for array in found.values():
             array.setflags(write=False)
         vars(self).update({name: array.item() if array.ndim == 0 else array for name, array in found.items()})
         if not isinstance(limit, np.ndarray):
             vars(self)["main_count"] = limit
-        count = _count("intermediate_count", self.intermediate_count, least=2)
-        if count is not None and count % 2:
-            raise ValueError(
-                f"intermediate_count: expected an even number, so that the impulses sum to zero, got {count}"
-            )
-        vars(self)["intermediate_count"] = count
+        if self.intermediate_count is not None:
+            count = counts("intermediate_count", self.intermediate_count, least=2, lanes=False)
+            if count % 2:
+                raise ValueError(
+                    f"intermediate_count: expected an even number, so that the impulses sum to zero, got {count}"
+                )
+            vars(self)["intermediate_count"] = count
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -134,20 +119,13 @@ class ImpulseSequence(Shown):
         Returns
         -------
         float or (q,) ndarray
-            I_eff = I [(1 - sigma) S_N + sigma/2] [m/s], sigma = I_s/I, S_N = (1 - C^N)/(1 - C). Without a `main_count`
-            N is without limit: the supremum, which itself does not overturn.
+            I_eff = I [(1 - sigma) S_N + sigma/2] [m/s], sigma = I_s/I, S_N = (1 - C^N)/(1 - C); without a `main_count`
+            the supremum over N, which itself does not overturn. The last main impulse decides (VALIDATION F4, V27).
 
         Raises
         ------
         ValueError
-            For another spacing than "continuous" with secondary impulses, whose effect no one number tells, for a
-            finite duration, or a C outside 0 to 1.
-
-        Notes
-        -----
-        Half-cycle k is decided by I [(1 - sigma) S_k + sigma/2] (VALIDATION F4, n -> infinity), which grows with k for
-        0 <= sigma <= 1 and C >= 0, so that the last main impulse decides (V27). I, sigma and N that have one I_eff
-        cannot be told apart by what they overturn.
+            For secondary impulses of another spacing than "continuous", a finite duration, or a C outside 0 to 1.
 
         Examples
         --------
@@ -180,10 +158,9 @@ class ImpulseSequence(Shown):
         return facts | {"spacing": self.spacing}
 
     def two_half_cycles(self) -> tuple[np.ndarray, np.ndarray]:
-        """The impulses of two half-cycles, the first of several sequences, as (k, 2) places and sizes.
+        """Main and secondary impulses of two half-cycles, the first of several sequences, as (k, 2) places and sizes.
 
-        Places are in intervals after the first main impulse [-], sizes in m/s with the sign of the ground's change of
-        velocity. The main impulses come first, then the intermediate ones: none of spacing "continuous".
+        Places are in intervals after the first main impulse [-], sizes in m/s with the sign of the change of velocity.
         """
         main, secondary = float(np.ravel(self.main)[0]), float(np.ravel(self.secondary)[0])
         number = np.arange(min(self.intermediate_count or SHOWN, MOST))
@@ -227,25 +204,3 @@ def _numbers(name: str, value: ArrayLike) -> np.ndarray:
 def _require(valid: np.ndarray, expected: str, value: ArrayLike) -> None:
     if not np.all(valid):
         raise ValueError(f"{expected}; got {value!r}")
-
-
-def _counts(name: str, value: Any, least: int) -> Any:
-    array = np.asarray(value)
-    if array.ndim == 0:
-        return _count(name, value, least)
-    if array.ndim > 1 or not np.issubdtype(array.dtype, np.integer):
-        raise ValueError(f"{name}: expected a whole number, a (q,) array of them or None, got {value!r}")
-    _require(array >= least, f"{name}: expected at least {least}", value)
-    return array.astype(np.int64)
-
-
-def _count(name: str, value: Any, least: int) -> int | None:
-    if value is None:
-        return None
-    try:
-        count = operator.index(value)
-    except TypeError:
-        raise ValueError(f"{name}: expected a whole number or None, got {value!r}") from None
-    if count < least:
-        raise ValueError(f"{name}: expected at least {least}, got {count}")
-    return count

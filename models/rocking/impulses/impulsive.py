@@ -1,8 +1,7 @@
 """Response to given impulses, such as the half-waves of a record (Casapulla & Maione 2017, section 2, Eqs. 1-3).
 
-.. note:: An impulse of the ground is positive to the right. theta'' contains -a_g, so an impulse I changes theta' by
-   -gain I; theta > 0 rocks about the right-hand corner. Between impulses the block moves freely, theta'' = p^2 (theta
-   - s alpha_c), s = sgn theta.
+.. note:: An impulse I of the ground is positive to the right and changes theta' by -gain I, since theta'' contains
+   -a_g; theta > 0 is a rotation about the right-hand corner.
 """
 
 from typing import Any
@@ -38,20 +37,17 @@ def impulsive_response(
     ----------
     block : Block
         One block, or (m,).
-    times : (k,) array_like
-        Times of the impulses [s], finite, not decreasing. Impulses at one time act in the order given.
-    impulses : (k,) array_like
-        Signed impulses [m/s], finite.
+    times, impulses : (k,) array_like
+        Times [s], not decreasing, and signed impulses [m/s]. Impulses at one time act in the order given.
     duration : float, optional
-        Length of the input [s]. It only sets where the history ends: every impulse acts, and the motion is followed
-        until rest or overturning is certain. Default: the time of the last impulse.
+        Time at which the history ends [s], by default that of the last impulse; every impulse acts, and the motion is
+        followed until rest or overturning is certain.
     gain : {"paper", "linear", "exact", "tangent"}
         See :data:`GAINS`.
     scale : float or (q,) array_like
         Factor on the impulses [-], finite.
     history_dt : float, optional
-        Step of the history [s]; None for no history. It starts at time 0, or at the first impulse where that is
-        earlier.
+        Step of the history [s], from time 0 or an earlier first impulse on; None for no history.
     block_scale : float or (m,) array_like
         Factor on the impulses for each block, on top of `scale`, finite [-].
     threads : int, optional
@@ -60,10 +56,9 @@ def impulsive_response(
     Returns
     -------
     Response
-        Lanes (q, m), a scalar axis dropped; `time` (h,), `rotation` and `velocity` (q, m, h) where a history is asked
-        for (NaN once the block lies on the ground). UNRESOLVED (IMPACT_LIMIT) after 100 000 impacts between two
-        impulses. With `gain="exact"` the block may also be lifted again in flight; passing alpha_c alone is not
-        overturning.
+        Lanes (q, m), a scalar axis dropped; with a history `time` (h,), `rotation` and `velocity` (q, m, h), NaN once
+        the block lies on the ground. UNRESOLVED (IMPACT_LIMIT) after 100 000 impacts between two impulses. With
+        `gain="exact"` the block may be lifted again in flight; passing alpha_c alone is not overturning.
 
     Raises
     ------
@@ -75,10 +70,9 @@ def impulsive_response(
     -----
     Overturning is certain from the first impulse or impact after which y(t) > sum over the later impulses of
     abs(dy_i) exp(-p (t_i - t)), or y >= 0 after the last one, with y = s theta/alpha_c - 1 + s theta'/(p alpha_c) the
-    growing mode. A block whose remaining hops all end before the next impulse (sum of 2 atanh(C^k u)/p) is at rest
-    there. An impulse on a block at rest makes it rock. Within 1e-9/p of an impact the order is that of the impulses:
-    one that drives the block into the ground acts after the impact ("right after the impact", section 2), one that
-    opposes the motion before it.
+    growing mode. A block whose hops all end before the next impulse (sum of 2 atanh(C^k u)/p) is at rest there. Within
+    1e-9/p of an impact, an impulse that drives the block into the ground acts after the impact ("right after the
+    impact", section 2), one that opposes the motion before it.
 
     Examples
     --------

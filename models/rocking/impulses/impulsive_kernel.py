@@ -1,8 +1,7 @@
-"""Natural motion of a block between impulses of the ground, lane by lane, on bare arrays (units of half_cycle.py).
+"""Kernel of the natural motion between impulses of the ground, in the units of half_cycle.py.
 
-.. note:: `side` is +1 while the block rocks about its right-hand corner (theta > 0) and -1 on the left; x and x' are
-   positive away from the ground. An impulse I of the ground changes theta'/(p alpha_c) by -gain I/(p alpha_c), that is
-   x' by -side gain I/(p alpha_c).
+.. note:: `side` is +1 for theta > 0 and -1 for theta < 0; an impulse I of the ground changes x' by -side gain I/(p
+   alpha_c).
 """
 
 import math
@@ -11,21 +10,12 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
-from rocking.impulses.half_cycle import (
-    CRITICAL_TOLERANCE,
-    free_decay_time,
-    impact_speed,
-    impacts_above,
-    return_growth,
-    state,
-)
+from rocking.impulses import half_cycle
 from rocking.response import IMPACT_CUTOFF, Outcome, Reason
 
 PAPER, LINEAR, EXACT, TANGENT = range(4)
-
 #: Impacts followed between two impulses before a lane is UNRESOLVED.
 IMPACT_LIMIT = 100_000
-
 #: An impulse this close to an impact, as time times p, acts together with it. Times of some hundred seconds are
 #: rounded by 1e-13 s and the instability of the motion multiplies that by up to 1e3; moving an impact by 1e-9/p moves
 #: the motion by no more than 1e-9.
@@ -33,10 +23,8 @@ COINCIDENCE = 1e-9
 
 _AT_REST, _ROCKS, _OVERTURNS, _UNRESOLVED = (int(outcome) for outcome in Outcome)
 _IMPACT_LIMIT_REASON = int(Reason.IMPACT_LIMIT)
-
 #: Longest time counted in the growth factor of a wait, times p [-]; exp of more than about 709 overflows.
 _LONGEST_GROWTH = 700.0
-
 #: A wait whose counted part has shrunk below this is filled up again from what is left of it.
 _SHORTEST_GROWTH = 100.0
 
@@ -89,7 +77,7 @@ def _sample(history, lane, first, begin, end, scale, p, rotation, velocity):
     while first < times.size and times[first] < begin:
         first += 1
     while first < times.size and times[first] < end:
-        x, v = state(rotation, velocity, p * (times[first] - begin))
+        x, v = half_cycle.state(rotation, velocity, p * (times[first] - begin))
         motion[first, 0], motion[first, 1] = scale * x, scale * p * v
         # The block lies on the ground.
         if not abs(motion[first, 0]) < 0.5 * math.pi:
@@ -115,7 +103,7 @@ def _decays(velocity, restitution, remaining):
         return False
     if math.log1p(2.0 * velocity / (1.0 - velocity)) <= loss * remaining:
         return True
-    return free_decay_time(velocity, restitution) <= remaining
+    return half_cycle.free_decay_time(velocity, restitution) <= remaining
 
 
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
@@ -130,11 +118,10 @@ def _tabulate(waits, times, p):
 
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
 def impulsive_lanes(first_lane, last_lane, train, lanes, waits, results, history):
-    """Write what the lanes first_lane:last_lane answer; the work space `waits` is (3, k).
+    """Write the results of the lanes first_lane:last_lane; `waits` (3, k) is work space.
 
-    Lane l is block l // q with factor l % q, so that lanes next to each other share p and with it the growth of the
-    modes over every wait; its results stand at the place factor m + block. Between events nothing but square roots is
-    computed: exp(p t) of a return is algebraic.
+    Lane l is block l // q under the factor l % q, so that neighbouring lanes share p and the growth of the modes over
+    every wait. Between events only square roots are computed: exp(p t) of a return is algebraic.
     """
     times, impulses = train.times, train.impulses
     total, factors, blocks = times.size, lanes.scale.shape[0], lanes.alpha.size
@@ -201,7 +188,7 @@ def impulsive_lanes(first_lane, last_lane, train, lanes, waits, results, history
                     begin = times[i + 1] - (math.log1p(ahead) + reserve) / rate
                 if (
                     outcome != _OVERTURNS
-                    and growing >= (-CRITICAL_TOLERANCE if last else 0.0)
+                    and growing >= (-half_cycle.CRITICAL_TOLERANCE if last else 0.0)
                     and (last or _cannot_come_back(growing, begin, i + 1, train, abs(lane_gain), rate))
                 ):
                     outcome, overturned, overturning_time = _OVERTURNS, bounces + 1, begin
@@ -217,7 +204,7 @@ def impulsive_lanes(first_lane, last_lane, train, lanes, waits, results, history
                     if c < 1.0 and 2.0 * velocity <= (1.0 - c) * longest:
                         longest = np.inf if last else math.log1p(ahead) + reserve
                         if _decays(velocity, c, longest - COINCIDENCE):
-                            count = impacts_above(velocity, c, IMPACT_CUTOFF)
+                            count = half_cycle.impacts_above(velocity, c, IMPACT_CUTOFF)
                             impacts += count
                             bounces += max(count, 1) if bounce == 0 else count
                             if velocity * velocity > energy:
@@ -230,8 +217,8 @@ def impulsive_lanes(first_lane, last_lane, train, lanes, waits, results, history
                         impacts = -1 if velocity > IMPACT_CUTOFF else impacts
                         moving = False
                         break
-                speed = impact_speed(rotation, velocity)
-                back = return_growth(rotation, velocity, speed)
+                speed = half_cycle.impact_speed(rotation, velocity)
+                back = half_cycle.return_growth(rotation, velocity, speed)
                 if samples > 0:
                     end = begin + min(math.log1p(back), math.log1p(ahead) + reserve) / rate
                     sampled = _sample(history, place, sampled, begin, end, side * angle, rate, rotation, velocity)

@@ -1,29 +1,24 @@
-"""The main sequence in closed form (Casapulla & Maione 2017, Eqs. 3-10): resonance with the block's own impacts.
+"""The main sequence in closed form (Casapulla & Maione 2017, Eqs. 3-10): resonance with the impacts, an upper bound.
 
-.. note:: ERRATUM. Eqs. (5) and (9) are printed with the index shifted by one. The recurrence u_i = C u_{i-1} + u_1 is
-   right and gives u_i = u_1 (1 - C^i)/(1 - C) and I_ic = I_1c (1 - C)/(1 - C^i), hence I_2c = I_1c/(1 + C). u =
-   theta'/(p alpha_c), u_1 = I/I_1c.
-
-Resonance is the input that suits the block worst, an upper-bound type input and not a prediction.
+.. note:: ERRATUM. Eqs. (5) and (9) are printed with the index shifted by one. The recurrence u_i = C u_{i-1} + u_1
+   gives u_i = u_1 (1 - C^i)/(1 - C) and I_ic = I_1c (1 - C)/(1 - C^i); u = theta'/(p alpha_c), u_1 = I/I_1c.
 """
 
 import math
-import operator
 from typing import Any, NamedTuple
 
 import numpy as np
 from numba import njit
 
-from rocking.arguments import ArrayLike, Floats
+from rocking.arguments import UNLIMITED, ArrayLike, Floats, counts
 from rocking.body.block import Block
 from rocking.impulses.half_cycle import CRITICAL_TOLERANCE, hop, impacts_above, stays_bounded
-from rocking.impulses.sequence_kernel import TABLE_ROWS, UNLIMITED, combined, repetitions, tabulated_response
+from rocking.impulses.sequence_kernel import TABLE_ROWS, combined, repetitions, tabulated_response
 from rocking.lanes import split_lanes, squeezed
 from rocking.response import IMPACT_CUTOFF, Outcome, Reason, Response
 
 #: Halvings of the bracket of the upper edge of a band of factors.
 HALVINGS = 60
-
 #: Half-cycles whose durations are added up before a lane is UNRESOLVED.
 _HALF_CYCLE_LIMIT = 10_000_000
 
@@ -54,16 +49,10 @@ def amplification(restitution, half_cycle):
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def overturning_half_cycle(main, restitution):
-    """Half-cycle in which an endless main sequence, u_1 = I/I_1c >= 0, overturns the block.
+    """Half-cycle in which an endless main sequence u_1 overturns: the smallest i with u_i >= 1; -1 if there is none.
 
-    It is the smallest i with u_i >= 1, ceil(ln(1 - (1 - C)/u_1)/ln C); -1 where there is none (u_1 <= 1 - C). u = 1
-    overturns. Both comparisons allow for rounding (`CRITICAL_TOLERANCE`): I_2c/I_1c must overturn in half-cycle 2, and
-    0.1 is 1 - 0.9 although their floating-point numbers differ.
-
-    Examples
-    --------
-    >>> overturning_half_cycle(0.2, 0.9), overturning_half_cycle(0.1, 0.9)
-    (7, -1)
+    i = ceil(ln(1 - (1 - C)/u_1)/ln C), -1 for u_1 <= 1 - C. Both comparisons allow for rounding (`CRITICAL_TOLERANCE`):
+    I_2c/I_1c must overturn in half-cycle 2, and 0.1 equals 1 - 0.9 although their floating-point numbers differ.
     """
     if main <= 0.0 or stays_bounded(main, 0.0, restitution):
         return -1
@@ -130,11 +119,7 @@ def resonance_lanes(first_lane, last_lane, lanes, results, table):
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def effective_amplification(restitution, ratio, half_cycle):
-    """v_i/u_1 = (1 - sigma) S_i + sigma/2 [-]: what decides on half-cycle i in the limit n -> infinity (F4).
-
-    With u_(i+1) = C (u_i - sigma u_1) + u_1 the start velocity is u_i = u_1 [S_i - sigma (S_i - 1)], and the half-cycle
-    is that of a start with v_i = u_i - sigma u_1/2. sigma = 0 is the main sequence alone.
-    """
+    """v_i/u_1 = (1 - sigma) S_i + sigma/2 [-], which decides half-cycle i in the limit n -> infinity (F4)."""
     return (1.0 - ratio) * amplification(restitution, half_cycle) + 0.5 * ratio
 
 
@@ -172,10 +157,7 @@ def _start_at_edge(restitution, ratio, half_cycle):
 
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
 def safety_lanes(first_lane, last_lane, lanes, factors):
-    """Smallest factor on the impulse that overturns: I_Nc/I of the last half-cycle that the input reaches.
-
-    `factors` (lanes,) receives them [-]; inf for no impulse.
-    """
+    """Write into `factors` the smallest scale factor that overturns: I_Nc/I of the last half-cycle that is reached."""
     for lane in range(first_lane, last_lane):
         c, end, last = lanes.restitution[lane], lanes.duration[lane], lanes.main_count[lane]
         if end != np.inf:
@@ -187,10 +169,7 @@ def safety_lanes(first_lane, last_lane, lanes, factors):
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def bands_of(main, ratio, restitution, end, main_count, factor_max):
-    """Lower and upper factors (2, k) of the bands of one lane, ascending, up to `factor_max`.
-
-    `main` is u_1, `ratio` sigma, and `end` the end of the main sequence times p.
-    """
+    """Lower and upper scale factors (2, k) of the bands of one lane, for u_1, sigma and the `end` times p."""
     if end == np.inf:
         # Every half-cycle up to the last one is reached: one interval. Without a last one its edge is the infimum.
         edge = 1.0 / (main * effective_amplification(restitution, ratio, main_count))
@@ -229,7 +208,7 @@ def resonance(
     table_rows: int = TABLE_ROWS,
     threads: int | None = None,
 ) -> Response:
-    """Response to equal impulses, each right after an impact.
+    """Response to equal impulses, each right after an impact (Eqs. 3, 5 with the erratum, 6, 7).
 
     Parameters
     ----------
@@ -249,14 +228,9 @@ def resonance(
     Returns
     -------
     Response
-        Lanes (q, m), a scalar axis dropped. After the last main impulse the block decays freely to rest; the decay is
-        in `impacts`, not in the table. The table ends before its last row where the velocity has reached its limit
-        (Eq. 10). `overturning_time` is the start of the half-cycle that overturns: from its main impulse on nothing
-        can save the block.
-
-    Notes
-    -----
-    Eq. (3) gives u_1 = I/I_1c, the erratum u_i, Eqs. (6) and (7) peak and duration of a half-cycle. u = 1 overturns.
+        Lanes (q, m), a scalar axis dropped. The free decay after the last main impulse is in `impacts`, not in the
+        table, which ends early if the velocity has reached its limit (Eq. 10). `overturning_time` is the start of the
+        half-cycle that overturns. u = 1 overturns.
 
     Examples
     --------
@@ -270,23 +244,8 @@ def resonance(
 
 
 def critical_impulse_at(block: Block, half_cycle: int) -> Floats:
-    """The impulse that overturns the block in a given half-cycle (Eq. 9 with the erratum).
-
-    Parameters
-    ----------
-    block : Block
-        One block, or (m,).
-    half_cycle : int
-        i, at least 1.
-
-    Returns
-    -------
-    impulse : float or (m,) ndarray
-        I_ic = I_1c (1 - C)/(1 - C^i) [m/s].
-    """
-    if np.ndim(half_cycle):
-        raise ValueError(f"half_cycle: expected one whole number, got {half_cycle!r}")
-    half_cycle = _half_cycles(half_cycle, None)
+    """The impulse I_1c (1 - C)/(1 - C^i) [m/s], (m,), that overturns in `half_cycle` i >= 1 (Eq. 9, erratum)."""
+    half_cycle = counts("half_cycle", half_cycle, least=1, lanes=False)
     return critical_impulse_ratio(block.restitution, half_cycle) * block.critical_impulse
 
 
@@ -310,16 +269,10 @@ def resonance_safety(
 
     Parameters
     ----------
-    block : Block
-        One block, or (m,).
-    impulse : float or (q,) array_like
-        I [m/s], finite, not negative.
+    block, impulse, duration, threads
+        As for :func:`resonance`.
     half_cycles : int or (q,) array_like of int, optional
         Number of main impulses; None for no limit.
-    duration : float or (q,) array_like, optional
-        Main impulses act only in half-cycles that start before this time [s].
-    threads : int, optional
-        Threads that share the lanes; None for all available cores.
 
     Returns
     -------
@@ -363,15 +316,4 @@ def _half_cycles(value: Any, duration: ArrayLike | None) -> Any:
                 "half_cycles: expected a whole number; None needs a finite duration to end the main sequence"
             )
         return UNLIMITED
-    if np.ndim(value) == 1:
-        counts = np.asarray(value)
-        if not np.issubdtype(counts.dtype, np.integer) or not np.all((counts >= 1) & (counts < UNLIMITED)):
-            raise ValueError(f"half_cycles: expected whole numbers of at least 1, got {value!r}")
-        return counts
-    try:
-        count = operator.index(value)
-    except TypeError:
-        raise ValueError(f"half_cycles: expected a whole number, got {value!r}") from None
-    if not 1 <= count < UNLIMITED:
-        raise ValueError(f"half_cycles: expected at least 1, got {count}")
-    return count
+    return counts("half_cycles", value, least=1)

@@ -1,8 +1,7 @@
 """Response to a main and a secondary sequence of impulses, its train and its limit (Casapulla & Maione 2017).
 
-.. note:: Rotations of the half-cycle table are in units of alpha_c and velocities u = theta'/(p alpha_c), both
-   positive away from the ground. In :func:`impulse_train` the first main impulse is positive: the ground is pushed to
-   the right, the block starts to rock about its left-hand corner (theta < 0), and the main impulses alternate.
+.. note:: The first main impulse of :func:`impulse_train` is positive: the ground is pushed to the right and the block
+   starts to rock about its left-hand corner (theta < 0); the main impulses alternate.
 """
 
 import logging
@@ -10,14 +9,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rocking.arguments import Booleans, Floats
+from rocking.arguments import UNLIMITED, Booleans, Floats
 from rocking.body.block import Block
 from rocking.impulses.half_cycle import hop, stays_bounded
 from rocking.impulses.impulse_sequence import SPACINGS, ImpulseSequence
 from rocking.impulses.sequence_kernel import (
     HALF_CYCLE_LIMIT,
     TABLE_ROWS,
-    UNLIMITED,
     Lanes,
     combined,
     empty_table,
@@ -27,12 +25,10 @@ from rocking.impulses.sequence_kernel import (
 from rocking.lanes import LaneValues, lane_field, split_lanes
 from rocking.response import HalfCycles, Outcome, Reason, Response, empty_results
 
-#: Shorter trial intervals, times p [-], cannot be told from the continuous limit.
+#: Shorter trial intervals, times p [-], cannot be distinguished from the continuous limit.
 _SHORTEST_INTERVAL = 1e-4
-
-#: Larger numbers of intermediate impulses cannot be told from the continuous limit.
+#: Larger numbers of intermediate impulses cannot be distinguished from the continuous limit.
 _LARGEST_COUNT = 1_000_000
-
 #: Largest number of impulses in a train.
 _TRAIN_LIMIT = 2_000_000
 
@@ -64,28 +60,25 @@ def sequence_response(
     Returns
     -------
     Response
-        Lanes (q, m), a scalar axis dropped; (m,) for pairs. The table holds the half-cycles that a main impulse
-        starts, up to where the motion repeats itself (then the rest is counted, not listed). After the last of them
-        the block decays freely: that is in `impacts`. A motion that goes on for ever ROCKS, with `impacts` -1.
-        `overturning_time` is the start of the half-cycle that overturns: its impulses are part of the input, so from
-        its main impulse on overturning is certain. UNRESOLVED (HALF_CYCLE_LIMIT) after 50 000 half-cycles that neither
-        overturn nor repeat themselves.
+        Lanes (q, m), a scalar axis dropped; (m,) for pairs. The table holds the half-cycles that a main impulse starts,
+        up to where the motion repeats itself; the later ones and the free decay are counted in `impacts`, which is -1
+        for a motion without end. `overturning_time` is the start of the half-cycle that overturns. UNRESOLVED
+        (HALF_CYCLE_LIMIT) after 50 000 half-cycles without overturning or repetition, (SHORT_INTERVAL) below 1e-4/p.
 
     Raises
     ------
     ValueError
         For pairs of different numbers, or more than a million intermediate impulses in a half-cycle: use spacing
-        "continuous". An interval below 1e-4/p makes its lanes UNRESOLVED, for the same reason.
+        "continuous".
 
     Notes
     -----
     With u_1 = I/I_1c (Eq. 3) and a = u_1 I_s/I (Eq. 11), each half-cycle of start velocity u goes through the steps of
-    section 3.2: march with the trial dT to the first return T*, n = max(2, 2 round(T*/(2 dT))); where the trial does
-    not return, T* is the duration of the limit n -> infinity, and where that has none the block overturns. Then x(T) =
-    0 is solved for the smallest T with the corrected interval dT = T/n (T/(n + 1) for "open"); no root: overturned.
-    The impact speed u_r gives u_{i+1} = C u_r + u_1. For "start" with I_s/I above 2/3 and "middle" above 6/7 the
-    corrected march may pass through the ground inside a half-cycle; the closed form knows its end only and is kept,
-    with a logged warning.
+    section 3.2: march with the trial dT to the first return T*, or T* of the limit n -> infinity if it does not return;
+    n = max(2, 2 round(T*/(2 dT))); solve x(T) = 0 for the smallest T with the corrected interval dT = T/n (T/(n + 1)
+    for "open"); no root: overturned. The impact speed u_r gives u_{i+1} = C u_r + u_1. For "start" with I_s/I above 2/3
+    and "middle" above 6/7 the corrected march may pass through the ground inside a half-cycle, of which the closed form
+    knows the end only: this is logged as a warning.
 
     Examples
     --------
@@ -114,10 +107,7 @@ def sequence_response(
 def scaled_outcomes(
     block: Block, sequence: ImpulseSequence, chosen: np.ndarray, factors: np.ndarray, threads: int | None = None
 ) -> np.ndarray:
-    """Outcomes (q, n) of one sequence under (q, n) `factors` on its impulses, as a search for an edge needs them.
-
-    Each column of the factors belongs to one of the `chosen` blocks, numbers (n,) of the (m,) ones given.
-    """
+    """Outcomes (q, n) of one sequence under `factors` (q, n), a column for each of the `chosen` blocks (n,)."""
     if sequence.shape or factors.ndim != 2 or chosen.shape != factors.shape[1:]:
         raise ValueError(
             "expected one sequence and factors with a column for each chosen block, "
@@ -173,19 +163,15 @@ def impulse_train(block: Block, sequence: ImpulseSequence) -> tuple[np.ndarray, 
 
     Parameters
     ----------
-    block : Block
-        One block.
-    sequence : ImpulseSequence
-        One sequence that ends (finite duration, a main count, or a motion that overturns).
+    block, sequence : Block, ImpulseSequence
+        One block, and one sequence that ends (finite duration, a main count, or a motion that overturns).
 
     Returns
     -------
-    times : (k,) ndarray
-        Times of the impulses [s], not decreasing, the first main impulse at 0.
-    impulses : (k,) ndarray
-        Impulses of the ground [m/s], the first one positive. At a common time they stand in the order in which they
-        act on the block: the last secondary impulse of "end" before the impact, the main impulse after it, the first
-        secondary impulse of "start" after that one.
+    times, impulses : (k,) ndarray
+        Times [s], not decreasing, the first main impulse at 0, and impulses of the ground [m/s], the first one
+        positive. Impulses at one time stand in the order in which they act: the last secondary impulse of "end" before
+        the impact, the main impulse after it, the first secondary impulse of "start" after that one.
 
     Raises
     ------
@@ -194,10 +180,10 @@ def impulse_train(block: Block, sequence: ImpulseSequence) -> tuple[np.ndarray, 
 
     Notes
     -----
-    Fed to :func:`~rocking.impulses.impulsive.impulsive_response` with the paper's gain the train gives back the
-    response of :func:`sequence_response`. An overturning half-cycle ends the train with its main impulse. The limit of
-    infinitely many secondary impulses is a jump of I_s/2 against the main impulse at the start of the half-cycle and
-    of I_s/2 with it at the end.
+    With this train and the paper's gain :func:`~rocking.impulses.impulsive.impulsive_response` gives the response of
+    :func:`sequence_response`. An overturning half-cycle ends the train with its main impulse. The limit of infinitely
+    many secondary impulses is a jump of I_s/2 against the main impulse at the start of the half-cycle and of I_s/2 with
+    it at the end.
     """
     if block.shape or sequence.shape:
         raise ValueError(f"expected one block and one sequence, got shapes {block.shape} and {sequence.shape}")
@@ -266,15 +252,11 @@ class SteadyState(LaneValues):
 
     Attributes
     ----------
-    start_velocity : float or ndarray
-        u* = u_1 (1 - C I_s/I)/(1 - C), theta'/(p alpha_c) right after the main impulse [-]; inf where the motion only
-        grows.
-    effective_velocity : float or ndarray
-        v* = u* - u_1 I_s/(2 I), what the secondary impulses leave of it [-].
-    peak : float or ndarray
-        x* = 1 - sqrt(1 - v*^2), largest theta/alpha_c [-]; inf where the motion does not stabilise.
-    half_period : float or ndarray
-        2 atanh(v*)/p [s]; inf where the motion does not stabilise, or only just (v* = 1).
+    start_velocity, effective_velocity : float or ndarray
+        u* = u_1 (1 - C I_s/I)/(1 - C), theta'/(p alpha_c) right after the main impulse [-], inf if the motion only
+        grows; v* = u* - u_1 I_s/(2 I).
+    peak, half_period : float or ndarray
+        x* = 1 - sqrt(1 - v*^2), largest theta/alpha_c [-], and 2 atanh(v*)/p [s]; inf if the motion does not stabilise.
     stable : bool or ndarray
         Whether the motion stabilises, v* <= 1 (at v* = 1 the limit is never reached).
     """
@@ -291,26 +273,20 @@ def steady_state(block: Block, sequence: ImpulseSequence) -> SteadyState:
 
     Parameters
     ----------
-    block : Block
-        One block, or (m,).
-    sequence : ImpulseSequence
-        One sequence, or (q,), of spacing "continuous" or without secondary impulses; its duration and main count play
-        no part.
+    block, sequence : Block, ImpulseSequence
+        One block or (m,), and one sequence or (q,), of spacing "continuous" or without secondary impulses; its duration
+        and main count play no part.
 
     Returns
     -------
     SteadyState
-        Lanes (q, m), a scalar axis dropped.
+        Lanes (q, m), a scalar axis dropped: the fixed point u* of u_{i+1} = C (u_i - u_1 I_s/I) + u_1, which is Eq.
+        (10) without secondary impulses.
 
     Raises
     ------
     ValueError
         For another spacing with secondary impulses, whose number may change from one half-cycle to the next.
-
-    Notes
-    -----
-    The recurrence u_{i+1} = C (u_i - u_1 I_s/I) + u_1 has the fixed point u*. Without secondary impulses it is Eq.
-    (10).
 
     Examples
     --------

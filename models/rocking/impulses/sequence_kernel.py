@@ -1,7 +1,4 @@
-"""The half-cycles of a main and a secondary sequence one after the other, lane by lane, on bare arrays.
-
-From a half-cycle kernel over lanes to a :class:`~rocking.response.Response` with its table.
-"""
+"""Kernel of the half-cycles of a main and a secondary sequence, and its results as a response with a table."""
 
 import math
 from collections.abc import Callable
@@ -10,30 +7,15 @@ from typing import Any, NamedTuple
 import numpy as np
 from numba import njit
 
-from rocking.impulses.half_cycle import (
-    CONTINUOUS,
-    CRITICAL_TOLERANCE,
-    OPEN,
-    corrected_duration,
-    first_return,
-    hop,
-    impact_speed_after,
-    impacts_above,
-    peak_and_lowest,
-    stays_bounded,
-)
+from rocking.arguments import UNLIMITED
+from rocking.impulses import half_cycle
 from rocking.lanes import split_lanes
 from rocking.response import IMPACT_CUTOFF, HalfCycles, Outcome, Reason, Response, empty_results, response_of
 
 #: Half-cycles followed in one lane before it is UNRESOLVED.
 HALF_CYCLE_LIMIT = 50_000
-
 #: A half-cycle that starts with the velocity of an earlier one, to this share of it, closes a cycle.
 CYCLE_TOLERANCE = 1e-13
-
-#: A number of main impulses that is no limit.
-UNLIMITED = 2**62
-
 #: Columns of the table, in the order of :class:`rocking.response.HalfCycles`: u_i, peak, duration, n_i, dT_i, u_r.
 COLUMNS = 6
 
@@ -66,30 +48,30 @@ class Table(NamedTuple):
 @njit(cache=True, nogil=True, error_model="numpy")
 def _half_cycle(velocity, secondary, interval, fixed_count, spacing, bounded):
     """Peak, duration, n, dT, impact speed and lowest rotation of one half-cycle; duration inf where it overturns."""
-    if secondary == 0.0 or spacing == CONTINUOUS:
+    if secondary == 0.0 or spacing == half_cycle.CONTINUOUS:
         count = 0 if secondary == 0.0 else -1
         effective = velocity - 0.5 * secondary
         if bounded:
             # A bounded motion tends to its limit velocity from below; rounding must not let it arrive.
             effective = min(effective, 1.0 - 2.0**-53)
-        elif effective >= 1.0 - CRITICAL_TOLERANCE:
+        elif effective >= 1.0 - half_cycle.CRITICAL_TOLERANCE:
             return np.inf, np.inf, count, np.nan, np.nan, np.inf
-        peak, time = hop(effective)
+        peak, time = half_cycle.hop(effective)
         return peak, time, count, np.nan, max(velocity - secondary, 0.0), np.inf
     count = fixed_count
     if count == 0:
-        trial = first_return(velocity, secondary, interval, spacing)
+        trial = half_cycle.first_return(velocity, secondary, interval, spacing)
         if trial == np.inf:
-            trial = corrected_duration(velocity, secondary, 0, CONTINUOUS)
+            trial = half_cycle.corrected_duration(velocity, secondary, 0, half_cycle.CONTINUOUS)
             if trial == np.inf:
                 return np.inf, np.inf, -1, np.nan, np.nan, np.inf
         count = max(2, 2 * math.floor(trial / (2.0 * interval) + 0.5))
-    time = corrected_duration(velocity, secondary, count, spacing)
+    time = half_cycle.corrected_duration(velocity, secondary, count, spacing)
     if time == np.inf:
         return np.inf, np.inf, count, np.nan, np.nan, np.inf
-    peak, lowest = peak_and_lowest(velocity, secondary, time, count, spacing)
-    corrected = time / (count + 1 if spacing == OPEN else count)
-    return peak, time, count, corrected, impact_speed_after(velocity, secondary, time, count, spacing), lowest
+    peak, lowest = half_cycle.peak_and_lowest(velocity, secondary, time, count, spacing)
+    speed = half_cycle.impact_speed_after(velocity, secondary, time, count, spacing)
+    return peak, time, count, time / (count + 1 if spacing == half_cycle.OPEN else count), speed, lowest
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -111,7 +93,8 @@ def sequence_lanes(first_lane, last_lane, lanes, results, table):
         end, most = lanes.duration[lane], lanes.main_count[lane]
         outcome, reason, overturned, impacts = _AT_REST, 0, -1, 0
         peak, overturning_time, lowest = 0.0, np.nan, np.inf
-        bounded = u1 > 0.0 and (a == 0.0 or lanes.spacing == CONTINUOUS) and stays_bounded(u1, a / u1, c)
+        limited = u1 > 0.0 and (a == 0.0 or lanes.spacing == half_cycle.CONTINUOUS)
+        bounded = limited and half_cycle.stays_bounded(u1, a / u1, c)
         endless = end == np.inf and most > UNLIMITED // 2
         velocity, start, index, used = u1, 0.0, 0, 0
         mark, next_mark = np.nan, 1
@@ -162,8 +145,8 @@ def sequence_lanes(first_lane, last_lane, lanes, results, table):
                 index += repeated
                 start += repeated * time / rate
             # An impact speed is below one (x(T) = 0 has a root only where it is), so a free decay does not overturn.
-            peak = max(peak, hop(c * speed)[0])
-            later = impacts_above(c * speed, c, IMPACT_CUTOFF)
+            peak = max(peak, half_cycle.hop(c * speed)[0])
+            later = half_cycle.impacts_above(c * speed, c, IMPACT_CUTOFF)
             impacts = -1 if later < 0 else impacts + later
             break
         results.peak_rotation_ratio[lane], results.overturning_time[lane] = peak, overturning_time
@@ -174,7 +157,6 @@ def sequence_lanes(first_lane, last_lane, lanes, results, table):
 
 #: A march lower than this is one through the ground [-]; above it is rounding.
 GROUND_TOLERANCE = 1e-12
-
 #: Half-cycles kept in a table unless the caller asks for more.
 TABLE_ROWS = 1000
 
@@ -182,11 +164,7 @@ TABLE_ROWS = 1000
 def combined(
     by_input: tuple[Any, ...], by_block: tuple[Any, ...], paired: bool = False
 ) -> tuple[tuple[int, int], tuple[bool, bool], list[np.ndarray]]:
-    """Every combination of (q,) inputs and (m,) blocks, or the pairs of them where every block has an input of its own.
-
-    Returns the shape, (q, m) or (1, m) for pairs; which of its axes stand for a scalar, the first one of pairs; and the
-    values flattened to (q m,), inputs first.
-    """
+    """Shape, scalar axes and flat values (q m,) of all combinations of (q,) inputs and (m,) blocks, or of pairs."""
     inputs = np.broadcast_arrays(*(np.asarray(value, dtype=float) for value in by_input))
     blocks = np.broadcast_arrays(*(np.asarray(value, dtype=float) for value in by_block))
     if paired:
@@ -203,7 +181,7 @@ def combined(
 
 
 def empty_table(rows: int, lanes: int) -> Table:
-    """A table of so many half-cycles for a kernel to write to."""
+    """A table with a number of half-cycles for a kernel to write to."""
     table = Table(np.full((COLUMNS, rows, lanes), np.nan), np.empty(lanes), np.empty(lanes, dtype=np.int64))
     table.columns[3] = -1.0  # impulse_count
     return table
@@ -217,10 +195,7 @@ def tabulated_response(
     table_rows: int,
     threads: int | None = None,
 ) -> Response:
-    """Run ``kernel(first, last, lanes, results, table)``, then again with a table as long as the longest motion.
-
-    The table has at most `table_rows` half-cycles; without any the response has no `half_cycles`.
-    """
+    """Run ``kernel(first, last, lanes, results, table)``, and again with a table of up to `table_rows` half-cycles."""
     if table_rows < 0:
         raise ValueError(f"table_rows: expected 0 (no table) or a number of half-cycles, got {table_rows}")
     size = shape[0] * shape[1]

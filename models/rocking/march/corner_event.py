@@ -1,9 +1,8 @@
-"""A slot that turns about two unlike corners, or about one of them before a wall: what it does unlike a plain one.
+"""Events of a slot that turns about two unlike corners, or about one of them before a wall.
 
-.. note:: Units and signs of slots.py: a slot is in those of the corner that it turns about, alpha, p and
-   tau = p t, and the rows OTHER_... hold the same for the other corner. Both change places at an impact. A body before
-   a wall turns back at an impact and stays on its corner. Where something acts on the body beside its weight, it lifts
-   at (1 + a_v/g) THRESHOLD + EXTRA.
+.. note:: Units and signs of slots.py, with alpha, p and tau = p t of the current corner; the rows OTHER_... hold those
+   of the other corner, and both are exchanged at an impact. A body before a wall stays on its corner. A restrained body
+   lifts at (1 + a_v/g) THRESHOLD + EXTRA.
 """
 
 import math
@@ -13,7 +12,7 @@ from numba import njit
 from rocking.march import event
 from rocking.march import slots as row
 from rocking.march.equations import flight_time, top_rotation
-from rocking.march.slots import BLOCK, FALL, FLOAT_ROWS, GROUP, INT_ROWS, LANE, LARGEST, STEEPEST, WIDTH
+from rocking.march.slots import FLOAT_ROWS, WIDTH, next_lift
 from rocking.march.steps import IMPACTS_PER_SAMPLE
 from rocking.response import IMPACT_CUTOFF
 
@@ -45,8 +44,8 @@ from rocking.response import IMPACT_CUTOFF
     STALLS,  # changes of what acts on the body, one after the other, without any motion between them
 ) = range(FLOAT_ROWS * WIDTH, (FLOAT_ROWS + 24) * WIDTH, WIDTH)
 CORNER_ROWS = FLOAT_ROWS + 24
-
-_PAIRS = (
+#: Rows of the two corners.
+PAIRS = (
     (row.ALPHA, OTHER_ALPHA),
     (row.RESTITUTION, OTHER_RESTITUTION),
     (row.P, OTHER_P),
@@ -61,29 +60,12 @@ _PAIRS = (
 
 
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
-def close_corner_ranks(f, i, width):
-    """As :func:`rocking.march.slots.close_ranks`, with the rows of both corners."""
-    empty = 0
-    for j in range(width - GROUP, width):
-        if i[LANE + j] < 0:
-            continue
-        while i[LANE + empty] >= 0:
-            empty += 1
-        for k in range(CORNER_ROWS):
-            f[k * WIDTH + empty] = f[k * WIDTH + j]
-        for k in range(INT_ROWS):
-            i[k * WIDTH + empty] = i[k * WIDTH + j]
-        i[LANE + j] = -1
-    return width - GROUP
-
-
-@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
 def turn_over(f, j):
     """Put slot j, whose SIDE has just changed in an impact, onto its other corner; before a wall, back onto its own."""
     if f[ONE_SIDED + j] == 1.0:
         f[row.SIDE + j] = -f[row.SIDE + j]
         return
-    for own, other in _PAIRS:
+    for own, other in PAIRS:
         f[own + j], f[other + j] = f[other + j], f[own + j]
     faster = f[row.P + j] / f[OTHER_P + j]
     f[row.SPEED + j] /= faster
@@ -101,28 +83,6 @@ def lift_time(push, slope, threshold, threshold_slope, remaining):
         return 0.0
     end_gap = gap + (threshold_slope - slope) * remaining
     return remaining * gap / (gap - end_gap) if end_gap < 0.0 else -1.0
-
-
-@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
-def next_lift(k, record, f, j):
-    """First sample from k on at which the resting slot j may lift or lose the ground; n if there is none."""
-    n = record.acceleration.size
-    factor, side = f[row.FACTOR + j], f[row.SIDE + j]
-    threshold, extra = f[row.THRESHOLD + j], f[EXTRA + j]
-    other, other_extra = f[OTHER_THRESHOLD + j], f[OTHER_EXTRA + j]
-    while k < n:
-        block = k // BLOCK
-        lift = 1.0 + record.extremes[FALL, block] * factor
-        least = min(lift * threshold + extra, lift * other + other_extra)
-        if record.extremes[LARGEST, block] * factor <= least and lift > 0.0:
-            k = (block + 1) * BLOCK
-            continue
-        lift = 1.0 + record.vertical[k] * factor if record.vertical.size > 0 else 1.0
-        push = -side * record.acceleration[k] * factor
-        if push > lift * threshold + extra or -push > lift * other + other_extra or lift <= 0.0:
-            return k
-        k += 1
-    return n
 
 
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
@@ -154,7 +114,8 @@ def wake_corner(f, i, j, record):
             f[row.ACTIVE + j] += 1.0 if i[row.ENDED + j] != int(f[row.SAMPLE + j]) else 0.0
             return event.MOVING
         sample = int(f[row.SAMPLE + j])
-        ahead = next_lift(sample + 1, record, f, j)
+        levels = f[row.THRESHOLD + j], f[EXTRA + j], f[OTHER_THRESHOLD + j], f[OTHER_EXTRA + j]
+        ahead = next_lift(sample + 1, record, f[row.FACTOR + j], f[row.SIDE + j], *levels)
         if ahead > last:
             return event.RESTING
         # It lifts on the way to that sample, which is this one where rounding has put the crossing at its end.
@@ -168,10 +129,7 @@ def wake_corner(f, i, j, record):
 
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
 def hops_are_over(f, j, record, equation, far, held):
-    """As :func:`rocking.march.event.chatter_is_over`, by the weaker of both corners.
-
-    `held` is the largest moment that may keep the body from falling back, as EXTRA.
-    """
+    """As event.chatter_is_over, by the weaker corner; a moment `held` may keep the body from falling back."""
     length, passed = f[row.LENGTH + j], f[row.PASSED + j]
     lift_end = f[row.SAMPLE_LIFT + j] + f[row.SAMPLE_LIFT_SLOPE + j] * length
     weakest = min(f[row.SAMPLE_LIFT + j], lift_end)
@@ -191,7 +149,7 @@ def hops_are_over(f, j, record, equation, far, held):
         peak = max(peak, f[OTHER_PEAK + j] * alpha / other_alpha)
     if threshold <= 0.0 or pull <= 0.0:
         return False
-    # Each corner is asked about a push that lifts it; against a wall the ground can only press.
+    # Each corner has the push that lifts it; against a wall the ground can only press.
     start = -f[row.SIDE + j] * (f[row.SAMPLE_GROUND + j] + f[row.SAMPLE_SLOPE + j] * passed)
     end = -f[row.SIDE + j] * (f[row.SAMPLE_GROUND + j] + f[row.SAMPLE_SLOPE + j] * length)
     demand, demand_end = max(start / level, -start / other), max(end / level, -end / other)
@@ -199,35 +157,26 @@ def hops_are_over(f, j, record, equation, far, held):
         return False
     share = event.CHATTER_SHARE if f[row.HITS + j] < event.MANY_IMPACTS else 1.0
     speed, highest, cutoff = f[row.SPEED + j] / pull, share * peak / pull, IMPACT_CUTOFF * slowest / pull
-    if far and f[row.SAMPLE_LIFT + j] == 1.0 and lift_end == 1.0:
-        sample = int(f[row.SAMPLE + j])
-        block = sample // BLOCK
-        finish = min((block + 2) * BLOCK, record.acceleration.size - 1)
-        factor = f[row.FACTOR + j] / threshold
-        largest = factor * max(record.extremes[LARGEST, block], record.extremes[LARGEST, block + 1])
-        steepest = max(record.extremes[STEEPEST, block], record.extremes[STEEPEST, block + 1])
-        slope = factor * f[row.PER_SAMPLE + j] * steepest
-        window = (finish - sample) * length - passed
-        if event.chatter_ends(speed, demand, largest, slope, restitution, window, cutoff, highest):
-            return True
     rise = f[row.THRESHOLD + j] if f[ONE_SIDED + j] == 1.0 else max(f[row.THRESHOLD + j], f[OTHER_THRESHOLD + j])
-    slope = (abs(f[row.SAMPLE_SLOPE + j]) + abs(f[row.SAMPLE_LIFT_SLOPE + j]) * rise) / threshold
-    return event.chatter_ends(
-        speed, demand, max(demand, demand_end), slope, restitution, length - passed, cutoff, highest
-    )
+    return event.dies_out(f, j, record, far, threshold, rise, demand, demand_end, restitution, speed, cutoff, highest)
 
 
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
-def after_return(f, i, j, record, equation, far, held):
-    """The state of slot j after an impact: MOVING, RESTING, OVERTURNED or IMPACT_LIMITED."""
+def after_impact(f, i, j, record, equation, far, held):
+    """The state of slot j after an impact: MOVING, RESTING, OVERTURNED or IMPACT_LIMITED; `held` None: a free block."""
     if f[row.HITS + j] > IMPACTS_PER_SAMPLE:
         return event.IMPACT_LIMITED
     speed = f[row.SPEED + j]
     if speed == 0.0:
         return event.RESTING
+    # Faster impacts are counted, so they are followed.
     if speed < IMPACT_CUTOFF * f[row.ALPHA + j]:
         far = far or f[row.HITS + j] >= event.MANY_IMPACTS
-        if hops_are_over(f, j, record, equation, far, held):
+        if held is None:
+            over = event.chatter_is_over(f, j, record, equation, far)
+        else:
+            over = hops_are_over(f, j, record, equation, far, held)
+        if over:
             return event.RESTING
         i[row.SLOW + j] += 1
         if i[row.SLOW + j] > event.SLOW_IMPACTS:
@@ -248,10 +197,7 @@ def top_of_hop(speed, alpha, linear):
 
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
 def first_fall(phi, speed, alpha, linear):
-    """The free motion from a state until the ground.
-
-    Its largest phi, inf where it overturns; tau until that, or the impact; the speed of the impact, NaN without one.
-    """
+    """Largest phi of the free motion, inf if it overturns; tau until then or until the impact; its speed, or NaN."""
     if linear:
         xi, eta = phi / alpha, speed / alpha
         if xi - 1.0 + eta >= 0.0:
@@ -280,10 +226,10 @@ def first_fall(phi, speed, alpha, linear):
 
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
 def free_motion(f, j, linear):
-    """The motion of slot j on the ground at rest, to its end.
+    """Motion of slot j on the ground at rest, to its end.
 
-    The answer is the largest phi over alpha from now on, inf if the body overturns; the time until that is certain [s],
-    NaN if it does not; the impacts before it; and those above the cut-off, -1 if they never end.
+    Returns the largest phi over alpha, inf if it overturns; the time until that [s], else NaN; the impacts before it;
+    and those above the cut-off, -1 if they never end.
     """
     alpha, p, restitution = f[row.ALPHA + j], f[row.P + j], f[row.RESTITUTION + j]
     one_sided = f[ONE_SIDED + j] == 1.0

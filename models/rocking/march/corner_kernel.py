@@ -1,34 +1,17 @@
-"""Kernel of the response of bodies with two unlike corners, before a wall or with restraints to an accelerogram.
+"""Kernel of the response to a record of bodies with two unlike corners, before a wall or with restraints."""
 
-.. note:: The march is that of :mod:`rocking.march.kernel`, with the impacts of :mod:`rocking.march.corner_event`. With
-   restraints its steps and their events are those of :mod:`restrained`; numba compiles the kernel once with and
-   once without them.
-"""
-
-import math
 from typing import NamedTuple
 
 import numpy as np
 from numba import njit
 
 from rocking.march import corner_event as more
-from rocking.march import event, kernel
+from rocking.march import event, kernel, steps
 from rocking.march import slots as row
 from rocking.march.equations import linear_steps, nonlinear_steps
-from rocking.march.polynomial import ORDER
 from rocking.march.restrained import begin_held, land, rest_levels
 from rocking.march.restrained_event import finish_held, motion_after, restrained_steps
-from rocking.march.slots import LEFT, Slots
-from rocking.march.steps import (
-    IMPACT,
-    LOOK_CLOSER,
-    OVER,
-    REMNANT,
-    advance_steps,
-    advance_vertical,
-    finish_steps,
-    keep_history,
-)
+from rocking.march.slots import LEFT, Slots, empty_slots
 
 
 class CornerLanes(NamedTuple):
@@ -46,87 +29,44 @@ class CornerLanes(NamedTuple):
 
 def corner_slots() -> Slots:
     """Slots without lanes, with the rows of both corners."""
-    slots = Slots(
-        np.zeros(more.CORNER_ROWS * row.WIDTH), np.zeros(row.INT_ROWS * row.WIDTH, dtype=np.int64), np.zeros(ORDER + 1)
-    )
-    slots.i[row.LANE : row.LANE + row.WIDTH] = -1
-    for name in (row.ALPHA, more.OTHER_ALPHA, row.P, more.OTHER_P):
-        slots.f[name : name + row.WIDTH] = 0.1
-    return slots
+    return empty_slots(more.CORNER_ROWS, more.OTHER_ALPHA, row.P, more.OTHER_P)
 
 
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
 def begin_corner_lane(f, i, j, lane, record, lanes, options, held):
-    """Put a lane into slot j; returns how it stands at the first sample, MOVING or as it ends."""
+    """Put a lane into slot j; returns its state at the first sample, MOVING or its end."""
     block = lane % lanes.side.size
     rotation, spin, side = lanes.rotation[block], lanes.spin[block], lanes.side[block]
-    equation = options.equation
+    f[more.ONE_SIDED + j] = 1.0 if side != 0.0 else 0.0
     if side == 0.0:
         side = 1.0 if (rotation > 0.0 or (rotation == 0.0 and spin > 0.0)) else -1.0
     own = 0 if side > 0.0 else 1
     factor = lanes.factors[lane // lanes.side.size] * lanes.gains[block]
-    i[row.LANE + j] = lane
-    f[row.FACTOR + j] = factor
-    f[row.SIDE + j] = side
-    f[more.ONE_SIDED + j] = 1.0 if lanes.side[block] != 0.0 else 0.0
-    # First those of the other corner, then the own ones beside them.
+    f[more.EXTRA + j] = f[row.PEAK + j] = f[more.STALLS + j] = 0.0
+    # First the other corner, whose rows are copied, then the own one.
     for turn in range(2):
-        corner = own if turn == 1 else 1 - own
         if turn == 1:
-            for pair in range(6):
-                a, b = (
-                    (row.ALPHA, more.OTHER_ALPHA),
-                    (row.RESTITUTION, more.OTHER_RESTITUTION),
-                    (row.P, more.OTHER_P),
-                    (row.LENGTH, more.OTHER_LENGTH),
-                    (row.PER_SAMPLE, more.OTHER_PER_SAMPLE),
-                    (row.THRESHOLD, more.OTHER_THRESHOLD),
-                )[pair]
-                f[b + j] = f[a + j]
-            f[more.OTHER_FREE_LONGEST + j] = f[more.FREE_LONGEST + j]
-        alpha, p = lanes.alpha[corner, block], lanes.p[corner, block]
-        length = p * record.dt
-        f[row.ALPHA + j] = alpha
-        f[row.RESTITUTION + j] = lanes.restitution[corner, block]
-        f[row.P + j] = p
-        f[row.LENGTH + j] = length
-        f[row.PER_SAMPLE + j] = 1.0 / length
-        f[row.THRESHOLD + j] = (alpha if equation == event.LINEAR else math.tan(alpha)) * (1.0 + kernel.STRICTLY)
-        f[more.FREE_LONGEST + j] = length / math.ceil(length / options.longest * (1.0 - REMNANT))
+            for here, there in more.PAIRS:
+                f[there + j] = f[here + j]
+        corner = own if turn == 1 else 1 - own
+        alpha, p, restitution = lanes.alpha[corner, block], lanes.p[corner, block], lanes.restitution[corner, block]
+        kernel.take_corner(f, j, alpha, p, restitution, record.dt, options)
+        f[more.FREE_LONGEST + j] = f[row.LONGEST + j]
     if f[more.ONE_SIDED + j] == 1.0:
         f[more.OTHER_THRESHOLD + j] = np.inf
-    f[row.LONGEST + j] = f[more.FREE_LONGEST + j]
-    f[more.OTHER_LONGEST + j] = f[more.OTHER_FREE_LONGEST + j]
-    f[more.EXTRA + j] = f[more.OTHER_EXTRA + j] = f[more.STALLS + j] = 0.0
-    f[row.LIFT + j] = f[row.SAMPLE_LIFT + j] = 1.0
-    f[row.LIFT_SLOPE + j] = f[row.SAMPLE_LIFT_SLOPE + j] = 0.0
-    f[row.TRUNCATION + j] = options.last_term
-    f[row.TOP + j] = 0.5 * math.pi
-    f[row.CALM_FROM + j] = np.inf
-    f[row.PHI + j] = f[row.PEAK + j] = abs(rotation)
-    f[more.OTHER_PEAK + j] = 0.0
-    f[row.SPEED + j] = side * spin / f[row.P + j]
-    resting = rotation == 0.0 and spin == 0.0
-    f[row.SAMPLE + j] = f[row.IMPACTS + j] = 0.0
-    i[row.MOVED + j] = 0 if resting else 1
-    f[row.ACTIVE + j] = 0.0 if resting else 1.0
-    i[row.ENDED + j] = -1
-    i[row.FLIES + j] = i[row.SLOW + j] = 0
+    resting = kernel.take_state(f, i, j, lane, factor, side, rotation, spin, options.last_term)
     if held is not None:
         begin_held(f, j, block, lane, held)
         if resting:
             rest_levels(f, j, block, lane, held, True)
     if not event.enter_sample(f, j, record):
         return event.FLYING
-    if resting:
-        status = more.wake_corner(f, i, j, record)
-        if held is not None and status == event.MOVING:
-            land(f, j, block, lane, held)
-        return status
-    if equation == event.LINEAR:
-        growing = f[row.PHI + j] - f[row.ALPHA + j] + f[row.SPEED + j]
-        return event.OVERTURNED if growing > record.extremes[LEFT, 0] * factor else event.MOVING
-    return event.OVERTURNED if f[row.PHI + j] >= 0.5 * math.pi else event.MOVING
+    if not resting:
+        return kernel.first_status(f, j, options.equation, record.extremes[LEFT, 0] * factor)
+    status = more.wake_corner(f, i, j, record)
+    if held is not None and status == event.MOVING:
+        land(f, j, block, lane, held)
+    return status
 
 
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
@@ -158,13 +98,13 @@ def end_corner_lane(f, i, j, c, status, record, equation, count, held, work):
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
 def decide_corner(f, i, j, record, equation, far, count, held):
     """The state of a slot that needs attention, and whether its lane has come to its end."""
-    if f[row.EVENT + j] == OVER:
+    if f[row.EVENT + j] == steps.OVER:
         return event.OVERTURNED, True
     block, lane = i[row.LANE + j] % count, i[row.LANE + j]
     status = event.MOVING
-    if f[row.EVENT + j] == IMPACT:
+    if f[row.EVENT + j] == steps.IMPACT:
         most = 0.0 if held is None else rest_levels(f, j, block, lane, held, False)
-        status = more.after_return(f, i, j, record, equation, far, most)
+        status = more.after_impact(f, i, j, record, equation, far, most)
     if f[row.SAMPLE + j] >= record.acceleration.size - 1:
         return status, True
     if i[row.FLIES + j] == 1:
@@ -183,11 +123,7 @@ def decide_corner(f, i, j, record, equation, far, count, held):
 
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
 def march_corners(first, last, record, lanes, options, slots, results, active, history, held, work):
-    """As :func:`rocking.march.kernel.march_lanes`, of :class:`CornerLanes`.
-
-    `held` is the :class:`Held` of the lanes and `work` the slots for what comes after the record, or
-    both are None.
-    """
+    """As kernel.march_lanes for :class:`CornerLanes`; `held` and its `work` slots are None without restraints."""
     f, i, c = slots
     coming = first
     width = row.GROUP * min(row.WIDTH // row.GROUP, (last - first + row.GROUP - 1) // row.GROUP)
@@ -207,17 +143,17 @@ def march_corners(first, last, record, lanes, options, slots, results, active, h
                 linear_steps(f, width)
             else:
                 nonlinear_steps(f, width)
-            finish_steps(f, width)
+            steps.finish_steps(f, width)
             for j in range(width):
-                if f[row.EVENT + j] == LOOK_CLOSER and i[row.LANE + j] >= 0:
+                if f[row.EVENT + j] == steps.LOOK_CLOSER and i[row.LANE + j] >= 0:
                     event.resolve_step(f, j, c, record, equation)
-                if f[row.EVENT + j] == IMPACT and i[row.LANE + j] >= 0:
+                if f[row.EVENT + j] == steps.IMPACT and i[row.LANE + j] >= 0:
                     more.turn_over(f, j)
-        advance_steps(f, width, record.acceleration, left, fastest)
+        steps.advance_steps(f, width, record.acceleration, left, fastest)
         if record.vertical.size > 0:
-            advance_vertical(f, i, width, record.vertical)
+            steps.advance_vertical(f, i, width, record.vertical)
         if not far:
-            keep_history(f, i, width, history)
+            steps.keep_history(f, i, width, history)
         for j in range(width):
             lane = i[row.LANE + j]
             if f[row.ATTENTION + j] == 0.0 and (lane >= 0 or coming >= last):
@@ -228,14 +164,8 @@ def march_corners(first, last, record, lanes, options, slots, results, active, h
             while done:
                 if lane >= 0:
                     active[lane] = int(f[row.ACTIVE + j])
-                    (
-                        results.peak_rotation_ratio[lane],
-                        results.outcome[lane],
-                        results.reason[lane],
-                        results.overturning_time[lane],
-                        results.overturning_half_cycle[lane],
-                        results.impacts[lane],
-                    ) = end_corner_lane(f, i, j, c, status, record, equation, count, held, work)
+                    ended = end_corner_lane(f, i, j, c, status, record, equation, count, held, work)
+                    kernel.keep_results(results, lane, *ended)
                     if status > event.RESTING:
                         history[lane, int(f[row.SAMPLE + j]) + 1 :] = np.nan
                     running -= 1
@@ -253,4 +183,4 @@ def march_corners(first, last, record, lanes, options, slots, results, active, h
                 if not done:
                     event.begin_step(f, j)
         if coming >= last and 0 < running <= width - row.GROUP:
-            width = more.close_corner_ranks(f, i, width)
+            width = row.close_ranks(f, i, width)

@@ -49,13 +49,7 @@ def march_bodies(
     samples: int,
     threads: int | None,
 ) -> Response:
-    """March (m,) bodies, all with restraints or none, under (q,) factors on a record over gravity.
-
-    `gains` (m,) are factors of each body on top, `start` its theta [rad] and theta' [rad/s] at the first sample.
-    `samples` is that of the history, 0 for none.
-
-    A ValueError for restraints with the linear equation, and for a rotation into a wall.
-    """
+    """March (m,) bodies, all with restraints or none, from theta, theta' = `start` under (q,) factors over gravity."""
     side = np.asarray(block.side, dtype=float)
     rotation, spin = start
     into = (side * rotation < 0.0) | ((rotation == 0.0) & (side * spin < 0.0))
@@ -126,15 +120,13 @@ def static_capacity(block: Block, rotation: ArrayLike, side: int = 1) -> np.ndar
     ----------
     block : Block
         One body.
-    rotation : float or (k,) array_like
-        abs(theta) [rad], from 0 to below pi/2.
-    side : int
-        1 for theta > 0, -1 for theta < 0.
+    rotation, side : float or (k,) array_like, int
+        abs(theta) [rad], from 0 to below pi/2; 1 for theta > 0, -1 for theta < 0.
 
     Returns
     -------
     (k,) ndarray
-        Acceleration of the ground against the rotation [m/s2]: g tan(alpha - theta) where nothing but its weight acts.
+        Acceleration of the ground against the rotation [m/s2]: g tan(alpha - theta) under its weight alone.
 
     Examples
     --------

@@ -1,16 +1,12 @@
 """The demand of a ground motion on a block, on the block's own time scale: the impulse measure of rocking.
 
-.. note:: While a block rocks on the side s, the growing mode y = s theta/alpha - 1 + s theta'/(p alpha) of the linear
-   equation obeys y' = p y - s p a_g/(g alpha), so that
+.. note:: The growing mode y = s theta/alpha - 1 + s theta'/(p alpha) of the linear equation obeys y' = p y - s p a_g/(g
+   alpha), so a later impulse counts exp(-p (tau - t0)) of an earlier one:
 
-   y(t) = exp(p (t - t0)) [y(t0) - s p/(g alpha) (E(t0) - exp(-p (t - t0)) E(t))],
+   E(t0) = integral from t0 to the end of a_g(tau) exp(-p (tau - t0)) dtau.
 
-   E(t0) = integral from t0 to the end of a_g(tau) exp(-p (tau - t0)) dtau:
-
-   a later impulse counts exp(-p (tau - t0)) of an earlier one. A block that lifts off from rest at t0 (y = -1)
-   overturns without an impact iff p abs(E(t0))/(g alpha) exceeds 1 towards the right side, which makes
-   p abs(E)/(g tan alpha) a natural measure; an impact starts the next excursion with y = -1 + C times the speed that
-   the last one left.
+   A block that lifts at t0 (y = -1) overturns without an impact iff p abs(E(t0))/(g alpha) exceeds 1 towards the right
+   side; an impact starts the next excursion with y = -1 + C times the speed of arrival.
 """
 
 import math
@@ -19,31 +15,24 @@ from dataclasses import dataclass
 import numpy as np
 from numba import njit
 
-from rocking.arguments import ArrayLike
+from rocking.arguments import ArrayLike, positive, record_samples
 from rocking.body.block import Block
 
 #: Lobes of E(t0) that are kept, the largest ones.
 LOBES = 16
-
 #: E is computed at powers of two of 1/s divided by this number, and interpolated in log p between them.
 NODES_PER_OCTAVE = 4
-
 #: Share of the speed that an excursion hands to the next one, beside C: excursions are seldom in step with the ground.
 HANDED_ON = 0.9
-
 #: Sum of speed and build-up left below which no lane of the measured ensembles overturned any more, with a margin: the
 #: lowest one was above 0.8 (docs/decisions/006).
 SETTLED = 0.7
-
 #: Relative margin at the ends of these ranges, far above the rounding of a product.
 ROUNDING = 1e-9
-
 #: Where SETTLED was measured: p [1/s], alpha_c [rad], C over Housner's value [-], p dt [-].
 MEASURED_RANGE = {"p": (0.7, 9.0), "alpha": (0.04, 0.32), "restitution": (0.85, 1.0), "p_dt": (0.0, 0.1)}
-
 #: Levels of the build-up at which the last time above them is kept: max abs(a_g)/p times 8 times 2^(-k/4).
 LEVELS = 56
-
 #: Values of C for which the build-up that is left is computed; a block takes the next larger one.
 RESTITUTIONS = np.array([0.85, 0.875, 0.9, 0.925, 0.95, 0.975, 1.0])
 
@@ -58,10 +47,9 @@ def _lobes(
     largest: np.ndarray,
     last: np.ndarray,
 ) -> None:
-    """Largest abs(E) of the lobes of E(t0), descending, and the last sample with more than each level left.
+    """Largest abs(E) of the lobes of E(t0), descending, and the last sample with more build-up left than each level.
 
-    E is exact for a piecewise linear ground and found by one backward pass. What is left at a sample is the build-up of
-    the lobes after it, the one around it counted whole.
+    E is exact for a piecewise linear ground and found by one backward pass.
     """
     count = largest.shape[1]
     unseen = np.empty(ratios.shape[0], dtype=np.int64)
@@ -106,22 +94,19 @@ class Demand:
 
     Attributes
     ----------
-    largest : (m,) ndarray
-        Largest p abs(E)/(g tan alpha) [-].
-    lobes : (m, LOBES) ndarray
-        Largest p abs(E)/(g tan alpha) of each of the largest lobes, descending [-]; the first is `largest`.
+    largest, lobes : (m,) ndarray, (m, LOBES) ndarray
+        p abs(E)/(g tan alpha) of the largest lobes, descending [-]; the first of them is `largest`.
     build_up : (m,) ndarray
-        Sum over k of (0.9 C)^k p E_k/(g tan alpha), E_k the largest lobes in descending order [-]: the speed that
-        resonance (Eq. 5) would build up with the impulses that the block sees, the largest one last.
-    levels : (m, LEVELS) ndarray
-        Values of the build-up that may be left, descending [-].
-    last : (m, LEVELS) ndarray of int
-        Last sample at which more than the level was left, by the lobes from there on; -1 where it never was.
+        Sum over k of (0.9 C)^k p E_k/(g tan alpha), E_k the lobes in descending order [-]: the speed that resonance
+        (Eq. 5) would build up with the impulses that the block sees, the largest one last.
+    levels, last : (m, LEVELS) ndarray, (m, LEVELS) ndarray of int
+        Values of the build-up that may be left, descending [-], and the last sample at which more than that was left,
+        by the lobes from there on; -1 if it never was.
     samples : int
         Number of samples of the record.
     settled : float
-        The verdict of a lane that rocks is taken as settled right after an impact when its speed, over that which
-        overturns it on a still ground, and the build-up that is left sum up to no more than this [-].
+        The verdict of a lane that rocks is settled right after an impact if its speed, over that which overturns it on
+        a still ground, and the build-up that is left sum up to no more than this [-].
     """
 
     largest: np.ndarray
@@ -136,19 +121,15 @@ class Demand:
 def ground_demand(block: Block, acceleration: ArrayLike, dt: float) -> Demand:
     """Demand of a ground motion on blocks.
 
+    E is computed at p = 2^(k/4) 1/s for the nodes that enclose the given p, and interpolated linearly in log p: a pass
+    costs as much for a thousand blocks as for a few.
+
     Parameters
     ----------
     block : Block
         One block, which counts as (1,), or (m,) of them.
-    acceleration : (n,) array_like
-        Ground acceleration a_g [m/s2], finite.
-    dt : float
-        Sampling interval [s].
-
-    Notes
-    -----
-    E is computed at p = 2^(k/4) 1/s for the nodes that enclose the given p, and interpolated linearly in log p: a pass
-    costs as much for a thousand blocks as for a few.
+    acceleration, dt : (n,) array_like, float
+        Ground acceleration a_g [m/s2], finite, and its sampling interval [s].
 
     Examples
     --------
@@ -159,13 +140,7 @@ def ground_demand(block: Block, acceleration: ArrayLike, dt: float) -> Demand:
     >>> bool(abs(demand.largest[0] / exact - 1.0) < 1e-6)
     True
     """
-    ground = np.ascontiguousarray(acceleration, dtype=float)
-    if ground.ndim != 1 or ground.size < 2 or not np.all(np.isfinite(ground)):
-        raise ValueError(
-            f"acceleration: expected a (n,) array of at least 2 finite samples in m/s2, got {acceleration!r:.80}"
-        )
-    if not dt > 0.0:
-        raise ValueError(f"dt: expected a positive sampling interval in s, got {dt!r}")
+    ground, dt = record_samples("acceleration", acceleration), float(positive("dt", dt, "s", lanes=False))
     block = block.lanes()
     rates, capacity = np.asarray(block.p), block.gravity * np.tan(block.alpha_c) / block.p
     restitution = np.asarray(block.restitution)
@@ -176,7 +151,7 @@ def ground_demand(block: Block, acceleration: ArrayLike, dt: float) -> Demand:
     node_rates = 2.0 ** (nodes / NODES_PER_OCTAVE)
     at_levels = 8.0 * (peak / node_rates)[:, None] * 2.0 ** (-0.25 * np.arange(LEVELS))
     at_nodes, last = np.empty((nodes.size, LOBES)), np.empty((nodes.size, RESTITUTIONS.size, LEVELS), dtype=np.int64)
-    _lobes(ground, float(dt), node_rates, HANDED_ON * RESTITUTIONS, at_levels, at_nodes, last)
+    _lobes(ground, dt, node_rates, HANDED_ON * RESTITUTIONS, at_levels, at_nodes, last)
     low = np.searchsorted(nodes, below)
     share = (place - below)[:, None]
     lobes = ((1.0 - share) * at_nodes[low] + share * at_nodes[low + 1]) / capacity[:, None]

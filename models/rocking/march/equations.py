@@ -1,13 +1,8 @@
-"""The linear equation of a slender block under a sampled accelerogram (Housner 1963; Casapulla & Maione 2017, Eq. 1).
+"""Steps of the linear and the nonlinear equation under a record, and the motion after it.
 
-.. note:: theta'' = p^2 (theta - s alpha - a_g/g), s = sgn theta. With phi = s theta >= 0 and tau = p t: phi'' = phi -
-   alpha - ground, ground = s a_g/g, linear in tau inside a sample.
-
-The nonlinear equation of the rocking block under a sampled accelerogram (Housner 1963; Yim, Chopra & Penzien 1980).
-
-.. note:: theta'' = -p^2 [(1 + a_v/g) sin(s alpha - theta) + (a_g/g) cos(s alpha - theta)], s = sgn theta, a_v
-   positive up. With phi = s theta >= 0 and tau = p t: phi'' = -[lift sin(alpha - phi) + ground cos(alpha - phi)],
-   lift = 1 + a_v/g, ground = s a_g/g, both linear in tau inside a sample.
+.. note:: With phi = s theta >= 0, tau = p t, lift = 1 + a_v/g and ground = s a_g/g, both linear in tau inside a sample,
+   phi'' = phi - alpha - ground for a slender block (Housner 1963; Casapulla & Maione 2017, Eq. 1), and phi'' = -[lift
+   sin(alpha - phi) + ground cos(alpha - phi)] for any block (Yim, Chopra & Penzien 1980).
 """
 
 import math
@@ -36,9 +31,9 @@ def linear_steps(f, width):
     """Take one step of the first `width` slots by the exact map; :func:`finish_steps` reads its rows.
 
     With r = phi - alpha - ground and the slope m of the ground, phi(h) = phi + r (cosh h - 1) + phi' sinh h - m (sinh h
-    - h) and phi'(h) = phi' cosh h + r sinh h - m (cosh h - 1): no difference of large numbers next to phi = 0. phi''
-    has its largest size at an end but for a factor 1/(1 - h^2/8). The series serves to find what happens inside. A
-    step is marked where the growing mode exceeds a bound of what is left of the record.
+    - h) and phi'(h) = phi' cosh h + r sinh h - m (cosh h - 1), without differences of large numbers near phi = 0. phi''
+    has its largest size at an end but for a factor 1/(1 - h^2/8). A step is marked if the growing mode exceeds its
+    LIMIT.
     """
     for j in range(width):
         phi = f[row.PHI + j]
@@ -68,14 +63,11 @@ def linear_steps(f, width):
 
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
 def linear_after(phi, speed, alpha, restitution):
-    """Motion on the ground at rest, from a state phi >= 0 and dphi/dtau [rad] to its end (Eqs. 2, 6, 8).
+    """Motion on the ground at rest (Eqs. 2, 6, 8): peak [rad], tau, impacts before overturning, impact speed.
 
-    The answer is the largest phi from now on [rad], inf if the block overturns; tau until that is certain, NaN if it
-    does not; the impacts before it, 0 or 1; and the speed of the first impact over p alpha_c, NaN if there is none.
-
-    With xi = phi/alpha, eta = xi' the growing mode is xi - 1 + eta: not negative, it takes the block over. Otherwise
-    the block comes back with w^2 = xi (2 - xi) + eta^2 and leaves the ground with u = C w: u >= 1 overturns it on the
-    other side.
+    The peak is inf and tau known if the block overturns, else tau is NaN; the speed is over p alpha_c. With xi =
+    phi/alpha, eta = xi' the growing mode xi - 1 + eta >= 0 overturns it; else it returns with w^2 = xi (2 - xi) +
+    eta^2, and leaves the ground with u = C w, which overturns it on the other side if u >= 1.
     """
     xi = phi / alpha
     eta = speed / alpha
@@ -115,8 +107,8 @@ def sine_and_cosine(q):
 def nonlinear_rates(phi, speed, alpha, ground, ground_slope, lift, lift_slope):
     """Coefficients k c_k, k = 2 ... 10, of phi'(tau) = sum k c_k tau^(k-1), for phi(tau) = sum c_k tau^k.
 
-    With s_k, z_k the series of sin(alpha - phi) and cos(alpha - phi) and d_k = k c_k: k s_k = -sum d_j z_(k-j), k z_k
-    = sum d_j s_(k-j), j = 1 ... k, and (k + 1) d_(k+2) = -[lift s + ground z]_k.
+    With the series s_k, z_k of sin(alpha - phi), cos(alpha - phi) and d_k = k c_k: k s_k = -sum d_j z_(k-j), k z_k =
+    sum d_j s_(k-j), j = 1 ... k, and (k + 1) d_(k+2) = -[lift s + ground z]_k.
     """
     d1 = speed
     s0, z0 = sine_and_cosine(alpha - phi)
@@ -152,9 +144,8 @@ def nonlinear_rates(phi, speed, alpha, ground, ground_slope, lift, lift_slope):
 def nonlinear_steps(f, width):
     """Take one Taylor step of the first `width` slots; :func:`finish_steps` reads its rows.
 
-    abs(phi'') is at most F = lift + abs(ground), and leaves its value at the start by at most h (F (abs(phi') + h F)
-    + the slopes), where the bracket bounds the third derivative. A step is marked where phi may pass TOP, or where
-    the last term of its series is larger than the bound of the lane.
+    abs(phi'') is at most F = lift + abs(ground), and changes by at most h (F (abs(phi') + h F) + the slopes). A step is
+    marked if phi may pass TOP or the last term of its series exceeds the bound of the lane.
     """
     for j in range(width):
         phi = f[row.PHI + j]
@@ -187,11 +178,9 @@ def nonlinear_steps(f, width):
 def flight_time(excess, start, stop):
     """Time p t of the free motion from psi = `start` to psi = `stop`, psi = phi - alpha, without turning on the way.
 
-    `excess` = phi'^2/2 + cos(psi) - 1 is the energy above that of rest at the top; where it is negative, both angles
-    are of one sign and beyond the turning point. inf where the top is reached with no energy to spare.
-
-    phi'^2 = 2 excess + 4 sin^2(psi/2). With k^2 = abs(excess)/2 and sin(psi/2) = k sinh z (over the top) or k cosh z
-    (short of it), dtau = dz/cos(psi/2): smooth, so Gauss-Legendre panels of unit length in z are exact to rounding.
+    `excess` = phi'^2/2 + cos(psi) - 1 is the energy above that of rest at the top; inf if it is 0 and the top between.
+    With k^2 = abs(excess)/2 and sin(psi/2) = k sinh z (over the top) or k cosh z (below it), dtau = dz/cos(psi/2) is
+    smooth: Gauss-Legendre panels of unit length in z are exact to rounding.
     """
     k = max(math.sqrt(0.5 * abs(excess)), 1e-150)
     low = math.sin(0.5 * min(start, stop)) / k
@@ -217,13 +206,10 @@ def flight_time(excess, start, stop):
 
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
 def nonlinear_after(phi, speed, alpha, restitution):
-    """Motion on the ground at rest, from a state to its end, by conservation of energy.
+    """As :func:`linear_after` by conservation of energy; the wait is the time to phi = pi/2.
 
-    The answer is that of :func:`rocking.march.equations.linear_after`; the wait is the time to phi = pi/2.
-
-    The energy above that of the top is phi'^2/2 - 2 sin^2((alpha - phi)/2). A block short of the top goes over it if
-    it moves outward with an energy that is not negative; a block beyond the top comes back only if it moves inward
-    with positive energy.
+    The energy above that of the top is phi'^2/2 - 2 sin^2((alpha - phi)/2). A block below the top passes it if it moves
+    outward with energy >= 0; a block beyond the top returns only if it moves inward with positive energy.
     """
     half_alpha = math.sin(0.5 * alpha)
     half = math.sin(0.5 * (alpha - phi))
@@ -251,10 +237,10 @@ def nonlinear_after(phi, speed, alpha, restitution):
 
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
 def top_rotation(speed, alpha):
-    """Largest phi of a free half-cycle that leaves the ground with dphi/dtau = speed [rad].
+    """Largest phi [rad] of a free half-cycle that leaves the ground with dphi/dtau = speed.
 
-    Energy gives phi = alpha - 2 asin(r), r^2 = sin^2(alpha/2) - speed^2/4; the sine of the difference is multiplied
-    out, so that small motions keep their digits.
+    Energy gives phi = alpha - 2 asin(r), r^2 = sin^2(alpha/2) - speed^2/4; the sine of the difference is expanded so
+    that small motions keep their digits.
     """
     half_alpha = math.sin(0.5 * alpha)
     r = math.sqrt(max(0.0, half_alpha * half_alpha - 0.25 * speed * speed))

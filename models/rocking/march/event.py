@@ -1,9 +1,4 @@
-"""The events inside a step of the march over a record: impact, new peak, overturning, the end of a chatter, uplift.
-
-.. note:: Units and signs of :mod:`rocking.march.slots`. The motion inside a step is its Taylor polynomial (see
-   :mod:`rocking.march.polynomial`), from which impacts, peaks and overturning are located exactly; uplift is the
-   exact crossing of the piecewise-linear record with the threshold.
-"""
+"""Events inside a step of the march over a record: impact, new peak, overturning, end of a chatter, uplift."""
 
 import math
 
@@ -12,25 +7,21 @@ from numba import njit
 from rocking.march import slots as row
 from rocking.march.polynomial import ORDER, ROTATION, bracketed_root, first_impact, value, velocity
 from rocking.march.slots import BLOCK, LARGEST, LEFT, STEEPEST, largest_left, next_exceedance
-from rocking.march.steps import HALVED, IMPACT, IMPACTS_PER_SAMPLE, NOTHING, OVER, REMNANT, enter_vertical
+from rocking.march.steps import HALVED, IMPACT, NOTHING, OVER, REMNANT, enter_vertical
 from rocking.response import IMPACT_CUTOFF
 
 LINEAR, NONLINEAR = 0, 1
 
-# How a slot stands after a step.
+# States of a slot after a step.
 MOVING, RESTING, OVERTURNED, IMPACT_LIMITED, FLYING, CALM = range(6)
-
 #: A chatter is cut short only where its hops are below this share of the peak so far.
 CHATTER_SHARE = 1e-3
-
 #: After so many impacts in one sample (a restitution next to one) hops below the peak itself will do, and the chatter
 #: may be cut short beyond its sample with a history as well: it then shows rest in place of hops below the cut-off.
 MANY_IMPACTS = 1000
-
 #: Impacts slower than the cut-off that are followed without a rest between them before the lane is given up. With C = 1
 #: a chatter neither dies out nor comes to rest: this is all the work that it can cost, however long the record.
 SLOW_IMPACTS = 1_000_000
-
 #: A step is not halved below this share of the longest one for the sake of its series.
 SHORTEST = 1.0 / 4096.0
 
@@ -53,14 +44,11 @@ def uplift_time(ground, slope, threshold, threshold_slope, remaining):
 def chatter_ends(speed, demand, largest, slope, restitution, window, cutoff, highest):
     """Whether the hops after an impact die out before the ground can lift the block again.
 
-    Speeds and rotations are over the restoring acceleration of the resting block; `demand` is A = abs(a_g)/threshold at
-    the impact, `largest` and `slope` are bounds of it and of its slope over the time tau of the `window`. The hops must
-    stay below the rotation `highest` and end slower than `cutoff`, above which an impact is counted.
-
-    Look no further than to where half the margin 1 - A is used up, or to the end of the window. There the restoring
-    acceleration stays above d = (1 - A) - w^2/(1 - A), so the first hop lasts less than T = 2 w/d, and the next ones
-    shrink at least by q = C (1 + m T/(2 (1 - A))): all of them together last less than T/(1 - q), and none ends faster
-    than w q/C. The motion after that instant is the same whether the hops are followed or not.
+    Speeds and rotations are over the restoring acceleration of the resting block; A = `demand` is abs(a_g)/threshold at
+    the impact, `largest` and m = `slope` bound it and its slope over the `window` in tau. Until half the margin 1 - A
+    is used up, or the window ends, the restoring acceleration stays above d = (1 - A) - w^2/(1 - A): the first hop
+    lasts less than T = 2 w/d, the next ones shrink at least by q = C (1 + m T/(2 (1 - A))), all together last less than
+    T/(1 - q), and none ends faster than w q/C.
     """
     if demand >= 1.0:
         return False
@@ -79,35 +67,44 @@ def chatter_ends(speed, demand, largest, slope, restitution, window, cutoff, hig
 
 
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+def dies_out(f, j, record, far, level, rise, demand, demand_end, restitution, speed, cutoff, highest):
+    """:func:`chatter_ends` for slot j: in its sample, and if `far` to the end of the next block of samples.
+
+    `level` is the abs(a_g)/g that lifts the body, `rise` its change with 1 + a_v/g.
+    """
+    length, passed = f[row.LENGTH + j], f[row.PASSED + j]
+    lift_end = f[row.SAMPLE_LIFT + j] + f[row.SAMPLE_LIFT_SLOPE + j] * length
+    if far and f[row.SAMPLE_LIFT + j] == 1.0 and lift_end == 1.0:
+        sample = int(f[row.SAMPLE + j])
+        block = sample // BLOCK
+        end = min((block + 2) * BLOCK, record.acceleration.size - 1)
+        factor = f[row.FACTOR + j] / level
+        largest = factor * max(record.extremes[LARGEST, block], record.extremes[LARGEST, block + 1])
+        steepest = max(record.extremes[STEEPEST, block], record.extremes[STEEPEST, block + 1])
+        slope = factor * f[row.PER_SAMPLE + j] * steepest
+        if chatter_ends(speed, demand, largest, slope, restitution, (end - sample) * length - passed, cutoff, highest):
+            return True
+    slope = (abs(f[row.SAMPLE_SLOPE + j]) + abs(f[row.SAMPLE_LIFT_SLOPE + j]) * rise) / level
+    return chatter_ends(speed, demand, max(demand, demand_end), slope, restitution, length - passed, cutoff, highest)
+
+
+@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
 def chatter_is_over(f, j, record, equation, far):
-    """Whether slot j may be put to rest after a slow impact: :func:`chatter_ends`, beyond its sample if `far`."""
-    threshold, length = f[row.THRESHOLD + j], f[row.LENGTH + j]
-    passed = f[row.PASSED + j]
+    """Whether slot j may be put to rest after a slow impact, by :func:`dies_out`."""
+    threshold, length, passed = f[row.THRESHOLD + j], f[row.LENGTH + j], f[row.PASSED + j]
     lift = f[row.SAMPLE_LIFT + j] + f[row.SAMPLE_LIFT_SLOPE + j] * passed
     lift_end = f[row.SAMPLE_LIFT + j] + f[row.SAMPLE_LIFT_SLOPE + j] * length
     weakest = min(lift, lift_end)
     demand = abs(f[row.SAMPLE_GROUND + j] + f[row.SAMPLE_SLOPE + j] * passed) / (lift * threshold)
     if demand >= 1.0:
         return False
+    demand_end = abs(f[row.SAMPLE_GROUND + j] + f[row.SAMPLE_SLOPE + j] * length) / (lift_end * threshold)
     per_scale = 1.0 / (weakest * (f[row.ALPHA + j] if equation == LINEAR else math.sin(f[row.ALPHA + j])))
     share = CHATTER_SHARE if f[row.HITS + j] < MANY_IMPACTS else 1.0
     speed, highest = f[row.SPEED + j] * per_scale, share * f[row.PEAK + j] * per_scale
     cutoff = IMPACT_CUTOFF * f[row.ALPHA + j] * per_scale
-    restitution = f[row.RESTITUTION + j]
-    if far and f[row.SAMPLE_LIFT + j] == 1.0 and lift_end == 1.0:
-        # To the end of the next block of samples.
-        sample = int(f[row.SAMPLE + j])
-        block = sample // BLOCK
-        end = min((block + 2) * BLOCK, record.acceleration.size - 1)
-        factor = f[row.FACTOR + j] / threshold
-        largest = factor * max(record.extremes[LARGEST, block], record.extremes[LARGEST, block + 1])
-        steepest = max(record.extremes[STEEPEST, block], record.extremes[STEEPEST, block + 1])
-        slope = factor * f[row.PER_SAMPLE + j] * steepest
-        if chatter_ends(speed, demand, largest, slope, restitution, (end - sample) * length - passed, cutoff, highest):
-            return True
-    demand_end = abs(f[row.SAMPLE_GROUND + j] + f[row.SAMPLE_SLOPE + j] * length) / (lift_end * threshold)
-    slope = (abs(f[row.SAMPLE_SLOPE + j]) + abs(f[row.SAMPLE_LIFT_SLOPE + j]) * threshold) / (weakest * threshold)
-    return chatter_ends(speed, demand, max(demand, demand_end), slope, restitution, length - passed, cutoff, highest)
+    restitution, level = f[row.RESTITUTION + j], weakest * threshold
+    return dies_out(f, j, record, far, level, threshold, demand, demand_end, restitution, speed, cutoff, highest)
 
 
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
@@ -150,10 +147,7 @@ def begin_step(f, j):
 
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
 def wake(f, i, j, record):
-    """Bring a resting slot to the instant of its next uplift.
-
-    The slot is MOVING then, FLYING where the ground is lost first, or RESTING where the record ends before.
-    """
+    """Bring a resting slot to its uplift (MOVING), loss of the ground (FLYING) or the end of the record (RESTING)."""
     threshold, length = f[row.THRESHOLD + j], f[row.LENGTH + j]
     last = record.acceleration.size - 1
     for _ in range(last + 1):
@@ -196,32 +190,8 @@ def is_gone(f, j, record):
 
 
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
-def after_impact(f, i, j, record, equation, far):
-    """The state of slot j after an impact: MOVING, RESTING, OVERTURNED or IMPACT_LIMITED."""
-    if f[row.HITS + j] > IMPACTS_PER_SAMPLE:
-        return IMPACT_LIMITED
-    speed = f[row.SPEED + j]
-    if speed == 0.0:
-        return RESTING
-    # Faster impacts are counted, so they are followed.
-    if speed < IMPACT_CUTOFF * f[row.ALPHA + j]:
-        far = far or f[row.HITS + j] >= MANY_IMPACTS
-        if chatter_is_over(f, j, record, equation, far):
-            return RESTING
-        i[row.SLOW + j] += 1
-        if i[row.SLOW + j] > SLOW_IMPACTS:
-            return IMPACT_LIMITED
-    if equation == LINEAR and is_gone(f, j, record):
-        return OVERTURNED
-    return MOVING
-
-
-@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
 def resolve_step(f, j, c, record, equation):
-    """Do the marked step of slot j, or the part of it up to its impact, and set its EVENT.
-
-    HALVED: the step is to be tried again. OVER: PASSED is the instant of overturning. `c` is work space.
-    """
+    """Do the marked step of slot j up to its impact, and set its EVENT: HALVED to try again, OVER at PASSED."""
     phi, speed, h, alpha = f[row.PHI + j], f[row.SPEED + j], f[row.STEP + j], f[row.ALPHA + j]
     last_term = abs(f[row.RATE_10 + j]) * h**10
     too_long = equation == NONLINEAR and last_term > f[row.TRUNCATION + j] * (alpha + phi)

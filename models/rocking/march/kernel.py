@@ -1,9 +1,7 @@
-"""Kernel of the response to a sampled accelerogram: lanes marched side by side in slots, each at its own sample.
+"""Kernel of the response to a record: lanes marched side by side in slots, each at its own sample.
 
-.. note:: One turn of the loop takes one step in every slot (:func:`rocking.march.equations.linear_steps`,
-   :func:`rocking.march.equations.nonlinear_steps`), then looks closely at the slots that were marked
-   (:mod:`rocking.march.event`). A slot whose lane has ended takes the next lane; a lane at rest goes to its
-   next uplift at once, so that every step is one of a moving block.
+One turn of the loop takes a step in every slot and then resolves the marked ones. A slot whose lane has ended takes the
+next lane; a lane at rest goes to its next uplift at once, so that every step is one of a moving block.
 """
 
 import math
@@ -12,25 +10,14 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
-from rocking.march import event
+from rocking.march import corner_event, event, steps
 from rocking.march import slots as row
 from rocking.march.equations import linear_after, linear_steps, nonlinear_after, nonlinear_steps
 from rocking.march.slots import LEFT
-from rocking.march.steps import (
-    IMPACT,
-    LOOK_CLOSER,
-    OVER,
-    REMNANT,
-    advance_steps,
-    advance_vertical,
-    finish_steps,
-    keep_history,
-)
 from rocking.response import Outcome, Reason
 
 AT_REST, ROCKS, OVERTURNS, UNRESOLVED = (int(outcome) for outcome in Outcome)
 NO_REASON, IMPACT_LIMIT, FREE_FLIGHT = int(Reason.NONE), int(Reason.IMPACT_LIMIT), int(Reason.FREE_FLIGHT)
-
 #: How far above the threshold a block lifts, as a share of it: "strictly above" must not be decided by the last bit.
 STRICTLY = 1e-14
 
@@ -76,57 +63,71 @@ def calm_from(factor, levels, last, settled):
     return np.inf
 
 
+@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+def take_corner(f, j, alpha, p, restitution, dt, options):
+    """Set the rows of slot j that depend on the corner that it turns about."""
+    length = p * dt
+    f[row.ALPHA + j] = alpha
+    f[row.RESTITUTION + j] = restitution
+    f[row.P + j] = p
+    f[row.LENGTH + j] = length
+    f[row.PER_SAMPLE + j] = 1.0 / length
+    f[row.LONGEST + j] = length / math.ceil(length / options.longest * (1.0 - steps.REMNANT))
+    f[row.THRESHOLD + j] = (alpha if options.equation == event.LINEAR else math.tan(alpha)) * (1.0 + STRICTLY)
+
+
+@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+def take_state(f, i, j, lane, factor, side, rotation, spin, last_term):
+    """Set the rows of slot j for the start of a lane; returns whether the body is at rest."""
+    resting = rotation == 0.0 and spin == 0.0
+    i[row.LANE + j] = lane
+    f[row.FACTOR + j] = factor
+    f[row.SIDE + j] = side
+    f[row.PHI + j] = f[row.PEAK + j] = abs(rotation)
+    f[row.SPEED + j] = side * spin / f[row.P + j]
+    f[row.LIFT + j] = f[row.SAMPLE_LIFT + j] = 1.0
+    f[row.LIFT_SLOPE + j] = f[row.SAMPLE_LIFT_SLOPE + j] = 0.0
+    f[row.TRUNCATION + j] = last_term
+    f[row.TOP + j] = 0.5 * math.pi
+    f[row.CALM_FROM + j] = np.inf
+    f[row.SAMPLE + j] = f[row.IMPACTS + j] = 0.0
+    i[row.MOVED + j] = 0 if resting else 1
+    f[row.ACTIVE + j] = 0.0 if resting else 1.0
+    i[row.ENDED + j] = -1
+    i[row.FLIES + j] = i[row.SLOW + j] = 0
+    return resting
+
+
+@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+def first_status(f, j, equation, strongest):
+    """State of a moving slot at the first sample, OVERTURNED or MOVING, under at most abs(a_g)/g = `strongest`."""
+    if equation == event.LINEAR:
+        over = f[row.PHI + j] - f[row.ALPHA + j] + f[row.SPEED + j] > strongest
+    else:
+        over = f[row.PHI + j] >= 0.5 * math.pi
+    return event.OVERTURNED if over else event.MOVING
+
+
 # begin_lane, end_lane and decide have one caller each and take NamedTuples that a call would copy field by field.
 @njit(cache=True, nogil=True, error_model="numpy", forceinline=True, _nrt=False)
 def begin_lane(f, i, j, lane, record, lanes, options):
-    """Put a lane into slot j; returns how it stands at the first sample, MOVING or as it ends."""
+    """Put a lane into slot j; returns its state at the first sample, MOVING or its end."""
     block = lane % lanes.alpha.size
     factor = lanes.factors[lane // lanes.alpha.size] * lanes.gains[block]
-    alpha, p, rotation, spin = lanes.alpha[block], lanes.p[block], lanes.rotation[block], lanes.spin[block]
-    equation, strongest = options.equation, record.extremes[LEFT, 0] * factor
-    length = p * record.dt
-    i[row.LANE + j] = lane
-    f[row.ALPHA + j] = alpha
-    f[row.RESTITUTION + j] = lanes.restitution[block]
-    f[row.P + j] = p
-    f[row.FACTOR + j] = factor
-    f[row.LENGTH + j] = length
-    f[row.PER_SAMPLE + j] = 1.0 / length
-    f[row.LIFT + j] = 1.0
-    f[row.LIFT_SLOPE + j] = 0.0
-    f[row.LONGEST + j] = length / math.ceil(length / options.longest * (1.0 - REMNANT))
-    f[row.THRESHOLD + j] = (alpha if equation == event.LINEAR else math.tan(alpha)) * (1.0 + STRICTLY)
-    f[row.TRUNCATION + j] = options.last_term
-    f[row.TOP + j] = 0.5 * math.pi
-    f[row.CALM_FROM + j] = np.inf
+    alpha, rotation, spin = lanes.alpha[block], lanes.rotation[block], lanes.spin[block]
+    strongest = record.extremes[LEFT, 0] * factor
+    side = 1.0 if (rotation > 0.0 or (rotation == 0.0 and spin > 0.0)) else -1.0
+    take_corner(f, j, alpha, lanes.p[block], lanes.restitution[block], record.dt, options)
+    resting = take_state(f, i, j, lane, factor, side, rotation, spin, options.last_term)
     if lanes.levels.size > 0:
         # Beyond this angle the ground cannot turn back a block that moves outward.
         f[row.TOP + j] = min(0.5 * math.pi, alpha + math.atan(strongest))
         f[row.CALM_FROM + j] = calm_from(factor, lanes.levels[block], lanes.above[block], options.settled)
-    f[row.SIDE + j] = 1.0 if (rotation > 0.0 or (rotation == 0.0 and spin > 0.0)) else -1.0
-    f[row.PHI + j] = abs(rotation)
-    f[row.SPEED + j] = f[row.SIDE + j] * spin / p
-    f[row.PEAK + j] = abs(rotation)
-    f[row.SAMPLE_LIFT + j] = 1.0
-    f[row.SAMPLE_LIFT_SLOPE + j] = 0.0
-    resting = rotation == 0.0 and spin == 0.0
-    f[row.SAMPLE + j] = 0.0
-    f[row.IMPACTS + j] = 0.0
-    i[row.MOVED + j] = 0 if resting else 1
-    f[row.ACTIVE + j] = 0.0 if resting else 1.0
-    i[row.ENDED + j] = -1
-    i[row.FLIES + j] = 0
-    i[row.SLOW + j] = 0
     if resting and strongest <= f[row.THRESHOLD + j] and record.vertical.size == 0:
         return event.RESTING
     if not event.enter_sample(f, j, record):
         return event.FLYING
-    if resting:
-        return event.wake(f, i, j, record)
-    if equation == event.LINEAR:
-        growing = f[row.PHI + j] - alpha + f[row.SPEED + j]
-        return event.OVERTURNED if growing > strongest else event.MOVING
-    return event.OVERTURNED if f[row.PHI + j] >= 0.5 * math.pi else event.MOVING
+    return event.wake(f, i, j, record) if resting else first_status(f, j, options.equation, strongest)
 
 
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
@@ -169,16 +170,21 @@ def end_lane(f, i, j, status, record, equation):
 
 
 @njit(cache=True, nogil=True, error_model="numpy", forceinline=True, _nrt=False)
-def decide(f, i, j, record, lanes, options, far):
-    """The state of a slot that needs attention, and whether its lane has come to its end.
+def keep_results(results, lane, peak, outcome, reason, time, half_cycle, impacts):
+    """Write the results of a lane that has ended."""
+    results.peak_rotation_ratio[lane], results.overturning_time[lane] = peak, time
+    results.outcome[lane], results.reason[lane] = outcome, reason
+    results.overturning_half_cycle[lane], results.impacts[lane] = half_cycle, impacts
 
-    It is MOVING, RESTING, OVERTURNED, IMPACT_LIMITED, FLYING, or CALM: it will not overturn.
-    """
-    if f[row.EVENT + j] == OVER:
+
+@njit(cache=True, nogil=True, error_model="numpy", forceinline=True, _nrt=False)
+def decide(f, i, j, record, lanes, options, far):
+    """The state of a slot that needs attention (CALM: it will not overturn), and whether its lane has ended."""
+    if f[row.EVENT + j] == steps.OVER:
         return event.OVERTURNED, True
     status = event.MOVING
-    if f[row.EVENT + j] == IMPACT:
-        status = event.after_impact(f, i, j, record, options.equation, far)
+    if f[row.EVENT + j] == steps.IMPACT:
+        status = corner_event.after_impact(f, i, j, record, options.equation, far, None)
     if f[row.SAMPLE + j] >= record.acceleration.size - 1:
         return status, True
     if i[row.FLIES + j] == 1:
@@ -188,7 +194,7 @@ def decide(f, i, j, record, lanes, options, far):
         status = event.wake(f, i, j, record)
         if status == event.MOVING:
             event.begin_step(f, j)
-    elif f[row.EVENT + j] == IMPACT and f[row.SAMPLE + j] >= f[row.CALM_FROM + j]:
+    elif f[row.EVENT + j] == steps.IMPACT and f[row.SAMPLE + j] >= f[row.CALM_FROM + j]:
         block = i[row.LANE + j] % lanes.alpha.size
         left = build_up_left(f[row.SAMPLE + j], f[row.FACTOR + j], lanes.levels[block], lanes.above[block])
         speed = f[row.SPEED + j] / (2.0 * math.sin(0.5 * f[row.ALPHA + j]))
@@ -199,11 +205,7 @@ def decide(f, i, j, record, lanes, options, far):
 
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
 def march_lanes(first, last, record, lanes, options, slots, results, active, history):
-    """March lanes first to last - 1 and write their :class:`rocking.response.LaneResults`.
-
-    `active` (q m,) receives the number of samples in which the block moved. `history`, zeros (q m, n, 2), receives
-    theta [rad] and theta' [rad/s] at the samples, NaN after a lane has ended before the record; (q m, 0, 2) for none.
-    """
+    """March lanes first to last - 1 and write their results, `active` samples (q m,) and `history` (q m, n or 0, 2)."""
     f, i, c = slots
     coming = first
     width = row.GROUP * min(row.WIDTH // row.GROUP, (last - first + row.GROUP - 1) // row.GROUP)
@@ -217,15 +219,15 @@ def march_lanes(first, last, record, lanes, options, slots, results, active, his
             linear_steps(f, width)
         else:
             nonlinear_steps(f, width)
-        finish_steps(f, width)
+        steps.finish_steps(f, width)
         for j in range(width):
-            if f[row.EVENT + j] == LOOK_CLOSER and i[row.LANE + j] >= 0:
+            if f[row.EVENT + j] == steps.LOOK_CLOSER and i[row.LANE + j] >= 0:
                 event.resolve_step(f, j, c, record, options.equation)
-        advance_steps(f, width, record.acceleration, left, fastest)
+        steps.advance_steps(f, width, record.acceleration, left, fastest)
         if record.vertical.size > 0:
-            advance_vertical(f, i, width, record.vertical)
+            steps.advance_vertical(f, i, width, record.vertical)
         if not far:
-            keep_history(f, i, width, history)
+            steps.keep_history(f, i, width, history)
         for j in range(width):
             lane = i[row.LANE + j]
             if f[row.ATTENTION + j] == 0.0 and (lane >= 0 or coming >= last):
@@ -236,14 +238,7 @@ def march_lanes(first, last, record, lanes, options, slots, results, active, his
             while done:
                 if lane >= 0:
                     active[lane] = int(f[row.ACTIVE + j])
-                    (
-                        results.peak_rotation_ratio[lane],
-                        results.outcome[lane],
-                        results.reason[lane],
-                        results.overturning_time[lane],
-                        results.overturning_half_cycle[lane],
-                        results.impacts[lane],
-                    ) = end_lane(f, i, j, status, record, options.equation)
+                    keep_results(results, lane, *end_lane(f, i, j, status, record, options.equation))
                     if status > event.RESTING:
                         history[lane, int(f[row.SAMPLE + j]) + 1 :] = np.nan
                     running -= 1

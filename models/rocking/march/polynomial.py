@@ -1,8 +1,7 @@
-"""First impact and largest rotation of a motion given as a Taylor polynomial over one short step.
+"""First impact and largest rotation of a motion given as a Taylor polynomial phi(tau) over one short step.
 
-.. note:: phi = s theta >= 0 is the rotation away from the ground, s = sgn theta, and tau = p t. A step is so short (p
-   dt <= 0.1) that phi'' changes its sign at most once in it: cut there, phi' is monotone on each piece and every root
-   below is bracketed.
+A step is so short (p dt <= 0.3) that phi'' changes its sign at most once in it: cut there, phi' is monotone on each
+piece and every root below is bracketed.
 """
 
 import numpy as np
@@ -10,12 +9,10 @@ from numba import njit
 
 #: Degree of the polynomials.
 ORDER = 10
-
 #: Orders of derivative. Numpy's integers: a plain one would have the functions below compiled for each value.
 ROTATION, SPEED, PULL = np.int64(0), np.int64(1), np.int64(2)
 
 MAX_ITERATIONS = 100
-
 #: A Newton step below this share of the way is the last one: the error after it is the square of it.
 CONVERGED = 1e-9
 
@@ -65,11 +62,9 @@ def with_slope(c, order, tau):
 
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
 def bracketed_root(c, order, shift, left, right, guess):
-    """Root in [left, right] of the order-th derivative of phi less `shift`.
+    """Root in [left, right] of the order-th derivative of phi less `shift`, by Newton steps inside the bracket.
 
-    Its signs at the two ends are opposite, and for order <= 1 it is monotone between them. Newton steps are replaced by
-    bisection where they leave the bracket; the stop is relative to the distance from the start of the step, so that a
-    hop of 1e-12 keeps its digits.
+    It stops relative to the distance from the start of the step, so that a hop of 1e-12 keeps its digits.
     """
     rising = with_slope(c, order, right)[0] - shift > 0.0
     tau = guess if left < guess < right else 0.5 * (left + right)
@@ -103,10 +98,7 @@ def falling_root(c, left, right):
 
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
 def hop_root(c, h):
-    """The place where a hop from the ground, c[0] = 0, comes back to it: phi'' < 0 in [0, h], phi(h) <= 0.
-
-    phi/tau falls all the way and is nearly straight. Newton's steps for it stay in (0, h] by bisection.
-    """
+    """The end of a hop from c[0] = 0 with phi'' < 0 in [0, h] and phi(h) <= 0, by Newton steps for phi/tau."""
     left = 0.0
     right = h
     tau = min(-c[1] / c[2], h)
@@ -134,11 +126,7 @@ def hop_root(c, h):
 
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
 def first_impact(c, h, peak):
-    """tau of the first return of phi to zero in (0, h], -1 if there is none, and the largest phi before it or before h.
-
-    `c` holds the (ORDER + 1,) Taylor coefficients of phi(tau) about the start of the step [rad]: c[0] >= 0, and c[0] =
-    0 only with a motion that leaves the ground. Tops below `peak` [rad] may be left out.
-    """
+    """tau of the first return of phi to 0 in (0, h], or -1, and the largest phi until then if it is above `peak`."""
     start_pull, end_pull = 2.0 * c[2], acceleration(c, h)
     if start_pull < 0.0 and end_pull < 0.0:
         end, end_speed = value(c, h), velocity(c, h)

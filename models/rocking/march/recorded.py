@@ -1,20 +1,14 @@
-"""Response to a sampled accelerogram, linear or nonlinear, over blocks and scale factors.
+"""Response to a record, linear or nonlinear, over blocks and scale factors, and the friction that it requires.
 
-.. note:: theta > 0 rocks about the right-hand corner; the ground acceleration is linear between samples and zero after
-   the last one. The kernel is :mod:`rocking.march.kernel`.
-
-Sliding of a rocking body, as a check: the friction that its motion without sliding asks for.
-
-.. note:: The centre of mass of a body that has turned by theta is at x = -s R sin(alpha - abs(theta)), z = R cos(alpha
-   - abs(theta)) from its corner. Its base has to carry M (a_g + x'') across and M (g + a_v + z'') up: it asks for a
-   coefficient mu = abs(a_g + x'')/(g + a_v + z''), at rest abs(a_g)/(g + a_v).
+.. note:: theta > 0 rocks about the right-hand corner. The centre of mass is at x = -s R sin(alpha - abs(theta)), z = R
+   cos(alpha - abs(theta)) from its corner, so the base requires mu = abs(a_g + x'')/(g + a_v + z'') not to slide.
 """
 
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
-from rocking.arguments import ArrayLike, Floats, numbers, read_only, record_samples
+from rocking.arguments import ArrayLike, Floats, numbers, positive, read_only, record_samples
 from rocking.body.block import Block
 from rocking.march.corner_response import march_bodies, run
 from rocking.march.demand import Demand
@@ -27,17 +21,13 @@ from rocking.response import Response
 STRONGEST = 1e7
 
 EQUATIONS = {"linear": LINEAR, "nonlinear": NONLINEAR}
-
 #: Largest last term of the Taylor series of a step, over alpha_c [-]; a longer step is halved.
 LAST_TERM = 1e-14
-
-#: Smallest one that may be asked for: below it rounding decides.
+#: The smallest one that is allowed: below it rounding decides.
 SMALLEST_LAST_TERM = 1e-17
-
 #: Longest sample [-], as p dt, and fastest start, as theta'/p [rad], that are taken for a block under a record.
 LONGEST_SAMPLE, FASTEST_START = 1e4, 1e3
-
-#: Longest step that may be asked for, as p dt [-].
+#: The longest step that is allowed, as p dt [-].
 LONGEST_STEP = 0.3
 
 
@@ -64,47 +54,41 @@ def recorded_response(
     ----------
     block : Block
         One block or (m,) of them.
-    acceleration : (n,) array_like
-        Horizontal ground acceleration a_g [m/s2], n >= 2, linear between samples; zero after the last one.
-    dt : float
-        Sampling interval [s].
+    acceleration, dt : (n,) array_like, float
+        Horizontal ground acceleration a_g [m/s2], n >= 2, linear between samples, zero after the last one; its sampling
+        interval [s].
     equation : {"nonlinear", "linear"}
         The full equation, or its limit for slender blocks and small rotations (Eq. 1).
     scale : float or (q,) array_like
         Factor on the record, horizontal and vertical, not negative [-].
     vertical : (n,) array_like, optional
         Vertical ground acceleration a_v [m/s2], positive up, on the same samples; nonlinear equation only.
-    initial_rotation : float or (m,) array_like
-        theta at the first sample [rad]; positive about the right-hand corner.
-    initial_velocity : float or (m,) array_like
-        theta' at the first sample [rad/s].
+    initial_rotation, initial_velocity : float or (m,) array_like
+        theta [rad], positive about the right-hand corner, and theta' [rad/s] at the first sample.
     history : bool
         Also return time, rotation and velocity at the samples.
     gain : {"linear", "tangent"}
-        Linear equation only. "linear": lifted at g alpha_c, as Eq. 1 stands. "tangent": the record times alpha_c/tan
-        alpha_c, so that the block is lifted at g tan(alpha_c) as by the nonlinear equation; most of the difference
-        between the two is the instant of uplift (docs/decisions/006).
+        Linear equation only. "linear": lifted at g alpha_c (Eq. 1). "tangent": the record times alpha_c/tan(alpha_c),
+        so that the block is lifted at g tan(alpha_c) as by the nonlinear equation (docs/decisions/006).
     block_scale : float or (m,) array_like
         Factor on the record for each block, on top of `scale`, not negative [-].
     verdict : Demand, optional
-        Demand of the same ground on the same blocks (:func:`rocking.ground_demand`), where nothing but the
-        outcome of a block that starts at rest is wanted: a lane ends as soon as that is settled, by a bound where it
-        overturns and by a measured margin where it rocks (docs/decisions/006), with the peak so far and -1 impacts
-        then. The overturning time is that of the angle of no return. Nonlinear equation without vertical
-        acceleration and histories only.
+        Demand of the same ground on the same blocks (:func:`rocking.ground_demand`), if nothing but the outcome of a
+        block that starts at rest is wanted: a lane ends as soon as it is settled, by a bound where it overturns and by
+        a measured margin where it rocks (docs/decisions/006), with the peak so far and -1 impacts. The overturning time
+        is that of the angle of no return. Nonlinear equation without vertical acceleration and histories only.
     step : float
-        Longest step as p dt [-], at most 0.3; a sample is divided where its own p dt is larger.
+        Longest step as p dt [-], at most 0.3; a sample is divided if its own p dt is larger.
     last_term : float
         Largest last term of the Taylor series of a step of the nonlinear equation, over alpha_c [-]: a step with a
         larger one is halved. inf for no such control.
     threads : int, optional
-        Threads among which the lanes are split; all available cores without. The answer does not depend on it.
+        Threads that share the lanes; None for all available cores. The results do not depend on it.
 
     Returns
     -------
     Response
-        Arrays (q, m), without the axes whose argument was a scalar; histories (q, m, n) likewise, NaN
-        after overturning.
+        Arrays (q, m), a scalar axis dropped; histories (q, m, n) likewise, NaN after overturning.
 
     Raises
     ------
@@ -116,10 +100,9 @@ def recorded_response(
     -----
     theta'' = -p^2 [(1 + a_v/g) sin(s alpha - theta) + (a_g/g) cos(s alpha - theta)], s = sgn theta, or linear
     theta'' = p^2 (theta - s alpha - a_g/g). The block lifts off strictly above (g + a_v) tan(alpha), or g alpha,
-    towards theta > 0 when a_g is negative. At an impact theta' becomes C theta'. A nonlinear lane overturns at
-    abs(theta) = pi/2; a linear one when its growing mode y = s theta/alpha - 1 + s theta'/(p alpha) exceeds the
-    largest abs(a_g)/(g alpha) that is left, looked at after every step and impact. After the record the motion is
-    followed in closed form.
+    towards theta > 0 if a_g is negative. At an impact theta' becomes C theta'. A nonlinear lane overturns at abs(theta)
+    = pi/2; a linear one when its growing mode y = s theta/alpha - 1 + s theta'/(p alpha) exceeds the largest
+    abs(a_g)/(g alpha) that is left. After the record the motion is followed in closed form.
 
     References
     ----------
@@ -140,9 +123,7 @@ def recorded_response(
         raise ValueError(f"equation: expected one of {sorted(EQUATIONS)}, got {equation!r}")
     if not isinstance(block, Block):
         raise ValueError(f"block: expected a rocking.Block, got {block!r}")
-    dt = float(numbers("dt", dt, "a positive sampling interval in s", lanes=False))
-    if dt <= 0.0:
-        raise ValueError(f"dt: expected a positive sampling interval in s, got {dt!r}")
+    dt = float(positive("dt", dt, "s", lanes=False))
     if gain not in ("linear", "tangent") or (gain == "tangent" and equation != "linear"):
         raise ValueError(f"gain: expected 'linear', or 'tangent' with equation='linear', got {gain!r}")
     if vertical is not None and equation == "linear":
@@ -253,16 +234,15 @@ def recorded_response(
 
 
 class SlidingDemand(NamedTuple):
-    """The friction that the motion of (m,) bodies asks for, at the samples of the record until overturning.
+    """The friction that the motion of (m,) bodies requires, at the samples of the record until overturning.
 
     Attributes
     ----------
-    required : (m,) ndarray
-        Largest coefficient of friction [-]; inf where the normal force vanishes.
-    share : (m,) ndarray
-        Share of the samples at which it is above the one that is there [-]; NaN where none was given.
+    required, share : (m,) ndarray
+        Largest required coefficient of friction [-], inf if the normal force vanishes; share of the samples at which it
+        is above the given one [-], NaN without one.
     loses_contact : (m,) ndarray of bool
-        True where the normal force vanishes.
+        True if the normal force vanishes.
     """
 
     required: np.ndarray
@@ -278,7 +258,7 @@ def sliding_demand(
     vertical: ArrayLike | None = None,
     scale: float = 1.0,
 ) -> SlidingDemand:
-    """The friction that a rocking motion without sliding asks for, by the nonlinear equation.
+    """The friction that a rocking motion without sliding requires, by the nonlinear equation.
 
     Parameters
     ----------
@@ -287,13 +267,13 @@ def sliding_demand(
     acceleration, dt, vertical, scale
         As for :func:`~rocking.recorded_response`, with one factor.
     friction : float or (m,) array_like
-        Coefficient at the base [-]; NaN where it is not known.
+        Coefficient at the base [-]; NaN if it is not known.
 
     Returns
     -------
     SlidingDemand
-        NaN, and False, for bodies before a wall and for those with ties, loads or thrusts, whose forces on the base
-        this does not know. Impacts ask for more, see :func:`impact_friction`.
+        NaN, and False, for bodies before a wall and with ties, loads or thrusts, whose forces on the base are not
+        known. Impacts require more, see :func:`impact_friction`.
 
     Examples
     --------
@@ -340,8 +320,8 @@ def sliding_demand(
 def impact_friction(block: Block, restitution: ArrayLike | None = None) -> Floats:
     """Ratio of the impulses across and up of an impact that ends the rotation about the right-hand corner [-].
 
-    h (1 - C)/(b_1 + C b_2), of a body whose centre of mass lies h above its corners: what an impact asks of friction if
-    it does not slide. Information, no verdict: it lasts an instant. C is that of the body unless it is given.
+    h (1 - C)/(b_1 + C b_2), with the centre of mass h above the corners: the friction that an impact without sliding
+    requires. Information, no verdict: it lasts an instant. C is that of the body unless it is given.
 
     Examples
     --------

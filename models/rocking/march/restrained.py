@@ -1,11 +1,9 @@
-"""Rocking under ties, loads and thrusts: what acts on a body, and how that changes.
+"""The moments of ties, loads and thrusts on a rocking body, and how they change.
 
-.. note:: While no tie begins or ceases to act, the moment of all restraints on a body that has turned by phi, over M g
-   R, is A cos(phi) + B sin(phi) + C cos(2 phi) + D sin(2 phi): a tie at height z and distance xi with the force K (x -
-   x_0), x = z sin(phi) + xi (1 - cos(phi)), gives A = K z (xi - x_0), B = K xi (xi - x_0), C = -K z xi, D = K (z^2 -
-   xi^2)/2; a constant force F gives A = F z, B = F xi. Gravity and the ground are written as factors of cos(phi) and
-   sin(phi) too, to which the first two are added, and phi'' keeps a Taylor series. A step ends where phi leaves the
-   range (FLOOR, CEILING) of the function, or where a body turns back under a tie that yields or a load that slides.
+.. note:: While no tie begins or ceases to act, the moment of all restraints over M g R is A cos(phi) + B sin(phi) + C
+   cos(2 phi) + D sin(2 phi): a tie with the force K (x - x_0) gives A = K z (xi - x_0), B = K xi (xi - x_0), C = -K z
+   xi, D = K (z^2 - xi^2)/2, a constant force F gives A = F z, B = F xi, and phi'' keeps a Taylor series. A step ends if
+   phi leaves the range (FLOOR, CEILING), or if the body turns back under a tie that yields or a load that slides.
 """
 
 import math
@@ -21,10 +19,8 @@ from rocking.march import slots as row
 # What an element does: a tie is slack, holds as a spring, yields, or is broken; a load holds as a spring, or slides
 # towards theta > 0 or theta < 0.
 SLACK, SPRING, YIELDS, BROKEN, SLIDES_UP, SLIDES_DOWN = range(6)
-
 #: Longest step of a spring, as the phase of its oscillation [rad].
 LONGEST_PHASE = 0.3
-
 #: How near phi counts as being at the end of a range, over the range's own size [-].
 TOUCHING = 1e-13
 
@@ -33,9 +29,7 @@ class Held(NamedTuple):
     """What acts on the (m,) bodies of a march, and the state of the elements of each lane."""
 
     elements: np.ndarray  #: (m, e, 9), see :mod:`rocking.body.restraint`; a height of 0 for none
-    constant: (
-        np.ndarray
-    )  #: (m, 2, 2) moments of weights and thrusts as factors of cos(phi) and sin(phi), by corner [N m]
+    constant: np.ndarray  #: (m, 2, 2) moments of weights and thrusts as factors of cos and sin, by corner [N m]
     points: np.ndarray  #: (m, e, 2, 3) of the point of each element by corner: its distance behind it and from it [m],
     # and the angle of the line between them to the upright [rad]
     weight: np.ndarray  #: (m, 2) M g R by corner [N m]
@@ -192,10 +186,7 @@ def stop(part, held, lane, e, outward, side):
 
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
 def change(f, j, block, lane, held, direction):
-    """Let the elements change whose range ends at the phi of slot j.
-
-    It passes it outward (`direction` 1.0) or inward (-1.0), or has turned back there (0.0).
-    """
+    """Change the elements whose range ends at phi: left outward (`direction` 1), inward (-1), or turned back (0)."""
     place, side = sides(f, j)
     phi, outward, turned = f[row.PHI + j], direction > 0.0, direction == 0.0
     for e in range(held.elements.shape[1]):
@@ -234,11 +225,7 @@ def change(f, j, block, lane, held, direction):
 
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
 def rest_levels(f, j, block, lane, held, at_rest):
-    """Set EXTRA of both corners of slot j on the ground by what acts on it.
-
-    Where it comes to rest, loads cease to slide. Otherwise the answer is what those that slide may keep the body from
-    falling back with, as EXTRA.
-    """
+    """Set EXTRA of both corners of slot j on the ground; returns the share of sliding loads, which may keep it up."""
     place, side = sides(f, j)
     friction = most = 0.0
     for e in range(held.elements.shape[1]):

@@ -1,7 +1,4 @@
-"""Taylor steps of a body under ties, loads and thrusts; see :mod:`rocking.march.restrained`.
-
-The events inside a step of a body under ties, loads and thrusts, and its motion after the record.
-"""
+"""Taylor steps of a restrained body, their events, and its motion after the record."""
 
 import math
 
@@ -19,9 +16,9 @@ from rocking.response import IMPACT_CUTOFF
 
 @njit(inline="always")
 def restrained_rates(phi, speed, flat, flat_slope, steep, steep_slope, sine_2, cosine_2):
-    """As :func:`rocking.march.equations.nonlinear_rates`, for -phi'' = flat cos(phi) + steep sin(phi) + those of 2 phi.
+    """As nonlinear_rates, for -phi'' = flat cos(phi) + steep sin(phi) + cosine_2 cos(2 phi) + sine_2 sin(2 phi).
 
-    With s_k, z_k the series of sin(phi) and cos(phi) and w = steep + 2 sine_2 cos(phi) - 2 cosine_2 sin(phi): (k + 1)
+    With the series s_k, z_k of sin(phi), cos(phi) and w = steep + 2 sine_2 cos(phi) - 2 cosine_2 sin(phi): (k + 1)
     d_(k+2) = -[flat z + s w + cosine_2]_k.
     """
     d1 = speed
@@ -76,11 +73,7 @@ def restrained_rates(phi, speed, flat, flat_slope, steep, steep_slope, sine_2, c
 
 @njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"}, _nrt=False)
 def restrained_steps(f, width):
-    """Take one Taylor step of the first `width` slots; :func:`rocking.march.steps.finish_steps` reads its rows.
-
-    phi'' changes at most by h times a bound J of its derivative, and the speed by h times that of phi''. A step is
-    marked, beside the reasons of :func:`nonlinear_steps`, where it may leave the range of its moment.
-    """
+    """As :func:`nonlinear_steps`; a step is also marked if it may leave the range of its moment."""
     for j in range(width):
         phi = f[row.PHI + j]
         speed = f[row.SPEED + j]
@@ -125,10 +118,8 @@ def restrained_steps(f, width):
 
 #: Steps of the motion on the ground at rest that are taken before it counts as bounded.
 MOST_STEPS = 2_000_000
-
 #: Changes of what acts on a body that does not move, after which it is taken to be balanced for a step.
 MOST_STALLS = 8.0
-
 #: Turning points of a motion that never touches the ground again after which it counts as bounded.
 MOST_TURNS = 4
 
@@ -224,10 +215,7 @@ def resolve_held(f, j, c, block, lane, held):
 
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
 def finish_held(f, i, width, c, lanes, held):
-    """Finish the steps of the first `width` slots of restrained lanes, with impacts and changes of what acts on them.
-
-    `lanes` is the number of blocks among the lanes.
-    """
+    """Finish the steps of the first `width` slots of restrained lanes (of `lanes` blocks), with impacts and changes."""
     finish_steps(f, width)
     for j in range(width):
         lane = i[row.LANE + j]
@@ -242,11 +230,11 @@ def finish_held(f, i, width, c, lanes, held):
 
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
 def motion_after(f, i, j, c, lanes, held, g):
-    """The motion of slot j on the ground at rest, as :func:`rocking.march.corner_event.free_motion` has it.
+    """As :func:`rocking.march.corner_event.free_motion`, marched in the work space `g` of one slot.
 
-    It is marched in the work space `g` of one slot until each corner has seen a top from the ground, or until the body
-    has turned back MOST_TURNS times without touching it: no tie or load adds energy, so what comes then is no larger.
-    The impacts that follow are counted as if no tie yielded and no load slid any more.
+    It ends when each corner has seen a top, or when the body has turned back MOST_TURNS times in the air: restraints
+    add no energy, so later peaks are no larger. The later impacts are counted as if no tie yielded and no load slid any
+    more.
     """
     block, lane = i[row.LANE + j] % lanes, i[row.LANE + j]
     for k in range(more.CORNER_ROWS):

@@ -1,9 +1,6 @@
-"""The end of a step of every slot: nothing happened, an impact, or something that must be looked at closely.
+"""From the end of a step of every slot to the start of the next one, in loops without a branch (slots.py).
 
-From the end of a step of every slot to the start of the next one: its sample, ground and length.
-
-.. note:: Units and signs of :mod:`rocking.march.slots`. Like the steps themselves one loop without a branch; what
-   needs a decision is left to :mod:`rocking.march.event` by setting ATTENTION.
+What needs a decision is left to :mod:`rocking.march.event` by LOOK_CLOSER or ATTENTION.
 """
 
 import math
@@ -17,7 +14,6 @@ from rocking.response import IMPACT_CUTOFF
 # What happened in a step. From LOOK_CLOSER on the slot stays where it is: HALVED is to be tried again with half the
 # step, OVER has overturned.
 NOTHING, IMPACT, LOOK_CLOSER, HALVED, OVER = 0.0, 1.0, 2.0, 3.0, 4.0
-
 #: The iteration for an impact is of third order: after a step below this share of the way, the rest is rounding.
 CONVERGED = 3e-6
 
@@ -74,10 +70,9 @@ def finish_steps(f, width):
     """Write how the step of each of the first `width` slots ends: its state, EVENT, and ARRIVAL after an impact.
 
     A curve leaves its chord by at most h^2/8 max abs(phi''). Where phi'' < 0 all along, it lies above its chord and
-    below its tangents: there is no impact if its end is above the ground, exactly one if it is below, and the
-    crossing of the tangents is a roof over its top. That is what most impacts are. They are found from the first
-    terms of a hop, or from the parabola through both ends of a fall; what this does not settle is left to
-    :mod:`rocking.march.event`.
+    below its tangents: there is no impact if its end is above the ground, exactly one if it is below, and the crossing
+    of the tangents bounds its top. Most impacts are of this kind; they are found from the first terms of a hop, or from
+    the parabola through both ends of a fall.
     """
     for j in range(width):
         phi = f[row.PHI + j]
@@ -131,18 +126,13 @@ def finish_steps(f, width):
 
 #: Impacts followed inside one sample before the lane is given up (only a restitution next to one gets there).
 IMPACTS_PER_SAMPLE = 10_000
-
 #: What is left of a sample below this share of the longest step belongs to the step before it.
 REMNANT = 1e-9
 
 
 @njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"}, _nrt=False)
 def advance_steps(f, width, acceleration, left, fastest):
-    """Take each of the first `width` slots whose step is done to its next step.
-
-    `left` (b + 1,) is the row LEFT of the extremes [m/s2]. Beyond the speed `fastest` over alpha_c, an impact may have
-    overturned the block; inf with the nonlinear equation.
-    """
+    """Take each of the first `width` slots to its next step; impacts above `fastest` over alpha_c need ATTENTION."""
     last = acceleration.size - 1
     for j in range(width):
         held = f[row.EVENT + j] >= LOOK_CLOSER

@@ -7,13 +7,12 @@ from typing import Literal
 
 import numpy as np
 
-from rocking.arguments import ArrayLike, numbers
+from rocking.arguments import UNLIMITED, ArrayLike, numbers
 from rocking.body.block import Block
 from rocking.impulses.impulse_sequence import ImpulseSequence
 from rocking.impulses.impulsive import impulsive_response
 from rocking.impulses.main import bands_of, resonance_safety
 from rocking.impulses.sequence import scaled_outcomes
-from rocking.impulses.sequence_kernel import UNLIMITED
 from rocking.march.corner_response import rest_levels
 from rocking.march.recorded import recorded_response
 from rocking.response import Outcome, Response
@@ -21,20 +20,15 @@ from rocking.search.factors import ScaleIntervals, exceedance_intervals
 
 #: Factors of the scan of one block.
 POINTS = 64
-
 #: The largest number below one: how near a block has come that passes alpha_c and comes back.
 BELOW = float(np.nextafter(1.0, 0.0))
-
 #: The search begins this share below the factor that lifts the block, which rounding must not put above it.
 ROUNDING = 1e-12
-
 #: Ratio of neighbouring factors where a search is needed.
 STEP = 1.005
-
 #: Where no bound is known the search starts here, as main impulse over I_1c.
 SMALLEST_START = 1e-3
-
-#: A gap between two bands that is narrower than this share of the factor is none, as in a search.
+#: Bands are joined across a gap that is narrower than this share of the factor, as in a search.
 EDGE_TOLERANCE = 1e-6
 
 
@@ -55,15 +49,8 @@ def critical_scale(
     ----------
     block : Block
         One block, which counts as (1,), or (m,) of them.
-    acceleration : (n,) array_like
-        Horizontal ground acceleration a_g [m/s2], as for :func:`~rocking.recorded_response`.
-    dt : float
-        Sampling interval [s].
-    equation : {"nonlinear", "linear"}
-        The full equation, or its limit for slender blocks and small rotations.
-    vertical : (n,) array_like, optional
-        Vertical ground acceleration a_v [m/s2], positive up; nonlinear equation only. The factor is on the whole
-        input: on both.
+    acceleration, dt, equation, vertical
+        As for :func:`~rocking.recorded_response`; the factor is on both accelerations.
     level : float, optional
         theta_max/alpha_c [-], positive, that is reached or passed; None for overturning.
     factor_max : float
@@ -71,7 +58,7 @@ def critical_scale(
     points : int
         Factors of the scan of each block, at least 2.
     threads : int, optional
-        Threads that share the lanes; None for all available cores. The factors do not depend on it.
+        Threads that share the lanes; None for all available cores. The results do not depend on it.
 
     Returns
     -------
@@ -86,10 +73,9 @@ def critical_scale(
     Notes
     -----
     The scan of a block begins where its record starts to lift it: g alpha/max|a_g| (linear), or the smallest f with
-    f |a_g| = (g + f a_v) tan(alpha), that is g tan(alpha)/max(|a_g| - a_v tan(alpha)), at a sample because both records
-    are linear between them. Every verdict is that of the whole equation; a factor at which it cannot answer
-    (UNRESOLVED: free flight, impacts without number) counts as exceeding, so nothing is called safe that was not
-    computed.
+    f |a_g| = (g + f a_v) tan(alpha), at a sample because both records are linear between them. A factor that cannot be
+    answered (UNRESOLVED: free flight, impacts without number) counts as exceeding, so nothing is called safe that was
+    not computed.
 
     Examples
     --------
@@ -127,14 +113,10 @@ def impulsive_critical_scale(
 
     Parameters
     ----------
-    block : Block
-        One block, which counts as (1,), or (m,) of them.
-    times, impulses : (k,) array_like
-        Times [s] and signed impulses [m/s], as for :func:`~rocking.impulsive_response`.
-    gain : str
-        As there.
-    factor_max, points, threads
+    block, factor_max, points, threads
         As for :func:`critical_scale`.
+    times, impulses, gain
+        As for :func:`~rocking.impulsive_response`.
 
     Returns
     -------
@@ -143,10 +125,9 @@ def impulsive_critical_scale(
 
     Notes
     -----
-    An impulse lifts a block however small it is, so the scan begins at a bound of its own. An impulse dx' at the
-    rotation 0 <= x <= 2 turns the speed u with which the motion left, or would have left, the ground into at most u +
-    |dx'|, as x'^2 = u^2 - 1 + (1 - x)^2 <= u^2 there, and an impact takes from it. Overturning needs u >= 1 and with
-    dx' <= p I/(g alpha_c) a factor of at least g alpha_c/(p sum |I_i|).
+    The scan begins at a lower bound, g alpha_c/(p sum |I_i|). An impulse dx' at the rotation 0 <= x <= 2 turns the
+    speed u with which the motion left, or would have left, the ground into at most u + |dx'|, as x'^2 = u^2 - 1 + (1 -
+    x)^2 <= u^2 there, and an impact takes from it. Overturning needs u >= 1, with dx' <= p I/(g alpha_c).
 
     Examples
     --------
@@ -172,11 +153,7 @@ def impulsive_critical_scale(
 def uplift_scale(
     block: Block, acceleration: np.ndarray, equation: str = "nonlinear", vertical: np.ndarray | None = None
 ) -> np.ndarray:
-    """Factor on a record above which it lifts each of (m,) blocks, inf where none does.
-
-    The threshold is (g + f a_v) tan(alpha), or g alpha with the linear equation, and for a body that something else
-    acts on, g times :func:`rocking.march.corner_response.rest_levels` beside.
-    """
+    """Factor f on a record that lifts each of (m,) blocks, f abs(a_g) = (g + f a_v) tan(alpha) + restraints, or inf."""
     found = np.full(np.shape(block.p), np.inf)
     more = rest_levels(block)
     for side, alpha, extra in ((1, block.alpha_c, more[0]), (-1, block.alpha_2, more[1])):
@@ -224,17 +201,13 @@ def resonance_critical_scale(block: Block, sequence: ImpulseSequence, factor_max
 
     Parameters
     ----------
-    block : Block
-        One block, which counts as (1,), or (m,) of them.
-    sequence : ImpulseSequence
-        One sequence; the secondary impulses are left out.
-    factor_max : float
-        Larger factors are left out, as in a search [-].
+    block, sequence, factor_max
+        As for :func:`sequence_critical_scale`, with one sequence; its secondary impulses are left out.
 
     Returns
     -------
     ScaleIntervals
-        Of (m,) lanes; see :func:`sequence_critical_scale`.
+        Of (m,) lanes.
 
     Examples
     --------
@@ -264,12 +237,12 @@ def sequence_critical_scale(
     sequence : ImpulseSequence
         One sequence; (m,) for pairs.
     factor_max : float
-        End of the search [-].
+        Larger factors are left out [-].
     step : float
-        Largest ratio of neighbouring factors, above 1, where a search is needed: for every spacing but "continuous",
-        because the number of secondary impulses in a half-cycle comes from the march.
+        Largest ratio of neighbouring factors, above 1, of a search: for every spacing but "continuous", because the
+        number of secondary impulses in a half-cycle comes from the march.
     threads : int, optional
-        Threads that share the lanes; None for all available cores. The factors do not depend on it.
+        Threads that share the lanes; None for all available cores. The results do not depend on it.
     paired : bool
         Every block has a sequence of its own, of spacing "continuous" and with a `main_count`.
 
@@ -286,20 +259,18 @@ def sequence_critical_scale(
     Notes
     -----
     Closed form (spacing "continuous", or no secondary impulses). u_(i+1) = C (u_i - sigma u_1) + u_1 (F4) is linear in
-    u_1, as an impact speed u_i - sigma u_1 is never negative: v_i = u_i - sigma u_1/2 = u_1 [(1 - sigma) S_i +
-    sigma/2], S_i = (1 - C^i)/(1 - C). Half-cycle N overturns iff v_N >= 1 > v_(N-1), a band of factors from I_Nc/I to
-    below I_(N-1)c/I with
+    u_1: v_i = u_i - sigma u_1/2 = u_1 [(1 - sigma) S_i + sigma/2], S_i = (1 - C^i)/(1 - C). Half-cycle N overturns iff
+    v_N >= 1 > v_(N-1), a band of factors from I_Nc/I to below I_(N-1)c/I with
 
         I_Nc = I_1c/[(1 - sigma) S_N + sigma/2],
 
-    which is Eq. 9 for sigma = 0. It does so if it is reached: N <= main_count, and its start, the sum over j < N of 2
-    atanh(v_j)/p, before `duration`. The start grows with the factor within a band, without bound at its upper end,
-    so a band is cut there: above I_Nc the block may be safe again. At the lower edges the start grows with N, so the
+    which is Eq. 9 for sigma = 0, if it is reached: N <= main_count, and its start, the sum over j < N of 2
+    atanh(v_j)/p, before `duration`. The start grows with the factor within a band, without bound at its upper end, so a
+    band is cut there: above I_Nc the block may be safe again. At the lower edges the start grows with N, so the
     smallest factor is that of the largest N that is reached.
 
-    Else a scan and refined edges. Secondary impulses only take speed away (F3: u_r <= u), so u_i never exceeds that of
-    the resonance sequence, whose critical factor without a limit of duration is where the search begins. A factor at
-    which the model cannot answer (UNRESOLVED) counts as overturning.
+    Else a scan and refined edges, from the critical factor of the resonance sequence on: secondary impulses only take
+    speed away (F3: u_r <= u). A factor that cannot be answered (UNRESOLVED) counts as overturning.
 
     Examples
     --------

@@ -13,19 +13,15 @@ from rocking.lanes import OF_LANES, LaneValues
 #: Below the first exceedance, where the safety factor is read, a step of the scan is halved for the k-th time where the
 #: lane may come this near the limit in it (docs/decisions/008).
 NEAR = (0.2, 0.45, 0.7, 0.95, 1.2, 1.45)
-
 #: Steps of a lane that are halved together, from the lowest on: half of all that are due, at least these.
 TOGETHER = 4
-
 #: Tells of lanes (n,) and factors (q, n) which exceed a limit.
 Exceeds = Callable[[np.ndarray, np.ndarray], np.ndarray]
 
 #: Factors times lanes of one call of the scan: it bounds the memory of a call.
 CASES_AT_ONCE = 16384
-
 #: The fields of :class:`ScaleIntervals` with one value for each interval.
 OF_INTERVALS = ("lower", "upper", "open", "resolved")
-
 #: Most factors of the scan in one lane.
 POINTS_MAX = 10**7
 
@@ -36,23 +32,19 @@ class ScaleIntervals(LaneValues):
 
     Attributes
     ----------
-    safety_factor : (m,) ndarray
-        Smallest factor found to exceed the limit [-]; inf if none up to the end of the search.
-    safe_up_to : (m,) ndarray
-        Largest factor up to which the search found nothing [-]: the lower end of the last bracket of `safety_factor`,
-        or the end of the search.
+    safety_factor, safe_up_to : (m,) ndarray
+        Smallest factor found to exceed the limit [-], inf if none; largest factor up to which the search found nothing:
+        the lower end of the last bracket, or the end of the search.
     lane : (k,) ndarray of int
         Lane of each interval; ascending, and within a lane the intervals ascend.
     lower, upper : (k,) ndarray
         Ends of the intervals of exceedance [-]; the limit is exceeded at both.
-    open : (k,) ndarray of bool
-        True where the limit is still exceeded at the end of the search, which then is `upper`.
+    open, resolved : (k,) ndarray of bool
+        True if the limit is still exceeded at the end of the search, which then is `upper`; False if it counts as
+        exceeded at `lower` because the model cannot answer there.
     step : (m,) ndarray
-        Ratio of neighbouring factors of the scan [-]: narrower intervals, and gaps between two, may be missed. One
-        where nothing can be missed: edges in closed form, or a start beyond the end of the search. NaN where nothing
-        was searched.
-    resolved : (k,) ndarray of bool
-        False where the limit counts as exceeded at `lower` because the model cannot answer there.
+        Ratio of neighbouring factors of the scan [-]: narrower intervals, and gaps, may be missed. One if nothing can
+        be missed (closed form, or a start beyond the end of the search); NaN if nothing was searched.
     """
 
     safety_factor: np.ndarray = field(metadata=OF_LANES)
@@ -116,11 +108,11 @@ def exceedance_intervals(
     ----------
     exceeds : callable
         Takes numbers of lanes (n,), which may repeat, and factors (q, n) with a column for each of them, and returns
-        a (q, n) array: bool, or a number that is 1 or more where the limit is exceeded and says below 1 how near the
+        a (q, n) array: bool, or a number that is 1 or more if the limit is exceeded and says below 1 how near the
         lane came to it; NaN, no answer, counts as exceeding. It need not be monotonic in the factor.
     start : (m,) array_like
-        Below this no exceedance is possible, > 0 [-]; the scan of a lane begins here. Where it lies above
-        `factor_max`, inf included, the lane has no interval.
+        Below this no exceedance is possible, > 0 [-]; the scan of a lane begins here. If it is above `factor_max`, inf
+        included, the lane has no interval.
     factor_max : float
         End of the search [-].
     points : int or (m,) array_like of int
@@ -131,9 +123,8 @@ def exceedance_intervals(
     Notes
     -----
     The scan has the step (factor_max/start)^(1/(points - 1)), and the factor one besides. Below the first exceedance of
-    a lane, steps in which it may come near the limit are halved, where `exceeds` tells. An interval, or a gap
-    between two, that is narrower than the step is seen only where a factor happens to fall into it. Then all edges are
-    bisected together; where a bracket holds several edges, one of them is found.
+    a lane, steps in which it may come near the limit are halved. A narrower interval, or gap between two, is seen only
+    if a factor happens to fall into it. Then all edges are bisected together, one edge of each bracket.
 
     Examples
     --------
@@ -207,10 +198,10 @@ def _scan(
 def _denser(
     exceeds: Exceeds, lane: np.ndarray, factor: np.ndarray, reach: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """The scan with those steps halved, once or more, that may hide an exceedance below the first one of their lane.
+    """The scan with those steps halved that may hide an exceedance below the first one of their lane.
 
-    A step may come as near the limit as the nearer one of its ends and, beyond that, by as much as the reach bends
-    there: its second difference, large where the scan does not resolve how the reach changes with the factor.
+    A step may come as near the limit as the nearer one of its ends plus the bend of the reach there, its second
+    difference.
     """
     halvings = np.zeros(lane.size, dtype=np.int64)  # of the step that begins at the factor
     due = np.append(NEAR, np.inf)

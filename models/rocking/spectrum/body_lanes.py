@@ -1,14 +1,13 @@
 """Nonlinear marches of bodies in lanes that each take one factor on the record and draw a restitution and an angle.
 
-.. note:: The draws of a part of lanes are one scrambled Sobol set, the same for all bodies of a call: the answer of a
-   body does not depend on the others. A free flight cannot be answered and counts as overturning, as in
-   :func:`rocking.critical_scale`. Where no vertical acts and the body lies in the range in which that was measured, a
-   march ends as soon as its verdict is settled (docs/decisions/006).
+.. note:: All bodies of a call share one scrambled Sobol set, so that the answer of a body does not depend on the
+   others. A free flight cannot be answered and counts as overturning. A march ends as soon as its verdict is settled if
+   no vertical acts and the body lies in the measured range (docs/decisions/006).
 
-A first part of the lanes lies about a guess of the capacity, made longer where its lowest lanes overturn or its highest
-ones stand. A second part lies where verdicts differ: its density follows the standard deviation sqrt(P (1 - P)) of a
-verdict, P the share of the first part that overturns nearby. The factors are known exactly; their uncertainty is a
-kernel in ln f afterwards (:mod:`rocking.spectrum.probability`) and is not drawn.
+The first lanes lie about a guess of the capacity and are extended while their lowest lanes overturn or their highest
+ones stand. The density of the second part follows the standard deviation sqrt(P (1 - P)) of a verdict, P the share of
+the first part that overturns nearby. The uncertainty of the factor is not drawn but a kernel in ln f afterwards
+(:mod:`rocking.spectrum.probability`).
 """
 
 import math
@@ -28,28 +27,20 @@ from rocking.spectrum.probability import Uncertainty, lane_bells, tail_masses
 
 #: Standard deviations that are drawn: no shift of the factor and no loss of the angle beyond them is looked at.
 REACH = 4.0
-
 #: A body of C = 1 never comes to rest after the record, and its lane costs twenty times one of C = 0.99.
 MOST_RESTITUTION = 0.999
-
 #: Points of a Sobol set that are drawn at once: the lanes of each part are a multiple of it.
 SET = 32
-
-#: The capacity is guessed where the build-up of the ground (demand.py) is so many times what overturns.
+#: Build-up of the ground (demand.py) at the guess of the capacity, over the one that overturns.
 BUILD_UP_AT_CAPACITY = 2.5
-
 #: Lanes of the first part, over so much of ln f to either side of the guess.
 FIRST, FIRST_HALF = 64, 0.8
-
 #: Lanes of each piece that makes the first part longer, and its length in ln f.
 MORE, MORE_LENGTH = 32, 0.8
-
-#: The first part ends where no lane overturns in so much of ln f at its bottom, and none stands at its top.
+#: Length in ln f at its bottom without overturning, and at its top without survival, at which the first part ends.
 QUIET = 0.2
-
 #: Lanes of the second part, and the least density of them over that of lanes in full disagreement.
 SECOND, FLOOR = 192, 0.2
-
 #: Width in ln f over which verdicts of the first part count as neighbours, and points at which their density is known.
 NEIGHBOURS, POINTS = 0.12, 201
 
@@ -68,29 +59,15 @@ class LanePart:
 
 @dataclass(frozen=True, eq=False)
 class BodyLanes:
-    """Marched lanes of one body.
+    """Marched lanes of one body."""
 
-    Attributes
-    ----------
-    log_factor : (n,) ndarray
-        ln of the factor on the record.
-    weight : (n,) ndarray
-        Stretch of ln f that a lane stands for [-]: 1 over the density of all lanes at its place.
-    over, unresolved : (n,) ndarray of bool
-        True where the lane overturns or cannot be answered; where it cannot be answered (free flight).
-    bottom, top : float
-        ln f between which the lanes lie.
-    open : bool
-        True where lanes still stand at the largest factor asked for: what is above it is not known.
-    """
-
-    log_factor: np.ndarray
-    weight: np.ndarray
-    over: np.ndarray
-    unresolved: np.ndarray
-    bottom: float
+    log_factor: np.ndarray  #: (n,) ln of the factor on the record
+    weight: np.ndarray  #: (n,) stretch of ln f of each lane [-]: 1 over the density of all lanes at its place
+    over: np.ndarray  #: (n,) of bool, True if the lane overturns or cannot be answered
+    unresolved: np.ndarray  #: (n,) of bool, True if it cannot be answered (free flight)
+    bottom: float  #: ln f between which the lanes lie
     top: float
-    open: bool
+    open: bool  #: True if lanes survive the largest factor: the verdicts above it are unknown
 
     def sums(self, log_level: np.ndarray, shift: Uncertainty) -> tuple[np.ndarray, tuple[np.ndarray, np.ndarray]]:
         """What each lane counts at each level (n, k), and the mass of the shift below and above the lanes (k,)."""
@@ -118,10 +95,7 @@ class LaneMarch:
         self.add(body, np.stack([bottom, top], axis=1), np.ones((body.size, 2)), number, part)
 
     def add(self, body: np.ndarray, grid: np.ndarray, wanted: np.ndarray, number: int, part: int) -> None:
-        """March `number` lanes for each of (b,) bodies, their density on a grid (b, g) of ln f as `wanted` (b, g) is.
-
-        Each `part` has draws of its own, so that those of a body do not depend on how many parts others need.
-        """
+        """March `number` lanes for each of (b,) bodies, of a density `wanted` on a grid (b, g) of ln f."""
         from scipy.stats import qmc  # half a second, and a spectrum answers for most bodies
 
         points = qmc.Sobol(3, seed=np.random.default_rng([self.seed, part]))
@@ -176,12 +150,7 @@ class LaneMarch:
 def probability_lanes(
     march: LaneMarch, log_max: float, guess: np.ndarray | None = None
 ) -> tuple[np.ndarray, list[BodyLanes | None]]:
-    """March the lanes of bodies under a record, up to a factor of a logarithm `log_max`.
-
-    The first lanes lie about a `guess` (m,) of the factor at which a body overturns; about one by the build-up of the
-    ground without. The answer is ln of the factor (m,) below which no draw moves, inf where none ever lifts off, and
-    the lanes of each body; None where no draw lifts off by the largest factor.
-    """
+    """Lowest ln f (m,) that moves a draw, and the lanes of each body; None if no draw lifts off below `log_max`."""
     block, ground = march.block, march.acceleration
     weakest = block.varied(REACH * march.uncertainty.geometry, block.restitution)
     bottom = np.log(uplift_scale(weakest, ground, vertical=march.vertical))

@@ -1,13 +1,8 @@
-"""The probability of overturning of any body under a record, by nonlinear marches of its own.
+"""The probability of overturning P(f) of any body under a record times f, by nonlinear marches of its own.
 
-.. note:: P(f) is the probability that a body overturns under the record times f, its restitution, its angle and the
-   factor being known as an :class:`rocking.Uncertainty` tells. Its lanes (:mod:`rocking.spectrum.body_lanes`)
-   need no similarity: the body may be squat, and the vertical may act.
-
-   The intervals draw the lanes again, with replacement and as if they were independent (those of a Sobol set scatter
-   less), and go from the 5th to the 95th percentile. Where all lanes near the factor one agree, drawing them again
-   shows nothing: the end of its interval is that of n tosses that agree, 1 - 0.05^(1/n), with the effective number n of
-   lanes there, (sum w)^2/sum w^2.
+.. note:: The intervals of 90 % resample the lanes with replacement as if they were independent (those of a Sobol set
+   scatter less). If all n effective lanes near the factor one agree, n = (sum w)^2/sum w^2, resampling shows nothing:
+   the end of the interval is then that of n tosses that agree, 1 - 0.05^(1/n).
 """
 
 import math
@@ -32,26 +27,19 @@ from rocking.spectrum.probability import (
 
 #: Levels are exp(LEVEL_STEP k), k whole: 1 is one of them, and all bodies have the same.
 LEVEL_STEP = 0.04
-
 #: Draws of the lanes for an interval, and the shares of them below its ends.
 RESAMPLES, LOW, HIGH = 200, 0.05, 0.95
-
 #: Factors that are read off P, and the probability at each.
 SHARES = {"factor_10": 0.1, "factor_50": 0.5}
-
 #: Share of the most that a lane counts at a level, from which on it is near it.
 NEAR = 0.01
-
 #: A largest factor that is a level counts as one, and a share of a C of 1 as no more than 1, however they are rounded.
 ROUNDING = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
 class LaneFactors:
-    """What the lanes of one body tell: `at_one`, the factors and the capacity, each with `_low` and `_high` [-].
-
-    P (k,) begins at the level exp(LEVEL_STEP first) and never falls [-]: 0 below, above the same as at the last one.
-    """
+    """Factors of one body with `_low` and `_high` [-], and its rising P (k,) from exp(LEVEL_STEP first) on."""
 
     found: dict[str, float]
     first: int
@@ -64,10 +52,7 @@ class LaneFactors:
 
 
 def lane_factors(lanes: BodyLanes | None, shift: Uncertainty, reach: float, factor_max: float) -> LaneFactors:
-    """Read the factors of one body off its lanes; None where no draw of it lifts off.
-
-    Beyond a shift `reach` of ln f there is no mass worth counting; a factor above the largest one is inf.
-    """
+    """Factors of one body from its lanes (None: no draw lifts off); shifts beyond `reach` of ln f have no mass."""
     if lanes is None:
         nothing = np.zeros(RESAMPLES + 1)
         found = _interval("at_one", nothing)
@@ -185,31 +170,27 @@ def overturning_probability(
     ----------
     block : Block
         One body, which counts as (1,), or (m,) of them: the nominal ones.
-    acceleration : (n,) array_like
-        Horizontal ground acceleration a_g [m/s2], as for :func:`~rocking.recorded_response`.
-    dt : float
-        Sampling interval [s].
+    acceleration, dt, vertical
+        As for :func:`~rocking.recorded_response`; the factor is on both accelerations.
     uncertainty : Uncertainty, optional
-        Of factor, restitution and geometry; the default one without.
-    vertical : (n,) array_like, optional
-        Vertical ground acceleration a_v [m/s2], positive up. The factor is on both.
+        Of factor, restitution and geometry; by default ``Uncertainty()``.
     factor_max : float
         Largest factor that is asked for [-].
     least, most : (m,) array_like, optional
-        C between which that of a draw is uniform [-], where a body has a range of its own; the shares of its nominal
-        C that the uncertainty tells without. A draw is at most 0.999.
+        C between which that of a draw is uniform [-]; by default shares of the nominal C (`uncertainty`), at most
+        0.999.
     guess : (m,) array_like, optional
-        Factor near which a body may overturn [-]. It saves lanes where it is good and costs some where it is not.
+        Factor near which a body may overturn [-]. It saves lanes if it is good and costs some if it is not.
     seed : int
         Of the draws, not negative.
     threads : int, optional
-        Threads that share the lanes; None for all available cores. The answer does not depend on it.
+        Threads that share the lanes; None for all available cores. The results do not depend on it.
 
     Returns
     -------
     OverturningProbability
         Of (m,) bodies. A factor that is not reached by `factor_max` is inf with a `_low` of `factor_max`, or, of
-        `capacity_mean`, of what it is at least.
+        `capacity_mean`, of its lower bound.
 
     Examples
     --------

@@ -1,16 +1,10 @@
 """The half-waves of a record alone: lanes of an overturning spectrum, and the demand on a block.
 
-.. note:: A half-wave is taken as the triangle that has its ends, its impulse and its centroid: two straight pieces of
-   ground. While a block rocks on the side s, the growing mode y = s theta/alpha - 1 + s theta'/(p alpha) of the linear
-   equation obeys y' = p y - s p a_g/(g alpha) (demand.py): a later impulse counts exp(-p (t - t0)) of an earlier one,
-   E(t0) = sum over the half-waves after t0 of I_k exp(-p (t_k - t0)) for short ones, and here exact for triangles. A
-   block that lifts off at t0 overturns without an impact iff p abs(E(t0)) exceeds g alpha. The lobes of E tell how many
-   impulses act.
-
-   The *march* is 1 over the factor at which the linear equation (Eqs. 1-2), lifted at g tan(alpha), overturns under
-   the half-waves in their own order. One march is chaotic; with the stated uncertainty of the body and of the strength
-   of its motion it has a distribution (:class:`rocking.OverturningSpectrum` of :mod:`rocking.spectrum.half_waves`), of
-   which the mean logarithm and the factor of 10 % probability are taken.
+.. note:: A half-wave is taken as the triangle of its ends, impulse and centroid. The march is 1 over the factor at
+   which the linear equation (Eqs. 1-2), lifted at g tan(alpha), overturns under the half-waves. One march is chaotic;
+   with the uncertainty of body and strength it has a distribution (:class:`rocking.OverturningSpectrum`), of which the
+   mean logarithm and the factor at P = 10 % are taken. The lobes of the weighted impulse E (demand.py) count the
+   impulses that act.
 """
 
 import math
@@ -33,13 +27,10 @@ from rocking.spectrum.slender import lobe_tops, weighted_impulse
 
 #: Points of each side of a triangle on which E is computed.
 POINTS = 8
-
 #: Lobes of E above this share of the largest one are main impulses.
 MAIN_SHARE = 0.5
-
 #: Frequency parameters of the marches are RATES[0] STEP^k, k whole: those of the default spectrum and beyond.
 STEP = (RATES[-1] / RATES[0]) ** (1.0 / (RATES.size - 1))
-
 #: Restitutions of the marches: a band of each, from the share 0.9 of the lowest nominal C in it to the highest one. A
 #: body of a lower C than the last holds is taken as if it had that: an impact leaves next to nothing of its speed.
 BANDS = ((LEAST_RESTITUTION, MOST_RESTITUTION), *((0.45 / 1.5**k, 0.75 / 1.5**k) for k in range(6)))
@@ -48,8 +39,7 @@ BANDS = ((LEAST_RESTITUTION, MOST_RESTITUTION), *((0.45 / 1.5**k, 0.75 / 1.5**k)
 def triangles(start: np.ndarray, centroid: np.ndarray, end: np.ndarray, impulse: np.ndarray) -> np.ndarray:
     """Times [s] and ground accelerations [m/s2] of the corners of half-waves as triangles, (2, 3 k).
 
-    A triangle from start to end has its centroid at (start + top + end)/3, in the middle third; a top that would lie
-    outside goes to the nearer end.
+    The centroid is at (start + top + end)/3; a top that would lie outside goes to the nearer end.
     """
     top = np.clip(3.0 * centroid - start - end, start, end)
     length = end - start
@@ -67,15 +57,7 @@ def half_wave_lanes(
     between: tuple[float, float] = (LEAST_RESTITUTION, MOST_RESTITUTION),
     threads: int | None = None,
 ) -> SpectrumLanes:
-    """March the lanes of an overturning spectrum through half-waves, as :func:`piece_lanes`.
-
-    Examples
-    --------
-    >>> from rocking import OverturningSpectrum
-    >>> lanes = half_wave_lanes([0.0, 0.5], [0.25, 0.7], [0.5, 1.0], [0.4, -0.3], p=[1.8, 2.0])
-    >>> OverturningSpectrum(lanes).spectrum([0.9]).round(2).tolist()  # m/s, at each p
-    [[0.19], [0.19]]
-    """
+    """March the lanes of an overturning spectrum through half-waves, as :func:`piece_lanes`."""
     times, ground = triangles(*checked_half_waves(start, centroid, end, impulse))
     return piece_lanes(times, ground, p, between, threads)
 
@@ -113,17 +95,13 @@ class HalfWaveDemand:
 
     Attributes
     ----------
-    march : (m,) ndarray
-        1 over the mean capacity of the march: exp of the mean logarithm of the factor at which it overturns [-].
-    march_10 : (m,) ndarray
-        1 over the factor at which the march overturns with a probability of 10 % [-].
+    march, march_10 : (m,) ndarray
+        1 over exp of the mean logarithm of the factor at which the march overturns, and over that at P = 10 % [-].
     main_count : (m,) ndarray of int
         Number of lobes above half the largest one; at least 1.
-    ratio : (m,) ndarray
-        Root mean square of the other lobes between the first and the last of them, over the largest one [-]; 0 where
-        there is none.
-    interval : (m,) ndarray
-        Median spacing of the lobes from the first to the last main one [s]; NaN where there is one only.
+    ratio, interval : (m,) ndarray
+        Root mean square of the other lobes between the first and the last of them over the largest one [-], 0 without;
+        and median spacing of the lobes from the first to the last main one [s], NaN if there is one only.
     """
 
     march: np.ndarray
@@ -134,14 +112,12 @@ class HalfWaveDemand:
 
 
 def impulse_lobes(start: ArrayLike, centroid: ArrayLike, end: ArrayLike, impulse: ArrayLike, rate: float) -> Lobes:
-    """Lobes of the exponentially weighted impulse of half-waves.
+    """Lobes of the exponentially weighted impulse E of half-waves, as for :func:`demand_of_half_waves`.
 
     Parameters
     ----------
-    start, centroid, end, impulse : (k,) array_like
-        Half-waves, as for :func:`demand_of_half_waves`; none give no lobes.
-    rate : float
-        p of the block [1/s].
+    start, centroid, end, impulse, rate : (k,) array_like and float
+        Half-waves, and p of the block [1/s].
 
     Examples
     --------
@@ -169,10 +145,8 @@ def demand_of_half_waves(
     ----------
     block : Block
         One block, which counts as (1,), or (m,) of them.
-    start, centroid, end : (k,) array_like
-        Times of the half-waves [s], in order, centroids inside.
-    impulse : (k,) array_like
-        Their signed impulses [m/s].
+    start, centroid, end, impulse : (k,) array_like
+        Times of the half-waves [s], in order, centroids inside, and their signed impulses [m/s].
     threads : int, optional
         Threads that share the lanes; None for all available cores. The results do not depend on it.
 
@@ -183,9 +157,9 @@ def demand_of_half_waves(
 
     Notes
     -----
-    With the linear equation the march sees nothing of a block but p, C and x = f p/(g tan alpha). It is made at
-    frequency parameters a ratio of 1.128 apart and read between them, probabilities linear in ln p, which a march at
-    the p of the body itself meets within 2 % (docs/decisions/009). C is uniform in 0.9 to 1 times that of the block.
+    The march depends on p, C and x = f p/(g tan alpha) of a block alone. It is made at frequency parameters a ratio of
+    1.128 apart and read between them, probabilities linear in ln p, within 2 % of a march at the p of the body itself
+    (docs/decisions/009). C is uniform in 0.9 to 1 times that of the block.
 
     Examples
     --------
@@ -214,10 +188,8 @@ def lobe_shapes(
 
     Parameters
     ----------
-    start, centroid, end, impulse : (k,) array_like
-        Half-waves, as for :func:`demand_of_half_waves`.
-    rates : (a,) array_like
-        Frequency parameters p [1/s].
+    start, centroid, end, impulse, rates : (k,) array_like and (a,) array_like
+        Half-waves, as for :func:`demand_of_half_waves`, and frequency parameters p [1/s].
 
     Returns
     -------
@@ -270,7 +242,7 @@ def _spectra(
         nodes = RATES[0] * STEP ** np.unique([below[here], below[here] + 1.0])
         lanes = half_wave_lanes(start, centroid, end, impulse / largest, nodes, BANDS[one], threads)
         spectrum = OverturningSpectrum(lanes)
-        # A slender block of the same p and C stands for each.
+        # Each body is represented by a slender block of the same p and C.
         slender = Block.from_parameters(p=rates[here], alpha=0.1, restitution=nominal[here], log=False)
         read = spectrum.factors(slender)
         speed = slender.gravity * np.tan(0.1) / slender.p

@@ -1,16 +1,14 @@
 """Lanes of an overturning spectrum: marches of slender blocks, spread over strength, p and restitution.
 
-.. note:: A slender block under a record times f sees x = f p/(g tan alpha) [s/m], its p and its C, and nothing else of
-   its size and shape: with phi = theta/alpha and tau = p t the nonlinear equation of motion tends to
+.. note:: A slender block under a record times f sees x = f p/(g tan alpha) [s/m], its p and its C alone: with phi =
+   theta/alpha and tau = p t the nonlinear equation tends, as alpha -> 0, to
 
    phi'' = phi - s - (x/p) a_g(tau/p),  lifted at abs(a_g) > p/x,  phi' -> C phi' at an impact
 
-   as alpha -> 0 (Dimitrakopoulos & DeJong 2012, doi:10.1098/rspa.2012.0026; Zhang & Makris 2001). It is linear in phi
-   between impacts, so that a straight piece of the ground, from one sample to the next, has a closed form
-   (:mod:`rocking.spectrum.slender`), and the lanes are marched once for all bodies. At each p they fill (ln x, C) by a
-   lattice of golden ratio: a first part from uplift to where everything overturns, a second one where the first does
-   not agree with itself. A lane stands for the share of ln x that lies between it and its neighbours, 1 over their
-   density.
+   (Dimitrakopoulos & DeJong 2012, doi:10.1098/rspa.2012.0026; Zhang & Makris 2001), linear between impacts, with a
+   closed form for a straight piece of the ground (:mod:`rocking.spectrum.slender`). At each p the lanes fill (ln x, C)
+   by a lattice of golden ratio: a first part from uplift to where everything overturns, a second one where verdicts of
+   the first differ.
 """
 
 import math
@@ -27,35 +25,25 @@ from rocking.spectrum.slender import march_pieces, weighted_impulse
 
 #: Largest acceleration over gravity that is taken for a ground motion [-].
 STRONGEST = 1e6
-
-#: Shorter pieces are no pieces [s]: a triangle whose top stands at one of its ends has one only.
+#: Shorter pieces are left out [s], such as one side of a triangle whose top is at one of its ends.
 SHORTEST = 1e-12
-
 #: Restitutions that the lanes cover. A block of C = 1 never comes to rest: its lane costs twenty times one of 0.99.
 LEAST_RESTITUTION, MOST_RESTITUTION = 0.675, 0.999
-
 #: Rebounds e that the lanes of blocks before a wall cover.
 REBOUNDS = (0.25, 0.55)
-
 #: Lanes of each p in the first and in the second part.
 FIRST, SECOND = 144, 700
-
-#: The first part ends where the exponentially weighted impulse is so many times what overturns a block at rest...
+#: The first part ends where the weighted impulse is this number of times the one that overturns a resting block, ...
 HIGHEST = 1.0 / 0.06
-
 #: ... and at least this far above uplift [-], in ln x.
 LEAST_SPAN = 0.7
-
-#: Where a lane of the last share of the first part still stands, that part is made longer, at most so many times.
+#: Share of the first part in which a survivor makes that part longer, and the largest number of these extensions.
 LAST_SHARE, WIDENINGS = 0.1, 6
-
 #: Capacities fall with C: lanes of one expected verdict lie along ln x + SLOPE (C - MIDDLE).
 SLOPE, MIDDLE = 1.3, 0.85
-
 #: Width over which verdicts of the first part count as neighbours in ln x, and the least density of the second part
 #: over that of lanes in full disagreement.
 NEIGHBOURS, FLOOR = 0.12, 0.08
-
 #: Points on which the density of the second part is worked out.
 POINTS = 161
 
@@ -70,18 +58,15 @@ class SpectrumLanes:
     ----------
     p : (a,) ndarray
         Frequency parameters, ascending [1/s].
-    log_x : (a, n) ndarray
-        ln of x = f p/(g tan alpha), x in s/m.
-    restitution : (a, n) ndarray
-        C of each lane [-].
-    weight : (a, n) ndarray
-        Stretch of ln x times share of the restitutions that a lane stands for [-].
+    log_x, restitution, weight : (a, n) ndarray
+        ln of x = f p/(g tan alpha) [s/m], C, and stretch of ln x times share of the restitutions that a lane represents
+        [-].
     peak : (a, n) ndarray
-        Largest abs(theta)/alpha [-]; inf where the lane overturns, or cannot be answered.
+        Largest abs(theta)/alpha [-]; inf if the lane overturns, or cannot be answered.
     bottom, top : (a,) ndarray
         ln x below which nothing is lifted, and above which everything counts as overturned.
     between : (float, float)
-        Restitutions that the lanes stand for [-].
+        Restitutions that the lanes represent [-].
     side : int
         1 or -1 for lanes before a wall, that turn towards theta > 0 or theta < 0 only and whose restitution is the
         rebound e; 0 for free ones.
@@ -99,15 +84,7 @@ class SpectrumLanes:
 
 
 def neighbours(p: np.ndarray) -> np.ndarray:
-    """The default frequency parameters next to those of (m,) bodies that lie within them, ascending [1/s].
-
-    The lanes of each are marched on their own: a spectrum of these alone tells the bodies the same.
-
-    Examples
-    --------
-    >>> (neighbours(np.array([2.0])) / 2.0).round(2).tolist()
-    [0.94, 1.06]
-    """
+    """The default frequency parameters next to those of (m,) bodies, ascending [1/s]."""
     above = np.clip(np.searchsorted(RATES, p), 1, RATES.size - 1)
     return np.asarray(RATES[np.unique([above - 1, above])])
 
@@ -119,14 +96,13 @@ def spectrum_lanes(
 
     Parameters
     ----------
-    acceleration : (n,) array_like
-        Horizontal ground acceleration a_g [m/s2], not all zero, linear between the samples and zero after them.
-    dt : float
-        Sampling interval [s].
+    acceleration, dt : (n,) array_like, float
+        Horizontal ground acceleration a_g [m/s2], not all zero, linear between the samples and zero after them; its
+        sampling interval [s].
     p : (a,) array_like
         Frequency parameters [1/s], ascending.
     threads : int, optional
-        Threads that share the lanes; None for all available cores. The answer does not depend on it.
+        Threads that share the lanes; None for all available cores. The results do not depend on it.
     side : int
         1 or -1 for the lanes of blocks before a wall, that turn towards theta > 0 or theta < 0 only.
 
@@ -151,11 +127,7 @@ def piece_lanes(
     *,
     side: int = 0,
 ) -> SpectrumLanes:
-    """March the lanes of a ground acceleration that is straight between its corners, of (a,) ascending p [1/s].
-
-    The corners have times (k,) that do not descend [s] and a_g there [m/s2], not all zero; the restitutions lie
-    `between` two values. A ValueError as :func:`spectrum_lanes`.
-    """
+    """March the lanes of a ground [m/s2] that is linear between ascending `times` (k,) [s], at ascending p [1/s]."""
     rates = np.atleast_1d(positive("p", p, "1/s"))
     if np.any(np.diff(rates) <= 0.0):
         raise ValueError(f"p: expected ascending frequency parameters in 1/s, got {p!r:.80}")
@@ -208,11 +180,7 @@ def _filled(
     march: Callable[..., np.ndarray],
     between: tuple[float, float],
 ) -> SpectrumLanes:
-    """Lanes at frequency parameters (a,), placed from uplift at `bottom` to `top` (a,) in ln x, and marched.
-
-    `march` takes ln x and restitution, (a, n) each, and answers with the largest abs(theta)/alpha, inf where a lane
-    overturns. Where the last lanes below `top` still stand, that is raised. Restitutions lie `between` two values.
-    """
+    """Lanes from uplift at `bottom` to `top` (a,) in ln x, by `march(log_x, restitution)`, inf if they overturn."""
     restitution = np.tile(_restitutions(FIRST, 0.5, between), (rates.size, 1))
     for _ in range(WIDENINGS):
         log_x = bottom[:, np.newaxis] + (top - bottom)[:, np.newaxis] * ((np.arange(FIRST) + 0.5) / FIRST)
@@ -236,7 +204,7 @@ def _filled(
     weight = np.where(inside, 1.0 / (first + second), 0.0)
     order = np.argsort(restitution, axis=1, kind="stable")
     ordered = [np.take_along_axis(values, order, axis=1) for values in (log_x, restitution, weight, peak)]
-    # One next to 1 stands for it.
+    # A restitution next to 1 represents 1.
     covered = (between[0], 1.0 if between[1] == MOST_RESTITUTION else between[1])
     log_x, restitution, weight, peak = ordered
     return SpectrumLanes(rates, log_x, restitution, weight, peak, bottom, top, covered)
@@ -256,10 +224,7 @@ def _level(log_x: np.ndarray, restitution: float | np.ndarray) -> np.ndarray:
 def _where_verdicts_differ(
     level: np.ndarray, over: np.ndarray, lowest: float, highest: float
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Levels (SECOND,) of the second part, and the density of its lanes per unit of level on a grid (POINTS,).
-
-    The density follows the standard deviation sqrt(P (1 - P)) of a verdict, P the share that overturns nearby.
-    """
+    """Levels (SECOND,) of the second part and their density on a grid, as the deviation sqrt(P (1 - P)) of verdicts."""
     grid = np.linspace(lowest, highest, POINTS)
     near = np.exp(-0.5 * ((level - grid[:, np.newaxis]) / NEIGHBOURS) ** 2)
     share = np.sum(near * over, axis=1) / np.sum(near, axis=1)

@@ -1,14 +1,8 @@
-"""The overturning spectrum of a ground motion: one curve that tells every slender free-standing block its capacity.
+"""The overturning spectrum of a ground motion: one curve with the capacity of every slender free-standing block.
 
-.. note:: With x = f p/(g tan alpha) the capacity of a slender block under a record depends on its p and C alone
-   (:mod:`rocking.spectrum.lanes`). So a record has P(x; p, C), the probability that a block of nominal restitution C
-   overturns under the stated uncertainty, and a spectrum S(p, C) = 1/exp(E ln x_c) [m/s], x_c the x at which it
-   overturns: the effective impulse that such a block takes from the record. A block overturns where S exceeds
-   g tan(alpha)/p, its capacity is (g tan(alpha)/p)/S.
-
-   A draw of factor and geometry moves ln x by a shift Z whose distribution is known
-   (:class:`rocking.Uncertainty`), so P is the verdict of the lanes smoothed by the density of Z, over the
-   lanes whose restitution lies in the range of the block:
+.. note:: S(p, C) = 1/exp(E ln x_c) [m/s], x_c the x = f p/(g tan alpha) at which a block overturns: it overturns if S
+   exceeds g tan(alpha)/p. A draw of factor and geometry shifts ln x by Z with a known density h (:class:`Uncertainty`),
+   so P(x; p, C) is the verdict v_i of the lanes smoothed by h, over those with a C in the range of the block:
 
    P(x) = sum_i w_i h(ln x_i - ln x) v_i/sum_i w_i h(ln x_i - ln x),  v_i = 1 where lane i overturns
 
@@ -38,21 +32,16 @@ from rocking.spectrum.probability import (
 
 #: Levels of x are exp(LEVEL_STEP k), k whole: those of two records are the same numbers.
 LEVEL_STEP = 0.05
-
 #: Standard deviations of the shift beyond which it does not reach.
 REACH = 6.0
-
 #: Standard normal quantile of intervals of 90 %.
 TWO_SIDED = 1.6448536269514722
-
 #: Error of the similarity and of the interpolation in ln p, as a standard deviation of ln f, part of every interval
 #: (docs/decisions/018).
 INTERPOLATION = 0.02
-
 #: Narrowest range of C that is read from the lanes, over the range of C that they fill [-].
 LEAST_SHARE = 0.09
-
-#: Slenderness from which on the spectrum stands for a block (docs/decisions/018).
+#: Least slenderness of a block that the spectrum represents (docs/decisions/018).
 LEAST_SLENDERNESS = 3.5
 
 
@@ -60,7 +49,7 @@ LEAST_SLENDERNESS = 3.5
 class OverturningFactors:
     """Probability of overturning of (m,) blocks under a record, and the factors on it that it grows with.
 
-    `_low` and `_high` are the ends of intervals of 90 %. A factor that is not reached by the largest one asked for is
+    `_low` and `_high` are the ends of intervals of 90 %. A factor above the largest one that is searched is
     inf, its `_low` that largest one.
 
     Attributes
@@ -87,7 +76,7 @@ class OverturningFactors:
     capacity_mean_high: np.ndarray
 
     def up_to(self, factor_max: float) -> Self:
-        """The same, with every factor above the largest one asked for inf, and its `_low` at most that one."""
+        """The same, with every factor above the largest one inf, and its `_low` at most that one."""
         found: dict[str, np.ndarray] = {}
         for name in ("factor_10", "factor_50", "capacity_mean"):
             for one in (name, f"{name}_high"):
@@ -105,12 +94,10 @@ def covered(
     between: tuple[float, float] = (LEAST_RESTITUTION, 1.0),
     side: int = 0,
 ) -> np.ndarray:
-    """True, (m,), for the blocks that a spectrum stands for, with C between `least` and `most` (m,).
+    """True, (m,), for slender bodies that a spectrum represents: symmetric and free, or before a wall on `side`.
 
-    They are symmetric and nothing holds them, or they stand before a wall on the `side` of the lanes; of a slenderness
-    of at least 3.5, their p and C within those of the lanes, p the (a,) frequency parameters of the spectrum [1/s] and
-    `between` its restitutions. A range of C below a tenth of those restitutions (0.03 of 0.675 to 1) holds too few
-    lanes.
+    Their p and the range `least` to `most` (m,) of C lie within those of the lanes; a range below a tenth of that of
+    the lanes holds too few of them.
     """
     alone = (np.asarray(block.side) == side) & ~np.asarray(block.restrained)
     alone &= np.asarray(block.symmetric) | (side != 0)
@@ -136,17 +123,13 @@ class OverturningSpectrum:
 
     Parameters
     ----------
-    lanes : SpectrumLanes
-        Marched lanes (:func:`rocking.spectrum.lanes`).
-    uncertainty : Uncertainty
-        Of factor and geometry; that of the restitution is given with each block.
+    lanes, uncertainty : SpectrumLanes, Uncertainty
+        Marched lanes (:func:`rocking.spectrum_lanes`); the restitution of the uncertainty is given with each block.
 
     Attributes
     ----------
-    p : (a,) ndarray
-        Frequency parameters [1/s].
-    level : (k,) ndarray
-        Levels of x = f p/(g tan alpha) [s/m].
+    p, level : (a,) ndarray, (k,) ndarray
+        Frequency parameters [1/s], and levels of x = f p/(g tan alpha) [s/m].
     """
 
     def __init__(self, lanes: SpectrumLanes, uncertainty: Uncertainty | None = None) -> None:
@@ -166,7 +149,7 @@ class OverturningSpectrum:
     def probability(self, restitution: ArrayLike, rotation: float = np.inf) -> np.ndarray:
         """P(x; p, C) at the levels (a, c, k), fitted so that it never falls with x.
 
-        The restitution of a draw lies between the shares of the nominal C (c,) that the uncertainty tells. The limit
+        The restitution of a draw lies between shares of the nominal C (c,), as the uncertainty has them. The limit
         state is a `rotation` theta/alpha that is reached; inf for overturning. A ValueError for a C whose draws lie
         outside the lanes, or a rotation that is not positive.
         """
@@ -180,22 +163,20 @@ class OverturningSpectrum:
         return 1.0 / mean_capacity(self.level, self.probability(restitution, rotation))
 
     def covers(self, block: Block, least: np.ndarray, most: np.ndarray) -> np.ndarray:
-        """True, (m,), for the blocks that this spectrum stands for (:func:`covered`)."""
+        """True, (m,), for the blocks that this spectrum represents (:func:`covered`)."""
         return covered(block, least, most, self.p, self.lanes.between, self.lanes.side)
 
     def factors(
         self, block: Block, least: ArrayLike | None = None, most: ArrayLike | None = None, factor_max: float = np.inf
     ) -> OverturningFactors:
-        """Probability of overturning of blocks under the record, and the factors on it that it grows with.
+        """Probability of overturning of blocks under the record, and the factors on it at some probabilities.
 
         Parameters
         ----------
         block : Block
             (m,) blocks that the spectrum covers (:meth:`covers`).
-        least, most : (m,) array_like, optional
-            C between which that of a draw is uniform [-]; the shares of the nominal one of the uncertainty without.
-        factor_max : float
-            Largest factor that is asked for [-]; above it factors are inf.
+        least, most, factor_max
+            As for :func:`rocking.overturning_probability`.
         """
         probability, error, speed = self._of_blocks(block, least, most)
         # A higher probability is a lower factor; an end of an interval is the outermost crossing of its band.

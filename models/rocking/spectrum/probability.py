@@ -1,24 +1,17 @@
-"""What is not known of a body and of the strength of its motion, and how it spreads over the factor on a record.
+"""The uncertainty of a body and of the strength of its motion, and its effect on the factor on a record.
 
-.. note:: In a draw the factor f on the record becomes f F with ln F normal, C a share of the nominal one, and alpha
-   becomes alpha exp(-g abs(N)), N standard normal, at the R and p and with the C of the nominal body. One draw holds
-   for all contacts of a body. A slender body sees f p/(g tan alpha) alone (:mod:`rocking.spectrum.overturning`), so
-   there factor and geometry are one shift of its logarithm: Z = s N_1 + g abs(N_2), skew-normal with the scale
-   hypot(s, g) and the shape g/s (Azzalini 1985, Scand. J. Stat. 12(2), 171-178).
+.. note:: In a draw the factor f becomes f F with ln F normal, C a share of the nominal one, and alpha becomes alpha
+   exp(-g abs(N)), N standard normal, at the R, p and C of the nominal body. For a slender body factor and geometry are
+   one shift of ln f: Z = s N_1 + g abs(N_2), skew-normal with the scale hypot(s, g) and the shape g/s (Azzalini 1985,
+   Scand. J. Stat. 12(2), 171-178).
 
-The probability need not rise everywhere. The factor of a probability is the crossing of its isotonic fit
-(pool adjacent violators), linear in ln f between levels. The mean capacity exp(E ln f_c) needs no fit: P is the
-distribution of the capacity f_c, and what it gains between two levels lies on average half-way between their
-logarithms. That is the trapezoidal rule for ln f_1 + integral of (1 - P) d ln f, from f_1, where P is still 0.
-
-Lane i was marched at ln f_i and tells v_i, 1 where it overturned. A block under the factor f meets f exp(Z),
-Z a shift of known density h, so that P(f) is the verdict smoothed by it,
+Lane i was marched at ln f_i with the verdict v_i, 1 if it overturned. A block under f meets f exp(Z), so P(f) is the
+verdict smoothed by the density h of Z,
 
 P(f) = integral of h(t - ln f) v(t) dt,  estimated inside by sum_i w_i h(t_i - ln f) v_i/sum_i w_i h(t_i - ln f)
 
-where w_i = 1/(density of the lanes per unit of ln f) and the sum below the line is near 1: dividing by it takes out
-what unequal spacing adds. Nothing overturns below `bottom`, everything above `top`; the mass of the shift that falls
-there is known and is not estimated.
+with w_i = 1/(density of the lanes in ln f); the denominator is near 1 and removes the effect of unequal spacing.
+Nothing overturns below `bottom`, everything above `top`, where the mass of the shift is known.
 """
 
 import math
@@ -34,13 +27,10 @@ from rocking.arguments import ArrayLike, numbers
 
 #: Least spread of the factor on the record [-]: lanes on a finite number of levels cannot show a narrower one.
 LEAST_SPREAD = 0.02
-
 #: Largest spreads that are taken for uncertainties and not for slips of the unit [-].
 LARGEST_SPREAD = 1.0
-
 #: Sum of weights below which no lane is near a level.
 NO_LANE = 1e-9
-
 #: Scales of the shift beyond which its density counts as 0: it is 1e-14 of the highest there.
 FARTHEST = 8.0
 
@@ -107,13 +97,7 @@ ROUNDING = 1e-12
 
 
 def rising(probability: np.ndarray) -> np.ndarray:
-    """The isotonic fit of probabilities (..., k) [-], from the lowest level on: by least squares, never falling.
-
-    Examples
-    --------
-    >>> rising(np.array([0.0, 0.4, 0.2, 1.0])).round(3).tolist()
-    [0.0, 0.3, 0.3, 1.0]
-    """
+    """The isotonic fit of probabilities (..., k) [-] by least squares (pool adjacent violators), never falling."""
     fitted = np.array(probability, dtype=float)
     rows = fitted.reshape(-1, fitted.shape[-1])
     for row in np.flatnonzero(np.any(np.diff(rows, axis=1) < -ROUNDING, axis=1)):
@@ -122,16 +106,7 @@ def rising(probability: np.ndarray) -> np.ndarray:
 
 
 def factor_at(share: float, level: np.ndarray, probability: np.ndarray) -> np.ndarray:
-    """The factor (...) at which probabilities (..., k) reach a share above 0, linear in ln f between the (k,) levels.
-
-    The probabilities never fall (:func:`rising`). The lowest level where the share is reached there already, inf where
-    it is reached nowhere.
-
-    Examples
-    --------
-    >>> float(factor_at(0.5, np.array([1.0, 2.0, 8.0]), np.array([0.0, 0.25, 0.75])).round(3))
-    4.0
-    """
+    """The factor (...) at which rising probabilities (..., k) reach a share, linear in ln f; inf if there is none."""
     reached = probability >= share
     after = np.argmax(reached, axis=-1)
     before = np.maximum(after - 1, 0)
@@ -143,15 +118,7 @@ def factor_at(share: float, level: np.ndarray, probability: np.ndarray) -> np.nd
 
 
 def mean_capacity(level: np.ndarray, probability: np.ndarray) -> np.ndarray:
-    """exp of the mean logarithm of the capacity (...), whose distribution the probabilities (..., k) are.
-
-    The (k,) levels begin where the probability is 0. inf where it does not come to 1, within 1e-3, at the last one.
-
-    Examples
-    --------
-    >>> float(mean_capacity(np.array([1.0, 2.0, 8.0]), np.array([0.0, 0.0, 1.0])).round(3))
-    4.0
-    """
+    """exp of the mean ln of the capacity (...) with the distribution (..., k), by the trapezoidal rule, or inf."""
     logs = np.log(level)
     gained = np.diff(probability, axis=-1) * (0.5 * (logs[1:] + logs[:-1]))
     # Added one after the other: levels of no gain before the first and after the last one do not change a bit.
@@ -160,18 +127,12 @@ def mean_capacity(level: np.ndarray, probability: np.ndarray) -> np.ndarray:
 
 
 def lane_bells(log_factor: np.ndarray, weight: np.ndarray, log_level: np.ndarray, shift: Uncertainty) -> np.ndarray:
-    """What each lane counts at each level, w_i h(t_i - ln f) (n, k).
-
-    The lanes took factors of logarithms (n,) and stand for a stretch (n,) of ln f: 1 over the density of lanes there.
-    """
+    """What each lane counts at each level, w_i h(t_i - ln f) (n, k), w_i its stretch of ln f."""
     return shift.density(log_factor[:, np.newaxis] - log_level) * weight[:, np.newaxis]
 
 
 def lane_sums(counted: np.ndarray, bells: np.ndarray) -> np.ndarray:
-    """Sums (r, k) over the lanes, the same to the last bit on any number of threads, unlike those of a matrix product.
-
-    `counted` (r, n) is how often each lane counts in each sum, `bells` (n, k) what it counts (:func:`lane_bells`).
-    """
+    """Sums (r, k) of `counted` (r, n) times `bells` (n, k), with the same bits on any number of threads."""
     sums = np.zeros((counted.shape[0], bells.shape[1]))
     _add(np.ascontiguousarray(counted, dtype=np.float64), np.ascontiguousarray(bells), sums)
     return sums
@@ -193,21 +154,6 @@ def tail_masses(bottom: Any, top: Any, log_level: np.ndarray, shift: Uncertainty
 
 
 def lane_probability(hit: np.ndarray, whole: np.ndarray, below: np.ndarray, above: np.ndarray) -> np.ndarray:
-    """P at the levels (..., k), not yet fitted; where no lane is near a level only `above` counts.
-
-    `hit` and `whole` (..., k) are sums of :func:`lane_bells` over the lanes that overturn and over all of them, `below`
-    and `above` (k,) the masses of the shift outside the lanes (:func:`tail_masses`).
-
-    Examples
-    --------
-    Lanes 0.01 apart that overturn from ln f = 0 on: P is the distribution of a normal shift of 10 %.
-
-    >>> from rocking.spectrum.probability import Uncertainty
-    >>> lanes, levels, shift = np.arange(-0.795, 0.8, 0.01), np.array([-0.1, 0.0, 0.1]), Uncertainty(geometry=0.0)
-    >>> bell = lane_bells(lanes, np.full(lanes.size, 0.01), levels, shift)
-    >>> tails = tail_masses(-0.8, 0.8, levels, shift)
-    >>> lane_probability(bell[lanes > 0.0].sum(axis=0), bell.sum(axis=0), *tails).round(3).tolist()
-    [0.159, 0.5, 0.841]
-    """
+    """P at the levels (..., k) from sums of bells over the lanes that overturn and over all, and masses outside."""
     share = np.divide(hit, whole, out=np.zeros(np.shape(hit)), where=whole > NO_LANE)
     return (1.0 - below - above) * np.clip(share, 0.0, 1.0) + above

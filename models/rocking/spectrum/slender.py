@@ -1,11 +1,10 @@
 """March of slender blocks through a ground acceleration of straight pieces, by the linear equation in closed form.
 
-.. note:: With phi = theta/alpha, tau = p t and u = s phi on the side s, the linear equation (Eqs. 1-2) under
-   g = (x/p) a_g, linear in tau over a piece, reads u'' = u - 1 - s g. So y = u - 1 - s g obeys y'' = y:
-   y = A e^tau + B e^-tau with A = (y_0 + y_0')/2 and B = (y_0 - y_0')/2, whatever the length of the piece. u' = 0 where
-   z = e^tau solves A z^2 + s g' z - B = 0: the peaks and the lowest points of a piece are roots of a quadratic, and
-   between them an impact is bracketed. A block at rest lifts where abs(g) passes 1. It overturns when its growing mode
-   u - 1 + u' exceeds the largest abs(g) that is left.
+.. note:: With phi = theta/alpha, tau = p t, u = s phi and g = (x/p) a_g, linear in tau over a piece, u'' = u - 1 - s g
+   (Eqs. 1-2). So y = u - 1 - s g obeys y'' = y: y = A e^tau + B e^-tau with A = (y_0 + y_0')/2 and B = (y_0 - y_0')/2.
+   u' = 0 where z = e^tau solves A z^2 + s g' z - B = 0: the extremes of u are roots of a quadratic, and impacts are
+   bracketed between them. A block at rest lifts where abs(g) passes 1. It overturns if its growing mode u - 1 + u'
+   exceeds the largest abs(g) that is left.
 """
 
 import math
@@ -15,20 +14,15 @@ from numba import njit
 
 #: Slower impacts, as u' [-], end the rocking where the ground does not lift the block: u would reach 5e-7.
 SLOWEST = 1e-3
-
 #: Steps of the search for an impact, and its accuracy as u [-].
 STEPS, ACCURACY = 60, 1e-10
-
 #: Impacts that are followed within one piece.
 MOST_IMPACTS = 100_000
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def _turning(grow, fall, slope, growth, lowest):
-    """e^tau of the highest (or the lowest) point of u inside a piece of e^tau from 1 to `growth`; 0 without one.
-
-    u = grow e^tau + fall e^-tau + a line of the given slope; there its curvature is negative (positive).
-    """
+    """e^tau of the highest (or `lowest`) point of u = grow e^tau + fall e^-tau + a line in a piece; 0 without one."""
     if grow == 0.0:
         roots = (fall / slope if slope != 0.0 else 0.0, 0.0)
     else:
@@ -72,10 +66,7 @@ def _pushes(ground, wall):
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def _march(begin, strength, restitution, length, growth, ground, left, wall):
-    """Largest u of one lane that rests before the piece `begin`, inf where it overturns.
-
-    With a `wall` behind it, it turns towards theta > 0 only, and its restitution is the rebound e.
-    """
+    """Largest u of one lane at rest before the piece `begin`, inf if it overturns; with a `wall` C is the rebound e."""
     peak, u, speed, side = 0.0, 0.0, 0.0, 0.0  # side 0: at rest, u = 0
     for j in range(begin, length.shape[0]):
         start, end = strength * ground[j, 0], strength * ground[j, 1]
@@ -145,13 +136,11 @@ def _march(begin, strength, restitution, length, growth, ground, left, wall):
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def march_pieces(first, last, place, strength, restitution, length, growth, ground, past, left, peak, wall):
-    """Fill the largest u of lanes `first` to `last`, inf where they overturn.
+    """Fill the largest u of lanes `first` to `last`, inf if they overturn.
 
-    The lanes (n,) have the `place` of their frequency parameter, the `strength` x/p [s2/m] and C.
-
-    `length` and `growth` (a, k) are the lengths of the pieces in tau and their e^tau, `ground` (k, 2) the acceleration
-    at both ends of each [m/s2], `past` (k,) the largest of it up to the end of each, `left` (k + 1,) the largest from
-    the begin of each on. `wall` is True for lanes that turn towards theta > 0 only.
+    The lanes (n,) have the `place` of their p, the `strength` x/p [s2/m] and C; `length` and `growth` (a, k) are the
+    lengths of the pieces in tau and their e^tau, `ground` (k, 2) the acceleration at both ends [m/s2], `past` (k,) and
+    `left` (k + 1,) the largest of it up to and from each piece.
     """
     for lane in range(first, last):
         k = place[lane]

@@ -1,9 +1,4 @@
-"""The answers of one model for every body under every motion of a results file, and the margin of each body.
-
-The motions are the records; the pairs of channels of a sweep, each in its worst direction; or the design sequence of a
-site. Whatever shows a smallest or a median factor, or a probability over earthquakes, takes it from here. The factor is
-that at which the probability of overturning is 10 % where the results hold it, else the safety factor.
-"""
+"""The answers of one model for every body under every motion of a results file, and the margin of each body."""
 
 from __future__ import annotations
 
@@ -25,10 +20,9 @@ from rockpulse.storage.variables.probability import MEAN, SOURCES
 
 
 class Share(NamedTuple):
-    """The probability that a motion overturns a body, over earthquakes that weigh alike, with its interval of 90 % [-].
+    """Probability that a motion overturns a body [-], over earthquakes of equal weight, with its 90 % interval.
 
-    Where results hold no probability it is the share of earthquakes whose motions overturn the body, as they are or
-    weaker.
+    Without probabilities in the results it is the share of earthquakes that overturn the body, as they are or weaker.
     """
 
     value: float
@@ -51,7 +45,7 @@ class Motions:
 
     @property
     def event_count(self) -> int:
-        """Number of earthquakes that are known to be others; one where none is known."""
+        """Number of different earthquakes; one where none is known."""
         return _others(self.events)
 
     def kept(self, left_out: np.ndarray) -> np.ndarray:
@@ -81,16 +75,10 @@ class Motions:
     def shares(self, probability: np.ndarray, left_out: np.ndarray | None = None) -> list[Share]:
         """Of every body the probability over the earthquakes, from that (records, bodies) under each record.
 
-        Motions of which all directions are `left_out` (records, bodies) count as if they were not there.
-
-        Notes
-        -----
-        The interval is that of Clopper & Pearson (1934) for as many earthquakes, of which the sum of the probabilities
-        overturn the body. A sum of independent numbers between 0 and 1 spreads no more than a binomial one of the same
-        mean (Hoeffding 1956, Ann. Math. Stat. 27(3), 713-721, doi:10.1214/aoms/1177728178), so it covers at least what
-        it states: over 20 populations, 3 to 30 earthquakes, 0.94 to 1.00 at nominal 0.90, where percentiles of
-        resampled earthquakes cover 0.01 to 0.85 and the bootstrap-t 0.34 to 0.95. For none of n it is 1 - 0.05^(1/n),
-        the rule of three 3/n.
+        Motions of which all directions are `left_out` (records, bodies) do not count. The interval is that of Clopper &
+        Pearson (1934) for as many earthquakes: a sum of independent numbers between 0 and 1 spreads no more than a
+        binomial one of the same mean (Hoeffding 1956, doi:10.1214/aoms/1177728178), so it covers at least what it
+        states. For 0 of n it is 1 - 0.05^(1/n), the rule of three 3/n.
         """
         table = self.over(probability, np.nan)
         # Of the directions of a pair the worst counts, unless that of the body is not known either.
@@ -106,7 +94,7 @@ class Motions:
 
 
 def _others(events: list[str]) -> int:
-    """Number of earthquakes that are known to be others; one where none is known, 0 where there is none."""
+    """Number of different earthquakes; one where none is known, 0 where there is none."""
     return len({event for event in events if event != UNKNOWN}) or len(set(events))
 
 
@@ -131,10 +119,9 @@ class Body(NamedTuple):
 
 
 class Margin(NamedTuple):
-    """The smallest and the median of some factors or capacities over demand [-]: inf: none found, NaN: not known.
+    """Smallest and median of factors or capacities over demand [-]: inf: none found, NaN: not known.
 
-    The smallest is over what is known of the motions, the median over the motions of which all directions are known.
-    Motions that are too weak for the search to reach 1 are left out, unless all are.
+    The median is over motions of which all directions are known; those too weak for the search to reach 1 are left out.
     """
 
     smallest: float
@@ -313,10 +300,7 @@ def swept_answers(summary: xr.Dataset, directions: xr.Dataset) -> Answers:
 
 
 def lanes(dataset: xr.Dataset, name: str, bodies: list[Body], model: str) -> np.ndarray:
-    """A variable of /summary or /directions by record or pair, body, and demand, as far as it has these dimensions.
-
-    Of a variable along the models that of one is read.
-    """
+    """A variable of /summary or /directions of one model, by record or pair, body and demand if it has them."""
     variable = dataset[name].variable
     at = [str(label) for label in dataset["model"].values].index(model)
     values = slab(variable, {"model": slice(at, at + 1)})

@@ -42,9 +42,8 @@ def assess(
     Parameters
     ----------
     records : iterable of Record
-        All channels, as :func:`rockpulse.read` returns them. Vertical channels are listed, not assessed, and so are
-        structural ones unless asked for. Pairs of horizontal channels are rotated where ``[records] components`` asks
-        for it.
+        All channels, as :func:`rockpulse.read` returns them. Vertical channels and, unless asked for, structural ones
+        are listed, not assessed; ``[records] components`` says whether pairs of horizontal channels are rotated.
     config : Config, optional
         Options; the defaults without.
     blocks : mapping of str to (width, height), Block or BlockSettings, or sequence of BlockSettings, optional
@@ -52,7 +51,7 @@ def assess(
     failures : iterable of Failure
         Files and channels that reading has left out, to be stored with the results.
     progress : callable, optional
-        Wraps the list of channels or pairs that are assessed on its way into the loop, as ``tqdm.tqdm`` does.
+        Wraps the list of channels or pairs that are assessed, as ``tqdm.tqdm`` does.
 
     Returns
     -------
@@ -148,17 +147,15 @@ def assess_sequence(
         Sections site, models, search and the bodies are used; a [[demand]] is one on the PGA, which a sequence has not.
     blocks : mapping of str to (width, height), Block or BlockSettings, or sequence of BlockSettings, optional
         The bodies, in place of those of the configuration; full sizes in m.
-    name : str
-        Id of the row that stands where a record would.
-    source : str
-        File that the sequence comes from.
+    name, source : str
+        Id of the row in place of a record, and file that the sequence comes from.
 
     Returns
     -------
     xarray.DataTree
         As :func:`rockpulse.assess` returns it, with one row whose columns of a record are empty. The models that need a
-        record (impulsive, linear, nonlinear) are left out, and a warning of the row says so; under a design
-        spectrum resonance too, and the columns of the sequence are empty: every body has its own.
+        record (impulsive, linear, nonlinear) are left out, with a warning; under a design spectrum, by which every body
+        has a sequence of its own, resonance and the columns of the sequence too.
 
     Raises
     ------

@@ -41,11 +41,7 @@ def stored_demands(summary: xr.Dataset) -> dict[str, Demand]:
 
 
 def demand_factors(channels: Sequence[Record], blocks: Block, config: Config) -> np.ndarray:
-    """The factors (m, d) on a motion that bring it to each of d demands, for (m,) blocks [-].
-
-    The geometric mean of the strengths of its conditioned `channels` is brought to the demand, so that a pair has one
-    factor. Only some measures depend on the blocks.
-    """
+    """Factors (m, d) [-] that bring the geometric mean of conditioned channels to d demands, for (m,) blocks."""
     on = [RecordOnBodies.slender(one, partial(half_waves, one, **config.half_waves), blocks) for one in channels]
     found = np.empty((*blocks.shape, len(config.demands)))
     for place, demand in enumerate(config.demands):

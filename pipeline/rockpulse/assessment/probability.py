@@ -1,11 +1,4 @@
-"""The probability of overturning of every body under one record.
-
-.. note:: One overturning spectrum (:class:`rocking.OverturningSpectrum`) serves every body that it stands for. A body
-   that it does not stand for, and every body where the vertical acts, is marched in lanes of its own
-   (:func:`rocking.overturning_probability`). Bodies do not change each other's numbers: the spectrum is always that of
-   the default frequency parameters next to the body's own, and each of the others has its own draws. A body before a
-   wall is read from a spectrum of its own kind, in the sense of the record that overturns it more likely.
-"""
+"""The probability of overturning of every body under one record; bodies do not change each other's numbers."""
 
 from collections.abc import Sequence
 from dataclasses import fields
@@ -27,11 +20,8 @@ from rockpulse.record.record import Record
 from rockpulse.storage.variables.probability import AT_DEMAND, PROBABILITY, READ, SOURCES
 
 ENDS = ("", "_low", "_high")
-
 #: Probability of uplift at the largest factor below which a body counts as one that never moves.
 NEVER = 1e-6
-
-
 #: Bodies that a spectrum serves, by the side on which they turn, and the restitutions or rebounds of its lanes.
 SERVED = {0: (LEAST_RESTITUTION, 1.0), 1: REBOUNDS, -1: REBOUNDS}
 
@@ -39,13 +29,10 @@ SERVED = {0: (LEAST_RESTITUTION, 1.0), 1: REBOUNDS, -1: REBOUNDS}
 def record_probability(
     scene: Scene, bodies: Bodies, config: Config, channels: Sequence[Record] = ()
 ) -> tuple[dict[str, np.ndarray], OverturningSpectrum | None]:
-    """The probability of overturning of bodies under a record, as it is and brought to each demand; and its spectrum.
+    """Probability of overturning of bodies under a record, as it is and brought to each demand; and its spectrum.
 
-    The variables of PROBABILITY and AT_DEMAND are of all lanes of the bodies, (b x c,) and (b x c, d); the spectrum is
-    None where no body is read from it. The probability is that of the nonlinear model: without ``nonlinear`` among the
-    models, and where the configuration switches it off, it is NaN and the source "none". All restitutions of a body
-    have the same. `channels` are those whose strengths are brought to the demands; without them it is the record. At a
-    factor beyond FARTHEST, or `[search] factor_max`, the probability is NaN.
+    The variables of PROBABILITY and AT_DEMAND are of all lanes, (b x c,) and (b x c, d): NaN without a probability, and
+    beyond FARTHEST or `[search] factor_max`. Demands are compared with the strengths of `channels`, else of the record.
     """
     count = len(bodies.names)
     values = {name: np.full(count, np.nan) for name in PROBABILITY}
@@ -80,9 +67,8 @@ def _fill(values: dict[str, np.ndarray], scene: Scene, bodies: Bodies, config: C
                 rows[name + end][places] = getattr(factors, own + end)
 
     still = slender & (1.0 - uncertainty.below(lifting - np.log(limit)) < NEVER)
-    nothing = {
-        own.name: np.array(0.0 if own.name.startswith("at_one") else np.inf) for own in fields(OverturningFactors)
-    }
+    names = [own.name for own in fields(OverturningFactors)]
+    nothing = {name: np.array(0.0 if name.startswith("at_one") else np.inf) for name in names}
     put(np.flatnonzero(still), OverturningFactors(**nothing).up_to(limit))
     at_demand[still] = 0.0
     stored = None
@@ -124,7 +110,5 @@ def _ranges(bodies: Bodies, uncertainty: Uncertainty) -> tuple[np.ndarray, np.nd
     """Least and most C of each of b bodies: the ends of its list, or the shares of its one value."""
     restitution = bodies.per_case(np.asarray(bodies.lanes.restitution, dtype=float))
     low, high = restitution.min(axis=1), restitution.max(axis=1)
-    several = low < high
-    return tuple(
-        np.where(several, end, share * end) for end, share in zip((low, high), uncertainty.restitution, strict=True)
-    )
+    least, most = uncertainty.restitution
+    return np.where(low < high, low, least * low), np.where(low < high, high, most * high)

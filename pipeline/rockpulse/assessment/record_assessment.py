@@ -38,13 +38,9 @@ class Rows(NamedTuple):
     cycle: np.ndarray  # in a table of half-cycles the number of each, from 0
 
 
-#: The motion of a body on the ground without a direction of its own.
-RECORD_ITSELF = Place(None, ())
-
-
 @dataclass(frozen=True, eq=False)
 class RecordAssessment:
-    """The effect of one record on every body: the stored variables are taken from this (`take` of their declarations).
+    """The effect of one record on every body, from which `take` of the stored variables reads.
 
     Lanes are bodies times restitution cases, the cases of one body next to each other.
     """
@@ -68,9 +64,7 @@ class RecordAssessment:
     @cached_property
     def spectra(self) -> dict[str, np.ndarray]:
         """The variables of the overturning spectrum; NaN at frequency parameters that no body is read at."""
-        found = {
-            name: np.full([AXIS_SIZES[dim] for dim in variable.dims], np.nan) for name, variable in SPECTRUM.items()
-        }
+        found = {name: np.full([AXIS_SIZES[dim] for dim in one.dims], np.nan) for name, one in SPECTRUM.items()}
         if self.spectrum is not None:
             places = np.searchsorted(RATES, self.spectrum.p)
             for name, values in spectrum_values(self.spectrum).items():
@@ -108,8 +102,7 @@ class RecordAssessment:
     def _half_cycles(self) -> list[Rows]:
         found = []
         for place, response in enumerate(self.responses.values()):
-            table = response.half_cycles
-            if table is not None:
+            if (table := response.half_cycles) is not None:
                 lane, cycle = np.nonzero(np.isfinite(table.start_velocity).T)
                 found.append(self._rows(place, lane, table, cycle))
         return found
@@ -132,19 +125,16 @@ class RecordAssessment:
 
 
 def _joined(parts: Iterable[np.ndarray]) -> np.ndarray:
-    found = list(parts)
-    return np.concatenate(found) if found else np.zeros(0)
+    return np.concatenate(found) if (found := list(parts)) else np.zeros(0)
 
 
 def assess_scene(
     scene: Scene, bodies: Bodies, config: Config, channels: Sequence[Record] = (), pair: Pair | None = None
 ) -> RecordAssessment:
-    """Assess all bodies under one record that was made ready; a ValueError says that a model refuses its numbers.
-
-    `channels` are as for :func:`record_probability`, `pair` those that the record was rotated from.
-    """
+    """Assess all bodies under one record, which was perhaps rotated from `pair`; ValueError if a model refuses it."""
     places = places_of(bodies, scene.record, pair, config)
-    if len(places) == 1 and places[0][0] == RECORD_ITSELF:
+    of_record = places[0][0] == Place(None, ())  # on the ground, without a direction of its own
+    if len(places) == 1 and of_record:
         return _assess_at(scene, bodies, config, channels, 1.0)
     parts, record = [], scene.record
     for place, numbers in places:
@@ -158,13 +148,10 @@ def assess_scene(
     steps = [round(record.dt / part.record.dt) for part in parts]
     lanes = [(one[1][:, np.newaxis] * bodies.cases + np.arange(bodies.cases)).reshape(-1) for one in places]
 
-    def at_lanes(tables: Sequence[dict[str, np.ndarray]]) -> dict[str, np.ndarray]:
-        found = {}
-        for name, first in tables[0].items():
-            found[name] = np.empty((bodies.lanes.shape[0], *first.shape[1:]), dtype=first.dtype)
-            for own, table in zip(lanes, tables, strict=True):
-                found[name][own] = table[name]
-        return found
+    def at_lanes(table: str) -> dict[str, np.ndarray]:
+        """One of the tables of all lanes by variable, from those of the parts."""
+        tables, order = [getattr(part, table) for part in parts], np.argsort(np.concatenate(lanes))
+        return {name: np.concatenate([one[name] for one in tables])[order] for name in tables[0]}
 
     return RecordAssessment(
         scene=replace(scene, record=record),
@@ -178,10 +165,10 @@ def assess_scene(
             name: ScaleIntervals.join([part.scales[name] for part in parts], lanes, bodies.lanes.shape[0])
             for name in parts[0].scales
         },
-        applicable=at_lanes([part.applicable for part in parts]),
-        probability=at_lanes([part.probability for part in parts]),
-        strength=at_lanes([part.strength for part in parts]),
-        spectrum=parts[0].spectrum if places[0][0] == RECORD_ITSELF else None,
+        applicable=at_lanes("applicable"),
+        probability=at_lanes("probability"),
+        strength=at_lanes("strength"),
+        spectrum=parts[0].spectrum if of_record else None,
     )
 
 
@@ -189,26 +176,26 @@ def _assess_at(
     scene: Scene, bodies: Bodies, config: Config, channels: Sequence[Record], stronger: float
 ) -> RecordAssessment:
     """Assess bodies that stand on the same ground or floor, whose peak is `stronger` than that of the ground."""
-    lanes = bodies.lanes
-    sides = senses(bodies, scene.record)
+    lanes, sides = bodies.lanes, senses(bodies, scene.record)
+    warnings: list[str] = []
     responses = {name: sides.worse(MODELS[name].response(sides.block, scene)) for name in config.models.use}
     for model, response in responses.items():
         contact = response.ground_contact if MODELS[model].paired else None
         if scene.sequence is not None and contact is not None and np.any(contact):
-            scene = _warned(
-                scene,
+            warnings.append(
                 f"{model}: with spacing {scene.sequence.spacing!r} and this I_s/I, {np.count_nonzero(contact)} of "
-                f"{np.size(contact)} bodies touch the ground inside a half-cycle; take another spacing",
+                f"{np.size(contact)} bodies touch the ground inside a half-cycle; take another spacing"
             )
     for model in responses:
         # In the column of the sequence a mark says it, record by record and body by body.
         rule = MODELS[model].rule(scene) if MODELS[model].fitted else None
         if rule is not None and (outside := np.count_nonzero(~rule.applicable(lanes))):
-            scene = _warned(
-                scene,
+            warnings.append(
                 f"{model}: {outside} of {np.size(lanes.p)} bodies lie outside the range that the rule was fitted on "
-                f"({rule.range_text}): its rates of error do not hold for them",
+                f"({rule.range_text}): its rates of error do not hold for them"
             )
+    if warnings:
+        scene = replace(scene, record=replace(scene.record, warnings=(*scene.record.warnings, *warnings)))
     probability, spectrum = record_probability(scene, bodies, config, channels)
     intervals = {
         name: MODELS[name].intervals(sides.block, scene)
@@ -229,10 +216,6 @@ def _assess_at(
     )
 
 
-def _warned(scene: Scene, warning: str) -> Scene:
-    return replace(scene, record=scene.record.with_warning(warning))
-
-
 def _strength(scene: Scene, bodies: Bodies, stronger: float) -> dict[str, np.ndarray]:
     """The strength of the motion that bodies feel, over theirs; and the friction that it asks for."""
     lanes, record = bodies.lanes.weaker, scene.record
@@ -245,8 +228,7 @@ def _strength(scene: Scene, bodies: Bodies, stronger: float) -> dict[str, np.nda
     asked = np.flatnonzero(~np.isnan(friction))
     found |= {name: np.full(lanes.shape, np.nan) for name in ("friction_required", "friction_share")}
     if asked.size:
-        demand = sliding_demand(
-            bodies.lanes.take(asked), record.acceleration, record.dt, friction[asked], scene.vertical
-        )
+        own = bodies.lanes.take(asked)
+        demand = sliding_demand(own, record.acceleration, record.dt, friction[asked], scene.vertical)
         found["friction_required"][asked], found["friction_share"][asked] = demand.required, demand.share
     return found

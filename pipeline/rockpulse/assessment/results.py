@@ -1,8 +1,4 @@
-"""Results as Python holds them: read whole or opened, and their verdicts and margins as tables, ``tree.rockpulse``.
-
-.. note:: xarray knows accessors by class: once registered, every DataTree has this one, which says so where the tree
-   holds no assessment.
-"""
+"""Results in Python: read whole or opened, and their verdicts and margins as tables, ``tree.rockpulse``."""
 
 from __future__ import annotations
 
@@ -28,7 +24,6 @@ from rockpulse.storage.hdf5.atomic import ASSESSMENT, named
 #: Colours of the verdicts in a picture, and the bodies that are drawn.
 COLOURS = {Grade.STAYS: GREY, Grade.ROCKS: BLUE, Grade.MAY_OVERTURN: ORANGE, Grade.NOT_KNOWN: INK, Grade.OVERTURNS: RED}
 DRAWN = 20
-
 #: Height of a body in the picture [px].
 ROW = 18.0
 
@@ -65,11 +60,10 @@ class Results(Shown):
         -------
         pandas.DataFrame
             One row for each body, or for each restitution of a body that has several. `verdict` is "stays", "rocks",
-            "may overturn", "not known", "overturns" or "no verdict"; it rests on `probability`, that of overturning
-            over earthquakes [-], at the worst of the site's demands where there are any, with its interval of 90 %
-            (`low`, `high`). `overturned` of the `motions` overturn the body as they are. `worst` is the record with
-            the smallest factor, empty where there is none. For each demand there are `verdict at NAME` and
-            `probability at NAME`.
+            "may overturn", "not known", "overturns" or "no verdict"; it follows from `probability`, that of overturning
+            over earthquakes [-], at the worst of the site's demands if there are any, with its interval of 90 % (`low`,
+            `high`). `overturned` of the `motions` overturn the body as they are. `worst` is the record with the
+            smallest factor, or empty. For each demand there are `verdict at NAME` and `probability at NAME`.
 
         Raises
         ------
@@ -205,10 +199,6 @@ def load(path: str | os.PathLike[str]) -> xr.DataTree:
         For a file that is no HDF5, is damaged, was not written by rockpulse, or has another major schema version.
     OSError
         Where the file cannot be opened.
-
-    See Also
-    --------
-    open_results : the same without reading everything.
     """
     return registered(results_file.load(path))
 

@@ -1,9 +1,4 @@
-"""One record made ready for the models: for all bodies, for those on floors or turned, and for those before a wall.
-
-.. note:: A body that leans on a wall falls away from it only. Where the azimuths of the record and of the body's fall
-   are known and lie within SAME_DIRECTION of each other, or of opposite ones, the sense is known; otherwise the record
-   is taken in both, and the worse answer counts.
-"""
+"""One record made ready for the models: for all bodies, for those on floors or turned, and for those before a wall."""
 
 import math
 from collections.abc import Sequence
@@ -34,17 +29,13 @@ from rockpulse.sequences.estimators import calibrate
 
 
 def prepare(record: Record, config: Config, vertical: Record | None = None) -> Scene:
-    """A record as it was read, and its vertical channel, conditioned, with its half-waves and its sequence.
-
-    A RockpulseError where the record cannot be conditioned or has no intense phase. Too few half-waves for a sequence
-    are not an error: the record carries a warning then.
-    """
+    """A record as read, and its vertical channel, conditioned and as :func:`extract`; RockpulseError if refused."""
     up = None if vertical is None else condition(vertical, **config.conditioning)
     return extract(condition(record, **config.conditioning), config, up)
 
 
 def extract(conditioned: Record, config: Config, up: Record | None = None) -> Scene:
-    """The half-waves and the sequence of a record, it and its vertical channel conditioned; else as :func:`prepare`."""
+    """Half-waves and sequence of a conditioned record; too few half-waves for a sequence are a warning."""
     lift = None
     if up is not None:
         lift = align(up, conditioned)
@@ -71,10 +62,7 @@ def solver_options(config: Config) -> dict[str, Any]:
 
 
 def matched(scene: Scene, config: Config) -> Scene:
-    """The scene with the sequence that its record is assessed by: with the method "response" one matched to it.
-
-    A record that moves too few bodies for that has no sequence, and a warning that says so.
-    """
+    """The scene with a sequence matched to its record if the method is "response"; none, and a warning, if too weak."""
     wanted = config.sequence.method == "response" and any(MODELS[name].paired for name in config.models.use)
     if not wanted or scene.sequence is None:
         return scene
@@ -101,10 +89,7 @@ QUIET = 1e-4
 
 
 def places_of(bodies: Bodies, record: Record, pair: Pair | None, config: Config) -> list[tuple[Place, np.ndarray]]:
-    """The different motions that bodies feel under a record, rotated from a pair, each with the numbers of its bodies.
-
-    A RecordRefused where a body asks for a direction that a channel without a partner does not face.
-    """
+    """The motions that bodies feel, each with the numbers of its bodies; RecordRefused for a missing direction."""
     if config.records.components == "horizontal":
         return bodies.places(None)
     azimuth = math.nan if record.azimuth is None else float(record.azimuth)
@@ -157,7 +142,8 @@ def joined_responses(
     return Response.join(whole, lanes, sum(places.size for places in lanes))
 
 
-#: Degrees between the azimuths of a record and of a body's fall up to which the record tells the sense.
+#: Degrees between the azimuths of a record and of a body's fall, or the opposite one, up to which the sense is known;
+#: else a body before a wall, which falls away from it only, is assessed in both, and the worse answer counts.
 SAME_DIRECTION = 30.0
 
 

@@ -1,11 +1,4 @@
-"""The overturning spectrum and the rocking spectrum of a record as datasets.
-
-.. note:: The overturning spectrum S(p, C) [m/s] is the effective impulse that a slender free-standing block takes from
-   a record: its mean capacity, as a factor on the record, is (g tan(alpha)/p)/S, and it overturns where S exceeds
-   g tan(alpha)/p (:mod:`rocking.spectrum.overturning`). The probability is stored over the factor divided by that
-   capacity. The rocking spectrum says how far blocks of all sizes and slendernesses rock (Makris & Konstantinidis
-   2003): two blocks of equal p, alpha and C rock in the same way, whatever their mass.
-"""
+"""The overturning spectrum S(p, C), the impulse that a slender block takes from a record, and the rocking spectrum."""
 
 from collections.abc import Callable, Sequence
 from typing import Literal
@@ -93,8 +86,6 @@ def overturning_spectrum(
     >>> dict(spectrum.sizes)
     {'p': 3, 'restitution': 1, 'rotation': 4, 'level': 65}
     """
-    import xarray as xr
-
     rates, nominal = np.atleast_1d(np.asarray(p, dtype=float)), np.atleast_1d(np.asarray(restitution, dtype=float))
     if method not in LANES:
         raise ValueError(f"method: expected one of {', '.join(LANES)}, got {method!r}")
@@ -154,17 +145,13 @@ def overturning_factors(spectrum: xr.Dataset, block: Block) -> dict[str, np.ndar
     Returns
     -------
     dict of str to (m,) ndarray
-        `overturning_probability` under the record as it is, `factor_10`, `factor_50` and `capacity_mean` [-], the
-        names of /summary.
+        `overturning_probability` under the record as it is, `factor_10`, `factor_50` and `capacity_mean` [-], the names
+        of /summary. ln S and P are linear in ln p and in C between the values of the spectrum.
 
     Raises
     ------
     ValueError
         For a block outside the spectrum.
-
-    Notes
-    -----
-    ln S and P are linear in ln p and in C between the values of the spectrum.
 
     Examples
     --------
@@ -206,14 +193,9 @@ def _at_blocks(spectrum: xr.Dataset, block: Block) -> tuple[np.ndarray, np.ndarr
     return capacity, at_blocks(block, *axes, spectrum["probability"].values)
 
 
-#: Default frequency parameters [1/s]: R from 7.4 m to 0.2 m.
+#: Default frequency parameters [1/s], R from 7.4 m to 0.2 m, and critical angles [rad], slenderness from 20 to 2.4.
 P = tuple(np.linspace(1.0, 6.0, 101).round(10).tolist())
-
-#: Default critical angles [rad]: slenderness from 20 to 2.4.
 ALPHAS = tuple(np.linspace(0.05, 0.4, 71).round(10).tolist())
-
-#: What the spectrum holds of each answer.
-ANSWERED = ("peak_rotation_ratio", "outcome")
 
 
 def rocking_spectrum(
@@ -269,8 +251,6 @@ def rocking_spectrum(
     >>> spectrum["outcome"].values.tolist()
     [[1, 2], [0, 0]]
     """
-    import xarray as xr
-
     rates, angles = np.asarray(p, dtype=float), np.asarray(alpha, dtype=float)
     grid = [values.ravel() for values in np.meshgrid(angles, rates, indexing="ij")]
     # The grid is no body of the user's, so no remark on one is logged.
@@ -278,10 +258,9 @@ def rocking_spectrum(
     response = recorded_response(block, record.acceleration, record.dt, scale=scale, vertical=vertical, threads=threads)
     shape, dims = (angles.size, rates.size), ("alpha_c", "p")
     restitutions = np.reshape(np.broadcast_to(block.restitution, grid[0].shape), shape)[:, 0]
-    variables = {
-        **{name: ANSWER[name].variable(np.reshape(getattr(response, name), shape), dims) for name in ANSWERED},
-        "restitution": CASE["restitution"].variable(restitutions, ("alpha_c",)),
-    }
+    answers = {name: np.reshape(getattr(response, name), shape) for name in ("peak_rotation_ratio", "outcome")}
+    variables = {name: ANSWER[name].variable(values, dims) for name, values in answers.items()}
+    variables["restitution"] = CASE["restitution"].variable(restitutions, ("alpha_c",))
     coords = {"alpha_c": BLOCK["alpha_c"].variable(angles, ("alpha_c",)), "p": BLOCK["p"].variable(rates, ("p",))}
     spectrum = xr.Dataset(variables, coords)
     spectrum.attrs.update(record=record.id, scale=float(scale), gravity=float(gravity))

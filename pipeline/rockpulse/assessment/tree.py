@@ -1,12 +1,8 @@
 """The tree of results, put together from the assessed records (docs/schema.md).
 
-The rows that one record adds are a part (:func:`record_part`); the tree is the parts one after the other, with the
-earthquakes, which all records together tell, and the variables that do not depend on the records.
-
-.. note:: Median and largest over direction are as RotD50 and RotD100 of response spectra (Boore 2010,
-   doi:10.1785/0120090400). A direction without an answer (unresolved, or not assessed) may stand
-   for any value from 0 to overturning. A median that it could change, and a largest or smallest value that it could
-   exceed, is NaN.
+.. note:: Median and largest over direction are as RotD50 and RotD100 (Boore 2010, doi:10.1785/0120090400). A direction
+   without an answer may have any value from 0 to overturning: a median, largest or smallest that it could change is
+   NaN.
 """
 
 import base64
@@ -36,12 +32,7 @@ def direction_statistics(
     pairs: Mapping[str, Sequence[str]],
     with_probability: bool = False,
 ) -> xr.Dataset:
-    """The node /directions of the results, from /summary, in which the directions are records.
-
-    `azimuths` are the d directions of the sweep [degrees]; `pairs` has the name of each pair, and the ids of its
-    records in the d directions. A pair is left out if none of them is a record. `with_probability` adds the mean over
-    direction of the probability of overturning.
-    """
+    """The node /directions, from /summary: statistics over the directions of `pairs`, record ids in order by name."""
     place = {str(record): number for number, record in enumerate(summary["record"].values)}
     pairs = {pair: records for pair, records in pairs.items() if any(record in place for record in records)}
     index = np.array([[place.get(record, -1) for record in records] for records in pairs.values()], dtype=int)
@@ -54,9 +45,9 @@ def direction_statistics(
 
     directions = np.asarray(azimuths, dtype=float)
     measures: dict[str, Any] = {"pair": list(pairs), "direction_azimuth": directions, "record_index": index}
-    for name, measure in ((PGA, swept(PGA)), ("main_impulse", swept("main_impulse"))):
-        largest, at = largest_over(measure)
-        measures |= {f"{name}_median": median_over(measure), f"{name}_largest": largest}
+    for name in (PGA, "main_impulse"):
+        largest, at = largest_over(swept(name))
+        measures |= {f"{name}_median": median_over(swept(name)), f"{name}_largest": largest}
         measures[f"{name}_azimuth"] = _at(directions, at)
 
     peaks, factors = swept("peak_rotation_ratio"), swept("safety_factor")
@@ -91,11 +82,7 @@ def median_over(values: np.ndarray) -> np.ndarray:
 
 
 def largest_over(values: np.ndarray, first: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray]:
-    """Largest value over the second of the dimensions (a, d, ...), and its place.
-
-    The largest is inf where one is inf, else NaN where an answer is missing, and its place then -1. Of several places
-    with inf it is the one where `first`, of the same shape, is smallest; without `first` it is the first place.
-    """
+    """Largest value over axis 1 of (a, d, ...), and its place or -1; of several inf that of the smallest `first`."""
     endless = np.isposinf(values)
     largest = np.where(endless.any(axis=1), np.inf, values.max(axis=1))
     key = np.where(endless, np.zeros_like(values) if first is None else first, np.inf)
@@ -117,9 +104,6 @@ def _at(azimuths: np.ndarray, place: np.ndarray) -> np.ndarray:
 #: The one variable that grows with the records and is in no part: a record alone does not tell it.
 EVENT = "/summary/event"
 
-#: Ends the name of every variable that counts records; in a part it is 0.
-RECORD_INDEX = "record_index"
-
 
 def build_tree(
     parts: Sequence[Mapping[str, np.ndarray]],
@@ -128,11 +112,7 @@ def build_tree(
     failures: Sequence[Failure],
     swept: Mapping[str, Sequence[str]] | None = None,
 ) -> xr.DataTree:
-    """The results of all records as one tree.
-
-    The parts are what each record adds (:func:`record_part`) and its earthquake, in the order of the rows; `swept` has
-    the name of each pair of channels that was swept over direction, and the ids of its directions.
-    """
+    """One tree from the parts of all records in order; `swept` has the record ids of the directions by pair."""
     arrays = joined_parts([nothing(bodies, config), *parts])
     groups: dict[str, dict[str, xr.Variable]] = defaultdict(dict)
     for path, variable in _variables(config).items():
@@ -166,16 +146,12 @@ def nothing(bodies: Bodies, config: Config) -> dict[str, np.ndarray]:
 
 
 def joined_parts(parts: Sequence[Mapping[str, np.ndarray]], records_before: int = 0) -> dict[str, np.ndarray]:
-    """Parts one after the other, with the variables that count records counted on.
-
-    All parts have the same variables, and in each the first record has number 0; in the first of them it gets the
-    number `records_before`.
-    """
+    """Parts one after the other; indices of records count on from `records_before`, those of each part from 0."""
     first = records_before + np.cumsum([0, *(len(part["/summary/record"]) for part in parts[:-1])])
     return {
         path: np.concatenate(
             [part[path] + start for part, start in zip(parts, first, strict=True)]
-            if path.endswith(RECORD_INDEX)
+            if path.endswith("record_index")
             else [part[path] for part in parts]
         )
         for path in parts[0]
@@ -183,10 +159,7 @@ def joined_parts(parts: Sequence[Mapping[str, np.ndarray]], records_before: int 
 
 
 def record_part(one: RecordAssessment) -> dict[str, np.ndarray]:
-    """The rows that one record adds to the results, but for its earthquake, by their paths ("/summary/pga").
-
-    The first dimension of each is the one that grows. Variables that count records hold 0.
-    """
+    """The rows that one record adds to the results, by path ("/summary/pga"), without its earthquake."""
     return {
         path: _of_record(variable, one)
         for path, variable in _variables(one.config).items()

@@ -1,10 +1,4 @@
-"""The verdict on every body over all motions: the probability that they overturn it, and the words for it.
-
-.. note:: The probability is that of the nonlinear model under a stated uncertainty, over earthquakes that weigh alike.
-   Results without it (another model, a design sequence) have 0 or 1 for each motion: whether the model
-   overturns the body, as it is or weaker. Rocking is not monotonic in the strength of the motion: a body may rock under
-   a record and be overturned by a weaker copy of it.
-"""
+"""The verdict on every body over all motions: the probability that they overturn it, and the words for it."""
 
 import math
 from collections.abc import Iterator, Sequence
@@ -21,15 +15,10 @@ from rockpulse.model_table import is_upper_bound
 
 #: Probabilities of overturning from which on a body may overturn, and overturns [-].
 MAY_OVERTURN, OVERTURNS = 0.05, 0.5
-
 #: Fewest earthquakes of records brought to a demand from which a verdict is given.
 FEWEST_AT_DEMAND = 5
-
-#: What the rounding of a mean may take from a probability [-].
-ROUNDING = 1e-12
-
-#: Probability of uplift below which a body is said to stay at rest [-].
-NEVER_LIFTED = 1e-3
+#: What the rounding of a mean may take from a probability, and that of uplift below which a body stays at rest [-].
+ROUNDING, NEVER_LIFTED = 1e-12, 1e-3
 
 
 class Standing(IntEnum):
@@ -69,7 +58,7 @@ class DemandVerdict:
 
     @property
     def few(self) -> bool:
-        """Whether there is no verdict for want of earthquakes."""
+        """Whether there are too few earthquakes for a verdict."""
         return self.earthquakes < FEWEST_AT_DEMAND
 
 
@@ -108,11 +97,7 @@ class BodyVerdict:
 
 
 def standings(answers: Answers) -> np.ndarray:
-    """The :class:`Standing` of every body under every record, (records, bodies).
-
-    A safety factor below 1 at which the model answers is overturning by a weaker record. Unresolved, outside the range
-    of the model, or a factor below 1 at which the model cannot answer: not known.
-    """
+    """The :class:`Standing` of every body under every record, (records, bodies)."""
     factor = answers["safety_factor"]
     found = np.full(factor.shape, Standing.STANDS, dtype=np.int8)
     for doubtful, _ in _doubts(answers):
@@ -189,10 +174,7 @@ def too_far(answers: Answers, demand: str) -> np.ndarray:
 
 
 def chances(answers: Answers, demand: str | None = None) -> np.ndarray:
-    """(records, bodies) probability that a record, as it is or brought to a demand, overturns a body; NaN: not known.
-
-    Without probabilities 1 where it does by the model of the answers, as it is or weaker, and 0 where it does not.
-    """
+    """(records, bodies) probability that a record, as it is or at a demand, overturns a body; NaN where not known."""
     if answers.probable:
         return answers["overturning_probability"] if demand is None else answers.at_demand(demand)
     if demand is not None:
@@ -214,11 +196,8 @@ def _overturns_at(answers: Answers, demand: str) -> np.ndarray:
 def _doubts(answers: Answers) -> list[tuple[np.ndarray, str]]:
     """Reasons not to rely on an answer by their codes, the gravest last."""
     weaker = (answers["safety_factor"] < 1.0) & (answers["factor_resolved"] == 0)
-    return [
-        (weaker, "weaker"),
-        (answers["applicable"] == 0, "outside"),
-        (answers["outcome"] == Outcome.UNRESOLVED, "unresolved"),
-    ]
+    outside, unresolved = answers["applicable"] == 0, answers["outcome"] == Outcome.UNRESOLVED
+    return [(weaker, "weaker"), (outside, "outside"), (unresolved, "unresolved")]
 
 
 def _governing(factor: np.ndarray, standing: np.ndarray) -> int:

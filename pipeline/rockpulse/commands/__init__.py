@@ -1,46 +1,11 @@
-"""The verbs of the command line: each module holds one as ``VERB``.
+"""The verbs of the command line: each module holds one as ``VERB``, and imports what it needs when it runs."""
 
-What a verb needs beyond the standard library is imported when it runs.
-"""
+from importlib import import_module
 
-from rockpulse.commands import (
-    assess,
-    calibrate,
-    check,
-    completion,
-    convert,
-    diff,
-    export,
-    formats,
-    fragility,
-    init_config,
-    inspect,
-    plot,
-    report,
-    risk,
-    selftest,
-    verify,
-)
+from rockpulse.commands.parser import Verb
 
-#: In the order of the help.
-VERBS = tuple(
-    verb.VERB
-    for verb in (
-        assess,
-        inspect,
-        plot,
-        report,
-        export,
-        diff,
-        verify,
-        calibrate,
-        fragility,
-        risk,
-        check,
-        init_config,
-        formats,
-        convert,
-        selftest,
-        completion,
-    )
-)
+#: Modules of the verbs in the order of the help.
+_MODULES = """assess inspect plot report export diff verify calibrate fragility risk check init_config formats convert
+selftest completion"""
+
+VERBS: tuple[Verb, ...] = tuple(import_module(f"{__name__}.{name}").VERB for name in _MODULES.split())

@@ -84,7 +84,7 @@ def batch_given(args: argparse.Namespace) -> list[str]:
 
 
 def count(words: str) -> int:
-    """Parse an argument as a whole number from 1; raises ArgumentTypeError for any other text."""
+    """Parse a whole number from 1."""
     number = int(words) if words.isdecimal() else 0
     if number < 1:
         raise argparse.ArgumentTypeError(f"expected a whole number from 1, found {words!r}")
@@ -104,10 +104,7 @@ SELECTION: Options = {
 
 
 def read_selection(args: argparse.Namespace) -> Selection:
-    """The selection that the options SELECTION and ``record`` and ``block`` ask for.
-
-    Raises ResultsError for a condition that cannot be understood.
-    """
+    """The selection of the options SELECTION, ``record`` and ``block``; a ResultsError for an invalid condition."""
     from rockpulse.storage.export.selection import SHOWN, Condition, Selection
 
     if args.descending and args.sort is None:
@@ -120,12 +117,7 @@ def read_selection(args: argparse.Namespace) -> Selection:
 
 
 def reading_options(args: argparse.Namespace, settings: RecordSettings | None = None) -> RecordSettings:
-    """The section [records], or its defaults, with the options READING, checked.
-
-    An option of the command line holds for all files, whatever the rows of [[records.file]] say.
-
-    Raises ConfigError or UnitError for an interval or a unit that cannot be.
-    """
+    """The section [records] with the options READING, which hold for all files, also those of [[records.file]]."""
     from rockpulse.config.settings import RecordSettings
     from rockpulse.readers.kit.text import canonical_unit
 
@@ -149,10 +141,7 @@ def reading_options(args: argparse.Namespace, settings: RecordSettings | None = 
 
 
 def configured(args: argparse.Namespace) -> Config:
-    """The configuration with the blocks of the command line, its tables named absolutely.
-
-    Raises ConfigError for a configuration or block that cannot be understood.
-    """
+    """The configuration with the blocks of the command line and absolute paths of its tables."""
     from rockpulse.config.block_settings import parse_block_option
     from rockpulse.config.configuration import Config, load_config, located
     from rockpulse.config.settings import WEIGHTS
@@ -168,11 +157,7 @@ def configured(args: argparse.Namespace) -> Config:
 
 
 def resolved(args: argparse.Namespace) -> tuple[Config, list[str]]:
-    """The configuration with the arguments of the command line, and the paths to read, as the user wrote them.
-
-    The configuration itself, which is stored, names files absolutely, so that it repeats the run from any folder.
-    Raises ConfigError without records, and for options that cannot be understood.
-    """
+    """The configuration, whose paths are absolute so that it repeats the run anywhere, and the paths as typed."""
     from rockpulse.config.configuration import located
 
     config = configured(args)

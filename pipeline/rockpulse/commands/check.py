@@ -6,13 +6,14 @@ from pathlib import Path
 from rockpulse.commands.arguments import QUIET
 from rockpulse.commands.parser import Verb
 from rockpulse.commands.terminal import tell
-from rockpulse.config.study_settings import CODES
+from rockpulse.config import CODES
 from rockpulse.errors import ConfigError, ResultsError
 
 
 def _run(args: argparse.Namespace) -> int:
-    from rockpulse.commands.output_files import check_file, csv_bytes, write_files
     from rockpulse.config.configuration import config_from_text, load_config
+    from rockpulse.files import check_file, write_files
+    from rockpulse.storage.export.table_file import csv_bytes
     from rockpulse.storage.hdf5.atomic import ASSESSMENT, named
     from rockpulse.storage.hdf5.results_file import load
     from rockpulse.studies.check.bodies import code_check
@@ -53,10 +54,7 @@ VERB = Verb(
                 {"nargs": "?"},
             ),
             "--config CONFIG": "configuration with [[block]] and [check]; default: that of the results",
-            "--code CODE": (
-                f"codes, of {', '.join(CODES)}; default: all of them",
-                {"nargs": "*", "choices": CODES},
-            ),
+            "--code CODE": (f"codes, of {', '.join(CODES)}; default: all of them", {"nargs": "*", "choices": CODES}),
             "-o --output TABLE": "write the table too (CSV)",
             "--overwrite": "replace a file that exists",
             "--quiet": QUIET,

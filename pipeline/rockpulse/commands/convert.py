@@ -76,8 +76,5 @@ VERB = Verb(
         },
     ),
     run=_run,
-    examples=(
-        "rockpulse convert CICLC.v1 -o clc.AT2",
-        "rockpulse convert records/ -o converted/ --format csv",
-    ),
+    examples=("rockpulse convert CICLC.v1 -o clc.AT2", "rockpulse convert records/ -o converted/ --format csv"),
 )

@@ -26,8 +26,8 @@ def _run(args: argparse.Namespace) -> int:
         history = str(file.attrs.get("history", "")).splitlines()
         chosen = f" Selection: {'; '.join(selection.words)}." if selection.words else ""
         about = (
-            f"From `{file.path.name}` ({file.attrs.get('title', '')}; {history[-1] if history else 'no date'}).{chosen}"
-            f"{_demands(file, table)}"
+            f"From `{file.path.name}` ({file.attrs.get('title', '')}; "
+            f"{history[-1] if history else 'no date'}).{chosen}{_demands(file, table)}"
         )
         with progress_bars(quiet=False)(total=len(table), desc="writing", unit=" rows") as bar:
             written, readme = write_table(

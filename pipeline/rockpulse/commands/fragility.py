@@ -18,8 +18,9 @@ def _run(args: argparse.Namespace) -> int:
 
     from rockpulse.run.batch import fragility_files
     from rockpulse.storage.hdf5.results_file import load
+    from rockpulse.views.shared.files_used import failure_rows
     from rockpulse.views.text.fragility import fragility_overview
-    from rockpulse.views.text.left_out import not_used
+    from rockpulse.views.text.left_out import rows_not_used
 
     with recorded(args):
         report = fragility_files(paths, config, args.output, batch_options(args))
@@ -27,7 +28,8 @@ def _run(args: argparse.Namespace) -> int:
         return nothing_written(report.failures, "used", args.quiet)
 
     def overview(tree: xr.DataTree) -> str:
-        return "\n\n".join(filter(None, (fragility_overview(tree), not_used(tree), f"results: {args.output}")))
+        unused = rows_not_used(failure_rows(tree))
+        return "\n\n".join(filter(None, (fragility_overview(tree), unused, f"results: {args.output}")))
 
     return told(load(report.path), args, overview)
 

@@ -6,12 +6,11 @@ import re
 import textwrap
 from importlib.resources import files
 from pathlib import Path
+from typing import Any
 
 from rockpulse.commands.parser import Verb
 from rockpulse.commands.terminal import tell
-from rockpulse.config.study_settings import HAZARD_UNITS
 from rockpulse.errors import ConfigError
-from rockpulse.record.measures import DEMAND, FRAGILITY, HAZARD, MEASURES, PERIODIC, ROWS, SCALING, Measure
 
 #: Columns between which the comments of the template stand.
 BEGIN, END = 28, 122
@@ -19,7 +18,9 @@ BEGIN, END = 28, 122
 
 def template() -> str:
     """Every key of the configuration with its default and its meaning; models and measures by their tables."""
+    from rockpulse.config.study_settings import HAZARD_UNITS
     from rockpulse.model_table import DEFAULT_MODELS, MODELS, NAMES, UPPER_BOUND
+    from rockpulse.record.measures import DEMAND, FRAGILITY, HAZARD, MEASURES, PERIODIC, ROWS, SCALING
 
     named = {"hazard": HAZARD, "units": HAZARD_UNITS, "families": PERIODIC}
     told = {of: " | ".join(f'"{name}"' for name in names) for of, names in named.items()}
@@ -35,7 +36,7 @@ def template() -> str:
     return "\n".join(_filled(line, told) for line in text.split("\n"))
 
 
-def _meaning(measure: Measure) -> str:
+def _meaning(measure: Any) -> str:
     return f"{measure.meaning or measure.long_name}, {measure.shown_unit}".removesuffix(", ")
 
 

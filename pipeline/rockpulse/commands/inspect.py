@@ -17,10 +17,7 @@ if TYPE_CHECKING:
     from rockpulse.storage.hdf5.results_file import ResultsFile
 
 #: Files of other verbs by their characteristic group: words for the file, and the module of its text.
-SHOWN_WHOLE = {
-    "site": ("this is a site file", "site"),
-    "fragility": ("this is a fragility file", "fragility"),
-}
+SHOWN_WHOLE = {"site": ("this is a site file", "site"), "fragility": ("this is a fragility file", "fragility")}
 
 #: Options that ask for a list of cases.
 OF_CASES = ("model", "outcome", "where", "sort", "limit", "worst")
@@ -38,10 +35,8 @@ def _run(args: argparse.Namespace) -> int:
     from rockpulse.storage.hdf5.results_file import open_results
 
     with open_results(args.results) as file, file.reading():
-        for group in SHOWN_WHOLE:
-            if group in file.groups:
-                return _inspect_whole(file, group, args)
-        tell("\n\n".join(_parts(file, args)))
+        whole = [group for group in SHOWN_WHOLE if group in file.groups]
+        tell(_whole(file, whole[0], args) if whole else "\n\n".join(_parts(file, args)))
     return 0
 
 
@@ -51,7 +46,12 @@ def _parts(file: ResultsFile, args: argparse.Namespace) -> list[str]:
     from rockpulse.views.text.lists import block_list, record_list
     from rockpulse.views.text.overview import overview
 
-    _check_worst(args)
+    beside = [f"--{name}" for name in BESIDE_WORST if args.worst and getattr(args, name)]
+    if beside:
+        raise ResultsError(
+            f"--worst lists so many cases by their safety factor and does not go with {', '.join(beside)}; take --sort "
+            "VARIABLE --limit N instead"
+        )
     selection = read_selection(args)
     summary = file.dataset("summary")
     parts = []
@@ -65,15 +65,6 @@ def _parts(file: ResultsFile, args: argparse.Namespace) -> list[str]:
     if args.failures:
         parts.append(failure_list(file.tree("failures")) or NOTHING)
     return parts or [overview(file.tree("summary", "directions", "failures"), args.all)]
-
-
-def _check_worst(args: argparse.Namespace) -> None:
-    beside = [f"--{name}" for name in BESIDE_WORST if args.worst and getattr(args, name)]
-    if beside:
-        raise ResultsError(
-            f"--worst lists so many cases by their safety factor and does not go with {', '.join(beside)}; take --sort "
-            "VARIABLE --limit N instead"
-        )
 
 
 def _details(summary: xr.Dataset, args: argparse.Namespace) -> list[str]:
@@ -104,7 +95,7 @@ def _cases(summary: xr.Dataset, args: argparse.Namespace) -> str:
     return case_list(summary, replace(selection, limit=args.worst or selection.limit or CASES))
 
 
-def _inspect_whole(file: ResultsFile, group: str, args: argparse.Namespace) -> int:
+def _whole(file: ResultsFile, group: str, args: argparse.Namespace) -> str:
     from rockpulse.storage.hdf5.results_file import load
     from rockpulse.views.text.left_out import failure_list
 
@@ -117,10 +108,9 @@ def _inspect_whole(file: ResultsFile, group: str, args: argparse.Namespace) -> i
             f"{args.results}: {options}: for results of 'rockpulse assess'; {said}, which inspect shows whole"
         )
     if args.failures:
-        tell(failure_list(file.tree("failures")) or NOTHING)
-    else:
-        tell(getattr(import_module(f"rockpulse.views.text.{name}"), f"{name}_overview")(load(args.results)))
-    return 0
+        return failure_list(file.tree("failures")) or NOTHING
+    overview = getattr(import_module(f"rockpulse.views.text.{name}"), f"{name}_overview")
+    return str(overview(load(args.results)))
 
 
 VERB = Verb(

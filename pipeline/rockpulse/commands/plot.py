@@ -22,13 +22,13 @@ class _List(argparse.Action):
 
 
 def _run(args: argparse.Namespace) -> int:
-    from rockpulse.commands.output_files import PICTURES, check_file, write_files
+    from rockpulse.files import check_file, write_files
     from rockpulse.storage.hdf5.results_file import load
     from rockpulse.views.plots.drawing import draw
     from rockpulse.views.plots.kinds import OPTIONS
     from rockpulse.views.plots.picture import picture_bytes
 
-    target = check_file(args.output, args.overwrite, PICTURES)
+    target = check_file(args.output, args.overwrite, (".svg", ".png", ".pdf"))
     options = {name: getattr(args, name) for name in OPTIONS}
     if args.restitution not in (None, "housner"):
         try:

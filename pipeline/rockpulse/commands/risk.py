@@ -12,8 +12,9 @@ from rockpulse.errors import ConfigError
 
 
 def _run(args: argparse.Namespace) -> int:
-    from rockpulse.commands.output_files import check_file, csv_bytes, write_files
     from rockpulse.config.configuration import config_from_text, load_config
+    from rockpulse.files import check_file, write_files
+    from rockpulse.storage.export.table_file import csv_bytes
     from rockpulse.storage.hdf5.results_file import load
     from rockpulse.studies.risk.frequency import annual_frequency, standing_test
     from rockpulse.studies.risk.hazard_files import hazard_of, site_hazards_of
@@ -30,7 +31,9 @@ def _run(args: argparse.Namespace) -> int:
         raise ConfigError(
             f"--age: it says that bodies still stand, so expected --limit-state overturning, found {limit_state}"
         )
-    files = _files(args.output, args.bodies is None)
+    files = [] if args.output is None else [Path(args.output)]
+    if files and args.bodies is None:  # what each range of levels contributes
+        files.append(files[0].with_name(f"{files[0].stem}_levels{files[0].suffix}"))
     for path in files:
         check_file(path, args.overwrite)
     if args.hazard is not None and args.config is not None:
@@ -71,14 +74,6 @@ def _run(args: argparse.Namespace) -> int:
     return 0
 
 
-def _files(output: str | None, levels: bool) -> list[Path]:
-    """The files to write: the table of bodies, and beside it that of levels."""
-    if output is None:
-        return []
-    path = Path(output)
-    return [path, path.with_name(f"{path.stem}_levels{path.suffix}")] if levels else [path]
-
-
 VERB = Verb(
     name="risk",
     summary="annual frequency of overturning from a fragility file and a hazard curve",
@@ -106,10 +101,7 @@ VERB = Verb(
             "--config CONFIG": "configuration with a section [hazard]; default: that of the fragility",
             "--limit-state STATE": "of a fragility; default: overturning",
             "--years T": ("time for the probability; default: that of [hazard]", {"type": float}),
-            "--age YEARS": (
-                "time for which the bodies have stood: does that contradict the hazard?",
-                {"type": float},
-            ),
+            "--age YEARS": ("time for which the bodies have stood: does that contradict the hazard?", {"type": float}),
             "--resamples N": ("draws for the bands of a fragility, 0 for none; default: 500", {"type": int}),
             "-o --output TABLE": "write the table too (CSV), and of a fragility beside it TABLE_levels.csv, what each "
             "range of levels contributes",

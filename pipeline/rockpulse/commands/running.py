@@ -70,10 +70,7 @@ class _LogFile(logging.FileHandler):
 
 @contextmanager
 def recorded(args: argparse.Namespace) -> Iterator[None]:
-    """Log to the file that is asked for, and take a polite request to end (SIGTERM) like Ctrl-C, meanwhile.
-
-    Raises ConfigError where the log would go to the end of a file that is no log, OSError where it cannot be written.
-    """
+    """Within it, write the log file that is asked for, and treat SIGTERM like Ctrl-C."""
     with ExitStack() as meanwhile:
         if args.log_file is not None:
             meanwhile.enter_context(_logged(Path(args.log_file), Path(args.output)))

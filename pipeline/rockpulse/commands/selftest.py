@@ -66,8 +66,8 @@ def _machine() -> str:
     versions = ", ".join(f"{name} {version(name)}" for name in ("numpy", "numba", "scipy"))
     processor = names[0] if names else platform.processor() or platform.machine()
     return (
-        f"rockpulse {__version__}, Python {platform.python_version()}, {versions}; {processor}, "
-        f"{available_cores()} threads available"
+        f"rockpulse {__version__}, Python {platform.python_version()}, {versions}; {processor}, {available_cores()} "
+        "threads available"
     )
 
 

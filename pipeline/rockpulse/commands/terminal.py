@@ -15,10 +15,7 @@ from rockpulse.foreign_text import escaped
 
 
 def tell(text: str, file: TextIO | None = None) -> None:
-    """Print a text, to standard output by default, with control characters as escapes.
-
-    Where nobody reads any more, as in ``| head``, the rest is dropped.
-    """
+    """Print a text with control characters as escapes; what nobody reads any more, as in ``| head``, is dropped."""
     file = sys.stdout if file is None else file
     try:
         print(escaped(text), file=file, flush=True)

@@ -88,7 +88,7 @@ class TieSettings(_OfModel):
 
 @dataclass(frozen=True)
 class FloorSettings(Section):
-    """A mode of the building that a body stands on, as :func:`rocking.floor_motion` has it; `mass` is of the floor.
+    """A mode of the building under a body, as :func:`rocking.floor_motion` has it, with the mass of the floor.
 
     `level` is its height over that of the building [-], which a check of codes asks for.
     """
@@ -156,11 +156,10 @@ class BlockSettings(Section):
         Unique in a configuration.
     width, height : float or None
         Full size in the plane of rocking [m].
-    p, alpha : float or None
-        Frequency parameter [1/s] and critical angle [rad] of a body that is no rectangle.
-    radius : float or None
-        R of such a body [m], from the corner to the centre of mass: with it the restitution is judged by the body's own
-        angular momentum, without it by that of the rectangle with the same alpha.
+    p, alpha, radius : float or None
+        Frequency parameter [1/s] and critical angle [rad] of a body that is no rectangle, and R from the corner to the
+        centre of mass [m], by which its angular momentum is judged; without it that of the rectangle with the same
+        alpha.
     restitution : float, str or tuple of float
         Velocity ratio of an impact [-], "housner" (the most that angular momentum allows), or several values to be
         assessed side by side.
@@ -177,22 +176,17 @@ class BlockSettings(Section):
     rebound : float, str, tuple of float or None
         Of such a body, in place of the restitution: the share of its speed that a return to the wall leaves [-], or
         "sorrentino", which stands where none is given.
-    facing : float or None
-        Azimuth towards which such a body falls, clockwise from north [degrees].
-    azimuth : float or None
-        Direction in which the body rocks, in which pairs of channels are taken for it [degrees]; that of [records]
-        without, or the `facing` of a body before a wall.
+    facing, azimuth : float or None
+        Azimuths, clockwise from north [degrees], towards which such a body falls, and in which the body rocks, for
+        pairs of channels; without an azimuth the `facing`, else that of [records].
     friction : float or None
         Coefficient at the base, by which sliding is checked [-].
     mass, density, length : float or None
         Mass [kg], or density [kg/m3] and length along the base [m]: needed with ties, loads or thrusts.
-    ties, loads, thrusts : tuple
-        In TOML [[block.tie]], [[block.load]] and [[block.thrust]].
-    floors : tuple of FloorSettings
-        Modes of the building that it stands on, [[block.floor]]; none for a body on the ground.
-    pedestals : tuple of PedestalSettings
-        Parts that it stands on, [[block.pedestal]], from its foot downwards: it is assessed alone, and as one body with
-        each of them and those above.
+    ties, loads, thrusts, floors, pedestals : tuple
+        In TOML [[block.tie]], [[block.load]], [[block.thrust]], [[block.floor]] and [[block.pedestal]]: the modes of
+        the building under it, and the parts that it stands on, from its foot downwards: it is assessed alone, and as
+        one body with each of them and those above.
     confirm_size : bool
         Take also a body that is larger than 30 m, less than 5 cm high or 1 mm wide, or wider than high. A body by p and
         alpha is measured as the rectangle with its R and alpha.
@@ -281,14 +275,7 @@ class BlockSettings(Section):
             raise ConfigError(f"{self.where}: {doubt}, or set confirm_size = true in its [[block]]")
 
     def block(self) -> Block:
-        """The model's block, with half sizes; one lane, or one per restitution of a list. Its remarks are logged.
-
-        Raises
-        ------
-        ConfigError
-            Where the model refuses it (Housner's restitution for a body squatter than 0.707, a radius that no body of
-            this p has).
-        """
+        """The model's block, one lane or one per restitution of a list, its warnings logged; ConfigError if refused."""
         from rocking import Block
 
         common: dict[str, Any] = {name: self[name] for name in ("restitution", "gravity", "one_sided", "rebound")}
@@ -312,13 +299,7 @@ class BlockSettings(Section):
         return block
 
     def with_pedestals(self) -> dict[str, Block]:
-        """The body as one with its first pedestal, with the first two and so on, by their names.
-
-        Raises
-        ------
-        ConfigError
-            Without a mass, or where it stands over the edge of a pedestal.
-        """
+        """The body as one with its first pedestal, with the first two..., by name; ConfigError without a mass."""
         from rocking.body.supports import with_pedestal
 
         found: dict[str, Block] = {}
@@ -372,16 +353,7 @@ def _doubt(block: BlockSettings) -> str:
 
 
 def parse_block_option(option: str, confirm_size: bool = False) -> BlockSettings:
-    """A block from the command line, ``NAME=WIDTHxHEIGHT`` with full sizes in m; a ConfigError for any other text.
-
-    A size that is doubted is refused too, unless it is confirmed.
-
-    Examples
-    --------
-    >>> block = parse_block_option("pier=0.8x3.2")
-    >>> block.name, block.width, block.height
-    ('pier', 0.8, 3.2)
-    """
+    """A block from ``NAME=WIDTHxHEIGHT`` with full sizes in m; ConfigError for other texts and doubted sizes."""
     name, equals, size = option.rpartition("=")
     width, times, height = size.lower().partition("x")
     if not (equals and times):

@@ -54,10 +54,9 @@ class Bodies:
     warnings: tuple[str, ...]
 
     def places(self, azimuth: float | None, within: float = 0.0) -> list[tuple[Place, np.ndarray]]:
-        """The different motions that bodies feel, each with the numbers of its bodies; the record's own one first.
+        """The motions that bodies feel, each with their numbers, the record's own first; see :class:`Place`.
 
-        `azimuth` is that of the record where each body is shaken in its own direction; one that is parallel to it
-        `within` some degrees needs no other motion.
+        Directions `within` some degrees of the `azimuth` of the record, or against it, are the record's own.
         """
         own = []
         for direction, floors in zip(self.azimuth.tolist(), self.floors, strict=True):
@@ -81,10 +80,7 @@ class Bodies:
         return values.reshape(*values.shape[:-1], len(self.names), self.cases)
 
     def apart(self) -> tuple[list[str], Block, np.ndarray]:
-        """Names, lanes and body of each where every restitution of a body is one of its own, named "wall C 0.9".
-
-        A body with one value is one lane under its own name. A ConfigError where two get one name.
-        """
+        """Names, lanes and body of each restitution as a body of its own, "wall C 0.9"; ConfigError for equal names."""
         names, kept = [], []
         for place, (name, own) in enumerate(
             zip(self.names, self.per_case(np.asarray(self.lanes.restitution)), strict=True)
@@ -104,12 +100,7 @@ class Bodies:
 
 
 def gather_bodies(blocks: Blocks, records: RecordSettings | None = None) -> Bodies:
-    """Line up the bodies of a configuration, or those that Python gives.
-
-    A Block of shape (c,) stands for c restitution values of one body. A ConfigError without any body, with restitution
-    lists of different lengths, a Block whose sizes differ among its lanes, bodies in different gravity, or one with a
-    direction of its own where the settings of the records are given and ask for no pairs.
-    """
+    """Line up the bodies of a configuration or Python, a Block (c,) as c restitutions of one; ConfigError if none."""
     bodies = list(given_bodies(blocks))
     if records is not None:
         require_pairs([one for _, one in bodies if isinstance(one, BlockSettings)], records)
@@ -196,13 +187,7 @@ EXPECTED = (
 
 
 def given_bodies(blocks: Blocks) -> Iterator[tuple[str, Block | BlockSettings]]:
-    """Every body with its name, sizes as settings; a ConfigError for what is no body, in words that say what is.
-
-    Examples
-    --------
-    >>> [(name, body.width, body.height) for name, body in given_bodies({"wall": (0.25, 2.2)})]
-    [('wall', 0.25, 2.2)]
-    """
+    """Every body with its name, sizes as settings; a ConfigError says what was expected."""
     if isinstance(blocks, Mapping):
         for name, body in blocks.items():
             yield name, _named(name, body)

@@ -1,8 +1,4 @@
-"""The configuration of an assessment: a strict TOML file, or the same sections built in Python.
-
-Unknown sections and keys, wrong types and wrong words are errors that name file, key, what was found and what is
-allowed. TOML has no null: an omitted key whose default is "none" is None.
-"""
+"""The configuration of an assessment: a strict TOML file, or the same sections built in Python."""
 
 import dataclasses
 import os
@@ -12,26 +8,9 @@ from glob import escape, has_magic
 from pathlib import Path
 from typing import Any, cast
 
+from rockpulse.config import settings, study_settings
 from rockpulse.config.block_settings import BlockSettings, require_pairs
-from rockpulse.config.settings import (
-    CalibrationSettings,
-    ConditioningSettings,
-    DemandSettings,
-    HalfWaveSettings,
-    IntensePhaseSettings,
-    RecordSettings,
-    RunSettings,
-    SequenceSettings,
-    SiteSettings,
-)
-from rockpulse.config.study_settings import (
-    CheckSettings,
-    FragilitySettings,
-    HazardSettings,
-    ReportSettings,
-    UncertaintySettings,
-    logo_bytes,
-)
+from rockpulse.config.study_settings import logo_bytes
 from rockpulse.errors import ConfigError, ResultsError
 from rockpulse.files import TOML_LIMIT, parse_toml, read_text
 from rockpulse.model_table import ModelSettings, SearchSettings, is_full
@@ -39,7 +18,6 @@ from rockpulse.option import Section, hint
 
 #: Sections of which there may be several.
 SEVERAL = ("block", "demand")
-
 #: What messages call a configuration that results hold.
 STORED = "the configuration stored in the results"
 
@@ -52,21 +30,16 @@ class Config:
     ----------
     site, records, conditioning, half_waves, intense_phase, sequence, models, search : Section
     uncertainty, calibration, fragility, hazard, check, report, run : Section
-        One dataclass per section of the TOML file, each usable as keyword arguments:
-        ``condition(record, **config.conditioning)``.
-    blocks : tuple of BlockSettings
-        The bodies ([[block]]), in the order of the file.
-    demands : tuple of DemandSettings
-        The demands of the site ([[demand]]), in the order of the file.
+        One dataclass per section, usable as keyword arguments: ``condition(record, **config.conditioning)``.
+    blocks, demands : tuple of BlockSettings, tuple of DemandSettings
+        The bodies ([[block]]) and the demands of the site ([[demand]]), in the order of the file.
     folder : Path
         The folder that ``records.paths`` is relative to, that of the file. Not part of the comparison or of the text.
 
     Raises
     ------
     ConfigError
-        For two blocks or two demands of one name, restitution lists of different lengths, histories that would not be
-        stored, a selection of records whose ids are not known before, a body with a direction of its own without pairs
-        of channels, or an uncertain azimuth without a sweep over direction.
+        For two blocks or two demands of one name, and for sections that do not go together.
 
     Examples
     --------
@@ -74,34 +47,30 @@ class Config:
     'largest'
     """
 
-    site: SiteSettings = field(default_factory=SiteSettings)
-    records: RecordSettings = field(default_factory=RecordSettings)
-    conditioning: ConditioningSettings = field(default_factory=ConditioningSettings)
-    half_waves: HalfWaveSettings = field(default_factory=HalfWaveSettings)
-    intense_phase: IntensePhaseSettings = field(default_factory=IntensePhaseSettings)
-    sequence: SequenceSettings = field(default_factory=SequenceSettings)
+    site: settings.SiteSettings = field(default_factory=settings.SiteSettings)
+    records: settings.RecordSettings = field(default_factory=settings.RecordSettings)
+    conditioning: settings.ConditioningSettings = field(default_factory=settings.ConditioningSettings)
+    half_waves: settings.HalfWaveSettings = field(default_factory=settings.HalfWaveSettings)
+    intense_phase: settings.IntensePhaseSettings = field(default_factory=settings.IntensePhaseSettings)
+    sequence: settings.SequenceSettings = field(default_factory=settings.SequenceSettings)
     models: ModelSettings = field(default_factory=ModelSettings)
     search: SearchSettings = field(default_factory=SearchSettings)
-    uncertainty: UncertaintySettings = field(default_factory=UncertaintySettings)
-    calibration: CalibrationSettings = field(default_factory=CalibrationSettings)
-    fragility: FragilitySettings = field(default_factory=FragilitySettings)
-    hazard: HazardSettings = field(default_factory=HazardSettings)
-    check: CheckSettings = field(default_factory=CheckSettings)
-    report: ReportSettings = field(default_factory=ReportSettings)
-    run: RunSettings = field(default_factory=RunSettings)
+    uncertainty: study_settings.UncertaintySettings = field(default_factory=study_settings.UncertaintySettings)
+    calibration: settings.CalibrationSettings = field(default_factory=settings.CalibrationSettings)
+    fragility: study_settings.FragilitySettings = field(default_factory=study_settings.FragilitySettings)
+    hazard: study_settings.HazardSettings = field(default_factory=study_settings.HazardSettings)
+    check: study_settings.CheckSettings = field(default_factory=study_settings.CheckSettings)
+    report: study_settings.ReportSettings = field(default_factory=study_settings.ReportSettings)
+    run: settings.RunSettings = field(default_factory=settings.RunSettings)
     blocks: tuple[BlockSettings, ...] = ()
-    demands: tuple[DemandSettings, ...] = ()
+    demands: tuple[settings.DemandSettings, ...] = ()
     folder: Path = field(default=Path(), compare=False)
 
     def __post_init__(self) -> None:
         _require_different("[[block]]", [block.name for block in self.blocks])
         _require_different("[[demand]]", [demand.name for demand in self.demands])
-        lists = {
-            block.name: len(ratios)
-            for block in self.blocks
-            for ratios in (block.restitution, block.rebound)
-            if isinstance(ratios, tuple)
-        }
+        ratios = [(block.name, own) for block in self.blocks for own in (block.restitution, block.rebound)]
+        lists = {name: len(own) for name, own in ratios if isinstance(own, tuple)}
         if len(set(lists.values())) > 1:
             found = ", ".join(f'{length} in "{name}"' for name, length in lists.items())
             raise ConfigError(f"[[block]] restitution: expected lists of one length in all blocks, found {found}")
@@ -153,15 +122,7 @@ def _require_different(heading: str, names: list[str]) -> None:
 
 
 def located(path: str, folder: Path) -> Path:
-    """A file, folder or pattern that counts from a folder, as it is found from elsewhere.
-
-    An absolute path stays as it is. The name of the folder is no pattern, whatever characters it holds.
-
-    Examples
-    --------
-    >>> located("*.AT2", Path("site [old]")).as_posix()
-    'site [[]old]/*.AT2'
-    """
+    """A path or pattern that counts from a folder, as found from elsewhere; the folder's name is no pattern."""
     found = folder / path
     return Path(escape(str(folder))) / path if has_magic(path) and not os.path.lexists(found) else found
 
@@ -232,11 +193,9 @@ def _build(document: Mapping[str, Any], folder: Path) -> Config:
         if name not in known:
             told = f"known are {', '.join(known)}"
             raise ConfigError(f"[{name}]: unknown section{hint(name, known, told)}")
-    sections: dict[str, Any] = {
-        name: _section(cls, document[name]) for name, cls in SECTIONS.items() if name in document
-    }
+    sections: Any = {name: _section(cls, document[name]) for name, cls in SECTIONS.items() if name in document}
     blocks = _sections(BlockSettings, document, "block", "body")
-    demands = _sections(DemandSettings, document, "demand", "limit state")
+    demands = _sections(settings.DemandSettings, document, "demand", "limit state")
     return Config(**sections, blocks=blocks, demands=demands, folder=folder)
 
 
@@ -253,19 +212,15 @@ def _sections(cls: type[Section], document: Mapping[str, Any], name: str, what: 
 def _section(cls: type[Section], values: Any) -> Any:
     if not isinstance(values, Mapping):
         raise ConfigError(f"{cls.heading}: expected a section with keys, found {values!r}")
-    fields = dataclasses.fields(cls)
-    known = [_toml_key(item) for item in fields]
+    known = {_toml_key(item): item for item in dataclasses.fields(cls)}
     for key in values:
         if key not in known:
             told = f"known are {', '.join(known)}"
-            raise ConfigError(f"{cls.heading} {key}: unknown key{hint(key, known, told)}")
-    for item in fields:
-        if item.default is dataclasses.MISSING and item.name not in values:
-            raise ConfigError(
-                f"{cls.heading} {item.name}: this key is needed, found only {', '.join(values) or 'nothing'}"
-            )
-    given = {item.name: _given(item, values) for item in fields if _toml_key(item) in values}
-    return cls(**given)
+            raise ConfigError(f"{cls.heading} {key}: unknown key{hint(key, list(known), told)}")
+    for key, item in known.items():
+        if item.default is dataclasses.MISSING and key not in values:
+            raise ConfigError(f"{cls.heading} {key}: this key is needed, found only {', '.join(values) or 'nothing'}")
+    return cls(**{item.name: _given(item, key, values[key]) for key, item in known.items() if key in values})
 
 
 def _toml_key(item: dataclasses.Field[Any]) -> str:
@@ -274,9 +229,9 @@ def _toml_key(item: dataclasses.Field[Any]) -> str:
     return item.name if cls is None else str(cls.heading).strip("[]").rpartition(".")[2]
 
 
-def _given(item: dataclasses.Field[Any], values: Mapping[str, Any]) -> Any:
-    cls, key = item.metadata.get("entries"), _toml_key(item)
-    return values[key] if cls is None else _sections(cls, values, key, key)
+def _given(item: dataclasses.Field[Any], key: str, value: Any) -> Any:
+    cls = item.metadata.get("entries")
+    return value if cls is None else _sections(cls, {key: value}, key, key)
 
 
 def _as_toml(heading: str, section: Section) -> str:
@@ -294,7 +249,7 @@ def _value(value: Any) -> str:
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, str):
-        return '"' + "".join(_character(character) for character in value) + '"'
+        return '"' + "".join(map(_character, value)) + '"'
     if isinstance(value, tuple):
         return "[" + ", ".join(_value(item) for item in value) + "]"
     return repr(value)
@@ -302,5 +257,5 @@ def _value(value: Any) -> str:
 
 def _character(character: str) -> str:
     if character in '"\\':
-        return "\\" + character
+        return f"\\{character}"
     return character if character >= " " and character != "\x7f" else f"\\u{ord(character):04x}"

@@ -7,6 +7,7 @@ from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from rockpulse.config.settings import misplaced
 from rockpulse.errors import ConfigError
 from rockpulse.files import check_regular
 from rockpulse.model_table import EQUATIONS
@@ -16,17 +17,12 @@ from rockpulse.record.measures import FRAGILITY, HAZARD, MEASURES, PGA, REFERENC
 if TYPE_CHECKING:
     from rocking.spectrum.probability import Uncertainty
 
-#: The codes whose checks are known, in the order of tables.
-CODES = ("circolare_2009", "circolare_2019", "en_1998")
-
 #: Limit states that are no rotation.
 UPLIFT, OVERTURNING = "uplift", "overturning"
 DATA = ("stripes", "ida", "cloud")
 MODELS = ("lognormal", "logistic")
-
 #: Units of the levels of the measures that a hazard is given in.
 HAZARD_UNITS = tuple(dict.fromkeys(unit for name in HAZARD for unit in MEASURES[name].known_units))
-
 #: Largest logo [bytes]: as text it is an attribute of the results file, of which HDF5 takes 64 kB.
 LOGO_LIMIT = 45_000
 #: What every PNG begins with.
@@ -221,14 +217,11 @@ class CheckSettings(Section):
         if self.spectrum == "table" and named:
             raise ConfigError(f'[check] {named[0]}: the numbers of spectrum = "table" are in its file; drop it')
         if self.spectrum != "table" and self.file is not None:
-            raise ConfigError(f'[check] file: it belongs to spectrum = "table", found spectrum = "{self.spectrum}"')
+            raise misplaced(self, "file", "spectrum", '"table"')
         if self.spectrum != "ntc" and (given := [name for name, value in of_ntc.items() if value is not None]):
-            raise ConfigError(f'[check] {given[0]}: it belongs to spectrum = "ntc", found "{self.spectrum}"; drop it')
+            raise misplaced(self, given[0], "spectrum", '"ntc"')
         if self.spectrum != "ntc" and self.topography != "T1":
-            raise ConfigError(
-                f'[check] topography: it belongs to spectrum = "ntc", found spectrum = "{self.spectrum}"; put its '
-                "factor into ag"
-            )
+            raise misplaced(self, "topography", "spectrum", '"ntc"', "put its factor into ag")
         needed = {"ntc": ("ag", "f0", "tc_star"), "table": ()}.get(self.spectrum, ("ag",))
         missing = [name for name in needed if name not in named]
         if named and missing:
@@ -252,13 +245,7 @@ class ReportSettings(Section):
 
 
 def logo_bytes(report: ReportSettings, folder: Path) -> bytes:
-    """The logo, whose path counts from a folder; empty without one.
-
-    Raises
-    ------
-    ConfigError
-        For a file that is not there, is larger than `LOGO_LIMIT`, or is no PNG.
-    """
+    """The logo, whose path counts from a folder, or empty; ConfigError for one too large, not there, or no PNG."""
     if report.logo is None:
         return b""
     path = folder / report.logo

@@ -1,7 +1,4 @@
-"""Readers of strong-motion files: one file per family of formats (:mod:`rockpulse.readers.formats`), one function.
-
-Importing this package loads neither obspy, pandas, numba nor xarray, so that it may serve as a reader plugin.
-"""
+"""Readers of strong-motion files; importing them loads neither obspy, pandas, numba nor xarray."""
 
 import os
 from dataclasses import replace
@@ -43,18 +40,15 @@ def read(
     Parameters
     ----------
     path : str, path or binary file
-        A file, plain or compressed with gzip, or an open one (``open(path, "rb")``, ``io.BytesIO``), which is read
-        from where it stands. For folders and zip archives see `rockpulse.readers.folders.read_all`.
+        A file, plain or compressed with gzip, or an open one, read from its position; folders: `rockpulse.read_all`.
     units : str, optional
-        Unit of the accelerations, a key of `UNITS`, for the formats that do not state one (columns, SAC). Files that
-        state their unit keep it.
+        Unit of the accelerations, a key of `UNITS`, for files that do not state one (columns, SAC).
     dt : float, optional
         Sampling interval [s] for columns without a time column.
     response : {"sensitivity", "remove"}
         How counts with a StationXML become m/s2; see `ReadOptions`.
     stationxml : str, path or binary file, optional
-        Station metadata of miniSEED. Without it the StationXML files beside the file are searched; an open file without
-        a name has none beside it.
+        Station metadata of miniSEED. Without it the StationXML files beside a file with a name are searched.
 
     Returns
     -------

@@ -32,12 +32,7 @@ def is_archive(path: Path) -> bool:
 
 
 class Archive:
-    """An open zip archive of records, to be closed or used as a context manager.
-
-    Opening raises RecordFormatError for a file that is no sound archive, and RecordRefused for more than `MEMBER_LIMIT`
-    members or `TOTAL_LIMIT` bytes, and for members that share their bytes. `names` are ``archive.zip!member``, sorted,
-    without hidden files.
-    """
+    """An open zip archive of records, to be closed or used as a context manager; unsound ones are refused."""
 
     def __init__(self, path: Path) -> None:
         try:

@@ -98,14 +98,12 @@ def write(
     out : path
         A file, whose suffix tells the format, or for AT2 and CSV a folder. AT2 and CSV hold one record: several are
         written to ``out`` with the channel before the suffix (the id, where channels are not distinct); in a folder
-        the name is the id. miniSEED holds all, with a StationXML of the same name beside it, which serves that file
-        alone; where another StationXML in the folder tells something else of the same codes (gain, direction, state of
-        processing) at an overlapping time, a record gets the next free location code, as `Written` tells.
+        the name is the id. miniSEED holds all, with a StationXML of the same name beside it; where another StationXML
+        contradicts it at an overlapping time, a record gets the next free location code.
     format : {"at2", "csv", "mseed"}, optional
         Needed for a folder; otherwise the suffix tells.
     overwrite : bool
-        Whether files that exist may be replaced; a StationXML only if rockpulse wrote it, and never a file that one of
-        the records came from. A symbolic link stays: its target is replaced.
+        Whether files that exist may be replaced; a StationXML only if rockpulse wrote it, never a source of theirs.
 
     Returns
     -------
@@ -249,9 +247,8 @@ def _check_targets(paths: Sequence[Path], sources: set[str], overwrite: bool) ->
         if path.exists() and not overwrite:
             raise ConfigError(f"{path}: the file exists; choose another name, or allow it to be replaced (--overwrite)")
         if path.exists() and path.suffix == ".xml" and b"<Source>rockpulse" not in path.read_bytes()[:HEAD]:
-            raise ConfigError(
-                f"{path}: a StationXML that rockpulse did not write is never replaced; choose another name"
-            )
+            found = "a StationXML that rockpulse did not write is never replaced"
+            raise ConfigError(f"{path}: {found}; choose another name")
 
 
 def _remove_empty(folder: Path) -> None:

@@ -1,9 +1,4 @@
-"""From paths to records: files, folders, globs and zip archives; a file that fails becomes a row, not a crash.
-
-Left out without a row, in folders and archives: hidden files and folders, and files that cannot be records by their
-name (notes, configurations, results), and StationXML and QuakeML. Other texts, tables and pictures are "skipped", and
-so are velocities, displacements and spectra; a file that may be a record and that no reader takes "failed".
-"""
+"""From paths to records: files, folders, globs and zip archives; a file that fails becomes a row, not a crash."""
 
 import glob
 import os
@@ -62,8 +57,8 @@ def read_all(
     Parameters
     ----------
     paths : path or iterable of paths
-        Files, folders (searched to any depth; links to folders are not followed), globs (``**`` for any depth; a
-        folder that matches is searched) and zip archives. A path that exists is never taken as a glob.
+        Files, folders (searched to any depth; links to folders are not followed), globs (``**`` for any depth) and zip
+        archives. A path that exists is never taken as a glob.
     units : str, optional
         Unit of the accelerations for files that do not state one; see `rockpulse.read`.
     on_file : callable, optional
@@ -79,15 +74,13 @@ def read_all(
     Returns
     -------
     records : list of Record
-        Sorted by path and channel, with distinct ids: the second of two records with one id and different content
-        has ``~2`` appended. A record that its agency cut into files is one; see
-        `rockpulse.readers.parts.whole_records`.
+        Sorted by path and channel, with distinct ids: the second of two records with one id has ``~2`` appended. A
+        record that its agency cut into files is one.
     failures : list of Failure
-        Sorted by file. A file that is a record, or may be one, and cannot be read "failed", and so did an empty one. A
-        velocity, a displacement, a spectrum, and a text, table or picture that shows no sign of a record, "failed" if
-        it was named and is "skipped" if it was met in a folder, a glob or an archive. A record whose samples and
-        interval another file has is a "duplicate", unless the two say that they face different directions; the one
-        stays that knows most of direction, time and event.
+        Sorted by file. A file that may be a record and cannot be read "failed", and so did an empty one. Velocities,
+        displacements, spectra, and what shows no sign of a record, "failed" if named and are "skipped" otherwise. A
+        record whose samples and interval another file has is a "duplicate", unless the two say that they face different
+        directions; the one stays that knows most of direction, time and event.
 
     Raises
     ------
@@ -122,11 +115,10 @@ def in_order(row: Failure) -> tuple[str, str]:
 def find_files(
     paths: PathLike | Iterable[PathLike], passed_over: Iterable[PathLike] = ()
 ) -> tuple[list[Found], list[Failure]]:
-    """Files behind the paths of :func:`read_all`, each once, sorted; one that is named once counts as named.
+    """Files behind the paths of :func:`read_all`, each once, sorted, and rows for paths without one.
 
-    `passed_over` are the files that the run writes, no input whatever link or name leads to them: to open and close one
-    that this process has locked would give up the lock. Nothing is opened but XML, to pass over metadata of stations
-    and earthquakes. Each path behind which there is nothing, and each folder that cannot be listed, gives a row.
+    `passed_over` are files that the run writes, under any link or name: to open and close one that this process has
+    locked would give up the lock. Only XML is opened, to pass over metadata of stations and earthquakes.
     """
     found: dict[str, Found] = {}
     failures: list[Failure] = []
@@ -168,10 +160,7 @@ def _behind(text: str) -> tuple[list[Found], list[Failure]]:
 
 
 def check_patterns(found: Sequence[Found], files: Sequence[FileSettings]) -> None:
-    """Raise ConfigError for a pattern that chooses none of the files, nor a member of an archive among them.
-
-    Where there is no file at all, the rows of :func:`find_files` say what is wrong.
-    """
+    """Raise ConfigError for a pattern that chooses none of the files, nor a member of an archive among them."""
     names = [str(item.path) for item in found]
     missed = [row for row in files if not any(map(row.chooses, names))]
     if missed:
@@ -220,10 +209,7 @@ def _quiet_file(path: Path) -> bool:
 
 
 def open_files(found: Found, station_files: Callable[[Path], list[tuple[str, bytes]]]) -> Iterator[Opened]:
-    """Open a file, or each member of an archive; the error that prevented it stands in its place.
-
-    `station_files` gives name and bytes of the StationXML files in a folder.
-    """
+    """Open a file, or each member of an archive, or give the error; `station_files` gives those of a folder."""
     path = found.path
     try:
         check_link(path)
@@ -234,9 +220,14 @@ def open_files(found: Found, station_files: Callable[[Path], list[tuple[str, byt
         empty = True
         with Archive(path) as archive:
             for number, name in enumerate(archive.names):
-                if not is_quiet(name, partial(archive.member, number)):
-                    empty = False
-                    yield Opened(name, _member(archive, number), number)
+                if is_quiet(name, partial(archive.member, number)):
+                    continue
+                empty = False
+                try:
+                    member: SourceFile | RockpulseError = archive.member(number)
+                except RockpulseError as fault:
+                    member = fault
+                yield Opened(name, member, number)
         if empty:
             raise RecordFormatError(f"{path}: no file to read in the archive; check it")
     except (RockpulseError, OSError) as fault:
@@ -257,10 +248,3 @@ def read_failure(found: Found, name: str, fault: Exception) -> Failure:
         return Failure(name, "read", f"{name}: {NO_RECORD}", "skipped")
     reason = str(fault) if name in str(fault) else f"{name}: {fault}"
     return Failure(name, "read", reason, "skipped" if isinstance(fault, NotAcceleration) and not named else "failed")
-
-
-def _member(archive: Archive, number: int) -> SourceFile | RockpulseError:
-    try:
-        return archive.member(number)
-    except RockpulseError as fault:
-        return fault

@@ -32,9 +32,8 @@ class FileSettings(Section):
     ----------
     match : str
         The end of a path, as ``*.g3``, ``site 2/*``, ``old.zip`` (every member of the archive), ``*/a.g3``; ``*`` and
-        ``?`` stand for any letters, also for ``/``. Members of archives are chosen by their own path too. Capitals
-        count; ``.gz`` at the end of a file's name does not. Brackets stand for themselves, a backslash for ``/``;
-        ``./`` in front is passed over.
+        ``?`` stand for any letters, also for ``/``. Capitals count; ``.gz`` at the end of a file's name does not.
+        Brackets stand for themselves, a backslash for ``/``.
     units : str or None
         Unit of the accelerations, a key of `rockpulse.readers.UNITS`.
     dt : float or None
@@ -73,11 +72,7 @@ class FileSettings(Section):
                 raise ConfigError(str(error)) from None
 
     def chooses(self, name: str) -> bool:
-        """Whether the pattern chooses a file, or the member of an archive, by its name as in `Record.source`.
-
-        The pattern is held against the absolute path: it chooses the same files from whichever folder the program is
-        started, and so does a configuration that is stored with its results.
-        """
+        """Whether the pattern chooses the absolute path of a file or member, as `Record.source` names it."""
         path = Path(os.path.abspath(name)).as_posix().replace("\\", "/")  # noqa: PTH100 - links stay what they are
         archive, _, member = path.partition("!")
         parts = [path, archive, f"/{member}"] if member else [path]
@@ -88,10 +83,7 @@ class FileSettings(Section):
 
 @dataclass(frozen=True)
 class ReadOptions:
-    """Properties that the caller knows and the file may not state; see `rockpulse.read`.
-
-    Raises UnitError or ConfigError for a value that is none of the accepted ones.
-    """
+    """Properties that the caller knows and the file may not state; see `rockpulse.read`."""
 
     units: str | None = None  # unit of the accelerations, for formats that do not state one
     dt: float | None = None  # sampling interval [s], for columns without a time column
@@ -177,12 +169,9 @@ class Format:
     parts: PartRule | None = None  # where the agency cuts long records into files: how these are called
 
     def read(self, file: SourceFile, options: ReadOptions) -> list[Record]:
-        """The channels of a file that this format recognises, in the order of the file, each with an id of its own.
-
-        A file that holds everything twice is read once, with a warning on each channel.
-        """
+        """The channels of a file, each with an id of its own; a file that holds everything twice is read once."""
         half = file.first_half()
-        records = self.parse(half or file, options)
+        records = [replace(record, format=self.name) for record in self.parse(half or file, options)]
         if self.parts:
             records = self.parts.read(half or file, records)
         records = distinct_ids(records)

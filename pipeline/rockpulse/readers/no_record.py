@@ -1,8 +1,4 @@
-"""Tell a file that may hold a record, though no reader knows it, from a text or a picture beside the records.
-
-A file that may be a record and that no reader takes is a failure; one that is none is passed over in two words. So a
-file that may hold data must never be taken for none: in doubt it is a record.
-"""
+"""Tell a file that may hold a record, though no reader knows it, from a text or a picture beside the records."""
 
 import re
 from collections import defaultdict
@@ -69,10 +65,7 @@ _COMPONENTS = 4
 
 
 def is_quiet(name: str, opened: Callable[[], SourceFile]) -> bool:
-    """Whether a file that nobody named is passed over without a row, by its name or, for XML, by its beginning.
-
-    The name is a path or ``archive.zip!member``; `opened` returns the file and is called for XML only.
-    """
+    """Whether a file that nobody named is passed over without a row, by its name or the beginning of an XML file."""
     suffix = PurePath(name).suffix.lower()
     if suffix != ".xml":
         return suffix in _QUIET
@@ -85,9 +78,8 @@ def is_quiet(name: str, opened: Callable[[], SourceFile]) -> bool:
 def may_be_record(file: SourceFile) -> bool:
     """Whether a sign speaks for a record in a file that no reader has recognised: the suffix, binary data, or numbers.
 
-    Numbers count in rows that have the same words, or none: in a table of other things (stations, earthquakes, files)
-    the words change from row to row. Such rows are half of all, ten together, or have as many digits as the whole text
-    has letters, and they are no mere handful. Only the first bytes of the file are looked at.
+    Numbers count in rows that have the same words, or none, unlike those of other tables. Such rows are half of all,
+    ten together, or have as many digits as the whole text has letters, and they are no mere handful.
     """
     if _OTHER.match(file.head) or _METADATA.search(file.head):
         return False

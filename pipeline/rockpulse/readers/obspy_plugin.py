@@ -1,9 +1,7 @@
 """Records as `obspy.Trace` and back, and the formats as plugins of obspy: ``obspy.read("RSN763.AT2")`` is in m/s2.
 
-Fields that a Trace has no place for travel in ``trace.stats.rockpulse``, so that the way there and back loses nothing.
-Only copies in memory and obspy's PICKLE keep it; the files of other formats do not. The entry points that
-``hatch_build.py`` makes name ``<FORMAT>.is_format`` and ``<FORMAT>.read_format`` of this module. Importing it loads
-neither obspy, numba nor xarray.
+Fields that a Trace has no place for travel in ``trace.stats.rockpulse``, which copies in memory and PICKLE keep. The
+entry points that ``hatch_build.py`` makes name ``<FORMAT>.is_format`` and ``<FORMAT>.read_format`` of this module.
 """
 
 from __future__ import annotations
@@ -57,9 +55,9 @@ def to_trace(record: Record) -> obspy.Trace:
     Returns
     -------
     obspy.Trace
-        ``data`` in m/s2 (a copy that may be changed), ``stats.calib`` 1, codes, interval and start time in ``stats``,
-        every other field of the record in ``stats.rockpulse``. Where the record has no start time,
-        ``stats.starttime`` is obspy's own default, 1970-01-01, and ``stats.rockpulse.start_time_known`` is False.
+        ``data`` in m/s2 (a copy), ``stats.calib`` 1, codes, interval and start time in ``stats``, every other field in
+        ``stats.rockpulse``. Without a start time ``stats.starttime`` is obspy's default, 1970-01-01, and
+        ``stats.rockpulse.start_time_known`` is False.
 
     Examples
     --------
@@ -106,10 +104,9 @@ def from_trace(
     Returns
     -------
     Record
-        In m/s2. The steps in ``stats.processing`` are appended to its own. Where ``stats.rockpulse`` has the id, that
-        one stays, even if the trace was cut, unless the codes have changed since: then it is made of the new ones,
-        with a warning, and with a new channel code the direction becomes unknown unless `azimuth` is given
-        (``dataclasses.replace(record, orientation="vertical")`` where you know better).
+        In m/s2. The steps in ``stats.processing`` are appended to its own. The id of ``stats.rockpulse`` stays unless
+        the codes have changed since: then it is made of the new ones, with a warning, and with a new channel code the
+        direction becomes unknown unless `azimuth` is given.
 
     Raises
     ------
@@ -137,7 +134,8 @@ def from_trace(
             f"{where}: stats.calib is {stats.calib:g}, and obspy does not say per what; multiply the data yourself and "
             "set it to 1, or give units='counts' and the factor in m/s2 per count"
         )
-    changed = [step for step in _steps(stats) if _changes_unit(step)]
+    # A line of stats.processing is such as "ObsPy 1.5.1: integrate(...)".
+    changed = [step for step in _steps(stats) if {*re.findall(r":\s*(\w+)\(", step)[:1]} & _CHANGES_UNIT]
     if changed and (units is None or units == "counts"):
         raise UnitError(
             f"{where}: the values are no longer what they were: {changed[0]}; say which unit of acceleration they "
@@ -151,12 +149,6 @@ def from_trace(
     if not known or factor is not None:
         raise UnitError(f"{where}: stats.rockpulse says m/s2; give no units and no factor, or delete stats.rockpulse")
     return _restored(where, trace, kept, azimuth)
-
-
-def _changes_unit(step: str) -> bool:
-    """Whether a line of ``stats.processing`` names a method that changes the unit, ``ObsPy 1.5.1: integrate(...)``."""
-    method = re.search(r":\s*(\w+)\(", step)
-    return bool(method and method[1] in _CHANGES_UNIT)
 
 
 def _steps(stats: Any) -> tuple[str, ...]:
@@ -228,7 +220,6 @@ def _new(
         raise UnitError(f"{where}: a factor belongs to units='counts', found units={units!r}; give one of the two")
     record = build_record(
         file,
-        1,
         found.samples,
         float(stats.delta),
         units if units == "counts" else canonical_unit(units, "option units"),
@@ -293,9 +284,8 @@ class Plugin:
     ) -> obspy.Stream:
         """Read every channel of a file into an obspy Stream in m/s2; see `rockpulse.to_trace`.
 
-        `headonly` leaves the samples out; obspy itself applies `starttime`, `endtime` and `nearest_sample` afterwards;
-        `units`, `dt` and `response` are those of `rockpulse.read`, whose errors are raised. Options of other formats
-        (``details``, ``byteorder``) are ignored, as obspy's own readers do, and logged.
+        `headonly` leaves the samples out; obspy itself applies the times afterwards; `units`, `dt` and `response` are
+        those of `rockpulse.read`. Options of other formats are ignored, as obspy's own readers do, and logged.
         """
         import obspy
 

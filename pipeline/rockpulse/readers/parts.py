@@ -63,11 +63,9 @@ def sample_digest(record: Record) -> str:
 def settled(
     records: Sequence[Record], digest: Callable[[Record], str]
 ) -> tuple[list[tuple[Record, tuple[Record, ...]]], list[Failure]]:
-    """The records of all files: each content once, cut records joined, sorted by path and channel, ids distinct.
+    """Each content once, cut records joined, sorted by path and channel, with the given records that each is made of.
 
-    `digest` gives equal texts for records of equal samples: :func:`sample_digest` where the samples are at hand; only
-    the number of samples is used here. Returned are each record with the given records that it is made of (several
-    where parts were joined), and a row for each record whose content another one has.
+    `digest` gives equal texts for records of equal samples; records whose content another one has are returned as rows.
     """
     kept, duplicates = _without_duplicates(sorted(records, key=_place), digest)
     whole = sorted(whole_records(kept), key=lambda item: _place(item[0]))
@@ -110,10 +108,7 @@ def _without_duplicates(
 
 
 def _same_motion(one: Record, other: Record) -> bool:
-    """Whether two records with the same samples are one motion, under any name of the file and channel.
-
-    Channels of one file, and those that a file says to be dead, may be alike and are told apart by their component.
-    """
+    """Whether two records of equal samples are one motion: channels of one file, and dead ones, need not be."""
     if one.component == other.component:
         return True
     if one.source == other.source or any(find(record.warnings, "dead_channel") for record in (one, other)):
@@ -127,11 +122,9 @@ def _same_motion(one: Record, other: Record) -> bool:
 def whole_records(records: Sequence[Record]) -> list[tuple[Record, tuple[Record, ...]]]:
     """Join the parts of records that were cut into files; each record beside those that it is made of, in their order.
 
-    The records are of any format, duplicates removed. The others come first, as they were, then the parts: joined where
-    parts 1, 2, ... of one file name and station hold the same channels and each begins one step behind the last sample
-    of the one before, by the files' columns of times or by their clocks; `source` and `source_sha256` name all of them.
-    Else they stay apart, with a warning that says why. A part alone stays as it was. Only the number of samples is
-    used, not the samples.
+    The others come first, then the parts: joined where parts 1, 2, ... of one file name and station hold the same
+    channels and each begins one step behind the last sample of the one before, by the columns of times or by the
+    clocks. Else they stay apart, with a warning. Only the number of samples is used.
     """
     result: list[tuple[Record, tuple[Record, ...]]] = [
         (record, (record,)) for record in records if not isinstance(record, Part)

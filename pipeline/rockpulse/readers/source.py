@@ -60,10 +60,7 @@ class NotAcceleration(RecordRefused):
 
 @dataclass(frozen=True)
 class SourceFile:
-    """A file to be read.
-
-    Text with a byte-order mark (UTF-8, UTF-16) reaches the readers as UTF-8 without one; the digest is of the bytes.
-    """
+    """A file to be read; text with a byte-order mark is turned into UTF-8, the digest is of the bytes."""
 
     name: str  # path, or archive.zip!member, as messages and `Record.source` show it
     head: bytes  # the first `HEAD` bytes
@@ -95,10 +92,7 @@ class SourceFile:
         return hashlib.sha256(self._bytes).hexdigest()
 
     def first_half(self) -> SourceFile | None:
-        """The first half of a file whose second half is a copy of it; None for any other file.
-
-        A series of numbers without a word above it may repeat itself: that is no copy.
-        """
+        """The first half of a file whose second half is a copy of it; None for others and bare numbers."""
         half, odd = divmod(len(self.content), 2)
         begins = min(half, HEAD)
         if odd or not _WORD.search(self.content, 0, _TOP) or not self.content.startswith(self.content[:begins], half):
@@ -198,10 +192,7 @@ def check_link(path: Path) -> None:
 
 
 def open_source(path: Path, station_files: StationFiles | None = None) -> SourceFile:
-    """Open a file on disk, plain or compressed with gzip, which its first bytes show.
-
-    `station_files` is as in `SourceFile`; by default the folder of `path` is searched.
-    """
+    """Open a file on disk, plain or compressed with gzip; by default its folder is searched for `station_files`."""
     name = str(path)
     check_link(path)
     if path.is_dir():
@@ -230,12 +221,7 @@ def open_source(path: Path, station_files: StationFiles | None = None) -> Source
 
 
 def open_stream(stream: BinaryIO) -> SourceFile:
-    """An open binary file, or bytes in memory, plain or compressed with gzip, read from the current position.
-
-    The ``name`` of the stream, where it is that of a file, tells where StationXML files may lie. Raises TypeError for a
-    stream of text, RecordFormatError if nothing is left to read or a gzip file is damaged, and RecordRefused for an
-    archive or more than `FILE_LIMIT` bytes.
-    """
+    """An open binary file, or bytes in memory, plain or compressed with gzip, read from the current position."""
     if not hasattr(stream, "read"):
         raise TypeError(f"expected a path or an open binary file, found {type(stream).__name__}")
     name = getattr(stream, "name", None)

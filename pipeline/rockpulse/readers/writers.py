@@ -51,10 +51,7 @@ def orientation_of(record: Record) -> Orientation:
 
 
 def _facing(record: Record) -> str:
-    """The direction in a word that the readers understand: ``UP``, ``005``, ``092.5``, or the file's own.
-
-    A word of the file that would be read as another direction is left out.
-    """
+    """The direction in a word: ``UP``, ``005``, ``092.5``, or the file's own where it is read as that direction."""
     if orientation_of(record) == "vertical":
         return "UP"
     if np.isfinite(record.azimuth):
@@ -66,10 +63,9 @@ def _facing(record: Record) -> str:
 
 
 def at2_bytes(record: Record) -> bytes:
-    """One record as PEER AT2, in g, five numbers of eight digits in a row.
+    """One record as PEER AT2, in g, five numbers of eight digits in a row, under ``event, date, station, component``.
 
-    The title is ``event, date, station, component``; the date is that of the event, by its name or its origin time, or
-    of the first sample where neither is known.
+    The date is that of the event, by its name or its origin time, or of the first sample where neither is known.
     """
     event = _text(record.event)
     if not _DATED.fullmatch(event):
@@ -107,10 +103,7 @@ def csv_bytes(record: Record) -> bytes:
 def miniseed_bytes(
     records: Sequence[Record], beside: Sequence[tuple[str, bytes]] = ()
 ) -> tuple[bytes, bytes, list[str]]:
-    """Records as one miniSEED file of float64 in m/s2, its StationXML with a sensitivity of 1, and the ids in the file.
-
-    There is at least one record; an id is ``NET.STA.LOC.CHA``; for the StationXML files `beside` see `seed_codes`.
-    """
+    """Records as one miniSEED file of float64 in m/s2, its StationXML with a sensitivity of 1, and their ids."""
     import obspy
 
     codes = seed_codes(records, beside)
@@ -128,9 +121,9 @@ def miniseed_bytes(
 def seed_codes(records: Sequence[Record], beside: Sequence[tuple[str, bytes]] = ()) -> list[tuple[str, str, str, str]]:
     """Network, station, location and channel codes as SEED has room for, each set of four once.
 
-    A channel without a code of SEED, or with one that tells another direction than the record, gets one by its rate and
-    direction. Where codes would meet, in the file or with a StationXML `beside` it that contradicts them at an
-    overlapping time, the location counts up.
+    A channel without a code of SEED, or with one of another direction, gets one by its rate and direction. Where codes
+    meet, in the file or in a StationXML `beside` it that contradicts them at an overlapping time, the location counts
+    up.
     """
     taken: set[tuple[str, str, str, str]] = set()
     result = []

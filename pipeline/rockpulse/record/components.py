@@ -21,7 +21,6 @@ _TAKEN = " ([records] structural = true does that)"
 _UPWARDS = "channel on a structure, vertical or in an unknown direction: read, not assessed as horizontal"
 _INSTEAD = 'components = "horizontal" assesses it as it was recorded'
 _BOTH_IN_ONE = "put both directions into one file with headings such as 'time [s],acc N [g],acc E [g]'"
-
 #: SEED codes of one sensor differ in the last letter only; the second letter is the kind of instrument.
 _SEED = re.compile(r"([FGDCESHBMLV])([HLMGN])[ENZ123]")
 #: KiK-net records at the bottom of a borehole (1) and at the surface (2).
@@ -48,7 +47,7 @@ class Pair:
 
 
 class Neighbours:
-    """Channels, thousands as the case may be, indexed so that those recorded together are found without trying all."""
+    """Channels, perhaps thousands, indexed so that those recorded together are found without trying all."""
 
     def __init__(self, records: Sequence[Record]) -> None:
         self._records = records
@@ -63,10 +62,7 @@ class Neighbours:
                 self._of_event[_occasion(record)].append(place)
 
     def of(self, record: Record) -> list[Record]:
-        """Channels from the same file, from the same time or, where no times are known, with the same event and folder.
-
-        They come in the order in which they were given; `record` need not be one of them.
-        """
+        """Channels of one file or time, or, if no times are known, of one event and folder, in the order given."""
         if record.start_time is None:
             places = set(self._of_event.get(_occasion(record), ()))
         else:
@@ -82,11 +78,10 @@ class Neighbours:
 def select_horizontal(
     records: Iterable[Record], structural: bool = False, configured: bool = True
 ) -> tuple[list[Record], list[Failure]]:
-    """Keep the channels that are assessed as horizontal ground motion, in the order given.
+    """Keep the channels that are assessed as horizontal ground motion, in the order given; a row for each other.
 
-    Channels of unknown orientation and, if `structural`, those on structures whose azimuth is known are kept with a
-    warning. Each channel left out gives a row of kind "vertical" or "structural", which names the setting that takes
-    the latter unless there is no configuration (`configured`).
+    Channels of unknown orientation and, if `structural`, those on structures of known azimuth get a warning. Rows name
+    the setting that takes the latter if there is a configuration (`configured`).
     """
     horizontal, failures = [], []
     for record in records:
@@ -118,7 +113,7 @@ def find_pairs(horizontal: Sequence[Record]) -> tuple[list[Pair], list[Failure]]
       (PEER AT2, CSMNC).
 
     Partners in the same file come before others. Only two channels that have no other partner than each other are a
-    pair: of three channels nobody knows which two belong together.
+    pair.
 
     Parameters
     ----------
@@ -157,11 +152,10 @@ def find_pairs(horizontal: Sequence[Record]) -> tuple[list[Pair], list[Failure]]
 
 
 def matching_vertical(record: Record, verticals: Iterable[Record]) -> Record | None:
-    """The vertical channel that was recorded together with a horizontal one; None if there is none.
+    """The vertical channel recorded together with a horizontal one as :func:`find_pairs` has it; None without.
 
-    Recorded together as :func:`find_pairs` has it, whatever its format and however short the common time, by the same
-    kind of instrument. The same state of processing comes first, then the same SEED band, the same file, the longest
-    overlap. None for a channel on a structure: the vertical one may be on another floor.
+    It may differ in format and length. The same state of processing comes first, then the same SEED band, the same
+    file, the longest overlap. None for a channel on a structure: the vertical one may be on another floor.
     """
     if record.orientation == "structural":
         return None
@@ -175,11 +169,7 @@ def matching_vertical(record: Record, verticals: Iterable[Record]) -> Record | N
 
 
 def align(vertical: Record, record: Record) -> np.ndarray:
-    """Vertical acceleration a_v (n,) [m/s2], positive up, at the samples of a horizontal channel, both conditioned.
-
-    On absolute time where both channels know it, else from the first sample on; linear between its samples, zero where
-    the vertical channel does not reach.
-    """
+    """Vertical acceleration (n,) [m/s2], positive up, at the samples of a horizontal channel; else zero."""
     start = offset(record, vertical)
     return np.interp(record.time, vertical.time + start, vertical.acceleration, left=0.0, right=0.0)
 

@@ -1,9 +1,4 @@
-"""Conditioning of a record: baseline, zero-phase filter, sampling interval; every step asked for and written down.
-
-.. note:: By default a processed volume is left as it is, and no record is filtered: a high-pass takes away part of the
-   one-sided impulses near the fault, which overturn blocks. Where a filter is applied, the PGV and the largest
-   half-wave impulse before and after stand in ``Record.processing``.
-"""
+"""Conditioning of a record: baseline, zero-phase filter, sampling interval; every step asked for and written down."""
 
 import logging
 import math
@@ -22,27 +17,20 @@ from rockpulse.remark import Remark, code_of, find
 
 #: The pre-event window ends where the energy about its own mean reaches this share of the whole record's.
 QUIET_SHARE = 1e-6
-
 #: Shortest pre-event window that is found without being given [s].
 QUIET_LENGTH = 1.0
-
 #: A record whose velocity ends at more than this share of the PGV is warned of.
 DRIFT_SHARE = 0.1
-
 #: The default taper is at most this share of the record at each end.
 TAPER_SHARE = 0.05
-
 #: Length of each pad: this times the order of a pass, in periods of the lowest corner (Boore 2005).
 PAD_PERIODS = 1.5
-
 #: Longest pad [samples]: a corner that asks for more is no filter of a record.
 LONGEST_PAD = 10_000_000
-
 #: Anti-alias filter of the resampling: ripple and stop band [dB], transition up to the lower Nyquist frequency as a
 #: share of it.
 RESAMPLING_ATTENUATION = 100.0
 RESAMPLING_TRANSITION = 0.2
-
 #: Largest numerator and denominator of a resampling ratio.
 RESAMPLING_LIMIT = 1000
 
@@ -80,8 +68,7 @@ def condition(
     resample_s : float, optional
         New sampling interval [s].
     pre_event_s : float, optional
-        Length of the pre-event window from the first sample [s], wherever a pre-event mean is taken; by default it is
-        found.
+        Length of the pre-event window from the first sample [s]; by default it is found.
 
     Returns
     -------
@@ -99,19 +86,14 @@ def condition(
     Notes
     -----
     *Pre-event window.* S(T) is the energy of the first T seconds about their own mean, which never falls with T. The
-    window ends where S reaches 1e-6 of its value for the whole record, and is refused below 1 s. Shaking that fills
-    less than half of it moves its mean by at most sqrt(S/T): against a strong phase as long as the window, 0.1 % of the
-    rms acceleration.
+    window ends where S reaches 1e-6 of its value for the whole record, and is refused below 1 s.
 
-    *Filter.* The record is tapered, padded with zeros at both ends and cut to its old length afterwards. The pads are
-    1.5 n/f long (Boore 2005; n the order of a pass, f the lowest corner): by then the slowest pole, which decays as
-    exp(-2 pi f sin(pi/(2 n)) t), is below 1e-4 for n = 1 and below 2e-6 for n = 2 to 10. The filtered motion in the
-    pads is lost with them: the cut record starts from zero velocity, while the padded one has by then the velocity that
-    the note states.
+    *Filter.* The record is tapered, padded with 1.5 n/f of zeros at both ends (Boore 2005; n the order of a pass, f the
+    lowest corner) and cut to its old length afterwards: the cut record starts from zero velocity, while the padded one
+    has by then the velocity that the note states.
 
     *Resampling.* Polyphase, with a Kaiser low-pass of 100 dB that passes up to 0.8 of the lower one of the two Nyquist
-    frequencies and stops from it on, so that a coarser record has no aliases. The first sample keeps its time. The line
-    between the first and the last sample is left out of the filter, so that an offset makes no steps at the ends.
+    frequencies and stops from it on, so that a coarser record has no aliases. The first sample keeps its time.
 
     References
     ----------
@@ -188,9 +170,9 @@ def _watched(record: Record) -> Record:
     final = record.dt * float(np.sum(record.acceleration) - 0.5 * (record.acceleration[0] + record.acceleration[-1]))
     peak = pgv(record)
     warnings = tuple(warning for warning in record.warnings if code_of(warning) != "baseline_drift")
-    if abs(final) > DRIFT_SHARE * peak:
-        return _warned(replace(record, warnings=warnings), Remark("baseline_drift", velocity=final, pgv=peak))
-    return record if warnings == record.warnings else replace(record, warnings=warnings)
+    record = record if warnings == record.warnings else replace(record, warnings=warnings)
+    drifts = abs(final) > DRIFT_SHARE * peak
+    return _warned(record, Remark("baseline_drift", velocity=final, pgv=peak)) if drifts else record
 
 
 def _warned(record: Record, warning: Remark) -> Record:

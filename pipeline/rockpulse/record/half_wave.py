@@ -1,9 +1,4 @@
-"""Half-waves of an accelerogram: the impulses between the changes of sign of the ground acceleration.
-
-.. note:: The record is linear between its samples, so that zero crossings, impulses and centroids are exact, not
-   estimates. Times are counted from the first sample. The impulses placed at their centroids keep the ground velocity
-   and displacement at every wave boundary (VALIDATION F10), whatever the options.
-"""
+"""Half-waves: the impulses between the zero crossings of a record, linear between its samples (VALIDATION F10)."""
 
 from __future__ import annotations
 
@@ -19,10 +14,8 @@ from rockpulse.record.record import Record
 
 #: What half-waves have a value of each for.
 COLUMNS = ("impulse", "centroid", "start", "end", "peak", "lobes")
-
 #: A merged wave keeps at least this share of the absolute impulses of its lobes.
 KEPT_SHARE = 0.5
-
 #: Impulses of a picture from this share of the largest on are strong, and below the other one not drawn.
 STRONG, VISIBLE = 0.5, 0.01
 
@@ -106,8 +99,7 @@ def half_waves(record: Record, threshold: float = 0.0, min_duration_s: float = 0
     """Half-waves of a record, with noise lobes merged into the wave that they interrupt.
 
     A lobe is a stretch of one sign. It ends where the acceleration changes sign, or where it stays at zero for a whole
-    sampling interval; a single zero between two samples of the same sign does not end it. Stretches at zero belong to
-    no lobe, and the partial lobes at both ends of the record count.
+    sampling interval. Stretches at zero belong to no lobe, and the partial lobes at both ends of the record count.
 
     Parameters
     ----------
@@ -135,9 +127,8 @@ def half_waves(record: Record, threshold: float = 0.0, min_duration_s: float = 0
     A noise lobe goes only together with both its neighbours: the three become one wave with the neighbours' sign. It
     stays as it is where the centroid would leave the wave, where the impulse in the neighbours' direction would be less
     than half the sum of the absolute impulses of all the lobes in it, or where a neighbour is missing or has the same
-    sign (across a stretch at zero). The noise lobe with the smallest absolute impulse comes first, the earlier of two
-    equal ones; a merged wave that is still noise takes part again, until none qualifies. Nothing is ever dropped, so
-    that the sums of F10 hold.
+    sign. The noise lobe with the smallest absolute impulse comes first, the earlier of two equal ones; a merged wave
+    that is still noise takes part again. Nothing is ever dropped, so that the sums of F10 hold.
 
     Examples
     --------

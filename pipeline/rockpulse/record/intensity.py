@@ -1,9 +1,4 @@
-"""Measures of a record, and its intense phase (Arias 1970; Trifunac & Brady 1975; Bolt 1973; Housner 1952).
-
-.. note:: The record is linear between its samples, and every integral, extremum and crossing here is exact for that
-   record. Velocities start from zero at the first sample and take the baseline as the record has it: condition the
-   record first.
-"""
+"""Measures of a record that is linear between its samples, and its intense phase; velocities start from zero."""
 
 import math
 from collections.abc import Callable
@@ -16,13 +11,10 @@ from rockpulse.record.record import STANDARD_GRAVITY, Record
 
 #: Length of the intense phase in section 4 of Casapulla & Maione (2017) [s].
 WINDOW_LENGTH = 20.0
-
 #: Damping of oscillators [-], and the periods of Housner's intensity [s].
 DAMPING, PERIODS = 0.05, np.linspace(0.1, 2.5, 49)
-
 #: Points of a period at which the response of an oscillator is at least looked at.
 POINTS = 16
-
 #: Default level of the bracketed duration [m/s2] (Bolt 1973).
 BRACKET_LEVEL = 0.05 * STANDARD_GRAVITY
 

@@ -1,9 +1,4 @@
-"""The intensity measures of a ground motion, one row each: all that any part of the program knows of them.
-
-.. note:: Demands, hazards, fragility, the scaling of records, the stored variables and the configuration's template are
-   made from these rows: a measure is added here and nowhere else. E is the exponentially weighted impulse of
-   :mod:`rocking.march.demand`; its lobes are the largest abs(E) between two changes of sign, up to 16 of them.
-"""
+"""The intensity measures of a ground motion: a measure is added as a row here and nowhere else."""
 
 from __future__ import annotations
 
@@ -35,11 +30,9 @@ UNITS = {
     "m s-1": {"m/s": 1.0, "cm/s": 0.01},
     "1": {"": 1.0},
 }
-
 #: Measures that are asked for by name: the PGA alone tells whether a body on the ground lifts, a drifting baseline puts
 #: the PGV in doubt, and the reference puts bodies of all sizes on one scale.
 PGA, PGV, IMPULSE, REFERENCE = "pga", "pgv", "impulse", "velocity_ratio"
-
 #: Lobes of E whose root mean square is a measure.
 LARGEST_LOBES = 6
 
@@ -215,17 +208,14 @@ _TABLE = (
         lambda on: on.demand.build_up,
     ),
 )
-
 #: Every row by its name, and every measure with the members of families in place of these.
 ROWS = {row.name: row for row in _TABLE}
 MEASURES = {one.name: one for row in _TABLE for one in (map(row.at, row.periods) if row.periods else [row])}
-
 #: The names that each part takes. A demand names the period of a member of a family beside the family.
 FRAGILITY = tuple(name for name, one in MEASURES.items() if one.proportional)
 HAZARD, SCALING = (tuple(name for name, one in MEASURES.items() if use in one.uses) for use in ("hazard", "scaling"))
 DEMAND = tuple(name for name, row in ROWS.items() if "demand" in row.uses)
 PERIODIC = tuple(name for name in DEMAND if ROWS[name].periods)
-
 #: The rows that results have of every record, those of them whose values a factor multiplies, and the rows that results
 #: have of every record and body.
 STORED = tuple(row for row in _TABLE if row.stored is not None and not row.of_bodies)

@@ -20,13 +20,10 @@ from rockpulse.errors import RecordFormatError
 
 #: The file unit "g", always this value [m/s2].
 STANDARD_GRAVITY = 9.80665
-
 #: Between the files of a record that was made of several, and between their checksums.
 BETWEEN = "; "
-
 #: Largest sample that is taken for an acceleration [m/s2]; the squares of larger ones may overflow.
 STRONGEST = 1e9
-
 #: Fields whose texts many records of a batch have in common.
 SHARED = frozenset(
     ("network", "channel", "component", "orientation", "format", "source_unit", "event", "event_id", "magnitude_type")
@@ -42,64 +39,48 @@ class Record(Shown):
     Attributes
     ----------
     acceleration : (n,) ndarray
-        Ground acceleration [m/s2], n >= 2, finite, read-only. Between samples it is taken as linear. A constant that
+        Ground acceleration [m/s2], n >= 2, finite, read-only, linear between samples. A constant that
         ``np.broadcast_to`` spreads over n samples stays that, and takes no memory.
     dt : float
         Sampling interval [s].
     id : str
         ``NET.STA.LOC.CHA@YYYYMMDDTHHMMSS`` where known, else ``<file stem>.<channel>``.
-    network, station, location, channel : str
-        Codes as the file gives them; empty where unknown.
+    network, station, location, channel, station_name : str
+        Codes as the file gives them, and the name of the station; empty where unknown.
     component : str
         The channel's direction as the file words it ("90 Deg", "UP").
     orientation : {"horizontal", "vertical", "structural", "unknown"}
         What the direction means; "structural" is a channel on a building.
     azimuth : float
         Clockwise from north [degrees]; NaN where unknown or not horizontal.
-    start_time : datetime or None
-        UTC time of the first sample, with ``tzinfo=UTC``.
-    station_name : str
-        Name of the station in words; empty where unknown.
-    source : str
-        File the record came from; ``archive.zip!member`` for a member of an archive.
-    source_sha256 : str
-        SHA-256 of that file (of the member, or of the decompressed file); empty if the record came from no file.
-    format : str
-        Name of the reader (see ``rockpulse formats``).
-    source_unit : str
-        Unit in the file.
+    start_time, origin_time : datetime or None
+        UTC times of the first sample and of the earthquake, with ``tzinfo=UTC``.
+    source, source_sha256 : str
+        File the record came from (``archive.zip!member`` for a member of an archive), and its SHA-256; empty without.
+    format, source_unit : str
+        Name of the reader (see ``rockpulse formats``), and unit in the file.
     unit_factor : float
         Acceleration in m/s2 = value in the file x unit_factor.
     processed : bool or None
         True for a corrected volume, False for a raw one, None where the format does not say.
     header_peak : float
         Peak acceleration that the header states [m/s2]; NaN where it does not.
-    event : str
-        Event name as in the file; empty where unknown.
+    event, event_id : str
+        Name of the earthquake as in the file, and its identifier at the agency; empty where unknown.
     warnings : tuple of str
-        Remarks on this record for the user; those that have a code are of :class:`rockpulse.remark.Remark`.
+        Warnings for the user; those that have a code are of :class:`rockpulse.remark.Remark`.
     processing : tuple of str
         Conditioning steps applied so far, in order.
-    event_id : str
-        Identifier of the earthquake at the agency that wrote the file; empty where unknown.
-    origin_time : datetime or None
-        UTC time of the earthquake, with ``tzinfo=UTC``.
-    magnitude : float
-        Magnitude of the earthquake; NaN where unknown.
-    magnitude_type : str
-        Scale of that magnitude as the file has it ("Mw", "ML"); empty where it does not say.
-    hypocentre_latitude, hypocentre_longitude : float
-        Place of the hypocentre [degrees north, degrees east]; NaN where unknown.
-    hypocentre_depth : float
-        Depth of the hypocentre [m]; NaN where unknown.
+    magnitude, magnitude_type : float, str
+        Magnitude of the earthquake, NaN where unknown, and its scale as the file has it ("Mw", "ML").
+    hypocentre_latitude, hypocentre_longitude, hypocentre_depth : float
+        Place of the hypocentre [degrees north, degrees east, m]; NaN where unknown.
     epicentral_distance : float
         Distance of the station from the epicentre as the file states it [m]; NaN where it does not.
     station_latitude, station_longitude : float
         Place of the station [degrees north, degrees east]; NaN where unknown.
-    vs30 : float
-        Time-averaged velocity of shear waves in the upper 30 m at the station [m/s]; NaN where unknown.
-    site_class : str
-        Class of the ground at the station as the file words it; empty where unknown.
+    vs30, site_class : float, str
+        Time-averaged velocity of shear waves in the upper 30 m [m/s], NaN where unknown, and class of the ground.
     sensor_depth : float
         Depth of the sensor below the ground [m]; NaN where the file does not state it.
     """
@@ -257,12 +238,7 @@ def _spread(acceleration: np.ndarray) -> bool:
 def record_id(
     network: str, station: str, location: str, channel: str, start_time: datetime | None, stem: str, number: int
 ) -> str:
-    """``NET.STA.LOC.CHA@YYYYMMDDTHHMMSS``, or ``<stem>.<channel>`` where station or time is unknown.
-
-    Letters and digits of any alphabet stay, and ``_ . @ ~ -``; everything else becomes ``_``. The `number` of the
-    channel in the file, from 1, stands in for an empty `channel`. The stem is the name of the file without its last
-    extension.
-    """
+    """``NET.STA.LOC.CHA@YYYYMMDDTHHMMSS`` or ``<stem>.<channel or number>``, of word characters and ``.@~-``."""
     text = f"{stem}.{channel or number}"
     if station and start_time is not None:
         text = f"{network}.{station}.{location}.{channel or number}@{start_time:%Y%m%dT%H%M%S}"

@@ -1,8 +1,8 @@
 """A pair of horizontal channels on the same samples, its motion in any direction, and its strongest direction.
 
-.. note:: Azimuths are in degrees, clockwise from north. The ground acceleration is a vector x; a channel that faces the
-   azimuth z records x . u(z), u = (cos z, sin z) to the north and east. Two channels that are not parallel give x, and
-   with it the motion in the direction psi:
+.. note:: Azimuths are in degrees, clockwise from north. A channel that faces the azimuth z records x . u(z), u = (cos
+   z, sin z) to the north and east. Two channels that are not parallel give the vector x, and the motion in direction
+   psi
 
        a(psi) = [a_1 sin(z_2 - psi) + a_2 sin(psi - z_1)]/sin(z_2 - z_1)
 
@@ -26,7 +26,6 @@ from rockpulse.remark import Remark, code_of, remarked
 
 #: Two channels need at least this sine between them: below it (10 degrees) their noise is multiplied by more than 6.
 SMALLEST_SINE = 0.17
-
 #: The search for the strongest direction: steps one after the other [degrees]; how many maxima of the first are looked
 #: into, and from which share of the highest on.
 STEPS = (1.0, 0.1, 0.01)
@@ -159,13 +158,7 @@ def strongest_azimuth(
 
 
 def rotated_component(azimuth: float) -> str:
-    """The component of a record that was turned to an azimuth [degrees].
-
-    Examples
-    --------
-    >>> rotated_component(45.0)
-    '45 degrees, rotated'
-    """
+    """The component of a record that was turned to an azimuth [degrees]: "45 degrees, rotated"."""
     return f"{azimuth:g} degrees, rotated"
 
 
@@ -238,9 +231,8 @@ def condition_pair(pair: Pair, **options: Any) -> Pair:
 
     Notes
     -----
-    Every step of the conditioning is linear in the samples but the search for the pre-event window. Both channels get
-    the shorter one of the two that are found, or the mean where that is below 1 s, so that the channels may be
-    conditioned and then rotated or rotated and then conditioned in this way, with the same result but for rounding.
+    Both channels get the shorter one of the two pre-event windows that are found, or the mean where that is below 1 s:
+    so every step is linear in the samples, and channels may be conditioned before or after they are rotated.
     """
     check_angle(pair)
     if pair.first.processed != pair.second.processed:

@@ -1,7 +1,4 @@
-"""Seeded synthetic strong motions and lanes of blocks: an ensemble that anybody can make again, sample for sample.
-
-.. note:: Synthetic motions are for measuring solvers (speed, error, verdicts), not for assessing a site.
-"""
+"""Seeded synthetic motions and blocks, the same on every machine: for measuring solvers, not assessing sites."""
 
 from typing import NamedTuple
 
@@ -25,24 +22,19 @@ class SyntheticLanes(NamedTuple):
 
 
 def synthetic_motion(seed: int, duration: float = 60.0, dt: float = 0.01, pga: float = 3.0) -> np.ndarray:
-    """Synthetic accelerogram: Gaussian noise with the Kanai-Tajimi spectrum under a rise-strong-decay envelope.
+    """Synthetic accelerogram (n,) [m/s2]: Gaussian noise with the Kanai-Tajimi spectrum under an envelope.
 
-    It is (n,) [m/s2] with n = round(duration/dt) + 1, whole multiples of 1e-6 m/s2. The first and the last sample are
-    zero, and so is the velocity after the last one: in units of 1e-6 the samples sum to 0 exactly. The `seed`, 0 to
-    2**32 - 1, draws the noise, the ground frequency (0.5 to 5 Hz, log-uniform) and damping (0.3 to 0.7), and the times
-    of the envelope. A ConfigError for another seed, a `duration` below 1 s, an interval `dt` above 0.1 s, or a peak
-    `pga` outside 0.001 to 1000 m/s2.
+    n is round(duration/dt) + 1. Samples are whole multiples of 1e-6 m/s2 that sum to 0; the first and the last are
+    zero. The `seed` draws the noise, the ground frequency (0.5 to 5 Hz, log-uniform) and damping (0.3 to 0.7), and the
+    envelope.
 
     Spectrum, with r = f/f_g (Kanai-Tajimi) and q = f/f_h, f_h = 0.1 f_g (the second filter of Clough & Penzien, damping
     0.6, which takes away what would drift):
 
     S(f) = (1 + 4 z^2 r^2)/((1 - r^2)^2 + 4 z^2 r^2) x q^4/((1 - q^2)^2 + 4 0.6^2 q^2)
 
-    Envelope (Amin & Ang; Jennings, Housner & Tsai): (t/t_1)^2, then 1 up to t_2, then exp(-k (t - t_2)). t_1 is 3 to
-    15 % of the duration, the strong phase t_2 - t_1 3 to 35 %, and k leaves 1e-6 to 0.03 (log-uniform) at the end.
-
-    ``numpy.random.RandomState`` is used because its stream is frozen: newer generators may change theirs between
-    versions of numpy.
+    Envelope (Amin & Ang; Jennings, Housner & Tsai): (t/t_1)^2, then 1 up to t_2, then exp(-k (t - t_2)). t_1 is 3 to 15
+    % of the duration, the strong phase t_2 - t_1 3 to 35 %, and k leaves 1e-6 to 0.03 (log-uniform) at the end.
 
     References: Tajimi (1960), Proc. 2nd World Conf. Earthq. Eng., Tokyo, 2, 781-797; Clough & Penzien (1975), Dynamics
     of Structures, McGraw-Hill; Amin & Ang (1968), J. Eng. Mech. Div. ASCE 94(2), 559-583; Jennings, Housner & Tsai
@@ -79,6 +71,7 @@ def synthetic_motion(seed: int, duration: float = 60.0, dt: float = 0.01, pga: f
 
 
 def _frozen_stream(seed: int) -> np.random.RandomState:
+    # Its stream is frozen; newer generators may change theirs between versions of numpy.
     if not 0 <= seed < 2**32:
         raise ConfigError(f"seed: expected a whole number from 0 to 2**32 - 1, got {seed!r}")
     return np.random.RandomState(seed)
@@ -95,13 +88,7 @@ def _balanced(whole: np.ndarray) -> np.ndarray:
 
 
 def synthetic_lanes(seed: int, count: int, restitution: float = 0.9) -> SyntheticLanes:
-    """Blocks and peak accelerations (count,), drawn lane by lane from a seed of 0 to 2**32 - 1.
-
-    p from 1 to 8 1/s (log-uniform), alpha from 0.05 to 0.3 rad, PGA from 0.2 to 0.4 g of 9.80665 m/s2 (uniform),
-    rounded to 1e-6 so that they are the same numbers everywhere; the velocity ratio C is that of all lanes. The first
-    lanes of a longer call are those of a shorter one. Raises ConfigError for a count below 1 or a seed outside its
-    range.
-    """
+    """Blocks of p 1 to 8 1/s, alpha 0.05 to 0.3 rad and PGA 0.2 to 0.4 g (count,), drawn lane by lane from a seed."""
     if count < 1:
         raise ConfigError(f"count: expected at least one lane, got {count!r}")
     share = _frozen_stream(seed).uniform(size=(count, 3))

@@ -1,7 +1,6 @@
-"""One way through the motions of a set of records: prepare, work on each motion, collect the tree of results.
+"""The analysis of a set of records: plan the motions, work on each, collect the tree of results.
 
-Assessing bodies, calibrating a site and fitting fragility curves are analyses: :func:`run` carries one out in this
-process, `rockpulse.run.batch` with a journal and many processes.
+:func:`run` does it in this process, `rockpulse.run.batch` with a journal and many processes.
 """
 
 import logging
@@ -31,16 +30,15 @@ from rockpulse.selection.directions import (
 from rockpulse.selection.events import event_table, events_by_id
 from rockpulse.selection.votes import one_vote_each, unmatched_patterns
 
-__all__ = ["Analysis", "Blocks", "Part", "Prepared", "Watch", "Work", "joined", "run", "unwatched", "worked"]
+__all__ = ["Analysis", "Blocks", "Part", "Prepared", "Watch", "Work", "joined", "run", "worked"]
 
 logger = logging.getLogger("rockpulse")
 
-#: What one motion adds to the results: by name the arrays of every variable that grows with the motions, whose first
-#: dimension is the one that grows.
+#: The arrays that one motion adds to the results, by variable; the first dimension is the one that grows.
 Part = Mapping[str, np.ndarray]
 
 #: Measures the time of a step, by its name: ``with watch("solve"): ...``
-Watch = Callable[[str], AbstractContextManager[None]]
+Watch = Callable[[str], AbstractContextManager[Any]]
 
 #: From a motion to its part; a ValueError that it raises becomes a row of /failures.
 Work = Callable[[Motion, Watch], Part]
@@ -48,21 +46,21 @@ Work = Callable[[Motion, Watch], Part]
 
 @dataclass(frozen=True, eq=False)
 class Prepared:
-    """The motions and earthquakes of an analysis, before the first motion is worked on."""
+    """The planned motions and their earthquakes."""
 
     planned: list[PlannedMotion]  # in the order of the results
-    events: dict[str, str]  # the earthquake of each of them, by its name
-    failures: list[Failure]  # the rows of everything that is left out already
+    events: dict[str, str]  # earthquake by name of the motion
+    failures: list[Failure]  # rows of the records that are left out
 
 
 class Analysis(ABC):
-    """Something that is asked of every motion of a set of records, and of all the answers together."""
+    """An analysis of every motion of a set of records, and of all their parts together."""
 
     name: ClassVar[str]  # the verb, and the stage in rows of failures
     doing: ClassVar[str]  # the verb as a progress bar shows it
     kind: ClassVar[str]  # of the results, an attribute of their root
-    in_order_of_ids: ClassVar[bool] = True  # in which the records are taken, in place of the order given
-    event_name: ClassVar[str] = "event"  # under which a part holds the earthquake of its motion
+    in_order_of_ids: ClassVar[bool] = True  # whether the records are sorted by id
+    event_name: ClassVar[str] = "event"  # variable of a part with the earthquake of its motion
 
     def __init__(self, config: Config, blocks: Blocks | None = None) -> None:
         self.config = config
@@ -71,7 +69,7 @@ class Analysis(ABC):
     @property
     @abstractmethod
     def work(self) -> Work:
-        """The work that is done on every motion; it can be pickled, and is small."""
+        """The function that makes the part of a motion; small, and picklable."""
 
     @property
     @abstractmethod
@@ -80,20 +78,19 @@ class Analysis(ABC):
 
     @abstractmethod
     def collect(self, parts: Sequence[Part], planned: Sequence[PlannedMotion], failures: list[Failure]) -> xr.DataTree:
-        """The tree of results, from the parts of all motions in the order of the plan."""
+        """The tree of results from the parts of all motions, in the order of the plan."""
 
     def described(self, tree: xr.DataTree, title: str) -> xr.DataTree:
-        """The tree of results with the attributes of its root; `title` stands where the site has no name."""
+        """Sets the attributes of the root; `title` is the default of the name of the site."""
         site = self.config.site
         tree.attrs |= {"kind": self.kind, "title": site.name or title, "site_description": site.description}
         tree.attrs["configuration"] = self.config.as_text()
         return tree
 
     def prepare(self, records: Iterable[Record], failures: Iterable[Failure] = ()) -> Prepared:
-        """Plan the motions and group them by earthquake; of the samples nothing but their number is asked.
+        """Plans the motions and groups them by earthquake; the samples are not needed.
 
-        Of several records of one shaking one is planned. Raises ConfigError for two records of one id, and for tables
-        and patterns that do not fit.
+        Raises ConfigError for two records of one id, and for tables and patterns that do not fit.
         """
         every = sorted(records, key=lambda record: record.id) if self.in_order_of_ids else list(records)
         twice = sorted(name for name, times in Counter(record.id for record in every).items() if times > 1)
@@ -101,33 +98,35 @@ class Analysis(ABC):
             raise ConfigError(f"records: expected different ids, found more than one record with id {', '.join(twice)}")
         rows = list(failures)
         event_of, unread = events_by_id(every, self.named_events, rows)
-        idle = unmatched_patterns(
+        unmatched = unmatched_patterns(
             "[records] confirm", self.config.records.confirm, [record.id for record in every], rows
         )
-        voting, outvoted = one_vote_each(every, self.config.records, rows)
-        planned, left_out = plan_motions(voting, self.config)
+        selected, duplicates = one_vote_each(every, self.config.records, rows)
+        planned, left_out = plan_motions(selected, self.config)
         events = {one.name: event_of[one.channels[0].id] for one in planned}
-        return Prepared(planned, events, [*rows, *unread, *idle, *outvoted, *left_out])
+        return Prepared(planned, events, [*rows, *unread, *unmatched, *duplicates, *left_out])
 
     def dimension_of(self, name: str) -> str:
-        """The dimension of an array that grows with the motions; arrays of a part that share it are equally long."""
+        """The dimension along which an array of a part grows."""
         return "record"
 
     def fits(self, part: Part) -> bool:
-        """Whether arrays that somebody else may have made are a part of this analysis, whatever their values are."""
+        """Whether arrays have the names, types and shapes of a part of this analysis."""
         expected = {name: array for name, array in self.nothing.items() if name != self.event_name}
         if part.keys() != expected.keys():
             return False
         lengths: dict[str, set[int]] = defaultdict(set)
         for name, empty in expected.items():
             found = part[name]
-            if found.ndim != empty.ndim or found.shape[1:] != empty.shape[1:] or not _is_of(found.dtype, empty.dtype):
+            alike = (found.dtype.kind == "U") == (empty.dtype.kind == "U")
+            alike = alike and np.can_cast(found.dtype, empty.dtype, "same_kind")
+            if not alike or found.ndim != empty.ndim or found.shape[1:] != empty.shape[1:]:
                 return False
             lengths[self.dimension_of(name)].add(len(found))
         return all(len(every) == 1 for every in lengths.values())
 
     def of_event(self, part: Part, event: str) -> Part:
-        """A part with the earthquake of its motion, which all records together tell, and no motion alone."""
+        """Adds the earthquake to a part."""
         rows = len(part["record"]) if "record" in part else 1
         return {**part, self.event_name: np.array([event] * rows)}
 
@@ -138,7 +137,7 @@ def run(
     failures: Iterable[Failure] = (),
     progress: Callable[[Sequence[PlannedMotion]], Iterable[PlannedMotion]] | None = None,
 ) -> xr.DataTree:
-    """Carry out an analysis in this process; `progress` wraps the list of channels and pairs, as ``tqdm.tqdm`` does."""
+    """Carries out an analysis in this process; `progress` wraps the list of planned motions, as ``tqdm.tqdm`` does."""
     prepared = analysis.prepare(_checked(records), failures)
     rows, parts = list(prepared.failures), []
     for one in prepared.planned if progress is None else progress(prepared.planned):
@@ -151,7 +150,6 @@ def run(
 
 
 def _checked(records: Iterable[Record]) -> list[Record]:
-    """The records as a list; a ConfigError for anything else, such as the path of a file or one record alone."""
     found: list[Any] = [records] if isinstance(records, (str, Path, Record)) else list(records)
     for one in found:
         if not isinstance(one, Record):
@@ -161,19 +159,13 @@ def _checked(records: Iterable[Record]) -> list[Record]:
     return found
 
 
-def unwatched(step: str) -> AbstractContextManager[None]:
-    """The :data:`Watch` of those who do not want to know."""
-    return nullcontext()
-
-
 def worked(
-    planned: PlannedMotion, work: Work, stage: str, config: Config, watch: Watch = unwatched
+    planned: PlannedMotion, work: Work, stage: str, config: Config, watch: Watch = nullcontext
 ) -> Iterator[Part | Failure]:
-    """Work on every motion of a channel or pair, whose samples are there.
+    """Yields the part of every motion of a channel or pair, or rows of failures.
 
-    Each motion yields its part or a row; so do a channel that cannot be conditioned, both of a pair that cannot be
-    rotated, and channels whose peak has to be confirmed, with those that are left out for them. A vertical channel that
-    cannot be conditioned has a row beside those of the channels that it acts with.
+    A channel that cannot be conditioned gives a row, a pair that cannot be rotated two, a refused vertical channel one
+    beside those of its channels, and so does a peak that has to be confirmed.
     """
     try:
         with watch("condition"):
@@ -204,11 +196,6 @@ def worked(
             yield part
 
 
-def _is_of(found: np.dtype, expected: np.dtype) -> bool:
-    """Whether an array is of texts as it is expected to be, or of numbers that the expected kind can hold."""
-    return (found.kind == "U") == (expected.kind == "U") and np.can_cast(found, expected, "same_kind")
-
-
 def _failure(record: Record, stage: str, error: Exception) -> Failure:
     weak = isinstance(error, TooWeak)
     reason = str(error) if record.id in str(error) else f"{record.id}: {error}"
@@ -217,7 +204,7 @@ def _failure(record: Record, stage: str, error: Exception) -> Failure:
 
 
 def joined(parts: Sequence[Part]) -> dict[str, np.ndarray]:
-    """The arrays of all parts one after the other, in the order of the ids in their variable "record"."""
+    """The arrays of all parts one after the other, sorted by the variable "record"."""
     whole = {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
     order = np.argsort(whole["record"], kind="stable")
     return {name: values[order] for name, values in whole.items()}

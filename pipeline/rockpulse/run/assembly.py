@@ -1,4 +1,4 @@
-"""The results file put together from the parts of the records, in bounded memory, whole or not at all."""
+"""The results file written from the parts of the records, in bounded memory, whole or not at all."""
 
 import os
 from collections import defaultdict
@@ -29,17 +29,11 @@ from rockpulse.storage.variables.probability import MEAN
 RUN_ID = "run_id"
 #: Attribute of the root: SHA-256 of all that the run was asked for, as :func:`rockpulse.run.tasks.digest_of` makes it.
 RUN_DIGEST = "run_digest"
-
-#: Values that are put together before they are written [bytes].
+#: Size of the values that are written at once [bytes].
 CHUNK = 32 * 1024**2
-
-#: Bytes that each array takes in memory beyond its values.
-PER_ARRAY = 500
-
-#: Bytes that each text takes in the file beyond its letters.
-PER_TEXT = 32
-
-#: What /directions is made of, in /summary: of the record, and of its answers.
+#: Overhead of an array in memory, and of a text in the file [bytes].
+PER_ARRAY, PER_TEXT = 500, 32
+#: Variables of /summary from which /directions is made: of the record, and of its answers.
 SWEPT_RECORD = ("record", PGA, "main_impulse")
 SWEPT_ANSWER = ("peak_rotation_ratio", "outcome", "overturning_time", "safety_factor")
 SWEPT_PROBABILITY = ("overturning_probability",)
@@ -47,7 +41,7 @@ SWEPT_PROBABILITY = ("overturning_probability",)
 
 @dataclass(frozen=True)
 class JournalParts:
-    """The parts of some finished tasks in an open journal, by their keys and in that order, as often as asked for."""
+    """The parts of finished tasks in an open journal, in the order of the keys; can be iterated repeatedly."""
 
     journal: Journal
     analysis: Analysis
@@ -55,7 +49,6 @@ class JournalParts:
     events: Mapping[str, str]
 
     def __iter__(self) -> Iterator[Part]:
-        """Unpack one part after the other."""
         for key in self.keys:
             for part in self.journal.parts(key):
                 yield self.analysis.of_event(unpack(part), self.events[key])
@@ -69,7 +62,7 @@ def write_results(
     overwrite: bool,
     digest: str,
 ) -> int:
-    """Write the results of a run; the number of motions in them, none where there was nothing to write."""
+    """Writes the results of a run; returns the number of motions, and writes nothing for none."""
     analysis, run = parts.analysis, {RUN_ID: parts.journal.run_id, RUN_DIGEST: digest}
     if isinstance(analysis, Assessment):
         if not any(True for _ in parts):
@@ -94,17 +87,11 @@ def assemble(
     run: Mapping[str, str] | None = None,
     chunk: int = CHUNK,
 ) -> int:
-    """Write the results file that :func:`rockpulse.save` would write of the whole tree; the number of records in it.
+    """Writes the file that :func:`rockpulse.save` would write of the whole tree; returns the number of records.
 
-    `template` is the tree without a record, `parts` what each record adds to it, in the order of the rows. They are
-    gone through twice, for their sizes first; an iterator, which can be gone through once, is refused. At most `chunk`
-    bytes of arrays, or the largest part, are put together before they are written, which bounds the memory. `run` are
-    attributes by which :func:`run_of` knows the file again.
-
-    Raises
-    ------
-    ResultsError
-        Where the file exists or cannot be written, as on a full disk; an old file stays.
+    `template` is the tree without a record. The `parts`, in the order of the rows, are iterated twice, first for their
+    sizes; an iterator raises TypeError. At most `chunk` bytes of arrays, or the largest part, are in memory; `run` are
+    attributes for :func:`run_of`. Raises ResultsError if the file exists or cannot be written; an old file stays.
     """
     if iter(parts) is parts:
         raise TypeError("parts: expected what can be iterated twice (a list, JournalParts), found an iterator")
@@ -133,7 +120,7 @@ def assemble(
 
 
 def run_of(path: str | os.PathLike[str]) -> tuple[str, str]:
-    """Id and digest of the run that has written a file; empty texts where there is none that says so."""
+    """Id and digest of the run that has written a file; empty texts without one."""
     import h5py
 
     if not Path(path).is_file() or not h5py.is_hdf5(path):
@@ -157,7 +144,7 @@ def _stored_bytes(values: np.ndarray) -> int:
 def _lay_out(
     writer: TreeWriter, template: xr.DataTree, totals: Mapping[str, int], failures: Sequence[Failure], pairs: int
 ) -> None:
-    """Every group and variable in its size, and the values of those that do not grow."""
+    """Creates every variable in its full size, and writes those that do not grow."""
     for node in template.subtree:
         dataset = node.to_dataset(inherit=False)
         if node.path == "/":
@@ -188,15 +175,9 @@ def _write_parts(writer: TreeWriter, parts: Iterable[Part], chunk: int) -> None:
 
 
 def _write_directions(
-    writer: TreeWriter,
-    empty: xr.Dataset,
-    pairs: Mapping[str, Sequence[str]],
-    records: Sequence[str],
-    chunk: int,
+    writer: TreeWriter, empty: xr.Dataset, pairs: Mapping[str, Sequence[str]], records: Sequence[str], chunk: int
 ) -> None:
-    """The statistics over direction, some pairs at a time."""
-    import xarray as xr
-
+    """Writes the statistics over direction, some pairs at a time."""
     place = {record: number for number, record in enumerate(records)}
     azimuths = empty["direction_azimuth"].values.tolist()
     answers = empty["median_rotation_ratio"]

@@ -1,4 +1,4 @@
-"""A batch from paths to its file: survey, plan, work, assembly; what is finished stays finished, whatever happens."""
+"""A batch from paths to its file: survey, plan, work, assembly; finished records are never lost."""
 
 import logging
 import os
@@ -28,27 +28,26 @@ logger = logging.getLogger("rockpulse")
 PathLike = str | os.PathLike[str]
 Paths = PathLike | Iterable[PathLike]
 
-#: Files or records that make one more process worth its start; below, the threads of this one share the bodies of each.
+#: Files or records for which one more process is started; below, threads of this process share the bodies of each.
 ITEMS_PER_WORKER = 8
 
 
 def assess_files(paths: Paths, config: Config, output: PathLike, options: BatchOptions | None = None) -> BatchReport:
     """Assess bodies under all records of some files, and write the results.
 
-    The results are those of :func:`rockpulse.assess` on all records of the paths, but samples and answers of a few
-    records only are in memory at a time, and each finished record is on the disk, in ``<output>.journal``, before
-    others are waited for.
+    The results are those of :func:`rockpulse.assess`, with the samples of a few records only in memory. Each finished
+    record is kept in ``<output>.journal``.
 
     Parameters
     ----------
     paths : path or iterable of paths
-        Files, folders, globs and zip archives, as `rockpulse.readers.folders.read_all` takes them.
+        Files, folders, globs and zip archives, as :func:`rockpulse.read_all` takes them.
     config : Config
         Options and bodies.
     output : path
         The results file to write.
     options : BatchOptions, optional
-        The workers, and the fate of a file that exists already.
+        The workers, and whether an existing file is resumed or replaced.
 
     Returns
     -------
@@ -57,10 +56,10 @@ def assess_files(paths: Paths, config: Config, output: PathLike, options: BatchO
     Raises
     ------
     ConfigError
-        For bodies or a scheduler that cannot be, a table of events that does not fit, or a pattern of
+        For invalid bodies or an invalid scheduler, a table of events that does not fit, or a pattern of
         ``config.records.files`` that chooses no file.
     ResultsError
-        Where the output exists, cannot be written, or another process is writing it.
+        If the output exists, cannot be written, or is being written by another process.
     StoppedAtFailure
         With ``options.strict``, at the first file or record that fails.
     Interrupted
@@ -70,23 +69,19 @@ def assess_files(paths: Paths, config: Config, output: PathLike, options: BatchO
 
 
 def calibrate_files(paths: Paths, config: Config, output: PathLike, options: BatchOptions | None = None) -> BatchReport:
-    """Calibrate the design sequence of a site on all records of some files, and write the site file.
+    """Calibrate the design of a site on all records of some files (:func:`rockpulse.calibrate_site`); write the file.
 
-    The site is that of :func:`rockpulse.calibrate_site` on all records of the paths.
-
-    Arguments, outcome and errors are those of :func:`assess_files`; a table of weights that does not fit is a
-    ConfigError, records of which no site can be made are a RecordRefused.
+    Arguments, outcome and errors are those of :func:`assess_files`; a table of weights that does not fit raises
+    ConfigError, records that make no site RecordRefused.
     """
-    # With scipy.stats, which would take a third of the time that a worker of an assessment takes to start.
+    # Imports scipy.stats, a third of the time in which a worker of an assessment starts.
     from rockpulse.studies.site.calibration import SiteCalibration
 
     return _Batch(SiteCalibration(config), output, options or BatchOptions()).carried_out(paths)
 
 
 def fragility_files(paths: Paths, config: Config, output: PathLike, options: BatchOptions | None = None) -> BatchReport:
-    """Fit fragility curves to the capacities of bodies under all records of some files, and write the fragility file.
-
-    The curves are those of :func:`rockpulse.fragility_curves` on all records of the paths.
+    """Fit fragility curves to all records of some files (:func:`rockpulse.fragility_curves`); write the file.
 
     Arguments, outcome and errors are those of :func:`assess_files`.
     """
@@ -96,7 +91,7 @@ def fragility_files(paths: Paths, config: Config, output: PathLike, options: Bat
 
 
 class _Batch:
-    """One batch on its way: its journal, its workers, and the tasks as soon as they are known."""
+    """One batch: its journal, its workers, and its tasks as soon as they are known."""
 
     journal: Journal
     tasks: Sequence[Task] = ()
@@ -106,20 +101,20 @@ class _Batch:
         self.report = BatchReport()
 
     def carried_out(self, paths: Paths) -> BatchReport:
-        """Everything from the paths to the file, in a journal of its own."""
+        """Does everything from the paths to the file."""
         output, options = self.output, self.options
-        # A run that is resumed may find its own file there, even one that is finished.
+        # A resumed run may find its own file, even a finished one.
         check_target(output, options.overwrite or options.resume, self.analysis.kind)
-        if options.scheduler is not None:  # its workers stand in folders of their own
+        if options.scheduler is not None:  # its workers run in other folders
             given = [paths] if isinstance(paths, str | os.PathLike) else paths
             paths = [os.path.abspath(path) for path in given]  # noqa: PTH100 - links stay what they are
         found, rows = find_files(paths, (output, journal_path(output), *options.written))
         check_patterns(found, self.analysis.config.records.files)
-        with Journal.open(output, options.resume, options.overwrite) as journal, ExitStack() as hired:
+        with Journal.open(output, options.resume, options.overwrite) as journal, ExitStack() as resources:
             self.journal = journal
-            remove_parts(output)  # of runs that were killed
+            remove_parts(output)  # of killed runs
             try:
-                if self.worked(found, rows, hired):
+                if self.worked(found, rows, resources):
                     return self.report
             except RecordRefused:  # the records make no site
                 self.leave_without_output()
@@ -149,14 +144,14 @@ class _Batch:
         logger.info("%s: %s; left out: %s", output, written, left_out)
         return report
 
-    def worked(self, found: Sequence[Found], rows: Sequence[Failure], hired: ExitStack) -> bool:
-        """Survey, plan, work and assembly, into the report; true where an earlier run has left nothing to do."""
+    def worked(self, found: Sequence[Found], rows: Sequence[Failure], resources: ExitStack) -> bool:
+        """Survey, plan, work and assembly; true if an earlier run has left nothing to do."""
         analysis, output, options, journal = self.analysis, self.output, self.options, self.journal
         run_id, before = run_of(output) if options.resume and not options.overwrite else ("", "")
         replace = options.overwrite or run_id == journal.run_id
         before = "" if replace else before
         check_target(output, replace or bool(before), analysis.kind)
-        crew = self.crew_for(len(found), hired)
+        crew = self.crew_for(len(found), resources)
         every, rows, unread = self.surveyed(crew, found, rows)
         prepared = analysis.prepare([one.record for one in every], rows)
         self.tasks = tasks_of(prepared.planned, every, analysis.config, analysis.name)
@@ -175,7 +170,7 @@ class _Batch:
             self.report = BatchReport(Path(output), len(self.tasks), len(self.tasks), list(prepared.failures))
             return True
         missing = self.missing()
-        self.work(self.crew_for(len(missing), hired, crew), missing)
+        self.work(self.crew_for(len(missing), resources, crew), missing)
         self.report.failures = [*prepared.failures, *self.report.failures]
         keys = self.finished()
         self.report.broken_off = unread + len(self.tasks) - len(keys)
@@ -183,30 +178,30 @@ class _Batch:
         self.report.records = write_results(output, parts, prepared, self.report.failures, replace, asked)
         return False
 
-    def crew_for(self, items: int, hired: ExitStack, before: Crew | None = None) -> Crew:
-        """Workers for so many items, with kernels that are compiled; those `before` stay where they are enough."""
+    def crew_for(self, items: int, resources: ExitStack, before: Crew | None = None) -> Crew:
+        """Workers for a number of items, with compiled kernels; the crew `before` is kept if it is large enough."""
         options = self.options
         if options.executor is not None:
-            return before or hired.enter_context(Crew.through(options.executor))
+            return before or resources.enter_context(Crew.through(options.executor))
         if options.scheduler is not None:
-            return before or hired.enter_context(Crew.scheduler(options.scheduler))
+            return before or resources.enter_context(Crew.scheduler(options.scheduler))
         workers = self.analysis.config.run.workers if options.workers is None else options.workers
         if workers == "all":
             workers = max(1, min(available_cores(), items // ITEMS_PER_WORKER))
         elif workers == 1 and before is None:
-            hired.enter_context(thread_limit(1))
+            resources.enter_context(thread_limit(1))
         if before is not None and before.size >= int(workers):
             return before
         if workers == 1:
-            return hired.enter_context(Crew.inline())
-        hired.close()  # of those before
+            return resources.enter_context(Crew.inline())
+        resources.close()  # of those before
         warm_up(self.analysis)  # once, here, not once in every worker
-        return hired.enter_context(Crew.local(int(workers)))
+        return resources.enter_context(Crew.local(int(workers)))
 
     def surveyed(
         self, crew: Crew, found: Sequence[Found], failures: Sequence[Failure]
     ) -> tuple[list[Located], list[Failure], int]:
-        """All channels without their samples, what was left out, and how much of that may be read another time."""
+        """All channels without samples, the rows of failures, and the number of files that may be read again."""
         look = partial(survey_file, options=read_options(self.analysis.config))
         surveys, rows, unread = [], list(failures), 0
         self.stop_at(rows)
@@ -226,7 +221,7 @@ class _Batch:
         return *gather(found, surveys, rows), unread
 
     def missing(self) -> list[Task]:
-        """The tasks that are to be done; what was refused before is a failure to stop at like any other."""
+        """The tasks without results; raises StoppedAtFailure with `strict` for a failure of an earlier run."""
         journal, analysis, options = self.journal, self.analysis, self.options
         own, told = set(self.finished()), journal.failures()
 
@@ -256,7 +251,7 @@ class _Batch:
         return missing
 
     def work(self, crew: Crew, missing: Sequence[Task]) -> None:
-        """Every missing task, into the journal; a task whose worker is lost is a row of its own."""
+        """Does every missing task into the journal; a task whose worker is lost is a row of failures."""
         analysis, report = self.analysis, self.report
         work = partial(carry_out, work=analysis.work, stage=analysis.name, config=analysis.config)
         lost: dict[str, list[Failure]] = {}
@@ -279,19 +274,13 @@ class _Batch:
         report.failures = [row for task in self.tasks for row in rows.get(task.key, ())]
 
     def finished(self) -> list[str]:
-        """Keys of the tasks whose results are in the journal, in order.
-
-        Results of another configuration, or of files that have changed since, are none of theirs.
-        """
+        """Keys of the tasks with results of the same files and options in the journal, in order."""
         before = self.journal.finished()
         return [task.key for task in self.tasks if before.get(task.key) == task.fingerprint]
 
     def kept(self, strict: bool = False) -> str:
-        """The message of a run that stops on its tasks, or on all in the journal where it has no tasks yet.
-
-        A journal without anything in it is removed. `strict` says that the run stopped at a failure because it was to.
-        """
-        journal, every = self.journal, self.journal.worth
+        """The message of a run that stops; removes a journal without finished records."""
+        journal, every = self.journal, self.journal.complete
         if not journal.in_place:
             return f"nothing is kept, for {journal.path} was removed while the run was at work"
         if not every:
@@ -306,8 +295,8 @@ class _Batch:
         return f"{count} finished {are} kept in {journal.path}: the same command with --resume goes on from there{past}"
 
     def leave_without_output(self) -> None:
-        """Leave a journal whose records give nothing to write: removed, unless some are of other files or broke off."""
-        others = self.journal.worth - {task.key for task in self.tasks}
+        """Removes the journal of a run that writes nothing, unless other records are in it."""
+        others = self.journal.complete - {task.key for task in self.tasks}
         if others:
             are = f"{self.journal.path} keeps {len(others)} finished records of other files"
             self.tell_all(f"{are}: give --resume with the paths of these")
@@ -317,19 +306,18 @@ class _Batch:
             self.journal.remove()
 
     def tell_all(self, text: str) -> None:
-        """Tell the user, and the log."""
+        """Writes a message to the log and to the user."""
         logger.warning("%s", text)
         self.options.tell(text)
 
     def stop_at(self, failures: Iterable[Failure]) -> None:
-        """Raise StoppedAtFailure at the first that failed, where that is asked for."""
+        """Raises StoppedAtFailure with `strict` at the first failed row."""
         failed = [row for row in failures if row.kind == "failed"] if self.options.strict else []
         if failed:
             raise StoppedAtFailure(f"stopped at the first failure (--strict): {failed[0].reason}")
 
 
-def _is_part(packed: bytes, analysis: Analysis) -> bool:
-    """Whether bytes of a journal are what an analysis keeps there; anybody can write others with a right checksum."""
+def _is_part(packed: bytes, analysis: Analysis) -> bool:  # anybody can write other bytes with a right checksum
     try:
         return analysis.fits(unpack(packed))
     except (ValueError, TypeError, RecursionError):

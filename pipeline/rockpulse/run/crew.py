@@ -1,4 +1,4 @@
-"""The workers of a batch: this process, processes of this machine or a cluster; none of it is lost when one dies."""
+"""The workers of a batch: this process, processes of this machine or a cluster; no item is lost when one dies."""
 
 from __future__ import annotations
 
@@ -25,63 +25,51 @@ Result = TypeVar("Result")
 
 #: An address of a dask scheduler.
 ADDRESS = re.compile(r"[a-z]+://\S+:\d+|inproc://\S+")
-
-#: Items handed out per worker: one in work, one waiting, so that nobody is idle while the parent writes; and on a
-#: cluster, where an item and its result take longer on their way than a short record takes in work.
+#: Items submitted per worker, so that none is idle while the parent writes; on a cluster the transfer takes longer than
+#: a short record.
 AHEAD, AHEAD_ON_CLUSTER = 2, 8
-
-#: Time between two questions to a scheduler about its workers [s].
+#: Interval at which a scheduler is asked for its workers [s].
 ASK_EVERY = 1.0
 
 
 @dataclass(frozen=True)
 class WorkerLost:
-    """In place of a result: the item took its worker with it each time it was tried."""
+    """The result of an item whose worker died at each try."""
 
-    reason: str  # the end of the worker in words
+    reason: str  # how the worker ended
 
 
 @dataclass(eq=False)
 class Crew:
-    """Workers for the length of a ``with`` block; made by one of the class methods.
+    """Workers for the length of a ``with`` block, at whose end they are killed; made by one of the class methods."""
 
-    Leaving the block, by whatever way, ends the processes of :meth:`local` at once and leaves none behind; a cluster is
-    told to drop what it was given.
-
-    Examples
-    --------
-    >>> with Crew.inline() as crew:
-    ...     list(crew.run(abs, [-2, 1]))
-    [(-2, 2), (1, 1)]
-    """
-
-    executor: Executor | None  # none for this process
-    count: Callable[[], int]  # of items that are worked on side by side
+    executor: Executor | None  # None: this process
+    count: Callable[[], int]  # number of items in work at once
     deaths: tuple[type[Exception], ...] = ()  # errors of a future whose worker died
     tries: int = 1  # of an item whose worker died
-    owned: bool = True  # whether the executor is the crew's to shut down
+    owned: bool = True  # whether the crew shuts the executor down
     ahead: int = AHEAD
     handed_out: set[Future[Any]] = field(default_factory=set)
 
     @classmethod
     def inline(cls) -> Crew:
-        """The crew that is this process, with all its threads."""
+        """A crew of this process alone, with all its threads."""
         return cls(None, lambda: 1)
 
     @classmethod
     def local(cls, workers: int) -> Crew:
-        """So many processes of this machine, each with its kernels on one thread; they start when there is work."""
+        """A number of processes of this machine, each with its kernels on one thread."""
         if workers < 1:
             raise ValueError(f"workers: expected a whole number of at least 1, got {workers!r}")
         return cls(WorkerProcesses(workers), lambda: workers, deaths=(WorkerDied,), tries=2)
 
     @classmethod
     def scheduler(cls, address: str, timeout: float = 20.0) -> Crew:
-        """The workers of a dask.distributed cluster that is running, each item with its kernels on one thread.
+        """The workers of a running dask.distributed cluster, each item with its kernels on one thread.
 
-        Raises ConfigError without the package ``distributed``, where no scheduler answers at the address, such as
-        ``tcp://10.0.0.1:8786``, within the timeout [s], or where a worker has no rockpulse of this version. The
-        scheduler itself tries an item again whose worker died, on other workers (its option ``allowed-failures``).
+        The scheduler itself repeats an item whose worker died (its option ``allowed-failures``). Raises ConfigError
+        without the package ``distributed``, if no scheduler answers at the address, such as ``tcp://10.0.0.1:8786``,
+        within the timeout [s], or if a worker has another version of rockpulse.
         """
         if not ADDRESS.fullmatch(address):
             raise ConfigError(
@@ -92,23 +80,20 @@ class Crew:
         return cls(cluster, cluster.size, deaths=cluster.deaths, ahead=AHEAD_ON_CLUSTER)
 
     @classmethod
-    def through(cls, executor: Executor, size: int | None = None) -> Crew:
-        """Any executor, which stays the caller's to shut down; `size` items side by side, without it one a core.
-
-        Where its workers are processes, they must be able to import rockpulse.
-        """
-        return cls(executor, lambda: size or available_cores(), owned=False)
+    def through(cls, executor: Executor) -> Crew:
+        """Any executor, which the caller shuts down."""
+        return cls(executor, available_cores, owned=False)
 
     @property
     def size(self) -> int:
-        """Number of items that are worked on side by side; on a cluster this changes as its workers come and go."""
+        """Number of items in work at once; on a cluster it changes with the workers."""
         return self.count()
 
     def __enter__(self) -> Crew:
         return self
 
     def __exit__(self, *error: object) -> None:
-        # A traceback keeps `run` alive and its own clearing up from happening.
+        # A traceback keeps `run` alive, so that its own `finally` does not run.
         for future in list(self.handed_out):
             future.cancel()
         if self.executor is not None and self.owned:
@@ -117,19 +102,11 @@ class Crew:
     def run(
         self, function: Callable[[Item], Result], items: Iterable[Item]
     ) -> Iterator[tuple[Item, Result | WorkerLost]]:
-        """Have the function called with every item: pairs of the item and its result, in order of completion.
+        """Yields each item and the result of a picklable function for it, in order of completion.
 
-        The function is pickled, so it stands at the top level of a module (or is a ``functools.partial`` of such). A
-        few items a worker, two or on a cluster eight, are taken ahead of the results. The result is a
-        :class:`WorkerLost` where the worker died of the item, and died again when it was tried a second time, after all
-        others and alone.
-
-        Raises
-        ------
-        Exception
-            The function's own; the traceback of the worker is in its notes.
-        ConnectionError
-            Where the cluster was lost with the work half done.
+        A few items per worker are taken ahead of the results. An item whose worker died is tried a second time, alone
+        and after all others, then its result is :class:`WorkerLost`. Raises the error of the function with the worker's
+        traceback in its notes, ConnectionError if the cluster is lost.
         """
         if self.executor is None:
             yield from ((item, function(item)) for item in items)
@@ -173,16 +150,12 @@ class Crew:
 
 
 def version() -> str:
-    """The version of rockpulse that this process works with."""
+    """The version of rockpulse in this process."""
     return __version__
 
 
 class _Cluster(Executor):
-    """The workers of a running dask.distributed cluster, as an executor; the cluster itself stays as it is.
-
-    `deaths` are the errors of a future whose workers died, all of those that the scheduler tried it on. Making one
-    raises ConfigError as :meth:`Crew.scheduler` says.
-    """
+    """The workers of a running dask.distributed cluster as an executor; errors as in :meth:`Crew.scheduler`."""
 
     def __init__(self, address: str, timeout: float) -> None:
         try:
@@ -195,7 +168,7 @@ class _Cluster(Executor):
         self.deaths, self._address = (KilledWorker,), address
         self._threads, self._ask_again = 1, 0.0
         with ExitStack() as left:
-            # dask logs nothing meanwhile: what goes wrong comes as an exception too, and its log shows tracebacks of it
+            # dask logs tracebacks of what it also raises.
             for handler in list(logging.getLogger("distributed").handlers):
                 handler.addFilter(_nothing)
                 left.callback(handler.removeFilter, _nothing)
@@ -210,14 +183,11 @@ class _Cluster(Executor):
             left.callback(self._client.close)
             self._check_versions()
             self._left = left.pop_all()
-        # Two calls with equal arguments are two calls: without pure=False they would be one.
+        # pure=False: two calls with equal arguments are two calls.
         self._executor = self._client.get_executor(pure=False)
 
     def size(self) -> int:
-        """Threads of all workers, asked for every second; 1 while there is none, so that one call waits for the first.
-
-        Every question waits for the scheduler, as long as a short record takes.
-        """
+        """Threads of all workers, asked for every second as it takes as long as a short record; at least 1."""
         now = time.monotonic()
         if now >= self._ask_again:
             try:
@@ -230,12 +200,12 @@ class _Cluster(Executor):
         return self._threads
 
     def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
-        """Have a worker of the cluster call ``fn(*args, **kwargs)``."""
+        """Calls ``fn(*args, **kwargs)`` on a worker."""
         future: Future[Any] = self._executor.submit(fn, *args, **kwargs)
         return future
 
     def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
-        """Drop what is not done and leave the cluster."""
+        """Cancels the rest and disconnects."""
         self._executor.shutdown(wait=False)
         self._left.close()
 

@@ -1,6 +1,6 @@
-"""Named arrays as bytes, and frames in a file: a head of a few names and a body of bytes, each found and checked alone.
+"""Packed arrays, and a file of frames: a JSON head and a body of bytes, each with a checksum.
 
-Whatever is damaged in a file of frames costs the frames that it is in, and no other one.
+Damage in a file of frames costs the frames that it is in, and no other one.
 """
 
 import json
@@ -14,38 +14,21 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-#: What packed arrays begin with.
-MAGIC = b"RPA1"
-#: Kinds of numpy types that are packed: numbers and texts, nothing that could hold an object.
-KINDS = "biufU"
-
-#: What every frame begins with; the byte after the letters is the version.
+#: First bytes of packed arrays, and the kinds of numpy types that are packed: numbers and texts, no objects.
+MAGIC, KINDS = b"RPA1", "biufU"
+#: First bytes of a frame; the byte after the letters is the version.
 MARK = b"\x89RPJ\x03\r\n\x1a"
-#: The beginning of a frame: the mark, the bytes of the head, those of the body, and a CRC of both and of the head.
+#: The start of a frame: the mark, the sizes of head and body, and a CRC of both sizes and of the head.
 START = struct.Struct("<8sQQI")
-#: Largest head [bytes].
-HEAD = 64 * 1024**2
-#: What is read at once where the beginning of a frame is looked for [bytes].
-READ_AT_ONCE = 1024**2
+#: Largest head, and size of the blocks in which a mark is searched [bytes].
+HEAD, READ_AT_ONCE = 64 * 1024**2, 1024**2
 
 
 def pack(arrays: Mapping[str, np.ndarray]) -> bytes:
-    """Named arrays of numbers or texts as bytes, which :func:`unpack` reads without trusting them.
+    """Named arrays of numbers or texts as bytes for :func:`unpack`; TypeError for other arrays.
 
-    Raises
-    ------
-    TypeError
-        For an array of anything else.
-
-    Notes
-    -----
     ``RPA1``, the length of the header (8 bytes, little-endian), the header (JSON: name, numpy type, shape of each
-    array), and the values in C order, one array after the other.
-
-    Examples
-    --------
-    >>> unpack(pack({"a": np.arange(3.0), "b": np.array(["x", "yz"])}))["b"].tolist()
-    ['x', 'yz']
+    array), and the values in C order.
     """
     for name, array in arrays.items():
         if array.dtype.kind not in KINDS:
@@ -55,7 +38,7 @@ def pack(arrays: Mapping[str, np.ndarray]) -> bytes:
 
 
 def unpack(packed: bytes) -> dict[str, np.ndarray]:
-    """The arrays of :func:`pack`, read-only; a ValueError for bytes that are something else."""
+    """The arrays of :func:`pack`, read-only; ValueError for other bytes."""
     begin = len(MAGIC) + 8
     if packed[: len(MAGIC)] != MAGIC or len(packed) < begin:
         raise ValueError("expected packed arrays, found other bytes")
@@ -69,7 +52,7 @@ def unpack(packed: bytes) -> dict[str, np.ndarray]:
         size = count * dtype.itemsize
         if offset + size > len(packed):
             raise ValueError(f"{name}: expected {size} bytes of packed arrays, found {len(packed) - offset}")
-        # A slice is a copy whose values lie where the processor likes them; nothing can be viewed in no bytes.
+        # The slice is an aligned copy; frombuffer refuses empty bytes.
         values = np.frombuffer(packed[offset : offset + size], dtype) if size else np.zeros(count, dtype)
         arrays[name] = values.reshape(shape)
         offset += size
@@ -79,19 +62,19 @@ def unpack(packed: bytes) -> dict[str, np.ndarray]:
 
 
 class Frame(NamedTuple):
-    """A frame whose head is as it was written; its body may not be."""
+    """A frame with a sound head; its body may be damaged."""
 
     head: dict[str, Any]
     body: int  # place of the body in the file
-    sizes: tuple[tuple[int, int], ...]  # size and CRC of each part of the body as it was written
+    sizes: tuple[tuple[int, int], ...]  # size and CRC of each part of the body
 
     @property
     def end(self) -> int:
-        """Its place in the file."""
+        """The place of its end in the file."""
         return self.body + sum(size for size, _ in self.sizes)
 
     def parts(self, file: FileIO) -> tuple[bytes, ...] | None:
-        """The parts of the body; None where they are not as they were written."""
+        """The parts of the body; None if they are damaged."""
         parts, place = [], self.body
         for size, crc in self.sizes:
             parts.append(_read(file, place, size))
@@ -102,10 +85,7 @@ class Frame(NamedTuple):
 
 
 def append(file: FileIO, place: int, head: dict[str, Any], parts: Sequence[bytes]) -> Frame:
-    """Write a frame at a place of a file; it is on the disk when this returns.
-
-    An OSError where it cannot be written whole; nothing of it is left then.
-    """
+    """Writes a frame at a place of a file durably; at an OSError nothing of it is left."""
     sizes = tuple((len(part), zlib.crc32(part)) for part in parts)
     text = json.dumps({**head, "parts": sizes}).encode()
     body = sum(map(len, parts))
@@ -122,9 +102,9 @@ def append(file: FileIO, place: int, head: dict[str, Any], parts: Sequence[bytes
 
 
 def frames_of(file: FileIO) -> tuple[list[Frame], int, int]:
-    """All frames of a file whose heads are as they were written, in their order; the end of the last one; and the gaps.
+    """All frames of a file with sound heads in order, the end of the last one, and the number of gaps.
 
-    Gaps are places where a frame should begin and none does, other than one at the end that was cut off.
+    Gaps are places that hold no frame, other than one at the end that was cut off.
     """
     size = file.seek(0, os.SEEK_END)
     found: list[Frame] = []
@@ -142,7 +122,7 @@ def frames_of(file: FileIO) -> tuple[list[Frame], int, int]:
 
 
 def _frame(file: FileIO, place: int, size: int) -> Frame | None:
-    """The frame that begins at a place, if one does and the file holds all of it."""
+    """The whole frame at a place, if there is one."""
     start = _read(file, place, START.size)
     if len(start) < START.size or not start.startswith(MARK):
         return None
@@ -163,7 +143,7 @@ def _frame(file: FileIO, place: int, size: int) -> Frame | None:
 
 
 def _is_cut_off(file: FileIO, place: int, size: int) -> bool:
-    """Whether a frame that is none begins as one whose end was never written."""
+    """Whether a frame begins at a place whose end was never written."""
     start = _read(file, place, START.size)
     if len(start) < START.size:
         return start[: len(MARK)] == MARK[: len(start)]
@@ -172,7 +152,7 @@ def _is_cut_off(file: FileIO, place: int, size: int) -> bool:
 
 
 def _next_mark(file: FileIO, place: int, size: int) -> int:
-    """Where the mark of a frame stands next, from a place on; the size of the file where it stands nowhere."""
+    """The place of the next mark of a frame; the size of the file without one."""
     while place < size:
         block = _read(file, place, READ_AT_ONCE)
         if (found := block.find(MARK)) >= 0:
@@ -188,14 +168,14 @@ def _crc(length: int, body: int, text: bytes) -> int:
 
 
 def _write(file: FileIO, content: bytes) -> None:
-    """Write all of it: the system takes no more than 2 GB at a time, and less where a disk or a limit is near."""
+    """Writes all bytes: the system takes at most 2 GB at a time, and less near a limit."""
     left = memoryview(content)
     while left:
         left = left[file.write(left) :]
 
 
 def _read(file: FileIO, place: int, size: int) -> bytes:
-    """So many bytes from a place on, or as many as there are."""
+    """The bytes from a place on, as many as there are."""
     file.seek(place)
     pieces = []
     while size and (piece := file.read(size)):

@@ -1,8 +1,7 @@
-"""The journal of a run: what is finished, durable as soon as it is, in one file beside the output.
+"""The journal of a run: every finished task, durable at once, in one file beside the output.
 
-The file, ``results.h5.journal``, is a row of frames (`rockpulse.run.frames`), one for the run and one for each
-outcome, exclusively locked by the run that writes it; the lock goes with the process, however it ends. It does not look
-into what it keeps.
+The file, ``results.h5.journal``, holds frames (`rockpulse.run.frames`), one for the run and one for each outcome. The
+run locks it exclusively; the lock ends with the process. The journal does not inspect the parts that it keeps.
 """
 
 from __future__ import annotations
@@ -26,34 +25,29 @@ from rockpulse.storage.hdf5.atomic import flush, journal_path
 
 __all__ = ["UNFINISHED", "Done", "Journal", "JournalError", "holder", "journal_path", "open_locked"]
 
-#: Fingerprint of a task that broke off for want of its file or of memory, or by a fault of the program. No task has it:
-#: a run that is resumed tries again.
+#: Fingerprint of a task that broke off for lack of its file or of memory, or by a fault of the program: a resumed run
+#: tries it again.
 UNFINISHED = ""
-
-#: How long another process may take to begin or to end before it counts as being at work, and how long is waited before
-#: the lock is asked for again [s].
+#: Longest wait for the lock of a process that begins or ends, and interval between two tries [s].
 PATIENCE, PAUSE = 1.0, 0.02
 
 if sys.platform == "win32":
     import msvcrt
 
     def _lock(file: FileIO) -> None:
-        """Lock a byte that no file has, for what is locked cannot be read here."""
+        """Lock a byte beyond the end, as locked bytes cannot be read on Windows."""
         file.seek(2**62)
         msvcrt.locking(file.fileno(), msvcrt.LK_NBLCK, 1)
 else:
     import fcntl
 
     def _lock(file: FileIO) -> None:
-        """Lock the file as it was opened: another opening of it, by whatever process, neither has nor ends the lock."""
+        """Lock this opening of the file; other openings neither have nor end the lock."""
         fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
 
 
 def open_locked(path: Path) -> FileIO | None:
-    """A file opened to be read and written, made where there is none, and locked; None where another process has it.
-
-    An OSError where it cannot be opened, or the file system has no locks.
-    """
+    """Opens or creates a file and locks it; None if another process has the lock, OSError if it cannot be opened."""
     file = FileIO(os.open(path, os.O_RDWR | os.O_CREAT | getattr(os, "O_BINARY", 0), 0o666), "r+")
     end = time.monotonic() + PATIENCE
     try:
@@ -73,7 +67,7 @@ def open_locked(path: Path) -> FileIO | None:
 
 
 def holder(path: Path) -> str:
-    """The process that has locked a file, where the operating system tells."""
+    """The process that has locked a file, if the operating system knows it."""
     table = Path("/proc/locks")
     if table.is_file():
         inode = str(path.stat().st_ino)
@@ -98,22 +92,17 @@ class Done:
 
 
 class JournalError(ResultsError):
-    """The journal itself cannot be used; the message says what becomes of what it keeps."""
+    """The journal cannot be used; the message says what becomes of its records."""
 
     def __init__(self, message: str, tells_resume: bool = True) -> None:
         super().__init__(message, tells_resume)
 
 
 class Journal:
-    """The finished tasks of a run, in a file; made by :meth:`open`, to be used in a ``with`` block.
-
-    The `run_id` stays the same after the run is resumed. `gaps` is the number of places in the file, as it was opened,
-    where something stands that was not written there.
-    """
+    """The finished tasks of a run in a file; made by :meth:`open`, a context manager."""
 
     def __init__(self, path: Path, file: FileIO) -> None:
-        """Find what a locked file keeps; the run, when it began, and where the next frame is written."""
-        frames, self._end, self.gaps = frames_of(file)
+        frames, self._end, self.gaps = frames_of(file)  # gaps: places that hold no frame
         self.path, self.run_id, self._started = path, "", ""
         self._file, self._identity = file, _identity(os.fstat(file.fileno()))
         self._kept: dict[str, Frame] = {}
@@ -127,16 +116,11 @@ class Journal:
 
     @classmethod
     def open(cls, target: str | os.PathLike[str], resume: bool = False, overwrite: bool = False) -> Journal:
-        """Create the journal of a run beside its output, or go on with one that was stopped, and lock it.
+        """Creates the journal of a run beside its output, or opens that of a stopped run, and locks it.
 
-        With `resume` what a stopped run has finished is kept; where there is none a new run begins. Without it
-        `overwrite` drops what a stopped run has finished.
-
-        Raises
-        ------
-        JournalError
-            For a journal that another process holds, one of a stopped run where neither `resume` nor `overwrite` says
-            what is to become of it, a foreign file, or a place that cannot be written.
+        `resume` keeps what a stopped run has finished, `overwrite` drops it. Raises JournalError for a journal that
+        another process has locked, one of a stopped run without either option, a foreign file, or a place that cannot
+        be written.
         """
         path = journal_path(target)
         check_regular(path, JournalError)
@@ -168,31 +152,27 @@ class Journal:
 
     @property
     def in_place(self) -> bool:
-        """Whether the file is still the one that was opened; who removes it takes the finished records with it."""
+        """Whether the file is still the one that was opened."""
         return _identity_of(self.path) == self._identity
 
     @property
-    def worth(self) -> set[str]:
-        """Keys of the tasks that need not be done again, of whatever run."""
+    def complete(self) -> set[str]:
+        """Keys of all tasks that are finished, of any run."""
         return {key for key, frame in self._kept.items() if frame.head["fingerprint"] != UNFINISHED}
 
     def __enter__(self) -> Self:
         return self
 
     def __exit__(self, *error: object) -> None:
-        self.close()
-
-    def close(self) -> None:
-        """Give the lock back; what is finished stays for a run that resumes."""
         self._file.close()
 
     def remove(self) -> None:
-        """Remove the file, as the output is complete, and close it; one that has taken its place stays."""
+        """Closes the file and removes it, unless another file has taken its place."""
         in_place = self.in_place
-        if in_place and os.name == "posix":  # before the lock is given back, lest it be somebody else's
+        if in_place and os.name == "posix":  # before another run can have the lock
             self.path.unlink(missing_ok=True)
         self._file.close()
-        if in_place and os.name != "posix":  # where an open file cannot be removed
+        if in_place and os.name != "posix":  # an open file cannot be removed
             self.path.unlink(missing_ok=True)
 
     def finished(self) -> dict[str, str]:
@@ -200,18 +180,14 @@ class Journal:
         return {key: frame.head["fingerprint"] for key, frame in self._kept.items()}
 
     def failures(self) -> dict[str, list[Failure]]:
-        """The failures of each finished task that has some, by key."""
+        """Failures of the finished tasks that have some, by key."""
         rows = {key: frame.head["failures"] for key, frame in self._kept.items()}
         return {key: [Failure(*row) for row in found] for key, found in rows.items() if found}
 
     def add(self, done: Done) -> None:
-        """Keep the outcome of a task in place of an earlier one; it is on the disk when this returns.
+        """Writes the outcome of a task durably, in place of an earlier one.
 
-        Raises
-        ------
-        JournalError
-            Where it cannot be written, as on a full disk: what was kept before stays. Where somebody has removed the
-            file.
+        Raises JournalError if it cannot be written, as on a full disk, or if the file was removed.
         """
         if not self.in_place:
             raise JournalError(
@@ -224,12 +200,13 @@ class Journal:
             self._kept[done.key] = self._append(outcome, done.parts)
         except OSError as error:
             raise JournalError(
-                f"{self.path}: cannot keep the result of {done.key}: {error.strerror or error}; the {len(self.worth)} "
-                "finished before are kept: make room on the disk, then give the same command with --resume"
+                f"{self.path}: cannot keep the result of {done.key}: {error.strerror or error}; the "
+                f"{len(self.complete)} finished before are kept: make room on the disk, then give the same command "
+                "with --resume"
             ) from error
 
     def parts(self, key: str) -> tuple[bytes, ...]:
-        """The parts of a finished task in their order; a JournalError where they are not as they were written."""
+        """The parts of a finished task; JournalError if they are damaged."""
         found = self._parts(key) if key in self._kept else ()
         if found is None:
             raise JournalError(
@@ -239,17 +216,14 @@ class Journal:
         return found
 
     def drop_damaged(self, is_result: Callable[[str, tuple[bytes, ...]], bool]) -> list[str]:
-        """Forget the tasks whose results are not as they were written, so that they are done again; their keys.
-
-        With them go those of which `is_result` says, by key and parts, that they are none: anybody can write a frame.
-        """
+        """Forgets the tasks with damaged parts, or of which `is_result` (key, parts) is false; their keys."""
         dropped = [key for key in self._kept if (found := self._parts(key)) is None or not is_result(key, found)]
         for key in dropped:
             del self._kept[key]
         return sorted(dropped)
 
     def _take_up(self, resume: bool, overwrite: bool) -> None:
-        """Go on behind what is kept, or begin anew."""
+        """Continue behind the kept frames, or begin anew."""
         self._file.seek(0)
         begins = self._file.read(len(MARK))
         if not self.run_id and not MARK.startswith(begins):  # nor cut off within its first bytes
@@ -263,9 +237,9 @@ class Journal:
                 "choose another output, or remove the file by hand"
             )
         if self.run_id and resume:
-            self._file.truncate(self._end)  # behind it lies what was cut off
+            self._file.truncate(self._end)  # a frame that was cut off lies behind it
             return
-        count = len(self.worth)
+        count = len(self.complete)
         if count and not overwrite:
             raise JournalError(
                 f"{self.path}: a run that began {self._started} was stopped with {count} record{'s' * (count != 1)} "
@@ -292,7 +266,7 @@ class Journal:
 
 
 def _is_ours(head: Mapping[str, Any]) -> bool:
-    """Whether the head of a frame has what is asked of it: anybody can make one."""
+    """Whether the head of a frame has the names and types of this journal."""
     names = ("run", "started", "key", "fingerprint") if "key" in head else ("run", "started")
     rows = head.get("failures", None if "key" in head else [])
     return (
@@ -303,12 +277,10 @@ def _is_ours(head: Mapping[str, Any]) -> bool:
 
 
 def _identity(state: os.stat_result) -> tuple[int, int]:
-    """Device and number of a file."""
     return state.st_dev, state.st_ino
 
 
 def _identity_of(path: Path) -> tuple[int, int] | None:
-    """Device and number of the file of a name; None where there is none."""
     with suppress(FileNotFoundError, NotADirectoryError):
         return _identity(path.stat())
     return None

@@ -1,4 +1,4 @@
-"""The workers that carry out a batch, the fate of a file that exists already, and the outcome."""
+"""The options of a batch, and its report."""
 
 import os
 from collections.abc import Callable
@@ -17,35 +17,34 @@ class Interrupted(KeyboardInterrupt):
 
 
 def _no_bar(**_: Any) -> AbstractContextManager[Any]:
-    """A progress bar that shows nothing: told by ``update(n)`` that so many more files or records are done."""
     return nullcontext(SimpleNamespace(update=int))
 
 
 @dataclass(frozen=True)
 class BatchOptions:
-    """The way in which a batch is carried out; the results depend on none of it.
+    """Options of a batch; the results do not depend on them.
 
     Attributes
     ----------
     workers : int or "all", optional
-        Processes; "all" for one a core, of which each has at least eight files to read or records to do; 1 for this
-        process on one thread. That of the configuration by default.
+        Number of processes; "all" for one per core, with at least eight files or records each; 1 for this process on
+        one thread. By default that of the configuration.
     scheduler : str, optional
-        Address of a dask.distributed scheduler whose workers do the work; they see the files under the same paths.
+        Address of a dask.distributed scheduler whose workers see the files under the same paths.
     executor : concurrent.futures.Executor, optional
         Any other executor, whose processes can import rockpulse.
     resume : bool
-        Keep the records that a stopped run has finished, where neither they nor the options have changed.
+        Keep the records that a stopped run has finished, if neither they nor the options have changed.
     overwrite : bool
-        Whether results that exist may be replaced; without `resume` also what a stopped run has finished.
+        Replace existing results; without `resume` also the finished records of a stopped run.
     strict : bool
         Stop at the first file or record that fails.
     written : tuple of path
-        Files that are written meanwhile beside the output, such as a log: no input, wherever they lie.
+        Other files that are written meanwhile, such as a log, and therefore not read.
     bar : callable
-        Called with ``total``, ``initial``, ``desc`` and ``unit``, returns a progress bar; ``tqdm.tqdm`` is one.
+        Called with ``total``, ``initial``, ``desc`` and ``unit``, returns a progress bar, as ``tqdm.tqdm`` does.
     tell : callable
-        Called with what the user should know before it is all over, a line at a time.
+        Called with each line of text for the user.
     """
 
     workers: int | str | None = None
@@ -66,17 +65,15 @@ class BatchReport:
     Attributes
     ----------
     path : Path or None
-        The file that was written; None where not one record gave a result.
-    records : int
-        Motions in it.
-    resumed : int
-        Tasks that an earlier run had finished.
+        The written file; None if no record gave a result.
+    records, resumed : int
+        Number of motions in the file, and of tasks that an earlier run had finished.
     failures : list of Failure
         The rows of /failures.
     broken_off : int
-        Files and records among them that were left undone and are tried again by a run that resumes this one.
+        Number of files and records among them that a resumed run tries again.
     seconds : dict of str to float
-        Time that all workers together have spent on each step [s]: "read", "condition", "solve", "pack".
+        Time of all workers for each step [s]: "read", "condition", "solve", "pack".
     """
 
     path: Path | None = None

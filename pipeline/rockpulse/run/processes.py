@@ -1,6 +1,6 @@
-"""Worker processes as an executor: a pipe to each, so that the death of one is known at once and costs one item.
+"""Worker processes as an executor, with a pipe to each, so that the death of one is noticed at once and costs one item.
 
-Nothing heavy is imported here: a worker is up at once, and what it works with comes with the first call.
+Nothing heavy is imported here, so that a worker starts at once.
 """
 
 import multiprocessing
@@ -18,25 +18,25 @@ from typing import Any
 
 from rocking.lanes import thread_limit
 
-#: How often a worker may be killed while it starts before that is taken for more than bad luck.
+#: Most starts of a worker that is killed while it starts.
 STARTS = 5
-#: Variables of the environment that tell libraries of linear algebra their number of threads.
+#: Variables of the environment with the number of threads for libraries of linear algebra.
 ALGEBRA = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
 #: Signals can be masked for one thread (not on Windows).
 MASKS = hasattr(signal, "pthread_sigmask")
 
 
 def call(function: Callable[[Any], Any], item: Any) -> Any:
-    """The result of the function for the item, with its kernels on one thread: the neighbours need the other cores."""
+    """The result of the function for the item, with its kernels on one thread: other workers need the other cores."""
     with thread_limit(1):
         return function(item)
 
 
 def serve(pipe: Connection) -> None:
-    """Answer the letters that come through the pipe until the parent closes it or is gone: the life of a worker.
+    """The main loop of a worker: sends "ready", then answers each message until the parent closes the pipe or ends.
 
-    The first message is "ready". A letter is the pickled triple (function, arguments, keywords). The answer is the
-    pickled pair (True, result) or (False, exception); the exception carries the traceback as a note.
+    A message is the pickled triple (function, arguments, keywords), its answer the pickled pair (True, result) or
+    (False, exception), with the traceback as a note.
     """
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C reaches the whole group: the parent decides
     threading.Thread(target=_end_with_parent, daemon=True).start()
@@ -44,12 +44,12 @@ def serve(pipe: Connection) -> None:
         pipe.send_bytes(b"ready")
         while True:
             pipe.send_bytes(_answer(pipe.recv_bytes()))
-    except (EOFError, ConnectionError):  # the parent has closed the pipe: nobody is left to tell
+    except (EOFError, ConnectionError):  # the parent has closed the pipe
         return
 
 
 def _end_with_parent() -> None:
-    """End this process, whatever it is at, when its parent is gone: SIGKILL leaves the parent no time to say so."""
+    """Ends this process with its parent, which after SIGKILL cannot say so."""
     parent = multiprocessing.parent_process()
     assert parent is not None
     wait([parent.sentinel])
@@ -60,13 +60,13 @@ def _answer(letter: bytes) -> bytes:
     try:
         function, args, kwargs = pickle.loads(letter)
         return pickle.dumps((True, function(*args, **kwargs)), protocol=5)
-    except BaseException as error:  # SystemExit too: whatever the function raises is for the parent to see
+    except BaseException as error:  # SystemExit too: the parent raises it
         note = f"in worker process {os.getpid()}:\n{traceback.format_exc()}"
         error.add_note(note)
         try:
             report = pickle.dumps((False, error), protocol=5)
             pickle.loads(report)
-        except Exception:  # an exception with arguments of its own often does not come back from pickle
+        except Exception:  # exceptions with other arguments often cannot be unpickled
             substitute = RuntimeError(f"{type(error).__name__}: {error}")
             substitute.add_note(note)
             report = pickle.dumps((False, substitute), protocol=5)
@@ -78,16 +78,16 @@ class WorkerDied(RuntimeError):
 
 
 class WorkerProcesses(ThreadPoolExecutor):
-    """An executor of processes that are started afresh (spawn), with one thread of this process for each.
+    """An executor of spawned processes, with one thread of this process for each (docs/decisions/014-batch.md).
 
-    A process is started with the first call that no other is free for, and again after a death. A future raises the
-    error of the function, with the worker's traceback in its notes; :class:`WorkerDied` where the process did not live
-    to answer; ``ChildProcessError`` where no process can be started. See docs/decisions/014-batch.md.
+    A process starts with the first call that finds no other free, and again after a death. A future raises the error of
+    the function, with the worker's traceback in its notes, :class:`WorkerDied`, or ``ChildProcessError`` if no process
+    can be started.
     """
 
     def __init__(self, workers: int) -> None:
         if MASKS:
-            ensure_running()  # before the threads block SIGINT: it unblocks the signal when it starts its own process
+            ensure_running()  # before the threads block SIGINT, which it unblocks when it starts its own process
         super().__init__(workers, "rockpulse-worker", initializer=_leave_interrupts_to_the_main_thread)
         self._own = threading.local()
         self._changing = threading.Lock()
@@ -95,11 +95,11 @@ class WorkerProcesses(ThreadPoolExecutor):
         self._ended = False
 
     def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
-        """Have a worker call ``fn(*args, **kwargs)``, all of which must pickle."""
+        """Calls ``fn(*args, **kwargs)`` on a worker; all of it is pickled."""
         return super().submit(self._ask, fn, args, kwargs)
 
     def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
-        """End all workers at once, whatever they are at, and leave none behind."""
+        """Kills all workers at once."""
         with self._changing:
             self._ended = True
             for process in self._workers:
@@ -131,8 +131,8 @@ class WorkerProcesses(ThreadPoolExecutor):
                 if self._ended:
                     raise ChildProcessError("the worker processes have been ended")
                 process = multiprocessing.get_context("spawn").Process(target=serve, args=(theirs,), daemon=True)
-                # A library of linear algebra starts a thread for each core in every process; those of several workers
-                # wait for each other so much that two workers took three times as long as one thread each.
+                # Libraries of linear algebra start a thread for each core in every process: two workers took three
+                # times as long.
                 unsaid = [name for name in ALGEBRA if name not in os.environ]
                 os.environ.update(dict.fromkeys(unsaid, "1"))
                 try:
@@ -141,7 +141,7 @@ class WorkerProcesses(ThreadPoolExecutor):
                     for name in unsaid:
                         del os.environ[name]
                 self._workers.append(process)
-            theirs.close()  # the worker has the only copy now: its death is the end of the pipe
+            theirs.close()  # the worker has the only copy: its death ends the pipe
             try:
                 ours.recv_bytes()  # its first message: it is ready
                 return process, ours
@@ -157,7 +157,7 @@ class WorkerProcesses(ThreadPoolExecutor):
         )
 
     def _end(self, process: SpawnProcess, pipe: Connection) -> int:
-        """Sweep up after a worker whose pipe has ended; its exit code, negative for a signal."""
+        """Removes a worker whose pipe has ended; its exit code, negative for a signal."""
         pipe.close()
         with self._changing:
             process.join(5.0)
@@ -165,7 +165,7 @@ class WorkerProcesses(ThreadPoolExecutor):
             process.join()
             if process in self._workers:
                 self._workers.remove(process)
-        assert process.exitcode is not None  # it has been waited for
+        assert process.exitcode is not None  # after join
         return process.exitcode
 
 
@@ -176,6 +176,6 @@ def _fate(code: int) -> str:
 
 
 def _leave_interrupts_to_the_main_thread() -> None:
-    """Block Ctrl-C in this thread; the processes it starts inherit that, and are quiet from their first instruction."""
+    """Blocks Ctrl-C in this thread and in the processes that it starts."""
     if MASKS:
         signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})

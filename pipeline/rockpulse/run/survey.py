@@ -1,4 +1,4 @@
-"""The first look at every file: what is in it, without its samples, and where these are."""
+"""The first reading of every file: its records without samples, and the places of the samples."""
 
 import hashlib
 import logging
@@ -20,21 +20,21 @@ from rockpulse.record.record import Record
 
 @dataclass(frozen=True, slots=True)
 class Place:
-    """The place of the samples of one channel, and their checksums from when they were read first."""
+    """The place of the samples of one channel, and their checksums."""
 
     path: str  # the file, or the zip archive
     member: int | None  # place of the file in the archive; None outside archives
     channel: int  # number of the channel in the file, from 0
     source_sha256: str  # of the file
-    digest: str  # of the samples and the interval (`rockpulse.readers.parts.sample_digest`)
+    digest: str  # of samples and interval (`rockpulse.readers.parts.sample_digest`)
 
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Located:
     """A record without its samples; small, and picklable."""
 
-    record: Record  # with as many zeros as there are samples, in the memory of one
-    parts: tuple[Place, ...]  # several for a record that its agency cut into files
+    record: Record  # zeros in place of the samples, in the memory of one
+    parts: tuple[Place, ...]  # several for a record in several files
 
     @property
     def digest(self) -> str:
@@ -45,12 +45,7 @@ class Located:
     def read(self, options: ReadOptions) -> Record:
         """The record with its samples, read with the options of the survey.
 
-        Raises
-        ------
-        RecordRefused
-            If a file is not what it was when it was surveyed.
-        RockpulseError, OSError
-            If it can no longer be read.
+        Raises RecordRefused if a file has changed since the survey, RockpulseError or OSError if it cannot be read.
         """
         samples = [_samples(part, options, self.record.source) for part in self.parts]
         return replace(self.record, acceleration=np.concatenate(samples))
@@ -72,7 +67,7 @@ def _samples(part: Place, options: ReadOptions, source: str) -> np.ndarray:
 
 @lru_cache(maxsize=2)
 def _channels(path: str, member: int | None, state: tuple[int, int, int], options: ReadOptions) -> tuple[Record, ...]:
-    """Every channel of a file; the last ones are kept, for the tasks of a file's channels follow one another."""
+    """Every channel of a file; cached, as the tasks of a file follow one another."""
     if member is None:
         return tuple(read_source(open_source(Path(path)), options))
     archive = _archive(path, state)
@@ -83,25 +78,22 @@ def _channels(path: str, member: int | None, state: tuple[int, int, int], option
 
 @lru_cache(maxsize=1)
 def _archive(path: str, state: tuple[int, int, int]) -> Archive:
-    """The archive, opened once for many members: its table of contents is read at every opening."""
+    """The archive, opened once for all its members."""
     return Archive(Path(path))
 
 
 @dataclass(frozen=True)
 class FileSurvey:
-    """The content of a file, or of an archive, without samples."""
+    """The content of a file or archive without samples."""
 
-    located: tuple[Located, ...] = ()  # its channels, in the order of the file
-    failures: tuple[Failure, ...] = ()  # for the file, or the members, that gave none
+    located: tuple[Located, ...] = ()  # its channels in order
+    failures: tuple[Failure, ...] = ()  # of the file or its members
     messages: tuple[tuple[int, str], ...] = ()  # level and text of every line for the log
-    broken_off: int = 0  # files and members that want of the file system or of memory broke off: to be read again
+    broken_off: int = 0  # files and members to read again, after an error of the file system or of memory
 
 
 def survey_file(found: Found, options: ReadOptions) -> FileSurvey:
-    """Read a file, or every member of an archive one after the other, and keep all but the samples.
-
-    Every fault is a row of the failures, one of the program too.
-    """
+    """Reads a file or every member of an archive, without keeping samples; every error is a row of failures."""
     located: list[Located] = []
     failures: list[Failure] = []
     messages: list[tuple[int, str]] = []
@@ -130,7 +122,7 @@ def survey_file(found: Found, options: ReadOptions) -> FileSurvey:
 
 
 def unexpected(fault: BaseException) -> RuntimeError:
-    """The error that is reported for a fault that no input should cause."""
+    """The error reported for a fault that no input should cause."""
     if isinstance(fault, MemoryError):
         return RuntimeError("out of memory; use fewer workers, or a machine with more of it")
     return RuntimeError(f"unexpected {type(fault).__name__}: {fault}; please report it with this file")
@@ -139,10 +131,10 @@ def unexpected(fault: BaseException) -> RuntimeError:
 def gather(
     found: Sequence[Found], surveys: Iterable[tuple[Found, FileSurvey]], failures: Iterable[Failure]
 ) -> tuple[list[Located], list[Failure]]:
-    """Everything that all files together hold: each content once, cut records joined, distinct ids.
+    """All records of all files, without duplicates, with parts joined and ids made distinct, and the rows of failures.
 
-    The surveys may come in any order, and lack files whose worker was lost; these are among the failures. Records and
-    rows are those of ``read_all``, in the same order, with the same ids, but without samples.
+    The surveys may come in any order, and lack files whose worker was lost. Records, ids and rows are those of
+    ``read_all``, without samples.
     """
     by_file = {str(one.path): survey for one, survey in surveys}
     ordered = [by_file[str(one.path)] for one in found if str(one.path) in by_file]

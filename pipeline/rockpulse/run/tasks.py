@@ -1,11 +1,11 @@
-"""The tasks of a batch, one for each channel or pair: decided on records without their samples, done by a worker."""
+"""The tasks of a batch, one for each channel or pair: planned on records without samples, done by a worker."""
 
 import hashlib
 import logging
 import time
 import traceback
 from collections.abc import Iterable, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass, fields, replace
 from functools import lru_cache
 from pathlib import Path
@@ -21,7 +21,7 @@ from rockpulse.errors import Failure, RockpulseError
 from rockpulse.readers import ReadOptions
 from rockpulse.record.record import BETWEEN, Record, id_matches
 from rockpulse.record.synthetic import synthetic_motion
-from rockpulse.run.analysis import Analysis, Work, unwatched, worked
+from rockpulse.run.analysis import Analysis, Work, worked
 from rockpulse.run.frames import pack
 from rockpulse.run.journal import UNFINISHED, Done
 from rockpulse.run.survey import Located, Place, unexpected
@@ -30,15 +30,14 @@ from rockpulse.selection.tables import selection_of
 from rockpulse.storage.hdf5.results_file import SCHEMA_VERSION
 from rockpulse.version import __version__
 
-#: Sections of the configuration on which no record's numbers depend, by verb.
+#: Sections of the configuration that change no numbers of a record, by verb.
 IDLE = {
     "assess": {"site", "report", "calibration", "fragility", "hazard", "check"},
     "calibrate": {"site", "report", "models", "search", "uncertainty", "fragility", "hazard", "check"},
     "fragility": {"site", "report", "models", "uncertainty", "calibration", "hazard", "check"},
 }
 
-#: Keys of [calibration] that are used when all records are done, those that only matching a response asks for, and keys
-#: of [fragility] that are used when all records are done.
+#: Keys of [calibration] for the end of a run, those of method "response" alone, and keys of [fragility] for the end.
 LATE = ("weights", "design", "quantile", "bootstrap")
 OF_MATCHING = ("family", "confidence")
 OF_FITS = ("model", "overturning_model", "confidence")
@@ -46,20 +45,20 @@ OF_FITS = ("model", "overturning_model", "confidence")
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Task:
-    """A channel, or a pair to be rotated, with everything that is known of it but the samples; small, and picklable."""
+    """A channel, or a pair to be rotated, without samples; small, and picklable."""
 
-    planned: PlannedMotion  # without samples
-    places: Mapping[str, tuple[Place, ...]]  # of the samples of every record in it, by id
-    fingerprint: str  # SHA-256 of all that the answer depends on: samples, metadata, configuration, version
+    planned: PlannedMotion
+    places: Mapping[str, tuple[Place, ...]]  # of the samples, by id of the record
+    fingerprint: str  # SHA-256 of samples, metadata, configuration and version
 
     @property
     def key(self) -> str:
-        """Record id or name of the pair; the same in every run on the same files."""
+        """Id of the record or name of the pair; the same in every run on the same files."""
         return self.planned.name
 
     @property
     def source(self) -> str:
-        """The files, as rows of failures name them."""
+        """The files, as in rows of failures."""
         return BETWEEN.join(dict.fromkeys(channel.source for channel in self.planned.channels))
 
     def read(self, options: ReadOptions) -> PlannedMotion:
@@ -74,13 +73,13 @@ class Task:
 
 
 def tasks_of(planned: Iterable[PlannedMotion], channels: Iterable[Located], config: Config, verb: str) -> list[Task]:
-    """A task for each channel or pair that an analysis has planned on located records."""
+    """A task for each channel or pair that an analysis has planned."""
     places = {one.record.id: one.parts for one in channels}
     settings, confirm = configuration_fingerprint(config, verb), config.records.confirm
     tasks = []
     for one in planned:
         acting = [record for record in (*one.channels, one.vertical, one.partner) if record is not None]
-        told = [text for record in acting for text in _told(record, places[record.id])]
+        told = [text for record in acting for text in _facts_of(record, places[record.id])]
         confirmed = [record.id for record in acting if id_matches(record.id, confirm)]
         roles = [str(len(one.channels)), str(one.vertical is not None)]
         fingerprint = _digest([settings, one.name, *one.remarks, str(one.copy), *roles, *told, *confirmed])
@@ -89,7 +88,7 @@ def tasks_of(planned: Iterable[PlannedMotion], channels: Iterable[Located], conf
 
 
 def read_options(config: Config) -> ReadOptions:
-    """The options by which the configuration has files read."""
+    """The options of the configuration for reading files."""
     records = config.records
     return ReadOptions(records.units, records.dt, records.response, records.files)
 
@@ -97,12 +96,9 @@ def read_options(config: Config) -> ReadOptions:
 def configuration_fingerprint(config: Config, verb: str) -> str:
     """SHA-256 of the options that change numbers of a record, of the schema and of the program.
 
-    Paths of records, which of them are kept beside others of the same shaking, and the number of workers change
-    nothing, nor does the name of the site, or what is looked at when all records are done: the tables of events and
-    weights, and the options of statistics and fits. A body is the same whether its size was confirmed or not. Unit and
-    interval of a file are told by its records as they were read, and what is confirmed by each task for itself. The
-    seed and the level of confidence are asked for where the response of each record is matched, the seed also where
-    bodies have a probability of overturning.
+    It excludes paths, duplicate selection, workers, names, and options for the end of a run (tables of events and
+    weights, statistics, fits). Units, intervals and confirmed ids are in the fingerprint of each task; the seed counts
+    only if the response of each record is matched or bodies have a probability of overturning.
     """
     matched = verb == "calibrate" and config.calibration.method == "response"
     seeded = matched or (verb == "assess" and (config.has_probability or config.sequence.method == "response"))
@@ -123,9 +119,9 @@ def configuration_fingerprint(config: Config, verb: str) -> str:
 
 
 def digest_of(tasks: Iterable[Task], events: Mapping[str, str], config: Config, verb: str) -> str:
-    """SHA-256 of all that a run is asked for: every record, the earthquake of each, and the whole configuration."""
+    """SHA-256 of all inputs of a run: records, their earthquakes, and the whole configuration."""
     text = replace(config, run=replace(config.run, workers=1)).as_text()
-    table = located(config.calibration.weighting, config.folder)  # or the name of a rule
+    table = located(config.calibration.weighting, config.folder)  # no file for the name of a rule
     weights = hashlib.sha256(table.read_bytes()).hexdigest() if table.is_file() else ""
     return _digest(
         [verb, text, weights, *sorted(f"{one.key} {one.fingerprint} {events.get(one.key)}" for one in tasks)]
@@ -133,14 +129,14 @@ def digest_of(tasks: Iterable[Task], events: Mapping[str, str], config: Config, 
 
 
 def _as_default(settings: Any, keys: Iterable[str]) -> Any:
-    """A section with some of its keys as where they are omitted."""
+    """A section with the defaults of some keys."""
     plain = type(settings)()
     return replace(settings, **{key: plain[key] for key in keys})
 
 
 @lru_cache(maxsize=1)
 def program_digest() -> str:
-    """SHA-256 of the sources of this package: the version of an installation that can be edited stays the same."""
+    """SHA-256 of the sources, which may change in an editable installation of one version."""
     digest = hashlib.sha256()
     for folder in (Path(__file__).parents[1], Path(str(rocking.__file__)).parent):
         for path in sorted(folder.rglob("*.py")):
@@ -148,8 +144,7 @@ def program_digest() -> str:
     return digest.hexdigest()
 
 
-def _told(record: Record, places: tuple[Place, ...]) -> list[str]:
-    """The digest of the samples, and everything that is known of the record, whose warnings are those of the plan."""
+def _facts_of(record: Record, places: tuple[Place, ...]) -> list[str]:
     known = [repr(getattr(record, item.name)) for item in fields(Record) if item.name != "acceleration"]
     return [Located(record, places).digest, str(record.npts), *known]
 
@@ -159,7 +154,7 @@ def _digest(texts: Iterable[str]) -> str:
 
 
 def carry_out(task: Task, work: Work, stage: str, config: Config) -> Done:
-    """Read the samples of a task and work on its motions; whatever goes wrong is a row in what comes of it."""
+    """Reads the samples of a task and works on its motions; every error is a row of failures."""
     seconds = dict.fromkeys(("read", "condition", "solve", "pack"), 0.0)
 
     @contextmanager
@@ -195,7 +190,7 @@ def carry_out(task: Task, work: Work, stage: str, config: Config) -> Done:
 
 @contextmanager
 def _heard() -> Iterator[list[tuple[int, str]]]:
-    """Level and text of what this thread logs meanwhile; the parent logs it, and nobody else."""
+    """Collects level and text of the log of this thread, which the parent process writes."""
     messages: list[tuple[int, str]] = []
     thread = get_ident()
 
@@ -214,10 +209,7 @@ def _heard() -> Iterator[list[tuple[int, str]]]:
 
 
 def warm_up(analysis: Analysis) -> None:
-    """Have this process compile, or load, every kernel that the work of an analysis calls.
-
-    Its models and searches answer once, under a synthetic motion of a few seconds.
-    """
+    """Compiles, or loads, every kernel of an analysis, by work on a short synthetic motion."""
     config = analysis.config
     plain = Config(
         models=config.models,
@@ -230,12 +222,12 @@ def warm_up(analysis: Analysis) -> None:
         fragility=replace(config.fragility, pga_min=0.0),
     )
     record = Record(synthetic_motion(1, duration=8.0, pga=6.0), dt=0.01, id="warm-up", processed=True)
-    # From a post that the motion overturns to a wall that it hardly moves: every kernel has work to do.
+    # From a post that overturns to a wall that hardly moves, so that every kernel is called.
     sizes = {"a": (0.1, 1.0), "b": (0.2, 2.0), "c": (0.5, 2.5), "d": (1.0, 5.0), "e": (1.0, 4.0)}
     blocks = {name: Block(half_width=b, half_height=h) for name, (b, h) in sizes.items()}
     small = type(analysis)(plain, blocks)
     for one in small.prepare([record]).planned:
         for motion in conditioned_motions(one, plain):
-            small.work(motion, unwatched)
-    # Lanes of a body of its own, as under a vertical, are settled by it.
+            small.work(motion, nullcontext)
+    # The kernel for bodies with lanes of their own, as under a vertical.
     ground_demand(blocks["a"], record.acceleration, record.dt)

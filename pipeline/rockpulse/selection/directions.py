@@ -1,9 +1,4 @@
-"""The motions that are assessed: channels as recorded, or pairs of them rotated.
-
-.. note:: What is assessed follows from what the records say of themselves (:func:`plan_motions`); their samples are
-   asked for when that is carried out (:func:`conditioned_motions`). So thousands of records are planned without them.
-   Motions that are hardly earthquakes decide nothing until they are confirmed.
-"""
+"""The motions that are assessed, planned without their samples: channels as recorded, or pairs of them rotated."""
 
 import logging
 import math
@@ -26,7 +21,6 @@ logger = logging.getLogger("rockpulse")
 
 #: No larger peak counts before it is confirmed [m/s2].
 LARGEST = CREDIBLE_PEAK_G[1] * STANDARD_GRAVITY
-
 #: A channel that faces the direction asked for within this stands for it without a partner [degrees].
 FACING_WITHIN = 1.0
 
@@ -73,11 +67,9 @@ class VerticalRefused(RecordRefused):
 
 
 def plan_motions(records: Sequence[Record], config: Config) -> tuple[list[PlannedMotion], list[Failure]]:
-    """The channels and pairs to work on, as section [records] asks for them, in the order of the (first) channels.
+    """The channels and pairs that section [records] asks for, in order, and a row for each other channel.
 
-    Of the samples nothing but their number is asked. With them comes a row for each channel that is no horizontal one,
-    or has no partner where pairs are asked for. One within :data:`FACING_WITHIN` of the azimuth asked for, or against
-    it, needs none. Where the site has a demand, a channel gets its partner: a pair is brought to it as one.
+    A channel within :data:`FACING_WITHIN` of the azimuth asked for needs no partner; if there is a demand it gets it.
     """
     horizontal, failures = select_horizontal(records, config.records.structural)
     if config.records.components == "horizontal":
@@ -106,10 +98,7 @@ def plan_motions(records: Sequence[Record], config: Config) -> tuple[list[Planne
 
 
 def conditioned_motions(planned: PlannedMotion, config: Config) -> list[Motion]:
-    """The conditioned motions to work on: the channel, or the pair in every direction that is asked for.
-
-    VerticalRefused where the vertical channel cannot be conditioned, another RockpulseError for every other one.
-    """
+    """The conditioned channel, or the pair in every direction asked for; RockpulseError if one is refused."""
     up = _conditioned_vertical(planned, config)
     if not planned.rotated:  # with the remarks first: conditioning adds its own behind them
         remarks, partner = planned.remarks, None
@@ -215,10 +204,7 @@ def _copies(names: Iterable[str]) -> list[tuple[str, int]]:
 
 
 def unconfirmed(conditioned: Record, confirm: Iterable[str], configured: bool = True) -> str:
-    """Why a channel does not count, and what to do: an unconfirmed peak above 5 g; empty for every other channel.
-
-    Without a configuration (`configured`) the advice names command-line options alone.
-    """
+    """Why a channel with an unconfirmed peak above 5 g does not count, and what to do; empty for every other one."""
     if not conditioned.pga > LARGEST or id_matches(conditioned.id, confirm):
         return ""
     found = odd_peak(conditioned.pga, conditioned.source_unit, conditioned.unit_factor)
@@ -226,11 +212,7 @@ def unconfirmed(conditioned: Record, confirm: Iterable[str], configured: bool = 
 
 
 def unconfirmed_peaks(planned: PlannedMotion, motions: Sequence[Motion], config: Config, stage: str) -> list[Failure]:
-    """A row for each channel for which a channel or a pair is left out, its vertical one and its partner among them.
-
-    A horizontal channel that is left out with such a channel has a row of its own, behind them.
-    A pair of which only a rotated motion lies above 5 g is left out as a whole, unless both channels are confirmed.
-    """
+    """A row for each channel left out for an unconfirmed peak: its own, one acting with it, or the pair's."""
     confirm = config.records.confirm
     channels, up = motions[0].channels, motions[0].vertical
     of_pair = f"{planned.name}: " if planned.rotated else ""

@@ -1,10 +1,6 @@
 """Records of one earthquake, which are left out together, and resampled together, in every statistic.
 
-.. note:: Channels of one earthquake are no independent observations. Agencies name events in their own words or not at
-   all, and their clocks differ by minutes, so records are joined by the number and the time of the earthquake where
-   the files state them, else by name and by time; a table of the user's own decides where that is not right. In doubt
-   records are joined: fewer events mean wider intervals, never narrower ones. So records that state neither an
-   earthquake nor a time count as one earthquake.
+In doubt records are joined: fewer events mean wider intervals, never narrower ones. The user's table decides.
 """
 
 import re
@@ -21,34 +17,27 @@ from rockpulse.selection.tables import given_table, read_event_table
 #: Records that start within this of one another are of one earthquake [s]; so are those of one name, unless their times
 #: are known to lie further apart.
 JOINED_WITHIN_S = 600.0
-
 #: Earthquakes whose stated origin times lie within this are one [s], if their stated magnitudes, of whatever scale, do
 #: not differ by more than that; those further apart than `JOINED_WITHIN_S` are two, unless further records join them.
 SAME_ORIGIN_S = 60.0
 SAME_MAGNITUDE = 1.0
-
 #: A clock may be off by its time zone, never by more than this [s].
 CLOCK_S = 86400.0
-
 _GENERIC = (
     "EARTHQUAKE EQ EVENT MAINSHOCK MAIN SHOCK RECORD RCRD RECORDED OF THE UNKNOWN UNNAMED NONE NA NULL MAG MAGNITUDE "
     "MW ML MS MB MD MC MA ME JAN FEB MAR APR MAY JUN JUL AUG SEP OCT NOV DEC JANUARY FEBRUARY MARCH APRIL JUNE JULY "
     "AUGUST SEPTEMBER OCTOBER NOVEMBER DECEMBER MON TUE WED THU FRI SAT SUN GMT UTC UT PST PDT MST MDT CST CDT EST "
     "EDT HST AKST AKDT JST NZST NZDT AVOL CA"
 )
-
 #: Words of event titles that name no earthquake.
 GENERIC = frozenset(_GENERIC.split())
-
 #: Dates with their year at the end or the start: 10/15/1979, 01/16/95, 2010-02-27.
 _DATE = re.compile(
     r"\b\d{1,2}[/.-]\d{1,2}[/.-](\d{4})\b|\b\d{1,2}[/-]\d{1,2}[/-](\d\d)\b|\b(\d{4})[/.-]\d{1,2}[/.-]\d{1,2}\b"
 )
 _YEAR = re.compile(r"\b((?:19|20)\d\d)\b")
-
 #: Two-digit years from this on are of the twentieth century.
 _CENTURY = 30
-
 #: The number of an earthquake in its sequence, as NGA writes it: Imperial Valley-06.
 _NUMBER = re.compile(r"[A-Za-z]-(\d\d)\b")
 
@@ -219,28 +208,22 @@ UNKNOWN = "unknown: neither name nor time stated, counted as one"
 def group_events(records: Sequence[Record], named: Mapping[str, str] | None = None) -> list[str]:
     """The earthquake of every record, as a label that records of one earthquake share.
 
-    `named` are labels by record id in place of what the files say. Records that are not in it are grouped among
-    themselves; those whose group has the same label belong to it. A label is the user's, else the title that most of
-    the group have, else its earliest start time, else :data:`UNKNOWN`. Of groups with the same title each has its time
-    (or file) behind it.
-    ConfigError where `named` holds an id that no record has, or an empty label.
-
-    Two records are joined when
+    `named` are labels by record id in place of what the files say; ConfigError if it holds an id that no record has, or
+    an empty label. A label is the user's, else the title that most of the group have, else its earliest start time,
+    else :data:`UNKNOWN`. Of groups with the same title each has its time (or file) behind it. Two records are joined
+    when
 
     - they come from one file;
     - their files, of one format, state the same `event_id`;
     - their files state origin times within a minute of each other, and no magnitudes that differ by more than 1;
-    - they start within :data:`JOINED_WITHIN_S` of each other; where the start of a record is not known, the origin time
-      that its file states stands for it;
+    - they start, or have their origin times, within :data:`JOINED_WITHIN_S` of each other;
     - their titles have the same words once dates, numbers and general words are taken out, unless their times lie more
       than a day apart, their titles name other years, or other numbers in a sequence ("Imperial Valley-02", "-06").
 
     Only records of one file are joined where the stated origin times lie more than :data:`JOINED_WITHIN_S` apart:
-    shocks of one sequence share a name, and often an hour. Different ids keep nothing apart, since agencies, and the
-    versions of one catalogue, number one earthquake differently. Joining is transitive, and so two shocks may be joined
-    after all: by a title that tells less, as "Imperial Valley" does, or by a record of their name that states no origin
-    time. The table of events keeps them apart. Records that state neither a title nor a time, as plain columns do, may
-    all be of one earthquake, and are counted so.
+    shocks of one sequence share a name, and often an hour. Different ids keep nothing apart, since agencies number one
+    earthquake differently. Joining is transitive. Records that state neither a title nor a time count as one
+    earthquake.
     """
     named = dict(named or {})
     ids = [record.id for record in records]
@@ -273,10 +256,7 @@ def group_events(records: Sequence[Record], named: Mapping[str, str] | None = No
 
 
 def event_table(config: Config) -> dict[str, str]:
-    """The user's own table of events, ``[records] events``: event by record id; empty where there is none.
-
-    Raises ConfigError for a file that is not there, or no such table; OSError where it cannot be opened.
-    """
+    """The table of ``[records] events``, event by record id, or empty; ConfigError or OSError if it cannot be read."""
     where, given = "[records] events", config.records.events
     return {} if given is None else read_event_table(given_table(given, config, where, "record, event"))
 
@@ -284,11 +264,7 @@ def event_table(config: Config) -> dict[str, str]:
 def events_by_id(
     records: Sequence[Record], named: Mapping[str, str], failures: Iterable[Failure] = ()
 ) -> tuple[dict[str, str], list[Failure]]:
-    """The earthquake that every record is counted to, the same in every verb: label by record id.
-
-    With it comes a row where the table `named` names records that may be those of files that could not be read, by the
-    failures of reading. Where every file was read, ConfigError as by :func:`group_events`.
-    """
+    """Earthquake by record id; a row if `named` has ids perhaps of unread files, else ConfigError for them."""
     ids = [record.id for record in records]
     unknown = sorted(set(named) - set(ids)) if unread(failures) else []
     labels = group_events(records, {name: label for name, label in named.items() if name not in unknown})

@@ -15,19 +15,12 @@ from rockpulse.files import read_text
 
 
 def read_event_table(path: Path) -> dict[str, str]:
-    """Event of each channel from a CSV table with the columns record, event; further columns are passed over.
-
-    Raises ConfigError for a table without these columns, an empty cell, or a record that is in it twice; OSError where
-    the file cannot be opened.
-    """
+    """Event of each channel from a CSV table with the columns record, event; ConfigError for any other table."""
     return _read(path, "event", "[records] events")
 
 
 def read_weight_table(path: Path) -> dict[str, float]:
-    """Weight of each record from a CSV table with the columns record, weight; further columns are passed over.
-
-    Raises as :func:`read_event_table`, and for a weight that is no finite number from 0 up.
-    """
+    """Weight by record from a CSV table with the columns record, weight; ConfigError unless finite, from 0 up."""
     weights = {}
     for record, text in _read(path, "weight", "[calibration] weights").items():
         weight = _number(text)
@@ -40,11 +33,7 @@ def read_weight_table(path: Path) -> dict[str, float]:
 
 
 def record_weights(ids: Sequence[str], events: Sequence[str], rule: str, table: dict[str, float] | None) -> np.ndarray:
-    """Weight (n,) of every record, of mean one.
-
-    By the rule "equal" every record weighs the same, by "event" every event, shared by its records; any other rule is
-    the name of the table of weights by id. ConfigError for a record that is not in it, or weights that are all zero.
-    """
+    """Weight (n,) of every record, of mean one, by the rule "equal" or "event" or, by any other name, the table."""
     if rule == "equal":
         weights = np.ones(len(ids))
     elif rule == "event":
@@ -77,13 +66,7 @@ class Selection:
 
 
 def read_selection_table(path: Path) -> Selection:
-    """Records chosen elsewhere, from a CSV table with the columns record, factor or level, and perhaps weight.
-
-    A record may stand in several rows. Further columns are passed over; without a column weight all rows weigh alike.
-
-    Raises ConfigError for a table without these columns, or with both factor and level, for an empty cell, a number
-    that is not above 0, and rows that are alike; OSError where the file cannot be opened.
-    """
+    """Records chosen elsewhere, from a CSV table with the columns record, factor or level, and perhaps weight."""
     where = "[fragility] selection"
     header, lines = _rows(path, ("record",), where)
     kinds = [name for name in ("factor", "level") if name in header]
@@ -114,10 +97,7 @@ def read_selection_table(path: Path) -> Selection:
 
 
 def selection_of(config: Config) -> Selection | None:
-    """The records of ``[fragility] selection``; None without.
-
-    Raises ConfigError for a file that is not there, or no such table; OSError where it cannot be opened.
-    """
+    """The records of ``[fragility] selection``, or None; ConfigError or OSError if it cannot be read."""
     given, columns = config.fragility.selection, "record, factor or level, and perhaps weight"
     return None if given is None else read_selection_table(given_table(given, config, "[fragility] selection", columns))
 

@@ -1,22 +1,12 @@
-"""One shaking, one vote: of several records of one motion, the one that is assessed.
+"""Duplicate selection: of several records of one motion, the one that is assessed.
 
-The raw and the processed volume of a record, the sensors at the surface and at depth, two sensors of one station: each
-records the same shaking, which must not count twice in what is said of a set of records.
-
-.. note:: Two records are of one motion if network and station are the same, they have at least half of the shorter one
-   in common in time, and they face the same direction within 5 degrees, opposite senses being one, or are both
-   vertical. Where pairs are rotated, a pair holds the motion in every direction. Without station, start time or
-   direction nothing is of one motion with anything; on a structure only what stands at the same place.
-
-   The choice is among volumes, so that the channels of a pair and their vertical one come from one: the channels that
-   one instrument recorded together, in one file or in files of one folder. Whether a record can be used at all is known
-   when it is read: where the processed volume was refused, the raw one votes.
+Records are of one motion if station, time (half of the shorter) and direction (within 5 degrees) are the same; a pair
+that is rotated holds every direction. The choice is among volumes, the channels that one instrument recorded together.
 """
 
 import math
 from collections import Counter, defaultdict
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
 from functools import cached_property
 from operator import attrgetter, itemgetter
 from pathlib import PurePath
@@ -29,7 +19,6 @@ from rockpulse.remark import find
 
 #: Azimuths that differ by no more than this, or by as much from 180, are one direction [degrees].
 SAME_DIRECTION = 5.0
-
 _PROCESSED = {True: "a processed volume", None: "one that may be processed", False: "a raw one"}
 
 
@@ -39,19 +28,12 @@ def one_vote_each(
     failures: Iterable[Failure] = (),
     advice: str = "[records] keep with this id assesses both",
 ) -> tuple[list[Record], list[Failure]]:
-    """The records that are assessed, one of each motion, in the order given; of the samples only their number is asked.
+    """The records that are assessed, one of each motion, in the order given, and rows, with `advice`, for the others.
 
-    Volumes vote in this order: at the surface before at depth; those whose horizontal channels can all be used; where
-    ``[records] components`` asks for pairs, those with a pair; where ``include_vertical`` asks for it, those with a
-    vertical channel; processed before perhaps processed before raw; the higher sampling rate; the longer; the first by
-    path. A direction that no other volume has votes in any case. A vertical channel goes with the horizontal ones of
-    its volume. A dead channel, and one whose peak was read as hardly an earthquake's and that ``[records] confirm``
-    does not confirm, make no pair, do not count as a vertical channel, and yield to any other of their motion.
-
-    The others are rows of the kinds "depth", for one recorded deeper than the one that votes, and "duplicate". Records
-    that fit ``[records] keep`` are assessed beside the one that votes. A pattern that fits none is an error, or a row
-    where `failures` tell of files that could not be read, as by :func:`unmatched_patterns`. Each row of a record ends
-    with `advice`, which is empty where no settings can be given.
+    Preferred are volumes at the surface; whose horizontal channels can all be used; with a pair or a vertical channel
+    where these are asked for; processed; of the higher sampling rate; longer; first by path. A dead channel, and one
+    with an odd peak that is not confirmed, yield to any other. Records of ``[records] keep`` are assessed beside the
+    one chosen.
     """
     settings = settings or RecordSettings()
     rows = unmatched_patterns("[records] keep", settings.keep, [record.id for record in records], failures)
@@ -71,10 +53,7 @@ def one_vote_each(
 def unmatched_patterns(
     option: str, patterns: Sequence[str], ids: Sequence[str], failures: Iterable[Failure] = ()
 ) -> list[Failure]:
-    """A row where patterns of an option fit no id, but by the failures of reading files are missing; else ConfigError.
-
-    The option is named as the user gave it, as "[records] keep".
-    """
+    """A row where patterns of an option fit no id and files are missing; ConfigError if every file was read."""
     idle = [pattern for pattern in patterns if not any(id_matches(name, [pattern]) for name in ids)]
     if not idle:
         return []
@@ -111,48 +90,23 @@ def _at_once(members: Sequence[Record]) -> Iterator[list[Record]]:
     yield stretch
 
 
-@dataclass(frozen=True, eq=False)
 class _Volume:
     """The channels that one instrument recorded together, no two of one direction."""
 
-    channels: list[Record]
-    confirm: Sequence[str]  # patterns of the ids of channels whose peak is right
-
-    @cached_property
-    def horizontal(self) -> list[Record]:
-        """The channels that are assessed."""
-        return [one for one in self.channels if one.orientation != "vertical"]
-
-    @cached_property
-    def vertical(self) -> list[Record]:
-        """The channels that may act beside them."""
-        return [one for one in self.channels if one.orientation == "vertical"]
+    def __init__(self, channels: list[Record], confirm: Sequence[str]) -> None:
+        self.channels, self.confirm = channels, confirm  # patterns of the ids of channels whose peak is right
+        self.horizontal = [one for one in channels if one.orientation != "vertical"]
+        self.vertical = [one for one in channels if one.orientation == "vertical"]
+        self.level, self.processed = sensor_level(channels[0]), channels[0].processed
+        # Longest interval, to six digits: some headers state a rate, others an interval.
+        self.dt = float(f"{max(one.dt for one in channels):.6g}")
+        self.duration = max(one.duration for one in channels)
 
     @cached_property
     def pair(self) -> tuple[Record, ...]:
         """The two horizontal channels without a fault that can be rotated; empty where there are none."""
         pairs, _ = find_pairs([one for one in self.horizontal if not _fault(one, self.confirm)])
         return pairs[0].channels if len(pairs) == 1 else ()
-
-    @property
-    def level(self) -> float:
-        """Depth of the sensor [m], 0 at the surface."""
-        return sensor_level(self.channels[0])
-
-    @property
-    def processed(self) -> bool | None:
-        """State of processing, the same for all channels."""
-        return self.channels[0].processed
-
-    @cached_property
-    def dt(self) -> float:
-        """Longest sampling interval [s], to six digits: some headers state a rate, others an interval."""
-        return float(f"{max(one.dt for one in self.channels):.6g}")
-
-    @cached_property
-    def duration(self) -> float:
-        """Length of the longest channel [s]."""
-        return max(one.duration for one in self.channels)
 
     def rank(self, settings: RecordSettings) -> tuple[object, ...]:
         """Key that sorts volumes by their claim to vote."""
@@ -245,19 +199,19 @@ class _Poll:
 def _volumes(records: Sequence[Record], confirm: Sequence[str]) -> list[_Volume]:
     """The volumes of the records of a site; a second channel of one direction begins another."""
     channels = Counter(record.source for record in records)
-    groups: dict[tuple[object, ...], list[_Volume]] = defaultdict(list)
+    groups: dict[tuple[object, ...], list[list[Record]]] = defaultdict(list)
     for record in sorted(records, key=attrgetter("start_time", "source", "channel", "id")):
         # Members of an archive lie in folders of it.
         folder = str(PurePath(record.source.replace("!", "/")).parent)
         together = record.source if channels[record.source] > 1 else folder
         found = groups[*instrument(record), together]
         for volume in found:
-            if all(concurrent(record, one) and not _one_direction(record, one) for one in volume.channels):
-                volume.channels.append(record)
+            if all(concurrent(record, one) and not _one_direction(record, one) for one in volume):
+                volume.append(record)
                 break
         else:
-            found.append(_Volume([record], confirm))
-    return [volume for found in groups.values() for volume in found]
+            found.append([record])
+    return [_Volume(volume, confirm) for found in groups.values() for volume in found]
 
 
 def _one_direction(record: Record, other: Record) -> bool:

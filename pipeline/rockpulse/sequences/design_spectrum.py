@@ -1,10 +1,9 @@
 """The design of a site as an overturning spectrum, and the impulse sequence that stands for it on a body.
 
 .. note:: S(p, C) [m/s] is the effective impulse that a slender block takes: it overturns iff S >= g tan(alpha)/p. A
-   sequence (I, sigma, N) of continuous spacing overturns iff I_eff = I [(1 - sigma) S_N + sigma/2] >= I_1c
-   (:meth:`rocking.ImpulseSequence.effective_impulse`), I_1c = g alpha/(p cos alpha) that of the sequence model. So any
-   sequence with I_eff/I_1c = S p/(g tan alpha), which is I_eff = S alpha/sin(alpha), has the verdict and the factor of
-   the spectrum; in the slender limit I_eff = S. The sigma and N of the half-waves single out one of them.
+   sequence of continuous spacing overturns iff I_eff = I [(1 - sigma) S_N + sigma/2] >= I_1c = g alpha/(p cos alpha)
+   (:meth:`rocking.ImpulseSequence.effective_impulse`). So any sequence with I_eff/I_1c = S p/(g tan alpha) has the
+   verdict and the factor of the spectrum. The sigma and N of the half-waves single out one of them.
 """
 
 from dataclasses import dataclass
@@ -51,17 +50,11 @@ class DesignSpectrum:
     main_count: np.ndarray
 
     def covers(self, block: Block) -> np.ndarray:
-        """True, (m,), for the blocks that the spectrum stands for.
-
-        They are free-standing and symmetric, of a slenderness of at least 3.5, p and C within those of the spectrum.
-        """
+        """True, (m,), for free, symmetric blocks of slenderness 3.5 and more, inside the p and C of the spectrum."""
         return within(block.lanes(), self.p, self.restitution)
 
     def effective_impulse(self, block: Block) -> np.ndarray:
-        """S at the p and C of each block, (m,) [m/s]; ln S is linear in ln p and in C.
-
-        Raises ValueError for blocks that the spectrum does not cover (:meth:`covers`).
-        """
+        """S at the p and C of each block, (m,) [m/s], ln S linear in ln p and C; ValueError outside."""
         one = block.lanes()
         outside = np.flatnonzero(~self.covers(one))
         if outside.size:
@@ -73,10 +66,7 @@ class DesignSpectrum:
         return np.exp(at_blocks(one, self.p, self.restitution, np.log(self.spectrum)))
 
     def factor(self, block: Block) -> np.ndarray:
-        """Factor on the design at which each block overturns, (m,) [-]: (g tan(alpha)/p)/S, as I_1c/I_eff is.
-
-        Raises ValueError as :meth:`effective_impulse`.
-        """
+        """Factor on the design at which each block overturns, (m,) [-]: (g tan(alpha)/p)/S; ValueError outside."""
         one = block.lanes()
         return np.asarray(one.gravity * np.tan(one.alpha_c) / one.p / self.effective_impulse(one))
 
@@ -85,10 +75,9 @@ class DesignSpectrum:
         return np.asarray(np.argmin(np.abs(np.log(np.divide.outer(np.atleast_1d(block.p), self.p))), axis=1))
 
     def sequence(self, block: Block) -> ImpulseSequence:
-        """The sequence that stands for the design on each block, (m,), spacing "continuous".
+        """The sequences that stand for the design on (m,) blocks, spacing "continuous"; ValueError outside.
 
-        I_s/I and the number of main impulses are those at the nearest p. To be used with ``sequence_response(...,
-        paired=True)``. Raises ValueError as :meth:`effective_impulse`.
+        I_s/I and the number of main impulses are those at the nearest p. For ``sequence_response(..., paired=True)``.
         """
         one, nearest = block.lanes(), self.nearest(block)
         demand = 1.0 / self.factor(one)

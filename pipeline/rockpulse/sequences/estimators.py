@@ -1,10 +1,4 @@
-"""From the half-waves of one record to the parameters of an impulse sequence.
-
-.. note:: The sequence of Casapulla & Maione (2017) has a main impulse, a secondary impulse, the interval between
-   secondary impulses, a duration and, here, a number of main impulses. Each has its named estimators in a table below;
-   amplitudes are absolute values. Every estimator of the secondary impulse sees only half-waves that are no larger than
-   the main impulse, so that I_s/I is at most 1.
-"""
+"""From the half-waves of one record to the parameters of an impulse sequence; amplitudes are absolute values."""
 
 import math
 from collections.abc import Callable, Mapping
@@ -18,7 +12,6 @@ from rockpulse.record.intensity import IntensePhase
 
 #: A sequence needs a main impulse, another one, and an interval that more than one pair has a say in.
 FEWEST_WAVES = 3
-
 #: Half-waves above this share of the largest one count as main.
 MAIN_SHARE = 0.5
 
@@ -44,20 +37,17 @@ MAIN: dict[str, Callable[[np.ndarray, int, float], tuple[float, int]]] = {
     "mean-largest": _mean_of_largest,
     "quantile": _quantile,
 }
-
 #: Secondary impulse from the absolute impulses of the others [m/s].
 SECONDARY: dict[str, Callable[[np.ndarray], float]] = {
     "median": lambda others: float(np.median(others)),
     "mean": lambda others: float(np.mean(others)),
     "rms": lambda others: float(np.sqrt(np.mean(others**2))),
 }
-
 #: Interval of the secondary impulses from the spacings of successive centroids [s].
 INTERVAL: dict[str, Callable[[np.ndarray], float]] = {
     "median": lambda spacings: float(np.median(spacings)),
     "mean": lambda spacings: float(np.mean(spacings)),
 }
-
 #: Number of main impulses from the absolute impulses in falling order; None is without limit.
 MAIN_COUNT: dict[str, Callable[[np.ndarray], int | None]] = {
     "half-largest": lambda sizes: int(np.count_nonzero(sizes > MAIN_SHARE * sizes[0])),
@@ -92,12 +82,11 @@ def calibrate(
     main_count : {"half-largest", "none"} or int
         Number of main impulses: the half-waves above half the largest; without limit; or this many.
     spacing : {"end", "middle", "start", "open", "continuous"}
-        Where the secondary impulses stand in a half-cycle, see :class:`rocking.ImpulseSequence`.
+        Place of the secondary impulses in a half-cycle, see :class:`rocking.ImpulseSequence`.
     duration_s : float, optional
         Duration of the sequence [s]; by default that of the phase.
     phase : IntensePhase, optional
-        Only half-waves whose centroid lies in it count. By default all do, from the start of the first to the end of
-        the last.
+        Only half-waves whose centroid lies in it count; by default all.
     m : int
         Number of half-waves of "mean-largest", at least 1.
     quantile : float

@@ -1,9 +1,4 @@
-"""The sequence whose responses are those of a recorded motion: the calibration the paper left open (section 5).
-
-.. note:: The statistical estimate (:func:`rockpulse.calibrate`) looks at the half-waves of a record; this one looks at
-   what the record does to a family of blocks, and asks for the (I, I_s/I, dT, number of main impulses) that does the
-   same. The duration of the sequence stays that of the statistical estimate.
-"""
+"""The sequence whose responses are those of a recorded motion: the calibration the paper left open (section 5)."""
 
 from dataclasses import replace
 
@@ -16,19 +11,8 @@ from rockpulse.errors import ConfigError
 from rockpulse.record.half_wave import half_waves
 from rockpulse.record.intensity import intense_phase
 from rockpulse.record.record import Record
+from rockpulse.sequences import response_posterior as posterior
 from rockpulse.sequences.estimators import calibrate
-from rockpulse.sequences.response_posterior import (
-    PARAMETERS,
-    correlations,
-    deviance_threshold,
-    flat_ends,
-    independent_share,
-    intervals,
-    main_counts,
-    parameter_values,
-    profiles,
-    sample_posterior,
-)
 from rockpulse.sequences.response_result import ResponseCalibration, remarks
 from rockpulse.sequences.response_search import explore, search_space, start_point
 from rockpulse.sequences.response_targets import (
@@ -41,7 +25,6 @@ from rockpulse.sequences.response_targets import (
 
 #: Forms of the calibration: the likeliest sequence, or one that covers a share of the blocks.
 FORMS = ("fit", "enveloping")
-
 #: Main impulses of the scan of an envelope, of each refinement, and the relative width of the last bracket.
 SCANNED, REFINED, TOLERANCE = 400, 33, 1e-6
 
@@ -131,10 +114,7 @@ def calibrate_response(
 
 
 def envelope(fit: ResponseCalibration, share: float, threads: int | None = None) -> ResponseCalibration:
-    """The calibration with the smallest main impulse that covers a share of the moved blocks [-], from a "fit".
-
-    I_s/I, dT, main count, duration, intervals and profiles stay those of the fit.
-    """
+    """The calibration of a fit with the smallest main impulse that covers a share of the moved blocks [-]."""
     factor, again = enveloping_main(fit.targets, fit.sequence, share, threads)
     sequence = fit.sequence.scaled(factor)
     peaks = fit.targets.reached(sequence, threads)
@@ -162,33 +142,33 @@ def fit_sequence(
     threads: int | None,
     record_id: str,
 ) -> ResponseCalibration:
-    """The likeliest sequence of a set of targets; without `start` main impulses are limited by their number only."""
+    """The likeliest sequence of targets; without `start` main impulses are limited by their number only."""
     space = search_space(targets, start, spacing)
     point = None if start is None or start.main == 0.0 else start_point(space, start)
-    threshold = deviance_threshold(int(np.count_nonzero(targets.number)), confidence)
+    threshold = posterior.deviance_threshold(int(np.count_nonzero(targets.number)), confidence)
     explored = explore(targets, space, point, 4.0 * threshold, rng, threads)
     likeliest = explored.points[np.argmax(explored.likelihood)]
-    independent, correlation = independent_share(targets, explored.peaks(likeliest[np.newaxis]).ravel())
-    posterior = sample_posterior(explored, rng, independent)
-    limits = intervals(space, posterior, confidence)
-    ends = flat_ends(explored, threshold, independent)
-    curves = profiles(explored, independent)
+    independent, correlation = posterior.independent_share(targets, explored.peaks(likeliest[np.newaxis]).ravel())
+    samples = posterior.sample_posterior(explored, rng, independent)
+    limits = posterior.intervals(space, samples, confidence)
+    ends = posterior.flat_ends(explored, threshold, independent)
+    curves = posterior.profiles(explored, independent)
     flat = tuple(name for name, (low, high) in ends.items() if low and high and np.all(curves[name][1] <= threshold))
-    best = explored.best(limits, parameter_values(space, explored.points))
+    best = explored.best(limits, posterior.parameter_values(space, explored.points))
     sequence = space.sequence(explored.points[best])
-    values = parameter_values(space, explored.points[[best]])
+    values = posterior.parameter_values(space, explored.points[[best]])
     peaks = targets.reached(sequence, threads)
     of_start = None if start is None else targets.reached(start, threads)
     calibration = ResponseCalibration(
         record_id=record_id,
         form="fit",
         sequence=sequence,
-        parameters={name: values[name].item() for name in PARAMETERS},
+        parameters={name: value.item() for name, value in values.items()},
         intervals=limits,
-        main_counts=main_counts(posterior),
+        main_counts=posterior.main_counts(samples),
         profiles=curves,
         flat=flat,
-        correlations=correlations(space, posterior),
+        correlations=posterior.correlations(space, samples),
         misfit=targets.misfit(peaks).item(),
         unsafe_share=targets.short_of(peaks).item(),
         spread=float(explored.spread[best]),
@@ -198,7 +178,7 @@ def fit_sequence(
         start_misfit=np.nan if of_start is None else targets.misfit(of_start).item(),
         start_unsafe_share=np.nan if of_start is None else targets.short_of(of_start).item(),
         confidence=confidence,
-        effective_samples=posterior.effective,
+        effective_samples=samples.effective,
         candidates=len(explored.likelihood),
         independent_share=independent,
         neighbour_correlation=correlation,
@@ -210,16 +190,11 @@ def fit_sequence(
 def enveloping_main(
     targets: ResponseTargets, sequence: ImpulseSequence, share: float, threads: int | None = None
 ) -> tuple[float, bool]:
-    """The factor on both impulses of a sequence at which it first covers a share of the targets.
+    """Factor on both impulses at which a sequence first covers a share of the targets; and if a larger one does not.
 
-    I_s/I, dT, main count and duration are kept. Silent targets do not count: they are covered by anything. Returned are
-    the upper end of the first bracket, and whether a larger factor of the scan covers less than the share.
-
-    Notes
-    -----
     The peak of a block is not monotonic in I (its number of secondary impulses jumps), so the range is scanned and the
-    first edge refined. It ends where every block overturns at once: (I/I_1c)(1 - sigma/2) of 2, above the root of
-    every spacing. A band of cover narrower than a step of the scan may be missed.
+    first edge refined. It ends where every block overturns at once: (I/I_1c)(1 - sigma/2) of 2, above the root of every
+    spacing. A band of cover narrower than a step of the scan may be missed.
     """
     speaks = ~targets.silent
     critical = np.asarray(targets.blocks.critical_impulse)[speaks]

@@ -1,17 +1,7 @@
 """The posterior probability of sequences given the targets, by adaptive importance sampling, and what it tells.
 
-.. note:: The likelihood jumps wherever the number of secondary impulses of a block changes, so a deviance is not
-   chi-squared distributed and the interval that it would cut off is too narrow (docs/decisions/010). The posterior
-   needs no smoothness. The prior is flat in ln I, I_s/I, ln dT and the number of main impulses, within the limits of
-   the search, and in ln of the spread.
-
-   The profile of a parameter is the smallest deviance 2 (ln L_max - ln L) among all candidates that share its value,
-   about; a parameter is flat where its profile stays below the threshold of the confidence level over all that was
-   searched.
-
-   Residuals of similar blocks are alike along p, alpha_c and C, so a finer family adds peaks but no information. A
-   likelihood that takes them as independent makes intervals too narrow; its logarithm is multiplied by the share of
-   independent ones, `share`.
+The likelihood jumps with the numbers of secondary impulses, so a deviance is not chi-squared distributed
+(docs/decisions/010). The prior is flat in ln I, I_s/I, ln dT, the number of main impulses and ln of the spread.
 """
 
 import math
@@ -28,24 +18,14 @@ from rockpulse.sequences.response_targets import ResponseTargets
 
 #: Powers of the likelihood from round to round: the first proposals are wider than the posterior.
 TEMPERED = (0.2, 0.4, 0.7, 1.0, 1.0, 1.0)
-
-#: Effective samples from which on the sampling ends, and most rounds that are added to reach them. With fewer than 50
-#: a narrow mode had been met by one or two candidates, which then were the whole posterior.
-ENOUGH, ADDED = 200.0, 12
-
-#: Candidates a round, and centres of the kernels they are drawn from.
-DRAWN, CENTRES = 512, 192
-
+#: Effective samples that end the sampling (with fewer than 50 one or two candidates were the whole posterior), and most
+#: rounds that are added to reach them; candidates a round, and centres of the kernels they are drawn from.
+ENOUGH, ADDED, DRAWN, CENTRES = 200.0, 12, 512, 192
 #: Probability of the steps in the number of main impulses; 0 at last.
 COUNT_STEPS = {-1: 0.15, 0: 0.7, 1: 0.15}
-
-#: Widths of the kernels over the standard deviations of the cloud of their number of main impulses. Silverman's 0.45
-#: for three dimensions is for smooth densities: narrow ones follow the edges, wide ones leave no holes.
-WIDTHS = (0.25, 0.75)
-
-#: Share of a kernel's width that is never gone below, of the searched range.
-NARROWEST = 1e-4
-
+#: Widths of the kernels over the standard deviations of the cloud of their number of main impulses (Silverman's 0.45 is
+#: for smooth densities: narrow ones follow the edges, wide ones leave no holes), and the least share of the range.
+WIDTHS, NARROWEST = (0.25, 0.75), 1e-4
 #: Names, units and words of the parameters.
 PARAMETERS = {
     "main": ("m/s", "main impulse"),
@@ -53,10 +33,8 @@ PARAMETERS = {
     "interval": ("s", "interval dT of the secondary impulses"),
     "main_count": ("", "number of main impulses"),
 }
-
 #: Parts into which the range of a profile is divided, and the deviance up to which it shows candidates.
 PARTS, SHOWN = 24, 20.0
-
 #: One-sided level of the test on a correlation, as normal deviate, and the largest correlation that is believed.
 SIGNIFICANT, LARGEST = 1.645, 0.9
 
@@ -126,36 +104,21 @@ class _Kernels:
 
 
 def sample_posterior(explored: Explored, rng: np.random.Generator, share: float = 1.0) -> Posterior:
-    """Sample the posterior, starting from a finished search; the samples are added to it.
+    """Sample the posterior, ln L times `share`, from a finished search, to which the samples are added.
 
-    `share` is the factor on ln of the likelihood [-]. Only samples inside the space are returned.
-
-    Notes
-    -----
-    Population Monte Carlo: each round draws from normal kernels about the points that the rounds before found likely,
-    and all rounds share one weight, likelihood over the mean of all their densities (the balance heuristic). Rounds
-    are added while fewer than 200 samples are effective, at most 12.
-
-    References
-    ----------
-    Cappé, O., Guillin, A., Marin, J.-M., Robert, C. P. (2004), J. Comput. Graph. Stat. 13(4), 907-929.
-    Veach, E., Guibas, L. J. (1995), SIGGRAPH '95, 419-428.
+    Population Monte Carlo (Cappé et al. 2004, J. Comput. Graph. Stat. 13(4), 907-929): each round draws from kernels
+    about likely points; the weight is likelihood over the mean of all densities (balance heuristic, Veach & Guibas
+    1995).
     """
-    space = explored.space
-    points = explored.points
-    log_weights = share * explored.likelihood
+    space, points, log_weights = explored.space, explored.points, share * explored.likelihood
     kernels: list[_Kernels] = []
     drawn, likelihood, densities = np.empty((0, points.shape[1])), np.empty(0), np.empty(0)
     for power in (*TEMPERED, *[1.0] * ADDED):
         kernels.append(_Kernels(points, _normal(power * log_weights), explored, rng))
         candidates = kernels[-1].draw(rng)
         candidates = candidates[np.all((candidates >= space.low) & (candidates <= space.high), axis=1)]
-        densities = np.concatenate(
-            [
-                np.logaddexp(densities, kernels[-1].log_density(drawn)),
-                logsumexp([one.log_density(candidates) for one in kernels], axis=0),
-            ]
-        )
+        here = logsumexp([one.log_density(candidates) for one in kernels], axis=0)
+        densities = np.concatenate([np.logaddexp(densities, kernels[-1].log_density(drawn)), here])
         drawn = np.concatenate([drawn, candidates])
         likelihood = np.concatenate([likelihood, explored.try_points(candidates)])
         points, log_weights = drawn, share * likelihood - densities
@@ -172,12 +135,8 @@ def _normal(log_weights: np.ndarray) -> np.ndarray:
 def parameter_values(space: SearchSpace, points: np.ndarray) -> dict[str, np.ndarray]:
     """(q,) values of each parameter of (q, 4) points; dT is NaN where the spacing has none."""
     interval = np.exp(points[:, INTERVAL]) if space.spacing != "continuous" else np.full(len(points), np.nan)
-    return {
-        "main": space.main(points),
-        "ratio": points[:, RATIO],
-        "interval": interval,
-        "main_count": np.rint(points[:, MAIN_COUNT]),
-    }
+    values = space.main(points), points[:, RATIO], interval, np.rint(points[:, MAIN_COUNT])
+    return dict(zip(PARAMETERS, values, strict=True))
 
 
 def _scale(name: str, values: np.ndarray) -> np.ndarray:
@@ -188,23 +147,15 @@ def _scale(name: str, values: np.ndarray) -> np.ndarray:
 def deviance_threshold(count: int, confidence: float) -> float:
     """Deviance within which one parameter is believed, for n peaks that are numbers and a confidence level [-].
 
-    It is n ln(1 + t^2/(n - 4)) with the two-sided t of n - 4 degrees of freedom: exact for a linear model of four
-    parameters with an estimated spread, the quantile of chi-squared with one degree of freedom for many blocks.
-
-    Examples
-    --------
-    >>> round(deviance_threshold(20, 0.9), 3), round(deviance_threshold(100_000, 0.9), 3)
-    (3.488, 2.706)
+    n ln(1 + t^2/(n - 4)), t two-sided of n - 4 degrees of freedom: exact for a linear model of four parameters and a
+    spread.
     """
     free = count - len(PARAMETERS)
     return float(count * math.log1p(stats.t.ppf(0.5 * (1.0 + confidence), free) ** 2 / free))
 
 
 def profiles(explored: Explored, share: float = 1.0) -> dict[str, tuple[np.ndarray, np.ndarray]]:
-    """The profile of each parameter: values (k,), rising, and the smallest deviance (k,) found there [-].
-
-    Each is that of a candidate: the true profile lies at or below it.
-    """
+    """Of each parameter rising values (k,) and the smallest deviance (k,) of a candidate there [-]."""
     points, likelihood = explored.points, explored.likelihood
     deviance = 2.0 * share * (likelihood.max() - likelihood)
     near = deviance <= SHOWN
@@ -223,10 +174,7 @@ def profiles(explored: Explored, share: float = 1.0) -> dict[str, tuple[np.ndarr
 
 
 def intervals(space: SearchSpace, posterior: Posterior, confidence: float) -> dict[str, tuple[float, float]]:
-    """Central posterior interval (low, high) of each parameter; NaN without dT.
-
-    For the main count it is that of :func:`likeliest_counts`.
-    """
+    """Central posterior interval of each parameter; NaN without dT, :func:`likeliest_counts` of the main count."""
     levels = np.array([0.5 * (1.0 - confidence), 0.5 * (1.0 + confidence)])
     values = parameter_values(space, posterior.points)
     found = {name: tuple(posterior.quantiles(one, levels).tolist()) for name, one in values.items()}
@@ -234,16 +182,7 @@ def intervals(space: SearchSpace, posterior: Posterior, confidence: float) -> di
 
 
 def likeliest_counts(shares: dict[int, float], confidence: float) -> tuple[float, float]:
-    """Lowest and highest of the likeliest numbers of main impulses whose joint probability is nearest to a level.
-
-    `shares` is the probability of each number [-]. No set of whole numbers holds just the level. Quantiles hold at
-    least that, mostly far more, and cover too often.
-
-    Examples
-    --------
-    >>> likeliest_counts({3: 0.05, 4: 0.70, 5: 0.23, 6: 0.02}, 0.9), likeliest_counts({8: 0.14, 9: 0.86}, 0.9)
-    ((4.0, 5.0), (9.0, 9.0))
-    """
+    """Lowest and highest of the likeliest numbers whose joint probability is nearest to a level."""
     numbers, probabilities = np.array(list(shares)), np.array(list(shares.values()))
     order = np.argsort(-probabilities, kind="stable")
     nearest = np.argmin(np.abs(np.cumsum(probabilities[order]) - confidence))
@@ -284,20 +223,11 @@ def correlations(space: SearchSpace, posterior: Posterior) -> dict[tuple[str, st
 
 
 def independent_share(targets: ResponseTargets, peaks: np.ndarray) -> tuple[float, float]:
-    """Share of the numbers that are independent observations, from the likeness of neighbours, and their correlation r.
+    """Share of the numbers that are independent observations, and the correlation r of neighbours.
 
-    `peaks` (m,) are theta_max/alpha_c of a sequence on the blocks of the targets [-]. The share is (1 - r)/(1 + r), at
-    most 1, and 1 where r is not significant at 5 %. r is that of the residuals of each block with those of the block
-    nearest to it in (ln p, ln alpha_c, C), each over its standard deviation; about zero, which is where they should be.
-
-    Notes
-    -----
-    (1 - r)/(1 + r) is the ratio of effective to nominal sample size of a chain with correlation r between neighbours.
-    A family has neighbours in three directions, so the true share is smaller still.
-
-    References
-    ----------
-    Clifford, P., Richardson, S., Hémon, D. (1989), Biometrics 45(1), 123-134, doi:10.2307/2532039.
+    (1 - r)/(1 + r), or 1 where r is not significant at 5 % (Clifford et al. 1989, doi:10.2307/2532039). r is that of
+    the residuals, about zero, of `peaks` (m,) with those of the nearest block in (ln p, ln alpha_c, C), each
+    standardised.
     """
     number = targets.number
     residuals = targets.residuals(peaks[np.newaxis])[0, number]

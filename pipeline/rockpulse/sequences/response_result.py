@@ -25,27 +25,26 @@ class ResponseCalibration:
     parameters : dict of str to float
         Its "main" [m/s], "ratio" I_s/I [-], "interval" dT [s] (NaN with spacing "continuous") and "main_count" [-].
     intervals : dict of str to (float, float)
-        Central interval of each parameter in the posterior, at the level `confidence`; of "main_count" the likeliest
-        numbers whose probability is nearest to it. Those of the fit, also when the form is "enveloping".
+        Central posterior interval of each parameter of the fit, at the level `confidence`; of "main_count" the
+        likeliest numbers whose probability is nearest to it.
     main_counts : dict of int to float
         Posterior probability of each number of main impulses [-].
     profiles : dict of str to ((k,) ndarray, (k,) ndarray)
         Values and smallest deviance found there [-].
     flat : tuple of str
-        Parameters of which the targets tell nothing: every value that was searched is within the threshold.
+        Parameters that the targets do not tell: every value that was searched is within the threshold.
     correlations : dict of (str, str) to float
         Correlation of two parameters in the posterior, of ln for I and dT [-].
     misfit, unsafe_share, spread : float
-        Over the blocks that the motion moves: root mean square of ln(target/peak), the distance to the censored range
-        where one of the two overturns or is small [-]; share whose peak under the sequence is below the target [-];
+        Over the blocks that the motion moves: root mean square of ln(target/peak), of its distance to the censored
+        range where one of the two is censored [-]; share whose peak under the sequence is below the target [-];
         estimated standard deviation of ln(target/peak) of the fit [-].
     targets : ResponseTargets
         The answers that had to be reproduced: blocks, peaks, outcomes.
     peaks : (m,) ndarray
         theta_max/alpha_c of the same blocks under the sequence, inf where overturned [-].
     start, start_misfit, start_unsafe_share : ImpulseSequence, float, float
-        The sequence that the search started from, the statistical estimate unless one was given, and the same figures
-        of it; None and NaN without.
+        The sequence that the search started from, and the same figures of it; None and NaN without.
     confidence, effective_samples, candidates : float, float, int
         Level of the intervals [-], effective number of samples behind them, sequences that were tried.
     independent_share, neighbour_correlation : float
@@ -88,10 +87,7 @@ INSEPARABLE, WIDE, FEW_SAMPLES = 0.9, 0.3, 100.0
 def remarks(
     calibration: ResponseCalibration, space: SearchSpace, ends: dict[str, tuple[bool, bool]]
 ) -> tuple[str, ...]:
-    """Remarks on a fit within the limits of a search, one sentence each.
-
-    `ends` says of each parameter whether its likely values reach the lower and the upper limit of the search.
-    """
+    """Remarks on a fit; `ends` says which limits of the search the likely values of each parameter reach."""
     targets = calibration.targets
     number, small, overturned, silent = (
         int(np.count_nonzero(kind)) for kind in (targets.number, targets.small, targets.overturned, targets.silent)

@@ -1,15 +1,13 @@
 """The likelihood of a sequence given a set of targets, and the search for the likeliest one and those about as likely.
 
-.. note:: ln(target/peak) is normal with mean 0 and spread s; what is censored enters with the normal distribution
+.. note:: ln(target/peak) is normal with mean 0 and spread s; censored targets enter with the normal distribution
    function. With h = 1/s, n numbers of residuals r_j and censored ones with margins c_j (positive where satisfied)
 
        l(h) = n ln h - h^2/2 sum r_j^2 + sum ln Phi(h c_j) - n/2 ln(2 pi),
 
    which is concave in h (Olsen 1978), so that Newton's iteration finds its only maximum. In the parameters of the
-   sequence the likelihood is only piecewise smooth: the number n of secondary impulses jumps with dT and I, and blocks
-   overturn. So nothing here takes a derivative. Differential evolution, with the number of main impulses an integer
-   among its parameters, and a survey of the whole space begin; then candidates are bred from the best of every cell of
-   the space, in rounds that look ever closer at what is likely. Every candidate is kept: profiles are their edges.
+   sequence the likelihood jumps, so the search takes no derivative: differential evolution and a survey of the whole
+   space, then rounds of candidates from the best of every cell of the space. All are kept for the profiles.
 """
 
 import math
@@ -23,23 +21,16 @@ from scipy.stats import qmc
 from rocking.impulses.impulse_sequence import ImpulseSequence
 from rockpulse.sequences.response_targets import ResponseTargets
 
-#: No sequence is taken to be better than this [-]: 1 % of a peak.
-SMALLEST_SPREAD = 0.01
-
-#: Rounds of Newton's iteration; it converges quadratically from the spread of the numbers alone.
-NEWTON_ROUNDS = 12
+#: No sequence is taken to be better than this [-], 1 % of a peak; rounds of Newton's iteration, which converges
+#: quadratically from the spread of the numbers alone.
+SMALLEST_SPREAD, NEWTON_ROUNDS = 0.01, 12
 
 
 def log_likelihood(peaks: np.ndarray, targets: ResponseTargets) -> tuple[np.ndarray, np.ndarray]:
-    """Log-likelihood (q,) of sequences by their peaks (q, m) [-], maximal over the spread s, and that spread (q,) [-].
+    """Log-likelihood (q,) of the peaks (q, m) [-] of sequences, maximal over the spread s, and that spread (q,) [-].
 
-    The peaks are theta_max/alpha_c on the m blocks of the targets, inf where overturned; s is at least
-    :data:`SMALLEST_SPREAD`. Of a block that a sequence overturns only "at least 1" is known; a target takes the value
-    from there up that suits it best.
-
-    References
-    ----------
-    Olsen, R. J. (1978), Econometrica 46(5), 1211-1215, doi:10.2307/1911445.
+    A block that a sequence overturns (inf) reaches at least 1: a target takes the value from there up that suits it
+    best (Olsen 1978, doi:10.2307/1911445).
     """
     number = targets.residuals(peaks)[:, targets.number]
     with np.errstate(divide="ignore"):
@@ -63,33 +54,19 @@ def log_likelihood(peaks: np.ndarray, targets: ResponseTargets) -> tuple[np.ndar
 
 #: Columns of a point: ln of I over what the targets ask for, I_s/I [-], ln dT [s], number of main impulses.
 OFFSET, RATIO, INTERVAL, MAIN_COUNT = range(4)
-
-#: Largest number of main impulses, unless the start has more [-].
-MOST_MAIN = 20
-
-#: Secondary intervals that are searched [s], widened to the start: half-waves of 10 Hz to 0.25 Hz.
-INTERVALS = (0.05, 2.0)
-
+#: Largest number of main impulses [-], and secondary intervals [s] (half-waves of 10 Hz to 0.25 Hz), unless the start
+#: widens them; and range in which I is searched about the value that the targets ask for, as ln.
+MOST_MAIN, INTERVALS, OFFSETS = 20, (0.05, 2.0), (-1.0, 1.0)
 #: Largest I_s/I by spacing: above it the closed form stands for no motion of the block (ground contact).
 LARGEST_RATIO = {"start": 2.0 / 3.0, "middle": 6.0 / 7.0}
-
-#: Range in which I is searched about the value that the targets ask for, as ln.
-OFFSETS = (-1.0, 1.0)
-
 #: Differential evolution: candidates a generation for each parameter, most generations, spread of ln L to stop at.
 POPULATION, GENERATIONS, SETTLED = 10, 15, 0.05
-
 #: Candidates of the survey of the whole space, of each later round, and rounds.
 SURVEY, CANDIDATES, ROUNDS = 512, 256, 20
-
 #: Parents of the first round: points less likely than the best by this deviance; it falls in equal ratios to the last.
-WIDEST = 300.0
-
-#: Cells of the space in which the best candidate is kept as a parent: of I_s/I and dT, for each main count.
-CELLS = (16.0, 12.0)
-
-#: Steps of a candidate from its parent, as shares of the difference of two other points and of the likely range.
-STEPS = (0.1, 0.3, 1.0)
+#: The best of every cell of I_s/I and dT, for each main count, is a parent. Steps of a candidate from it, as shares of
+#: the difference of two other points and of the likely range.
+WIDEST, CELLS, STEPS = 300.0, (16.0, 12.0), (0.1, 0.3, 1.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,8 +83,8 @@ class SearchSpace:
     def asked_for(self, points: np.ndarray) -> np.ndarray:
         """I (q,) [m/s] that the targets ask for at the I_s/I and main count of (q, 4) points, in closed form.
 
-        Many secondary impulses let the N-th half-cycle peak as if it had started with v = (I/I_1c) [1 - sigma/2 + (1 -
-        sigma) (C + ... + C^(N-1))] (F4 of the sequence's limit), so a target v I_1c asks for that I; here their median.
+        With many secondary impulses the N-th half-cycle peaks as if it had started with v = (I/I_1c) [1 - sigma/2 + (1
+        - sigma) (C + ... + C^(N-1))], so a target v I_1c asks for that I; here the median of all.
         """
         ratio, count = points[:, RATIO, np.newaxis], points[:, MAIN_COUNT, np.newaxis]
         c = np.minimum(self.restitutions, 1.0 - 1e-9)
@@ -133,8 +110,9 @@ class SearchSpace:
     def sequence(self, point: np.ndarray) -> ImpulseSequence:
         """One sequence of a (4,) point."""
         many = self.sequences(point[np.newaxis])
-        names = ("main", "secondary", "interval", "main_count")
-        numbers = {name: np.ravel(getattr(many, name)).item() for name in names}
+        numbers = {
+            name: np.ravel(getattr(many, name)).item() for name in ("main", "secondary", "interval", "main_count")
+        }
         return ImpulseSequence(**numbers, duration=self.duration, spacing=self.spacing)
 
     def point(self, main: float, ratio: float, interval: float, main_count: int) -> np.ndarray:
@@ -145,19 +123,15 @@ class SearchSpace:
 
 
 def search_space(targets: ResponseTargets, start: ImpulseSequence | None, spacing: str) -> SearchSpace:
-    """The space for a set of targets, with I around the demands of the targets.
+    """The space for targets and the duration of a start, whose other parameters widen the limits.
 
-    The duration of `start` is that of all sequences; without it main impulses are limited by their number only. Its
-    other parameters widen the limits. A peak x is reached by the velocity v = sqrt(1 - (1 - x)^2) (Eq. 6), so the
-    demand on a block is v I_1c.
+    A peak x is reached by the velocity v = sqrt(1 - (1 - x)^2) (Eq. 6), so the demand on a block is v I_1c.
     """
     peak = np.minimum(targets.peaks[targets.number], 1.0)
     demands = np.sqrt(1.0 - (1.0 - peak) ** 2) * np.asarray(targets.blocks.critical_impulse)[targets.number]
-    shortest, longest = INTERVALS
-    most = MOST_MAIN
+    (shortest, longest), most = INTERVALS, MOST_MAIN
     if start is not None:
-        interval = float(start.interval)
-        if np.isfinite(interval):
+        if np.isfinite(interval := float(start.interval)):
             shortest, longest = min(shortest, interval), max(longest, interval)
         most = max(most, int(start.main_count or 0))
     low = np.array([OFFSETS[0], 0.0, np.log(shortest), 1.0])
@@ -184,13 +158,11 @@ def start_point(space: SearchSpace, start: ImpulseSequence) -> np.ndarray:
 
 
 class Explored:
-    """All candidates of a space that were tried, with their likelihood under the targets."""
+    """All k candidates of a space that were tried: points (k, 4), log-likelihoods (k,) and likeliest spreads (k,)."""
 
     def __init__(self, targets: ResponseTargets, space: SearchSpace, threads: int | None) -> None:
         self.targets, self.space, self.threads = targets, space, threads
-        self._points: list[np.ndarray] = []
-        self._likelihood: list[np.ndarray] = []
-        self._spread: list[np.ndarray] = []
+        self.points, self.likelihood, self.spread = np.empty((0, 4)), np.empty(0), np.empty(0)
 
     def peaks(self, points: np.ndarray) -> np.ndarray:
         """(q, m) peaks of (q, 4) points [-]."""
@@ -199,25 +171,10 @@ class Explored:
     def try_points(self, points: np.ndarray) -> np.ndarray:
         """(q,) log-likelihoods of (q, 4) points, which are kept."""
         likelihood, spread = log_likelihood(self.peaks(points), self.targets)
-        self._points.append(points)
-        self._likelihood.append(likelihood)
-        self._spread.append(spread)
+        self.points = np.concatenate([self.points, points])
+        self.likelihood = np.concatenate([self.likelihood, likelihood])
+        self.spread = np.concatenate([self.spread, spread])
         return likelihood
-
-    @property
-    def points(self) -> np.ndarray:
-        """(k, 4) all points."""
-        return np.concatenate(self._points)
-
-    @property
-    def likelihood(self) -> np.ndarray:
-        """(k,) their log-likelihoods."""
-        return np.concatenate(self._likelihood)
-
-    @property
-    def spread(self) -> np.ndarray:
-        """(k,) their most likely spreads [-]."""
-        return np.concatenate(self._spread)
 
     def best(self, limits: dict[str, tuple[float, float]], values: dict[str, np.ndarray]) -> int:
         """Index of the likeliest candidate within limits, or of the first one, the start, where that is likelier."""
@@ -236,11 +193,7 @@ def explore(
     rng: np.random.Generator,
     threads: int | None = None,
 ) -> Explored:
-    """Find the likeliest sequence and fill the region of those that are about as likely.
-
-    `start` (4,), if given, is among the candidates from the first. `enough` is the deviance of the last round: less
-    likely points have no more offspring. The answer does not depend on the number of threads.
-    """
+    """Find the likeliest sequence, from a `start` (4,), and those within the deviance `enough` of it."""
     explored = Explored(targets, space, threads)
     # The start itself first: differential evolution maps it to the unit cube and back, which costs a bit.
     if start is not None:

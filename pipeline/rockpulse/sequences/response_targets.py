@@ -1,23 +1,4 @@
-"""The targets of a calibrated sequence: the peak rotations of a family of blocks, and the choice of that family.
-
-.. note:: A peak is theta_max/alpha_c. Four kinds of target:
-
-   ==========  ==================================  =========================================================
-   kind        the block                           what it says of the sequence's peak
-   ==========  ==================================  =========================================================
-   number      rocks, peak of at least SMALL       the peak itself, with a lognormal error
-   overturned  overturns                           at least 1 (right-censored)
-   small       rocks, peak below SMALL             below SMALL (left-censored)
-   silent      stays at rest, or is unresolved     nothing
-   ==========  ==================================  =========================================================
-
-   A block at rest is silent because an impulse has no acceleration: rest says that the PGA is below g tan(alpha_c),
-   however large the impulses of the record are, while the impulses of a sequence set every block in motion.
-
-   Most is learned from numbers. Both limits of them are decided by the critical impulse I_1c = g alpha_c/(p cos
-   alpha_c), so a family chosen for a motion lies about the I_1c at which it begins to overturn blocks of each
-   restitution. A trial run on a pool finds it.
-"""
+"""The targets of a calibrated sequence: the peak rotations theta_max/alpha_c of a family of blocks, and its choice."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -38,34 +19,27 @@ from rockpulse.record.record import Record
 #: Peaks below this are known to be small, and no more [-]: just after uplift the size of a peak is decided by how far
 #: the acceleration exceeds the threshold, of which a sequence knows nothing.
 SMALL = 0.05
-
 #: Fewest peaks that are numbers: four parameters and a spread, and one to spare.
 FEWEST_NUMBERS = 6
-
 #: Frequency parameters [1/s]: half-diagonals of 7.4 to 0.3 m. On smaller blocks a half-wave is no impulse.
 FREQUENCIES = (1.0, 5.0)
-
 #: Critical angles [rad]: slenderness 12.5 to 3.
 ANGLES = (0.08, 0.32)
-
 #: Restitutions over Housner's, which tell the parameters apart (docs/decisions/010). At 0.4 hardly more than the last
 #: main impulse counts; no free block is that dull, but the equation that its peak comes from is the same.
 RESTITUTIONS = (1.0, 0.8, 0.6, 0.4)
-
 #: I_1c of a family over that of the edge. Blocks below the edge overturn and are bounds; at 3, the impulse that takes
 #: a block of the edge to alpha_c takes one to 1 - sqrt(1 - 1/9) = 0.06 of it, just above what counts as a number.
 ABOUT_EDGE = (0.8, 3.0)
-
 #: Values of p and of alpha_c in the pool, blocks chosen for each restitution, and points they are chosen from.
 POOL, CHOSEN, POINTS = 10, 25, 8192
 
 
 @dataclass(frozen=True, eq=False)
 class ResponseTargets:
-    """Peaks and outcomes of a family of blocks under one motion.
+    """Peaks and outcomes of a family of blocks under one motion; RecordRefused or TooWeak for too few that rock.
 
-    Raises ConfigError for arrays of other lengths, or a block that rocks without a positive, finite peak; RecordRefused
-    with fewer than 6 blocks whose peak is a number; TooWeak where no 6 of enough blocks move, be it to overturn.
+    A block at rest is no target: an impulse has no acceleration, so that a sequence sets every block in motion.
     """
 
     blocks: Block  # (m,)
@@ -124,19 +98,13 @@ class ResponseTargets:
         return np.atleast_2d(response.peak_rotation_ratio)
 
     def short_of(self, peaks: np.ndarray) -> np.ndarray:
-        """Share (q,) of the moved blocks whose peak (q, m) [-] is below the target: the unsafe side.
-
-        Peaks are inf where overturned; an overturned target is reached by overturning only.
-        """
+        """Share (q,) of the moved blocks whose peak (q, m) [-], inf where overturned, is below the target: unsafe."""
         speaks = ~self.silent
         target = np.where(self.overturned, np.inf, self.peaks)[speaks]
         return np.asarray(np.mean(peaks[:, speaks] < target, axis=1))
 
     def residuals(self, peaks: np.ndarray) -> np.ndarray:
-        """ln(target/peak) (q, m) [-], or its distance to the nearest value that agrees where one is censored.
-
-        NaN for silent targets. A sequence that overturns a block (peak inf) is known to reach at least 1 there.
-        """
+        """ln(target/peak) (q, m) [-], of censored ones the distance to the nearest value that agrees; NaN if silent."""
         least = np.log(np.maximum(np.minimum(peaks, 1.0), 1e-300))
         beyond = np.isinf(peaks)
         with np.errstate(divide="ignore", invalid="ignore"):
@@ -153,19 +121,9 @@ class ResponseTargets:
 
 
 def block_family() -> Block:
-    """The default family: 100 blocks of engineering size.
+    """The default family: 100 blocks of p 1 to 5 1/s, slenderness 12.5 to 3, and 0.6 to 1 times Housner's restitution.
 
-    p of 1 to 5 1/s (half-diagonals of 7.4 to 0.3 m), slenderness 12.5 to 3, five of each in equal ratios, and Housner's
-    restitution times 1, 0.9, 0.75 and 0.6. The restitution is what tells the parameters apart (docs/decisions/010): a
-    block answers the N-th main impulse with the velocity I [1 - sigma/2 + (1 - sigma) (C + ... + C^(N-1))]/I_1c, in
-    which I, sigma = I_s/I and N act differently at different C only. Measured restitutions are 0.95 to 0.97 of
-    Housner's on concrete and 0.67 on rubber (ElGawady).
-
-    Examples
-    --------
-    >>> family = block_family()
-    >>> family.shape, round(float(family.radius.max()), 2), round(float(family.slenderness.max()), 1)
-    ((100,), 7.35, 12.5)
+    The restitution tells the parameters apart (docs/decisions/010): I, I_s/I and N act differently at different C only.
     """
     axes = np.geomspace(*FREQUENCIES, 5), np.geomspace(*ANGLES, 5), [1.0, 0.9, 0.75, 0.6]
     return _blocks(*(axis.ravel() for axis in np.meshgrid(*axes, indexing="ij")))
@@ -178,11 +136,7 @@ def recorded_targets(
     threads: int | None = None,
     vertical: ArrayLike | None = None,
 ) -> ResponseTargets:
-    """The targets of a conditioned record: peaks of (m,) blocks under the nonlinear equation.
-
-    Peaks below `smallest` are known to be small only [-]; `vertical` (n,) is the vertical ground acceleration on the
-    samples of the record [m/s2], positive up. Raises RecordRefused, naming the record, where too few blocks rock.
-    """
+    """The targets of a conditioned record on (m,) blocks, by the nonlinear equation; RecordRefused if too few rock."""
     response = recorded_response(blocks, record.acceleration, record.dt, vertical=vertical, threads=threads)
     try:
         return ResponseTargets(blocks, np.asarray(response.peak_rotation_ratio), np.asarray(response.outcome), smallest)
@@ -193,23 +147,9 @@ def recorded_targets(
 def motion_family(answer: Callable[[Block], Response]) -> Block:
     """The family of blocks for a motion: 100 of engineering size, 25 for each of four restitutions.
 
-    They are evenly spread over (ln p, ln alpha_c) where I_1c is 0.8 to 3 times that of the edge of overturning, p 1 to
-    5 1/s, and the slenderness at most 12.5 and at least 3 and that of the stockiest block which the motion moves.
-    `answer` gives the :class:`rocking.Response` of (m,) blocks to the motion. Raises TooWeak where it moves no block of
-    the pool.
-
-    Notes
-    -----
-    The edge is the I_1c below which lie as many moved blocks of the pool as overturn: overturning ones above it and
-    standing ones below it balance. A motion too weak or too strong for the pool has its edge at the end of it. Blocks
-    are chosen by their parameters, never by their own peak, so the choice does not bend what is fitted to them.
-
-    Examples
-    --------
-    >>> from rocking import ImpulseSequence, sequence_response
-    >>> sequence = ImpulseSequence(0.2, 0.1, 0.2, np.inf, main_count=3)
-    >>> motion_family(lambda blocks: sequence_response(blocks, sequence, table_rows=0)).shape
-    (100,)
+    They are evenly spread over (ln p, ln alpha_c) where I_1c is 0.8 to 3 times that of the edge, below which lie as
+    many moved blocks of the pool as overturn; chosen by their parameters, never by their own peak. TooWeak if none
+    moves.
     """
     axes = np.geomspace(*FREQUENCIES, POOL), np.geomspace(*ANGLES, POOL), RESTITUTIONS
     p, alpha, factor = (axis.ravel() for axis in np.meshgrid(*axes, indexing="ij"))
@@ -237,10 +177,7 @@ def motion_family(answer: Callable[[Block], Response]) -> Block:
 
 
 def recorded_family(record: Record, threads: int | None = None, vertical: Any = None) -> Block:
-    """:func:`motion_family` of a conditioned record, under the nonlinear equation; TooWeak names the record.
-
-    `vertical` is the vertical ground acceleration (n,) on its samples [m/s2], positive up.
-    """
+    """:func:`motion_family` of a conditioned record, under the nonlinear equation; TooWeak names the record."""
 
     def answer(blocks: Block) -> Response:
         return recorded_response(blocks, record.acceleration, record.dt, vertical=vertical, threads=threads)

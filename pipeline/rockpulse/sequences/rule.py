@@ -1,11 +1,7 @@
-"""From a record's own half-waves to an impulse sequence whose verdict on a block is a prediction of the record's.
+"""From a record's half-waves to an impulse sequence whose verdict on a block is a prediction of the record's.
 
-.. note:: The demand D = factor x march, but no more than PGA/(g tan alpha), for without uplift nothing overturns. The
-   march is that of :func:`rockpulse.models.demand_of_half_waves`: 1/D stands for the mean capacity of the nonlinear
-   equation under the stated uncertainty at the point "balanced", for the factor of 10 % probability at the point
-   "conservative". The factor is the bias of the march on an ensemble. The sequence has as many main impulses, and as
-   large a ratio I_s/I, as the motion has lobes on the block's time scale, and the main impulse is D times the critical
-   one of that sequence. So it overturns iff D >= 1, its peak is 1 - sqrt(1 - D^2), and its safety factor is 1/D.
+The demand D = factor x march (:func:`rockpulse.models.demand_of_half_waves`), but no more than PGA/(g tan alpha). The
+sequence overturns iff D >= 1, its peak is 1 - sqrt(1 - D^2), and its safety factor is 1/D.
 """
 
 import math
@@ -32,10 +28,8 @@ from rockpulse.record.half_wave import HalfWaves
 
 #: Working points: the march of each (:class:`rockpulse.models.HalfWaveDemand`), and the factor that 1/D stands for.
 POINTS = {"balanced": ("march", "capacity_mean"), "conservative": ("march_10", "factor_10")}
-
 #: The rule that comes with the package.
 SHIPPED = "rule.toml"
-
 #: Unit and words of each of :func:`traits`.
 TRAITS = {
     "p": "p {} to {} 1/s",
@@ -43,7 +37,6 @@ TRAITS = {
     "slenderness": "slenderness {} to {}",
     "restitution_ratio": "C {} to {} times Housner's",
 }
-
 #: Bodies count as inside the fitted range up to this far beyond its ends [-]: figures rounded to two digits.
 SLACK = 0.01
 
@@ -92,10 +85,7 @@ class Rule:
         return np.divide(1.0, demand, out=np.full(demand.shape, np.inf), where=demand > 0.0)
 
     def intervals(self, waves: HalfWaves, block: Block, factor_max: float) -> ScaleIntervals:
-        """The factors on the record up to the largest one at which the sequence overturns: all from the safety factor.
-
-        The demand is proportional to the factor, so every larger one overturns as well.
-        """
+        """The factors on the record at which the sequence overturns: all from the safety factor up to `factor_max`."""
         factor = self.safety_factor(waves, block)
         lane = np.flatnonzero(factor <= factor_max)
         return ScaleIntervals(
@@ -110,26 +100,21 @@ class Rule:
         )
 
     def sequence(self, waves: HalfWaves, block: Block) -> ImpulseSequence:
-        """The impulse sequence that stands for a record, block by block, (m,), with the spacing "continuous".
+        """The impulse sequences that stand for a record on (m,) blocks, spacing "continuous"; 0 if not lifted.
 
-        To be used with ``sequence_response(..., paired=True)``; a block that the record does not lift has the main
-        impulse zero.
-
-        Notes
-        -----
-        In the limit n -> infinity (VALIDATION F4) half-cycle i is decided by v_i = u_1 [(1 - sigma) S_i + sigma/2],
-        S_i = (1 - C^i)/(1 - C), which grows with i. So N main impulses overturn iff v_N >= 1, and I = D I_1c/[(1 -
-        sigma) S_N + sigma/2] makes v_N = D.
+        For ``sequence_response(..., paired=True)``. In the limit n -> infinity (VALIDATION F4) half-cycle i is decided
+        by v_i = u_1 [(1 - sigma) S_i + sigma/2], S_i = (1 - C^i)/(1 - C), which grows with i. So N main impulses
+        overturn iff v_N >= 1, and I = D I_1c/[(1 - sigma) S_N + sigma/2] makes v_N = D.
         """
         of_waves = _half_wave_demand(waves, block)
         return sequence_of_demand(self.demand(waves, block), of_waves, block, _uplift(waves, block) > 1.0)
 
     def spectrum_lanes(self, waves: HalfWaves, p: ArrayLike = RATES, threads: int | None = None) -> SpectrumLanes:
-        """Lanes of the overturning spectrum of a record that is not all zero: its march, with the factor of the point.
+        """Lanes of the overturning spectrum at ascending p (a,) [1/s]: the march, with the factor of the point.
 
-        The frequency parameters p (a,) [1/s] ascend. Nothing overturns before the peak of the half-waves lifts it, x =
-        p/PGA. The angles of the draws are less than the nominal one, 4 % in the mean, so that a spectrum goes up to
-        1.04 PGA/p where :meth:`demand` ends at the nominal PGA/p.
+        Nothing overturns before the peak of the half-waves lifts it, x = p/PGA. The angles of the draws are less than
+        the nominal one, 4 % in the mean, so that a spectrum goes up to 1.04 PGA/p where :meth:`demand` ends at the
+        nominal PGA/p.
         """
         lanes = half_wave_lanes(waves.start, waves.centroid, waves.end, waves.impulse, p, threads=threads)
         shift = math.log(self.factor)
@@ -209,10 +194,7 @@ def _range(table: Mapping[str, Any], source: str) -> dict[str, tuple[float, floa
 
 
 def traits(block: Block) -> dict[str, np.ndarray]:
-    """The quantities that the range of a rule is stated in, each (m,): p [1/s], R [m], a/b [-], C/Housner's [-].
-
-    R and Housner's C are those of the rectangle with the same p and alpha.
-    """
+    """The quantities that bound a rule, each (m,): p [1/s]; R [m] and C/Housner's [-] of the rectangle; a/b [-]."""
     alpha = np.atleast_1d(block.alpha_c)
     housner = 1.0 - 1.5 * np.sin(alpha) ** 2
     ratio = np.divide(block.restitution, housner, out=np.full(alpha.shape, np.inf), where=housner > 0.0)
@@ -228,10 +210,7 @@ def traits(block: Block) -> dict[str, np.ndarray]:
 def sequence_of_demand(
     demand: np.ndarray, of_waves: HalfWaveDemand, block: Block, lifted: np.ndarray
 ) -> ImpulseSequence:
-    """The sequences whose last main impulse brings each of (m,) blocks to v_N = D, (m,).
-
-    Number, ratio and interval of the impulses are those of the half-waves; a block that is not `lifted` gets none.
-    """
+    """The sequences, with the ratio and number of `of_waves`, that bring (m,) lifted blocks to v_N = D, (m,)."""
     restitution, critical = (np.broadcast_to(v, demand.shape) for v in (block.restitution, block.critical_impulse))
     reached = [
         effective_amplification(c, ratio, count)

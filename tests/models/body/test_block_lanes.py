@@ -132,12 +132,6 @@ def test_varied_bodies_have_other_angles_and_restitutions():
     assert bodies.alpha_c[0] == LEFT.alpha_c
 
 
-def test_varied_bodies_without_any_rebound_have_that_which_is_given():
-    found = Block(width=0.5, height=3.0, one_sided=True, rebound=[0.0, 0.25]).varied(0.0, 0.5)
-    assert found.restitution.tolist() == found.restitution_2.tolist() == [0.5, 0.5]
-    assert found.alpha_c.tolist() == [WALL.alpha_c] * 2
-
-
 def test_a_stack_keeps_every_remark_once_and_what_holds_each_body():
     squat, short = Block(0.5, 1.0, log=False), Block(0.01, 0.02, log=False)
     stacked = Block.stack([squat, squat, short])

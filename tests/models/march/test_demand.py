@@ -67,7 +67,7 @@ def test_a_single_block_counts_as_one_lane():
 @pytest.mark.parametrize(
     ("ground", "dt", "message"),
     [
-        ([0.0, np.nan, 1.0], 0.01, "finite samples"),
+        ([0.0, np.nan, 1.0], 0.01, "sample 1 is nan"),
         ([1.0], 0.01, "at least 2"),
         ([[0.0, 1.0], [1.0, 0.0]], 0.01, "at least 2"),
         ([0.0, 1.0], 0.0, "dt: expected"),

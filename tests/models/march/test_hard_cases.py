@@ -46,10 +46,6 @@ def test_resonance_within_1e_12_of_critical(wall, half_cycle):
     assert (above.outcome, above.overturning_half_cycle) == (Outcome.OVERTURNS, half_cycle)
 
 
-def test_resonance_at_exactly_critical_overturns(wall):
-    assert resonance(wall, wall.critical_impulse, 1).outcome == Outcome.OVERTURNS
-
-
 def test_resonance_within_1e_12_of_the_limit_that_never_overturns(wall):
     """u_1 = 1 - C is the limit; above it u_i = (1 + 1e-12)(1 - C^i) passes 1 late, and 1 is known to a tolerance."""
     limit = (1.0 - wall.restitution) * wall.critical_impulse
@@ -72,14 +68,6 @@ def test_sequence_within_1e_12_of_the_limit_that_never_overturns(wall, sigma):
         assert sequence_response(wall, sequence).outcome == outcome
 
 
-def test_single_impulse_within_1e_12_of_critical(wall):
-    below = impulsive_response(wall, [0.0], [wall.critical_impulse * (1.0 - NEAR)])
-    above = impulsive_response(wall, [0.0], [wall.critical_impulse * (1.0 + NEAR)])
-    assert below.outcome == Outcome.ROCKS
-    assert below.peak_rotation_ratio == pytest.approx(1.0 - math.sqrt(2.0 * NEAR), abs=1e-9)
-    assert above.outcome == Outcome.OVERTURNS
-
-
 def test_double_impulse_within_1e_12_of_critical(wall):
     """I_2c = I_1c/(1 + C), the second impulse right after the first impact (V3)."""
     critical = critical_impulse_at(wall, 2)
@@ -88,10 +76,10 @@ def test_double_impulse_within_1e_12_of_critical(wall):
         assert impulsive_response(wall, [0.0, returns], np.array([1, -1]) * critical * share).outcome == outcome
 
 
-@pytest.mark.parametrize("pt", [0.5, 1.0, 2.0, 3.0])
+@pytest.mark.parametrize("pt", [0.5, 3.0])
 def test_rectangular_pulse_within_1e_12_of_critical(wall, pt):
     """F6, V13: A/(g alpha) = 1/(1 - exp(-p t_1)); a constant record ends with the jump of the pulse."""
-    samples = 40
+    samples = 10
     critical = G * wall.alpha_c / -math.expm1(-pt)
     for share, outcome in ((1.0 - NEAR, "ROCKS"), (1.0 + NEAR, "OVERTURNS")):
         pulse = np.full(samples + 1, critical * share)
@@ -106,15 +94,17 @@ def test_initial_velocity_within_1e_12_of_critical(wall, equation, critical):
         critical = 2.0 * math.sin(0.5 * wall.alpha_c) / wall.alpha_c
     for share, outcome in ((1.0 - NEAR, "ROCKS"), (1.0 + NEAR, "OVERTURNS")):
         velocity = critical * wall.p * wall.alpha_c * share
-        quiet = np.zeros(20)
+        quiet = np.zeros(3)
         assert exact(wall, quiet, 0.01, equation, initial_velocity=velocity).outcome == outcome
         fast = answer(wall, quiet, 0.01, equation=equation, initial_velocity=velocity)
         assert Outcome(fast.outcome).name == outcome
 
 
 @pytest.mark.sweep
-@pytest.mark.parametrize("restitution", [0.0, 1e-3, 0.9999, 1.0])
-@pytest.mark.parametrize("motion", [(2.2, 2.0, 6.0), (2.6, 1.5, 4.0)], ids=["weak", "strong"])
+@pytest.mark.parametrize(
+    ("restitution", "motion"),
+    [(0.0, (2.6, 1.5, 2.0)), (1e-3, (2.2, 2.0, 2.0)), (0.9999, (2.6, 1.5, 2.0)), (1.0, (2.2, 2.0, 2.0))],
+)
 @pytest.mark.parametrize("equation", EQUATIONS)
 def test_extreme_restitution(equation, motion, restitution):
     amplitude, frequency, cycles = motion
@@ -160,7 +150,7 @@ def test_slow_hops_of_a_lane_are_bounded_however_long_the_record(equation):
     assert (resting.outcome, resting.active_samples) == (Outcome.ROCKS, 1)
 
 
-@pytest.mark.parametrize("equation", EQUATIONS)
+@pytest.mark.parametrize("equation", ["linear", pytest.param("nonlinear", marks=pytest.mark.sweep)])
 def test_slow_hops_in_a_weak_motion_are_bounded_too(equation):
     """One sample 1 % above uplift in 500 s of half of it: hops too slow to be counted go on through all the rest."""
     block, lossy = block_of(2.0, 5.0, 1.0), block_of(2.0, 5.0, 0.999)
@@ -176,52 +166,49 @@ def test_slow_hops_in_a_weak_motion_are_bounded_too(equation):
     assert resting.active_samples < 20
 
 
-@pytest.mark.parametrize("restitution", [0.3, 0.6, 0.9])
-@pytest.mark.parametrize("equation", EQUATIONS)
+@pytest.mark.parametrize(("equation", "restitution"), [("linear", 0.6), ("nonlinear", 0.9)])
 def test_chatter_to_rest_and_uplift_again(equation, restitution):
     """The second pulse finds the block at rest, so that its motion does not depend on the first one."""
     block = block_of(1.0, 5.0, restitution)
-    first, second = sines(2.5, 2.0, 0.5, 0.01, rest=3.0), sines(-3.2, 1.5, 0.5, 0.01)
+    first, second = sines(2.5, 2.0, 0.5, 0.01, rest=3.0), sines(-3.2, 1.5, 0.5, 0.01, rest=0.1)
     alone = assert_right(block, second, 0.01, equation)
     both = answer(block, np.concatenate((first, second)), 0.01, equation=equation)
     assert both.peak_rotation_ratio == alone.peak_rotation_ratio
     assert both.impacts > alone.impacts
 
 
-@pytest.mark.parametrize("restitution", [0.3, 0.7])
-@pytest.mark.parametrize("equation", EQUATIONS)
+@pytest.mark.parametrize(("equation", "restitution"), [("linear", 0.7), ("nonlinear", 0.3)])
 def test_chatter_to_rest_and_uplift_again_inside_one_sample(equation, restitution):
     block = block_of(1.0, 5.0, restitution)
     ground = np.array([-0.1, 1.6, 1.2, -1.4, -0.2, 0.0]) * G / block.slenderness
     assert_right(block, ground, 0.1, equation, initial_velocity=2e-3 * block.p * block.alpha_c)
 
 
-@pytest.mark.parametrize("factor", [1.5, 4.0])
-@pytest.mark.parametrize("equation", EQUATIONS)
+@pytest.mark.parametrize(("equation", "factor"), [("linear", 4.0), ("nonlinear", 1.5)])
 def test_block_of_5_cm_on_a_record_of_50_hz(equation, factor):
     """p dt = 0.34: the sample is divided."""
     block = Block(half_width=0.00625, half_height=0.025)
     assert block.p * 0.02 > 0.3
-    assert_right(block, shaking(3, 100, 0.02) * factor * block.gravity / 4.0, 0.02, equation)
+    assert_right(block, shaking(3, 40, 0.02) * factor * block.gravity / 4.0, 0.02, equation)
 
 
 @pytest.mark.parametrize("equation", EQUATIONS)
 def test_block_of_5_cm_under_a_motion_of_50_hz(equation):
     block = Block(half_width=0.00625, half_height=0.025)
-    assert_right(block, sines(8.0, 50.0, 10.0, 0.001, rest=0.05), 0.001, equation)
+    assert_right(block, sines(8.0, 50.0, 2.0, 0.001, rest=0.01), 0.001, equation)
 
 
 @pytest.mark.parametrize("equation", EQUATIONS)
 def test_block_of_100_m(equation):
     block = Block(half_width=10.0, half_height=50.0)
-    assert_right(block, sines(3.0, 0.5, 1.0, 0.01), 0.01, equation)
+    assert_right(block, sines(3.0, 0.5, 1.0, 0.04, rest=0.1), 0.04, equation)
 
 
-@pytest.mark.parametrize("slenderness", [1.0, 3.0, 100.0])
+@pytest.mark.parametrize("slenderness", [1.0, 100.0])
 @pytest.mark.parametrize("equation", EQUATIONS)
 def test_slenderness_from_a_cube_to_a_needle(equation, slenderness):
     block = block_of(2.0, slenderness)
-    assert_right(block, sines(1.6 * G * block.alpha_c, 1.5, 1.0, 0.01), 0.01, equation)
+    assert_right(block, sines(1.6 * G * block.alpha_c, 1.5, 1.0, 0.02, rest=0.1), 0.02, equation)
 
 
 def spike(size):

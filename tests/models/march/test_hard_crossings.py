@@ -26,12 +26,12 @@ def test_ground_exactly_at_the_threshold_leaves_the_block_at_rest(shape, side):
     assert (response.outcome, response.peak_rotation_ratio, response.impacts) == (Outcome.AT_REST, 0.0, 0)
 
 
-@pytest.mark.parametrize("alpha", [0.05, 0.1, 0.25, 0.7])
+@pytest.mark.parametrize("alpha", [0.05, 0.7])
 @pytest.mark.parametrize("equation", EQUATIONS)
 def test_plateau_at_the_rounded_threshold_rests_and_a_little_above_rocks(equation, alpha):
     """Whichever way g tan(alpha) or g alpha was rounded: a bit is no uplift, a share of 1e-9 is."""
     block = Block.from_parameters(p=2.0, alpha=alpha, restitution=0.9)
-    plateau = np.full(60, block.gravity * (math.tan(alpha) if equation == "nonlinear" else alpha))
+    plateau = np.full(25, block.gravity * (math.tan(alpha) if equation == "nonlinear" else alpha))
     assert answer(block, plateau, 0.01, equation=equation).outcome == Outcome.AT_REST
     assert_right(block, plateau * (1.0 + 1e-9), 0.01, equation)
 
@@ -69,9 +69,9 @@ def path_in_the_first_sample(equation, rotation):
 
 @cache
 def grazing_rotation(equation):
-    """The rotation from which the path just touches the ground, to 30 digits, by bisection."""
+    """The rotation from which the path just touches the ground, to 20 digits, by bisection."""
     low, high = precise.ZERO, precise.real(1e-3)
-    for _ in range(100):
+    for _ in range(60):
         middle = (low + high) / 2
         low, high = (middle, high) if crossings(equation, middle) else (low, middle)
     return high
@@ -82,7 +82,7 @@ def crossings(equation, rotation):
     return len(precise.sign_changes(c, length))
 
 
-@pytest.mark.parametrize("share", [0.5, 0.9, 0.999])
+@pytest.mark.parametrize("share", [0.5, 0.999])
 @pytest.mark.parametrize("equation", EQUATIONS)
 def test_path_that_dips_through_the_ground_between_two_samples_has_an_impact(equation, share):
     """At both samples the path is above the ground: only the inside of the sample knows of the impact."""
@@ -98,7 +98,7 @@ def test_path_that_dips_through_the_ground_between_two_samples_has_an_impact(equ
     assert abs(response.peak_rotation_ratio - float(missed.peak)) > 1e-7  # the loss at the impact is in the answer
 
 
-@pytest.mark.parametrize("margin", [1e-6, 1e-9, 1e-13])
+@pytest.mark.parametrize("margin", [1e-6, 1e-13])
 @pytest.mark.parametrize("side", [1.0, -1.0], ids=["above", "below"])
 @pytest.mark.parametrize("equation", EQUATIONS)
 def test_grazing_impact(equation, side, margin):

@@ -21,34 +21,22 @@ def test_value_and_velocity_are_those_of_the_polynomial():
     assert velocity(c, 0.3) == pytest.approx(P.polyval(0.3, P.polyder(c)), rel=1e-15)
 
 
-def test_hop_from_the_ground_ends_at_its_second_root():
-    impact, largest = first_impact(coefficients(0.0, 0.06, factor=-1.0), 0.1, 0.0)
-    assert impact == pytest.approx(0.06, rel=1e-15)
-    assert largest == pytest.approx(0.03**2, rel=1e-12)
-
-
-@pytest.mark.parametrize("length", [1e-3, 1e-8, 1e-13])
-def test_tiny_hop_keeps_its_digits(length):
-    impact, largest = first_impact(coefficients(0.0, length, factor=-1.0), 0.1, 0.0)
-    assert impact == pytest.approx(length, rel=1e-14)
-    assert largest == pytest.approx(0.25 * length**2, rel=1e-12)
-
-
-def test_hop_longer_than_the_step_has_no_impact():
-    impact, largest = first_impact(coefficients(0.0, 0.3, factor=-1.0), 0.1, 0.0)
-    assert impact == -1.0
-    assert largest == pytest.approx(0.1 * 0.2)
-
-
-def test_fall_onto_the_ground_is_found():
-    impact, largest = first_impact(coefficients(0.04, -1.0, factor=-1.0), 0.1, 0.0)
-    assert impact == pytest.approx(0.04, rel=1e-14)
-    assert largest == pytest.approx(0.04)
-
-
-def test_dip_below_the_ground_between_two_points_above_it_is_an_impact():
-    impact, _ = first_impact(coefficients(0.04, 0.05), 0.1, 0.0)
-    assert impact == pytest.approx(0.04, rel=1e-12)
+@pytest.mark.parametrize(
+    ("roots", "factor", "h", "impact", "largest"),
+    [
+        ((0.0, 0.06), -1.0, 0.1, 0.06, 0.03**2),  # a hop from the ground
+        ((0.0, 1e-8), -1.0, 0.1, 1e-8, 0.25e-16),
+        ((0.0, 1e-13), -1.0, 0.1, 1e-13, 0.25e-26),  # a tiny one keeps its digits
+        ((0.0, 0.3), -1.0, 0.1, -1.0, 0.1 * 0.2),  # one longer than the step
+        ((0.0, 0.125), -1.0, 0.125, 0.125, 0.0625**2),  # the last instant belongs to the step
+        ((0.04, -1.0), -1.0, 0.1, 0.04, 0.04),  # a fall
+        ((0.04, 0.05), 1.0, 0.1, 0.04, 0.002),  # a dip between two points above the ground
+        ((0.02, 0.05, 0.09), -1.0, 0.1, 0.02, 9e-5),  # the first of three, across the inflection
+    ],
+)
+def test_first_impact_and_largest_rotation_before_it(roots, factor, h, impact, largest):
+    found = first_impact(coefficients(*roots, factor=factor), h, 0.0)
+    assert found == (pytest.approx(impact, rel=1e-12), pytest.approx(largest, rel=1e-12))
 
 
 def test_dip_that_stays_above_the_ground_is_none():
@@ -64,16 +52,6 @@ def test_grazing_the_ground_from_above_is_an_impact_without_speed():
     impact, _ = first_impact(c, 0.125, 0.0)
     assert impact == pytest.approx(0.0625, abs=1e-9)
     assert abs(velocity(c, impact)) < 1e-8
-
-
-def test_impact_on_the_last_instant_of_the_step_belongs_to_it():
-    impact, _ = first_impact(coefficients(0.0, 0.125, factor=-1.0), 0.125, 0.0)
-    assert impact == pytest.approx(0.125, rel=1e-15)
-
-
-def test_first_of_three_roots_is_taken_across_the_inflection():
-    impact, _ = first_impact(coefficients(0.02, 0.05, 0.09, factor=-1.0), 0.1, 0.0)
-    assert impact == pytest.approx(0.02, rel=1e-12)
 
 
 def test_peak_between_falling_pieces_counts():

@@ -55,7 +55,7 @@ def after_impact(frequency, restitution):
     return brentq(spare, grid[enough[0]], grid[enough[0] - 1]) if enough.size and enough[0] else None
 
 
-@pytest.mark.parametrize("frequency", [2.0, 2.5, 3.0, 3.5, 4.0, 4.5, 5.0, 5.5, 6.0])
+@pytest.mark.parametrize("frequency", [2.0, 4.0, 6.0])
 def test_one_sine_has_two_modes_with_a_safe_region_between(frequency):
     """Zhang & Makris (2001): with an impact, and without one from a larger amplitude; between them the block stands."""
     most = without_impact(frequency)

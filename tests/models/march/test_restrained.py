@@ -109,16 +109,6 @@ def test_friction_of_a_load_holds_and_dissipates():
     assert braked.peak_rotation_ratio < free.peak_rotation_ratio
 
 
-def test_a_load_that_is_carried_is_part_of_the_body():
-    block = Block(**SIZES, loads=[Load(2e4, 9.0)])
-    assert block.restraints is None
-    mass = 12960.0 + 2e4 / block.gravity
-    assert block.mass == pytest.approx(mass)
-    height = (12960.0 * 4.5 + 2e4 / block.gravity * 9.0) / mass
-    assert block.radius * math.cos(block.alpha_c) == pytest.approx(height)
-    assert block.alpha_c < Block(width=0.8, height=9.0).alpha_c
-
-
 def test_a_thrust_lifts_one_side_sooner():
     pushed = Block(**SIZES, thrusts=[Thrust(1000.0, 8.0)])
     level = pushed.gravity * (math.tan(pushed.alpha_c) - 8e3 / (pushed.mass * pushed.gravity * pushed.radius)

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from rocking.march.slots import Accelerogram, extremes, largest_left, next_exceedance
+from rocking.march.slots import Accelerogram, extremes, largest_left, next_exceedance, next_lift
 
 NONE = np.empty(0)
 
@@ -31,6 +31,7 @@ def test_next_exceedance_is_that_of_a_plain_search(seed, n, threshold):
         later = above[above >= start]
         expected = later[0] if later.size else n
         assert next_exceedance(start, record, 1.0, threshold) == expected
+        assert next_lift(start, record, 1.0, 1.0, threshold, 0.0, threshold, 0.0) == expected
         assert largest_left(start, record) == np.max(np.abs(samples[start:]))
 
 

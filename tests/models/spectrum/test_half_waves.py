@@ -5,8 +5,6 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 from rocking import Block, OverturningSpectrum, Uncertainty, critical_scale, ground_demand, recorded_response
 from rocking.march.demand import HANDED_ON
@@ -58,7 +56,7 @@ def marched(waves, place, strength, restitution):
     return peak
 
 
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", range(1))
 def test_lanes_meet_the_march_over_samples(seed):
     waves, ground = half_waves(seed)
     random = np.random.default_rng(seed)
@@ -111,15 +109,6 @@ def test_no_lane_depends_on_threads_or_on_other_frequencies():
     for name in ("log_x", "restitution", "weight", "peak"):
         assert np.array_equal(getattr(one, name), getattr(two, name)), name
         assert np.array_equal(getattr(one, name)[1], getattr(alone, name)[0]), name
-
-
-def test_a_stronger_or_mirrored_motion_is_a_shift():
-    (start, centroid, end, impulse), _ = half_waves(6, count=15)
-    one = half_wave_lanes(start, centroid, end, impulse, p=RATES)
-    other = half_wave_lanes(start + 3.0, centroid + 3.0, end + 3.0, -2.0 * impulse, p=RATES)
-    assert other.log_x == pytest.approx(one.log_x - math.log(2.0), abs=1e-6)
-    spectra = [OverturningSpectrum(lanes).spectrum([0.9]) for lanes in (one, other)]
-    assert spectra[1] == pytest.approx(2.0 * spectra[0], rel=1e-3)
 
 
 def test_zeros_are_refused():
@@ -179,7 +168,7 @@ def lift(block=BLOCK):
     return block.gravity * np.tan(block.alpha_c) / block.p
 
 
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", range(2))
 def test_lobes_of_triangles_are_those_of_their_samples(seed):
     waves, ground = even_triangles(seed)
     sampled = ground_demand(BLOCK, ground, 0.01)
@@ -204,7 +193,7 @@ def test_short_half_waves_are_a_sum_of_weighted_impulses():
     assert np.all(np.diff(lobes.times) > 0.0)
 
 
-@pytest.mark.parametrize("share", [0.4, 0.5, 0.65])  # where the top stands
+@pytest.mark.parametrize("share", [0.4, 0.65])  # where the top stands
 def test_one_wave_overturns_the_linear_block_where_its_lobe_says(share):
     dt, length = 0.002, 0.8
     time = np.arange(0.0, length + 0.5 * dt, dt)
@@ -228,7 +217,7 @@ def test_a_march_through_one_wave_overturns_at_its_lobe():
 
 
 def test_between_the_marches_the_answer_is_that_of_the_body_itself():
-    waves, _ = even_triangles(11, count=20)
+    waves, _ = even_triangles(11, count=12)
     block = Block.from_parameters(p=[0.4, 1.3, 2.9, 9.0], alpha=0.1, restitution=0.93)
     found = demand_of_half_waves(block, *waves)
     own = OverturningSpectrum(half_wave_lanes(*waves, p=block.p)).probability([0.93])
@@ -239,7 +228,7 @@ def test_between_the_marches_the_answer_is_that_of_the_body_itself():
 
 
 def test_every_restitution_has_a_march():
-    waves, _ = even_triangles(7, count=20)
+    waves, _ = even_triangles(7, count=12)
     restitution = np.array([0.0, 0.03, 0.1, 0.3, 0.5, 0.7, 0.75, 0.9, 1.0])
     block = Block.from_parameters(p=np.full(9, 2.0), alpha=0.1, restitution=restitution)
     march = demand_of_half_waves(block, *waves).march
@@ -247,8 +236,7 @@ def test_every_restitution_has_a_march():
     assert np.all(march[1:] > 0.9 * march[:-1])  # more with C, but for the scatter of the lanes
 
 
-@settings(derandomize=True, deadline=None, max_examples=10)
-@given(factor=st.floats(0.01, 100.0), later=st.floats(-50.0, 50.0), seed=st.integers(0, 20))
+@pytest.mark.parametrize(("factor", "later", "seed"), [(0.013, -50.0, 3), (87.0, 7.3, 8)])
 def test_demand_grows_with_the_record_and_knows_neither_its_sign_nor_its_clock(factor, later, seed):
     (start, centroid, end, impulse), _ = even_triangles(seed, count=12)
     one = demand_of_half_waves(BLOCK, start, centroid, end, impulse)
@@ -261,9 +249,9 @@ def test_demand_grows_with_the_record_and_knows_neither_its_sign_nor_its_clock(f
 
 
 def test_a_block_alone_gets_the_answer_it_has_among_others_on_any_number_of_threads():
-    waves, _ = even_triangles(5)
+    waves, _ = even_triangles(5, count=8)
     many = demand_of_half_waves(BLOCK, *waves, threads=2)
-    for lane in range(3):
+    for lane in range(0, 3, 2):
         alone = demand_of_half_waves(BLOCK.lane(lane), *waves, threads=1)
         for name in ("march", "march_10", "main_count", "ratio", "interval"):
             one, among = getattr(alone, name), getattr(many, name)[lane : lane + 1]
@@ -287,27 +275,6 @@ def test_no_half_wave_asks_for_nothing():
     found = demand_of_half_waves(BLOCK, [], [], [], [])
     assert found.march.tolist() == found.march_10.tolist() == [0.0, 0.0, 0.0]
     assert found.main_count.tolist() == [1, 1, 1]
-
-
-def test_the_weighted_impulse_is_taken_at_eight_points_of_each_side_of_a_triangle():
-    """E at the time t of a lobe, by quadrature over the triangles after it; times are eighths of a side."""
-    start, top, end = np.array([0.0, 1.0]), np.array([0.4, 1.2]), np.array([1.0, 1.8])
-    impulse, rate = np.array([0.3, -0.25]), 1.3
-    lobes = impulse_lobes(start, (start + top + end) / 3.0, end, impulse, rate)
-    corners = np.stack([start, top, end], 1).ravel()
-    tops = np.stack([0.0 * start, 2.0 * impulse / (end - start), 0.0 * start], 1).ravel()
-    points = np.unique(np.concatenate([np.linspace(a, b, 9) for a, b in pairwise(corners)]))
-    fine = np.linspace(0.0, 1.8, 180001)
-    ground = np.interp(fine, corners, tops)
-
-    def weighted(t):
-        return np.trapezoid(np.where(fine >= t, ground * np.exp(-rate * (fine - t)), 0.0), fine)
-
-    at_points = np.array([weighted(t) for t in points])
-    signs = np.split(np.arange(points.size), np.flatnonzero(np.diff(np.sign(np.round(at_points, 9)))) + 1)
-    expected = [part[np.argmax(np.abs(at_points[part]))] for part in signs]
-    assert lobes.times == pytest.approx(points[expected[:2]])
-    assert lobes.sizes == pytest.approx(at_points[expected[:2]], rel=1e-4)
 
 
 def test_lobes_above_half_the_largest_one_are_main_ones():

@@ -24,7 +24,7 @@ from rocking.spectrum.lanes import (
 from rockpulse.record.synthetic import synthetic_motion
 
 DT = 0.01
-MOTION = synthetic_motion(3, pga=3.0)[:2000]
+MOTION = synthetic_motion(3, pga=3.0)[:1200]
 P = np.array([1.5, 3.0])
 C = np.array([0.8, 0.9, 1.0])
 
@@ -61,7 +61,7 @@ def test_nothing_is_lifted_at_the_bottom_and_all_falls_at_the_top(lanes):
     assert np.mean(np.isinf(lanes.peak[late])) > 0.99
 
 
-@pytest.mark.parametrize("slenderness", [3.5, 6.0, 20.0])
+@pytest.mark.parametrize("slenderness", [3.5, 20.0])
 def test_a_block_of_any_slenderness_has_the_same_spectrum(lanes, slenderness):
     """Similarity of slender blocks, against the nonlinear equation: single verdicts differ near an edge."""
     p = np.repeat(P, lanes.log_x.shape[1])

@@ -105,17 +105,6 @@ def test_a_range_of_restitution_takes_the_place_of_the_shares(spectrum):
     assert lively.capacity_mean < own.capacity_mean
 
 
-def test_factor_beyond_the_largest_one_is_not_reached(spectrum):
-    block = Block.from_parameters(p=[1.6], alpha=0.1, restitution=0.9, log=False)
-    free = spectrum.factors(block)
-    limit = 0.5 * (free.factor_10[0] + free.factor_50[0])
-    read = spectrum.factors(block, factor_max=limit)
-    assert read.factor_10 == free.factor_10
-    assert np.isinf(read.factor_50)
-    assert read.factor_50_low == min(limit, free.factor_50_low[0])
-    assert read.at_one == free.at_one
-
-
 def test_the_interval_holds_the_error_of_the_interpolation(spectrum):
     read = spectrum.factors(Block.from_parameters(p=[1.6], alpha=0.1, restitution=0.9, log=False))
     for name in ("factor_10", "factor_50", "capacity_mean"):

@@ -106,33 +106,11 @@ def test_every_model_has_answers_under_the_same_motions():
         np.testing.assert_array_equal(one["outcome"], summary["outcome"].sel(model=name))
 
 
-@pytest.mark.parametrize(
-    ("models", "fullest"),
-    [
-        (["nonlinear", "linear"], "nonlinear"),
-        (["resonance", "conservative"], "conservative"),
-        (["sequence", "x"], "sequence"),
-    ],
-)
-def test_the_fullest_model_answers(models, fullest):
-    each = [summary_of([1.0 + k]).assign_coords(model=[name]) for k, name in enumerate(models)]
-    summary = xr.concat(each, "model", data_vars="minimal", coords="minimal")
-    found = Answers(summary)
-    assert (found.model, found["safety_factor"].tolist()) == (fullest, [[1.0 + models.index(fullest)]])
-
-
 def test_without_a_search_or_a_probability_nothing_is_told():
     found = Answers(summary_of([np.nan, np.nan]))
     assert (found.motions.kind, found.motions.event_count) == ("record", 1)
     assert (found.searched, found.told, found.probable, found.factor) == (False, False, False, "safety_factor")
     assert (found.source.tolist(), found.demands) == ([["none"]] * 2, {})
-
-
-def test_sources_are_told_in_words():
-    summary = summary_of([2.0, 3.0, 4.0])
-    summary["probability_source"] = (("record", "block"), [[2], [0], [1]])
-    found = Answers(summary)
-    assert found.source.tolist() == [["own_lanes"], ["none"], ["spectrum"]]
 
 
 def two_demands(summary, other):
@@ -201,14 +179,6 @@ def test_directions_that_were_not_assessed_tell_no_earthquake():
     assert answers_of(xr.DataTree.from_dict({"/summary": summary, "/directions": first})).motions.events == ["Kobe"]
 
 
-def test_records_without_number_of_samples_are_records():
-    summary = summary_of([2.0] * 3)
-    for npts, kind in (([-1, -1, -1], "sequence"), ([-1, 0, -1], "record"), ([0, 0, 0], "record")):
-        assert Answers(summary.assign(npts=("record", npts))).motions.kind == kind
-    assert Answers(summary_of([])).motions.kind == "record"
-    assert Answers(summary).motions.index.tolist() == [[0], [1], [2]]
-
-
 def test_motions_too_weak_to_tell_are_left_out_of_a_margin():
     (margin,) = answers(summary_of([INF, 3.0, 5.0], up_to=0.99)).margins()
     assert (margin.smallest, margin.median, margin.weak, margin.unknown, margin.place) == (3.0, 4.0, 1, 0, 1)
@@ -258,32 +228,6 @@ PAIRS = Motions(["x", "y", "z"], INDEX, ["a", "b", "a"], "pair")
 )
 def test_earthquakes_that_are_known_are_counted_or_one(events, count):
     assert Motions(["x"] * len(events), np.zeros((len(events), 1), int), events, "record").event_count == count
-
-
-def test_a_motion_is_kept_for_a_body_where_a_direction_is():
-    left_out = np.array([[True, True], [True, False], [False, True], [True, True], [True, False]])
-    kept = PAIRS.kept(left_out)
-    assert kept.tolist() == [[False, True], [True, False], [False, True]]
-    assert PAIRS.event_counts(kept).tolist() == [1, 1]
-    assert PAIRS.event_counts(np.array([[True, True, False], [True, False, False], [False, True, False]])).tolist() == [
-        2,
-        1,
-        0,
-    ]
-
-
-def test_values_are_taken_by_motion_and_direction():
-    values = np.array([1, 2, 3, 4, 5])
-    assert PAIRS.over(values, -9).tolist() == [[1, 2], [3, 4], [5, -9]]
-    over = PAIRS.over(np.stack([values, 10.0 * values], axis=1), NAN)
-    assert over.shape == (3, 2, 2)
-    np.testing.assert_array_equal(over[:, :, 1], [[10.0, 20.0], [30.0, 40.0], [50.0, NAN]])
-
-
-def test_something_is_so_in_one_direction_or_in_a_missing_one():
-    so = np.array([[False, True], [True, True], [False, False], [False, False], [False, True]])
-    assert PAIRS.anywhere(so).tolist() == [[True, True], [False, False], [False, True]]
-    assert PAIRS.anywhere(so, missing=True).tolist() == [[True, True], [False, False], [True, True]]
 
 
 def test_earthquakes_weigh_alike_and_what_is_not_known_is_left_out():

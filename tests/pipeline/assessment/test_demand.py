@@ -63,12 +63,6 @@ def test_a_pair_has_one_factor_from_the_geometric_mean_of_its_channels(demand, m
     assert measured(scaled) == pytest.approx(asked.strength, rel=1e-9)
 
 
-def test_every_demand_has_a_column_of_its_own():
-    asked = [DemandSettings(name=str(value), value=value) for value in (3.0, 4.5, 1.0)]
-    found = demand_factors(RECORDS[2:3], LANES, rp.Config(demands=tuple(asked)))
-    assert found == pytest.approx(np.array([[3.0, 4.5, 1.0]] * 2) / RECORDS[2].pga)
-
-
 def test_the_demands_of_a_file_are_told_with_their_measure_and_unit():
     columns = {
         "demand_acceleration": [3.0, np.nan, np.nan, np.nan],
@@ -139,14 +133,6 @@ def test_motions_of_a_body_itself_are_brought_to_the_demand_as_well():
     assert tree["summary"]["probability_source"].item() == 2
     assert 0.02 < expected < 0.98
     assert tree["summary"]["demand_probability"].item() == pytest.approx(expected, abs=0.06)
-
-
-def test_from_a_quarter_to_four_times_the_record_there_is_a_probability():
-    record = dataclasses.replace(RECORDS[0], acceleration=RECORDS[0].acceleration / RECORDS[0].pga)
-    asked = tuple(DemandSettings(name=str(value), value=value) for value in (0.249, 0.25, 4.0, 4.01))
-    tree = rp.assess([record], rp.Config(models=rp.ModelSettings(use=["nonlinear"]), demands=asked), BODIES)
-    known = np.isfinite(tree["summary"]["demand_probability"].isel(record=0).transpose("block", "demand").values)
-    assert known.tolist() == [[False, True, True, False]] * 2
 
 
 def test_beyond_a_factor_of_four_there_is_no_probability_and_a_lone_channel_says_so():

@@ -58,6 +58,8 @@ def test_what_describes_a_record_is_absent(tree):
     for name in ("pga", "pgv", "arias_intensity", "intense_start", "dt", "azimuth", "uplift_ratio", "velocity_ratio"):
         assert np.isnan(summary[name]).all(), name
     assert np.isnan(summary["capacity_pga"]).all()
+    assert np.isnan(summary["factor_10"]).all()
+    assert set(summary["probability_source"].values.tolist()) == {0}
     assert (summary["npts"].item(), summary["half_wave_count"].item()) == (-1, -1)
     assert summary["station"].item() == summary["start_time"].item() == ""
     names = ["main_impulse", "secondary_impulse", "secondary_interval", "sequence_duration", "main_count"]

@@ -7,7 +7,6 @@ import pytest
 
 import rockpulse as rp
 from rocking.response import HalfCycles, Response
-from rocking.search.factors import ScaleIntervals
 from rockpulse import models
 from rockpulse.assessment import record_assessment
 from rockpulse.assessment.record_assessment import assess_scene
@@ -19,7 +18,7 @@ from rockpulse.views.shared.facts import Known
 from rockpulse.views.text.details import block_details
 from rockpulse.views.text.overview import overview
 
-T = np.arange(0.0, 6.0, 0.01)
+T = np.arange(0.0, 4.0, 0.01)
 GROUND = 1.5 * np.sin(2.0 * np.pi * T / 0.7) * np.exp(-(((T - 2.0) / 1.0) ** 2))
 RECORD = rp.Record(GROUND, dt=0.01, id="burst", processed=True)
 FLOOR = rp.FloorSettings(period=0.5, participation=1.3)
@@ -29,7 +28,12 @@ def body(name, **options):
     return rp.BlockSettings(name=name, width=0.4, height=3.0, **options)
 
 
+PROBABLE = {"uncertainty": rp.UncertaintySettings()}
+
+
 def config(*blocks, **options):
+    """Without a probability, unless it is asked for."""
+    options = {"uncertainty": rp.UncertaintySettings(probability=False)} | options
     asked = rp.ModelSettings(use=("sequence", "nonlinear"), histories=True)
     return rp.Config(blocks=blocks, models=asked, search=rp.SearchSettings(intervals=True, points=16), **options)
 
@@ -122,26 +126,6 @@ def test_responses_are_joined_at_the_places_of_their_lanes():
     assert joined_responses(parts[1:2], [np.array([0])], 5, [2]).rotation.tolist() == whole.rotation[1:2].tolist()
 
 
-def test_intervals_are_joined_in_the_order_of_the_lanes():
-    def part(lane, first, count):
-        number = first + np.arange(float(len(lane)))
-        own = first + np.arange(float(count))
-        return ScaleIntervals(
-            own, own + 0.1, np.array(lane, int), number, number + 0.5, number > 22.0, own + 0.2, number < 12.0
-        )
-
-    parts = [part([0, 1, 1], 10.0, 2), part([0, 0, 1], 20.0, 2)]
-    whole = ScaleIntervals.join(parts, [np.array([3, 0]), np.array([1, 2])], 4)
-    assert whole.lane.tolist() == [0, 0, 1, 1, 2, 3]
-    assert whole.lower.tolist() == [11.0, 12.0, 20.0, 21.0, 22.0, 10.0]
-    assert whole.upper.tolist() == [11.5, 12.5, 20.5, 21.5, 22.5, 10.5]
-    assert whole.open.tolist() == [False] * 6
-    assert whole.resolved.tolist() == [True, False, False, False, False, True]
-    assert whole.safety_factor.tolist() == [11.0, 20.0, 21.0, 10.0]
-    assert whole.safe_up_to.tolist() == [11.1, 20.1, 21.1, 10.1]
-    assert whole.step.tolist() == [11.2, 20.2, 21.2, 10.2]
-
-
 def test_the_vertical_of_a_floor_is_that_of_the_ground_and_ends_with_it():
     asked = config(body("one"))
     ground = replace(extract(RECORD, asked), vertical=1.0 + RECORD.time)
@@ -167,12 +151,12 @@ def test_the_spectrum_of_the_results_is_that_of_the_ground():
         ((body("aloft", floors=(FLOOR,)), body("ground")), True),
         ((body("aloft", floors=(FLOOR,)),), False),
     ):
-        asked = config(*blocks)
+        asked = config(*blocks, **PROBABLE)
         scene, bodies = extract(RECORD, asked), gather_bodies(asked.blocks)
         spectrum = assess_scene(scene, bodies, asked).spectrum
         assert (spectrum is not None) is known
         if known:
-            alone = assess_scene(scene, gather_bodies(blocks[1:]), config(*blocks[1:])).spectrum
+            alone = assess_scene(scene, gather_bodies(blocks[1:]), config(*blocks[1:], **PROBABLE)).spectrum
             assert np.array_equal(spectrum.p, alone.p)
             assert np.array_equal(spectrum.probability(np.array([0.9])), alone.probability(np.array([0.9])))
 
@@ -201,22 +185,10 @@ def test_the_sequence_of_a_floor_is_matched_to_its_motion(monkeypatch):
     assert np.array_equal(seen[0].acceleration, floor_record(RECORD, (FLOOR,)).acceleration)
 
 
-@pytest.mark.sweep
-@pytest.mark.parametrize("restitution", ["housner", (0.9, 0.8)])
-def test_a_body_is_answered_alike_alone_and_among_others(restitution):
-    blocks = body("ground", restitution=restitution), body("aloft", floors=(FLOOR,), restitution=restitution)
-    together = rp.assess([RECORD], config(*blocks))["summary"].isel(record=0)
-    for block in blocks:
-        alone = rp.assess([RECORD], config(block))["summary"].isel(record=0, block=0)
-        for name in ("peak_rotation_ratio", "safety_factor", "overturning_probability", "uplift_ratio", "factor_50"):
-            assert np.array_equal(together[name].sel(block=block.name), alone[name], equal_nan=True), name
-
-
 def test_a_stiff_building_is_the_ground():
-    stiff = body("aloft", floors=(rp.FloorSettings(period=0.01),))
-    summary = rp.assess([RECORD], config(body("ground"), stiff))["summary"].isel(record=0).sel(model="nonlinear")
-    assert summary["floor_amplification"].values[1] == pytest.approx(1.0, abs=0.01)
-    assert np.ptp(summary["capacity_mean"].values) < 0.05 * summary["capacity_mean"].values[0]
+    floor = floor_record(RECORD, (rp.FloorSettings(period=0.01),))
+    assert floor.pga == pytest.approx(RECORD.pga, rel=0.01)
+    assert pgv(floor) == pytest.approx(pgv(RECORD), rel=0.01)
 
 
 def test_a_body_heavy_beside_its_floor_gets_a_remark():
@@ -257,8 +229,8 @@ ANSWERS = ("peak_rotation_ratio", "safety_factor", "overturning_probability", "f
 LEANING = {"one_sided": True}
 
 
-def turned(*blocks, records=PAIR, **options):
-    return rp.assess(records, config(*blocks, records=rp.RecordSettings(**options)))
+def turned(*blocks, records=PAIR, sections=None, **options):
+    return rp.assess(records, config(*blocks, records=rp.RecordSettings(**options), **sections or {}))
 
 
 @pytest.mark.parametrize(
@@ -271,10 +243,11 @@ def turned(*blocks, records=PAIR, **options):
 )
 def test_each_body_is_shaken_in_its_own_direction(options, direction):
     blocks = body("others"), body("own", **options)
-    together = turned(*blocks, components="azimuth", azimuth=75.0)["summary"].isel(record=0)
+    common = {"components": "azimuth", "sections": PROBABLE}
+    together = turned(*blocks, **common, azimuth=75.0)["summary"].isel(record=0)
     alone = {
-        "others": turned(body("others"), components="azimuth", azimuth=75.0),
-        "own": turned(body("own", **options), components="azimuth", azimuth=direction),
+        "others": turned(body("others"), **common, azimuth=75.0),
+        "own": turned(body("own", **options), **common, azimuth=direction),
     }
     for name, tree in alone.items():
         for what in ANSWERS:
@@ -288,10 +261,10 @@ def test_each_body_is_shaken_in_its_own_direction(options, direction):
 
 
 def test_a_direction_of_its_own_is_the_same_in_every_direction_of_a_sweep():
-    tree = turned(body("others"), body("own", azimuth=30.0), components="sweep", azimuth_step=45.0)
+    tree = turned(body("others"), body("own", azimuth=30.0), components="sweep", azimuth_step=90.0)
     peaks = tree["summary"]["peak_rotation_ratio"].sel(model="nonlinear")
     assert len(set(peaks.sel(block="own").values.tolist())) == 1
-    assert len(set(peaks.sel(block="others").values.tolist())) == 4
+    assert len(set(peaks.sel(block="others").values.tolist())) == 2
 
 
 def test_a_turned_body_on_a_floor_is_shaken_by_the_floor_in_its_direction():

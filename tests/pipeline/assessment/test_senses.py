@@ -15,7 +15,7 @@ from rockpulse.config.bodies import gather_bodies
 from rockpulse.views.shared.facts import Known
 
 INF, NAN = np.inf, np.nan
-T = np.arange(0.0, 8.0, 0.01)
+T = np.arange(0.0, 4.0, 0.01)
 ONE_WAY = np.where(T < 0.8, 1.6 * np.sin(np.pi * T / 0.8), 0.0) - 0.8 * np.exp(-(((T - 2.0) / 0.5) ** 2))
 
 
@@ -34,22 +34,6 @@ def config(*blocks, **uncertainty):
         search=rp.SearchSettings(intervals=True, points=32),
         uncertainty=rp.UncertaintySettings(**uncertainty),
     )
-
-
-@pytest.mark.parametrize(
-    ("azimuth", "facing", "lanes", "sides"),
-    [
-        (None, 90.0, 2, [1, -1]),
-        (90.0, None, 2, [1, -1]),
-        (80.0, 90.0, 1, [1]),
-        (275.0, 90.0, 1, [-1]),
-        (0.0, 90.0, 2, [1, -1]),
-    ],
-)
-def test_the_sense_follows_from_the_azimuths(azimuth, facing, lanes, sides):
-    found = senses(gather_bodies([settings(facing=facing)]), record(azimuth))
-    assert found.block.shape == (lanes,)
-    assert np.asarray(found.block.side).tolist() == sides
 
 
 def test_the_worse_sense_counts_and_a_known_one_decides():
@@ -96,25 +80,14 @@ def test_each_model_answers_for_what_it_knows():
     unknown = np.isnan(summary["safety_factor"].transpose("model", "block").values)
     assert np.array_equal(unknown, reason == models.Reason.NOT_MODELLED)
     assert np.isfinite(summary["overturning_probability"].values).all()
-    # Histories and intervals stand at the bodies that they belong to.
-    alone = rp.assess([record()], config(blocks[3]))
-    for name in ("peak_rotation_ratio", "safety_factor", "overturning_probability"):
-        one = summary[name].sel(block="tied")
-        one = one.sel(model="nonlinear") if "model" in one.dims else one
-        other = alone["summary"][name].isel(record=0, block=0)
-        other = other.sel(model="nonlinear") if "model" in other.dims else other
-        assert float(one) == float(other), name
 
 
 def test_what_is_stored_makes_the_same_body_again(tmp_path):
-    blocks = (
-        settings(rebound=0.4),
-        rp.BlockSettings(name="corners", b_1=0.2, b_2=0.3, centre=1.0, gyration=0.6),
-        rp.BlockSettings(
-            name="tied", width=0.5, height=5.0, mass=1e3, ties=(rp.TieSettings(height=4.0, stiffness=1e5),)
-        ),
-    )
-    tree = rp.assess([record()], config(*blocks))
+    ties = (rp.TieSettings(height=4.0, stiffness=1e5),)
+    corners = rp.BlockSettings(name="corners", b_1=0.2, b_2=0.3, centre=1.0, gyration=0.6)
+    tied = rp.BlockSettings(name="tied", width=0.5, height=5.0, mass=1e3, ties=ties)
+    blocks = (settings(rebound=0.4), corners, tied)
+    tree = rp.assess([record()], config(*blocks, probability=False))
     rp.save(tree, tmp_path / "results.h5")
     loaded = rp.load(tmp_path / "results.h5")
     summary = loaded["summary"].to_dataset()

@@ -4,13 +4,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from rockpulse.assessment.tree import (
-    MEAN,
-    direction_statistics,
-    largest_over,
-    median_over,
-    smallest_over,
-)
+from rockpulse.assessment.tree import MEAN, direction_statistics, largest_over, median_over, smallest_over
 
 INF, NAN = np.inf, np.nan
 

@@ -174,14 +174,6 @@ def test_the_record_of_the_smallest_factor_governs():
     assert verdict(summary_of([INF] * 4, outcomes=outcomes)).governing == 2
 
 
-def test_the_cases_of_a_body_have_verdicts_of_their_own():
-    summary = probable([0.3, 0.1])
-    double = summary.expand_dims(case=2).transpose(..., "case").assign(restitution=(("block", "case"), [[0.9, 0.8]]))
-    found = verdicts(Answers(double))
-    assert [round(each.share.value, 9) for each in found] == [0.2, 0.2]
-    assert [each.body.name for each in found] == ["b, C = 0.900", "b, C = 0.800"]
-
-
 @pytest.mark.parametrize(
     ("at_demand", "grade"),
     [
@@ -218,15 +210,6 @@ def test_motions_far_from_the_demand_are_left_out():
 def binom_high(share, events):
     """The upper end of the interval of 90 % of a share (Clopper & Pearson)."""
     return beta.ppf(0.95, share * events + 1.0, events - share * events)
-
-
-def test_several_demands_and_the_worst_of_them():
-    summary = probable([0.0] * 5, at_demand=[0.0] * 5, demand=1.0)
-    both = xr.concat([summary, summary.assign_coords(demand=["SLC"])], "demand", data_vars="minimal", coords="minimal")
-    both["demand_probability"][..., 1] = 0.6
-    found = verdict(both)
-    assert [one.grade for one in found.demands] == [Grade.ROCKS, Grade.OVERTURNS]
-    assert (found.deciding.name, found.overall) == ("SLC", Grade.OVERTURNS)
 
 
 def test_without_probabilities_the_answers_of_the_model_count():
@@ -273,20 +256,6 @@ def test_a_demand_by_safety_factors(factors, resolved, grade):
     assert found.demands[0].grade == grade
 
 
-@pytest.mark.parametrize(
-    ("flags", "grade"),
-    [
-        ({}, Grade.ROCKS),
-        ({"applicable": 0}, Grade.NOT_KNOWN),
-    ],
-)
-def test_at_a_demand_answers_that_cannot_be_relied_on_are_not_known(flags, grade):
-    summary = summary_of([4.0] * 5, demand=2.0)
-    assert (
-        verdict(summary.assign({name: (OF, np.full((5, 1, 1), flag)) for name, flag in flags.items()})).overall == grade
-    )
-
-
 @pytest.mark.parametrize(("up_to", "grade"), [(2.0, Grade.ROCKS), (1.999, Grade.NOT_KNOWN), (3.9, Grade.ROCKS)])
 def test_a_search_that_reached_the_demand_has_shown_that_the_body_stands(up_to, grade):
     assert verdict(summary_of([INF] * 5, demand=2.0, up_to=up_to)).overall == grade
@@ -324,10 +293,6 @@ def test_a_capacity_that_was_not_reached_names_how_far_it_was_searched():
     assert (found.margin.limit, found.demands[0].margin.limit, found.demands[0].margin.median) == (10.0, 2.0, INF)
 
 
-def test_every_grade_has_a_word_of_its_own_from_best_to_worst():
-    assert [grade.word for grade in sorted(Grade)] == ["stays", "rocks", "may overturn", "not known", "overturns"]
-
-
 def test_no_motion_governs_a_body_that_all_leave_at_rest():
     found = verdict(summary_of([NAN, NAN], outcomes=[Outcome.AT_REST] * 2))
     assert (found.grade, found.governing) == (Grade.STAYS, -1)
@@ -354,11 +319,6 @@ def test_the_worse_of_both_screens_counts(shares, worse):
     every = verdicts(found)
     # Of the last one there is the screen with its pedestal alone.
     assert list(worse_screens(found, every)) == [("statue", every[worse])]
-
-
-def test_without_pedestals_there_are_no_screens():
-    found = answers(screened())
-    assert list(worse_screens(found, verdicts(found))) == []
 
 
 def test_a_body_slides_under_the_records_that_ask_for_more_friction_than_it_has():

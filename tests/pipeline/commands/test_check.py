@@ -2,12 +2,8 @@
 
 import pandas as pd
 import pytest
-import xarray as xr
-from record_writers import at2
 
 from rockpulse.cli import main
-from rockpulse.storage.hdf5.results_file import save
-from rockpulse.storage.variables.site import SITE_KIND
 
 CONFIG = """
 [check]
@@ -52,47 +48,28 @@ def test_bodies_are_checked_from_the_configuration_alone(site, tmp_path, capsys)
     assert "exists" in capsys.readouterr().err
 
 
-def test_results_bring_the_probability_of_the_same_bodies(site, tmp_path, capsys):
-    title = "Event, 1/2/2003, Station, 090"
-    (tmp_path / "r.AT2").write_bytes(at2([0.0, 0.1, 0.3, -0.3, 0.2, -0.1, 0.0] * 20, title=title))
-    results = tmp_path / "results.h5"
-    assert main(["assess", str(tmp_path / "r.AT2"), "--config", str(site), "-o", str(results), "--quiet"]) == 0
-    capsys.readouterr()
-    assert main(["check", str(results), "--code", "circolare_2019"]) == 0
+def test_results_bring_the_probability_of_the_same_bodies(golden, capsys):
+    assert main(["check", str(golden.results), "--code", "circolare_2019"]) == 0
     shown = capsys.readouterr().out
     assert "f_50" in shown
     row = next(line for line in shown.splitlines() if "Circolare 7/2019" in line)
     assert 0.0 <= float(row.split()[-2]) <= 1.0
 
 
-def test_other_bodies_of_the_same_name_bring_no_probability(site, tmp_path, capsys):
-    title = "Event, 1/2/2003, Station, 090"
-    (tmp_path / "r.AT2").write_bytes(at2([0.0, 0.1, 0.3, -0.3, 0.2, -0.1, 0.0] * 20, title=title))
-    results = tmp_path / "results.h5"
-    assert main(["assess", str(tmp_path / "r.AT2"), "--config", str(site), "-o", str(results), "--quiet"]) == 0
-    other = tmp_path / "other.toml"
-    bare = CONFIG.replace("[[block.floor]]\nperiod = 0.5\nparticipation = 1.2\n", "").replace(
-        "width = 0.3", "width = 0.4"
-    )
+def test_other_bodies_of_the_same_name_bring_no_probability(golden, tmp_path, capsys):
+    other, table = tmp_path / "other.toml", tmp_path / "check.csv"
+    bare = golden.config.read_text().replace("width = 1.0", "width = 0.9")
     other.write_text(bare + '[[block]]\nname = "statue"\nwidth = 0.5\nheight = 1.8\n')
-    capsys.readouterr()
-    table = tmp_path / "check.csv"
-    assert main(["check", str(results), "--config", str(other), "-o", str(table)]) == 0
+    assert main(["check", str(golden.results), "--config", str(other), "-o", str(table)]) == 0
     shown = " ".join(capsys.readouterr().out.split())
-    assert (
-        "parapet: the results have another body of this name (floors given there, none here, width 0.3 there, 0.4"
-        in shown
-    )
+    assert "pier: the results have another body of this name (width 1 there, 0.9" in shown
     assert "statue: the results have no body of this name." in shown
     found = pd.read_csv(table).groupby("block")["probability"].count()
-    assert found.to_dict() == {"parapet": 0, "statue": 0, "wall": 3}
+    assert found.to_dict() == {"pier": 0, "statue": 0, "stele": 3}
 
 
-def test_a_file_of_another_kind_is_refused(tmp_path, capsys):
-    other = xr.DataTree.from_dict({"/site": xr.Dataset()})
-    other.attrs["kind"] = SITE_KIND
-    save(other, tmp_path / "site.h5")
-    assert main(["check", str(tmp_path / "site.h5")]) == 2
+def test_a_file_of_another_kind_is_refused(golden, capsys):
+    assert main(["check", str(golden.site)]) == 2
     assert "site.h5: expected an assessment of rockpulse, found a site calibration" in capsys.readouterr().err
 
 

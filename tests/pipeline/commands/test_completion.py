@@ -2,7 +2,6 @@
 
 import shutil
 import subprocess
-import sys
 
 import pytest
 
@@ -30,7 +29,6 @@ def test_every_verb_option_and_kind_stands_in_the_script(shell, capsys):
         (["ass"], "assess"),
         (["plot", "results.h5", "overturning-m"], "overturning-map"),
         (["assess", "--res"], "--resume"),
-        (["fragility", "--over"], "--overwrite"),
         (["assess", "--units", "cm"], "cm/s2"),
         (["report", "some-fi"], "some-file.h5"),
     ],
@@ -45,10 +43,3 @@ def test_bash_completes_verbs_kinds_options_units_and_files(words, found, tmp_pa
     )
     run = subprocess.run(["bash", "-c", asked], cwd=tmp_path, capture_output=True, text=True, check=True)
     assert found in run.stdout.split()
-
-
-def test_neither_kernels_nor_tables_are_loaded_for_a_script():
-    code = "import sys; from rockpulse.cli import main; main(['completion', 'bash']); sys.exit(' '.join(sys.modules))"
-    loaded = set(subprocess.run([sys.executable, "-c", code], capture_output=True, text=True).stderr.split())
-    assert "shtab" in loaded
-    assert loaded.isdisjoint({"numba", "xarray", "matplotlib"})

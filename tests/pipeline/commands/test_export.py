@@ -46,13 +46,10 @@ def test_other_groups_and_rows(results, tmp_path, capsys):
 @pytest.mark.parametrize(
     ("options", "said"),
     [
-        (["--outcome", "falls"], "expected one of at_rest"),
-        (["--where", "pga"], "expected a condition"),
         (["--descending"], "--descending goes with --sort"),
         (["--group", "nothing"], "no group 'nothing'"),
         (["--rows", ""], "expected at least one dimension"),
         (["--columns", ","], "expected at least one column"),
-        (["--where", "pga < nan"], "pga: expected a number, found 'nan'"),
         (["--group", "failures", "--record", "weak.1"], "no record, by which it could be filtered"),
     ],
 )

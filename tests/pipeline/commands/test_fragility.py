@@ -1,4 +1,4 @@
-"""``rockpulse fragility`` on the shipped samples."""
+"""``rockpulse fragility`` on short records."""
 
 import re
 
@@ -9,58 +9,20 @@ from file_contents import assert_contents, contents
 import rockpulse as rp
 from rockpulse.cli import main
 
-CONFIG = """
-[conditioning]
-highpass_hz = 0.1
-lowpass_hz = 25.0
 
-[search]
-points = 16
-
-[fragility]
-data = "ida"
-factors = [0.01, 100.0]
-limit_states = [0.4, "overturning"]
-measures = ["velocity_ratio", "demand_cubic"]
-
-[[block]]
-name = "pinnacle"
-width = 0.4
-height = 2.4
-"""
-
-
-@pytest.fixture(scope="module")
-def made(samples, tmp_path_factory):
-    folder = tmp_path_factory.mktemp("fragility")
-    (folder / "site.toml").write_text(CONFIG)
-    target = folder / "fragility.h5"
-    arguments = [str(samples / "CICLC.v1"), "--config", str(folder / "site.toml"), "-o", str(target)]
-    assert main(["fragility", *arguments, "--quiet"]) == 0
-    return target, arguments
-
-
-def test_the_file_holds_curves_of_one_event_without_a_band(made):
-    tree = rp.load(made[0])
-    curve = tree["fragility"].to_dataset().sel(block="pinnacle", limit_state="overturning", measure="velocity_ratio")
-    assert int(curve["records"]) == 2
+def test_inspect_shows_the_curves_of_a_file(golden, capsys):
+    tree = rp.load(golden.fragility)
+    curve = tree["fragility"].to_dataset().sel(block="stele", limit_state="overturning", measure="velocity_ratio")
+    assert int(curve["records"]) == 5
     assert 0.2 < float(curve["median"]) < 2.0
-    assert np.isnan(float(curve["median_low"]))
     assert tree.attrs["kind"] == "fragility"
-    assert "[fragility]" in tree.attrs["configuration"]
-
-
-def test_inspect_shows_it(made, capsys):
-    assert main(["inspect", str(made[0])]) == 0
+    assert main(["inspect", str(golden.fragility)]) == 0
     shown = capsys.readouterr().out
-    assert "2 records of 1 earthquake, 1 body, data: ida" in shown
-    assert "no band: the records come from 1 event, it needs 3" in shown
-    assert "demand_cubic" in shown
-    assert re.search(r"pinnacle +overturning +[0-9.]+ +- ", shown)  # nothing has a band
-    assert "with its band" not in shown
-    assert main(["inspect", str(made[0]), "--failures"]) == 0
-    assert "vertical" in capsys.readouterr().out
-    assert main(["inspect", str(made[0]), "--record", "x"]) == 2
+    assert "5 records of 5 earthquakes, 2 bodies, data: ida" in shown
+    assert re.search(r"stele +overturning +[0-9.]+ +", shown)
+    assert main(["inspect", str(golden.fragility), "--failures"]) == 0
+    assert "nothing failed" in capsys.readouterr().out
+    assert main(["inspect", str(golden.fragility), "--record", "x"]) == 2
     assert "this is a fragility file" in capsys.readouterr().err
 
 

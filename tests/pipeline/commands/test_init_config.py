@@ -4,11 +4,6 @@ from rockpulse.cli import main
 from rockpulse.config.configuration import load_config
 
 
-def test_the_template_is_printed(capsys):
-    assert main(["init-config"]) == 0
-    assert capsys.readouterr().out.count("\n[[block]]") == 1
-
-
 def test_the_template_that_is_written_is_a_configuration(tmp_path, capsys):
     target = tmp_path / "site.toml"
     assert main(["init-config", "-o", str(target)]) == 0

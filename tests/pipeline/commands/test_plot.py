@@ -1,7 +1,5 @@
 """``rockpulse plot`` from a results file to a picture."""
 
-from dataclasses import replace
-
 import h5py
 import numpy as np
 import pytest
@@ -13,13 +11,14 @@ from rockpulse.cli import main
 
 
 @pytest.fixture(scope="module")
-def results(ccc, tmp_path_factory):
+def results(tmp_path_factory):
     """One channel on one body: neither has to be named."""
     path = tmp_path_factory.mktemp("plot") / "results.h5"
     settings = Config(models=ModelSettings(use=("resonance", "nonlinear")), search=SearchSettings(points=8))
     body = rp.models.Block(half_width=0.225, half_height=0.9)
-    channel = next(one for one in ccc if ".360@" in one.id)
-    strong = replace(channel, acceleration=channel.acceleration[2_500:6_500])
+    time = 0.01 * np.arange(400)
+    burst = 6.0 * np.sin(2.0 * np.pi * time) * np.exp(-((time - 2.0) ** 2))
+    strong = rp.Record(burst, dt=0.01, id="CI.CCC..360@20190706T031937", processed=True)
     rp.save(rp.assess([strong], settings, blocks={"pinnacle": body}), path)
     return path
 

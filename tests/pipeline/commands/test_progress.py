@@ -71,11 +71,3 @@ def test_a_kernel_that_is_compiled_is_such_an_event(monkeypatch):
     with compiling_told(quiet=False):
         numba.njit(lambda x: x + 1)(2)
     assert terminal.getvalue() == f"{COMPILING}\n"
-
-
-def test_nothing_is_told_where_it_is_quiet(monkeypatch):
-    terminal = on_terminal(monkeypatch)
-    event = pytest.importorskip("numba.core.event")
-    with compiling_told(quiet=True), event.trigger_event("numba:compile"):
-        pass
-    assert terminal.getvalue() == ""

@@ -12,17 +12,17 @@ from record_writers import at2, pulse
 from rockpulse.cli import main
 
 #: Layouts that no reader takes, as agencies change theirs from one year to the next.
-HEADER = "".join(f"NEW_KEY_{number}: value {number}.5\n" for number in range(70))
-ROWS = "".join(f"{number:6d}: {np.sin(number):9.4f} {np.cos(number):9.4f}\n" for number in range(400))
-GOOD, UNREAD = 3, 24
-COUNT = "3 of 27 files used, 24 not"
-WHY = "no reader recognises the file (24: m00.asc, m01.txt, ...)"
+HEADER = "".join(f"NEW_KEY_{number}: value {number}.5\n" for number in range(9))
+ROWS = "".join(f"{number:6d}: {np.sin(number):9.4f} {np.cos(number):9.4f}\n" for number in range(60))
+GOOD, UNREAD = 2, 6
+COUNT = "2 of 8 files used, 6 not"
+WHY = "no reader recognises the file (6: m00.asc, m01.txt, ...)"
 BLOCK = ["--config", str(FILE), "--block", "statue=0.6x1.9"]
 
 
 def motions():
-    """Names and contents of three good motions and of twenty-four that no reader takes, each another motion."""
-    good = {f"good{number}.AT2": at2(pulse(400, 0.3 + 0.01 * number)) for number in range(GOOD)}
+    """Names and contents of two good motions and of six that no reader takes, each another motion."""
+    good = {f"good{number}.AT2": at2(pulse(200, 0.3 + 0.01 * number)) for number in range(GOOD)}
     suffixes = ("asc", "txt", "acc")
     unread = {
         f"m{number:02}.{suffixes[number % 3]}": f"{HEADER}STATION: {number}\n{ROWS}".encode()
@@ -61,9 +61,9 @@ def test_the_count_stands_beside_the_verdict_and_the_reason_is_told_once(folder,
     assert main(["assess", str(folder), *given]) == 1
     out = capsys.readouterr().out
     told = flat(out)
-    assert re.search(rf"! {re.escape(f'{COUNT}: {WHY}')}\. Verdict on each body, 3 records ", told)
-    files = f"24 files ({folder}/m00.asc, {folder}/m01.txt and 22 more): no reader recognises the"
-    assert f"failed: 24; records with warnings: 3 {files}" in told
+    assert re.search(rf"! {re.escape(f'{COUNT}: {WHY}')}\. Verdict on each body, 2 records ", told)
+    files = f"6 files ({folder}/m00.asc, {folder}/m01.txt and 4 more): no reader recognises the"
+    assert f"failed: 6; records with warnings: 2 {files}" in told
     assert told.count("formats tried") == 1
     assert "not records: list.csv, notes.txt" in out
 
@@ -83,10 +83,10 @@ def test_the_first_sentence_of_the_report_has_the_count(assessed, tmp_path):
     words = re.sub(r"\s+", " ", re.sub(r"<[^>]+>", " ", page.split("<body", 1)[1]))
     first, second = words.split("What limits it", 1)[0], words.split("What it rests on", 2)[2]
     assert f"({COUNT})." in first
-    told = "failed 24 no reader recognises the file (24: m00.asc, m01.txt, ...)"
+    told = "failed 6 no reader recognises the file (6: m00.asc, m01.txt, ...)"
     assert told in second.split("Explore the motion", 1)[0]
-    assert words.count("m23.acc no reader recognises the file") == 1  # the annex names every file, by its reason
-    assert all(words.count(f"m{number:02}.") >= 1 for number in range(24))
+    assert words.count("m05.acc no reader recognises the file") == 1  # the annex names every file, by its reason
+    assert all(words.count(f"m{number:02}.") >= 1 for number in range(UNREAD))
 
 
 @pytest.mark.parametrize("quiet", [True, False])
@@ -94,7 +94,7 @@ def test_where_nothing_can_be_used_the_count_and_the_reason_are_told(folder, tmp
     given = ["assess", str(folder / "m*"), *BLOCK, "-o", str(tmp_path / "results.h5"), *(["--quiet"] if quiet else [])]
     assert main(given) == 1
     said = capsys.readouterr().err
-    line = f"rockpulse: not one record could be assessed, nothing was written: 0 of 24 files used, 24 not: {WHY}.\n"
+    line = f"rockpulse: not one record could be assessed, nothing was written: 0 of 6 files used, 6 not: {WHY}.\n"
     assert said.endswith(line)
     assert (said == line) == quiet
     assert said.count("formats tried") == (0 if quiet else 1)
@@ -123,16 +123,12 @@ def test_what_is_converted_is_counted_too(folder, tmp_path, capsys):
     ("name", "advice"),
     [
         ("r.csv", "rockpulse export r.h5 -o r.csv"),
-        ("r.CSV.gz", "rockpulse export r.h5 -o r.csv"),
-        ("r.html", "rockpulse report r.h5 -o r.html"),
         ("r.svg", "rockpulse plot r.h5 -o r.svg"),
         ("site.toml", "such as site.h5, found the suffix .toml"),
-        ("r.json", "such as r.h5, found the suffix .json"),
     ],
 )
-@pytest.mark.parametrize("verb", ["fragility"])
-def test_a_name_that_tells_table_or_picture_is_refused_at_once(tmp_path, capsys, monkeypatch, verb, name, advice):
+def test_a_name_that_tells_table_or_picture_is_refused_at_once(tmp_path, capsys, monkeypatch, name, advice):
     monkeypatch.chdir(tmp_path)
-    assert main([verb, "absent.AT2", *BLOCK, "-o", name]) == 2
+    assert main(["fragility", "absent.AT2", *BLOCK, "-o", name]) == 2
     assert advice in capsys.readouterr().err
     assert not list(tmp_path.iterdir())

@@ -17,10 +17,7 @@ def test_housner_for_a_squat_body_is_refused_with_its_name():
 
 
 DOUBTED = [
-    (
-        {"width": 600, "height": 1700},
-        '"statue": 600 x 1700: millimetres? A body larger than 30 m is taken only where',
-    ),
+    ({"width": 600, "height": 1700}, '"statue": 600 x 1700: millimetres? A body larger than 30 m is taken only where'),
     ({"width": 60, "height": 170}, '"statue": 60 x 170: centimetres? A body larger than 30 m'),
     ({"width": 600, "height": 1.7}, '"statue": 600 x 1.7: millimetres? A body larger than 30 m'),
     ({"width": 0.01, "height": 0.04}, '"statue": 0.01 x 0.04: in m? A body less than 5 cm high'),

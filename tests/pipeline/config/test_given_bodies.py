@@ -15,7 +15,7 @@ from rockpulse import (
 )
 from rockpulse.config.bodies import gather_bodies, given_bodies
 from rockpulse.errors import ConfigError
-from rockpulse.models import Block, ImpulseSequence
+from rockpulse.models import Block
 
 WALL = BlockSettings(name="wall", width=0.25, height=2.2)
 SHAKING = Record(3.0 * np.sin(np.arange(0.0, 40.0, 0.1)), dt=0.1, id="sine", processed=True)
@@ -84,11 +84,3 @@ def test_one_record_and_sizes_are_enough_for_an_assessment():
     tree = assess(SHAKING, blocks={"wall": (0.25, 2.2), "chest": (1.0, 1.2)})
     assert tree["summary"]["record"].values.tolist() == ["sine"]
     assert tree["summary"]["width"].values.tolist() == [0.25, 1.0]
-
-
-def test_a_design_sequence_takes_sizes_too():
-    from rockpulse import assess_sequence
-
-    sequence = ImpulseSequence(0.5, 0.1, interval=0.1, duration=10.0, main_count=3)
-    by_size = assess_sequence(sequence, blocks={"pier": (1.0, 3.873)})
-    assert by_size.identical(assess_sequence(sequence, blocks=[BlockSettings("pier", 1.0, 3.873)]))

@@ -99,10 +99,7 @@ def test_members_that_share_their_bytes_are_refused(tmp_path):
     assert "overlap in the archive" in failure.reason or "damaged" in failure.reason
 
 
-@pytest.mark.parametrize(
-    "content",
-    [b"PK\x03\x04 and more", gzip.compress(ONE), bytes(257) + b"ustar" + bytes(200)],
-)
+@pytest.mark.parametrize("content", [b"PK\x03\x04 and more", gzip.compress(ONE), bytes(257) + b"ustar" + bytes(200)])
 def test_an_archive_in_an_archive_is_known_whatever_its_name(tmp_path, content):
     path = tmp_path / "all.zip"
     with zipfile.ZipFile(path, "w") as target:

@@ -303,37 +303,12 @@ def test_where_one_file_cannot_be_placed_all_stay_as_they_were(tmp_path, monkeyp
         assert (tmp_path / "out.90.csv").read_bytes() == before
 
 
-def test_an_interval_that_the_format_cannot_hold_is_refused_and_nothing_stays(tmp_path, monkeypatch):
-    monkeypatch.setattr("rockpulse.readers.conversion._STEP_TOLERANCE", -1.0)
-    with pytest.raises(RecordRefused, match=r"the interval of CI\.CLC\.\.90, 0\.01 s, comes back as 0\.01 s"):
-        rp.write([EAST], tmp_path / "new", format="csv")
-    assert names(tmp_path) == []
-
-
-def test_samples_that_do_not_come_back_are_refused_and_nothing_stays(tmp_path, monkeypatch):
-    from rockpulse.readers import conversion
-
-    wrong = replace(conversion.WRITERS["csv"], one=lambda record: conversion.csv_bytes(UP_HALF))
-    monkeypatch.setitem(conversion.WRITERS, "csv", wrong)
-    with pytest.raises(RecordRefused, match=r"the samples of CI\.CLC\.\.90 do not come back as written"):
-        rp.write([EAST], tmp_path / "out.csv")
-    assert names(tmp_path) == []
-
-
 UP_HALF = replace(UP, acceleration=0.5 * UP.acceleration)
 
 
 def test_ids_that_one_folder_cannot_hold_are_refused(tmp_path):
     with pytest.raises(ConfigError, match="expected records of different ids"):
         rp.write([EAST, replace(UP, id="ci.clc..90")], tmp_path, format="csv")
-
-
-def test_csv_may_lose_a_direction_and_a_state_but_not_tell_another(tmp_path):
-    odd = replace(EAST, azimuth=90.25, processed=True)
-    rp.write(odd, tmp_path / "out.csv")
-    (back,) = rp.read(tmp_path / "out.csv", units="m/s2")
-    assert (np.isnan(back.azimuth), back.processed) == (True, None)
-    assert np.array_equal(back.acceleration, odd.acceleration)
 
 
 def changed(format, monkeypatch, change):

@@ -167,6 +167,7 @@ def test_every_record_of_the_samples_is_known_for_one_by_its_content_alone(sampl
     assert [path.name for path in paths if not may_be_record(opened("anything.txt", path.read_bytes()))] == []
 
 
+@pytest.mark.sweep
 def test_of_the_real_records_only_the_tables_and_station_metadata_are_none(records_folder):
     found = {path.name for path in records_folder.rglob("*.*") if path.suffix not in (".zip", ".md")}
     none = {

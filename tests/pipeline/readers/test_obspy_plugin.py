@@ -25,7 +25,7 @@ from record_writers import at2, csmip_equal, pulse
 import rockpulse as rp
 from rockpulse.errors import ConfigError, RecordFormatError, RecordRefused, UnitError
 from rockpulse.readers import FORMATS
-from rockpulse.readers.obspy_plugin import PLUGINS, _head
+from rockpulse.readers.obspy_plugin import PLUGINS
 from rockpulse.readers.source import NotAcceleration
 from rockpulse.record.record import STANDARD_GRAVITY, Record
 from rockpulse.remark import Remark, code_of
@@ -333,6 +333,7 @@ def test_an_unknown_name_is_no_attribute():
         _ = obspy_plugin.NOSUCH
 
 
+@pytest.mark.sweep
 def test_no_plugin_claims_a_file_of_obspy_s_own_formats():
     folders = sorted(Path(obspy.__file__).parent.glob("io/*/tests/data"))
     if not folders:
@@ -381,15 +382,6 @@ def test_paths_open_files_and_bytes_give_the_same(path):
         assert trace.stats.rockpulse.azimuth == 90.0
         assert trace.stats.rockpulse.event == "Somewhere, 1/2/2003"
         assert rp.from_trace(trace).source_sha256 == record.source_sha256
-
-
-def test_a_plugin_reads_the_samples_and_knows_an_open_file_by_its_name(path):
-    (trace,) = PLUGINS["AT2"].read_format(str(path))
-    assert trace.data.size == 300
-    content = path.read_bytes()
-    with path.open("rb") as stream:
-        assert _head(stream) == _head(str(path)) == (content, str(path))
-    assert _head(io.BytesIO(content)) == (content, "stream")
 
 
 def test_metadata_of_several_channels(samples):
@@ -468,9 +460,3 @@ def test_reading_through_obspy_loads_neither_numba_nor_xarray(path):
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[] []"
-
-
-def test_real_files_by_obspy(records_folder):
-    stream = obspy.read(records_folder / "at2" / "*.AT2")
-    assert sorted(trace.stats.npts for trace in stream) == [4096, 7999, 7999]
-    assert {trace.stats._format for trace in stream} == {"AT2"}

@@ -94,6 +94,48 @@ WARNINGS = {
     "usc_v1/017m30lw.e0a": 1,  # unequal steps
 }
 
+#: Id of the first channel, azimuths of all, station and earthquake, processed, as one finds them in the files.
+FIELDS = {
+    "afad_nsmn/20170720223109_0921.txt": (
+        *(".0921..NS@20170720T223058", [0.0, 90.0, None]),
+        *("AYDıN GERMENCIK DEVLET HASTANESI", "2017/07/20 22:31:09 (GMT) M 6.5 Mw", False),
+    ),
+    "bhrc/5520-1.V1": ("5520-1.L", [352.0, None, 82.0], "Ahar", "2012/08/11 12:23:16", False),
+    "cosmos/CE23837.V1C": (
+        *("CE.23837..HNN@20180829T023300", [0.0, None, 90.0]),
+        *("Pomona - Orange Grove & Fairplex", "Tue Aug 28, 2018 19:33:00.0 PDT", False),
+    ),
+    "csmip_v2/ce36456p_CE36456.V2": (
+        *(".36456..90@19830502T234248", [90.0, None, 0.0], "PARKFIELD FAULT ZONE 14", "COALINGA EARTHQUAKE", True),
+    ),
+    "cwb/2-EGF.dat": (".EGF..U@20180206T155029", [None, 0.0, 90.0], "Guangfu", "2018/02/06-23:50:42", False),
+    "dyna_asc/HI.ARS1..HNE.D.20190728.160908.C.ACC.ASC": (
+        *("HI.ARS1..HNE@20190728T160919", [90.0], "Town Hall,Argos,Argolis,Peloponnese", "GREECE", True),
+    ),
+    # The name says raw, the header 'Automatic': its spectrum is flat to 45 Hz, no filter was applied.
+    "dyna_asc/20101114230825_3104_ap_RawAcc_E.asc": (
+        *("TK.3104..HNE@20101114T230919", [90.0], "HATAY_HASSA_AKTEPE_SALYK_OCAY_BAHCESI", "201011142308", None),
+    ),
+    "geonet/20161113_110313_THZ_20.V2A": (
+        *(".THZ.20.S90E@20161113T110233", [90.0, 0.0, None], "Top House", "5 km south-west of Waiau", True),
+    ),
+    "sigma_itaca/16837_H2.cor.acc": (
+        *("16837_H2.cor.WE", [90.0], "L Aquila - V. Aterno - Centro Valle, Italy", "2009-04-06 01:32:39", True),
+    ),
+    "unam_asa/CUP50401.012": (
+        *(".CUP5..V@20040102T000001", [None, 90.0, 0.0]),
+        *("IDEI PATIO 5", "2004/01/01 23:58:02.7 Mb=5.2/Ms=5.8/Mc=5.0/Ma=5.6/Me=5.7", False),
+    ),
+    "usc_v1/017m30lw.e0a": (
+        *("017m30lw.S05W", [185.0], "8510 WONDERLAND AVE., LOS ANGELES, CA"),
+        *("NORTHRIDGE EARTHQUAKE JAN 17, 1994 -1230 GMT", False),
+    ),
+    "usc_v2/274o42pv.s0a": (
+        *("274o42pv.S58W", [238.0], "2161 VIA OLIVERA, PALOS VERDES ESTATES, CA"),
+        *("WHITTIER NARROWS EARTHQUAKE OCT 01, 1987 -1442 GMT", True),
+    ),
+}
+
 #: Files of `OWN_LIST` that print their times of 0.0025 s to three decimals, in steps that are all equal.
 PRINTED_STEPS = {"120921.txt": 0.003, "120922.txt": 0.003}
 
@@ -130,6 +172,16 @@ def test_counts_intervals_and_peaks_are_those_of_the_manifest(records_folder, na
     assert {record.format for record in records} == {READERS[name.partition("/")[0]]}
     notes = [note for record in records for note in record.warnings]
     assert len(notes) == WARNINGS.get(name, 0), notes
+
+
+@pytest.mark.parametrize("name", FIELDS)
+def test_the_fields_of_real_files(records_folder, name):
+    records = read(records_folder / name)
+    first, azimuths = records[0], [None if np.isnan(record.azimuth) else record.azimuth for record in records]
+    assert (first.id, azimuths, first.station_name, first.event, first.processed) == FIELDS[name]
+    # Headers print the peaks with four digits or more; these records keep their means.
+    stated = [record for record in records if np.isfinite(record.header_peak)]
+    assert [one.pga for one in stated] == pytest.approx([one.header_peak for one in stated], rel=2e-3, abs=5.1e-5)
 
 
 @pytest.mark.parametrize("name", REFUSED)

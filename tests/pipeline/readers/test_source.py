@@ -201,16 +201,6 @@ def test_the_largest_file_is_read_and_a_larger_one_is_refused(tmp_path, monkeypa
     assert [beside(name) for name in ("0.xml", "1.xml", "none.xml", "folder.xml")] == [whole, None, None, None]
 
 
-def test_a_file_of_300_mb_is_too_large_and_one_of_2_mb_is_not(tmp_path):
-    (tmp_path / "a.txt").write_bytes(b"1 2\n")
-    beside = source.open_source(tmp_path / "a.txt").beside
-    for name, size in (("large", 300 * 1024**2), ("small", 2 * 1024**2)):
-        with (tmp_path / name).open("wb") as file:
-            file.truncate(size)  # without a block on the disk
-    assert beside("large") is None
-    assert beside("small") == bytes(2 * 1024**2)
-
-
 def test_office_documents_are_no_archives():
     def packed(name):
         content = io.BytesIO()

@@ -10,7 +10,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from rockpulse.errors import ConfigError
-from rockpulse.record import conditioning
 from rockpulse.record.conditioning import BASELINES, condition, quiet_samples
 from rockpulse.record.half_wave import half_waves
 from rockpulse.record.intensity import pgv
@@ -122,13 +121,6 @@ def test_velocity_that_does_not_come_back_is_a_warning_until_it_does():
     assert condition(motion).warnings == ()
 
 
-@pytest.mark.parametrize("processed", [True, False, None])
-def test_nothing_is_filtered_or_tapered_unless_asked_for(processed):
-    motion = replace(event(), processed=processed)
-    difference = condition(motion).acceleration - motion.acceleration
-    assert np.ptp(difference) < 1e-15
-
-
 @pytest.mark.parametrize("offset", [0.0, 30.0])
 def test_pre_event_window_ends_at_the_onset_whatever_the_offset(offset):
     note = condition(event(offset), baseline="pre-event").processing[0]
@@ -176,24 +168,11 @@ def test_a_window_of_one_second_is_long_enough(quiet, note):
     assert note in condition(record(values), "pre-event").processing[0]
 
 
-def test_a_line_is_told_by_its_ends():
-    values = 2.0 + 3.0 * np.arange(101.0) / 100.0
-    assert condition(record(values), "linear").processing == (
-        "baseline: line of all samples, 2 m/s2 at the start, 5 at the end, subtracted",
-    )
-
-
 def test_drift_is_the_velocity_at_the_last_sample():
     """By trapezoids: 0.1 s x (2/2 + 1 + 5/2) m/s2, which is the PGV too."""
     (warning,) = condition(record([2.0, 1.0, 5.0], 0.1), "none").warnings
     assert "ends at 0.45 m/s" in warning
     assert condition(record(np.zeros(9)), "none").warnings == ()
-
-
-def test_constant_record_is_quiet_throughout():
-    conditioned = condition(record(np.full(500, 0.3)))
-    assert conditioned.acceleration == pytest.approx(np.zeros(500), abs=1e-15)
-    assert "pre-event window 0 to 4.99 s (found)" in conditioned.processing[0]
 
 
 def test_given_pre_event_window_is_taken():
@@ -218,16 +197,6 @@ def test_filter_has_the_squared_butterworth_response_and_no_phase(order, frequen
     assert math.remainder(phase - 0.3, 2.0 * math.pi) == pytest.approx(0.0, abs=1e-3)
 
 
-@pytest.mark.parametrize(
-    "corners", [{"highpass_hz": 0.2}, {"lowpass_hz": 8.0}, {"highpass_hz": 0.2, "lowpass_hz": 8.0}]
-)
-def test_symmetric_pulse_stays_symmetric(corners):
-    time = 0.01 * np.arange(-2000, 2001)
-    filtered = condition(record(np.exp(-((time / 0.2) ** 2))), "none", order=3, **corners).acceleration
-    assert filtered == pytest.approx(filtered[::-1], abs=1e-6 * np.max(filtered))
-    assert np.argmax(filtered) == 2000
-
-
 def test_high_pass_takes_the_impulse_of_a_one_sided_pulse_and_the_note_says_so():
     time = 0.01 * np.arange(4001)
     motion = record(np.exp(-(((time - 20.0) / 0.5) ** 2)))
@@ -243,17 +212,6 @@ def test_long_pads_would_not_change_the_filtered_record():
     padded = replace(motion, acceleration=np.pad(motion.acceleration, 20000))
     short, long = (condition(one, "none", highpass_hz=0.1, taper_s=0.0) for one in (motion, padded))
     assert short.acceleration == pytest.approx(long.acceleration[20000:-20000], abs=2e-6 * motion.pga)
-
-
-def test_note_gives_the_velocity_that_is_cut_off_with_the_pad():
-    # A step at the first sample: the filter spreads it into the pad.
-    motion = record(np.ones(4001))
-    padded = replace(motion, acceleration=np.pad(motion.acceleration, 20000))
-    short, long = (condition(one, "none", highpass_hz=0.1, taper_s=0.0) for one in (motion, padded))
-    velocity = 0.01 * np.sum((long.acceleration[:20000] + long.acceleration[1:20001]) / 2.0)
-    stated = float(short.processing[-1].split("with a velocity of ")[1].split()[0])
-    assert stated == pytest.approx(velocity, rel=0.01)
-    assert abs(velocity) > 0.1
 
 
 @pytest.mark.parametrize(("corner", "share"), [({"lowpass_hz": 5.0}, 0.5), ({"highpass_hz": 0.5}, 0.0)])
@@ -340,14 +298,6 @@ def test_intervals_in_a_ratio_of_a_thousand_are_taken(new, taken):
             condition(motion, "none", resample_s=new)
 
 
-def test_resampling_there_and_back_keeps_a_smooth_record():
-    time = 0.01 * np.arange(3001)
-    motion = record(np.sin(2.0 * np.pi * time) * np.exp(-(((time - 15.0) / 3.0) ** 2)))
-    back = condition(condition(motion, "none", resample_s=0.004), "none", resample_s=0.01)
-    assert back.acceleration == pytest.approx(motion.acceleration, abs=5e-5)
-    assert len(back.processing) == 2
-
-
 def test_resampling_to_the_interval_it_has_does_nothing():
     motion = event()
     assert condition(motion, "none", resample_s=0.01) is motion
@@ -376,49 +326,24 @@ def test_steps_are_written_down_in_their_order_and_the_rest_is_kept():
     [
         ({"baseline": "median"}, "baseline: expected one of auto, none, mean"),
         ({"highpass_hz": 0.0}, "highpass_hz: expected a frequency above 0"),
-        ({"highpass_hz": -1.0}, "highpass_hz: expected a frequency above 0"),
         ({"lowpass_hz": 50.0}, "below the Nyquist frequency 50 Hz of test, got 50.0"),
-        ({"highpass_hz": 60.0}, "below the Nyquist frequency 50 Hz of test"),
         ({"lowpass_hz": math.nan}, "lowpass_hz: expected a frequency"),
         ({"highpass_hz": 5.0, "lowpass_hz": 5.0}, "expected highpass_hz below lowpass_hz"),
         ({"order": 0}, "order: expected a whole number from 1 to 10"),
-        ({"order": 11}, "order: expected a whole number from 1 to 10"),
-        ({"order": 2.0}, "order: expected a whole number from 1 to 10"),
         ({"order": True}, "order: expected a whole number from 1 to 10"),
         ({"taper_s": -1.0}, "taper_s: expected 0 to 30 s"),
         ({"taper_s": 30.1}, "taper_s: expected 0 to 30 s, half the length of test"),
         ({"resample_s": 0.0}, "resample_s: expected a positive interval"),
-        ({"resample_s": -0.01}, "resample_s: expected a positive interval"),
         ({"resample_s": math.nan}, "resample_s: expected a positive interval"),
         ({"resample_s": 61.0}, "resample_s: expected a positive interval in s, no longer than test"),
         ({"resample_s": 0.01 * math.sqrt(2.0)}, "in no ratio of whole numbers up to 1000"),
-        ({"resample_s": 1e-6}, "in no ratio of whole numbers up to 1000"),
-        ({"resample_s": 11.0}, "in no ratio of whole numbers up to 1000"),
         ({"baseline": "mean", "pre_event_s": 2.0}, "pre_event_s belongs to baseline 'pre-event' or 'auto'"),
         ({"pre_event_s": 0.001}, "pre_event_s: expected a window of at least two samples"),
-        ({"pre_event_s": 60.1}, "pre_event_s: expected a window"),
     ],
 )
 def test_wrong_arguments_are_named(wrong, message):
     with pytest.raises(ConfigError, match=message):
         condition(event(), **wrong)
-
-
-@pytest.mark.parametrize(
-    "options",
-    [
-        {"order": 1, "lowpass_hz": 5.0},
-        {"order": 10, "lowpass_hz": 5.0},
-        {"taper_s": 0.1},
-        {"baseline": "none", "resample_s": 0.2},
-        {"pre_event_s": 0.01},
-        {"baseline": "pre-event", "pre_event_s": 0.2},
-        {"highpass_hz": 0.5, "lowpass_hz": 49.9},
-    ],
-    ids=str,
-)
-def test_options_at_their_limits_are_taken(options):
-    assert condition(record(noise(21)), **options).processing
 
 
 def test_two_samples_can_be_conditioned():
@@ -429,13 +354,3 @@ def test_two_samples_can_be_conditioned():
 def test_corner_far_below_the_record_is_refused_before_its_pads_are_made():
     with pytest.raises(ConfigError, match=r"pads of 3e\+14 samples, expected at most 1e\+07"):
         condition(sine(1.0), "none", highpass_hz=1e-12)
-
-
-def test_pads_of_the_longest_length_are_made(monkeypatch):
-    for longest, fits in ((30, True), (29, False)):
-        monkeypatch.setattr(conditioning, "LONGEST_PAD", longest)
-        if fits:
-            assert "pads of 0.3 s" in condition(sine(1.0), "none", highpass_hz=10.0).processing[-1]
-        else:
-            with pytest.raises(ConfigError, match="pads of 30 samples, expected at most 29"):
-                condition(sine(1.0), "none", highpass_hz=10.0)

@@ -12,7 +12,7 @@ from rockpulse.errors import ConfigError
 from rockpulse.record.half_wave import half_waves
 from rockpulse.record.record import Record
 
-properties = settings(derandomize=True, deadline=None, max_examples=150)
+properties = settings(derandomize=True, deadline=None, max_examples=50)
 samples = st.lists(
     st.one_of(st.integers(-9, 9).map(float), st.floats(-10.0, 10.0, allow_subnormal=False), st.just(0.0)),
     min_size=2,
@@ -131,31 +131,12 @@ def test_merged_waves_keep_half_of_the_absolute_impulses_of_their_lobes(values, 
 
 @properties
 @given(samples, options)
-def test_mirrored_record_has_mirrored_waves(values, chosen):
-    waves, mirrored = half_waves(record(values), **chosen), half_waves(record(np.negative(values)), **chosen)
-    np.testing.assert_array_equal(mirrored.impulse, -waves.impulse)
-    np.testing.assert_array_equal(mirrored.peak, -waves.peak)
-    np.testing.assert_array_equal(mirrored.centroid, waves.centroid)
-
-
-@properties
-@given(samples, options)
-def test_scaled_record_has_scaled_waves(values, chosen):
-    waves, scaled = half_waves(record(values), **chosen), half_waves(record(np.multiply(values, 4.0)), **chosen)
-    np.testing.assert_allclose(scaled.impulse, 4.0 * waves.impulse, rtol=1e-14)
+def test_scaled_and_mirrored_record_has_scaled_and_mirrored_waves(values, chosen):
+    waves, scaled = half_waves(record(values), **chosen), half_waves(record(np.multiply(values, -4.0)), **chosen)
+    np.testing.assert_allclose(scaled.impulse, -4.0 * waves.impulse, rtol=1e-14)
+    np.testing.assert_allclose(scaled.peak, -4.0 * waves.peak, rtol=1e-14)
     np.testing.assert_allclose(scaled.centroid, waves.centroid, rtol=1e-14)
     np.testing.assert_array_equal(scaled.lobes, waves.lobes)
-
-
-@properties
-@given(samples, st.integers(1, 40), options)
-def test_quiet_in_front_shifts_the_waves(values, quiet, chosen):
-    values = [0.0, *values]
-    waves, later = half_waves(record(values), **chosen), half_waves(record([0.0] * quiet + values), **chosen)
-    np.testing.assert_array_equal(later.impulse, waves.impulse)
-    np.testing.assert_array_equal(later.lobes, waves.lobes)
-    np.testing.assert_allclose(later.centroid, waves.centroid + quiet, rtol=0, atol=1e-13)
-    np.testing.assert_allclose(later.start, waves.start + quiet, rtol=0, atol=1e-13)
 
 
 @properties
@@ -204,12 +185,6 @@ def test_partial_lobes_at_both_ends_count():
     assert (waves.start[0], waves.end[0], waves.start[1], waves.end[1]) == (0.0, 1.75, 1.75, 3.0)
 
 
-def test_sample_on_zero_ends_a_lobe_that_changes_sign():
-    waves = half_waves(record([2.0, 0.0, -2.0]))
-    assert waves.impulse.tolist() == [1.0, -1.0]
-    assert waves.end.tolist() == [1.0, 2.0]
-
-
 def test_touching_zero_does_not_end_a_lobe():
     assert half_waves(record([2.0, 0.0, 2.0])).impulse.tolist() == [2.0]
 
@@ -231,16 +206,6 @@ def test_noise_lobe_goes_with_both_neighbours():
     assert waves.impulse == pytest.approx([7.0])
     assert waves.centroid == pytest.approx([(4.0 * 1.0 - 1.0 * 3.0 + 4.0 * 5.0) / 7.0])
     assert (waves.start[0], waves.end[0], waves.peak[0], waves.lobes[0]) == (0.0, 6.0, 4.0, 3)
-
-
-def test_noise_lobe_between_stretches_at_zero_is_merged_too():
-    waves = half_waves(record([0.0, 4.0, 0.0, 0.0, -1.0, 0.0, 0.0, 4.0, 0.0]), threshold=0.5)
-    assert waves.lobes.tolist() == [3]
-    assert waves.impulse == pytest.approx([7.0])
-
-
-def test_stretch_at_zero_between_waves_of_one_sign_stays():
-    assert half_waves(record([0.0, 1.0, 0.0, 0.0, 1.0, 0.0, 0.0, 9.0, 0.0]), threshold=0.5).lobes.tolist() == [1, 1, 1]
 
 
 def test_lobe_at_the_threshold_is_no_noise():
@@ -293,26 +258,9 @@ def test_mergers_do_not_depend_on_the_units(dt, size):
     assert lobes(0, 4, 0, -1, -1, 0, 4, 0, min_duration_s=2.0 * dt) == [1, 1, 1]
 
 
-def test_limits_at_the_ends_of_their_ranges_are_taken():
-    assert len(half_waves(triangles(4.0, -3.9, 4.0), threshold=1.0)) == 3
-    assert half_waves(triangles(4.0, -1.0, 4.0), threshold=1.0).lobes.tolist() == [3]
-    assert half_waves(triangles(4.0, -1.0, 4.0), min_duration_s=2.1).lobes.tolist() == [3]
-    assert half_waves(triangles(4.0, -1.0, 4.0)).lobes.tolist() == [1, 1, 1]
-
-
 def test_the_peak_of_a_merged_wave_is_the_higher_of_its_sign():
     for peaks in ((4.0, -1.0, 6.0), (6.0, -1.0, 4.0), (-4.0, 1.0, -6.0)):
         assert half_waves(triangles(*peaks), threshold=0.5).peak.tolist() == [max(peaks, key=abs)]
-
-
-def test_three_mergers_in_a_row_keep_their_sums():
-    """The lobes of 0.5 go into the waves beside them, whose neighbours are then those of the merged ones."""
-    waves = half_waves(triangles(-8.0, 4.0, -0.5, 4.0, -0.5, 4.0, -8.0, 0.4, -8.0), threshold=0.2)
-    assert waves.lobes.tolist() == [1, 5, 3]
-    assert waves.impulse == pytest.approx([-8.0, 11.0, -15.6])
-    assert waves.start.tolist() == [0.0, 2.0, 12.0]
-    assert waves.end.tolist() == [2.0, 12.0, 18.0]
-    assert waves.centroid[1:] == pytest.approx([(4 * 3 - 0.5 * 5 + 4 * 7 - 0.5 * 9 + 4 * 11) / 11.0, 15.0])
 
 
 def test_smallest_impulse_is_merged_first():
@@ -354,16 +302,13 @@ def test_arrays_are_read_only():
         half_waves(triangles(1.0)).impulse[0] = 2.0
 
 
-@pytest.mark.parametrize("wrong", [{"threshold": -0.1}, {"threshold": 1.1}, {"threshold": math.nan}])
-def test_threshold_outside_its_range_is_an_error(wrong):
-    with pytest.raises(ConfigError, match="threshold: expected a fraction of the PGA"):
-        half_waves(triangles(1.0), **wrong)
-
-
-@pytest.mark.parametrize("wrong", [-1.0, math.inf, math.nan])
-def test_minimum_duration_outside_its_range_is_an_error(wrong):
-    with pytest.raises(ConfigError, match="min_duration_s: expected a duration"):
-        half_waves(triangles(1.0), min_duration_s=wrong)
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [(name, value) for name in ("threshold", "min_duration_s") for value in (-0.1, math.inf, math.nan)],
+)
+def test_options_outside_their_ranges_are_errors(name, value):
+    with pytest.raises(ConfigError, match=rf"{name}: expected a (fraction of the PGA|duration)"):
+        half_waves(triangles(1.0), **{name: value})
 
 
 @pytest.mark.parametrize("chosen", [{}, {"threshold": 0.05, "min_duration_s": 0.02}, {"threshold": 0.3}])
@@ -390,9 +335,3 @@ def test_half_waves_are_told_in_a_line_and_drawn():
     card = waves._repr_html_()
     assert card.count('stroke="#D55E00"') == 1  # the two strong ones, as one path
     assert card.count("M") == 3
-
-
-def test_no_half_wave_is_told_and_not_drawn():
-    waves = half_waves(Record([0.0, 0.0], dt=0.1, id="still"))
-    assert repr(waves) == "<HalfWaves of still, waves 0>"
-    assert "<svg" not in waves._repr_html_()

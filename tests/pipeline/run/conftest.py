@@ -1,26 +1,21 @@
-"""Eight records, the results of a run on them that nothing disturbed, and a disk that can be filled."""
+"""Four records, the results of an undisturbed run on them, and a disk that can be filled."""
 
 import shutil
 import subprocess
 
 import pytest
-from batch_runs import CONFIGURATION, RECORDS, command, write
+from batch_runs import RECORDS, command, records_in
 from file_contents import contents
 
 
 @pytest.fixture(scope="session")
 def folder(tmp_path_factory):
-    """Eight records and a configuration."""
-    folder = tmp_path_factory.mktemp("records")
-    for number in range(RECORDS):
-        write(folder / f"r{number}.AT2", 0.2 + 0.05 * number)
-    (folder / "site.toml").write_text(CONFIGURATION)
-    return folder
+    return records_in(tmp_path_factory.mktemp("records"), RECORDS)
 
 
 @pytest.fixture(scope="session")
 def undisturbed(folder, tmp_path_factory):
-    """What comes of them when nothing happens."""
+
     target = tmp_path_factory.mktemp("undisturbed") / "results.h5"
     assert command(folder, target, "--quiet") == 0
     return contents(target)

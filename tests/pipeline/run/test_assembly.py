@@ -27,7 +27,7 @@ from rockpulse.storage.hdf5.verification import verify
 BLOCKS = '[[block]]\nname = "wall"\nwidth = 0.5\nheight = 4.0\n[[block]]\nname = "pier"\nwidth = 0.3\nheight = 1.5\n'
 CASES = BLOCKS.replace("width", "restitution = [0.9, 0.95]\nwidth")
 QUICKLY = "[search]\nintervals = true\npoints = 16\nstep = 1.2"
-FAST = f'use = ["resonance", "sequence", "linear"]\n{QUICKLY}'
+FAST = f'use = ["resonance", "linear"]\n{QUICKLY}'
 CONFIGURATIONS = {
     "plain": f"[models]\n{FAST}\n{BLOCKS}",
     "no records": f'[models]\n{FAST}\n[records]\nstore = "none"\n{BLOCKS}',
@@ -47,7 +47,7 @@ FAILURES = [
 @pytest.fixture(scope="module")
 def assessed(ridgecrest, tmp_path_factory):
     """By name of the configuration: parts, bodies, configuration, directions of the sweep."""
-    cut = [replace(record, acceleration=record.acceleration[2500:3500]) for record in ridgecrest]
+    cut = [replace(record, acceleration=record.acceleration[2700:3100]) for record in ridgecrest[:6]]
 
     def made(name):
         if name not in found:
@@ -84,7 +84,7 @@ def test_the_assembled_file_is_the_saved_one(assessed, tmp_path, name, chunk):
     count = assemble(
         tmp_path / "made.h5", template(bodies, config), done, FAILURES, swept, run={"run_id": "r" * 32}, chunk=chunk
     )
-    assert count == len(done) > 3
+    assert count == len(done) > 1
     assert_contents(tmp_path / "made.h5", contents(tmp_path / "saved.h5"))
     assert verify(tmp_path / "made.h5", inputs=False).differences == ()
 
@@ -121,8 +121,8 @@ def test_records_with_little_in_them_are_put_together_in_as_little_memory_as_oth
         return joined(gathered, before)
 
     monkeypatch.setattr(assembly, "joined_parts", watched)
-    many = [done[number % len(done)] for number in range(200)]
-    chunk = 500_000
+    many = [done[number % len(done)] for number in range(60)]
+    chunk = 150_000
     assemble(tmp_path / "made.h5", template(bodies, config), many, chunk=chunk)
     assert sum(together) == sum(len(part) for part in many)
     assert max(together) <= chunk / sys.getsizeof(np.zeros(1)[:]) / 2  # arrays alone, the rest is for their values
@@ -149,12 +149,7 @@ def test_too_little_room_is_known_before_anything_is_written(assessed, tmp_path,
     usage = shutil.disk_usage(tmp_path)
     monkeypatch.setattr("shutil.disk_usage", lambda path: usage._replace(free=1_000_000))
     with pytest.raises(ResultsError, match=r"the results take \d+ MB, 1 MB are free .* make room there"):
-        assemble(
-            tmp_path / "results.h5",
-            template(bodies, config),
-            done,
-            run={"run_id": "mine"},
-        )
+        assemble(tmp_path / "results.h5", template(bodies, config), done, run={"run_id": "mine"})
     assert list(tmp_path.iterdir()) == []
 
 
@@ -191,6 +186,6 @@ def test_parts_of_another_layout_are_refused(assessed, tmp_path):
     done, bodies, config, _ = assessed("plain")
     parts = list(done)
     parts[1] = {**parts[1], "/summary/pga": np.zeros(2)}
-    with pytest.raises(ValueError, match=r"/summary/pga: expected values for \(6,\) from 0 on, was given \(7,\)"):
+    with pytest.raises(ValueError, match=r"/summary/pga: expected values for \(4,\) from 0 on, was given \(5,\)"):
         assemble(tmp_path / "results.h5", template(bodies, config), parts)
     assert list(tmp_path.iterdir()) == []

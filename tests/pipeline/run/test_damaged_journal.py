@@ -9,12 +9,7 @@ from file_contents import assert_contents, contents
 from record_writers import pulse
 
 import rockpulse as rp
-from rockpulse import (
-    BlockSettings,
-    CalibrationSettings,
-    FragilitySettings,
-    ModelSettings,
-)
+from rockpulse import BlockSettings, CalibrationSettings, FragilitySettings, ModelSettings
 from rockpulse.assessment import assessment
 from rockpulse.assessment.assessment import Assessment
 from rockpulse.config.study_settings import DATA

@@ -79,12 +79,11 @@ def test_runs_that_begin_together_end_in_one_that_works(target):
         journal.remove()
         return "works"
 
-    for _ in range(5):
-        with ThreadPoolExecutor(4) as threads:
-            said = sorted(threads.map(begin, range(4)), key=len)
-        assert said[0] == "works"
-        assert all("is writing this output" in text for text in said[1:])
-        assert list(target.parent.iterdir()) == []
+    with ThreadPoolExecutor(4) as threads:
+        said = sorted(threads.map(begin, range(4)), key=len)
+    assert said[0] == "works"
+    assert all("is writing this output" in text for text in said[1:])
+    assert list(target.parent.iterdir()) == []
 
 
 def test_an_empty_file_is_no_journal_to_ask_about_and_goes_with_a_run_that_fails(target, monkeypatch):
@@ -222,8 +221,8 @@ def whole(target):
 
 
 def test_any_byte_that_is_damaged_costs_the_record_that_it_belongs_to(target, whole):
-    """Every 7th byte, each with another bit changed; the first of the file does not hide what comes after it."""
-    for place in range(0, len(whole), 7):
+    """Every 29th byte, each with another bit changed; the first of the file does not hide what comes after it."""
+    for place in range(0, len(whole), 29):
         changed = bytes([whole[place] ^ (1 << place % 8)])
         journal_path(target).write_bytes(whole[:place] + changed + whole[place + 1 :])
         found, damaged, gaps = kept_of(target)
@@ -233,7 +232,7 @@ def test_any_byte_that_is_damaged_costs_the_record_that_it_belongs_to(target, wh
 
 def test_a_journal_that_was_cut_off_keeps_what_lies_before(target, whole):
     ends = [place for place in range(1, len(whole) + 1) if whole.startswith(frames.MARK, place)] + [len(whole)]
-    for size in range(0, len(whole), 37):
+    for size in range(0, len(whole), 101):
         journal_path(target).write_bytes(whole[:size])
         assert kept_of(target) == ({f"record {number}" for number in range(6) if ends[number + 1] <= size}, [], 0)
 

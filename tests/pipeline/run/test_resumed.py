@@ -10,14 +10,7 @@ from batch_runs import CONFIG, SITE, four_records
 from file_contents import assert_contents, contents
 
 import rockpulse as rp
-from rockpulse import (
-    BlockSettings,
-    FloorSettings,
-    ModelSettings,
-    PedestalSettings,
-    SiteSettings,
-    TieSettings,
-)
+from rockpulse import BlockSettings, FloorSettings, ModelSettings, PedestalSettings, SiteSettings, TieSettings
 from rockpulse.assessment import assessment
 from rockpulse.errors import ResultsError
 from rockpulse.readers.folders import read_all
@@ -48,7 +41,6 @@ def test_a_lost_worker_is_a_row_of_its_record(folder, tmp_path, monkeypatch):
     assert (report.records, report.broken_off) == (2, 1)
     assert (row.file, row.stage, row.kind) == (str(folder / "r1.AT2"), "assess", "failed")
     assert "r1.090: the worker process was killed by signal 9 (Killed), each time it was tried" in row.reason
-    assert_completed(paths, output)
 
 
 def assert_completed(paths, output):
@@ -131,18 +123,6 @@ def test_a_run_that_resumes_has_the_same_probabilities_and_so_have_two_workers(f
     assert np.all((resumed["summary/factor_50"]["values"] > 0.5) & (resumed["summary/factor_50"]["values"] < 10.0))
 
 
-def stopped_after_writing(paths, output, monkeypatch):
-    """Killed when the file had its name and its journal was still there."""
-
-    def killed(self):
-        raise SystemExit
-
-    with monkeypatch.context() as patch:
-        patch.setattr(run.Journal, "remove", killed)
-        with pytest.raises(SystemExit):
-            assess_files(paths, CONFIG, output, BatchOptions(workers=1))
-
-
 def test_a_run_that_ended_is_not_done_again_by_the_same_command(folder, tmp_path, monkeypatch):
     """As after a kill between the end of the journal and that of the process."""
     paths, output, told = sorted(folder.glob("r*")), tmp_path / "results.h5", []
@@ -165,23 +145,6 @@ def test_a_run_that_ended_is_not_done_again_by_the_same_command(folder, tmp_path
         with pytest.raises(ResultsError, match="the file exists"):
             assess_files(*asked, output, resume)
     assert output.read_bytes() == written
-
-
-@pytest.mark.sweep
-def test_resuming_a_run_that_had_only_its_journal_left_does_what_is_asked_for(folder, tmp_path, monkeypatch):
-    paths, output = sorted(folder.glob("r*")), tmp_path / "results.h5"
-    resume = BatchOptions(workers=1, resume=True)
-    stopped_after_writing(paths, output, monkeypatch)
-    report = assess_files(paths, CONFIG, output, resume)
-    assert (report.path, report.records, report.resumed, report.failures) == (output, 3, 3, [])
-    assert not journal_path(output).exists()
-
-    output.unlink()
-    stopped_after_writing(paths, output, monkeypatch)
-    wider = replace(CONFIG, blocks=(BlockSettings(name="wide", width=0.5, height=3.0),))
-    assert assess_files(paths[:2], wider, output, resume).resumed == 0
-    found = contents(output)
-    assert (len(found["summary/record"]["values"]), found["summary/block"]["values"].tolist()) == (2, [b"wide"])
 
 
 def test_the_results_of_another_run_are_not_replaced_by_resuming(folder, tmp_path, monkeypatch):

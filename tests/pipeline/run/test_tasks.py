@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from nominal import Config, ida
 from record_writers import at2, pulse
+from record_writers.geonet import geonet
 
 from rockpulse import (
     BlockSettings,
@@ -54,11 +55,11 @@ CONFIGURATIONS = {
     "sweep": replace(
         CHEAP, records=RecordSettings(components="sweep", azimuth_step=45.0, include_vertical=True, store="none")
     ),
-    # Not every direction exceeds the bracket.
+    # The horizontal channels have 3 and -2.5 m/s2 at once: not every direction exceeds the bracket.
     "failing": replace(
         CHEAP,
         records=RecordSettings(components="sweep", azimuth_step=20.0),
-        intense_phase=IntensePhaseSettings(method="bracketed", level=3.7),
+        intense_phase=IntensePhaseSettings(method="bracketed", level=3.2),
     ),
 }
 
@@ -78,6 +79,15 @@ def function_of(analysis):
     return pickle.loads(pickle.dumps(function))
 
 
+@pytest.fixture
+def two_files(tmp_path):
+    """Two instruments of two horizontal channels and a vertical one [mm/s2]."""
+    for number in range(2):
+        channels = [pulse(300 + number, peak * (1.0 + 0.1 * number)) for peak in (3000.0, -2500.0, 1500.0)]
+        (tmp_path / f"g{number}.V1A").write_bytes(geonet(channels, site=f"ST{number}"))
+    return tmp_path
+
+
 def carried_out(paths, analysis) -> tuple[list[tuple[str, Done]], list, list]:
     """Every task as another process would do it, with its earthquake; what was planned, and all rows."""
     tasks, prepared = planned(paths, analysis)
@@ -90,10 +100,10 @@ def carried_out(paths, analysis) -> tuple[list[tuple[str, Done]], list, list]:
 
 @pytest.mark.sweep
 @pytest.mark.parametrize("name", CONFIGURATIONS)
-def test_tasks_one_by_one_give_the_arrays_of_the_assessment_in_memory(samples, name):
+def test_tasks_one_by_one_give_the_arrays_of_the_assessment_in_memory(two_files, name):
     config = CONFIGURATIONS[name]
-    done, _, rows = carried_out(samples, Assessment(config))
-    records, failures = read_all(samples)
+    done, _, rows = carried_out(two_files, Assessment(config))
+    records, failures = read_all(two_files)
     tree = assess(records, config, failures=failures)
     arrays = joined_parts([unpack(part) for _, one in done for part in one.parts])
     assert len(arrays["/summary/record"]) == tree["summary"].sizes["record"] > 0
@@ -107,15 +117,15 @@ def test_tasks_one_by_one_give_the_arrays_of_the_assessment_in_memory(samples, n
         assert any(row.stage == "assess" for row in rows)
 
 
-def test_a_pair_that_cannot_be_rotated_is_rows_of_its_task(samples):
-    # Filtering needs corners below the Nyquist frequency, 50 or 100 Hz here.
+def test_a_pair_that_cannot_be_rotated_is_rows_of_its_task(two_files):
+    # Filtering needs corners below the Nyquist frequency.
     config = replace(
         CHEAP,
         records=RecordSettings(components="azimuth", azimuth=30.0),
-        conditioning=ConditioningSettings(lowpass_hz=80.0),
+        conditioning=ConditioningSettings(lowpass_hz=120.0),
     )
-    done, _, rows = carried_out(samples, Assessment(config))
-    records, failures = read_all(samples)
+    done, _, rows = carried_out(two_files, Assessment(config))
+    records, failures = read_all(two_files)
     tree = assess(records, config, failures=failures)
     assert [row.reason for row in rows] == tree["failures"]["reason"].values.tolist()
     lost = [one for _, one in done if not one.parts]
@@ -124,22 +134,22 @@ def test_a_pair_that_cannot_be_rotated_is_rows_of_its_task(samples):
 
 
 @pytest.mark.parametrize(("components", "analysis"), [("horizontal", FragilityAnalysis), ("sweep", SiteCalibration)])
-def test_the_tasks_of_any_order_give_the_tree_in_memory(samples, components, analysis):
+def test_the_tasks_of_any_order_give_the_tree_in_memory(two_files, components, analysis):
     asked = analysis(
         Config(
             blocks=CHEAP.blocks,
             calibration=CalibrationSettings(method="statistics", bootstrap=100),
             fragility=ida(limit_states=("uplift", 0.4), measures=("pga", "demand_cubic"), pga_min=2.0),
-            search=SearchSettings(points=16),
+            search=SearchSettings(points=8),
             records=RecordSettings(components=components, azimuth_step=90.0, include_vertical=True),
         )
     )
-    done, motions, rows = carried_out(samples, asked)
+    done, motions, rows = carried_out(two_files, asked)
     packed = [(event, part) for event, one in reversed(done) for part in one.parts]
     assert max(len(part) for _, part in packed) < 8000  # no samples
     assert all(part[:4] == b"RPA1" for _, part in packed)  # no pickle
     found = asked.collect([asked.of_event(unpack(part), event) for event, part in packed], motions, rows)
-    records, failures = read_all(samples)
+    records, failures = read_all(two_files)
     expected = run(asked, records, failures)
     assert found.groups == expected.groups
     for group in expected.groups:
@@ -156,30 +166,28 @@ def one_task(tmp_path):
     return path, task, function_of(analysis)
 
 
-def test_a_file_that_changed_since_the_survey_is_a_row(one_task):
+@pytest.mark.parametrize(
+    ("change", "reason"),
+    [
+        (lambda path: path.write_bytes(at2(pulse(peak=0.2))), "has changed since"),
+        (lambda path: path.unlink(), "No such file"),
+    ],
+)
+def test_a_file_that_changed_or_vanished_since_the_survey_is_a_row(one_task, change, reason):
     path, task, function = one_task
-    path.write_bytes(at2(pulse(peak=0.2)))
+    change(path)
     done = function(task)
     assert done.parts == ()
     assert done.fingerprint == UNFINISHED != task.fingerprint  # tried again when the run is resumed
     (row,) = done.failures
     assert (row.file, row.stage, row.kind) == (str(path), "read", "failed")
-    assert "has changed since" in row.reason
-
-
-def test_a_file_that_vanished_is_a_row(one_task):
-    path, task, function = one_task
-    path.unlink()
-    (row,) = function(task).failures
-    assert (row.stage, row.kind) == ("read", "failed")
-    assert "No such file" in row.reason
+    assert reason in row.reason
 
 
 @pytest.mark.parametrize(
     ("fault", "reason"),
     [
         (KeyError("x"), "a.090: unexpected KeyError: 'x'; please report"),
-        (ZeroDivisionError("nothing"), "a.090: unexpected ZeroDivisionError: nothing; please report"),
         (MemoryError(), "a.090: out of memory; use fewer workers"),
     ],
 )
@@ -208,10 +216,3 @@ def test_what_a_task_logs_comes_back_and_goes_nowhere_else(one_task, caplog):
     assert caplog.records == []
     logging.getLogger("rockpulse").warning("heard again")
     assert [record.message for record in caplog.records] == ["heard again"]
-
-
-def test_the_steps_are_timed(one_task):
-    _, task, function = one_task
-    seconds = function(task).seconds
-    assert list(seconds) == ["read", "condition", "solve", "pack"]
-    assert all(value > 0.0 for value in seconds.values())

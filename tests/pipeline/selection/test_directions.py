@@ -6,25 +6,9 @@ from datetime import timedelta
 import numpy as np
 import pytest
 from nominal import Config
-from swept_motions import (
-    ALONG,
-    POLARISED,
-    START,
-    TOWER,
-    WALL,
-    channel,
-    config,
-    motions_under,
-    sweep,
-    upwards,
-)
+from swept_motions import ALONG, POLARISED, START, TOWER, channel, config, motions_under, sweep, upwards
 
-from rockpulse import (
-    BlockSettings,
-    ConditioningSettings,
-    IntensePhaseSettings,
-    ModelSettings,
-)
+from rockpulse import BlockSettings, ConditioningSettings, IntensePhaseSettings, ModelSettings
 from rockpulse.assessment.assessment import assess
 from rockpulse.models import Outcome
 from rockpulse.record.conditioning import condition
@@ -82,11 +66,6 @@ def test_a_sweep_has_all_directions_of_a_half_circle_once():
     assert len(set(names)) == 1
 
 
-def test_directions_of_any_sweep_have_different_numbers():
-    for count in range(2, 181):
-        assert len({int(azimuth + 0.5) for azimuth in sweep_azimuths(180.0 / count)}) == count
-
-
 def test_two_pairs_with_one_name_keep_apart():
     records = [channel(z, source=source, format=source) for source in ("a", "b") for z in (90.0, 0.0)]
     motions, names = motions_under(records, config("azimuth", azimuth=5.0))
@@ -100,7 +79,8 @@ def test_two_pairs_with_one_name_keep_apart():
 def test_the_number_of_a_pair_stays_its_own_when_another_pair_cannot_be_rotated():
     parallel = [channel(z, source="a", format="a") for z in (90.0, 270.0)]
     pair = [channel(z, source="b", format="b", channel=f"HN{z:g}") for z in (80.0, 350.0)]
-    tree = assess([*parallel, *pair], config("azimuth", azimuth=5.0, keep=("*",)))
+    models = ModelSettings(use=("linear",))
+    tree = assess([*parallel, *pair], config("azimuth", models=models, azimuth=5.0, keep=("*",)))
     assert tree["summary"]["record"].values.tolist() == ["CI.CCC..H005@20190706T031953~2"]
     assert tree["failures"]["stage"].values.tolist() == ["rotate", "rotate"]
 
@@ -131,7 +111,8 @@ def test_a_pair_of_which_no_direction_was_assessed_is_left_out_of_the_statistics
     weak = [channel(z, "CLC", across=0.0) for z in (90.0, 0.0)]
     weak = [replace(one, acceleration=0.1 * one.acceleration) for one in weak]
     phase = IntensePhaseSettings(method="bracketed", level=2.0)
-    options = replace(config("sweep", blocks=(TOWER,), azimuth_step=45.0), intense_phase=phase)
+    models = ModelSettings(use=("linear",))
+    options = replace(config("sweep", blocks=(TOWER,), azimuth_step=45.0, models=models), intense_phase=phase)
     tree = assess([channel(90.0), channel(0.0), *weak], options)
     assert tree["directions"]["pair"].values.tolist() == ["CI.CCC..90-0@20190706T031953"]
     assert sum("CLC" in reason for reason in tree["failures"]["reason"].values) == 4
@@ -139,7 +120,8 @@ def test_a_pair_of_which_no_direction_was_assessed_is_left_out_of_the_statistics
 
 def test_channels_without_a_partner_and_parallel_ones_are_failed_rows_and_the_others_go_on():
     alone, parallel = channel(90.0, "TOW2"), [channel(z, "CLC") for z in (90.0, 276.0)]
-    tree = assess([channel(90.0), channel(0.0), alone, *parallel], config("strongest"))
+    models = ModelSettings(use=("linear",))
+    tree = assess([channel(90.0), channel(0.0), alone, *parallel], config("strongest", models=models))
     assert tree["summary"].sizes["record"] == 1
     failures = tree["failures"]
     assert failures["kind"].values.tolist() == ["failed"] * 3
@@ -148,15 +130,10 @@ def test_channels_without_a_partner_and_parallel_ones_are_failed_rows_and_the_ot
 
 
 def test_the_answer_in_the_direction_of_a_channel_is_that_of_the_channel_as_recorded(tree):
-    recorded = assess([channel(90.0), channel(0.0)], Config(blocks=(WALL, TOWER)))["summary"]
+    recorded = assess([channel(90.0), channel(0.0)], config("horizontal"))["summary"]
     here = tree["summary"]["peak_rotation_ratio"].sel(record="CI.CCC..H000@20190706T031953")
     there = recorded["peak_rotation_ratio"].sel(record="CI.CCC..0@20190706T031953")
     assert np.array_equal(here, there)
-
-
-def test_without_a_sweep_there_are_no_directions():
-    assert "directions" not in assess([channel(90.0), channel(0.0)], config("strongest")).children
-    assert "directions" not in assess([channel(90.0)], Config(blocks=(WALL,))).children
 
 
 def test_every_direction_is_a_record_and_the_group_says_which(tree):
@@ -187,18 +164,13 @@ def test_the_group_holds_the_median_and_the_largest_of_the_records(tree):
 def test_a_polarised_motion_is_worst_along_itself_and_nothing_across():
     """A body that rocks little: near overturning a smaller motion may do more."""
     pier = BlockSettings(name="pier", width=3.0, height=10.0)
-    found = sweep(channel(90.0, across=0.0), channel(0.0, across=0.0), blocks=(pier,))["directions"]
+    models = ModelSettings(use=("impulsive", "linear", "nonlinear"))
+    found = sweep(channel(90.0, across=0.0), channel(0.0, across=0.0), blocks=(pier,), models=models)["directions"]
     found = found.isel(pair=0, block=0)
     for model in ("impulsive", "linear", "nonlinear"):
         assert found["largest_azimuth"].sel(model=model).item() == POLARISED
         assert found["median_rotation_ratio"].sel(model=model) < found["largest_rotation_ratio"].sel(model=model) < 1.0
     assert found["main_impulse_azimuth"].item() == found["pga_azimuth"].item() == POLARISED
-
-
-def test_some_directions_overturn_and_others_do_not(tree):
-    found = tree["directions"].isel(pair=0).sel(block="wall", model="nonlinear")
-    assert 0.0 < found["overturning_share"].item() < 1.0
-    assert np.isinf(found["largest_rotation_ratio"])
 
 
 def test_the_first_to_overturn_gives_the_azimuth(tree):
@@ -212,7 +184,9 @@ def test_directions_that_cannot_be_assessed_are_unanswered_not_forgotten():
     """Across the polarisation the motion does not exceed the bracket."""
     phase = IntensePhaseSettings(method="bracketed", level=2.0)
     options = config("sweep", azimuth_step=20.0)
-    tree = assess([channel(90.0), channel(0.0)], Config(blocks=(TOWER,), records=options.records, intense_phase=phase))
+    models = ModelSettings(use=("nonlinear",))
+    options = Config(blocks=(TOWER,), records=options.records, intense_phase=phase, models=models)
+    tree = assess([channel(90.0), channel(0.0)], options)
     found = tree["directions"].isel(pair=0)
     missing = found["record_index"].values < 0
     assert 0 < missing.sum() < 5
@@ -237,7 +211,7 @@ def test_the_vertical_of_the_station_acts_in_every_direction():
 
 def test_a_range_of_restitution_keeps_its_dimension():
     several = BlockSettings(name="wall", width=0.4, height=3.0, restitution=[0.6, 0.9])
-    found = sweep(channel(90.0), channel(0.0), blocks=(several,), models=ModelSettings(use=("nonlinear",)))
+    found = sweep(channel(90.0), channel(0.0), blocks=(several,), models=ModelSettings(use=("linear",)))
     assert found["directions"]["largest_rotation_ratio"].dims == ("pair", "block", "case", "model")
     assert direction_table(found["summary"].to_dataset(), found["directions"].to_dataset()).count("  wall") == 2
 
@@ -274,14 +248,6 @@ def test_a_lone_channel_that_faces_the_azimuth_needs_no_partner(recorded, asked,
         assert code_of(vertical_told) == "vertical_missing"
     for components in ("strongest", "sweep"):
         assert [one.kind for one in plan_motions([alone], config(components))[1]] == ["failed"]
-
-
-def test_against_the_azimuth_a_body_that_rocks_to_both_sides_does_the_same():
-    """45 and 225 degrees are one direction for it."""
-    trees = [assess([channel(90.0), channel(0.0)], config("azimuth", azimuth=angle)) for angle in (45.0, 225.0)]
-    for name in ("peak_rotation_ratio", "outcome", "safety_factor"):
-        one, other = (tree["summary"][name].values for tree in trees)
-        np.testing.assert_allclose(one, other, rtol=1e-6)
 
 
 @pytest.mark.parametrize("components", ["horizontal", "sweep"])

@@ -59,10 +59,6 @@ def test_the_processed_volume_votes_and_the_raw_one_is_left_out_with_its_vertica
     )
 
 
-def test_without_the_processed_volume_the_raw_one_votes():
-    assert vote(*volume("a.V1A")) == (ids("a.V1A"), {})
-
-
 def test_the_surface_comes_before_the_depth_whatever_its_processing():
     deep = volume("a", processed=True, sensor_depth=100.0)
     shallow = volume("b", sensor_depth=0.5)
@@ -126,10 +122,6 @@ def test_spans_of_time_overlap_by_half_the_shorter(late, same):
 )
 def test_what_is_not_known_to_be_of_one_motion_votes(other):
     assert vote(channel(), channel(**{"source": "b"} | other))[1] == {}
-
-
-def test_without_a_station_nothing_is_grouped():
-    assert vote(channel(station=""), channel(source="b", station=""))[1] == {}
 
 
 def test_two_sensors_of_one_station_are_one_motion():
@@ -219,22 +211,6 @@ def test_of_a_volume_with_one_channel_that_cannot_be_used_nothing_is_mixed_with_
     assert vote(*raw, *processed, settings=settings) == (ids("a.V1A"), dict.fromkeys(ids("b.V2A"), "duplicate"))
 
 
-def test_a_volume_whose_pair_nobody_has_confirmed_does_not_go_first():
-    odd = Remark("odd_peak", peak=7.0, unit="g", readings="0.007 g if it were cm/s2")
-    raw, processed = volume("a.V1A"), volume("b.V2A", processed=True)
-    turned = RecordSettings(components="strongest")
-    doubted = [processed[0], replace(processed[1], warnings=(odd,)), processed[2]]
-    assert vote(*raw, *doubted, settings=turned) == (ids("a.V1A"), dict.fromkeys(ids("b.V2A"), "duplicate"))
-    assert "a pair of horizontal channels that can be used" in reason(*raw[:2], doubted[0], settings=turned)
-    confirmed = replace(turned, confirm=("b.V2A.90",))
-    assert vote(*raw, *doubted, settings=confirmed)[0] == ids("b.V2A")
-    # The same of the vertical channel where it acts.
-    upwards = RecordSettings(include_vertical=True)
-    doubted = [*processed[:2], replace(processed[2], warnings=(odd,))]
-    assert vote(*raw, *doubted, settings=upwards)[0] == ids("a.V1A")
-    assert vote(*raw, *doubted, settings=replace(upwards, confirm=("*",)))[0] == ids("b.V2A")
-
-
 def test_members_at_the_root_of_two_archives_are_of_two_volumes():
     def members(archive, **options):
         named = (("E", 90.0), ("N", 0.0))
@@ -245,11 +221,6 @@ def test_members_at_the_root_of_two_archives_are_of_two_volumes():
     two[0] = replace(two[0], start_time=START + timedelta(seconds=0.001))
     two[1] = replace(two[1], acceleration=np.broadcast_to(0.0, 9000))
     assert vote(*one, *two)[0] == ["two.E", "two.N"]
-
-
-def test_without_settings_no_row_advises_one():
-    (row,) = one_vote_each([channel(), channel(source="b", processed=True)], advice="")[1]
-    assert row.reason.endswith("a processed volume goes before a raw one")
 
 
 def test_places_on_a_structure_are_motions_of_their_own():
@@ -291,10 +262,10 @@ def test_a_long_record_that_is_left_out_for_a_short_one_is_told_as_such():
 def test_thousands_of_records_of_many_stations_and_times_are_settled_at_once():
     records = [
         channel(azimuth, f"{source}{n}", station=f"S{n % 50}", late=1000.0 * (n // 50), id=f"{source}{n}.{azimuth}")
-        for n in range(1000)
+        for n in range(400)
         for source in "ab"
         for azimuth in (0.0, 90.0)
     ]
     voting, rows = one_vote_each(records)
     assert {one.source[0] for one in voting} == {"a"}
-    assert (len(voting), len(rows)) == (2000, 2000)
+    assert (len(voting), len(rows)) == (800, 800)

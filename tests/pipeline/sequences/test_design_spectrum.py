@@ -5,7 +5,7 @@ import pytest
 
 from rocking.search.capacity import sequence_critical_scale
 from rockpulse.models import Block, Outcome, sequence_response
-from rockpulse.sequences.design_spectrum import DesignSpectrum, at_blocks, within
+from rockpulse.sequences.design_spectrum import DesignSpectrum, at_blocks
 
 P, C = np.geomspace(0.5, 8.0, 7), np.linspace(0.75, 1.0, 4)
 DESIGN = DesignSpectrum(
@@ -91,25 +91,6 @@ def test_the_first_block_that_is_not_covered_is_named():
     assert DESIGN.covers(blocks).tolist() == [True, False, True, False]
     with pytest.raises(ValueError, match=r"p from 0.5 to 8 1/s and C from 0.75 to 1, not for 2 of 4, .* at place 1"):
         DESIGN.factor(blocks)
-
-
-@pytest.mark.parametrize(
-    ("restitution", "inside"),
-    [
-        (0.8 * (1.0 - 5e-10), True),
-        (0.8 * (1.0 - 2e-9), False),
-        (0.9 * (1.0 + 5e-10), True),
-        (0.9 * (1.0 + 2e-9), False),
-    ],
-)
-def test_rounding_takes_no_block_out(restitution, inside):
-    block = Block.from_parameters(p=[2.0], alpha=0.1, restitution=restitution, log=False)
-    assert within(block, np.array([1.0, 4.0]), np.array([0.8, 0.9])).tolist() == [inside]
-
-
-def test_a_spectrum_may_be_of_blocks_without_rebound():
-    block = Block.from_parameters(p=[2.0, 2.0], alpha=0.1, restitution=[0.0, 0.1], log=False)
-    assert within(block, np.array([1.0, 4.0]), np.array([0.0])).tolist() == [True, False]
 
 
 def test_the_nearest_p_is_that_in_equal_ratios():

@@ -9,7 +9,6 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from rocking.impulses.impulse_sequence import SPACINGS
 from rockpulse.config.settings import SequenceSettings
 from rockpulse.errors import ConfigError, RecordRefused
 from rockpulse.record.half_wave import HalfWaves, half_waves
@@ -17,7 +16,7 @@ from rockpulse.record.intensity import IntensePhase, intense_phase
 from rockpulse.record.record import Record
 from rockpulse.sequences.estimators import INTERVAL, MAIN, MAIN_COUNT, SECONDARY, calibrate
 
-properties = settings(derandomize=True, deadline=None, max_examples=150)
+properties = settings(derandomize=True, deadline=None, max_examples=40)
 impulses = st.lists(st.floats(1e-3, 10.0), min_size=4, max_size=40)
 estimators = list(itertools.product(MAIN, SECONDARY, INTERVAL))
 
@@ -86,15 +85,6 @@ def test_number_of_main_impulses(main_count, count):
     assert calibrate(FIVE, main_count=main_count).main_count == count
 
 
-def test_half_wave_of_half_the_largest_is_not_above_it():
-    assert calibrate(waves([2.0, 4.0, 2.0])).main_count == 1
-
-
-@pytest.mark.parametrize("spacing", SPACINGS)
-def test_spacing_is_handed_on(spacing):
-    assert calibrate(FIVE, spacing=spacing).spacing == spacing
-
-
 def test_phase_selects_half_waves_by_their_centroid_and_gives_the_duration():
     sequence = calibrate(FIVE, secondary="mean", phase=IntensePhase(1.2, 4.2))
     assert (sequence.main, sequence.secondary, sequence.duration) == (5.0, pytest.approx(3.5), pytest.approx(3.0))
@@ -145,15 +135,6 @@ def test_scaled_and_mirrored_waves_give_the_scaled_sequence(sizes, chosen, facto
     assert scaled.main_count == sequence.main_count
 
 
-@properties
-@given(impulses, st.integers(1, 1000), st.sampled_from(estimators))
-def test_later_record_has_the_same_sequence(sizes, shift, chosen):
-    early, late = waves(sizes), waves(sizes, 0.5 + np.arange(len(sizes)) + shift)
-    one, other = calibrate(early, *chosen), calibrate(late, *chosen)
-    assert (one.main, one.secondary, one.main_count) == (other.main, other.secondary, other.main_count)
-    assert (other.interval, other.duration) == (pytest.approx(one.interval), pytest.approx(one.duration))
-
-
 @pytest.mark.parametrize("count", [0, 1, 2])
 def test_too_few_half_waves_are_refused_with_their_number(count):
     with pytest.raises(
@@ -182,14 +163,10 @@ def test_mean_of_all_half_waves_leaves_none_for_the_secondary_impulse():
         ({"main_count": "all"}, "main_count: expected one of half-largest, none or a whole number from 1, got 'all'"),
         ({"main_count": 0}, "main_count: expected"),
         ({"main_count": True}, "main_count: expected"),
-        ({"main_count": 2.0}, "main_count: expected"),
         ({"duration_s": 0.0}, "duration_s: expected a positive duration"),
         ({"duration_s": math.nan}, "duration_s: expected a positive duration"),
-        ({"duration_s": math.inf}, "duration_s: expected a positive duration"),
-        ({"duration_s": -0.5}, "duration_s: expected a positive duration"),
         ({"quantile": -0.1}, "quantile: expected a level from 0 to 1"),
         ({"m": 0}, "m: expected a whole number from 1"),
-        ({"quantile": 1.1}, "quantile: expected a level from 0 to 1"),
         ({"quantile": math.nan}, "quantile: expected a level from 0 to 1"),
     ],
 )

@@ -246,8 +246,8 @@ class Tried:
         def try_points(explored, points):
             value = np.asarray(likelihood(len(self.batches), points), dtype=float)
             self.batches.append(points.copy())
-            explored._points.append(points)
-            explored._likelihood.append(value)
+            explored.points = np.concatenate([explored.points, points])
+            explored.likelihood = np.concatenate([explored.likelihood, value])
             return value
 
         monkeypatch.setattr(Explored, "try_points", try_points)
@@ -310,58 +310,6 @@ def test_generations_come_nearer_to_what_is_likely(monkeypatch):
     assert np.mean(likelihood(0, last)) > 0.3 * np.mean(likelihood(0, tried.batches[0]))
     found = explored.points[np.argmax(explored.likelihood)]
     assert found == pytest.approx(best, abs=0.05)
-
-
-def offspring(points, likelihood, cut=1.0, seed=0, low=LOW, high=HIGH):
-    explored = SimpleNamespace(
-        space=SimpleNamespace(low=low, high=high), points=np.array(points), likelihood=np.array(likelihood)
-    )
-    return response_search._offspring(explored, cut, np.random.default_rng(seed))
-
-
-def test_unlikely_points_have_no_offspring_but_two_dozen_always_have():
-    low, high = LOW.copy(), HIGH.copy()
-    for likely, parents in ((5, 24), (24, 24), (30, 30)):
-        # Numbers of main impulses tell who is the parent, all else is the same.
-        points = np.tile([0.0, 0.5, -1.0, 0.0], (60, 1))
-        points[:, 3] = 10.0 * np.arange(60) + 5.0
-        high[3] = 700.0
-        likelihood = -0.5 * np.where(np.arange(60) < likely, 0.0, 2.0) - 1e-4 * np.arange(60)
-        likelihood[likely - 1] = -0.5 * 1.9
-        found = np.concatenate([offspring(points, likelihood, 1.9, seed, low, high) for seed in range(4)])
-        assert set(np.rint((found[:, 3] - 5.0) / 10.0)) == set(range(parents))
-        steps = found[:, 3] - 10.0 * np.rint((found[:, 3] - 5.0) / 10.0) - 5.0
-        assert [np.mean(steps == step) for step in (-1, 0, 1)] == pytest.approx([0.2, 0.6, 0.2], abs=0.04)
-
-
-def test_what_leaves_the_space_is_reflected_at_its_edge(monkeypatch):
-    monkeypatch.setattr(response_search, "STEPS", (1.0,))
-    for edge, inward in ((LOW, 1.0), (HIGH, -1.0)):
-        points = np.tile(edge, (40, 1))
-        points[::2, :3] += inward * np.array([0.2, 0.1, 0.4])
-        points[:, 3] = edge[3]
-        found = offspring(points, np.zeros(40))
-        assert np.all((found >= LOW) & (found <= HIGH))
-        inside = inward * (found[:, :3] - edge[:3])
-        assert np.all(inside > 0.0)
-        assert np.all(inside < 2.0 * np.array([0.2, 0.1, 0.4]) * 1.3)
-        # 0 or 1 step in from the edge or back over it, give or take a tenth of the spread, which is half a step.
-        shares = inside / np.array([0.2, 0.1, 0.4])
-        assert np.all(np.abs(shares - np.rint(shares)) < 0.25)
-        assert set(np.rint(shares).ravel()) == {0.0, 1.0, 2.0}
-        # One main impulse less than one is one more than one: two.
-        assert set(found[:, 3]) == {edge[3], edge[3] + inward}
-
-
-def test_a_column_that_is_known_stays_as_it_is():
-    """Of a continuous spacing dT has no range; its cells are one."""
-    low, high = LOW.copy(), HIGH.copy()
-    low[INTERVAL] = high[INTERVAL] = 0.0
-    points = np.tile([0.0, 0.5, 0.0, 5.0], (50, 1))
-    points[:, 0] = np.linspace(-0.5, 0.5, 50)
-    found = offspring(points, -1e-3 * np.arange(50), low=low, high=high)
-    assert np.all(found[:, INTERVAL] == 0.0)
-    assert np.all(np.isfinite(found))
 
 
 @pytest.mark.sweep

@@ -1,8 +1,6 @@
-"""The formats: each module of this package reads one family of files and lists it in its ``FORMATS``.
+"""The formats: each module reads one family of files and has a row `Format` for each, which is found by itself.
 
-They are tried in the order of their names, which must not matter: each claims its own files only, and a test holds
-every one against every sample. A new module is found by itself, also by obspy: the build makes the plugins from the
-same lists (``hatch_build.py``).
+The order does not matter: each claims its own files only. The build makes plugins of obspy from the same rows.
 """
 
 from dataclasses import replace
@@ -12,9 +10,10 @@ from pkgutil import iter_modules
 from rockpulse.readers.format import Format
 from rockpulse.readers.formats import columns
 
-_ROWS = [row for module in iter_modules(__path__) for row in import_module(f"{__name__}.{module.name}").FORMATS]
+_MODULES = [import_module(f"{__name__}.{module.name}") for module in iter_modules(__path__)]
+_ROWS = [row for module in _MODULES for row in vars(module).values() if isinstance(row, Format)]
 #: Formats of which each recognises its own files only, by their content.
-_SPECIFIC = sorted((row for row in _ROWS if row.name != "columns"), key=lambda row: row.name)
+_SPECIFIC = sorted((row for row in _ROWS if row is not columns.COLUMNS), key=lambda row: row.name)
 
 
 def _is_nothing_but_columns(head: bytes, name: str) -> bool:
@@ -22,4 +21,4 @@ def _is_nothing_but_columns(head: bytes, name: str) -> bool:
 
 
 #: Tried from the first to the last; the first that recognises a file reads it. The least specific one comes last.
-FORMATS: tuple[Format, ...] = (*_SPECIFIC, *(replace(row, detect=_is_nothing_but_columns) for row in columns.FORMATS))
+FORMATS: tuple[Format, ...] = (*_SPECIFIC, replace(columns.COLUMNS, detect=_is_nothing_but_columns))

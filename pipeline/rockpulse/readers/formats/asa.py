@@ -2,7 +2,7 @@
 
 109 lines of header, ``KEY : value``, in Spanish with or without accents in any encoding; what belongs to channels is a
 list such as ``/V/N90E/N00E``. Then a line of channel numbers, one of directions, and rows of accelerations [gal] in
-fields of 10 characters. The values are those of the recorder, without the offset.
+fields of 10 characters, without the offset.
 """
 
 import re
@@ -14,12 +14,12 @@ from itertools import takewhile
 import numpy as np
 
 from rockpulse.readers import kit
-from rockpulse.readers.format import Format, ReadOptions
+from rockpulse.readers.format import Format, ReadOptions, begins_with
 from rockpulse.readers.source import SourceFile
 from rockpulse.record.record import Record
 
 # The accents come in one byte, in two, or not at all.
-_TITLE = re.compile(rb"[^\0]{0,2000}?ARCHIVO EST.{0,2}NDAR DE ACELERACI", re.IGNORECASE)
+_TITLE = re.compile(r"[^\0]{0,2000}?ARCHIVO EST.{0,2}NDAR DE ACELERACI", re.ASCII | re.IGNORECASE)
 _VALUES = re.compile(r"\s*DATOS DE ACELERACI", re.IGNORECASE)
 _CHANNELS = re.compile(r"CANAL-?\s*(\d{1,2})", re.ASCII | re.IGNORECASE)
 _LAYOUT = re.compile(r"\(?\s*(\d{1,2})\s*F\s*(\d{1,2})\.\d{1,2}", re.ASCII | re.IGNORECASE)
@@ -30,8 +30,8 @@ _UTC = re.compile(r"GMT|UTC|TMG", re.IGNORECASE)
 _ON_STRUCTURE = re.compile(r"\b(?:azotea|s.{1,2}tano|entrepiso|cortina|corona|piso\s+\d+|nivel\s+\d+)\b", re.IGNORECASE)
 _DOUBTFUL = re.compile(r"incomplet|incorrect|sin tiempo|falla|no\s", re.IGNORECASE)
 _FIELD = 10
-#: Lines of the header, and characters of one; a damaged one may be longer.
-_LONGEST_HEADER, _LONGEST_LINE = 300, 200
+#: Lines of the header.
+_LONGEST_HEADER = 300
 
 
 class _Header:
@@ -97,11 +97,6 @@ def _consonants(text: str) -> str:
     return re.sub(r"[^B-DF-HJ-NP-TV-Z0-9]", "", text[:80].upper())
 
 
-def is_asa(head: bytes, name: str) -> bool:
-    """Whether ``ARCHIVO ESTANDAR DE ACELERACION`` stands near the beginning."""
-    return bool(_TITLE.match(head))
-
-
 def read_asa(file: SourceFile, options: ReadOptions) -> list[Record]:
     """Read every channel; the options are not used, because the format states everything."""
     lines = kit.text_lines(file.content)
@@ -126,15 +121,16 @@ def read_asa(file: SourceFile, options: ReadOptions) -> list[Record]:
     if _DOUBTFUL.search(quality):
         time_notes.append(f"quality of the record (header): {quality[:200]}")
     date, name = header.text("FECHA DEL SISMO"), header.text("NOMBRE DE LA ESTACION")
-    facts, place = _facts(header), f"{name} {header.continued('LOCALIZACION DE LA ESTACION', 4)}"
+    place = f"{name} {header.continued('LOCALIZACION DE LA ESTACION', 4)}"
+    origin = _moment(_DATE.search(date), _TIME.search(header.text("HORA EPICENTRO")))
+    utc = all(_UTC.search(header.entry(key)[0]) for key in ("FECHA DEL SISMO", "HORA EPICENTRO"))
     return [
         kit.build_record(
             file,
-            index + 1,
             samples,
             steps[index],
             unit,
-            format="asa",
+            number=index + 1,
             processed=False,
             component=words[index],
             facing=_facing(words[index]),
@@ -144,7 +140,12 @@ def read_asa(file: SourceFile, options: ReadOptions) -> list[Record]:
             station_name=name,
             event=" ".join(f"{date} {header.text('HORA EPICENTRO')} {header.text('MAGNITUD').strip('/')}".split()),
             start_time=start_time,
-            facts=facts,
+            origin_time=origin if utc else None,
+            magnitude=kit.magnitudes(header.text("MAGNITUD")),
+            hypocentre=kit.coordinates(header.continued("COORDENADAS DEL EPICENTRO", 1)),
+            depth_km=header.text("PROFUNDIDAD FOCAL"),
+            station_place=kit.coordinates(header.continued("COORDENADAS DE LA ESTACION", 1)),
+            site_class=header.continued("TIPO DE SUELO", 2),
             header_peak=kit.printed_number(peaks[index]),
             peak_factor=kit.UNITS["gal"],
             warnings=[*notes, *held[index], *time_notes],
@@ -155,7 +156,7 @@ def read_asa(file: SourceFile, options: ReadOptions) -> list[Record]:
 
 def _header(name: str, lines: Sequence[str]) -> tuple[_Header, list[int], list[str], int]:
     """The header, the numbers and the directions of the channels, and the index of the first row of values."""
-    head = [line[:_LONGEST_LINE] for line in lines[:_LONGEST_HEADER]]
+    head = [line[: kit.LONGEST_LINE] for line in lines[:_LONGEST_HEADER]]
     title = next((i for i, line in enumerate(head) if _VALUES.match(line)), len(head))
     at = next((i for i in range(title + 1, min(title + 4, len(head))) if _CHANNELS.search(head[i])), 0)
     if not at or at + 3 > len(lines):
@@ -164,7 +165,7 @@ def _header(name: str, lines: Sequence[str]) -> tuple[_Header, list[int], list[s
         raise kit.unexpected(f"{name}:{min(title + 1, len(lines))}", expected, "none", advice)
     header = _Header(name, head[:title])
     numbers = [int(number) for number in _CHANNELS.findall(head[at])]
-    words, (_, listed, line) = lines[at + 1][:_LONGEST_LINE].split(), header.entry("ORIENTACION C1-C6")
+    words, (_, listed, line) = lines[at + 1][: kit.LONGEST_LINE].split(), header.entry("ORIENTACION C1-C6")
     stated = _chosen(header.per_channel("ORIENTACION"), numbers)
     pairs = zip(stated, words, strict=False)
     if len(words) != len(numbers) or any(said and _base(said) != _base(word) for said, word in pairs):
@@ -238,19 +239,6 @@ def _facing(word: str) -> kit.Direction:
     return replace(facing, azimuth=(facing.azimuth + 180.0) % 360.0, note=note)
 
 
-def _facts(header: _Header) -> kit.Facts:
-    date, time = _DATE.search(header.text("FECHA DEL SISMO")), _TIME.search(header.text("HORA EPICENTRO"))
-    utc = all(_UTC.search(header.entry(key)[0]) for key in ("FECHA DEL SISMO", "HORA EPICENTRO"))
-    return kit.stated(
-        origin_time=_moment(date, time) if utc else None,
-        magnitude=kit.magnitudes(header.text("MAGNITUD")),
-        hypocentre=kit.coordinates(header.continued("COORDENADAS DEL EPICENTRO", 1)),
-        depth_km=header.text("PROFUNDIDAD FOCAL"),
-        station=kit.coordinates(header.continued("COORDENADAS DE LA ESTACION", 1)),
-        site_class=header.continued("TIPO DE SUELO", 2),
-    )
-
-
 def _moment(date: re.Match[str] | None, time: re.Match[str] | None) -> datetime | None:
     if not date or not time:
         return None
@@ -276,15 +264,13 @@ def _start_time(header: _Header) -> tuple[datetime | None, list[str]]:
     return kit.near_event(start, origin)
 
 
-FORMATS = (
-    Format(
-        name="asa",
-        what="ASA 2.0 (Mexico: UNAM, CIRES)",
-        recognised="'ARCHIVO ESTANDAR DE ACELERACION' in the header",
-        unit="gal, from the header",
-        processed="no",
-        example="CUP50401.012",
-        detect=is_asa,
-        parse=read_asa,
-    ),
+ASA = Format(
+    name="asa",
+    what="ASA 2.0 (Mexico: UNAM, CIRES)",
+    recognised="'ARCHIVO ESTANDAR DE ACELERACION' in the header",
+    unit="gal, from the header",
+    processed="no",
+    example="CUP50401.012",
+    detect=begins_with(_TITLE, 2100),
+    parse=read_asa,
 )

@@ -1,10 +1,7 @@
 """PEER AT2 files: a few header lines, then the acceleration in g, equally spaced.
 
-Velocity (VT2) and displacement (DT2) files look the same; the word on the units line tells them apart.
-
-The database puts a list of what a search found beside the files, ``_SearchResults.csv``: below lines about the search a
-row of headings, "Record Sequence Number" among them, begins the table of the records, one row each, with the names of
-its files. Spectra follow. Rjb and Rrup are distances to the rupture, not to the epicentre, and are not used.
+The database puts a list beside the files, ``_SearchResults.csv``: a row of headings, then one row for each record with
+the names of its files. Rjb and Rrup in it are distances to the rupture, not to the epicentre, and are not used.
 """
 
 import csv
@@ -19,12 +16,10 @@ from rockpulse.errors import RecordFormatError, RockpulseError, UnitError
 from rockpulse.readers import kit
 from rockpulse.readers.format import Format, ReadOptions
 from rockpulse.readers.kit.table import end_of_numbers
-from rockpulse.readers.source import NotAcceleration, SourceFile
+from rockpulse.readers.source import SourceFile
 from rockpulse.record.record import Record
 
 _HEADER_LIMIT = 10
-#: No line of the header is longer; a damaged one may be.
-_LONGEST_LINE = 200
 # 5,000 is five thousand; 1/200 is no number.
 _COUNT = r"(?P<count>\d{1,3}(?:,\d{3})+(?![\d.])|\d+)"
 _STEP = r"(?P<step>[+-]?(?:\d+\.?\d*|\.\d+)(?:[ED][+-]?\d+)?)(?![\d.ED]|\s*/\s*\d)"
@@ -42,9 +37,7 @@ _BARE = re.compile(rf"\s*(?P<count>[1-9]\d{{1,8}})[\s,]+{_STEP}\s*(?:SEC\w*)?\s*
 _NAMES_BOTH = [re.compile(words, re.IGNORECASE) for words in (_NPTS, rf"{_DT}\b")]
 _MILLISECONDS = re.compile(r"(?<![a-z])m(?:illi)?s(?:ec\w*)?\b", re.IGNORECASE)
 _UNIT = re.compile(r"UNITS?\s*(?:OF|ARE|IN|IS|[:=])\s*[(\[]?([^\s)\],;]+)", re.IGNORECASE)
-_SERIES = re.compile(
-    r"\b(ACCELERATION|VELOCITY|DISPLACEMENT|(?:ACC(?:EL)?|VEL|DISPL?)(?=\.?\s+(?:TIME|HIST)))\b", re.IGNORECASE
-)
+_SERIES = re.compile(r"(?i)\b(ACCELERATION|VELOCITY|DISPLACEMENT|(?:ACC(?:EL)?|VEL|DISPL?)(?=\.?\s+(?:TIME|HIST)))\b")
 #: The unit behind the name of the series where the word UNITS is missing: (G), IN G, CM/SEC/SEC; no other words.
 _WITHOUT_WORD = re.compile(
     r"\.?S?(?:\s+(?:TIME|SERIES|HISTORY|DATA|RECORD|VALUES))*[\s,:-]*"
@@ -64,10 +57,10 @@ _LIST, _LIST_BEGINS = "_SearchResults.csv", "record sequence number"
 def _header_end(lines: Sequence[str]) -> int | None:
     """Index of the line that holds the number of points and the interval."""
     for index, line in enumerate(lines[:_HEADER_LIMIT]):
-        line = line[:_LONGEST_LINE]
+        line = line[: kit.LONGEST_LINE]
         if _NAMES_BOTH[0].search(line):
             return index
-        above = lines[index - 1][:_LONGEST_LINE] if index else ""
+        above = lines[index - 1][: kit.LONGEST_LINE] if index else ""
         if _BARE.fullmatch(line) and _SERIES.search(above) and _UNIT.search(above):
             return index
     return None
@@ -78,7 +71,7 @@ def _names_both(lines: Sequence[str]) -> int | None:
     end = _header_end(lines)
     if end is None or "\x00" in "".join(lines[: end + 1]):
         return None
-    last = lines[end][:_LONGEST_LINE]
+    last = lines[end][: kit.LONGEST_LINE]
     return end if all(word.search(last) for word in _NAMES_BOTH) or _BARE.fullmatch(last) else None
 
 
@@ -93,7 +86,7 @@ def read_at2(file: SourceFile, options: ReadOptions) -> list[Record]:
     end = _names_both(lines)
     if end is None:
         raise kit.unexpected(file.name, f"NPTS and DT in one of the first {_HEADER_LIMIT} lines", "none", "is it AT2?")
-    header = [line[:_LONGEST_LINE] for line in lines[: end + 1]]
+    header = [line[: kit.LONGEST_LINE] for line in lines[: end + 1]]
     title = [part.strip() for part in header[1].split(",")] if end > 1 else [""]
     # Names of events have commas too: "Chi-Chi, Taiwan, 9/20/1999, CHY101, E".
     dated = [index for index, part in enumerate(title[1:-1], 1) if _DATE.fullmatch(part)]
@@ -123,11 +116,9 @@ def read_at2(file: SourceFile, options: ReadOptions) -> list[Record]:
     return [
         kit.build_record(
             file,
-            1,
             samples,
             step,
             unit,
-            format="at2",
             processed=processed,
             structural=bool(written and written[2]),
             component=component,
@@ -135,17 +126,15 @@ def read_at2(file: SourceFile, options: ReadOptions) -> list[Record]:
             facing=kit.direction(component.zfill(3)) if component.isdecimal() else None,
             station_name=station or found.station_name,
             event=", ".join(title[:event]) or found.event,
-            facts=found.facts,
+            magnitude=(found.magnitude, ""),
+            vs30=found.vs30,
             warnings=[*warnings, *behind, *notes],
         )
     ]
 
 
 def _numbers_stop(name: str, lines: Sequence[str], first: int, count: int) -> tuple[int, list[str]]:
-    """Index of the line behind the numbers, and a warning for numbers behind words.
-
-    Words end the numbers only where `count` of them stand before; else they are damage. A second header is refused.
-    """
+    """Index of the line behind the numbers, and a warning for numbers behind words; a second header is refused."""
     stop = end_of_numbers(lines, first)
     if stop == len(lines) or sum(len(line.split()) for line in lines[first:stop]) < count:
         return len(lines), []
@@ -168,10 +157,8 @@ def _unit(name: str, header: Sequence[str], station: str, given: str | None) -> 
             continue
         if series and not series[1].upper().startswith("ACC"):
             of = f" of station {station}" if station else ""
-            raise NotAcceleration(
-                f"{name}:{index + 1}: expected an acceleration series{of}, found {line.strip()!r}; read the AT2 file "
-                "of the same record"
-            )
+            expected, advice = f"an acceleration series{of}", "read the AT2 file of the same record"
+            raise kit.no_acceleration(f"{name}:{index + 1}", expected, repr(line.strip()), advice)
         if unit:
             return kit.canonical_unit(unit[1], f"{name}:{index + 1}")
         behind = _WITHOUT_WORD.match(line, series.end()) if series else None
@@ -186,10 +173,7 @@ def _unit(name: str, header: Sequence[str], station: str, given: str | None) -> 
 
 
 def _samples(name: str, lines: Sequence[str], first: int, count: int) -> tuple[np.ndarray, list[str]]:
-    """Samples and warnings; numbers are split at blanks, and by width where fields touch.
-
-    Fields touch where there are fewer numbers than declared, or one that cannot be read.
-    """
+    """Samples and warnings; numbers are split at blanks, and by width where fields touch."""
     block = lines[first:]
     try:
         values = kit.free_numbers(block, first + 1, name)
@@ -234,7 +218,8 @@ class Listed(NamedTuple):
 
     event: str = ""
     station_name: str = ""
-    facts: kit.Facts = kit.NOTHING
+    magnitude: str = ""
+    vs30: str = ""
 
 
 def listed(file: SourceFile) -> tuple[Listed, list[str]]:
@@ -253,8 +238,8 @@ def _rows(content: bytes) -> dict[str, Listed]:
     found: dict[str, Listed] = {}
     heads: list[str] = []
     try:
-        for row in csv.reader(kit.text_lines(content), skipinitialspace=True):
-            cells = [cell.strip() for cell in row]
+        for values in csv.reader(kit.text_lines(content), skipinitialspace=True):
+            cells = [cell.strip() for cell in values]
             if not heads:
                 heads = [cell.lower() for cell in cells] if _LIST_BEGINS in map(str.lower, cells) else []
                 continue
@@ -262,30 +247,22 @@ def _rows(content: bytes) -> dict[str, Listed]:
                 break
             entries = dict(zip(heads, cells, strict=False))
             names = [value for head, value in entries.items() if "filename" in head.replace(" ", "")]
-            found |= {name.replace("\\", "/").rpartition("/")[2].lower(): _listed(entries) for name in names}
+            vs30 = next((value for head, value in entries.items() if head.startswith("vs30")), "")
+            event = " ".join(filter(None, (entries.get("earthquake name"), entries.get("year"))))
+            row = Listed(event, entries.get("station name", ""), entries.get("magnitude", ""), vs30)
+            found |= {name.replace("\\", "/").rpartition("/")[2].lower(): row for name in names}
     except csv.Error as fault:
         raise RecordFormatError(f"{_LIST}: cannot be read as CSV: {fault}; download it again") from fault
     return found
 
 
-def _listed(entries: dict[str, str]) -> Listed:
-    vs30 = next((value for head, value in entries.items() if head.startswith("vs30")), "")
-    return Listed(
-        event=" ".join(filter(None, (entries.get("earthquake name"), entries.get("year")))),
-        station_name=entries.get("station name", ""),
-        facts=kit.stated(magnitude=(entries.get("magnitude", ""), ""), vs30=vs30),
-    )
-
-
-FORMATS = (
-    Format(
-        name="at2",
-        what="PEER AT2",
-        recognised="a line with NPTS and DT near the top, or with both numbers below the line of units",
-        unit="g, from the header",
-        processed="by title",
-        example="RSN763_LOMAP_GIL067.AT2",
-        detect=is_at2,
-        parse=read_at2,
-    ),
+AT2 = Format(
+    name="at2",
+    what="PEER AT2",
+    recognised="a line with NPTS and DT near the top, or with both numbers below the line of units",
+    unit="g, from the header",
+    processed="by title",
+    example="RSN763_LOMAP_GIL067.AT2",
+    detect=is_at2,
+    parse=read_at2,
 )

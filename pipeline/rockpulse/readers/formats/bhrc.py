@@ -1,8 +1,7 @@
 """BHRC volume 1 files of Iran (Building and Housing Research Center), uncorrected.
 
 Each channel has 13 lines of text, 7 of integers, 7 of reals and the accelerations in g/10, 10 fields of 13 characters;
-a line ``/&`` ends it. The azimuths of L and T stand in the line of the station. The time that the files state is that
-of the earthquake: when the record starts is not known.
+a line ``/&`` ends it. The azimuths of L and T stand in the line of the station. The time is that of the earthquake.
 """
 
 import re
@@ -12,7 +11,7 @@ import numpy as np
 
 from rockpulse.readers import kit
 from rockpulse.readers.format import Format, ReadOptions, begins_with
-from rockpulse.readers.kit.csmip import HEADER_LINES, LONGEST_LINE, TEXT_LINES, channels
+from rockpulse.readers.kit.csmip import HEADER_LINES, TEXT_LINES, channels
 from rockpulse.readers.source import SourceFile
 from rockpulse.record.record import Record
 
@@ -38,62 +37,52 @@ def read_bhrc(file: SourceFile, options: ReadOptions) -> list[Record]:
     starts = (start for start, _ in spans)
     counts = (kit.Counted(at + 1, "", one.component, _COMPONENTS) for at, one in zip(starts, records, strict=True))
     units = kit.held_units((record.component, record.source_unit) for record in records)
-    notes = (
-        *kit.completeness(file.name, counts, "files of this format hold"),
-        *copies,
-        *units,
-        *_held_azimuths(records),
-    )
-    return kit.with_warnings(records, notes)
+    missing = kit.completeness(file.name, counts, "files of this format hold")
+    azimuths = {record.component: record.azimuth for record in records}
+    turn = abs(azimuths.get("T", np.nan) - azimuths.get("L", np.nan)) % 180.0
+    if abs(turn - 90.0) > _SQUARE:  # NaN, of an unknown one, is not
+        units.append(
+            f"the azimuths of L and T, {azimuths['L']:g} and {azimuths['T']:g} degrees, are not at right angles"
+        )
+    return kit.with_warnings(records, (*missing, *copies, *units))
 
 
 def _channel(file: SourceFile, lines: Sequence[str], span: kit.Span, number: int) -> Record:
     start, end = span
     kit.check_count(f"{file.name}:{end}", HEADER_LINES, end - start, f"header lines of channel {number}")
-    header, first = [line[:LONGEST_LINE] for line in lines[start : start + TEXT_LINES]], start + HEADER_LINES
+    header, first = [line[: kit.LONGEST_LINE] for line in lines[start : start + TEXT_LINES]], start + HEADER_LINES
     count = kit.declared_points(header[10], f"{file.name}:{start + 11}")
     unit = kit.pair_unit(header[11], f"{file.name}:{start + 12}")
     step = _step(file.name, lines[start + 21], kit.matched(_DURATION, header[10]), start, count)
-    samples = kit.fixed_width(lines[first:end], first + 1, _WIDTH, _PER_ROW, count, file.name)
-    rows = -(-count // _PER_ROW)
+    samples, notes = kit.fixed_block(file.name, lines, (first, end), _WIDTH, _PER_ROW, count)
     component = kit.matched(_COMPONENT, header[6]).upper()
     if not component:
         where, expected = f"{file.name}:{start + 7}", "'COMP L1', 'COMP V2' or 'COMP T3'"
         raise kit.unexpected(where, expected, repr(header[6].strip()))
     origin, letter = kit.matched(_ORIGIN, header[2]), header[4].strip().upper()
-    notes = kit.surplus(lines, first + rows, end, used=_WIDTH * (count - (rows - 1) * _PER_ROW))
     if letter in ("L", "V", "T") and letter != component:
         notes = (f"the header names the component {letter} and {component}; one of them is wrong", *notes)
+    azimuth, facing = re.search(_AZIMUTH.format(component), header[7], re.IGNORECASE), kit.direction(component)
+    if component != "V" and azimuth and float(azimuth[1]) <= 360.0:
+        facing = kit.Direction("horizontal", float(azimuth[1]) % 360.0)
     return kit.build_record(
         file,
-        number,
         samples,
         step,
         unit,
-        format="bhrc",
+        number=number,
         processed=False,
         component=component,
-        facing=_facing(component, header[7]),
+        facing=facing,
         station_name=kit.matched(_STATION, header[7]).strip(),
         event=" ".join(origin.split()),
-        facts=kit.stated(
-            origin_time=kit.written(origin),
-            magnitude=kit.magnitudes(header[8]),
-            hypocentre=kit.coordinates(header[8]),
-            depth_km=kit.matched(_DEPTH, header[8]),
-            station=kit.coordinates(header[7]),
-        ),
+        origin_time=kit.written(origin),
+        magnitude=kit.magnitudes(header[8]),
+        hypocentre=kit.coordinates(header[8]),
+        depth_km=kit.matched(_DEPTH, header[8]),
+        station_place=kit.coordinates(header[7]),
         warnings=notes,
     )
-
-
-def _held_azimuths(records: Sequence[Record]) -> list[str]:
-    """A warning where L and T, as the lines of the station have them, are not at right angles."""
-    azimuths = {record.component: record.azimuth for record in records}
-    turn = abs(azimuths.get("T", np.nan) - azimuths.get("L", np.nan)) % 180.0
-    if abs(turn - 90.0) <= _SQUARE or np.isnan(turn):
-        return []
-    return [f"the azimuths of L and T, {azimuths['L']:g} and {azimuths['T']:g} degrees, are not at right angles"]
 
 
 def _step(name: str, row: str, duration: str, start: int, count: int) -> float:
@@ -106,22 +95,13 @@ def _step(name: str, row: str, duration: str, start: int, count: int) -> float:
     return 1.0 / rate
 
 
-def _facing(letter: str, station_line: str) -> kit.Direction:
-    azimuth = re.search(_AZIMUTH.format(letter), station_line, re.IGNORECASE)
-    if letter == "V" or not azimuth or float(azimuth[1]) > 360.0:
-        return kit.direction(letter)
-    return kit.Direction("horizontal", float(azimuth[1]) % 360.0)
-
-
-FORMATS = (
-    Format(
-        name="bhrc",
-        what="BHRC (Iran) volume 1",
-        recognised="first line '* VOL1DS FILE:'",
-        unit="g/10, from the header",
-        processed="no",
-        example="5520-1.V1",
-        detect=begins_with(_TITLE),
-        parse=read_bhrc,
-    ),
+BHRC = Format(
+    name="bhrc",
+    what="BHRC (Iran) volume 1",
+    recognised="first line '* VOL1DS FILE:'",
+    unit="g/10, from the header",
+    processed="no",
+    example="5520-1.V1",
+    detect=begins_with(_TITLE),
+    parse=read_bhrc,
 )

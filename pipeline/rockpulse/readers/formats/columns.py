@@ -1,7 +1,6 @@
 """Plain columns of numbers (CSV, TXT): one or more accelerations, with or without a time column.
 
-Nothing is guessed. What the header says of motion, unit, interval and number of samples is believed, and held against
-what the caller says; where they differ, or where the columns cannot be told apart, the file is refused.
+Nothing is guessed: statements of header and caller must agree, and columns that cannot be told apart are refused.
 """
 
 from __future__ import annotations
@@ -37,7 +36,15 @@ from rockpulse.readers.kit.table import (
     runs_on,
     split_row,
 )
-from rockpulse.readers.kit.text import UNITS, canonical_unit, check_count, text_lines, unexpected
+from rockpulse.readers.kit.text import (
+    ACCELERATION_FILE,
+    UNITS,
+    canonical_unit,
+    check_count,
+    no_acceleration,
+    text_lines,
+    unexpected,
+)
 from rockpulse.readers.source import NotAcceleration, SourceFile
 from rockpulse.record.record import Record
 
@@ -93,16 +100,9 @@ def is_columns(head: bytes, name: str) -> bool:
 def read_columns(file: SourceFile, options: ReadOptions) -> list[Record]:
     """Read every column of accelerations.
 
-    Headings, and a row of units below them, tell what the columns are. Without headings, one column is read, or up to
-    three beside a time column. A series that is wrapped into rows is read if the header states its number of values,
-    or, with a warning, if unit and interval are known and the values run on from row to row (`runs_on`). The numbers
-    may stop at a line of words; see `_behind`.
-
-    `options.units` is needed unless every column states its unit in its heading, in brackets or below it; the prose of
-    a header, which may speak of something else, only has to agree. `options.dt` is needed where neither a time column,
-    a line ``N dt`` nor words such as ``dt = 0.005`` or ``sampling rate 200 Hz`` give the interval. Raises UnitError,
-    NotAcceleration for a header that names velocity, displacement or a spectrum only, and RecordFormatError, also for
-    columns that cannot be told apart.
+    Without headings, one column is read, or up to three beside a time column. A series that is wrapped into rows is
+    read if the header states its number of values, or, with a warning, if unit and interval are known and the values
+    run on from row to row (`runs_on`). The prose of a header, which may speak of something else, only has to agree.
     """
     lines = text_lines(file.content)
     layout = find_layout(lines)
@@ -121,14 +121,17 @@ def read_columns(file: SourceFile, options: ReadOptions) -> list[Record]:
     columns = _columns(file.name, lines[:stop], layout, headings, numbered, prose, lacking, lines[stop:])
     if columns.width > 1 and counts_rows(columns.table, columns.headings):
         columns = columns.picked(range(1, columns.width), "the first column counts the rows; it was left out")
-    if _titled(columns):
-        columns, prose = replace(columns, headings=()), lines[: layout.start]
     kinds = [heading.kind for heading in columns.headings]
-    if "time" in kinds:
-        at = kinds.index("time")
+    at = kinds.index("time") if "time" in kinds else 0
+    if climbs(columns.table[:, 0]) and not climbs(columns.table[:, at]):
+        # The headings are a title, such as "Acceleration (g) vs Time (s)".
+        columns, prose = replace(columns, headings=()), lines[: layout.start]
+    elif at:
         columns = columns.picked([at, *(index for index in range(len(kinds)) if index != at)])
     first = columns.headings[0] if columns.headings else Heading("")
-    _check_abscissa(where, columns, first)
+    climb = np.diff(columns.table[:, 0])
+    if first.kind == "spectrum" and columns.width > 1 and (np.all(climb > 0.0) or np.all(climb < 0.0)):
+        raise no_acceleration(where, "accelerations over time", f"columns over {first.name!r}, a spectrum")
     step = time_column_step(file.name, columns.table, columns.headings, numbered.start, declared)
     if step is not None:
         if first.kind in ("acceleration", "velocity", "displacement"):
@@ -149,11 +152,10 @@ def read_columns(file: SourceFile, options: ReadOptions) -> list[Record]:
     return [
         build_record(
             file,
-            number,
             samples,
             dt,
             unit,
-            format="columns",
+            number=number,
             processed=None,
             component=heading.name,
             facing=heading_direction(heading.name),
@@ -174,10 +176,7 @@ def _columns(
     lacking: Sequence[str],
     behind: Sequence[str],
 ) -> _Columns:
-    """The table of the file, or the one series that is wrapped into its rows, and what is said of the lines `behind`.
-
-    `lacking` names the unit and the interval of a series where they are not given.
-    """
+    """The table of the file, or the one series in its rows; `lacking` names the unit and the interval if not given."""
     first = numbered.start + 1
     rows = lines[numbered.start :]
     check_decimals(name, rows, layout, first, bool(headings))
@@ -216,10 +215,10 @@ def _columns(
 
 
 def _behind(name: str, line: int, behind: Sequence[str], layout: Layout, complete: bool) -> tuple[str, ...]:
-    """What is said of the lines from number `line` on, the first of which is of words.
+    """A warning about the lines from number `line` on, behind the numbers; none for words behind a `complete` series.
 
-    Words behind a `complete` series, whose number of values the header states, say nothing. Rows of numbers that the
-    words name as another quantity are left out with a warning; others, which may go on with the record, are refused.
+    Rows of numbers that the words name as another quantity are left out; others, which may go on with the record,
+    refused.
     """
     rows = [row_width(text, layout.delimiter) == layout.width for text in behind]
     if not any(map(str.strip, behind)) or (complete and not any(rows)):
@@ -242,10 +241,7 @@ def _other_count(said: Collection[int], found: int, what: str) -> str:
 
 
 def _in_reading_order(columns: _Columns, end: np.ndarray, guessed: bool = False) -> _Columns:
-    """The one series in the rows of the columns and in the last row, `end`, which may be shorter.
-
-    `guessed` tells that only the values themselves speak for one series.
-    """
+    """The one series in the rows and in the last one, `end`; `guessed` if only the values themselves speak for it."""
     series = np.concatenate([columns.table.ravel(), end.ravel()])
     note = (
         f"rows of {columns.table.shape[1]} numbers were read as one series of {series.size}, because the values run on "
@@ -268,26 +264,6 @@ def _wrapped(where: str, width: int, found: str, lacking: Sequence[str]) -> Reco
     )
 
 
-def _titled(columns: _Columns) -> bool:
-    """Whether the supposed headings are a title, such as "Acceleration (g) vs Time (s)".
-
-    The first column then runs like time, and the column that would be headed as time does not.
-    """
-    kinds = [heading.kind for heading in columns.headings]
-    at = kinds.index("time") if "time" in kinds else 0
-    return climbs(columns.table[:, 0]) and not climbs(columns.table[:, at])
-
-
-def _check_abscissa(where: str, columns: _Columns, first: Heading) -> None:
-    """Refuse a table over periods or frequencies, whatever its other columns are called."""
-    steps = np.diff(columns.table[:, 0])
-    if first.kind == "spectrum" and columns.width > 1 and (np.all(steps > 0.0) or np.all(steps < 0.0)):
-        raise NotAcceleration(
-            f"{where}: expected accelerations over time, found columns over {first.name!r}, a spectrum; "
-            "read the acceleration file of the same record"
-        )
-
-
 def _check_apart(where: str, columns: _Columns, timed: bool, lacking: Sequence[str]) -> None:
     """Refuse columns if nothing tells which quantity each of them holds."""
     width = columns.width
@@ -303,16 +279,12 @@ def _check_apart(where: str, columns: _Columns, timed: bool, lacking: Sequence[s
     if not timed:
         raise _wrapped(where, width, f"{width} columns of numbers", lacking)
     for before in range(width - 1):
-        if _integrates(columns.table[:, before], columns.table[:, before + 1]):
+        rate, growth = columns.table[:, before], np.diff(columns.table[:, before + 1])
+        with np.errstate(all="ignore"):
+            alike = growth.size > 2 and abs(np.corrcoef(growth, rate[1:] + rate[:-1])[0, 1])
+        if alike > _INTEGRAL:
             found = f"that column {before + 3} is the integral of column {before + 2}, like velocity after acceleration"
             raise unexpected(where, "accelerations in all columns", found, _NAME_THEM)
-
-
-def _integrates(rate: np.ndarray, series: np.ndarray) -> bool:
-    """Whether one series is the integral of another, sample by sample."""
-    with np.errstate(all="ignore"):
-        growth, sums = np.diff(series), rate[1:] + rate[:-1]
-        return bool(growth.size > 2 and abs(np.corrcoef(growth, sums)[0, 1]) > _INTEGRAL)
 
 
 def _accelerations(name: str, columns: _Columns, prose: Sequence[str]) -> _Columns:
@@ -326,18 +298,14 @@ def _accelerations(name: str, columns: _Columns, prose: Sequence[str]) -> _Colum
     ]
     left = ", ".join(heading.name for index, heading in enumerate(headings) if index not in kept)[:_LISTED]
     if not kept:
-        raise NotAcceleration(
-            f"{name}:{len(prose) + 1}: expected an acceleration column, found {left} only; "
-            "read the acceleration file of the same record"
-        )
+        raise no_acceleration(f"{name}:{len(prose) + 1}", "an acceleration column", f"{left} only")
     said = stated_kinds(prose)
     others = [kind for kind in said if kind != "acceleration"]
     if others and not all(headings[index].kind for index in kept):
         where, listed = f"{name}:{said[others[0]]}", " and ".join(others)
         if "acceleration" not in said and "spectrum" not in said:
             raise NotAcceleration(
-                f"{where}: expected accelerations, the header speaks of {listed} only; "
-                "read the acceleration file of the same record"
+                f"{where}: expected accelerations, the header speaks of {listed} only; {ACCELERATION_FILE}"
             )
         expected, found = "to know which columns are accelerations", f"a header that speaks of {listed}"
         raise unexpected(where, expected, found, _NAME_THEM)
@@ -367,15 +335,13 @@ def _units(name: str, headings: Sequence[Heading], prose: Sequence[str], options
     return units
 
 
-FORMATS = (
-    Format(
-        name="columns",
-        what="columns of numbers (CSV, TXT), with or without time",
-        recognised="rows of numbers after a short header",
-        unit="asked for (units), or in the headings",
-        processed="unknown",
-        example="record.csv",
-        detect=is_columns,
-        parse=read_columns,
-    ),
+COLUMNS = Format(
+    name="columns",
+    what="columns of numbers (CSV, TXT), with or without time",
+    recognised="rows of numbers after a short header",
+    unit="asked for (units), or in the headings",
+    processed="unknown",
+    example="record.csv",
+    detect=is_columns,
+    parse=read_columns,
 )

@@ -34,6 +34,9 @@ _SERIES = re.compile(
     r"\s*(\d{1,9})\s+(\D{0,40}?)\s*pts\b.{0,60}?units\s*=\s*([^\s(,]{0,20}?)\s*(?=[\s(,]|Format)(?:\(\s*(\d{1,3})\s*\))?",
     re.ASCII | re.IGNORECASE,
 )
+_GEOLOGY = re.compile(r"site geology:\s*(.*?)\s*$", re.IGNORECASE)
+#: Network and number of the earthquake, then the codes of the channel: RcrdId: US.1000hyfh.NP.8040.HNE.01
+_EVENT_ID = re.compile(r"\s*\|\s*RcrdId:\s*(\w{2}\.\w+)\.\w{2}\.\w+\.\w{3}\.", re.ASCII | re.IGNORECASE)
 _END = re.compile(r"\s*(?:end-of-data|/&)", re.IGNORECASE)
 #: Units that only this format has [m/s2].
 _UNITS = kit.UNITS | {"in/s2": 0.0254, "mg": 1e-3 * STANDARD_GRAVITY, "ug": 1e-6 * STANDARD_GRAVITY, "counts": 1.0}
@@ -41,6 +44,8 @@ _CODES: dict[int | None, str] = {2: "g", 4: "cm/s2", 7: "in/s2", 10: "gal", 11: 
 _FACTORS = {22: "microvolts per count", 42: "sensor sensitivity, V/g", 47: "sensor gain"}
 #: Integer 2 of quantities other than an acceleration along a line.
 _OTHER_QUANTITIES = {2: "velocity", 3: "displacement", 10: "angular acceleration", 11: "angular velocity"}
+#: Integer 19 of stations whose sensors may lie at depth.
+_DEPTHS = {9: "underground observatory", 14: "tunnel", 50: "geotechnical array"}
 #: The closing line may have lines of blanks behind it.
 _CLOSING = 3
 #: Nominal and calibrated sensitivities differ by some percent, a wrong factor by 2 or more.
@@ -65,7 +70,9 @@ class _Series:
 def read_cosmos(file: SourceFile, options: ReadOptions) -> list[Record]:
     """Read the acceleration of every channel; velocity and displacement beside it are passed over."""
     lines = kit.text_lines(file.content)
-    starts = [index for index, line in enumerate(lines) if " text lines)" in line and TITLE.match(line[:200])]
+    starts = [
+        index for index, line in enumerate(lines) if " text lines)" in line and TITLE.match(line[: kit.LONGEST_LINE])
+    ]
     if not starts or starts[0] != 0:
         raise RecordFormatError(
             f"{file.name}:1: expected '(Format v01.20 with 13 text lines)', found {lines[0][:60]!r}"
@@ -75,11 +82,8 @@ def read_cosmos(file: SourceFile, options: ReadOptions) -> list[Record]:
     starts = sorted(set(last))
     spans, copies = kit.distinct_sections(lines, list(zip(starts, [*starts[1:], len(lines)], strict=True)))
     headers = [read_header(file.name, lines, start, end) for start, end in spans]
-    counts = (
-        kit.Counted(header.start + 1, header.text[6], *header.number_and_count(), kind=header.kind.lower())
-        for header in headers
-    )
-    missing = kit.completeness(file.name, counts, closed=any(_END.match(line) for line in lines[-_CLOSING:]))
+    closed = any(_END.match(line) for line in lines[-_CLOSING:])
+    missing = kit.completeness(file.name, (header.counted() for header in headers), closed=closed)
     numbered = enumerate(zip(headers, spans, strict=True), start=1)
     channels = (partial(_channel, file, lines, header, end, number) for number, (header, (_, end)) in numbered)
     return kit.usable_channels(channels, (*missing, *notes, *copies))
@@ -94,10 +98,7 @@ def _channel(file: SourceFile, lines: Sequence[str], header: Header, end: int, n
             f"{_OTHER_QUANTITIES[code]}; find out which is right and repair the header"
         )
     if "accel" not in kind:
-        raise NotAcceleration(
-            f"{file.name}:{header.start + 1}: expected acceleration, found {header.kind!r}; "
-            "read the acceleration file of the same record"
-        )
+        raise kit.no_acceleration(f"{file.name}:{header.start + 1}", "acceleration", repr(header.kind))
     series = _acceleration(file.name, lines, header, end)
     where, first = f"{file.name}:{series.at + 1}", series.at + 1
     unit = _unit(series, where)
@@ -108,27 +109,32 @@ def _channel(file: SourceFile, lines: Sequence[str], header: Header, end: int, n
     notes += series.warnings
     rows = -(-series.count // per_row)
     behind = range(first + rows, end)
-    stop = next((at for at in behind if _END.match(lines[at]) or _SERIES.match(lines[at][:200])), end)
+    stop = next((at for at in behind if _END.match(lines[at]) or _SERIES.match(lines[at][: kit.LONGEST_LINE])), end)
     notes += kit.surplus(lines, first + rows, stop, used=width * (series.count - (rows - 1) * per_row))
     if unit == "counts":
         factor = _per_count(header, where)
     else:
         factor = _UNITS[unit]
-        _check_whole(samples, header.unknown, where)
+        missing = np.flatnonzero(samples == header.unknown)
+        if missing.size:
+            which = f"the first number {missing[0] + 1}, are {header.unknown:g}, which stands for unknown"
+            found = f"{missing.size} of {samples.size} samples, {which}"
+            raise RecordRefused(f"{where}: {found}; cut the record there or get a whole one")
     network, station, location, seed = header.codes()
     channel, component, place = header.channel()
     start_time, time_notes = header.start_time()
     structural = header.structural()
     peak, peak_notes = _peak(header, factor)
     notes += [*peak_notes, *held_series(header, lines[series.at], step, samples)]
+    if site := _DEPTHS.get(header.integer(19) or 0):
+        notes.append(f"the station is of the type {site!r}: the sensor may lie at depth")
     return kit.build_record(
         file,
-        number,
         samples,
         step,
         unit,
+        number=number,
         factor=factor,
-        format="cosmos",
         # "Raw", "Uncorrected" and "Corrected acceleration".
         processed=kind.startswith("corrected"),
         component=f"{component} ({place})" if place else component,
@@ -141,9 +147,17 @@ def _channel(file: SourceFile, lines: Sequence[str], header: Header, end: int, n
         station_name=header.text[4][40:].strip(),
         event=re.sub(r"^(?:rcrd|record) of\s+", "", " ".join(header.text[1].split()), flags=re.IGNORECASE),
         start_time=start_time,
-        facts=header.facts(),
+        event_id=next(filter(None, (kit.matched(_EVENT_ID, comment) for comment in header.comments)), ""),
+        origin_time=kit.written(header.text[3]),
+        magnitude=kit.preferred((header.real(at), scale) for at, scale in enumerate(("Mw", "Ms", "ML", ""), start=13)),
+        hypocentre=(header.real(10), header.real(11)),
+        depth_km=header.real(12),
+        distance_km=header.real(17),
+        station_place=(header.real(1), header.real(2)),
+        site_class=geology[1] if (geology := _GEOLOGY.search(header.text[5])) else "",
         header_peak=peak,
-        warnings=[*notes, *header.site_notes(), *time_notes],
+        peak_factor=1.0,
+        warnings=[*notes, *time_notes],
     )
 
 
@@ -152,7 +166,7 @@ def _acceleration(name: str, lines: Sequence[str], header: Header, end: int) -> 
     found: list[_Series] = []
     begins = header.end
     for at in range(header.end, end):
-        match = _SERIES.match(lines[at][:200]) if "pts" in lines[at].lower() else None
+        match = _SERIES.match(lines[at][: kit.LONGEST_LINE]) if "pts" in lines[at].lower() else None
         if match and not (found and found[-1].at >= at):
             code = int(match[4]) if match[4] else None
             last = kit.last_of_equal(lines, at)
@@ -174,9 +188,8 @@ def _acceleration(name: str, lines: Sequence[str], header: Header, end: int) -> 
             )
         series = found[linear[0]]
         return replace(series, warnings=(*series.warnings, *copies))
-    raise NotAcceleration(
-        f"{name}:{header.end + 1}: expected acceleration, found {found[0].kind!r}; read the acceleration file"
-    )
+    where, advice = f"{name}:{header.end + 1}", "read the acceleration file"
+    raise kit.no_acceleration(where, "acceleration", repr(found[0].kind), advice)
 
 
 def _unit(series: _Series, where: str) -> str:
@@ -196,10 +209,7 @@ def _unit(series: _Series, where: str) -> str:
 
 
 def _peak(header: Header, factor: float) -> tuple[tuple[float, float], list[str]]:
-    """Peak that the header states with half a unit of its last digit [m/s2], and warnings.
-
-    Real 64 has the unit of the samples; the text has its own, and counts where the two contradict each other.
-    """
+    """The stated peak and half a unit of its last digit [m/s2], by the text if real 64 contradicts it; warnings."""
     coded, (number, unit) = header.real(64) * factor, header.peak()
     word = re.sub(r"sec\b|sec(?=\d)", "s", unit.lower()).replace("/s/s", "/s2")
     own = _UNITS.get(word)
@@ -233,15 +243,6 @@ def _per_count(header: Header, where: str) -> float:
     return 1e-6 * header.real(22) / sensitivity * STANDARD_GRAVITY
 
 
-def _check_whole(samples: np.ndarray, unknown: float, where: str) -> None:
-    missing = np.flatnonzero(samples == unknown)
-    if missing.size:
-        raise RecordRefused(
-            f"{where}: {missing.size} of {samples.size} samples, the first number {missing[0] + 1}, are {unknown:g}, "
-            "which stands for unknown; cut the record there or get a whole one"
-        )
-
-
 def _interval(header: Header, count: int, name: str) -> tuple[float, list[str]]:
     """Sampling interval of the series [s]: real 62, else real 34; where they differ, the stated length decides."""
     raw, series, length = header.real(34), 1e-3 * header.real(62), header.real(63)
@@ -269,15 +270,13 @@ def _interval(header: Header, count: int, name: str) -> tuple[float, list[str]]:
     ]
 
 
-FORMATS = (
-    Format(
-        name="cosmos",
-        what="COSMOS 1.20 V0, V1, V2",
-        recognised="first line '(Format v01.20 with 13 text lines)'",
-        unit="by the series: cm/s2, g, gal, counts with gain",
-        processed="by title",
-        example="CE23837.V1C",
-        detect=begins_with(TITLE),
-        parse=read_cosmos,
-    ),
+COSMOS = Format(
+    name="cosmos",
+    what="COSMOS 1.20 V0, V1, V2",
+    recognised="first line '(Format v01.20 with 13 text lines)'",
+    unit="by the series: cm/s2, g, gal, counts with gain",
+    processed="by title",
+    example="CE23837.V1C",
+    detect=begins_with(TITLE),
+    parse=read_cosmos,
 )

@@ -15,13 +15,14 @@ Volume 3, spectra, is recognised so that messages name it and no reader takes it
 import re
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import partial
 from typing import NoReturn
 
 from rockpulse.errors import UnitError
 from rockpulse.readers import kit
 from rockpulse.readers.format import Format, ReadOptions, begins_with
 from rockpulse.readers.kit import csmip
-from rockpulse.readers.source import NotAcceleration, SourceFile
+from rockpulse.readers.source import SourceFile
 from rockpulse.record.record import STANDARD_GRAVITY, Record
 
 UNCORRECTED = re.compile(r"\s?uncorrected accelerogram data\b", re.IGNORECASE)
@@ -47,9 +48,7 @@ _PEAK_2 = re.compile(
     r"\s*peak acceleration\s*=\s*(-?\d*\.?\d+)\s*(?!at\b)([a-z][a-z/]*)(?:\s*at\s+(\d{0,6}\.\d{1,6})\s*sec)?",
     re.IGNORECASE,
 )
-_OTHER_PEAKS = re.compile(
-    r"\s*peak\s+(?:velocity|displacement)\s*=\s*-?\d*\.?\d+\s*(?!at\b)([a-z][a-z/]*)", re.IGNORECASE
-)
+_OTHER_PEAKS = re.compile(r"(?i)\s*peak\s+(?:velocity|displacement)\s*=\s*-?\d*\.?\d+\s*(?!at\b)([a-z][a-z/]*)")
 _LENGTH_2 = re.compile(r".{0,40}?\b(?:record length|duration)\s*=\s*(\d{0,6}\.\d{1,6})\s*sec", re.IGNORECASE)
 #: The component in the title and in the last line of the text.
 _COMPONENT = re.compile(r"\b(?:chan\s*\d{1,4}\s*:|comp)\s+(\S.{0,30}?)(?=\s{2}|\s+from\b|\s*$)", re.IGNORECASE)
@@ -62,28 +61,14 @@ _STATION = re.compile(r"^\s?station no\.?\s+(\w+)\b[^\r\n]*[\r\n]+(\S[^\r\n]*?)(
 _SPECTRA_OPENING = 4000
 
 
-def is_uncorrected(head: bytes, renadic: bool) -> bool:
+def is_uncorrected(head: bytes, name: str, renadic: bool) -> bool:
     """Whether the first line is the title of an uncorrected volume, and the network is RENADIC or another one."""
     opening = head[:_OPENING].decode("latin-1")
     return bool(UNCORRECTED.match(opening)) and ("renadic" in opening.lower()) is renadic
 
 
-def is_csmip_v1(head: bytes, name: str) -> bool:
-    """Whether the first line is the title of an uncorrected volume, and the network is not RENADIC."""
-    return is_uncorrected(head, renadic=False)
-
-
-def read_csmip_v1(file: SourceFile, options: ReadOptions) -> list[Record]:
-    """Read every channel; the options are not used, because the format states everything."""
-    return read_uncorrected(file, "csmip_v1")
-
-
-def read_uncorrected(file: SourceFile, format: str) -> list[Record]:
-    """Read every channel of a volume 1, whichever network wrote it; `format` becomes `Record.format`.
-
-    The first line of the file is 'Uncorrected Accelerogram Data'. Raises RecordFormatError, UnitError or
-    NotAcceleration.
-    """
+def read_uncorrected(file: SourceFile, options: ReadOptions) -> list[Record]:
+    """Read every channel of a volume 1, whichever network wrote it."""
     lines, spans, copies = csmip.channels(file, UNCORRECTED, "Uncorrected Accelerogram Data")
     headers = []
     for number, (start, end) in enumerate(spans, 1):
@@ -91,19 +76,19 @@ def read_uncorrected(file: SourceFile, format: str) -> list[Record]:
         headers.append(csmip.read_header(lines[start : start + csmip.HEADER_LINES]))
     notes = (*csmip.missing_channels(file.name, lines, spans, headers), *copies)
     return [
-        _uncorrected_channel(file, lines, span, number, header.noting(*notes), format)
+        _uncorrected_channel(file, lines, span, number, header.noting(*notes))
         for number, (span, header) in enumerate(zip(spans, headers, strict=True), 1)
     ]
 
 
 def _uncorrected_channel(
-    file: SourceFile, lines: Sequence[str], span: kit.Span, number: int, header: csmip.Header, format: str
+    file: SourceFile, lines: Sequence[str], span: kit.Span, number: int, header: csmip.Header
 ) -> Record:
     start, end = span
-    match = _PEAK_1.search(lines[start + 11][: csmip.LONGEST_LINE])
+    match = _PEAK_1.search(lines[start + 11][: kit.LONGEST_LINE])
     block = _uncorrected_block(file.name, lines, start, end)
     behind = lines[start + csmip.TEXT_LINES : start + csmip.HEADER_LINES]
-    length = _LENGTH_1.search(lines[start + 10][: csmip.LONGEST_LINE])
+    length = _LENGTH_1.search(lines[start + 10][: kit.LONGEST_LINE])
     told = _held(length[1] if length else "", csmip.real(behind, 3), round(block.duration / block.dt), block)
     told += csmip.held_peak_real(behind, 7, block, STANDARD_GRAVITY)
     times = [(match and match[2]) or "", csmip.real(behind, 8)]
@@ -112,7 +97,6 @@ def _uncorrected_channel(
         file,
         number,
         block.noting(*dict.fromkeys(told)),
-        format=format,
         processed=False,
         header_peak=kit.printed_number(match[1] if match else ""),
         peak_factor=STANDARD_GRAVITY,
@@ -134,17 +118,13 @@ def _uncorrected_block(name: str, lines: Sequence[str], start: int, end: int) ->
         block = kit.pair_block(name, lines, first, end, count, unit)
         return block.noting(*csmip.held_count(lines[start + csmip.TEXT_LINES : first], count))
     if heading.kind != "acceleration":
-        raise NotAcceleration(
-            f"{name}:{first + 1}: expected points of acceleration, found {heading.kind}; "
-            "read the acceleration file of the same record"
-        )
+        raise kit.no_acceleration(f"{name}:{first + 1}", "points of acceleration", heading.kind)
     block = csmip.equal_block(name, lines, heading, end, heading.unit)
-    named = _UNIT.match(lines[start + 11][: csmip.LONGEST_LINE])
+    named = _UNIT.match(lines[start + 11][: kit.LONGEST_LINE])
     stated = [(f"line {first + 1}", block.unit), *([(f"line {start + 12}", named[1].lower())] if named else [])]
-    text, where = lines[start + 10][: csmip.LONGEST_LINE], f"{name}:{first + 1}"
-    points, rate = _POINTS.search(text), _RATE.search(text)
-    if points:
-        _check_points(points[1], block, where)
+    text, where = lines[start + 10][: kit.LONGEST_LINE], f"{name}:{first + 1}"
+    rate = _RATE.search(text)
+    _check_points(_POINTS.search(text), block, where)
     number, rounding = kit.printed_number(rate[1] if rate else "")
     if abs(1.0 / block.dt - number) > max(1.01 * rounding, _RATE_TOLERANCE * number):
         expected, found = f"{number:g} samples/sec (text of the channel)", f"a heading with {1.0 / block.dt:g}"
@@ -153,58 +133,56 @@ def _uncorrected_block(name: str, lines: Sequence[str], start: int, end: int) ->
     return block.noting(*counted, *kit.held_units(stated))
 
 
-def _check_points(stated: str, block: kit.Block, where: str) -> None:
-    """Check the count in the text of the channel against that of the heading."""
-    if int(stated) != block.samples.size:
-        expected, found = f"{int(stated)} points (text of the channel)", f"a heading with {block.samples.size}"
+def _check_points(points: re.Match[str] | None, block: kit.Block, where: str) -> None:
+    """Check the count in the text of the channel, if there is one, against that of the heading."""
+    if points and int(points[1]) != block.samples.size:
+        expected, found = f"{int(points[1])} points (text of the channel)", f"a heading with {block.samples.size}"
         raise kit.unexpected(where, expected, found, kit.FILE_DAMAGED)
 
 
-def read_csmip_v2(file: SourceFile, options: ReadOptions) -> list[Record]:
-    """Read the acceleration of every channel; raises NotAcceleration for a file of velocity or displacement only."""
-    return read_corrected(file, "csmip_v2", csmip.read_header)
-
-
-def read_corrected(file: SourceFile, format: str, header: Callable[[Sequence[str]], csmip.Header]) -> list[Record]:
-    """Read a volume 2, whichever network wrote it; `header` reads the 13 lines of text of volume 1.
-
-    The first line of the file is 'Corrected accelerogram'. A channel without acceleration is left out, with a warning
-    on the others; NotAcceleration if none has acceleration. `format` becomes `Record.format`.
-    """
+def read_corrected(
+    file: SourceFile, options: ReadOptions, header: Callable[[Sequence[str]], csmip.Header] = csmip.read_header
+) -> list[Record]:
+    """Read a volume 2, whichever network wrote it; `header` reads the 13 lines of text of volume 1."""
     lines, spans, copies = csmip.channels(file, _CORRECTED, "Corrected accelerogram")
     records, left_out, headers = [], [], []
     for number, (start, end) in enumerate(spans, 1):
         kit.check_count(f"{file.name}:{end}", _ALL_TEXT, end - start, f"header lines of channel {number}")
         read = header(lines[start + 1 : min(start + _ALL_TEXT + 2, end)])
-        repeated = (_COMPONENT.search(lines[at][: csmip.LONGEST_LINE]) for at in (start, start + _ALL_TEXT - 2))
+        repeated = (_COMPONENT.search(lines[at][: kit.LONGEST_LINE]) for at in (start, start + _ALL_TEXT - 2))
         headers.append(replace(read, repeated=tuple(match[1] for match in repeated if match)))
         heading, behind = _acceleration(file.name, lines, start, end)
         if heading.kind != "acceleration":
             left_out.append((number, heading))
             continue
-        text = [line[: csmip.LONGEST_LINE] for line in lines[start : start + _ALL_TEXT]]
+        text = [line[: kit.LONGEST_LINE] for line in lines[start : start + _ALL_TEXT]]
         unit, peak, peak_factor = _unit_and_peak(text, heading, file.name, start + 1)
         block = csmip.equal_block(file.name, lines, heading, behind, unit)
-        _check_correction(text, block, f"{file.name}:{heading.at + 1}")
+        where, interval = f"{file.name}:{heading.at + 1}", _first(_INTERVAL, text)
+        _check_points(_first(_DECLARED, text), block, where)
+        step, rounding = kit.printed_number(interval[1] if interval else "")
+        if abs(block.dt - step) > 1.01 * rounding:
+            expected, found = f"an interval of {step:g} s (text of the channel)", f"a heading with {block.dt:g} s"
+            raise kit.unexpected(where, expected, found, kit.FILE_DAMAGED)
         block = block.noting(*_held_corrected(text, lines[start + _ALL_TEXT : heading.at], block))
+        filtered, corrected = _first(_FILTER, text[_CORRECTION:]), _first(_DECLARED, text[_CORRECTION:])
+        steps = [match[group] for match, group in ((corrected, 2), (filtered, 1)) if match]
+        done = [words.lower() if words.isupper() else words for words in steps]
         records.append(
             headers[-1].record(
                 file,
                 number,
                 block,
-                format=format,
                 processed=True,
                 header_peak=peak,
                 peak_factor=peak_factor,
-                processing=_correction(text[_CORRECTION:]),
+                processing=[f"by the agency: {' '.join(words.split())}" for words in done],
             )
         )
     if not records:
         _, heading = left_out[0]
-        raise NotAcceleration(
-            f"{file.name}:{heading.at + 1}: expected points of acceleration, found {heading.kind}; "
-            "read the file with the acceleration of the same record"
-        )
+        where, advice = f"{file.name}:{heading.at + 1}", "read the file with the acceleration of the same record"
+        raise kit.no_acceleration(where, "points of acceleration", heading.kind, advice)
     notes = (*csmip.missing_channels(file.name, lines, spans, headers), *copies)
     notes += tuple(
         f"line {heading.at + 1}: channel {number} holds {heading.kind} but no acceleration; it was left out"
@@ -249,10 +227,7 @@ def _first(pattern: re.Pattern[str], lines: Sequence[str]) -> re.Match[str] | No
 def _unit_and_peak(
     text: Sequence[str], heading: csmip.Heading, where: str, line: int
 ) -> tuple[str, tuple[float, float], float]:
-    """Unit as worded by the heading, else by the peak; the peak with half a unit of its last digit, and their factor.
-
-    For messages, `where` is the name of the file and `line` the number of the first line of text.
-    """
+    """Unit by the heading, else by the peak; the peak with half a unit of its last digit, and their factor."""
     for at, words in enumerate(text, line):
         if match := _PEAK_2.match(words):
             # USC writes CMS/SEC/SEC.
@@ -266,22 +241,8 @@ def _unit_and_peak(
     return heading.unit, kit.printed_number(""), 1.0
 
 
-def _check_correction(text: Sequence[str], block: kit.Block, where: str) -> None:
-    """Check the count and the interval in the text of the channel against those of the heading."""
-    declared, interval = _first(_DECLARED, text), _first(_INTERVAL, text)
-    if declared:
-        _check_points(declared[1], block, where)
-    step, rounding = kit.printed_number(interval[1] if interval else "")
-    if abs(block.dt - step) > 1.01 * rounding:
-        expected, found = f"an interval of {step:g} s (text of the channel)", f"a heading with {block.dt:g} s"
-        raise kit.unexpected(where, expected, found, kit.FILE_DAMAGED)
-
-
 def _held_corrected(text: Sequence[str], behind: Sequence[str], block: kit.Block) -> list[str]:
-    """Warnings where length, peak and its time, interval or the units of the peaks contradict the block.
-
-    They stand in the text and in reals 60 (length), 61 (interval), 65 (time of the peak) and 66 (peak in cm/s2).
-    """
+    """Warnings where length, peak, its time, interval or units (text, reals 60, 61, 65, 66) contradict the block."""
     length, peak = _first(_LENGTH_2, text), _first(_PEAK_2, text)
     others = [match[1] for line in text if (match := _OTHER_PEAKS.match(line))]
     notes = _held(length[1] if length else "", csmip.real(behind, 60), block.values.size, block)
@@ -294,52 +255,41 @@ def _held_corrected(text: Sequence[str], behind: Sequence[str], block: kit.Block
     return list(dict.fromkeys(notes)) + (kit.held_lengths_of_units([peak[2], *others]) if peak else [])
 
 
-def _correction(correction: Sequence[str]) -> list[str]:
-    """The agency's own words for the correction of the record."""
-    filtered, corrected = _first(_FILTER, correction), _first(_DECLARED, correction)
-    steps = [match[group] for match, group in ((corrected, 2), (filtered, 1)) if match]
-    return [f"by the agency: {' '.join((words.lower() if words.isupper() else words).split())}" for words in steps]
-
-
 def refuse_spectra(file: SourceFile, options: ReadOptions) -> NoReturn:
     """Refuse a volume 3 with the reason."""
     station = _STATION.search(file.head[:_SPECTRA_OPENING].decode("latin-1"))
     of = f" of station {station[1]}, {' '.join(station[2].split())}" if station else ""
-    raise NotAcceleration(
-        f"{file.name}:1: expected an accelerogram{of}, found {_SPECTRA_WORDS}; read the volume 1 or 2 (.V1, .V2) of "
-        "the same record"
-    )
+    advice = "read the volume 1 or 2 (.V1, .V2) of the same record"
+    raise kit.no_acceleration(f"{file.name}:1", f"an accelerogram{of}", _SPECTRA_WORDS, advice)
 
 
-FORMATS = (
-    Format(
-        name="csmip_v1",
-        what="CSMIP volume 1, both layouts",
-        recognised="first line 'Uncorrected Accelerogram Data'",
-        unit="g or g/10, from the header",
-        processed="no",
-        example="CICLC.v1",
-        detect=is_csmip_v1,
-        parse=read_csmip_v1,
-    ),
-    Format(
-        name="csmip_v2",
-        what="CSMIP volume 2, the acceleration of each channel",
-        recognised="first lines 'Corrected accelerogram' and 'Uncorrected Accelerogram Data'",
-        unit="cm/s2, from the heading of the block",
-        processed="yes",
-        example="CE58667.V2",
-        detect=begins_with(_BOTH_TITLES, 1000),
-        parse=read_csmip_v2,
-    ),
-    Format(
-        name="csmip_v3",
-        what=_SPECTRA_WORDS,
-        recognised=f"first lines like {_SPECTRA}",
-        unit="-",
-        processed="-",
-        example="CE89146.V3",
-        detect=begins_with(re.compile(_SPECTRA, re.IGNORECASE), _SPECTRA_OPENING),
-        parse=refuse_spectra,
-    ),
+CSMIP_V1 = Format(
+    name="csmip_v1",
+    what="CSMIP volume 1, both layouts",
+    recognised="first line 'Uncorrected Accelerogram Data'",
+    unit="g or g/10, from the header",
+    processed="no",
+    example="CICLC.v1",
+    detect=partial(is_uncorrected, renadic=False),
+    parse=read_uncorrected,
+)
+CSMIP_V2 = Format(
+    name="csmip_v2",
+    what="CSMIP volume 2, the acceleration of each channel",
+    recognised="first lines 'Corrected accelerogram' and 'Uncorrected Accelerogram Data'",
+    unit="cm/s2, from the heading of the block",
+    processed="yes",
+    example="CE58667.V2",
+    detect=begins_with(_BOTH_TITLES, 1000),
+    parse=read_corrected,
+)
+CSMIP_V3 = Format(
+    name="csmip_v3",
+    what=_SPECTRA_WORDS,
+    recognised=f"first lines like {_SPECTRA}",
+    unit="-",
+    processed="-",
+    example="CE89146.V3",
+    detect=begins_with(re.compile(_SPECTRA, re.IGNORECASE), _SPECTRA_OPENING),
+    parse=refuse_spectra,
 )

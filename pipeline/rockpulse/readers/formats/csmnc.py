@@ -1,26 +1,9 @@
-"""Files of the China Strong Motion Network Centre (CSMNC).
+"""Files of the China Strong Motion Network Centre (CSMNC): one component.
 
-16 lines of header, the last one blank, then accelerations, 8 in a row; some copies end every line with ``$``. One file
-holds one component. The header::
-
-    <station><date and hour of the earthquake><number>
-    <time of the earthquake> 2013-04-20 8:2:46 BTM
-    <name of the earthquake>
-    EPICENTER  30.300N 103.000E DEPTH 13 KM
-    MAGNITUDE  7.0(Ms)
-    STATION: <code> 30.400N 102.800E
-    SITE CONDITION: ROCK
-    INSTRUMENT TYPE: <recorder>/<sensor>
-    OBSERVING POINT: GROUND
-    COMP. EW
-    UNCORRECTED ACCELERATION          UNIT: CM/SEC/SEC
-    NO. OF POINTS:  12000  EQUALLY SPACED INTERVALS OF:  0.005  SEC
-    PEAK VALUE:     -100.350   AT   26.35 SEC    DURATION:  60 SEC
-    PRE-EVENT TIME:  20  SEC
-    CSMNC
-
-.. note:: The second line is the time of the earthquake in Beijing (UTC+8), and the length of the memory before the
-   trigger says nothing about the time of the trigger: the time of the first sample is not known.
+16 lines of header, the last one blank, then accelerations, 8 in a row; some copies end every line with ``$``. Lines are
+``EPICENTER 30.300N 103.000E DEPTH 13 KM``, ``COMP. EW``, ``UNCORRECTED ACCELERATION UNIT: CM/SEC/SEC``, ``NO. OF
+POINTS: 12000 EQUALLY SPACED INTERVALS OF: 0.005 SEC``, ``PEAK VALUE: -100.350 AT 26.35 SEC`` ... The second one has the
+time of the earthquake in Beijing (UTC+8): that of the first sample is not known.
 """
 
 import re
@@ -30,8 +13,8 @@ from datetime import datetime
 import numpy as np
 
 from rockpulse.readers import kit
-from rockpulse.readers.format import Format, ReadOptions
-from rockpulse.readers.source import NotAcceleration, SourceFile
+from rockpulse.readers.format import Format, ReadOptions, begins_with
+from rockpulse.readers.source import SourceFile
 from rockpulse.record.record import Record
 
 _STEP = re.compile(r"EQUALLY SPACED INTERVALS? OF\s*:\s*(\d{0,3}\.?\d{1,9})\s*SEC", re.ASCII | re.IGNORECASE)
@@ -63,21 +46,13 @@ _BEIJING_HOURS = 8.0
 _CUT_OFF = 0.5
 
 
-def is_csmnc(head: bytes, name: str) -> bool:
-    """Whether one of the first lines says ``EQUALLY SPACED INTERVALS OF:  0.005  SEC``."""
-    return bool(_STEP.search(head[:2500].decode("latin-1")))
-
-
 def read_csmnc(file: SourceFile, options: ReadOptions) -> list[Record]:
     """Read the one channel of the file; raises NotAcceleration for velocity and displacement."""
     lines = [line.rstrip().rstrip("$") for line in kit.text_lines(file.content)]
     head = lines[:_LONGEST_HEADER]
     kind_at, kind = _find(file.name, head, _KIND, "UNCORRECTED ACCELERATION  UNIT: CM/SEC/SEC")
     if kind[2].upper() != "ACCELERATION":
-        raise NotAcceleration(
-            f"{file.name}:{kind_at + 1}: expected acceleration, found {kind[2].lower()}; "
-            "read the acceleration file of the same record"
-        )
+        raise kit.no_acceleration(f"{file.name}:{kind_at + 1}", "acceleration", kind[2].lower())
     unit = kit.canonical_unit(kind[3], f"{file.name}:{kind_at + 1}")
     step_at, step = _find(file.name, head, _STEP, "EQUALLY SPACED INTERVALS OF:  0.005  SEC")
     count_at, declared = _find(file.name, head, _COUNT, "NO. OF POINTS:  12000")
@@ -85,34 +60,29 @@ def read_csmnc(file: SourceFile, options: ReadOptions) -> list[Record]:
     first = next((i for i in range(above, min(len(lines), above + 10)) if _ROW.match(lines[i])), len(lines))
     samples, end = _samples(file.name, lines, first, count)
     component, facing, notes = _direction(file, _first(head, _COMPONENT))
-    size = next((match for line in head if (match := _SIZE.match(line[:200]))), None)
+    size = next((match for line in head if (match := _SIZE.match(line[: kit.LONGEST_LINE]))), None)
     named_at, origin = _origin(head)
     event = [head[named_at].strip(), f"{origin:%Y-%m-%d %H:%M:%S} UTC" if origin else ""] if named_at else []
     magnitude = _first(head, _MAGNITUDE)
     return [
         kit.build_record(
             file,
-            1,
             samples,
             dt,
             unit,
-            format="csmnc",
             processed=not kind[1],
             component=component,
             facing=facing,
             structural=kit.on_structure(_first(head, _POINT), stated=True),
             station=_first(head, _STATION),
             event=" ".join(part for part in [*event, f"M {magnitude}" if magnitude else ""] if part),
-            facts=kit.stated(
-                origin_time=origin,
-                magnitude=(size[1], size[2] or "") if size else ("", ""),
-                hypocentre=kit.coordinates(_first(head, _EPICENTRE)),
-                depth_km=_first(head, _DEPTH),
-                station=kit.coordinates(_first(head, _STATION_LINE)),
-                site_class=_first(head, _SITE),
-            ),
+            origin_time=origin,
+            magnitude=(size[1], size[2] or "") if size else ("", ""),
+            hypocentre=kit.coordinates(_first(head, _EPICENTRE)),
+            depth_km=_first(head, _DEPTH),
+            station_place=kit.coordinates(_first(head, _STATION_LINE)),
+            site_class=_first(head, _SITE),
             header_peak=kit.printed_number(_first(head, _PEAK)),
-            peak_factor=kit.UNITS[unit],
             warnings=[
                 *notes,
                 *kit.held_length(_first(head, _DURATION), count, dt, _CUT_OFF),
@@ -126,14 +96,14 @@ def read_csmnc(file: SourceFile, options: ReadOptions) -> list[Record]:
 def _find(name: str, head: Sequence[str], pattern: re.Pattern[str], wanted: str) -> tuple[int, re.Match[str]]:
     """Index of the first line with the pattern, and the match."""
     for index, line in enumerate(head):
-        if match := pattern.search(line[:200]):
+        if match := pattern.search(line[: kit.LONGEST_LINE]):
             return index, match
     raise kit.unexpected(f"{name}:{len(head)}", f"a line such as {wanted!r} in the header", "none")
 
 
 def _first(head: Sequence[str], pattern: re.Pattern[str]) -> str:
     """The first group of the first line that matches; empty where none does."""
-    return next((match[1].strip() for line in head if (match := pattern.match(line[:200]))), "")
+    return next((match[1].strip() for line in head if (match := pattern.match(line[: kit.LONGEST_LINE]))), "")
 
 
 def _samples(name: str, lines: Sequence[str], first: int, count: int) -> tuple[np.ndarray, int]:
@@ -166,22 +136,20 @@ def _direction(file: SourceFile, word: str) -> tuple[str, kit.Direction, list[st
 def _origin(head: Sequence[str]) -> tuple[int, datetime | None]:
     """Index of the line with the name of the earthquake, which is below that of its time, and its time in UTC."""
     for index, line in enumerate(head[:_ORIGIN_LINES]):
-        if match := _ORIGIN.match(line[:200]):
+        if match := _ORIGIN.match(line[: kit.LONGEST_LINE]):
             numbers = [float(text) for text in match.groups()[:6]]
             ahead = 0.0 if match[7] in ("UTC", "GMT", "UT") else _BEIJING_HOURS
             return index + 1, kit.instant(numbers[:3], numbers[3:], ahead)
     return 0, None
 
 
-FORMATS = (
-    Format(
-        name="csmnc",
-        what="CSMNC (China)",
-        recognised="'EQUALLY SPACED INTERVALS OF:' in the header",
-        unit="cm/s2, from the header",
-        processed="by title",
-        example="051WCW080512142801.EW.dat",
-        detect=is_csmnc,
-        parse=read_csmnc,
-    ),
+CSMNC = Format(
+    name="csmnc",
+    what="CSMNC (China)",
+    recognised="'EQUALLY SPACED INTERVALS OF:' in the header",
+    unit="cm/s2, from the header",
+    processed="by title",
+    example="051WCW080512142801.EW.dat",
+    detect=begins_with(re.compile(rf"(?ai)[\s\S]*?{_STEP.pattern}"), 2500),
+    parse=read_csmnc,
 )

@@ -12,26 +12,18 @@ from datetime import datetime
 import numpy as np
 
 from rockpulse.readers import kit
-from rockpulse.readers.format import Format, ReadOptions
-from rockpulse.readers.kit.csmip import LONGEST_LINE
+from rockpulse.readers.format import Format, ReadOptions, begins_with
 from rockpulse.readers.source import SourceFile
 from rockpulse.record.record import Record
 
-_UNIT_LINE = re.compile(rb"#[^\0]{0,2000}?[\r\n]#\s*AmplitudeUnit\s*:", re.IGNORECASE)
+_UNIT_LINE = re.compile(r"#[^\0]{0,2000}?[\r\n]#\s*AmplitudeUnit\s*:", re.ASCII | re.IGNORECASE)
 _ENTRY = re.compile(r"#\s*([^:(]+)(?:\(([^)]*)\))?\s*:(.*)")
 _NUMBER = re.compile(r"\d{1,9}(?:\.\d{0,9})?", re.ASCII)
 _FORMAT = re.compile(r"(\d{1,2})F(\d{1,2})\.\d{1,2}", re.ASCII | re.IGNORECASE)
 _CHANNEL = re.compile(r"([UVZNE])\s*\(([+-])\)", re.IGNORECASE)
 _PEAK = re.compile(r"(-?\d{1,9}\.?\d{0,9})\s*~\s*(-?\d{1,9}\.?\d{0,9})", re.ASCII)
-_MOMENT = re.compile(
-    r"(\d{4})/\s*(\d{1,2})/\s*(\d{1,2})-\s*(\d{1,2}):\s*(\d{1,2}):\s*(\d{1,2}(?:\.\d{0,9})?)", re.ASCII
-)
+_MOMENT = re.compile(r"(?a)(\d{4})/\s*(\d{1,2})/\s*(\d{1,2})-\s*(\d{1,2}):\s*(\d{1,2}):\s*(\d{1,2}(?:\.\d{0,9})?)")
 _ZONE = re.compile(r"GMT\s*([+-]\s*\d{1,2})", re.ASCII | re.IGNORECASE)
-
-
-def is_cwb(head: bytes, name: str) -> bool:
-    """Whether the lines begin with ``#`` and one of them is ``#AmplitudeUnit:``."""
-    return bool(_UNIT_LINE.match(head))
 
 
 def read_cwb(file: SourceFile, options: ReadOptions) -> list[Record]:
@@ -54,25 +46,24 @@ def read_cwb(file: SourceFile, options: ReadOptions) -> list[Record]:
     kit.check_count(f"{file.name}:{len(lines)}", max(1, int((length - rounding) * rate)), rows, "rows")
     table = kit.fixed_width(lines[first:], first + 1, int(fields[2]), columns, rows * columns, file.name)
     table = table.reshape(rows, columns)
-    _check_times(file.name, first, table[:, 0], rate)
+    with np.errstate(over="ignore"):
+        even = kit.printed_at(table[:, 0], 1.0 / rate)
+    if not even:
+        expected = table[0, 0] + np.arange(rows) / rate
+        row = int(np.argmax(np.abs(table[:, 0] - expected) > 0.1 / rate))
+        should, found = f"{expected[row]:g} s ({rate:g} samples per s, header)", f"{table[row, 0]:g} s"
+        advice = "rows are missing or the rate is wrong: download the file again"
+        raise kit.unexpected(f"{file.name}:{first + row + 1}", should, found, advice)
     start_time, notes = _start_time(header, float(table[0, 0]))
     if rows > (length + rounding) * rate + 1.0:
         notes.append(f"the header states {length:g} s at {rate:g} samples per s, the file has {rows} rows")
-    facts = kit.stated(
-        origin_time=_moment(header["origintime"]),
-        magnitude=(header.text("magnitude"), header["magnitude"].aside),
-        hypocentre=(header.text("epicenterlatitude"), header.text("epicenterlongitude")),
-        depth_km=header.text("depth"),
-        station=(header.text("stationlatitude"), header.text("stationlongitude")),
-    )
     return [
         kit.build_record(
             file,
-            number,
             table[:, number],
             1.0 / rate,
             unit,
-            format="cwb",
+            number=number,
             processed=False,
             component=f"{letter}({sign})",
             facing=_facing(letter, sign),
@@ -81,9 +72,12 @@ def read_cwb(file: SourceFile, options: ReadOptions) -> list[Record]:
             station_name=header.text("stationname"),
             event=header.text("origintime"),
             start_time=start_time,
-            facts=facts,
+            origin_time=_moment(header["origintime"]),
+            magnitude=(header.text("magnitude"), header["magnitude"].aside),
+            hypocentre=(header.text("epicenterlatitude"), header.text("epicenterlongitude")),
+            depth_km=header.text("depth"),
+            station_place=(header.text("stationlatitude"), header.text("stationlongitude")),
             header_peak=_peak(header.text(f"amplitudemax{letter.lower()}")),
-            peak_factor=kit.UNITS[unit],
             warnings=notes,
         )
         for number, (letter, sign) in enumerate(channels, start=1)
@@ -94,7 +88,7 @@ def _header(name: str, lines: Sequence[str]) -> kit.Entries:
     """The statements by the letters of their keys, lower case, without the text in parentheses."""
     header = kit.Entries(name)
     for line, text in enumerate(lines, start=1):
-        if match := _ENTRY.match(text[:LONGEST_LINE]):
+        if match := _ENTRY.match(text[: kit.LONGEST_LINE]):
             header[re.sub(r"[\W_]", "", match[1]).lower()] = kit.Entry(match[3].strip(), match[2] or "", line)
     return header
 
@@ -105,17 +99,6 @@ def _positive(header: kit.Entries, key: str, what: str) -> tuple[float, float]:
     if not _NUMBER.fullmatch(text) or not float(text) > 0.0:
         raise kit.unexpected(header.where(key), f"{what} above 0", repr(text or "none"))
     return kit.printed_number(text)
-
-
-def _check_times(name: str, first: int, times: np.ndarray, rate: float) -> None:
-    """The column of times must be that of samples at the stated rate."""
-    with np.errstate(over="ignore"):
-        if kit.printed_at(times, 1.0 / rate):
-            return
-    expected = times[0] + np.arange(times.size) / rate
-    row = int(np.argmax(np.abs(times - expected) > 0.1 / rate))
-    should, advice = f"{expected[row]:g} s ({rate:g} samples per s, header)", "rows are missing or the rate is wrong"
-    raise kit.unexpected(f"{name}:{first + row + 1}", should, f"{times[row]:g} s", f"{advice}: download the file again")
 
 
 def _start_time(header: kit.Entries, first: float) -> tuple[datetime | None, list[str]]:
@@ -157,15 +140,13 @@ def _facing(letter: str, sign: str) -> kit.Direction:
     return replace(facing, azimuth=facing.azimuth + 180.0)  # of N or E
 
 
-FORMATS = (
-    Format(
-        name="cwb",
-        what="CWB or CWA free field (Taiwan)",
-        recognised="lines that begin with '#', one of them '#AmplitudeUnit:'",
-        unit="gal, from the header",
-        processed="no",
-        example="2-EGF.dat",
-        detect=is_cwb,
-        parse=read_cwb,
-    ),
+CWB = Format(
+    name="cwb",
+    what="CWB or CWA free field (Taiwan)",
+    recognised="lines that begin with '#', one of them '#AmplitudeUnit:'",
+    unit="gal, from the header",
+    processed="no",
+    example="2-EGF.dat",
+    detect=begins_with(_UNIT_LINE, 2100),
+    parse=read_cwb,
 )

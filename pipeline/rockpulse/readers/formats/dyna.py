@@ -13,7 +13,7 @@ import numpy as np
 
 from rockpulse.readers import kit
 from rockpulse.readers.format import Format, ReadOptions
-from rockpulse.readers.source import NotAcceleration, SourceFile
+from rockpulse.readers.source import SourceFile
 from rockpulse.record.record import Record
 
 _FIRST = "EVENT_NAME"
@@ -52,10 +52,7 @@ class _Header(kit.Entries):
 
 
 def is_dyna(head: bytes, name: str) -> bool:
-    """Whether the first line is ``EVENT_NAME:``, or that line, others of the keys and then numbers follow other lines.
-
-    A program or a text that quotes a header has no number behind it.
-    """
+    """Whether ``EVENT_NAME:`` is the first line, or stands with others of the keys and numbers below other lines."""
     if b"EVENT_NAME:" not in head:
         return False
     lines = kit.text_lines(head)
@@ -95,10 +92,7 @@ def read_dyna(file: SourceFile, options: ReadOptions) -> list[Record]:
         expected = f"'DATA_TYPE: ACCELERATION' in the {header.end} lines of the header"
         raise kit.unexpected(header.where("DATA_TYPE"), expected, "none")
     if kind.upper() != "ACCELERATION":
-        raise NotAcceleration(
-            f"{header.where('DATA_TYPE')}: expected 'DATA_TYPE: ACCELERATION', found {kind!r}; "
-            "read the acceleration file of the same record"
-        )
+        raise kit.no_acceleration(header.where("DATA_TYPE"), "'DATA_TYPE: ACCELERATION'", repr(kind))
     unit = kit.canonical_unit(header.text("UNITS"), header.where("UNITS"))
     step, count = header.number("SAMPLING_INTERVAL_S"), header.text("NDATA")
     if not step > 0.0:
@@ -124,11 +118,9 @@ def read_dyna(file: SourceFile, options: ReadOptions) -> list[Record]:
     return [
         kit.build_record(
             file,
-            1,
             samples,
             step,
             unit,
-            format="dyna",
             processed=processed,
             component=header.text("STREAM"),
             facing=_facing(header.text("STREAM"), file.path.stem),
@@ -139,7 +131,15 @@ def read_dyna(file: SourceFile, options: ReadOptions) -> list[Record]:
             event=(place.replace("_", " ") if of_event else "") or header.text("EVENT_NAME"),
             start_time=start_time,
             sensor_depth=header.number("SENSOR_DEPTH_M"),
-            facts=_facts(header),
+            event_id=header.text("EVENT_ID"),
+            origin_time=_origin(header),
+            magnitude=kit.preferred([(header.text("MAGNITUDE_W"), "Mw"), (header.text("MAGNITUDE_L"), "ML")]),
+            hypocentre=(header.text("EVENT_LATITUDE_DEGREE"), header.text("EVENT_LONGITUDE_DEGREE")),
+            depth_km=header.text("EVENT_DEPTH_KM"),
+            distance_km=header.text("EPICENTRAL_DISTANCE_KM"),
+            station_place=(header.text("STATION_LATITUDE_DEGREE"), header.text("STATION_LONGITUDE_DEGREE")),
+            vs30=header.text("VS30_M/S"),
+            site_class=header.text("SITE_CLASSIFICATION_EC8"),
             header_peak=kit.printed_number(peak if _DECIMAL.fullmatch(peak) else ""),
             peak_factor=kit.UNITS["cm/s2"],
             warnings=[
@@ -191,11 +191,7 @@ def _before(lines: Sequence[str]) -> tuple[list[tuple[str, str, int]], list[tupl
 
 
 def _processed(header: _Header) -> tuple[bool | None, list[str], list[str]]:
-    """Whether the volume is a corrected one, the words of the file for what was done, and warnings.
-
-    Unprocessed files of AFAD name the processing of their corrected companions; what tells them apart is that they
-    state no corner frequency.
-    """
+    """Whether the volume is corrected, as corner frequencies tell, the file's words for it, and warnings."""
     done, notes = {}, []
     for prefix, source in (("", ""), (_AAD, " (AAD lines)")):
         low, high = (header.number(f"{prefix}{end}_CUT_FREQUENCY_HZ") for end in ("LOW", "HIGH"))
@@ -235,10 +231,7 @@ def _remarks(header: _Header, step: float, samples: np.ndarray) -> list[str]:
 
 
 def _facing(stream: str, stem: str) -> kit.Direction:
-    """The direction of the stream; unknown, with a note, where the name of the file, as agencies give it, has another.
-
-    Names are NET.STA.LOC.STREAM.D. and so on (ESM), or end in the letter of the component (AFAD).
-    """
+    """The direction of the stream; unknown, with a note, where the name of the file (ESM, AFAD) has another."""
     named = _NAMED.search(stem)
     if not named:
         return kit.direction(stream)
@@ -266,20 +259,6 @@ def _origin(header: _Header) -> datetime | None:
     return _moment(f"{header.text('EVENT_DATE_YYYYMMDD')} {header.text('EVENT_TIME_HHMMSS')}")
 
 
-def _facts(header: _Header) -> kit.Facts:
-    return kit.stated(
-        event_id=header.text("EVENT_ID"),
-        origin_time=_origin(header),
-        magnitude=kit.preferred([(header.text("MAGNITUDE_W"), "Mw"), (header.text("MAGNITUDE_L"), "ML")]),
-        hypocentre=(header.text("EVENT_LATITUDE_DEGREE"), header.text("EVENT_LONGITUDE_DEGREE")),
-        depth_km=header.text("EVENT_DEPTH_KM"),
-        distance_km=header.text("EPICENTRAL_DISTANCE_KM"),
-        station=(header.text("STATION_LATITUDE_DEGREE"), header.text("STATION_LONGITUDE_DEGREE")),
-        vs30=header.text("VS30_M/S"),
-        site_class=header.text("SITE_CLASSIFICATION_EC8"),
-    )
-
-
 def _moment(text: str) -> datetime | None:
     """UTC time from 20190728_160919.870, 2010/11/14 23:09:19.300 or 14/11/2010 23:09:19.300; None from others."""
     date, _, time = re.sub(r"[\s_T]+", " ", text.strip()).partition(" ")
@@ -290,15 +269,13 @@ def _moment(text: str) -> datetime | None:
     return kit.instant([int(part) for part in day], (int(clock[1]), int(clock[3]), float(clock[4])))
 
 
-FORMATS = (
-    Format(
-        name="dyna",
-        what="DYNA 1.x (ESM, ITACA, AFAD)",
-        recognised="a line 'EVENT_NAME:' and others of the keys, at the top or below other lines",
-        unit="cm/s2, from the header",
-        processed="by type",
-        example="HI.ARS1..HNE.D.20190728.160908.C.ACC.ASC",
-        detect=is_dyna,
-        parse=read_dyna,
-    ),
+DYNA = Format(
+    name="dyna",
+    what="DYNA 1.x (ESM, ITACA, AFAD)",
+    recognised="a line 'EVENT_NAME:' and others of the keys, at the top or below other lines",
+    unit="cm/s2, from the header",
+    processed="by type",
+    example="HI.ARS1..HNE.D.20190728.160908.C.ACC.ASC",
+    detect=is_dyna,
+    parse=read_dyna,
 )

@@ -27,9 +27,7 @@ _STEP = re.compile(r"\bat (?:intervals of\s+)?(\d{0,3}\.\d{1,6})\s*s", re.IGNORE
 _COMPONENT = re.compile(r"component\s+([NS]\s*\d{1,2}(?:\.\d{0,3})?\s*[EW]\b|\S+)", re.IGNORECASE)
 _DISTANCE = re.compile(r".*?\bdist\s+(\d{1,5})\s*km", re.ASCII | re.IGNORECASE)
 _DEPTH = re.compile(r".*?\bdepth\s+(\d{1,3})\s*km", re.ASCII | re.IGNORECASE)
-_PEAK = re.compile(
-    r"acceleration:\s+peak\s*(-?\d{1,9}(?:\.\d{0,9})?)\s*(\S+)(?:\s+at\s+(\d{0,6}\.\d{1,6})\s*s)?", re.IGNORECASE
-)
+_PEAK = re.compile(r"(?i)acceleration:\s+peak\s*(-?\d{1,9}(?:\.\d{0,9})?)\s*(\S+)(?:\s+at\s+(\d{0,6}\.\d{1,6})\s*s)?")
 _OTHER_PEAKS = re.compile(r"(?:velocity|displacement):\s+peak\s*-?\d{1,9}(?:\.\d{0,9})?\s*(\S+)", re.IGNORECASE)
 _DURATION = re.compile(r".{0,60}?\bduration\s+(\d{0,6}\.\d{1,6})\s*s", re.IGNORECASE)
 
@@ -77,26 +75,29 @@ def _component(file: SourceFile, lines: Sequence[str], start: int, number: int) 
     reals = kit.fixed_width(lines[at:], at + 1, _WIDTH, _PER_ROW, _PER_ROW, file.name)
     count, rows = _counts(file.name, text[9], start, integers)
     kit.check_count(end, rows, len(lines[first : first + rows]), f"rows of values of component {number}")
-    samples = kit.fixed_width(lines[first:], first + 1, _WIDTH, _PER_ROW, count, file.name)
+    values = (first, first + -(-count // _PER_ROW))
+    samples, surplus = kit.fixed_block(file.name, lines, values, _WIDTH, _PER_ROW, count)
     raw = title[1] is not None
     peak, readings = _PEAK.match(text[13]), _READINGS.match(text[10])
     source, line = (readings, 10) if raw else (peak, 13)
     unit = kit.canonical_unit(source[2] if source else "", f"{file.name}:{start + 1 + line}")
     peak_unit = kit.canonical_unit(peak[2], f"{file.name}:{start + 14}") if peak else unit
     start_time, notes = kit.near_event(*_times(integers))
-    step = _step(f"{file.name}:{start + 11}", text[10], float(reals[5]))
-    last = -(-count // _PER_ROW)
-    notes += kit.surplus(lines, first + last, first + last, used=_WIDTH * (count - _PER_ROW * (last - 1)))
+    step, interval = float(reals[5]), _STEP.search(text[10])
+    stated, rounding = kit.printed_number(interval[1] if interval else "")
+    if not (step > 0.0 and abs(step - stated) <= 1.01 * rounding):
+        expected = f"an interval of {step:g} s (real 26 of the header)"
+        raise kit.unexpected(f"{file.name}:{start + 11}", expected, repr(text[10].strip()))
+    notes += surplus
     notes += _held(text, step, step * np.arange(count) - reals[1], samples)
     component = kit.matched(_COMPONENT, text[12])
     record = kit.build_record(
         file,
-        number,
         samples,
         step,
         unit,
+        number=number,
         factor=kit.UNITS[unit] * (float(readings[1]) if readings else 1.0),
-        format="geonet",
         processed=not raw,
         component=component,
         facing=_facing(component, int(integers[27])),
@@ -106,14 +107,12 @@ def _component(file: SourceFile, lines: Sequence[str], start: int, number: int) 
         station_name=text[2].strip(),
         event=text[6].strip(),
         start_time=start_time,
-        facts=kit.stated(
-            origin_time=_times(integers)[1],
-            magnitude=kit.magnitudes(text[8]),
-            hypocentre=kit.coordinates(text[8]),
-            depth_km=kit.matched(_DEPTH, text[8]),
-            distance_km=kit.matched(_DISTANCE, text[8]),
-            station=kit.coordinates(text[1]),
-        ),
+        origin_time=_times(integers)[1],
+        magnitude=kit.magnitudes(text[8]),
+        hypocentre=kit.coordinates(text[8]),
+        depth_km=kit.matched(_DEPTH, text[8]),
+        distance_km=kit.matched(_DISTANCE, text[8]),
+        station_place=kit.coordinates(text[1]),
         header_peak=kit.printed_number(peak[1] if peak else ""),
         peak_factor=kit.UNITS[peak_unit],
         warnings=notes,
@@ -134,21 +133,8 @@ def _counts(name: str, line: str, start: int, integers: np.ndarray) -> tuple[int
     return blocks[0], sum(-(-block // _PER_ROW) for block in blocks)
 
 
-def _step(where: str, line: str, step: float) -> float:
-    """Sampling interval [s], real 26 of the header; the text, with fewer digits, must agree."""
-    match = _STEP.search(line)
-    stated, rounding = kit.printed_number(match[1] if match else "")
-    if not (step > 0.0 and abs(step - stated) <= 1.01 * rounding):
-        raise kit.unexpected(where, f"an interval of {step:g} s (real 26 of the header)", repr(line.strip()))
-    return step
-
-
 def _held(text: Sequence[str], step: float, times: np.ndarray, samples: np.ndarray) -> list[str]:
-    """Warnings where the duration, the time of the peak or the units in the text contradict the samples.
-
-    The times (n,) [s] are those of the text, which are 0 at the beginning of the raw record: real 22 is what the
-    processing has put before it.
-    """
+    """Warnings where duration, time of the peak or units in the text contradict the samples at times (n,) [s]."""
     notes = kit.held_length(kit.matched(_DURATION, text[9]), samples.size, step)
     notes += kit.held_peak_time(kit.matched(_PEAK, text[13], 3), times, samples)
     others = [match[1] for line in text[14:] if (match := _OTHER_PEAKS.match(line))]
@@ -171,15 +157,13 @@ def _times(integers: np.ndarray) -> tuple[datetime | None, datetime | None]:
     return start, kit.instant((year, month, day), (hour, minute, 0.1 * tenths))
 
 
-FORMATS = (
-    Format(
-        name="geonet",
-        what="GeoNet (New Zealand) V1A and V2A, the accelerations",
-        recognised="first line 'Corrected' or 'Uncorrected accelerogram', date_time_site",
-        unit="mm/s2",
-        processed="by type",
-        example="20161113_110313_THZ_20.V2A",
-        detect=begins_with(_TITLE),
-        parse=read_geonet,
-    ),
+GEONET = Format(
+    name="geonet",
+    what="GeoNet (New Zealand) V1A and V2A, the accelerations",
+    recognised="first line 'Corrected' or 'Uncorrected accelerogram', date_time_site",
+    unit="mm/s2",
+    processed="by type",
+    example="20161113_110313_THZ_20.V2A",
+    detect=begins_with(_TITLE),
+    parse=read_geonet,
 )

@@ -9,7 +9,7 @@ import re
 import numpy as np
 
 from rockpulse.readers import kit
-from rockpulse.readers.format import Format, ReadOptions
+from rockpulse.readers.format import Format, ReadOptions, begins_with
 from rockpulse.readers.kit.obspy_bridge import codes_of, obspy_stream, utc_time
 from rockpulse.readers.source import SourceFile
 from rockpulse.record.record import Record
@@ -17,21 +17,14 @@ from rockpulse.record.record import Record
 _SCALE = re.compile(r"Scale Factor\s+(\d+\.?\d*)\s*\(gal\)\s*/\s*(\d+\.?\d*)", re.IGNORECASE)
 _PEAK = re.compile(r"Max\. Acc\. \(gal\)\s+(-?\d+\.?\d*)", re.IGNORECASE)
 _HEADER_LINES = 17
-#: No line of the header is longer; a damaged one may be.
-_LONGEST_LINE = 200
 _DIRECTIONS = re.compile(r"\.(EW|NS|UD)([12]?)$", re.IGNORECASE)
-
-
-def is_knet(head: bytes, name: str) -> bool:
-    """Whether the file begins with the origin time, as these files do."""
-    return head.startswith(b"Origin Time")
 
 
 def read_knet(file: SourceFile, options: ReadOptions) -> list[Record]:
     """Read the one channel of the file; its mean over the whole record is the offset."""
     lines = kit.text_lines(file.content)
     kit.check_count(f"{file.name}:{len(lines)}", _HEADER_LINES, len(lines), "header lines")
-    header = [line[:_LONGEST_LINE] for line in lines[:_HEADER_LINES]]
+    header = [line[: kit.LONGEST_LINE] for line in lines[:_HEADER_LINES]]
     scale = _SCALE.match(header[13])
     if not scale or float(scale[1]) == 0.0 or float(scale[2]) == 0.0:
         raise kit.unexpected(f"{file.name}:14", "'Scale Factor' as 2000(gal)/8388608", repr(header[13].strip()))
@@ -62,23 +55,19 @@ def read_knet(file: SourceFile, options: ReadOptions) -> list[Record]:
     return [
         kit.build_record(
             file,
-            1,
             counts - offset,
             float(stats.delta),
             "counts",
             factor=factor,
-            format="knet",
             processed=False,
             component=component.rstrip("12"),
             **{**codes_of(stats), "channel": component},
             start_time=utc_time(file, stats.starttime),
-            facts=kit.stated(
-                origin_time=utc_time(file, stats.knet.evot),
-                magnitude=(float(stats.knet.mag), ""),
-                hypocentre=(float(stats.knet.evla), float(stats.knet.evlo)),
-                depth_km=float(stats.knet.evdp),
-                station=(float(stats.knet.stla), float(stats.knet.stlo)),
-            ),
+            origin_time=utc_time(file, stats.knet.evot),
+            magnitude=(float(stats.knet.mag), ""),
+            hypocentre=(float(stats.knet.evla), float(stats.knet.evlo)),
+            depth_km=float(stats.knet.evdp),
+            station_place=(float(stats.knet.stla), float(stats.knet.stlo)),
             header_peak=kit.printed_number(kit.matched(_PEAK, header[14])),
             peak_factor=kit.UNITS["gal"],
             event=f"{utc_time(file, stats.knet.evot):%Y-%m-%d %H:%M:%S} UTC M{stats.knet.mag:g}",
@@ -99,16 +88,14 @@ def _component(file: SourceFile, channel: str) -> tuple[str, list[str]]:
     return component, warnings
 
 
-FORMATS = (
-    Format(
-        name="knet",
-        what="K-NET, KiK-net ASCII",
-        recognised="first words 'Origin Time'",
-        unit="counts, scale in the header",
-        processed="no",
-        example="AKT0139608110312.EW",
-        detect=is_knet,
-        parse=read_knet,
-        obspy_reads=True,
-    ),
+KNET = Format(
+    name="knet",
+    what="K-NET, KiK-net ASCII",
+    recognised="first words 'Origin Time'",
+    unit="counts, scale in the header",
+    processed="no",
+    example="AKT0139608110312.EW",
+    detect=begins_with(re.compile("Origin Time")),
+    parse=read_knet,
+    obspy_reads=True,
 )

@@ -32,10 +32,7 @@ def is_miniseed(head: bytes, name: str) -> bool:
 
 
 def read_miniseed(file: SourceFile, options: ReadOptions) -> list[Record]:
-    """Read every acceleration channel; the gain comes from a StationXML file in the same folder.
-
-    A StationXML with the stem of the miniSEED file comes before the others.
-    """
+    """Read every acceleration channel; the gain comes from a StationXML file in the same folder."""
     stream, notes = obspy_stream(file, "MSEED")
     # Lengths are powers of two, so the shortest divides them all.
     length = min(int(trace.stats.mseed.record_length) for trace in stream)
@@ -63,12 +60,11 @@ def _channel(file: SourceFile, traces: list[Any], number: int, options: ReadOpti
     found = from_counts(where, np.asarray(trace.data), float(stats.delta), channel.response, options.response)
     return kit.build_record(
         file,
-        number,
         found.samples,
         float(stats.delta),
         "counts",
+        number=number,
         factor=found.factor,
-        format="miniseed",
         processed=PROCESSED.get(channel.description, False),
         component=stats.channel,
         facing=seed_direction(stats.channel, channel.azimuth, channel.dip),
@@ -76,7 +72,7 @@ def _channel(file: SourceFile, traces: list[Any], number: int, options: ReadOpti
         station_name=site,
         start_time=utc_time(file, stats.starttime),
         sensor_depth=float("nan") if channel.depth is None else float(channel.depth),
-        facts=kit.stated(station=(float(channel.latitude), float(channel.longitude))),
+        station_place=(float(channel.latitude), float(channel.longitude)),
         warnings=[*notes, *found.warnings, *_held_rate(float(stats.sampling_rate), channel)],
         processing=found.processing,
     )
@@ -90,16 +86,14 @@ def _held_rate(rate: float, channel: Any) -> list[str]:
     return [f"the StationXML states {told:g} samples per s, the data {rate:g}; the interval is that of the data"]
 
 
-FORMATS = (
-    Format(
-        name="miniseed",
-        what="miniSEED with StationXML in the same folder",
-        recognised="record header",
-        unit="counts, gain from StationXML",
-        processed="no",
-        example="CI.WCS2..HNE.mseed",
-        detect=is_miniseed,
-        parse=read_miniseed,
-        obspy_reads=True,
-    ),
+MINISEED = Format(
+    name="miniseed",
+    what="miniSEED with StationXML in the same folder",
+    recognised="record header",
+    unit="counts, gain from StationXML",
+    processed="no",
+    example="CI.WCS2..HNE.mseed",
+    detect=is_miniseed,
+    parse=read_miniseed,
+    obspy_reads=True,
 )

@@ -1,11 +1,11 @@
 """Files of the Turkish network before AFAD's own format (NSMN, ``kyhdata``).
 
-Lines ``KEY : value`` in ISO-8859-9 (Turkish Latin), a line that names the columns N-S, E-W and U-D, then one row of
-three accelerations [gal] for each sample. The values are those of the recorder with the mean taken off: the peaks that
-the header calls raw are the peaks of the columns.
+Lines ``KEY : value`` in ISO-8859-9 (Turkish Latin), a line that names the columns N-S, E-W and U-D, then rows of three
+accelerations [gal] without their mean: the peaks that the header calls raw are those of the columns.
 """
 
 import re
+from contextlib import suppress
 from datetime import datetime
 
 from rockpulse.readers import kit
@@ -21,14 +21,14 @@ _DECIMAL = re.compile(r"\d{0,6}\.?\d{1,9}", re.ASCII)
 _CLOCK = r"\s+(\d{1,2}):(\d{1,2}):(\d{1,2}(?:\.\d{0,9})?)\s*(?:\((\w+)\))?"
 _DAY_FIRST = re.compile(r"(\d{1,2})[/.](\d{1,2})[/.](\d{4})" + _CLOCK, re.ASCII)
 _YEAR_FIRST = re.compile(r"(\d{4})[/.](\d{1,2})[/.](\d{1,2})" + _CLOCK, re.ASCII)
-#: Lines of the header, and characters of one; a damaged one may be longer.
-_LONGEST_HEADER, _LONGEST_LINE = 60, 200
+#: Lines of the header.
+_LONGEST_HEADER = 60
 
 
 def read_nsmn(file: SourceFile, options: ReadOptions) -> list[Record]:
     """Read the three channels; the options are not used, because the format states everything."""
     lines = kit.text_lines(file.content)
-    head = [line[:_LONGEST_LINE] for line in lines[:_LONGEST_HEADER]]
+    head = [line[: kit.LONGEST_LINE] for line in lines[:_LONGEST_HEADER]]
     found = next(((at, columns) for at, line in enumerate(head) if (columns := _COLUMNS.match(line))), None)
     if found is None:
         where, expected = f"{file.name}:{min(len(lines), _LONGEST_HEADER)}", "a line 'N-S  E-W  U-D' above the values"
@@ -47,33 +47,31 @@ def read_nsmn(file: SourceFile, options: ReadOptions) -> list[Record]:
     (start_time, notes), date = _start_time(header), header.text("EARTHQUAKE DATE")
     if peaks and sorted(peaks) != sorted(components):
         notes.append(f"the header states the peaks of {', '.join(peaks)}, the columns are {', '.join(components)}")
+    place = header.text("PLACE")
+    with suppress(UnicodeEncodeError):  # ISO-8859-9 differs from Latin-1 in six letters
+        place = place.encode("latin-1").decode("iso8859-9")
     magnitude = header.text("EARTHQUAKE MAGNITUDE")
     size, _, scale = magnitude.partition(" ")
-    facts = kit.stated(
-        origin_time=_moment(date)[0],
-        magnitude=(size, scale),
-        hypocentre=kit.coordinates(header.text("EPICENTER COORDINATES")),
-        depth_km=header.text("EARTHQUAKE DEPTH"),
-        station=kit.coordinates(header.text("STATION COORDINATES")),
-    )
     return [
         kit.build_record(
             file,
-            number,
             samples,
             step,
             unit,
-            format="nsmn",
+            number=number,
             processed=False,
             component=component,
             channel=component.replace("-", ""),
             station=header.text("STATION ID"),
-            station_name=_turkish(header.text("PLACE")),
+            station_name=place,
             event=f"{date} M {magnitude}" if magnitude else date,
             start_time=start_time,
-            facts=facts,
+            origin_time=_moment(date)[0],
+            magnitude=(size, scale),
+            hypocentre=kit.coordinates(header.text("EPICENTER COORDINATES")),
+            depth_km=header.text("EARTHQUAKE DEPTH"),
+            station_place=kit.coordinates(header.text("STATION COORDINATES")),
             header_peak=peaks.get(component, kit.printed_number("")),
-            peak_factor=kit.UNITS[unit],
             warnings=[*notes, *kit.surplus(lines, end, len(lines))],
         )
         for number, (samples, component) in enumerate(zip(table.T, components, strict=True), start=1)
@@ -85,14 +83,6 @@ def _number(header: kit.Entries, key: str) -> float:
     if not _DECIMAL.fullmatch(text) or not float(text) > 0.0:
         raise kit.unexpected(header.where(key), f"'{key} : ' and a number above 0", repr(text))
     return float(text)
-
-
-def _turkish(text: str) -> str:
-    """The text decoded anew as ISO-8859-9, which differs from Latin-1 in six letters."""
-    try:
-        return text.encode("latin-1").decode("iso8859-9")
-    except UnicodeEncodeError:
-        return text
 
 
 def _moment(text: str) -> tuple[datetime | None, str]:
@@ -119,15 +109,13 @@ def _start_time(header: kit.Entries) -> tuple[datetime | None, list[str]]:
     return kit.near_event(start, _moment(header.text("EARTHQUAKE DATE"))[0])
 
 
-FORMATS = (
-    Format(
-        name="nsmn",
-        what="NSMN (Turkey, before AFAD)",
-        recognised="first line 'STRONG GROUND MOTION RECORDS OF T...'",
-        unit="gal, from the header",
-        processed="no",
-        example="20170720223109_0921.txt",
-        detect=begins_with(_TITLE),
-        parse=read_nsmn,
-    ),
+NSMN = Format(
+    name="nsmn",
+    what="NSMN (Turkey, before AFAD)",
+    recognised="first line 'STRONG GROUND MOTION RECORDS OF T...'",
+    unit="gal, from the header",
+    processed="no",
+    example="20170720223109_0921.txt",
+    detect=begins_with(_TITLE),
+    parse=read_nsmn,
 )

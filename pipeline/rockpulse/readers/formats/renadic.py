@@ -1,12 +1,12 @@
 """RENADIC volume 1 files of Chile (Universidad de Chile), in the layout of CSMIP pairs.
 
 Recorders of four channels leave one without a sensor, all zeros. Long records are cut into files ``...parte1.v1``,
-``...parte2.v1``. Clocks are those of the instruments, without a time signal: some were never set, others are hours off.
-The time that the header calls the origin of the earthquake is of the same clock, and is not used.
+``...parte2.v1``. Clocks, and so the origin times, are those of the instruments: some were never set.
 """
 
 import re
 from dataclasses import replace
+from functools import partial
 
 from rockpulse.errors import RecordRefused
 from rockpulse.readers import kit
@@ -20,14 +20,9 @@ from rockpulse.record.record import Record
 _FIRST_TIME = re.compile(r"\s*(-?\d{0,6}\.\d{1,9})", re.ASCII)
 
 
-def is_renadic(head: bytes, name: str) -> bool:
-    """Whether the title is that of an uncorrected volume and the text of the first channel names RENADIC."""
-    return is_uncorrected(head, renadic=True)
-
-
 def read_renadic(file: SourceFile, options: ReadOptions) -> list[Record]:
     """Read every channel but dead ones; raises RecordRefused if all are dead."""
-    records = [replace(record, origin_time=None) for record in read_uncorrected(file, "renadic")]
+    records = [replace(record, origin_time=None) for record in read_uncorrected(file, options)]
     kept = [record for record in records if record.acceleration.any()]
     if not kept:
         raise RecordRefused(f"{file.name}: all samples of all channels are zero: no sensor was connected")
@@ -49,16 +44,14 @@ def _first_times(file: SourceFile) -> dict[str, float]:
     return times
 
 
-FORMATS = (
-    Format(
-        name="renadic",
-        what="RENADIC (Chile) volume 1, parts joined",
-        recognised="first line 'Uncorrected Accelerogram Data', RENADIC in the header",
-        unit="g/10, from the header",
-        processed="no",
-        example="curico1002271parte1.v1",
-        detect=is_renadic,
-        parse=read_renadic,
-        parts=PartRule(re.compile(r"(.*?)[\s_-]*parte?[\s_-]*(\d{1,2})", re.IGNORECASE | re.ASCII), _first_times),
-    ),
+RENADIC = Format(
+    name="renadic",
+    what="RENADIC (Chile) volume 1, parts joined",
+    recognised="first line 'Uncorrected Accelerogram Data', RENADIC in the header",
+    unit="g/10, from the header",
+    processed="no",
+    example="curico1002271parte1.v1",
+    detect=partial(is_uncorrected, renadic=True),
+    parse=read_renadic,
+    parts=PartRule(re.compile(r"(.*?)[\s_-]*parte?[\s_-]*(\d{1,2})", re.IGNORECASE | re.ASCII), _first_times),
 )

@@ -2,8 +2,6 @@
 
 import math
 import struct
-from datetime import datetime
-from typing import Any
 
 import numpy as np
 
@@ -49,7 +47,12 @@ def read_sac(file: SourceFile, options: ReadOptions) -> list[Record]:
     if not 1 <= declared <= available:
         advice = "the file may be truncated: download it again"
         raise kit.unexpected(file.name, f"{declared} samples (header NPTS)", f"room for {available}", advice)
-    _check_coordinates(file, order)
+    for name, word in _COORDINATES.items():
+        # obspy brings longitudes into range by turns of 360 degrees, one by one: of absurd ones it never ends.
+        value = struct.unpack_from(f"{order}f", file.content, 4 * word)[0]
+        if value != _UNDEFINED and not abs(value) <= 360.0:
+            advice = "the file may be damaged: download it again"
+            raise kit.unexpected(file.name, f"degrees in the header word {name}", f"{value:g}", advice)
     (trace,), notes = obspy_stream(file, "SAC")
     stats = trace.stats
     header = stats.sac
@@ -71,22 +74,34 @@ def read_sac(file: SourceFile, options: ReadOptions) -> list[Record]:
     with np.errstate(invalid="ignore"):  # a signalling NaN; Record names it
         values = np.asarray(trace.data, dtype=float)
     start = utc_time(file, stats.starttime) if "nzyear" in header else None
-    words = _words(file, order)
+    # As the file has them, which obspy works out anew; NaN where undefined.
+    raw = {key: struct.unpack_from(f"{order}f", file.content, at)[0] for key, at in _STATED.items()}
+    words = {key: math.nan if value == _UNDEFINED else value for key, value in raw.items()}
     extremes = (words["depmin"], words["depmax"])
     extremes = extremes if math.isfinite(sum(extremes)) else (math.nan, math.nan)
-    notes += _held_end(words, declared)
+    last, step = words["b"] + words["delta"] * (declared - 1), words["delta"]
+    # E is a float32: of large times it has few digits.
+    if abs(words["e"] - last) > _LAST_STEPS * abs(step) + 1e-6 * abs(last):
+        notes.append(
+            f"the header states {words['e']:g} s as the time of the last sample (E), {declared} samples at {step:g} s "
+            f"from {words['b']:g} s (B) end at {last:g} s"
+        )
+
+    def stated(name: str) -> float:
+        return float(f"{float(header.get(name, math.nan)):.7g}")  # the header holds float32
+
+    # Where the origin time O is that of the first sample B nobody has set it: no record begins with its earthquake.
+    to_origin = stated("o") - stated("b")
     scale = float(header.get("scale", 1.0))
     if scale != 1.0:
         notes.append(f"the header word SCALE = {scale:g} is not applied")
     return [
         kit.build_record(
             file,
-            1,
             values,
             # The header holds dt as float32: 0.01 would come as 0.00999999977648.
             float(f"{stats.delta:.7g}"),
             unit,
-            format="sac",
             processed=None,
             component=stats.channel,
             facing=seed_direction(stats.channel, None if azimuth is None else float(azimuth), dip),
@@ -94,72 +109,27 @@ def read_sac(file: SourceFile, options: ReadOptions) -> list[Record]:
             event=str(header.get("kevnm", "")).strip(),
             sensor_depth=float(header.get("stdp", math.nan)),
             start_time=start,
-            facts=_facts(header, start),
+            origin_time=kit.later(start, to_origin) if math.isfinite(to_origin) and to_origin != 0.0 else None,
+            magnitude=(stated("mag"), ""),
+            hypocentre=(stated("evla"), stated("evlo")),
+            depth_km=stated("evdp"),
+            distance_km=stated("dist"),
+            station_place=(stated("stla"), stated("stlo")),
             # The larger of DEPMIN and DEPMAX without sign, where both are set and one is not 0.
             header_peak=(max(map(abs, extremes)) or math.nan, 0.0),
-            peak_factor=kit.UNITS[unit],
             warnings=notes,
         )
     ]
 
 
-def _facts(header: Any, start: datetime | None) -> kit.Facts:
-    """The earthquake and the station; the origin time O and the first sample B count from one reference [s].
-
-    Where both are the same nobody has set O: no record begins with its earthquake.
-    """
-
-    def word(name: str) -> float:
-        return float(f"{float(header.get(name, math.nan)):.7g}")  # the header holds float32
-
-    to_origin = word("o") - word("b")
-    return kit.stated(
-        origin_time=kit.later(start, to_origin) if math.isfinite(to_origin) and to_origin != 0.0 else None,
-        magnitude=(word("mag"), ""),
-        hypocentre=(word("evla"), word("evlo")),
-        depth_km=word("evdp"),
-        distance_km=word("dist"),
-        station=(word("stla"), word("stlo")),
-    )
-
-
-def _words(file: SourceFile, order: str) -> dict[str, float]:
-    """Floats of the header as the file has them, which obspy works out anew; NaN where undefined."""
-    values = {name: struct.unpack_from(f"{order}f", file.content, at)[0] for name, at in _STATED.items()}
-    return {name: math.nan if value == _UNDEFINED else value for name, value in values.items()}
-
-
-def _held_end(words: dict[str, float], declared: int) -> list[str]:
-    """A warning where E is not the time of the last of the declared samples; obspy refuses more or fewer of them."""
-    last, step = words["b"] + words["delta"] * (declared - 1), words["delta"]
-    # E is a float32: of large times it has few digits.
-    if not abs(words["e"] - last) > _LAST_STEPS * abs(step) + 1e-6 * abs(last):
-        return []
-    return [
-        f"the header states {words['e']:g} s as the time of the last sample (E), {declared} samples at {step:g} s "
-        f"from {words['b']:g} s (B) end at {last:g} s"
-    ]
-
-
-def _check_coordinates(file: SourceFile, order: str) -> None:
-    """Refuse absurd longitudes: obspy brings them into range by turns of 360 degrees, one by one, and never ends."""
-    for name, word in _COORDINATES.items():
-        value = struct.unpack_from(f"{order}f", file.content, 4 * word)[0]
-        if value != _UNDEFINED and not abs(value) <= 360.0:
-            advice = "the file may be damaged: download it again"
-            raise kit.unexpected(file.name, f"degrees in the header word {name}", f"{value:g}", advice)
-
-
-FORMATS = (
-    Format(
-        name="sac",
-        what="SAC, binary",
-        recognised="header version",
-        unit="asked for (units)",
-        processed="unknown",
-        example="T001230.HNE.sac",
-        detect=is_sac,
-        parse=read_sac,
-        obspy_reads=True,
-    ),
+SAC = Format(
+    name="sac",
+    what="SAC, binary",
+    recognised="header version",
+    unit="asked for (units)",
+    processed="unknown",
+    example="T001230.HNE.sac",
+    detect=is_sac,
+    parse=read_sac,
+    obspy_reads=True,
 )

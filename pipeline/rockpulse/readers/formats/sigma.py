@@ -1,8 +1,7 @@
 """SIGMA and ITACA ``.acc`` text files (Italy, France): one corrected component with a header of ``key : value`` lines.
 
-The line ``Accelaration time series in m/s/s``, in the spelling of the files, ends the header; the samples follow, five
-in a row in fields of 14 characters that may touch. The time in the header is that of the earthquake: when the record
-starts is not known.
+``Accelaration time series in m/s/s``, as the files spell it, ends the header; the samples follow, five in a row in
+fields of 14 characters that may touch. The time in the header is that of the earthquake.
 """
 
 import re
@@ -13,7 +12,7 @@ import numpy as np
 
 from rockpulse.readers import kit
 from rockpulse.readers.format import Format, ReadOptions
-from rockpulse.readers.source import NotAcceleration, SourceFile
+from rockpulse.readers.source import SourceFile
 from rockpulse.record.record import Record
 
 #: Lines in which the header ends; a header has ten.
@@ -51,10 +50,7 @@ def read_sigma(file: SourceFile, options: ReadOptions) -> list[Record]:
     header, kind, unit_text, repeated = _header(file.name, lines)
     where = f"{file.name}:{header.end}"
     if kind in _OTHERS:
-        raise NotAcceleration(
-            f"{where}: expected 'Acceleration time series', found {_OTHERS[kind]}; "
-            "read the acceleration file of the same record"
-        )
+        raise kit.no_acceleration(where, "'Acceleration time series'", _OTHERS[kind])
     unit = kit.canonical_unit(unit_text, where)
     step, count = header.get("time increment", kit.Entry(aside="s", line=header.end)), header.text("number of data")
     if not (_DECIMAL.fullmatch(step.text) and step.aside.lower() in ("", "s", "sec")):
@@ -75,11 +71,9 @@ def read_sigma(file: SourceFile, options: ReadOptions) -> list[Record]:
     return [
         kit.build_record(
             file,
-            1,
             samples,
             kit.printed_number(step.text)[0],
             unit,
-            format="sigma",
             processed=processed,
             component=component,
             facing=kit.direction(_OTHER_WAY_ROUND.get(component.upper(), component)),
@@ -87,7 +81,7 @@ def read_sigma(file: SourceFile, options: ReadOptions) -> list[Record]:
             station=station.strip(),
             station_name=place.strip(),
             event=header.text("event date & time"),
-            facts=kit.stated(origin_time=kit.written(header.text("event date & time"))),
+            origin_time=kit.written(header.text("event date & time")),
             header_peak=kit.printed_number(pga),
             peak_factor=kit.UNITS[pga_unit],
             warnings=[*repeated, *notes],
@@ -97,10 +91,7 @@ def read_sigma(file: SourceFile, options: ReadOptions) -> list[Record]:
 
 
 def _header(name: str, lines: Sequence[str]) -> tuple[kit.Entries, str, str, tuple[str, ...]]:
-    """The header, which ends in the line that names the series, the letter and the unit of the series, and warnings.
-
-    RecordFormatError where that line is missing, or a key says two things.
-    """
+    """The header up to the line that names the series, the letter and the unit of the series, and warnings."""
     header = kit.Entries(name)
     for at, line in enumerate(lines[:_HEADER_LIMIT]):
         if series := _SERIES.fullmatch(line[:_LONGEST_LINE]):
@@ -121,10 +112,7 @@ def _header(name: str, lines: Sequence[str]) -> tuple[kit.Entries, str, str, tup
 
 
 def _samples(name: str, lines: Sequence[str], first: int, count: int) -> tuple[np.ndarray, list[str]]:
-    """The declared number of samples, and warnings for what stands behind them.
-
-    The fields are cut by their width where the rows have that of the format, else at blanks.
-    """
+    """The declared samples, cut by the width of the fields or else at blanks, and warnings for the rest."""
     rows = [line.rstrip() for line in lines[first : first + _LOOK_AT]]
     kit.check_count(f"{name}:{len(lines)}", count, count if rows else 0)
     lengths = Counter(map(len, rows))
@@ -160,15 +148,13 @@ def _processing(header: kit.Entries) -> tuple[bool | None, list[str]]:
     return (False if words.lower() in ("none", "unprocessed", "raw") else None), notes
 
 
-FORMATS = (
-    Format(
-        name="sigma",
-        what="SIGMA/ITACA .acc",
-        recognised="first lines 'Event Date & Time :', 'Time Increment (s) :', 'Number of Data :'",
-        unit="m/s2, from the header",
-        processed="by the header",
-        example="16837_H2.cor.acc",
-        detect=is_sigma,
-        parse=read_sigma,
-    ),
+SIGMA = Format(
+    name="sigma",
+    what="SIGMA/ITACA .acc",
+    recognised="first lines 'Event Date & Time :', 'Time Increment (s) :', 'Number of Data :'",
+    unit="m/s2, from the header",
+    processed="by the header",
+    example="16837_H2.cor.acc",
+    detect=is_sigma,
+    parse=read_sigma,
 )

@@ -14,7 +14,7 @@ import numpy as np
 from rockpulse.errors import RecordFormatError
 from rockpulse.readers import kit
 from rockpulse.readers.format import Format, ReadOptions
-from rockpulse.readers.source import NotAcceleration, SourceFile
+from rockpulse.readers.source import SourceFile
 from rockpulse.record.record import STANDARD_GRAVITY, Record
 
 #: Series of types 1 to 6, in this order.
@@ -29,8 +29,6 @@ _KINDS = (
 _TITLE = re.compile(rf"\s?([1-6])\s+({'|'.join(_KINDS)})", re.IGNORECASE)
 #: Lines of text, and indices of the first line of the reals and of the first line behind them.
 _TEXT_LINES, _REALS, _FIRST_COMMENT = 11, 17, 27
-#: No line of text is longer; a damaged one may be.
-_LONGEST_LINE = 200
 _STATION = re.compile(r"station\s*=\s*(.*?)\s*component\s*=\s*(.*)", re.IGNORECASE)
 _PEAK = re.compile(r"pk acc\s*=\s*(-?\d+\.?\d*(?:E[+-]?\d+)?)", re.IGNORECASE)
 _EVENT_ID = re.compile(r"\|\s*EventID:\s*(\w{1,40})\s*$", re.ASCII | re.IGNORECASE)
@@ -60,10 +58,8 @@ def read_smc(file: SourceFile, options: ReadOptions) -> list[Record]:
         raise kit.unexpected(f"{file.name}:1", expected, repr(lines[0][:40]), "is it an SMC file?")
     kind = title[1]
     if kind not in "12":
-        raise NotAcceleration(
-            f"{file.name}:1: expected an accelerogram (type 1 or 2), found type {kind}, {title[2].lower()}; "
-            "read the acceleration file of the same record"
-        )
+        found = f"type {kind}, {title[2].lower()}"
+        raise kit.no_acceleration(f"{file.name}:1", "an accelerogram (type 1 or 2)", found)
     kit.check_count(f"{file.name}:{len(lines)}", _FIRST_COMMENT, len(lines), "header lines")
     integers = kit.fixed_width(lines[_TEXT_LINES:], _TEXT_LINES + 1, 10, 8, 48, file.name)
     reals = kit.fixed_width(lines[_REALS:], _REALS + 1, 15, 5, 50, file.name)
@@ -78,32 +74,42 @@ def read_smc(file: SourceFile, options: ReadOptions) -> list[Record]:
             expected = f"comment {number} of {comments}, a line that begins with '|'"
             raise kit.unexpected(f"{file.name}:{_FIRST_COMMENT + number}", expected, repr(line[:40]))
     block = _block(file.name, lines, first, integers, reals, raw=kind == "1")
-    text = [line[:_LONGEST_LINE] for line in lines[:_TEXT_LINES]]
+    text = [line[: kit.LONGEST_LINE] for line in lines[:_TEXT_LINES]]
     station, peak = _STATION.search(text[5]), _PEAK.search(text[6])
     name, component = (station[1], station[2].strip()) if station else ("", "")
     event = _EVENT.match(text[3])
+    known = [float(f"{value:.7g}") for value in reals]  # printed from float32: 5.8000002
+    latitude, longitude, depth, *sizes = known[2:9]
     start_time, notes = _start_time(integers, event)
+    # On a structure by integers 19, 27 and 28, or 25 (floor); else by the name of the station.
+    structural = not np.isnan(integers[24]) or kit.on_structure(name)
+    if integers[18] in _STRUCTURES:
+        free = _FREE_FIELD_AT.get(int(integers[18]))
+        structural = free is None or integers[free - 1] != 0.0
     if integers[17] > 0.0:
         notes.append("the agency flags a problem of this record (integer 18 of the header)")
     return [
         kit.build_record(
             file,
-            1,
             block.samples,
             block.dt,
             _UNIT,
-            format="smc",
             processed=kind == "2",
             component=component,
             facing=_facing(component, integers),
-            structural=_structural(name, integers),
+            structural=structural,
             station="" if np.isnan(integers[29]) else str(int(integers[29])),
             station_name=name,
             event=" ".join(event[5].split()) if event else "",
             start_time=start_time,
-            facts=_facts(reals, event, lines[_FIRST_COMMENT:first]),
+            event_id=next(filter(None, (kit.matched(_EVENT_ID, line) for line in lines[_FIRST_COMMENT:first])), ""),
+            origin_time=_origin(event) if event else None,
+            magnitude=kit.preferred(zip(sizes, ("Mw", "Ms", "ML", ""), strict=True)),
+            hypocentre=(latitude, longitude),
+            depth_km=depth,
+            distance_km=known[16],
+            station_place=(known[10], known[11]),
             header_peak=kit.printed_number(peak[1] if peak else ""),
-            peak_factor=kit.UNITS[_UNIT],
             original_peak=block.peak,
             warnings=[*block.warnings, *_held_extremes(reals, block), *notes],
         )
@@ -120,9 +126,7 @@ def _block(
     if not pairs and not 0.0 < rate <= _RATE_LIMIT:
         expected = f"a sampling rate (second real of the header) above 0 and at most {_RATE_LIMIT:g} per s"
         raise kit.unexpected(f"{name}:{_REALS + 1}", expected, "none" if np.isnan(rate) else str(rate))
-    values = kit.fixed_width(lines[first:], first + 1, 10, 8, count, name)
-    rows = -(-count // 8)
-    warnings = kit.surplus(lines, first + rows, len(lines), name, _TITLE, used=10 * (count - 8 * (rows - 1)))
+    values, warnings = kit.fixed_block(name, lines, (first, len(lines)), 10, 8, count, _TITLE)
     if not pairs:
         return kit.Block(values, 1.0 / rate, _UNIT, np.arange(count) / rate, values, warnings)
     if count % 2:
@@ -151,10 +155,7 @@ def _held_extremes(reals: np.ndarray, block: kit.Block) -> list[str]:
 
 
 def _facing(component: str, integers: np.ndarray) -> kit.Direction:
-    """The direction of the wording and of integers 13 and 14, the angle from the upward vertical and the azimuth.
-
-    The azimuth of a vertical channel says nothing; where wording and integers contradict, the direction is unknown.
-    """
+    """The direction of the wording and of integers 13 and 14, the angle from the upward vertical and the azimuth."""
     upright, azimuth = integers[12], integers[13]
     told = kit.Direction()
     if upright in (0.0, 180.0):
@@ -166,19 +167,8 @@ def _facing(component: str, integers: np.ndarray) -> kit.Direction:
     return kit.held_direction(kit.direction(component), told, note)
 
 
-def _structural(name: str, integers: np.ndarray) -> bool:
-    """Whether the sensor is on a structure: integers 19, 27 and 28, or 25 (floor); else the name of the station."""
-    kind = integers[18]
-    if kind in _STRUCTURES:
-        return int(kind) not in _FREE_FIELD_AT or integers[_FREE_FIELD_AT[int(kind)] - 1] != 0.0
-    return not np.isnan(integers[24]) or kit.on_structure(name)
-
-
 def _start_time(integers: np.ndarray, event: re.Match[str] | None) -> tuple[datetime | None, list[str]]:
-    """UTC time of the first sample (integers 2 to 7), held against that of the earthquake, line 4.
-
-    Without milliseconds the header repeats the minute of the earthquake, which is no time of the record.
-    """
+    """UTC time of the first sample (integers 2 to 7), held against that of the earthquake, line 4."""
     moment = integers[1:7]
     if np.any(np.isnan(moment)):
         return None, []
@@ -198,31 +188,13 @@ def _origin(event: re.Match[str]) -> datetime | None:
     return kit.instant((year, month, day), (time // 100, time % 100, 0))
 
 
-def _facts(reals: np.ndarray, event: re.Match[str] | None, comments: Sequence[str]) -> kit.Facts:
-    """The earthquake by reals 3 to 9 and 17, line 4 and the comments, the station by reals 11 and 12."""
-    values = [float(f"{value:.7g}") for value in reals]  # printed from float32: 5.8000002
-    latitude, longitude, depth, *sizes = values[2:9]
-    ids = (found[1] for comment in comments if (found := _EVENT_ID.match(comment)))
-    return kit.stated(
-        event_id=next(ids, ""),
-        origin_time=_origin(event) if event else None,
-        magnitude=kit.preferred(zip(sizes, ("Mw", "Ms", "ML", ""), strict=True)),
-        hypocentre=(latitude, longitude),
-        depth_km=depth,
-        distance_km=values[16],
-        station=(values[10], values[11]),
-    )
-
-
-FORMATS = (
-    Format(
-        name="smc",
-        what="USGS SMC accelerogram",
-        recognised="first line '1 UNCORRECTED' or '2 CORRECTED ACCELEROGRAM'",
-        unit="cm/s2",
-        processed="by type",
-        example="2516b_a.smc",
-        detect=is_smc,
-        parse=read_smc,
-    ),
+SMC = Format(
+    name="smc",
+    what="USGS SMC accelerogram",
+    recognised="first line '1 UNCORRECTED' or '2 CORRECTED ACCELEROGRAM'",
+    unit="cm/s2",
+    processed="by type",
+    example="2516b_a.smc",
+    detect=is_smc,
+    parse=read_smc,
 )

@@ -1,12 +1,12 @@
 """Volumes 1 and 2 of the University of Southern California (and of Caltech before it), in the layout of CSMIP.
 
-Volume 1 holds pairs of time [s] and acceleration [g/10] of a digitised trace, with unequal steps and a blank for the
-line printer in front of every row. Volume 2 holds corrected acceleration [cm/s2], then velocity and displacement. The
-time in the header is the minute of the earthquake; when the record starts nobody knows.
+Volume 1 holds pairs of time [s] and acceleration [g/10] of a digitised trace, with unequal steps; volume 2 corrected
+acceleration [cm/s2], then velocity and displacement. The time is the minute of the earthquake.
 """
 
 import re
 from collections.abc import Sequence
+from functools import partial
 
 import numpy as np
 
@@ -23,14 +23,12 @@ _CORRECTED = re.compile(r"(?:\s?corrected accelerogram\b[^\r\n]*[\r\n]+)+" + _TI
 _WORDS = 72
 _STATION = re.compile(r"\s*station\s+(?:usc#|no\.?)\s*(\w+)", re.IGNORECASE)
 #: The minute of the earthquake in Greenwich: OCT 01, 1987 -1442 GMT.
-_MINUTE = re.compile(
-    r"\s*([A-Z]{3})[A-Z]*\.?\s+(\d{1,2}),\s*(\d{4})\s*-\s*(\d\d)(\d\d)\s+GMT", re.ASCII | re.IGNORECASE
-)
+_MINUTE = re.compile(r"(?ai)\s*([A-Z]{3})[A-Z]*\.?\s+(\d{1,2}),\s*(\d{4})\s*-\s*(\d\d)(\d\d)\s+GMT")
 _MONTHS = ["JAN", "FEB", "MAR", "APR", "MAY", "JUN", "JUL", "AUG", "SEP", "OCT", "NOV", "DEC"]
 _MAGNITUDE = re.compile(r"\s*magnitude\s*=\s*(\d{1,2}\.\d{0,3})\s", re.ASCII | re.IGNORECASE)
 _DISTANCE = re.compile(r".{0,60}epicentral distance\s*=\s*(\d{1,5}\.\d{0,4})\s*km", re.ASCII | re.IGNORECASE)
-#: Reals of volume 1 in fields of ten characters, eight in a row: epicentral distance [km], magnitude, depth [km].
-_REALS, _OF_EVENT = TEXT_LINES + 7, (11, 12, 14)
+#: Reals of volume 1 in fields of ten characters, eight in a row; 11, 12, 14: distance [km], magnitude, depth [km].
+_REALS = TEXT_LINES + 7
 _COMPONENT = re.compile(r"\s*comp(?:onent)?\s+(.*)", re.IGNORECASE)
 _DURATION = re.compile(r".{0,40}?\bduration\s*=\s*(\d{0,6}\.\d{1,6})\s*sec", re.ASCII | re.IGNORECASE)
 _MEAN_SQUARE = re.compile(
@@ -52,20 +50,12 @@ def read_usc_v1(file: SourceFile, options: ReadOptions) -> list[Record]:
         block = kit.pair_block(file.name, lines, start + HEADER_LINES, end, count, unit)
         head = lines[start : start + HEADER_LINES]
         header = _header(head).noting(*copies, *_held(head, count, block))
-        records.append(header.record(file, number, block, format="usc_v1", processed=False))
+        records.append(header.record(file, number, block, processed=False))
     return records
 
 
-def read_usc_v2(file: SourceFile, options: ReadOptions) -> list[Record]:
-    """Read the acceleration of every channel; raises NotAcceleration for a file of velocity or displacement only."""
-    return read_corrected(file, "usc_v2", _header)
-
-
 def _held(lines: Sequence[str], points: int, block: kit.Block) -> list[str]:
-    """Warnings where count, duration, or the root of the mean square with its unit, contradicts the pairs.
-
-    The format states no peak: the root of the mean square is what the unit can be held against.
-    """
+    """Warnings where count, duration, or the root of the mean square with its unit, contradicts the pairs."""
     behind, square = lines[TEXT_LINES:], _MEAN_SQUARE.match(lines[12][:_WORDS])
     notes = held_count(behind, points)
     for text in (kit.matched(_DURATION, lines[10][:_WORDS]), real(behind, 3)):
@@ -87,61 +77,47 @@ def _held(lines: Sequence[str], points: int, block: kit.Block) -> list[str]:
 def _header(lines: Sequence[str]) -> Header:
     """The header from the 13 lines of text and those behind them."""
     text, behind = [line[:_WORDS].strip() for line in lines[:TEXT_LINES]], lines[TEXT_LINES:]
+    # In volume 2, the lines of the magnitude and the distance; volume 1 has them among the reals.
+    row = lines[_REALS + 1] if len(lines) >= HEADER_LINES else ""
+    distance = next((found[1] for line in behind if (found := _DISTANCE.match(line[:_WORDS]))), row[20:30])
+    magnitude = next((found[1] for line in behind if (found := _MAGNITUDE.match(line[:_WORDS]))), row[30:40])
+    minute, origin = _MINUTE.match(text[2]), None
+    if minute and minute[1].upper() in _MONTHS:
+        day = (int(minute[3]), _MONTHS.index(minute[1].upper()) + 1, int(minute[2]))
+        origin = kit.instant(day, (int(minute[4]), int(minute[5]), 0.0))
     about = {
         "structural": kit.on_structure(text[5]),
         "station": kit.matched(_STATION, text[4]),
         "station_name": text[5],
         "event": " ".join((text[7] or text[1]).split()),
-        "facts": _facts(text, behind, [_real(lines, number) for number in _OF_EVENT]),
+        "origin_time": origin,
+        "magnitude": (magnitude, ""),
+        "hypocentre": kit.coordinates(text[8]),
+        "depth_km": row[50:60],
+        "distance_km": distance,
+        "station_place": kit.coordinates(text[4]),
     }
     component = _COMPONENT.match(text[6])
     return Header(component[1] if component else text[6], about=about, code=direction_code(behind))
 
 
-def _facts(text: Sequence[str], behind: Sequence[str], reals: Sequence[str]) -> kit.Facts:
-    """Earthquake and station, from the text and, in volume 2, from the line of the magnitude, else from the reals."""
-    minute = _MINUTE.match(text[2])
-    magnitude = next((found[1] for line in behind if (found := _MAGNITUDE.match(line[:_WORDS]))), reals[1])
-    distance = next((found[1] for line in behind if (found := _DISTANCE.match(line[:_WORDS]))), reals[0])
-    origin = None
-    if minute and minute[1].upper() in _MONTHS:
-        day = (int(minute[3]), _MONTHS.index(minute[1].upper()) + 1, int(minute[2]))
-        origin = kit.instant(day, (int(minute[4]), int(minute[5]), 0.0))
-    return kit.stated(
-        origin_time=origin,
-        magnitude=(magnitude, ""),
-        hypocentre=kit.coordinates(text[8]),
-        depth_km=reals[2],
-        distance_km=distance,
-        station=kit.coordinates(text[4]),
-    )
-
-
-def _real(lines: Sequence[str], number: int) -> str:
-    """A real of volume 1, from 1, as it is written; empty in the text of volume 2, which comes without them."""
-    row, column = divmod(number - 1, 8)
-    return lines[_REALS + row][10 * column : 10 * (column + 1)] if len(lines) >= HEADER_LINES else ""
-
-
-FORMATS = (
-    Format(
-        name="usc_v1",
-        what="USC volume 1 (pairs of a digitised trace)",
-        recognised="first line 'FILE N OF UNCORRECTED ACCELEROGRAM DATA'",
-        unit="g/10, from the header",
-        processed="no",
-        example="017m30lw.e0a",
-        detect=begins_with(_TITLE),
-        parse=read_usc_v1,
-    ),
-    Format(
-        name="usc_v2",
-        what="USC volume 2, the acceleration",
-        recognised="second line 'FILE N OF UNCORRECTED ACCELEROGRAM DATA'",
-        unit="cm/s2, from the peak in the header",
-        processed="yes",
-        example="274o42pv.s0a",
-        detect=begins_with(_CORRECTED, 1000),
-        parse=read_usc_v2,
-    ),
+USC_V1 = Format(
+    name="usc_v1",
+    what="USC volume 1 (pairs of a digitised trace)",
+    recognised="first line 'FILE N OF UNCORRECTED ACCELEROGRAM DATA'",
+    unit="g/10, from the header",
+    processed="no",
+    example="017m30lw.e0a",
+    detect=begins_with(_TITLE),
+    parse=read_usc_v1,
+)
+USC_V2 = Format(
+    name="usc_v2",
+    what="USC volume 2, the acceleration",
+    recognised="second line 'FILE N OF UNCORRECTED ACCELEROGRAM DATA'",
+    unit="cm/s2, from the peak in the header",
+    processed="yes",
+    example="274o42pv.s0a",
+    detect=begins_with(_CORRECTED, 1000),
+    parse=partial(read_corrected, header=_header),
 )

@@ -1,4 +1,4 @@
-"""The helpers that a format is written with; CONTRIBUTING.md lists the ten that most formats use."""
+"""The helpers that a format is written with; CONTRIBUTING.md lists those that most formats use."""
 
 # ruff: noqa: F401 - the formats import these names
 
@@ -9,6 +9,7 @@ from rockpulse.readers.kit.checks import (
     completeness,
     contradictory,
     distinct_sections,
+    fixed_block,
     held_direction,
     held_length,
     held_lengths_of_units,
@@ -20,20 +21,19 @@ from rockpulse.readers.kit.checks import (
 )
 from rockpulse.readers.kit.direction import Direction, direction, on_structure
 from rockpulse.readers.kit.facts import (
-    NOTHING,
-    Facts,
     coordinates,
     instant,
     later,
     magnitudes,
     near_event,
     preferred,
-    stated,
     written,
 )
 from rockpulse.readers.kit.spacing import Block, declared_points, make_even, pair_block, pair_unit, printed_at
 from rockpulse.readers.kit.text import (
     FILE_DAMAGED,
+    LONGEST_LINE,
+    TRUNCATED,
     UNITS,
     Entries,
     Entry,
@@ -43,6 +43,7 @@ from rockpulse.readers.kit.text import (
     free_numbers,
     free_rows,
     matched,
+    no_acceleration,
     printed_number,
     text_lines,
     unexpected,

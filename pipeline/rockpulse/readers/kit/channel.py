@@ -4,13 +4,14 @@ import re
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from datetime import datetime
+from typing import Unpack
 
 import numpy as np
 
 from rockpulse.errors import RecordFormatError, RecordRefused
 from rockpulse.readers.kit.direction import Direction, direction, vertical_if_so
-from rockpulse.readers.kit.facts import NOTHING, Facts, clock_fault
-from rockpulse.readers.kit.text import UNITS, other_readings, unexpected
+from rockpulse.readers.kit.facts import Facts, clock_fault, stated
+from rockpulse.readers.kit.text import TRUNCATED, UNITS, other_readings, unexpected
 from rockpulse.readers.source import NotAcceleration, SourceFile
 from rockpulse.record.components import SHALLOW
 from rockpulse.record.record import STANDARD_GRAVITY, Record, record_id
@@ -43,9 +44,9 @@ FULL_SCALE, NEAR_FULL_SCALE = 2**23, 0.99
 
 
 def odd_peak(peak: float, unit: str, factor: float) -> Remark:
-    """The remark on a peak [m/s2] that is hardly an earthquake's: what it would be if the file had another unit.
+    """The remark on a peak [m/s2] that is hardly an earthquake's, with the readings in units other than the file's.
 
-    The unit and the m/s2 of one unit are those of the file; without a unit the samples came in m/s2.
+    `factor` are the m/s2 of one unit of the file; without a unit the samples came in m/s2.
     """
     unit, factor = (unit, UNITS.get(unit, abs(factor))) if unit else ("m/s2", 1.0)
     named = unit if unit in UNITS else f"{unit} x {factor:.4g} m/s2"
@@ -73,12 +74,12 @@ def _peak_warnings(peak: float, unit: str, factor: float, header_peak: float, ro
 
 def build_record(
     file: SourceFile,
-    number: int,
     samples: np.ndarray,
     dt: float,
     unit: str,
     *,
-    format: str,
+    number: int = 1,
+    format: str = "",
     processed: bool | None,
     factor: float | None = None,
     component: str = "",
@@ -92,22 +93,19 @@ def build_record(
     event: str = "",
     start_time: datetime | None = None,
     sensor_depth: float = float("nan"),
-    facts: Facts = NOTHING,
     header_peak: tuple[float, float] = (float("nan"), 0.0),
-    peak_factor: float = 1.0,
+    peak_factor: float | None = None,
     original_peak: float | None = None,
     warnings: Sequence[str] = (),
     processing: Sequence[str] = (),
+    **facts: Unpack[Facts],
 ) -> Record:
-    """Make the record of one channel, in m/s2, and check it.
+    """The record of one channel, the file's `number` from 1, in m/s2 and checked; vertical motion is positive up.
 
     `samples` are in the file's `unit`: a key of `UNITS`, or "counts" with a `factor` [m/s2 per count]. `facing` is
-    given where the format knows more than the wording of `component`; `channel`, where it is SEED's code of a vertical
-    channel, says more than a horizontal direction. `header_peak` is the stated peak with half a unit of its last digit
-    (`printed_number`), in units of `peak_factor` m/s2; the header describes `original_peak`, the largest absolute value
-    before resampling [unit], where that is given. `number` counts the channels of the file from 1. A start time [UTC]
-    that `clock_fault` rejects is left out with a warning; a `sensor_depth` [m] that cannot be, such as -9999, without
-    one. A channel that is positive downwards changes its sign, so that vertical motion is positive up.
+    given where the format knows more than the wording of `component`. `header_peak` is the stated peak with half a unit
+    of its last digit (`printed_number`), in units of `peak_factor` m/s2, else those of the samples; the header
+    describes `original_peak`, the largest absolute value before resampling [unit], where that is given.
     """
     code = channel or _DEGREES.sub("", component.strip())
     facing = vertical_if_so(facing or direction(component), code)
@@ -116,9 +114,9 @@ def build_record(
     if not (np.isfinite(dt) and dt > 0.0):
         raise RecordFormatError(f"{where}: expected a positive sampling interval in s, found {dt!r}")
     if samples.size < 2:
-        advice = "the file may be truncated: download it again"
-        raise unexpected(where, "at least 2 samples", str(samples.size), advice)
-    stated_peak, rounding = (value * peak_factor for value in header_peak)
+        raise unexpected(where, "at least 2 samples", str(samples.size), TRUNCATED)
+    per_peak = UNITS[unit] if peak_factor is None and unit in UNITS else peak_factor or 1.0
+    stated_peak, rounding = (value * per_peak for value in header_peak)
     samples_peak = float(np.max(np.abs(samples))) if original_peak is None else original_peak
     # A reader that filters the samples has looked at them before; the words are the same.
     clipped = [] if processed else [note for note in clipping_warning(samples, unit) if note not in warnings]
@@ -162,17 +160,12 @@ def build_record(
         event=event,
         warnings=tuple(notes),
         processing=tuple(processing),
-        **vars(facts),
+        **stated(**facts),
     )
 
 
 def usable_channels(channels: Iterable[Callable[[], Record]], notes: Sequence[str] = ()) -> list[Record]:
-    """Read the channels of a file, each by its callable, and keep the usable ones; each names those left out, and why.
-
-    `notes` are warnings for all of them. Raises RecordFormatError for the first damaged channel and RecordRefused if no
-    channel is usable: `NotAcceleration`, which is skipped in a folder, only if none is an acceleration, because an
-    acceleration that cannot be used is worth an error.
-    """
+    """The usable channels of a file, each read by its callable; each names those left out, and has the `notes`."""
     records: list[Record] = []
     refusals: list[RecordRefused] = []
     for read_channel in channels:
@@ -190,26 +183,18 @@ def with_warnings(records: Sequence[Record], notes: Sequence[str]) -> list[Recor
     return [replace(record, warnings=(*record.warnings, *notes)) if notes else record for record in records]
 
 
-def _longest_run(at: np.ndarray) -> tuple[int, int]:
-    """First index and length of the longest run of consecutive indices."""
-    starts = np.concatenate([[0], np.flatnonzero(np.diff(at) != 1) + 1])
-    lengths = np.diff(np.append(starts, at.size))
-    longest = int(np.argmax(lengths))
-    return int(at[starts[longest]]), int(lengths[longest])
-
-
 def clipping_warning(samples: np.ndarray, unit: str = "counts") -> list[Remark]:
-    """A warning where a raw record stays at its largest or smallest value, or reaches the end of 24 bits.
-
-    The samples are those before any filter. Only values in the unit "counts" are compared with the range of a recorder.
-    """
+    """A warning where a raw record, before any filter, stays at an extreme value or reaches the 24 bits of counts."""
     warnings: list[Remark] = []
     step = None
     for end, edge in (("largest", np.max(samples)), ("smallest", np.min(samples))):
         at = np.flatnonzero(samples == edge)
         if not RUN <= at.size < samples.size:
             continue
-        first, length = _longest_run(at)
+        starts = np.concatenate([[0], np.flatnonzero(np.diff(at) != 1) + 1])
+        lengths = np.diff(np.append(starts, at.size))
+        length = int(np.max(lengths))
+        first = int(at[starts[np.argmax(lengths)]])
         if length < RUN:
             continue
         step = float(np.min(np.diff(np.unique(samples)))) if step is None else step

@@ -1,7 +1,6 @@
 """A file held against itself: statements of a header against the samples, copies of a part, missing channels, surplus.
 
-A header that contradicts itself is told, for one of its statements is wrong and nobody knows which. A part that stands
-in a file twice is read once. A function that returns warnings returns none where all is well or a statement is missing.
+A function that returns warnings returns none where all is well or a statement is missing.
 """
 
 import re
@@ -11,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from rockpulse.readers.kit.direction import Direction
-from rockpulse.readers.kit.text import FILE_DAMAGED, UNITS, printed_number, unexpected
+from rockpulse.readers.kit.text import FILE_DAMAGED, UNITS, fixed_width, printed_number, unexpected
 
 #: A stated length, of the samples or of the steps between them, may be off by this many steps.
 LENGTH_STEPS = 2.0
@@ -29,13 +28,7 @@ Span = tuple[int, int]
 
 
 def held_length(text: str, count: int, dt: float, spare: float = 0.0) -> list[str]:
-    """Whether `count` samples at `dt` last as long as a header prints [s], give or take `spare`.
-
-    Examples
-    --------
-    >>> held_length("12.0", 1200, 0.01), held_length("12.0", 1200, 0.02)
-    ([], ['the header states 12 s, 1200 samples at 0.02 s last 24 s'])
-    """
+    """A warning where `count` samples at `dt` do not last as long as a header prints [s], give or take `spare`."""
     if not _NUMBER.fullmatch(text):
         return []
     stated, rounding = printed_number(text)
@@ -45,10 +38,7 @@ def held_length(text: str, count: int, dt: float, spare: float = 0.0) -> list[st
 
 
 def held_peak_time(text: str, times: np.ndarray, values: np.ndarray) -> list[str]:
-    """Whether the motion is near its largest where a header prints the time of the peak [s].
-
-    The times (n,) [s] and the values (n,) are those of the file, before any interpolation.
-    """
+    """A warning where the values (n,) at times (n,) [s], as in the file, are small where a header prints the peak."""
     if not _NUMBER.fullmatch(text) or times.size < 2:
         return []
     stated, rounding = printed_number(text)
@@ -63,7 +53,7 @@ def held_peak_time(text: str, times: np.ndarray, values: np.ndarray) -> list[str
 
 
 def held_units(stated: Iterable[tuple[str, str]]) -> list[str]:
-    """Whether the channels of a file, or places of a header, have one unit; each as its name and a key of `UNITS`."""
+    """A warning where channels of a file, or places of a header, differ in the unit; (name, key of `UNITS`) each."""
     stated = list(stated)
     if len({UNITS[unit] for _, unit in stated}) < 2:
         return []
@@ -72,7 +62,7 @@ def held_units(stated: Iterable[tuple[str, str]]) -> list[str]:
 
 
 def held_lengths_of_units(units: Sequence[str]) -> list[str]:
-    """Whether acceleration, velocity and displacement are measured in one unit of length, as a header words them."""
+    """A warning where the units of acceleration, velocity and displacement, as worded, have different lengths."""
     if len({match[1].lower() for unit in units if (match := _LENGTH.match(unit))}) < 2:
         return []
     return [f"the header states {' beside '.join(units)}: units of two lengths; one of them is wrong"]
@@ -87,10 +77,7 @@ def contradictory(said: Direction, told: Direction) -> bool:
 
 
 def held_direction(said: Direction, told: Direction, note: str) -> Direction:
-    """The direction by two statements, of which one may be unknown; where they contradict, unknown with a note.
-
-    A channel is horizontal if both say so, whichever azimuth it has.
-    """
+    """The direction by two statements, of which one may be unknown; where they contradict, a note says so."""
     if contradictory(said, told):
         return Direction("horizontal" if said.orientation == told.orientation == "horizontal" else "unknown", note=note)
     return told if said.orientation == "unknown" or (np.isnan(said.azimuth) and not np.isnan(told.azimuth)) else said
@@ -106,9 +93,8 @@ def surplus(
 ) -> tuple[str, ...]:
     """A warning for rows between the declared samples (index `first`) and the end of the channel (index `end`).
 
-    Where `used` tells the characters of the declared samples in the last of their rows, numbers behind them in that row
-    are told as well. `title` matches the line with which another record of the file `name` would begin, which is
-    refused: formats of one channel have no place for it.
+    Numbers behind the `used` characters of the last row of samples are told as well. `title` matches the first line of
+    another record of the file `name`, which formats of one channel refuse.
     """
     notes = []
     if used is not None and lines[first - 1][used:].strip():
@@ -116,11 +102,25 @@ def surplus(
     for at in range(first, end):
         if title and title.match(lines[at][:_LONGEST_LINE]):
             found = f"{lines[at][:60].strip()!r}, the beginning of another record"
-            raise unexpected(
-                f"{name}:{at + 1}", "the end of the file", found, "write each record into a file of its own"
-            )
+            advice = "write each record into a file of its own"
+            raise unexpected(f"{name}:{at + 1}", "the end of the file", found, advice)
     rows = sum(bool(line.strip()) for line in lines[first:end])
     return (*notes, *([f"line {first + 1}: {rows} rows beyond the declared count were left out"] if rows else []))
+
+
+def fixed_block(
+    name: str,
+    lines: Sequence[str],
+    span: Span,
+    width: int,
+    per_row: int,
+    count: int,
+    title: re.Pattern[str] | None = None,
+) -> tuple[np.ndarray, tuple[str, ...]]:
+    """The first `count` numbers of the lines of a span, see `fixed_width`, and warnings for the rest, see `surplus`."""
+    first, end = span
+    samples, rows = fixed_width(lines[first:end], first + 1, width, per_row, count, name), -(-count // per_row)
+    return samples, surplus(lines, first + rows, end, name, title, width * (count - (rows - 1) * per_row))
 
 
 def last_of_equal(lines: Sequence[str], at: int) -> int:
@@ -142,20 +142,15 @@ def repeated_marker(first: int, last: int) -> tuple[str, ...]:
 def distinct_sections(
     lines: Sequence[str], spans: Sequence[Span], what: str = "channel"
 ) -> tuple[list[Span], tuple[str, ...]]:
-    """The sections of a file without those that are copies of earlier ones, and a warning for each copy.
-
-    Parts of the same name that differ are left to the reader, which refuses them: they are never joined to one motion.
-    `what` names a section in the warning.
-    """
+    """The sections of a file without copies of earlier ones, and a warning for each copy, which names it by `what`."""
     first: dict[tuple[str, ...], Span] = {}
     notes = []
     for span in spans:
         content = tuple(line.rstrip() for line in lines[slice(*span)] if line.strip())
         copied = first.setdefault(content, span)
         if copied is not span:
-            notes.append(
-                f"line {span[0] + 1}: the {what} of line {copied[0] + 1} stands in the file again; it was read once"
-            )
+            known = f"the {what} of line {copied[0] + 1}"
+            notes.append(f"line {span[0] + 1}: {known} stands in the file again; it was read once")
     return list(first.values()), tuple(notes)
 
 
@@ -172,11 +167,10 @@ class Counted(NamedTuple):
 def completeness(
     name: str, channels: Iterable[Counted], whose: str = "the header counts", closed: bool = False
 ) -> tuple[str, ...]:
-    """A warning for each recorder of which the file holds fewer channels than it should.
+    """A warning for each recorder of which the file holds fewer channels than `whose`, in the message, counts.
 
-    `whose` says in the message who counts the channels. If the file is `closed`, that is, ends as its format asks for,
-    one channel is enough: agencies cut the records of structures into such files. Raises RecordFormatError for a
-    channel that is there twice, with both lines.
+    If the file is `closed`, that is, ends as its format asks for, one channel is enough: agencies cut the records of
+    structures into such files. A channel that is there twice is refused.
     """
     first: dict[tuple[str, str, str], int] = {}
     held: dict[str, set[str | int]] = {}

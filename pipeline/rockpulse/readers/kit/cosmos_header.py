@@ -1,7 +1,4 @@
-"""The header of one channel of a COSMOS file: text, integers, reals, comments, each behind a line that states how many.
-
-Integers and reals are counted from 1, as in the description of the format. Those that stand for "unknown" are NaN.
-"""
+"""The header of one channel of a COSMOS file: text, integers, reals, comments; numbers count from 1, NaN is unknown."""
 
 import re
 from collections.abc import Sequence
@@ -10,16 +7,14 @@ from datetime import datetime
 
 import numpy as np
 
-from rockpulse.readers.kit.checks import held_length, held_peak_time
+from rockpulse.readers.kit.checks import Counted, contradictory, held_length, held_peak_time
 from rockpulse.readers.kit.direction import Direction, direction, means_vertical, on_structure
-from rockpulse.readers.kit.facts import Facts, instant, preferred, stated, written
-from rockpulse.readers.kit.text import check_count, fixed_width, free_numbers, matched, unexpected
+from rockpulse.readers.kit.facts import instant
+from rockpulse.readers.kit.text import LONGEST_LINE, check_count, fixed_width, free_numbers, matched, unexpected
 from rockpulse.remark import Remark
 
 TITLE = re.compile(r"\s?(.{0,60}?)\s*\(Format v\d{1,2}\.\d{1,3} with (\d{1,3}) text lines\)", re.ASCII | re.IGNORECASE)
-_UNKNOWN = re.compile(
-    r"values used when .{0,60}:\s*(-?\d{1,8})\s*,\s*(-?\d{1,8}\.?\d{0,8})\s*$", re.ASCII | re.IGNORECASE
-)
+_UNKNOWN = re.compile(r"(?ai)values used when .{0,60}:\s*(-?\d{1,8})\s*,\s*(-?\d{1,8}\.?\d{0,8})\s*$")
 _LAYOUT = re.compile(r"format\s*=\s*\(\s*(?:\d{1,2}P,?)?(\d{1,3})[IFEGD](\d{1,3})", re.ASCII | re.IGNORECASE)
 _SCNL = re.compile(r"\s*\|\s*<SCNL>([^.\s]*)\.([^.\s]*)\.([^.\s]*)\.([^.\s]*)")
 _CODE = re.compile(r"\bCode:\s*(\w\w|--|__)-(\w*)", re.ASCII)
@@ -28,20 +23,13 @@ _CLOCK = re.compile(
     r"Rcrd start time:.{0,12}?\d{4}.{0,9}?\s\d{1,2}:\s*\d{1,2}:\s*(\d{0,2}\.?\d{0,9})\s*((?!Rcrd)[A-Z]{3,9})?",
     re.ASCII | re.IGNORECASE,
 )
-_PEAK = re.compile(
-    r"\bmax\s*=\s*(-?\d{0,9}\.?\d{1,9}|-?\d{1,9}\.)\s*([A-Z][A-Z0-9/*^]{0,12})", re.ASCII | re.IGNORECASE
-)
-_GEOLOGY = re.compile(r"site geology:\s*(.*?)\s*$", re.IGNORECASE)
-#: Network and number of the earthquake, then the codes of the channel: RcrdId: US.1000hyfh.NP.8040.HNE.01
-_EVENT_ID = re.compile(r"\s*\|\s*RcrdId:\s*(\w{2}\.\w+)\.\w{2}\.\w+\.\w{3}\.", re.ASCII | re.IGNORECASE)
+_PEAK = re.compile(r"(?ai)\bmax\s*=\s*(-?\d{0,9}\.?\d{1,9}|-?\d{1,9}\.)\s*([A-Z][A-Z0-9/*^]{0,12})")
 _COUNTED = re.compile(r"\(\s*(\d{1,3})\s*chns?\s+of\s+\d{1,3}", re.ASCII | re.IGNORECASE)
 _PEAK_TIME = re.compile(r"\bmax\s*=.{0,60}?\bat\s+(\d{0,6}\.\d{0,6})\s*sec", re.ASCII | re.IGNORECASE)
 _RAW_LENGTH = re.compile(r"\s*raw record length\s*=\s*(\d{0,6}\.\d{0,6})\s*sec", re.ASCII | re.IGNORECASE)
 _ABOUT = re.compile(r".{0,80}?\bapprox\.?\s+(\d{1,6}(?:\.\d{0,6})?)\s*secs?\b", re.ASCII | re.IGNORECASE)
 #: A stated length may be off by this share.
 _LENGTH_SHARE = 5e-3
-#: No line of the header is longer; a damaged one may be.
-_LONGEST_LINE = 200
 _ORIENTATIONS = {
     400: Direction("vertical"),
     401: Direction("vertical", sign=-1.0),
@@ -52,7 +40,6 @@ _ORIENTATIONS = {
 _ON_GROUND = {1, 2, 3, 4, 6, 7, 8, 9, 14, 50, 51}
 #: Integer 19: base of a building, building, bridge, dam, wharf, other structures.
 _STRUCTURES = {5, 10, 11, 12, 13, 15, 20}
-_DEPTHS = {9: "underground observatory", 14: "tunnel", 50: "geotechnical array"}
 
 
 @dataclass(frozen=True)
@@ -93,10 +80,11 @@ class Header:
         match = _CHANNEL.match(self.text[8])
         return (match[1], match[2], match[3] or "") if match else ("", "", "")
 
-    def number_and_count(self) -> tuple[str, int]:
-        """Number of the channel at the station, and count of channels of its recorder; empty and 0 if not stated."""
+    def counted(self) -> Counted:
+        """The channel and the count of channels of its recorder."""
         counted = _COUNTED.search(self.text[6])
-        return self.channel()[0], int(counted[1]) if counted else 0
+        count = int(counted[1]) if counted else 0
+        return Counted(self.start + 1, self.text[6], self.channel()[0], count, self.kind.lower())
 
     def peak(self) -> tuple[str, str]:
         """Peak of the series and its unit, in the words of text line 11, else of line 10 for a raw record."""
@@ -105,10 +93,7 @@ class Header:
         return (found[1], found[2]) if found else ("", "")
 
     def facing(self) -> Direction:
-        """Direction from the words and from integer 54; unknown, with a note, where they contradict each other.
-
-        A channel code of SEED decides between vertical and horizontal.
-        """
+        """Direction from the words and integer 54; unknown, with a note, where they contradict each other."""
         words, code = self.channel()[1], self.integer(54)
         said, coded = direction(words), Direction()
         if code is not None:
@@ -116,13 +101,12 @@ class Header:
             coded = _ORIENTATIONS.get(code, azimuth)
         if "unknown" in (said.orientation, coded.orientation):
             return said if said.orientation != "unknown" else coded
-        turn = abs((said.azimuth - coded.azimuth + 180.0) % 360.0 - 180.0)
         seed, both = self.codes()[3], (said, coded)
         if means_vertical(seed) and {one.orientation for one in both} == {"vertical", "horizontal"}:
             upright = next(one for one in both if one.orientation == "vertical")
             told = f"{words!r} and {code} (integer header 54)"
             return replace(upright, note=Remark("vertical_by_code", channel=seed, told=told))
-        if said.orientation != coded.orientation or said.sign != coded.sign or turn > 1.0:
+        if contradictory(said, coded):
             return Direction(note=f"the text says {words!r}, integer header 54 says {code}: the direction is unknown")
         return coded if np.isnan(said.azimuth) else said
 
@@ -130,27 +114,6 @@ class Header:
         """Whether the sensor stands on a structure: integer 19 and the place in text line 9."""
         site, place = self.integer(19), self.channel()[2]
         return on_structure(place or ("structure" if site in _STRUCTURES else ""), stated=site not in _ON_GROUND)
-
-    def site_notes(self) -> list[str]:
-        """A warning for sensors that may lie at depth."""
-        site = _DEPTHS.get(self.integer(19) or 0)
-        return [f"the station is of the type {site!r}: the sensor may lie at depth"] if site else []
-
-    def facts(self) -> Facts:
-        """The earthquake by reals 10 to 17, text line 4 and the comments, the station by reals 1 and 2 and line 6."""
-        geology = _GEOLOGY.search(self.text[5])
-        ids = (found[1] for comment in self.comments if (found := _EVENT_ID.match(comment)))
-        scales = enumerate(("Mw", "Ms", "ML", ""), start=13)
-        return stated(
-            event_id=next(ids, ""),
-            origin_time=written(self.text[3]),
-            magnitude=preferred((self.real(number), scale) for number, scale in scales),
-            hypocentre=(self.real(10), self.real(11)),
-            depth_km=self.real(12),
-            distance_km=self.real(17),
-            station=(self.real(1), self.real(2)),
-            site_class=geology[1] if geology else "",
-        )
 
     def start_time(self) -> tuple[datetime | None, list[str]]:
         """UTC time of the first sample, from integers 40 to 46, real 30 and text line 8, or why there is none."""
@@ -176,7 +139,7 @@ class Header:
 
 def fortran_layout(line: str, where: str) -> tuple[int, int]:
     """Fields in a row and characters in a field, from ``Format=(8F9.6)`` at the end of a heading."""
-    layout = _LAYOUT.search(line[:_LONGEST_LINE])
+    layout = _LAYOUT.search(line[:LONGEST_LINE])
     if not layout or int(layout[1]) < 1 or int(layout[2]) < 1:
         raise unexpected(where, "a format such as Format=(8F9.6)", repr(line.strip()[:90]))
     return int(layout[1]), int(layout[2])
@@ -189,7 +152,7 @@ def read_header(name: str, lines: Sequence[str], start: int, end: int) -> Header
     # More lines of text than the 13 of the format are allowed, fewer are not.
     count = max(int(title[2]), 13)
     check_count(f"{name}:{end}", count, end - start, "text lines")
-    text = [line[:_LONGEST_LINE] for line in lines[start : start + count]]
+    text = [line[:LONGEST_LINE] for line in lines[start : start + count]]
     stated = _UNKNOWN.match(text[12].strip())
     unknown_integer, unknown = (int(stated[1]), float(stated[2])) if stated else (-999, -999.0)
     integers, at = _numbers(name, lines, start + count, end, "integer")
@@ -206,7 +169,7 @@ def read_header(name: str, lines: Sequence[str], start: int, end: int) -> Header
         integers=np.where(integers == unknown_integer, np.nan, integers),
         reals=np.where(reals == unknown, np.nan, reals),
         unknown=unknown,
-        comments=[line[:_LONGEST_LINE] for line in lines[at + 1 : first]],
+        comments=[line[:LONGEST_LINE] for line in lines[at + 1 : first]],
         start=start,
         end=first,
     )
@@ -236,13 +199,10 @@ def _numbers(name: str, lines: Sequence[str], at: int, end: int, kind: str) -> t
 
 
 def held_series(header: Header, heading: str, step: float, samples: np.ndarray) -> list[str]:
-    """Warnings where the heading of the series, the text or real 65 contradicts samples (n,) at a step [s].
-
-    The length of the raw record, and the peak in the line that states it, are held against raw records only.
-    """
+    """Warnings where the heading of the series, the text or real 65 contradicts samples (n,) at a step [s]."""
     raw = not header.kind.lower().startswith("corrected")
     spare = _LENGTH_SHARE * step * samples.size
-    lengths = (matched(_ABOUT, heading[:200]), matched(_RAW_LENGTH, header.text[9]) if raw else "")
+    lengths = (matched(_ABOUT, heading[:LONGEST_LINE]), matched(_RAW_LENGTH, header.text[9]) if raw else "")
     notes = [note for text in lengths for note in held_length(text, samples.size, step, spare)]
     lines = header.text[9:11] if raw else header.text[10:11]
     stated = [match[1] for line in lines if (match := _PEAK_TIME.search(line))]

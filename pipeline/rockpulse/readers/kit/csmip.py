@@ -21,20 +21,20 @@ from rockpulse.readers.kit.checks import (
     Span,
     completeness,
     distinct_sections,
+    fixed_block,
     held_direction,
     last_of_equal,
     repeated_marker,
-    surplus,
 )
 from rockpulse.readers.kit.direction import Direction, direction, on_structure
-from rockpulse.readers.kit.facts import ZONES, clock_fault, coordinates, magnitudes, stated, written
+from rockpulse.readers.kit.facts import ZONES, clock_fault, coordinates, magnitudes, written
 from rockpulse.readers.kit.spacing import Block
 from rockpulse.readers.kit.text import (
     FILE_DAMAGED,
+    LONGEST_LINE,
     UNITS,
     canonical_unit,
     check_count,
-    fixed_width,
     matched,
     printed_number,
     text_lines,
@@ -46,11 +46,7 @@ from rockpulse.record.record import STANDARD_GRAVITY, Record
 #: Lines of text, and all lines in front of the samples, of a channel of volume 1.
 TEXT_LINES, HEADER_LINES = 13, 13 + 7 + 7
 
-#: No line of these formats is longer; a damaged one may be.
-LONGEST_LINE = 200
-_HEADING = re.compile(
-    r"\s*(\d{1,15})\s+(?:(accel)erogram points|points of (acc|vel|disp)\w* data)\b(.*)", re.IGNORECASE
-)
+_HEADING = re.compile(r"(?i)\s*(\d{1,15})\s+(?:(accel)erogram points|points of (acc|vel|disp)\w* data)\b(.*)")
 _KINDS = {"a": "acceleration", "v": "velocity", "d": "displacement"}
 _RATE = re.compile(r"\bat\s+([\d.]+)\s*(?:pts|points|samples)/sec", re.IGNORECASE)
 _STEP = re.compile(r"\bspaced at\s+([\d.]+)\s*sec", re.IGNORECASE)
@@ -58,16 +54,12 @@ _UNIT = re.compile(r".*?(?:\bunits\s*(?:of|:)|,\s*in)\s*([^\s)]+)", re.IGNORECAS
 _FORMAT = re.compile(r"\((\d{1,3})[fe](\d{1,3})\.\d+\)", re.IGNORECASE)
 _ROW = 8
 
-_CHANNEL = re.compile(
-    r"\s*chan\s*(\d+)\s*:\s*(.*?)\s*(?:\(sta chn:\s*(\d*)[^)]*\)\s*)?(?:location:\s*(.*?)\s*)?$", re.IGNORECASE
-)
+_CHANNEL = re.compile(r"(?i)\s*chan\s*(\d+)\s*:\s*(.*?)\s*(?:\(sta chn:\s*(\d*)[^)]*\)\s*)?(?:location:\s*(.*?)\s*)?$")
 _PLACE_AFTER = re.compile(r"(\d{1,3}\s*deg|up|down)\b[\s,:-]+(.*)", re.IGNORECASE)
 _STATION = re.compile(r"\s*station (?:id|no)\.\s+(\w+)\s+\d+\.\d*\s*[NS]", re.IGNORECASE)
 _COUNTED = re.compile(r"\((\d{1,3})\s*chns?\s+of\s+\d{1,3}", re.IGNORECASE)
 _SEED_CODES = re.compile(r"\s*(\w+)\.(\w\w)\.(\w+)\.([\w-]{2})\.\w")
-_START = re.compile(
-    r"(?:start|trigger) time:\s*(\d+)/\s*(\d+)/\s*(\d+),?\s+(\d+):\s*(\d+):\s*([\d.]+)\s+([A-Z]+)", re.IGNORECASE
-)
+_START = re.compile(r"(?i)(?:start|trigger) time:\s*(\d+)/\s*(\d+)/\s*(\d+),?\s+(\d+):\s*(\d+):\s*([\d.]+)\s+([A-Z]+)")
 # A trigger time is taken as that of the first sample: those of digital CSMIP recorders are (on the SSA-1 record of
 # Hesperia, 1992, the P wave arrives when it must), and film recorders have no memory of what was before.
 _ORIGIN = re.compile(r"\(origin(?:\([^)]{0,20}\))?:(.{0,40})", re.IGNORECASE)
@@ -112,10 +104,10 @@ class Header:
         """The record of this channel with the samples of `block`; `further` are arguments of `build_record`."""
         return build_record(
             file,
-            number,
             block.samples,
             block.dt,
             block.unit,
+            number=number,
             component=self.full_component,
             facing=one_direction(self.component, self.code, self.repeated),
             original_peak=block.peak,
@@ -150,9 +142,8 @@ class Heading:
 def channels(file: SourceFile, title: re.Pattern[str], wording: str) -> tuple[list[str], list[Span], tuple[str, ...]]:
     """The lines of a file without the carriage control of a line printer, the span of each channel in them, warnings.
 
-    The first line of each channel must match `title`, which `wording` describes in messages; raises RecordFormatError
-    where another line stands there. A title or an end that stands there twice, and a channel that is a copy of another
-    one, count once, with a warning.
+    The first line of each channel must match `title`, which `wording` describes in messages. A title or an end that
+    stands there twice, and a channel that is a copy of another one, count once, with a warning.
     """
     lines = text_lines(file.content)
     if all(line.startswith(" ") for line in lines if line):
@@ -177,10 +168,7 @@ def channels(file: SourceFile, title: re.Pattern[str], wording: str) -> tuple[li
 
 
 def heading_at(lines: Sequence[str], at: int) -> Heading | None:
-    """The heading at index `at` of the lines of a file; None if the line is no heading or behind the last.
-
-    Where the line stands there twice, the heading is that of the last one, with a warning.
-    """
+    """The heading at index `at` of the lines of a file, the last one of equal ones; None if the line is none."""
     match = _HEADING.match(lines[at][:LONGEST_LINE]) if at < len(lines) else None
     if not match:
         return None
@@ -210,17 +198,12 @@ def equal_block(name: str, lines: Sequence[str], heading: Heading, end: int, uni
     per_row, width = heading.layout or (_ROW, max(len(lines[first].rstrip()) // min(_ROW, count), 1))
     if per_row < 1 or width < 1:
         raise RecordFormatError(f"{where}: expected a format such as (8f9.6), found ({per_row}f{width})")
-    samples = fixed_width(lines[first:end], first + 1, width, per_row, count, name)
-    rows = -(-count // per_row)
-    left = surplus(lines, first + rows, end, used=width * (count - (rows - 1) * per_row))
+    samples, left = fixed_block(name, lines, (first, end), width, per_row, count)
     return Block(samples, dt, found, dt * np.arange(count), samples, (*heading.warnings, *left))
 
 
 def read_header(lines: Sequence[str]) -> Header:
-    """Read the at least `TEXT_LINES` (13) lines of text of a CSMIP channel, volume 1 or 2, or of RENADIC.
-
-    The lines begin with 'Uncorrected Accelerogram Data' and may go on behind the text.
-    """
+    """Read the 13 lines of text and those behind them, from 'Uncorrected Accelerogram Data' on, of one channel."""
     text, behind = [line[:LONGEST_LINE] for line in lines[:TEXT_LINES]], lines[TEXT_LINES:]
     match = _CHANNEL.match(text[6])
     component, place = (match[2], match[4] or "") if match else (text[6].strip(), "")
@@ -241,14 +224,12 @@ def read_header(lines: Sequence[str]) -> Header:
         "station_name": re.split(r"\s{2,}|\s+s/n\b", text[5].strip(), flags=re.IGNORECASE)[0],
         "event": " ".join(re.split(r"\s{2,}\(", text[1].strip())[0].split()),
         "start_time": start_time,
-        "facts": stated(
-            event_id=seed[1] if seed and seed[1].isdecimal() else "",
-            origin_time=written(origin[1]) if origin else None,
-            magnitude=magnitudes(text[8]),
-            hypocentre=coordinates(text[8]),
-            depth_km=depth[1] if depth else "",
-            station=coordinates(text[4]),
-        ),
+        "event_id": seed[1] if seed and seed[1].isdecimal() else "",
+        "origin_time": written(origin[1]) if origin else None,
+        "magnitude": magnitudes(text[8]),
+        "hypocentre": coordinates(text[8]),
+        "depth_km": depth[1] if depth else "",
+        "station_place": coordinates(text[4]),
     }
     return Header(
         component,
@@ -257,7 +238,7 @@ def read_header(lines: Sequence[str]) -> Header:
         warnings=notes,
         recorder=text[4].strip(),
         number=f"{match[1]} {match[3] or ''}" if match else "",
-        counted=int(counted[1]) if counted else channel_count(behind),
+        counted=int(counted[1] if counted else matched(_FIRST_ROW, _row(behind, 0)[:LONGEST_LINE].rstrip()) or 0),
         code=direction_code(behind),
     )
 
@@ -296,11 +277,6 @@ def _row(behind: Sequence[str], number: int) -> str:
     return behind[at] if at < len(behind) else ""
 
 
-def channel_count(behind: Sequence[str]) -> int:
-    """Channels of the recorder, from the lines behind the text; 0 where none of them is a row of integers."""
-    return int(matched(_FIRST_ROW, _row(behind, 0)[:LONGEST_LINE].rstrip()) or 0)
-
-
 def direction_code(behind: Sequence[str]) -> int:
     """The azimuth or code of the direction, from the lines behind the text; 0 where the file does not say."""
     text = _row(behind, 1)[_AZIMUTH]
@@ -335,7 +311,7 @@ def held_peak_real(behind: Sequence[str], number: int, block: Block, per_unit: f
 def one_direction(component: str, code: int, repeated: Sequence[str] = ()) -> Direction:
     """The direction of the wording; unknown, with a note, where the code or a line that repeats it tells another one.
 
-    Codes of sensors without an azimuth, 1100 and 1200 for H1 and H2, tell none, and neither does 0.
+    Codes of sensors without an azimuth, 0, 1100 and 1200, tell none.
     """
     told = Direction("horizontal", float(code % 360)) if 1 <= code <= 360 else Direction()
     if code in (_UP, _DOWN):

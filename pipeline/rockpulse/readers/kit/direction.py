@@ -59,15 +59,6 @@ def direction(wording: str) -> Direction:
     """Read a component such as ``90 Deg``, ``S05W``, ``UP``, ``N-S``, ``HNE``.
 
     A bare digit is the number of a channel, no azimuth; ``5 Deg`` and ``005`` are azimuths.
-
-    Examples
-    --------
-    >>> direction("S05W").azimuth
-    185.0
-    >>> direction("Up").orientation
-    'vertical'
-    >>> direction("2").orientation
-    'unknown'
     """
     word = " ".join(wording.upper().split()).strip(" .")
     seed = _SEED.fullmatch(word)
@@ -78,10 +69,8 @@ def direction(wording: str) -> Direction:
     if word in _DOWN:
         return Direction("vertical", sign=-1.0)
     if word[:1] in "+-" and word[1:].strip() in _UP | _DOWN:
-        note = (
-            f"the component {wording.strip()!r} does not tell whether upwards is positive; the sign is that of the file"
-        )
-        return Direction("vertical", note=note)
+        told = f"the component {wording.strip()!r} does not tell whether upwards is positive"
+        return Direction("vertical", note=f"{told}; the sign is that of the file")
     if word in _COMPASS:
         return Direction("horizontal", _COMPASS[word])
     if word in _SIDEWAYS:
@@ -103,10 +92,7 @@ def means_vertical(code: str) -> bool:
 
 
 def vertical_if_so(facing: Direction, code: str) -> Direction:
-    """The direction that a header tells; vertical, with a remark, where the channel code says so against an azimuth.
-
-    Agencies leave the azimuth of vertical channels at 0, which is north.
-    """
+    """The direction of a header; vertical, with a remark, where the channel code says so against an azimuth of 0."""
     if facing.orientation != "horizontal" or not means_vertical(code):
         return facing
     told = "a horizontal direction" if math.isnan(facing.azimuth) else f"an azimuth of {facing.azimuth:g} degrees"
@@ -123,10 +109,7 @@ def heading_direction(name: str) -> Direction:
 
 
 def on_structure(place: str, stated: bool = False) -> bool:
-    """Whether the words for a place mean a structure rather than the ground beside it.
-
-    `stated` is True for a field that only instrumented structures have, where anything but the free field counts.
-    """
+    """Whether words for a place mean a structure; in a field that is `stated` for structures, all but free fields."""
     if not place.strip() or _FREE_FIELD.search(place.strip()):
         return False
     return stated or bool(_ON_STRUCTURE.search(place))

@@ -1,16 +1,13 @@
-"""Start times from the numbers of a header, held against the time of the earthquake where the header states it.
+"""Start times, and what a header states of earthquake and site, as far as they can be true.
 
-What a header states about the earthquake and the site of a record, as far as it can be true.
-
-Headers are filled by many hands: zeros and -999 stand for "unknown", units are mixed up. A value that cannot be true is
-left out; it is never an error, since no sample depends on it.
+Zeros and -999 stand for "unknown", units are mixed up: a value that cannot be true is left out, never an error.
 """
 
 import math
 import re
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 from datetime import UTC, datetime, timedelta
+from typing import Any, TypedDict, Unpack
 
 #: A record starts at most this long before or after its earthquake; the waves cross the Earth in a third of it.
 NEAR = timedelta(hours=1)
@@ -24,8 +21,7 @@ _CLOCK_RUN = timedelta(hours=1)
 
 #: Hours by which the clocks of a zone are ahead of UTC.
 ZONES = {"UTC": 0.0, "GMT": 0.0, "UT": 0.0, "Z": 0.0, "PST": -8.0, "PDT": -7.0}
-#: Letters behind a time that tell of another clock, which is not known: zones (JST, LT), halves of the day. Others, as
-#: the scale of a magnitude, say nothing of the time.
+#: Letters behind a time that tell of another, unknown clock: zones (JST, LT), halves of the day.
 _OTHER_CLOCK = re.compile(r"(?!AT$)[A-Z]{1,3}T|[AP]M|LOC")
 #: 06/16/2005, 20:53:26.1 UTC or 2018/11/30 17:29:29 or 2009-04-06T01:32:39+01:00, and the zone, if it is given.
 _DATE = r"(?<!\d)(?:(\d{1,2})/\s?(\d{1,2})/\s?(\d{2}|\d{4})|(\d{4})([/-])\s?(\d{1,2})\5\s?(\d{1,2}))"
@@ -46,17 +42,7 @@ def clock_fault(moment: datetime) -> str:
 
 
 def instant(day: Sequence[float], time: Sequence[float], zone_hours: float = 0.0) -> datetime | None:
-    """UTC time from year, month, day and hour, minute, second; None where they are no date or no time of day.
-
-    The second may have a fraction, and be a leap second; the clock of the header is `zone_hours` ahead of UTC.
-
-    Examples
-    --------
-    >>> instant((2018, 2, 6), (23, 50, 29), zone_hours=8)
-    datetime.datetime(2018, 2, 6, 15, 50, 29, tzinfo=datetime.timezone.utc)
-    >>> instant((2018, 2, 30), (0, 0, 0)) is None
-    True
-    """
+    """UTC time from year, month, day and hour, minute, second, which are `zone_hours` ahead of UTC; None if none."""
     hour, minute, second = time
     if not (0 <= hour < 24 and 0 <= minute < 60 and 0.0 <= second < 61.0):
         return None
@@ -86,19 +72,7 @@ def near_event(start: datetime | None, origin: datetime | None) -> tuple[datetim
 
 
 def written(text: str) -> datetime | None:
-    """UTC time from the first date and time in a text, year or month first.
-
-    None where there is none, or where its zone is not known.
-
-    Examples
-    --------
-    >>> written("(ORIGIN(CIT): 01/17/94, 12:30:55.4 GMT)")
-    datetime.datetime(1994, 1, 17, 12, 30, 55, 400000, tzinfo=datetime.timezone.utc)
-    >>> written("2009-04-06T01:32:39 ML 5.8")
-    datetime.datetime(2009, 4, 6, 1, 32, 39, tzinfo=datetime.timezone.utc)
-    >>> written("Origin: To be determined") is None
-    True
-    """
+    """UTC time from the first date, year or month first, and time in a text; None where it or its zone is unknown."""
     found = _WRITTEN.search(text)
     if not found:
         return None
@@ -107,8 +81,7 @@ def written(text: str) -> datetime | None:
         return None
     ahead = 0.0
     if found[12]:
-        ahead = int(found[12][1:]) + int(found[13]) / 60.0
-        ahead = -ahead if found[12].startswith("-") else ahead
+        ahead = float(f"{found[12][0]}1") * (int(found[12][1:]) + int(found[13]) / 60.0)
     date = (found[4], found[6], found[7]) if found[4] else (found[3], found[1], found[2])
     year, month, day = map(int, date)
     if year < 100:
@@ -125,9 +98,7 @@ Place = tuple[Number, Number]
 _NUMBER = re.compile(r"[+-]?(?:\d{1,9}\.?\d{0,15}|\.\d{1,15})(?:[eE][+-]?\d{1,3})?", re.ASCII)
 #: Decimal degrees ("35.525N", "19.33 LAT. N") or degrees, minutes and seconds ("34 06 52N") with the side of the globe.
 _DECIMAL = re.compile(r"(?<![\d.])(\d{1,3}\.\d{0,9})\s*(?:LAT\.|LONG\.)?\s*([NSEW])(?![A-Z])", re.ASCII | re.IGNORECASE)
-_SEXAGESIMAL = re.compile(
-    r"(?<![\d.])(\d{1,3})\s{1,3}(\d{1,2})\s{1,3}(\d{1,2}(?:\.\d{0,6})?)\s*([NSEW])(?![A-Z])", re.ASCII | re.IGNORECASE
-)
+_SEXAGESIMAL = re.compile(r"(?ai)(?<![\d.])(\d{1,3})\s{1,3}(\d{1,2})\s{1,3}(\d{1,2}(?:\.\d{0,6})?)\s*([NSEW])(?![A-Z])")
 _MAGNITUDE = re.compile(r"(?<![A-Za-z0-9.])(M[A-Za-z]?)\s{0,10}[=:]?\s{0,10}(\d{1,2}(?:\.\d{0,3})?)(?![\d.])", re.ASCII)
 #: Scales of magnitudes by their letters, in the order in which one is chosen where a header states several.
 _SCALES = {"mw": "Mw", "ms": "Ms", "ml": "ML", "mb": "mb"}
@@ -141,74 +112,49 @@ _DEEPEST, _FARTHEST = 800.0, 20_040.0
 _VS30 = (30.0, 5000.0)
 
 
-@dataclass(frozen=True)
-class Facts:
-    """Fields of a `Record` by the same names and in the same units; what is not known is NaN, None or empty."""
+class Facts(TypedDict, total=False):
+    """Statements of a header on earthquake and station; those that cannot be true are left out of the record."""
 
-    event_id: str = ""
-    origin_time: datetime | None = None
-    magnitude: float = math.nan
-    magnitude_type: str = ""
-    hypocentre_latitude: float = math.nan
-    hypocentre_longitude: float = math.nan
-    hypocentre_depth: float = math.nan
-    epicentral_distance: float = math.nan
-    station_latitude: float = math.nan
-    station_longitude: float = math.nan
-    vs30: float = math.nan
-    site_class: str = ""
+    event_id: str
+    origin_time: datetime | None
+    magnitude: tuple[Number, str]  # with its scale
+    hypocentre: Place
+    depth_km: Number
+    distance_km: Number
+    station_place: Place
+    vs30: Number  # [m/s]
+    site_class: str
 
 
-#: Of a file that states nothing.
-NOTHING = Facts()
-
-
-def stated(
-    *,
-    event_id: str = "",
-    origin_time: datetime | None = None,
-    magnitude: tuple[Number, str] = (math.nan, ""),
-    hypocentre: Place = (math.nan, math.nan),
-    depth_km: Number = math.nan,
-    distance_km: Number = math.nan,
-    station: Place = (math.nan, math.nan),
-    vs30: Number = math.nan,
-    site_class: str = "",
-) -> Facts:
-    """The facts of a header, without values that cannot be true.
-
-    A magnitude comes with its scale; `vs30` is in m/s. Left out are times that only an unset clock states, magnitudes
-    outside -1 to 10, places that are none, and zeros that stand for "unknown": of magnitude, distance and Vs30, of both
-    coordinates at once, and of the depth of an unknown place.
-    """
-    size = _within(magnitude[0], *_MAGNITUDES, zero=False)
-    (latitude, longitude), (station_latitude, station_longitude) = _place(hypocentre), _place(station)
-    return Facts(
-        event_id=_text(event_id),
-        origin_time=None if origin_time is None or clock_fault(origin_time) else origin_time,
-        magnitude=size,
-        magnitude_type="" if math.isnan(size) else _scale(magnitude[1]),
-        hypocentre_latitude=latitude,
-        hypocentre_longitude=longitude,
-        hypocentre_depth=1e3 * _within(depth_km, 0.0, _DEEPEST, zero=not math.isnan(latitude)),
-        epicentral_distance=1e3 * _within(distance_km, 0.0, _FARTHEST, zero=False),
-        station_latitude=station_latitude,
-        station_longitude=station_longitude,
-        vs30=_within(vs30, *_VS30),
-        site_class=_text(site_class),
+def stated(**facts: Unpack[Facts]) -> dict[str, Any]:
+    """Fields of a `Record` from the statements of a header that can be true; else NaN, None or empty."""
+    nowhere, time, (size, scale) = (
+        (math.nan, math.nan),
+        facts.get("origin_time"),
+        facts.get("magnitude", (math.nan, "")),
     )
+    magnitude = _within(size, *_MAGNITUDES, zero=False)
+    latitude, longitude = _place(facts.get("hypocentre", nowhere))
+    station_latitude, station_longitude = _place(facts.get("station_place", nowhere))
+    depth = _within(facts.get("depth_km", math.nan), 0.0, _DEEPEST, zero=not math.isnan(latitude))
+    return {
+        "event_id": _text(facts.get("event_id", "")),
+        "origin_time": None if time is None or clock_fault(time) else time,
+        "magnitude": magnitude,
+        "magnitude_type": "" if math.isnan(magnitude) else _scale(scale),
+        "hypocentre_latitude": latitude,
+        "hypocentre_longitude": longitude,
+        "hypocentre_depth": 1e3 * depth,
+        "epicentral_distance": 1e3 * _within(facts.get("distance_km", math.nan), 0.0, _FARTHEST, zero=False),
+        "station_latitude": station_latitude,
+        "station_longitude": station_longitude,
+        "vs30": _within(facts.get("vs30", math.nan), *_VS30),
+        "site_class": _text(facts.get("site_class", "")),
+    }
 
 
 def coordinates(text: str) -> tuple[float, float]:
-    """Latitude and longitude from a line of a header; NaN where it names none.
-
-    Examples
-    --------
-    >>> coordinates("STATION NO. 14403   33.929N, 118.260W     SMA-1")
-    (33.929, -118.26)
-    >>> coordinates("Epicentre  42 30 00S 173 15 00E  Bearing S40E")
-    (-42.5, 173.25)
-    """
+    """Latitude and longitude from a line with ``33.929N, 118.260W`` or ``42 30 00S 173 15 00E``; else NaN."""
     found = {"N": math.nan, "E": math.nan}
     named = [(float(degrees), side) for degrees, side in _DECIMAL.findall(text)]
     named += [
@@ -222,21 +168,12 @@ def coordinates(text: str) -> tuple[float, float]:
 
 
 def magnitudes(text: str) -> tuple[float, str]:
-    """Magnitude and scale from a line such as ``ML=6.6, MW=6.7(CIT)``; see `preferred`.
-
-    Examples
-    --------
-    >>> magnitudes("H=18KM. ML=6.6, MW=6.7(CIT); MS=6.7(NEIC)"), magnitudes("Depth    8km M  5.70")
-    ((6.7, 'Mw'), (5.7, ''))
-    """
+    """Magnitude and scale from a line such as ``ML=6.6, MW=6.7(CIT)``; see `preferred`."""
     return preferred((value, scale) for scale, value in _MAGNITUDE.findall(text))
 
 
 def preferred(named: Iterable[tuple[Number, str]]) -> tuple[float, str]:
-    """One of several magnitudes with their scales, without those that cannot be true.
-
-    Mw comes first, then Ms, ML, mb, then the first of the others; NaN where there is none.
-    """
+    """One of several magnitudes that can be true: Mw, then Ms, ML, mb, then the first of the others; else NaN."""
     read = [(_within(value, *_MAGNITUDES, zero=False), _scale(scale)) for value, scale in named]
     found = [one for one in read if not math.isnan(one[0])]
     order = list(_SCALES.values())

@@ -139,10 +139,7 @@ def stated_units(header: Sequence[str]) -> list[Statement]:
 
 
 def stated_steps(header: Sequence[str]) -> list[Statement]:
-    """Sampling intervals [s] that the prose of a header states, as interval or as rate.
-
-    A bare ``200 Hz`` counts only where no line names an interval or a rate, and the line speaks of no filter.
-    """
+    """Sampling intervals [s] that the prose of a header states; a bare ``200 Hz`` only if nothing else does."""
     named, bare = [], []
     for number, line in enumerate(header, 1):
         text = _plain(line)
@@ -209,10 +206,7 @@ class Heading:
 
 
 def column_headings(header: Sequence[str], layout: Layout) -> tuple[tuple[Heading, ...], int]:
-    """The heading of each column, and the number of lines of the header above the headings.
-
-    There are as many headings as the layout has columns, or none where the last words above the numbers are prose.
-    """
+    """The heading of each column, none where the words there are prose, and the number of lines above them."""
     rows = [index for index, line in enumerate(header) if _is_heading(line)]
     units: Sequence[str] = [""] * layout.width
     prose = len(header)

@@ -31,15 +31,19 @@ _OFF_AXIS = 45.0
 
 @contextmanager
 def obspy_notes(terminal: bool = False) -> Iterator[list[str]]:
-    """A list that, once the block has ended, holds the warnings that obspy gave in it; one thread at a time.
-
-    With `terminal` also the lines that its C libraries print on the standard error of the process.
-    """
+    """A list of obspy's warnings, filled as the block ends; with `terminal` also of lines on standard error."""
     notes: list[str] = []
+    lost: list[str] = []
     with _ALONE, python_warnings.catch_warnings(record=True) as caught:
         python_warnings.simplefilter("always")
-        with _standard_error(terminal) as printed, _unraisable() as lost:
-            yield notes
+        # A callback of a C library cannot raise its errors, such as a message in no encoding.
+        before = sys.unraisablehook
+        sys.unraisablehook = lambda one: lost.append(f"a message of its C library is lost ({one.exc_value})")
+        try:
+            with _standard_error(terminal) as printed:
+                yield notes
+        finally:
+            sys.unraisablehook = before
     told = [str(item.message) for item in caught if not issubclass(item.category, _NO_NEWS)]
     notes += dict.fromkeys(f"obspy: {' '.join(text.split())}" for text in (*told, *printed, *lost))
 
@@ -64,23 +68,8 @@ def _standard_error(wanted: bool) -> Iterator[list[str]]:
             lines += [line for line in file.read().decode("utf-8", "replace").splitlines() if line.strip()]
 
 
-@contextmanager
-def _unraisable() -> Iterator[list[str]]:
-    """Collect the errors that a callback of a C library could not raise, such as a message in no encoding."""
-    lines: list[str] = []
-    before = sys.unraisablehook
-    sys.unraisablehook = lambda lost: lines.append(f"a message of its C library is lost ({lost.exc_value})")
-    try:
-        yield lines
-    finally:
-        sys.unraisablehook = before
-
-
 def obspy_stream(file: SourceFile, format: str, content: bytes | None = None) -> tuple[Any, list[str]]:
-    """The obspy Stream of a file and obspy's warnings; any exception of obspy becomes a `RecordFormatError`.
-
-    `content`, where given, is handed to obspy in place of the bytes of the file.
-    """
+    """The obspy Stream of a file, or of `content` in its place, and obspy's warnings; its errors are of the format."""
     import obspy
 
     try:
@@ -117,11 +106,9 @@ def utc_time(file: SourceFile, moment: Any) -> datetime:
 
 
 def seed_direction(code: str, azimuth: float | None, dip: float | None) -> Direction:
-    """Direction from SEED's azimuth and dip where known, else from the channel code; unknown where they contradict.
+    """Direction from SEED's azimuth and dip [degrees; -90 is up], else from the channel code.
 
-    A channel code that says vertical does so against a dip of 0, which is what many a header leaves it at.
-
-    The azimuth is clockwise from north, the dip down from the horizontal [degrees]: -90 is up, 90 is down.
+    Unknown where they contradict; but a code that says vertical counts against a dip of 0, which many a header leaves.
     """
     azimuth = None if azimuth is None or not math.isfinite(azimuth) else float(azimuth) % 360.0
     dip = None if dip is None or not math.isfinite(dip) else float(dip)
@@ -189,8 +176,7 @@ def station_channel(file: SourceFile, trace: Any, full: bool) -> tuple[Any, str,
     """The one StationXML channel whose epoch holds the whole record, the name of its station, and obspy's warnings.
 
     A file with the stem of the miniSEED file comes first, and one that rockpulse wrote serves no other. Several
-    channels are one if they tell the same: sensitivity (where `full`, response), direction, raw or corrected. Raises
-    RecordRefused if there is none, or if several differ, and RecordFormatError if a file of the station is damaged.
+    channels are one if they tell the same: sensitivity (where `full`, response), direction, raw or corrected.
     """
     stats = trace.stats
     files = [(name, content) for name, content in file.station_files() if stats.station.encode() in content]

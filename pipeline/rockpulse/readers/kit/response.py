@@ -130,14 +130,17 @@ def first_stage(response: Any) -> Any:
 def without_response(where: str, counts: np.ndarray, dt: float, response: Any) -> Removed:
     """Remove the full response of an instrument from counts (n,) in the frequency domain, down to acceleration.
 
-    The response must lead from ground acceleration, velocity or displacement to counts. The method is
-    ``Trace.remove_response(output="ACC")`` with the mean removed before, no taper in time (it would eat a pulse near
+    As ``Trace.remove_response(output="ACC")`` with the mean removed before, no taper in time (it would eat a pulse near
     the ends), no water level (it would distort what `pass_band` lets through), and a cosine taper in frequency.
     """
     import obspy
 
     unit, quantity, scale = _input_unit(where, response)
-    response = _in_si(response, _OBSPY_UNITS[quantity])
+    # With an SI unit at the input of its first stage, in counts per unit of the file.
+    first, response = first_stage(response), copy.copy(response)
+    renamed = copy.copy(first)
+    renamed.input_units = _OBSPY_UNITS[quantity]
+    response.response_stages = [renamed if stage is first else stage for stage in response.response_stages]
     counts = np.asarray(counts, dtype=float)
     try:
         with obspy_notes(terminal=True) as notes:
@@ -192,16 +195,6 @@ def _input_unit(where: str, response: Any) -> tuple[str, str, float]:
     return (unit.upper(), *measured(where, unit))
 
 
-def _in_si(response: Any, unit: str) -> Any:
-    """The response with an SI unit at the input of its first stage, in counts per unit of the file."""
-    first = first_stage(response)
-    renamed = copy.copy(first)
-    renamed.input_units = unit
-    result = copy.copy(response)
-    result.response_stages = [renamed if stage is first else stage for stage in response.response_stages]
-    return result
-
-
 def _disagreement(where: str, response: Any, size: float, quantity: str, scale: float) -> list[str]:
     """A warning where the stages, with `size` counts per unit, contradict the stated sensitivity."""
     sensitivity = response.instrument_sensitivity
@@ -219,10 +212,10 @@ def _disagreement(where: str, response: Any, size: float, quantity: str, scale: 
 def pass_band(response: Any, dt: float, count: int) -> tuple[float, float, float, float]:
     """Corners of the cosine taper in frequency [Hz]: zero below the first, one from the second to the third.
 
-    Where the instrument answers at zero frequency (accelerometers) nothing is cut below, so that the impulse of a
-    near-fault pulse stays whole: the first two are negative. Else the second is one cycle in the record of `count`
-    samples, or where the response falls to `RESPONSE_FLOOR` of its largest value if that is higher, and the first half
-    of it. The others are `UPPER_TAPER` of the Nyquist frequency, or of where the response falls below the same floor.
+    Nothing is cut below where the instrument answers at zero frequency. Else the second is one cycle in the record of
+    `count` samples, or where the response falls to `RESPONSE_FLOOR` of its largest value if that is higher, and the
+    first half of it. The others are `UPPER_TAPER` of the Nyquist frequency, or of where the response falls below the
+    same floor.
     """
     nyquist, cycle = 0.5 / dt, 1.0 / (count * dt)
     looks = np.concatenate([[0.0], np.geomspace(min(0.1 * cycle, 0.01 * nyquist), nyquist, _LOOKS)])
@@ -235,10 +228,7 @@ def pass_band(response: Any, dt: float, count: int) -> tuple[float, float, float
 
 
 def _gain(response: Any, band: tuple[float, float, float, float]) -> tuple[float, float]:
-    """Counts per m/s2 at one frequency, and counts per unit of the ground motion at that of the stated sensitivity.
-
-    The second is NaN where no sensitivity is stated, or one at a frequency outside the pass band.
-    """
+    """Counts per m/s2 at one frequency, and per unit of ground motion at that of the stated sensitivity, or NaN."""
     sensitivity = response.instrument_sensitivity
     frequency = float(sensitivity.frequency or 0.0) if sensitivity is not None and sensitivity.value else np.inf
     if max(band[1], 0.0) <= frequency <= band[2]:

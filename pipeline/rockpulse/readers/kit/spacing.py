@@ -1,9 +1,4 @@
-"""Equal spacing of sample times, recognised through the rounding of printed times or made by interpolation.
-
-Times stand in the (time, acceleration) pairs of a digitised trace, of which the volume 1 files of CSMIP, USC and
-RENADIC hold five in a row, in fields of equal width that may touch, and in the first of plain columns, where heading,
-other statements and the caller must agree with it.
-"""
+"""Equal spacing of sample times, recognised through the rounding of printed times or made by interpolation."""
 
 from __future__ import annotations
 
@@ -60,20 +55,11 @@ def same_step(steps: Iterable[float]) -> bool:
 
 
 def even_step(times: np.ndarray) -> float | None:
-    """Sampling interval [s] of equally spaced times, rounded as printed; None if they are unequal.
-
-    The times (n,) increase strictly, n >= 2. A round interval or rate is preferred where the printed digits allow it.
-    Times are unequal if one is off the grid by more than its rounding (at most `ROUNDING_SHARE` of the interval) and 1
-    % of the interval.
-    """
-    if _beyond(times).any():
+    """Sampling interval [s] of increasing, even times (n,), as round as the printed digits allow; else None."""
+    if not np.all(np.abs(times) <= LATEST):
         return None
     times = times - times[0]  # the digits of large times are of the first one
     return _fitted_step(times, _half_digit(times))
-
-
-def _beyond(times: np.ndarray) -> np.ndarray:
-    return ~(np.abs(times) <= LATEST)
 
 
 def _fitted_step(times: np.ndarray, rounding: float) -> float | None:
@@ -89,12 +75,8 @@ def _fitted_step(times: np.ndarray, rounding: float) -> float | None:
 
 
 def printed_at(times: np.ndarray, dt: float) -> bool:
-    """Whether times (n,) that never decrease are those of samples at interval `dt` after rounding, however coarse.
-
-    The first time may be any. Where times are printed more coarsely than `dt` [s], a missing row may hide in the
-    rounding; a stated count shows it.
-    """
-    if not (np.isfinite(dt) and dt > 0.0) or _beyond(times).any():
+    """Whether times (n,) that never decrease are those of samples at interval `dt` [s], rounded however coarsely."""
+    if not (np.isfinite(dt) and dt > 0.0) or not np.all(np.abs(times) <= LATEST):
         return False
     times = times - times[0]
     spread = float(np.ptp(times - dt * np.arange(times.size)))
@@ -105,11 +87,8 @@ def printed_at(times: np.ndarray, dt: float) -> bool:
 
 
 def long_step(times: np.ndarray) -> int | None:
-    """Index of the first step that is a gap: the series is equally spaced once the long steps are closed; None if none.
-
-    The times (n,) increase strictly, n >= 2. Those of a digitised trace, which wander, have long steps but no gaps.
-    """
-    if _beyond(times).any():
+    """Index of the first long step, if increasing times (n,) are even once long steps are closed; else None."""
+    if not np.all(np.abs(times) <= LATEST):
         return None
     times = times - times[0]
     steps = np.diff(times)
@@ -127,17 +106,17 @@ def long_step(times: np.ndarray) -> int | None:
 def make_even(
     times: np.ndarray, samples: np.ndarray, name: str, first: int, per_row: int, gravity_per_unit: float
 ) -> tuple[np.ndarray, float, list[str]]:
-    """Equally spaced samples, the interval [s] and warnings, from (time, acceleration) pairs of a digitised trace.
+    """Equally spaced samples, the interval [s] and warnings, from times (n,) and samples (n,) of a digitised trace.
 
-    The samples stay as they are if they are equally spaced, else they are interpolated linearly at the median interval.
-    For messages: line `first` of `name`, from 1, holds the first pair, a row `per_row` pairs, and a unit of the file is
-    `gravity_per_unit` g. Raises RecordFormatError for times that do not increase, a gap among equal steps, or a jump
-    that would need far more samples than there are.
+    Unequal ones are interpolated linearly at the median interval; times that do not increase, and gaps, are refused.
+    For messages: line `first` of `name`, from 1, holds the first of the pairs, a row `per_row`, and a unit of the file
+    is `gravity_per_unit` g.
     """
     if times.size < 2:
         raise unexpected(f"{name}:{first}", "at least 2 samples", str(times.size), "the file may be truncated")
-    if _beyond(times).any():
-        at = int(np.argmax(_beyond(times)))
+    beyond = ~(np.abs(times) <= LATEST)
+    if beyond.any():
+        at = int(np.argmax(beyond))
         found = f"{times[at]:g} s (pair {at + 1})"
         raise unexpected(f"{name}:{first + at // per_row}", f"times in s of at most {LATEST:g} s", found, FILE_DAMAGED)
     steps = np.diff(times)
@@ -239,26 +218,16 @@ def counts_rows(table: np.ndarray, headings: Sequence[Heading]) -> bool:
     return bool(counts and not names_time(headings))
 
 
-def _seconds(name: str, headings: Sequence[Heading]) -> float:
-    """Factor from the unit that the heading states to s."""
-    unit = headings[0].unit.lower() if headings else ""
-    if any(letter.isdigit() for letter in unit) and names_time(headings):
-        raise unexpected(
-            name, "a column of times in s, ms or min", f"{headings[0].name!r} in {unit!r}", "write the times in s"
-        )
-    return _MINUTES if unit.startswith("min") else _SECONDS.get(unit[:2], 1.0)
-
-
 def time_column_step(
     name: str, table: np.ndarray, headings: Sequence[Heading], start: int, declared: float | None
 ) -> float | None:
-    """Interval of the time column [s], or None where the first column is no time.
-
-    It is time if its heading says so or if it hardly ever falls, which no acceleration does; then it has to be equally
-    spaced, or to be what rounding makes of the interval `declared` elsewhere.
-    """
+    """Interval [s] of a first column headed as time or hardly ever falling: even, or `declared` and rounded."""
     named = names_time(headings)
-    first = table[:, 0] * _seconds(name, headings)
+    unit = headings[0].unit.lower() if headings else ""
+    if named and any(letter.isdigit() for letter in unit):
+        found = f"{headings[0].name!r} in {unit!r}"
+        raise unexpected(name, "a column of times in s, ms or min", found, "write the times in s")
+    first = table[:, 0] * (_MINUTES if unit.startswith("min") else _SECONDS.get(unit[:2], 1.0))
     steps = np.diff(first)
     falls, changes = int(np.sum(steps < 0.0)), int(np.sum(steps != 0.0))
     if table.shape[1] < 2 or steps.size == 0 or not (named or (changes and falls < TIME_FALLS * changes)):

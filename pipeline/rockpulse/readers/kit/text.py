@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from rockpulse.errors import RecordFormatError, UnitError
+from rockpulse.readers.source import NotAcceleration
 from rockpulse.record.record import STANDARD_GRAVITY
 
 #: Acceleration in m/s2 = value in the file x factor.
@@ -20,9 +21,15 @@ UNITS: dict[str, float] = {
     "g/10": STANDARD_GRAVITY / 10.0,
 }
 
-#: The advice in messages about a damaged header, or another part of a file.
+#: No line of a header is longer; a damaged one may be.
+LONGEST_LINE = 200
+#: The advice in messages about a damaged header, another part of a file, its end.
 HEADER_DAMAGED = "the header is damaged: download the file again"
 FILE_DAMAGED = "the file is damaged: download it again"
+LINE_DAMAGED = "the line is damaged: download the file again"
+TRUNCATED = "the file may be truncated: download it again"
+#: The advice in messages about a file of another motion.
+ACCELERATION_FILE = "read the acceleration file of the same record"
 
 _NUMBER_BYTES = b" \t0123456789+-.eEdD"
 _FORTRAN_EXPONENT = bytes.maketrans(b"dD", b"ee")
@@ -55,6 +62,11 @@ _CREDIBLE_PGA_G = (1e-3, 3.0)
 def unexpected(where: str, expected: str, found: str, advice: str = HEADER_DAMAGED) -> RecordFormatError:
     """The error about a place of a file, ``file:line``, at which its format asks for something else."""
     return RecordFormatError(f"{where}: expected {expected}, found {found}; {advice}")
+
+
+def no_acceleration(where: str, expected: str, found: str, advice: str = ACCELERATION_FILE) -> NotAcceleration:
+    """The error about a file, or a channel, of another motion; `where` is ``file:line``."""
+    return NotAcceleration(f"{where}: expected {expected}, found {found}; {advice}")
 
 
 def matched(pattern: re.Pattern[str], text: str, group: int | str = 1) -> str:
@@ -91,10 +103,9 @@ class Entries(dict[str, Entry]):
 
 
 def text_lines(content: bytes) -> list[str]:
-    """Lines of an engineering text file, at least one; it may come from any agency and decade.
+    """Lines of a text file, at least one, ended by LF, CRLF or a lone CR, without blank ones and Ctrl-Z at the end.
 
-    Text that is no UTF-8 is taken as Latin-1, which maps every byte to a character: no degree sign or Turkish name in a
-    header stops the reading. Lines end in LF, CRLF or a lone CR; blank lines and Ctrl-Z at the end are left out.
+    Text that is no UTF-8 is taken as Latin-1, which maps every byte to a character.
     """
     content = content.rstrip(b"\x1a\x00 \t\r\n").replace(b"\r\n", b"\n")
     if b"\r" in content:
@@ -107,13 +118,7 @@ def text_lines(content: bytes) -> list[str]:
 
 
 def printed_number(text: str) -> tuple[float, float]:
-    """Value of a printed number and half a unit of its last digit; NaN and 0 for none, or one beyond all numbers.
-
-    Examples
-    --------
-    >>> printed_number("3.91E+1")
-    (39.1, 0.05)
-    """
+    """Value of a printed number and half a unit of its last digit: 39.1 and 0.05 of "3.91E+1"; else NaN and 0."""
     mantissa, _, exponent = text.strip().lower().replace("d", "e").partition("e")
     value = float(text.lower().replace("d", "e") or "nan")
     # int() takes no thousands of digits.
@@ -127,8 +132,7 @@ def check_count(where: str, declared: int, available: int, unit: str = "samples"
     if declared < 1:
         raise RecordFormatError(f"{where}: expected a positive number of {unit} in the header, found {declared}")
     if available < declared:
-        advice = "the file may be truncated: download it again"
-        raise unexpected(where, f"{declared} {unit} (header)", str(available), advice)
+        raise unexpected(where, f"{declared} {unit} (header)", str(available), TRUNCATED)
 
 
 def _to_float(fields: Sequence[bytes] | np.ndarray, where: str, located: Iterator[tuple[int, str]]) -> np.ndarray:
@@ -146,24 +150,15 @@ def _to_float(fields: Sequence[bytes] | np.ndarray, where: str, located: Iterato
     raise RecordFormatError(f"{where}: the numbers cannot be converted; download the file again")
 
 
-def _plain_ascii(text: str) -> bytes:
-    """The text as bytes, one for each character; a character beyond ASCII cannot become part of a number."""
-    return text.encode("ascii", errors="replace")
-
-
 def fixed_width(lines: Sequence[str], first: int, width: int, per_row: int, count: int, where: str) -> np.ndarray:
-    """The first `count` numbers in columns of equal width, touching or not; surplus rows are left alone.
-
-    `lines[0]` is line `first` of the file `where`, from 1. Raises RecordFormatError for too few numbers, a row of
-    another length, or a field that is no finite number.
-    """
+    """The first `count` numbers (n,) in columns of equal width; `lines[0]` is line `first` of the file `where`."""
     if width < 1 or per_row < 1:
         found = f"{per_row} of {width} from line {first} on"
         raise unexpected(where, "fields of at least 1 character, at least 1 in a row", found)
     block = [row.rstrip() for row in lines[: max(-(-count // per_row), 0)]]
     _check_rows(block, first, width, per_row, count, where)
     text = "".join(block)[: count * width]
-    joined = _plain_ascii(text)
+    joined = text.encode("ascii", errors="replace")  # a character beyond ASCII cannot become part of a number
     located = ((first + index // per_row, text[index * width : (index + 1) * width]) for index in range(count))
     if joined.translate(None, _NUMBER_BYTES):
         return _to_float([b"nan"], where, located)
@@ -175,27 +170,21 @@ def _check_rows(block: Sequence[str], first: int, width: int, per_row: int, coun
     rows = -(-count // per_row)
     full = width * per_row
     for index, row in enumerate(block):
-        if index == len(block) - 1:
-            # The end of a truncated file.
+        if index == len(block) - 1:  # the end of a truncated file
             available = index * per_row + -(-len(row) // width)
             check_count(f"{where}:{first + len(block)}", count, available, "numbers")
         last = index == rows - 1
         fields = count - index * per_row if last else per_row
         if len(row) > full or (len(row) < fields * width if last else len(row) != full):
             expected, found = f"{fields} fields of {width} characters", f"a row of {len(row)} characters"
-            raise unexpected(
-                f"{where}:{first + index}", expected, found, "the line is damaged: download the file again"
-            )
+            raise unexpected(f"{where}:{first + index}", expected, found, LINE_DAMAGED)
     if not block:
         check_count(f"{where}:{first}", count, 0, "numbers")
 
 
 def free_numbers(lines: Sequence[str], first: int, where: str) -> np.ndarray:
-    """Numbers separated by blanks, any count per row, as one array (n,); RecordFormatError for a field that is none.
-
-    `lines[0]` is line `first` of the file `where`, from 1.
-    """
-    joined = _plain_ascii("\n".join(lines))
+    """Numbers separated by blanks, any count per row, as one array (n,); `lines[0]` is line `first` of `where`."""
+    joined = "\n".join(lines).encode("ascii", errors="replace")
     located = ((first + index, field) for index, line in enumerate(lines) for field in line.split())
     if joined.translate(None, _NUMBER_BYTES + b"\n\r\f\v"):
         return _to_float([b"nan"], where, located)
@@ -206,21 +195,12 @@ def free_rows(lines: Sequence[str], first: int, columns: int, where: str) -> np.
     """Rows of numbers separated by blanks as an array (rows, columns)."""
     row = next((row for row, line in enumerate(lines) if len(line.split()) != columns), None)
     if row is not None:
-        found, advice = repr(lines[row][:60].strip()), "the line is damaged: download the file again"
-        raise unexpected(f"{where}:{first + row}", f"a row of {columns}", found, advice)
+        raise unexpected(f"{where}:{first + row}", f"a row of {columns}", repr(lines[row][:60].strip()), LINE_DAMAGED)
     return free_numbers(lines, first, where).reshape(-1, columns)
 
 
 def canonical_unit(text: str, where: str) -> str:
-    """The key of `UNITS` that a spelling means; UnitError, with `where` (``file:line`` or an option), if there is none.
-
-    Case, blanks, a final dot, ``^``, ``**``, ``sec``, ``/s/s``, ``s-2`` and a raised 2 make no difference.
-
-    Examples
-    --------
-    >>> canonical_unit("CM/SEC/SEC", "example.V2:46")
-    'cm/s2'
-    """
+    """The key of `UNITS` that a spelling means; `where` is ``file:line`` or an option, for the UnitError."""
     unit = _accepted(text)
     if unit not in UNITS:
         quantity = quantity_of(text)
@@ -234,7 +214,7 @@ def canonical_unit(text: str, where: str) -> str:
 
 
 def for_other_files(option: str) -> str:
-    """The advice where an option of the command line, ``--dt 0.01``, contradicts a statement in a file."""
+    """The advice where an option of the command line contradicts a statement in a file."""
     return (
         f"correct the wrong one; or, if {option} is meant for other files, read these in a run of their own, or "
         f"convert them first, so that they state it (rockpulse convert FILE {option} -o FILE.csv)"
@@ -252,18 +232,12 @@ def _accepted(text: str) -> str:
 
 
 def quantity_of(text: str) -> str:
-    """The quantity that a unit alone measures; empty where the text is no unit.
-
-    One of "acceleration", "velocity", "displacement", "time", "frequency".
-    """
+    """Acceleration, velocity, displacement, time or frequency, which a unit alone measures; empty where it is none."""
     return "acceleration" if _accepted(text) in UNITS else _QUANTITY.get(_squeezed(text), "")
 
 
 def mentioned_units(text: str) -> Iterator[tuple[str, str, int]]:
-    """Units of acceleration and velocity in running text, such as ``acc_cm_s2`` or ``acceleration in gal``.
-
-    Yields "acceleration" or "velocity", the unit as written, and the index where it begins.
-    """
+    """Units in running text such as ``acc_cm_s2``: "acceleration" or "velocity", the unit as written, its index."""
     for match in _MENTIONED.finditer(text.lower().translate(_RAISED).replace("_", "/")):
         squared = match["again"] or match["squared"] or match["other"]
         wording = text[match.start() : match.end()] if text.isascii() else match[0]
@@ -271,10 +245,7 @@ def mentioned_units(text: str) -> Iterator[tuple[str, str, int]]:
 
 
 def other_readings(peak: float, unit: str = "") -> str:
-    """The units, in words, in which a peak in file units would be an ordinary acceleration, else the nearest to it.
-
-    The file unit itself is left out.
-    """
+    """The other units, in words, in which a peak in file units would be an ordinary acceleration, else the nearest."""
     low, high = _CREDIBLE_PGA_G
     own = UNITS.get(unit)
     others = {name: factor for name, factor in UNITS.items() if name != "gal" and factor != own}

@@ -1,8 +1,4 @@
-"""A group of a results file as a long table: one row per answer, every variable a column.
-
-A variable with fewer dimensions than the table is repeated: the PGA of a record stands beside each of its answers. An
-index into `record`, `block` or `model` becomes the name it stands for, a flag its word.
-"""
+"""A group of a results file as a long table: one row per answer, every variable a column, repeated where need be."""
 
 from __future__ import annotations
 
@@ -100,12 +96,7 @@ def long_table(
     selection: Selection | None = None,
     columns: Sequence[str] | None = None,
 ) -> LongTable:
-    """A group as a long table, by default that with the answers, of all rows and all columns.
-
-    `dims` are those of which every element has a row, by default those of the variables with the most; the columns are
-    the variables that have these dimensions, or some of them. A ResultsError for a name that the file does not have,
-    or where `dims` has to be given.
-    """
+    """A group as a long table; the dims are those of the largest variables by default."""
     selection = selection or Selection()
     group = (group or KINDS[file.kind]).strip("/")
     dataset = file.dataset(group)

@@ -7,18 +7,15 @@ import operator
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+import xarray as xr
 
 from rockpulse.errors import ResultsError
 from rockpulse.option import hint
 from rockpulse.record.measures import STORED, STORED_OF_BODIES
 from rockpulse.storage.hdf5.netcdf4 import flag_words, slab
-
-if TYPE_CHECKING:
-    import xarray as xr
-
 
 #: Longest list of known names in a message.
 LISTED = 12
@@ -49,11 +46,7 @@ _COMPARISONS: dict[str, Callable[[Any, Any], Any]] = {
 
 @dataclass(frozen=True)
 class Condition:
-    """A condition on a variable: ``safety_factor < 1`` or ``SF < 1``, ``outcome = overturns``, ``source = *.AT2``.
-
-    `comparison` is one of <=, >=, !=, <, > and =. `value` is a number; a word of a flag; a text, in which * and ? stand
-    for any letters; several with "|" between them.
-    """
+    """A condition on a variable: ``SF < 1``, ``outcome = overturns``, ``source = *.AT2``, with "|" between values."""
 
     name: str
     comparison: str
@@ -61,14 +54,12 @@ class Condition:
 
     @classmethod
     def parse(cls, words: str) -> Condition:
-        """The condition of a text: name (or heading of a table), comparison, value; spaces may stand between them.
+        """The condition of a text: name or heading of a table, comparison, value.
 
         Examples
         --------
-        >>> Condition.parse("safety_factor<1")
-        Condition(name='safety_factor', comparison='<', value='1')
-        >>> Condition.parse("factor of 10 % < 1").name
-        'factor_10'
+        >>> Condition.parse("factor of 10 % < 1")
+        Condition(name='factor_10', comparison='<', value='1')
         """
         found = re.fullmatch(r"\s*([A-Za-z][^<>=!]*?)\s*(<=|>=|!=|==|<|>|=)\s*(.*?)\s*", words)
         if found is None:
@@ -80,10 +71,7 @@ class Condition:
         return cls(SHOWN.get(name, name), "=" if comparison == "==" else comparison, value)
 
     def holds(self, variable: xr.Variable, values: np.ndarray) -> np.ndarray:
-        """True where some values of a variable, whose type and flags say how they are read, meet the condition.
-
-        A ResultsError where the value is no number or no word of the flag, or texts are compared by size.
-        """
+        """True where values meet the condition; a ResultsError where it does not suit the type of the variable."""
         if self.comparison in ("=", "!="):
             if variable.dtype.kind in "OU":
                 alike = self._named(values.astype(str))
@@ -124,12 +112,7 @@ class Condition:
 
 @dataclass(frozen=True)
 class Selection:
-    """The rows of a table that are asked for; all in the order of the file by default.
-
-    `names` holds patterns (* and ? stand for any letters) of the labels along a dimension: ``{"record": ("CI.*",)}``.
-    All `conditions` have to hold. `sort` is the variable by which the rows are sorted, what is not known comes last.
-    `limit` is the largest number of rows.
-    """
+    """The rows of a table that are asked for, by patterns of labels along dimensions; by default all."""
 
     names: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     conditions: tuple[Condition, ...] = ()
@@ -150,11 +133,7 @@ class Selection:
 
 
 def label_positions(known: Sequence[str], patterns: Sequence[str], what: str) -> np.ndarray:
-    """Positions of the labels that a pattern names; all labels where there is no pattern.
-
-    A pattern is a label itself, or holds * and ? for any letters; `what` names the labels in the ResultsError for a
-    pattern that no label meets.
-    """
+    """Positions of the labels that equal or match one of the patterns; all labels without patterns."""
     if not patterns:
         return np.arange(len(known))
     exact = {label: place for place, label in enumerate(known)}
@@ -189,12 +168,10 @@ def rows(
     selection: Selection,
     masks: Iterable[tuple[tuple[str, ...], np.ndarray]] = (),
 ) -> tuple[dict[str, np.ndarray], int]:
-    """Positions (r,) along each dimension of the rows of a table, and their number without the limit.
+    """Positions (r,) along each of `dims` of the rows of a table, and their number without the limit.
 
-    The table has one row per element along `dims` of a group of the results. A condition on a variable with more
-    dimensions has to hold somewhere along them; such a variable sorts by its smallest value (largest where
-    `descending`) among those that meet all conditions. `masks` have to hold besides, each along some of `dims`. Only
-    the variables that are named are read.
+    A condition on a variable with more dimensions has to hold somewhere along them; such a variable sorts by its
+    smallest value (largest where `descending`) among those that meet all conditions, `masks` among them.
     """
     used = [(item, _variable(dataset, item.name)) for item in selection.conditions]
     key = None if selection.sort is None else _variable(dataset, selection.sort)
@@ -210,61 +187,29 @@ def rows(
             among[dim] = label_positions([str(label) for label in dataset[dim].values], patterns, dim)
         else:
             among[dim] = np.arange(dataset.sizes[dim])
-    shape = tuple(among[dim].size for dim in every)
-    mask = np.ones(shape, dtype=bool)
+    mask = xr.DataArray(np.ones([among[dim].size for dim in every], dtype=bool), dims=every)
     for item, variable in used:
         values = slab(variable, among)
         if values.dtype.kind == "f" and values.size and np.isnan(values).all():
             beside = " (factor_10 tells it by its probability, [search] intervals searches it)"
             why = beside if item.name == "safety_factor" else ""
             raise ResultsError(f"{item.name} is known of none of these answers{why}: nothing can be said of it")
-        mask &= _spread(item.holds(variable, values), variable.dims, every)
+        mask &= xr.DataArray(item.holds(variable, values), dims=variable.dims)
     for along, held in masks:
-        mask &= _spread(held[np.ix_(*(among[dim] for dim in along))], along, every)
-    beyond = tuple(range(len(dims), len(every)))
-    kept = np.flatnonzero(mask.any(axis=beyond) if beyond else mask)
+        mask &= xr.DataArray(held[np.ix_(*(among[dim] for dim in along))], dims=along)
+    beyond = every[len(dims) :]
+    kept = np.flatnonzero(mask.any(beyond) if beyond else mask)
     if key is not None:
-        kept = kept[
-            _order(_sort_key(key, among, every, mask, beyond, selection.descending)[kept], selection.descending)
-        ]
-    found = kept.size
-    places = np.unravel_index(kept[: selection.limit], shape[: len(dims)])
-    return {dim: among[dim][place] for dim, place in zip(dims, places, strict=True)}, found
-
-
-def _sort_key(
-    variable: xr.Variable,
-    among: dict[Any, np.ndarray],
-    every: list[str],
-    mask: np.ndarray,
-    beyond: tuple[int, ...],
-    descending: bool,
-) -> np.ndarray:
-    values = slab(variable, among)
-    if variable.dtype.kind in "OU":
-        values = np.unique(values.astype(str), return_inverse=True)[1].reshape(values.shape)
-    spread = _spread(values, variable.dims, every)
-    if not beyond:
-        return np.broadcast_to(spread, mask.shape).ravel()
-    worst = -np.inf if descending else np.inf
-    known = np.where(mask & ~np.isnan(spread), spread, worst)
-    reduced = known.max(axis=beyond) if descending else known.min(axis=beyond)
-    unknown = ~(mask & ~np.isnan(spread)).any(axis=beyond)
-    return np.where(unknown, np.nan, reduced).ravel()
-
-
-def _order(key: np.ndarray, descending: bool) -> np.ndarray:
-    """Stable, what is not known last."""
-    key = key.astype(float)
-    return np.argsort(-key if descending else key, kind="stable")
-
-
-def _spread(values: np.ndarray, dims: tuple[Any, ...], every: list[str]) -> np.ndarray:
-    """Axes in the order of `every`, of length one where the values have none."""
-    present = [dim for dim in every if dim in dims]
-    moved = values.transpose([dims.index(dim) for dim in present])
-    shape = iter(moved.shape)
-    return moved.reshape([next(shape) if dim in dims else 1 for dim in every])
+        values = slab(key, among)
+        if values.dtype.kind in "OU":
+            values = np.unique(values.astype(str), return_inverse=True)[1].reshape(values.shape)
+        known = xr.DataArray(values, dims=key.dims).where(mask)
+        if beyond:
+            known = known.max(beyond) if selection.descending else known.min(beyond)
+        order = known.transpose(*dims).values.ravel()[kept]
+        kept = kept[np.argsort(-order if selection.descending else order, kind="stable")]  # what is not known last
+    places = np.unravel_index(kept[: selection.limit], [among[dim].size for dim in dims])
+    return {dim: among[dim][place] for dim, place in zip(dims, places, strict=True)}, kept.size
 
 
 def _variable(dataset: xr.Dataset, name: str) -> xr.Variable:

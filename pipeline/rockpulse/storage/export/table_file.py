@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import gzip
-import secrets
 from collections.abc import Callable
-from contextlib import suppress
 from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, TextIO
 
 from rockpulse.errors import ResultsError
+from rockpulse.files import FileSet, check_file
 from rockpulse.foreign_text import escaped, not_a_formula
 from rockpulse.storage.export.long_table import LongTable
 
@@ -25,22 +24,8 @@ SHEET_ROWS = 1_048_576
 TYPED = {".xlsx": "openpyxl", ".parquet": "pyarrow"}
 
 
-def check_library(path: Path) -> None:
-    """Raise a ResultsError where the library for a table of this suffix is not installed."""
-    library = TYPED[path.suffix]
-    if find_spec(library) is None:
-        raise ResultsError(
-            f"{path}: a table of this kind is written by {library}, which is not installed: "
-            "pip install 'rockpulse[tables]', or choose a name that ends in .csv"
-        )
-
-
 def write_typed(table: LongTable, part: Path, kind: str, seen: Callable[[pd.DataFrame], None]) -> None:
-    """Write all rows to the file `part`, of the `kind` that a suffix names; `seen` is called with every frame.
-
-    A text stays a text: a workbook takes none for a formula, and shows control characters as escapes. A ResultsError
-    for more rows than a sheet has.
-    """
+    """Write all rows to the workbook or Parquet file `part`; `seen` is called with every frame."""
     import pandas as pd
 
     if kind == ".parquet":
@@ -75,38 +60,24 @@ LINE_ENDS = "\r\n|[\n\r\v\f\x1c-\x1e\x85\u2028\u2029]"
 
 
 def readme_of(path: Path) -> Path:
-    """The README that belongs to a table.
-
-    Examples
-    --------
-    >>> readme_of(Path("out/table.csv")).name
-    'table.README.md'
-    """
+    """The README that belongs to a table, table.README.md of table.csv.gz."""
     return path.with_name(
         f"{next(path.name.removesuffix(one) for one in SUFFIXES if path.name.endswith(one))}.README.md"
     )
 
 
 def check_table_target(path: str | Path, overwrite: bool = False) -> Path:
-    """The path of a table, where the table and its README can be written.
-
-    A ResultsError for a suffix that is none of ``.csv``, ``.csv.gz``, ``.xlsx`` and ``.parquet``, for one whose library
-    is not installed, for a folder that does not exist, and, without `overwrite`, for either file that does.
-    """
-    target = Path(path)
-    if not target.name.endswith(SUFFIXES):
+    """The path of a table; a ResultsError where the table or its README cannot be written."""
+    if not Path(path).name.endswith(SUFFIXES):
         raise ResultsError(f"{path}: expected a name that ends in {', '.join(SUFFIXES[:-1])} or {SUFFIXES[-1]}")
-    if target.suffix in TYPED:
-        check_library(target)
-    if not target.parent.is_dir():
-        raise ResultsError(f"{path}: there is no folder {target.parent}; create it first")
-    for file in (target, readme_of(target)):
-        if file.exists() and not file.is_file():
-            raise ResultsError(f"{file}: expected the name of a file, found something that is no regular file")
-        if file.exists() and not overwrite:
-            raise ResultsError(
-                f"{file}: the file exists; choose another name, or allow it to be replaced (--overwrite)"
-            )
+    target = check_file(path, overwrite, SUFFIXES)
+    library = TYPED.get(target.suffix)
+    if library is not None and find_spec(library) is None:
+        raise ResultsError(
+            f"{path}: a table of this kind is written by {library}, which is not installed: "
+            "pip install 'rockpulse[tables]', or choose a name that ends in .csv"
+        )
+    check_file(readme_of(target), overwrite, (".md",))
     return target
 
 
@@ -121,22 +92,12 @@ def write_table(
 ) -> tuple[Path, Path]:
     """Write a table and its README, each whole or not at all, CSV in bounded memory; the paths of both.
 
-    The suffix chooses the kind (:func:`check_table_target`). `about` tells in the README where the table comes from.
-    `on_rows` is called with the number of rows that were written since its last call. With `decimal_comma` there are
-    semicolons between the columns, decimal commas and a byte order mark, as spreadsheets expect them where the decimal
-    sign is a comma. With `raw` texts stay as they are but for the ends of lines (:func:`safe_texts`).
-
-    Raises
-    ------
-    ResultsError
-        As :func:`check_table_target`, and where the table cannot be written.
-    OSError, RuntimeError
-        Where the results cannot be read, as HDF5 says it.
+    `about` is the origin in the README, `on_rows` is called with numbers of rows written; with `decimal_comma` columns
+    have semicolons, decimal commas and a byte order mark; with `raw` texts stay as they are but for the ends of lines.
     """
     target = check_table_target(path, overwrite)
     readme = readme_of(target)
     empty = {column.name: 0 for column in table.columns}
-    parts = [file.with_name(f".{file.name}.{secrets.token_hex(4)}.part") for file in (target, readme)]
     if decimal_comma and target.suffix in TYPED:
         raise ResultsError(f"{path}: a table of this kind holds numbers, not how they are written: no decimal commas")
 
@@ -147,27 +108,23 @@ def write_table(
             on_rows(len(frame))
 
     try:
-        if target.suffix in TYPED:
-            write_typed(table, parts[0], target.suffix, seen)
-        else:
-            sep, decimal = (";", ",") if decimal_comma else (",", ".")
-            with _opened(parts[0], target.name.endswith(".gz"), "utf-8-sig" if decimal_comma else "utf-8") as file:
-                for number, frame in enumerate(table.frames()):
-                    (one_line(frame) if raw else safe_texts(frame)).to_csv(
-                        file, index=False, header=number == 0, sep=sep, decimal=decimal
-                    )
-                    seen(frame)
-        parts[1].write_text(_readme(table, target.name, about, empty, decimal_comma), encoding="utf-8")
-        for part, file_ in zip(parts, (target, readme), strict=True):
-            part.replace(file_)
+        with FileSet() as files:
+            part = files.part(target)
+            if target.suffix in TYPED:
+                write_typed(table, part, target.suffix, seen)
+            else:
+                sep, decimal = (";", ",") if decimal_comma else (",", ".")
+                with _opened(part, target.name.endswith(".gz"), "utf-8-sig" if decimal_comma else "utf-8") as file:
+                    for number, frame in enumerate(table.frames()):
+                        shown = one_line(frame) if raw else safe_texts(frame)
+                        shown.to_csv(file, index=False, header=number == 0, sep=sep, decimal=decimal)
+                        seen(frame)
+            files.add(readme, _readme(table, target.name, about, empty, decimal_comma).encode())
+            files.commit()
     except OSError as error:
         if error.errno is None:  # of HDF5, from which the rows are read meanwhile
             raise
         raise ResultsError(f"{path}: cannot write the table: {error.strerror or error}") from error
-    finally:
-        for part in parts:
-            with suppress(FileNotFoundError):
-                part.unlink()
     return target, readme
 
 
@@ -191,6 +148,11 @@ def safe_texts(frame: pd.DataFrame) -> pd.DataFrame:
             for name in _texts(frame)
         }
     )
+
+
+def csv_bytes(table: pd.DataFrame) -> bytes:
+    """A table as CSV, one header line, numbers with all digits, texts as of :func:`safe_texts`."""
+    return safe_texts(table).to_csv(index=False).encode()
 
 
 def _texts(frame: pd.DataFrame) -> list[str]:
@@ -220,10 +182,10 @@ def _readme(table: LongTable, name: str, about: str, empty: dict[str, int], deci
         "",
         f"{about} Group `/{table.group}`, {len(table)} rows{table.per}.",
         "",
-        f"{written}, SI units, numbers with {digits} digits. An empty cell: not "
-        "known or not computed, or no text; how many a column has is counted below. `inf`: without limit, such as the "
-        "safety factor of a block that no factor tried overturns, or the peak of one that overturned. -1 in whole "
-        f"numbers: none, or not known, as the meaning says.{line_ends}",
+        f"{written}, SI units, numbers with {digits} digits. An empty cell: not known or not computed, or no text; how "
+        "many a column has is counted below. `inf`: without limit, such as the safety factor of a block that no factor "
+        "tried overturns, or the peak of one that overturned. -1 in whole numbers: none, or not known, as the meaning "
+        f"says.{line_ends}",
         "",
         in_pandas,
         "",

@@ -1,8 +1,4 @@
-"""A file that is written whole or not at all, and takes the place of nothing but results.
-
-It is written to a temporary name beside the target, flushed to the disk and then renamed, so a run that is killed
-leaves the old file or none (at worst a hidden ``.part`` file, which may be deleted).
-"""
+"""A file that is written whole or not at all beside its target, flushed and renamed; it replaces only results."""
 
 import glob
 import os
@@ -36,12 +32,7 @@ SIGNATURE = b"\x89HDF\r\n\x1a\n"
 
 
 def check_target(path: str | os.PathLike[str], overwrite: bool = False, kind: str = ASSESSMENT) -> Path:
-    """The file that results can be written to, links resolved; asked before any work is done.
-
-    With `overwrite` an HDF5 file of rockpulse of the same `kind` (of any schema version), or a damaged one, may be
-    replaced; no other file ever is. A ResultsError for a file that exists, a folder that does not, a place or name that
-    cannot be written, or a name that says table, report or picture.
-    """
+    """The file that results can be written to, links resolved; a ResultsError where they cannot."""
     target = Path(os.path.realpath(path))
     try:
         if target.exists():
@@ -61,12 +52,7 @@ def check_target(path: str | os.PathLike[str], overwrite: bool = False, kind: st
 def replacing(
     path: str | os.PathLike[str], overwrite: bool = False, kind: str = ASSESSMENT, size: int = 0
 ) -> Iterator[Path]:
-    """Within it, a file is written that takes the place of another at the end, whole or not at all.
-
-    The name to write to lies beside the target. `size` is about the room that the values take [bytes]: HDF5 on a disk
-    that fills up floods the terminal, so a disk with less room is refused beforehand. A ResultsError where the target
-    may not be replaced (:func:`check_target`) or cannot be written.
-    """
+    """Within it, a file is written to the name given that replaces another at the end, whole or not at all."""
     target = check_target(path, overwrite, kind)
     free = shutil.disk_usage(target.parent).free
     if free < size + LAYOUT:
@@ -81,7 +67,9 @@ def replacing(
         check_target(path, overwrite, kind)  # somebody else may have written it during the run
         part.replace(target)
     except OSError as error:
-        raise ResultsError(f"{path}: cannot write the results: {_reason(error)}") from error
+        hidden = re.search(r"errno = (\d+)", str(error))  # HDF5 hides the number in a long text
+        reason = os.strerror(int(hidden[1])) if hidden else error.strerror or str(error)
+        raise ResultsError(f"{path}: cannot write the results: {reason}") from error
     finally:
         part.unlink(missing_ok=True)
     if os.name == "posix":  # elsewhere a folder cannot be opened
@@ -167,12 +155,6 @@ def _kind(target: Path) -> str | None:
             return str(hdf5.attrs.get("kind", ASSESSMENT)) if ours else None
     except (OSError, RuntimeError, KeyError):
         return DAMAGED
-
-
-def _reason(error: OSError) -> str:
-    """The words of the operating system for an error, whose number HDF5 hides in a long text."""
-    hidden = re.search(r"errno = (\d+)", str(error))
-    return os.strerror(int(hidden[1])) if hidden else error.strerror or str(error)
 
 
 def flush(path: Path, mode: int) -> None:

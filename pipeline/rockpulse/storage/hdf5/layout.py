@@ -1,8 +1,4 @@
-"""Whether a file, which may come from anybody, is one of results: what it may hold at all, and what of its variables.
-
-All that it shows is to be in it: no link out of it, no endless array. Its variables are to be those that docs/schema.md
-describes: type, dimensions, unit, words.
-"""
+"""What a results file, which may come from anybody, may hold: no link out of it, no endless array, known variables."""
 
 from collections.abc import Iterator, Mapping
 from itertools import islice
@@ -30,27 +26,23 @@ ALWAYS = {ASSESSMENT: ASSESSMENT_GROUPS.keys() - {"/spectra", "/directions", "/r
 
 
 def wrong_variables(variables: Mapping[str, h5py.Dataset], kind: str, units: bool = True) -> Iterator[str]:
-    """A sentence on each variable that a file of a kind holds in another type, shape or unit than it is declared with.
-
-    `variables` are the datasets of the open file by their paths. Without `units` any unit will do: trees
-    of the user's own may name one in another way.
-    """
+    """A sentence on each variable (by path) of another type, shape or, with `units`, unit than it is declared with."""
     for path, variable in variables.items():
         if says_no_variable(variable.attrs.get("NAME")):
             continue
         group, _, name = path.rpartition("/")
-        differences = [
-            _difference(variable, one, units) for one in _declared(kind, group, name.removeprefix(NOT_A_COORDINATE))
+        name = name.removeprefix(NOT_A_COORDINATE)
+        differences = [  # a group may differ with the sort of results
+            _difference(variable, declared[name], units)
+            for title, declared in GROUPS[kind].items()
+            if title.partition(",")[0] == group and name in declared
         ]
         if differences and all(differences):
             yield f"variable {path}: {differences[0]}"
 
 
 def missing_variables(variables: Mapping[str, h5py.Dataset], kind: str) -> Iterator[str]:
-    """A sentence on each variable that a file of a kind lacks, though every file of them has it.
-
-    Groups that differ with the sort of results or the configuration may be missing, and so may their variables.
-    """
+    """A sentence on each variable that a file lacks though every file of its kind has it."""
     found = {path.replace(f"/{NOT_A_COORDINATE}", "/") for path in variables}
     present = {path.rpartition("/")[0] for path in found}
     for title, declared in GROUPS[kind].items():
@@ -61,12 +53,6 @@ def missing_variables(variables: Mapping[str, h5py.Dataset], kind: str) -> Itera
             due = not sort and expected.stored is None
             if due and f"{group}/{name}" not in found:
                 yield f"variable {group}/{name}: it is missing"
-
-
-def _declared(kind: str, group: str, name: str) -> list[StoredVariable]:
-    """All declarations of a variable: a group may differ with the sort of results."""
-    tables = (declared for title, declared in GROUPS[kind].items() if title.partition(",")[0] == group)
-    return [declared[name] for declared in tables if name in declared]
 
 
 def _difference(found: h5py.Dataset, expected: StoredVariable, units: bool) -> str:
@@ -96,15 +82,7 @@ FILTERS = (h5py.h5z.FILTER_DEFLATE, h5py.h5z.FILTER_SHUFFLE, h5py.h5z.FILTER_FLE
 
 
 def contained(hdf5: h5py.File) -> dict[str, h5py.Dataset]:
-    """Every dataset of an open file by its path, looked at before anything of it is read.
-
-    Raises
-    ------
-    ResultsError
-        For a soft or external link, an object that stands in two places, values that are kept in other files (external
-        storage, virtual datasets), a filter that results do not have, an array that declares far more values than the
-        file has room for, and more than `OBJECTS` objects.
-    """
+    """Every dataset of an open file by its path; a ResultsError for what no results hold, before it is read."""
     found: dict[str, h5py.Dataset] = {}
     waiting, seen = [hdf5["/"]], {h5py.h5o.get_info(hdf5["/"].id).addr}
     while waiting:

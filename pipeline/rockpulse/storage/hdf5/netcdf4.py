@@ -1,9 +1,7 @@
-"""The conventions by which netCDF-4 stores variables, dimensions and attributes in HDF5, read by h5py alone.
+"""How netCDF-4 stores variables, dimensions and attributes in HDF5, read by h5py alone.
 
-A dimension is a dimension scale: the variable of its name, or a dataset without values that stands for it. Every other
-variable is attached to the scales of its dimensions. A group becomes an xarray.Dataset whose numbers are read when they
-are asked for, and not decoded: texts are texts, NaN is NaN. xarray's own way through h5netcdf looks every object up
-anew at every property, which takes several times as long for a hundred variables (docs/decisions/005).
+A dimension is a dimension scale: the variable of its name, or a dataset without values. xarray's own way through
+h5netcdf takes several times as long for a hundred variables (docs/decisions/005).
 """
 
 from __future__ import annotations
@@ -36,13 +34,7 @@ class _Stored(BackendArray):
 
 
 def dataset_of(group: h5py.Group) -> xr.Dataset:
-    """A group of an open file, its texts read and its numbers not; it is of no use once the file is closed.
-
-    Raises
-    ------
-    ValueError
-        For a variable whose dimensions the file does not name.
-    """
+    """A group of an open file, its texts read and its numbers not; a ValueError for a dimension without a name."""
     variables: dict[Hashable, xr.Variable] = {
         one.name: xr.Variable(one.dimensions(), _values(one.stored), attributes(one.stored))
         for one in variables_of(group)
@@ -147,38 +139,30 @@ def _plain(value: Any) -> Any:
     return value.decode("utf-8", "surrogateescape") if isinstance(value, bytes) else value
 
 
-def slab(variable: xr.Variable, positions: dict[Any, Any]) -> np.ndarray:
-    """Values at positions along each dimension, by reading the box around them.
+def slab(variable: xr.Variable, positions: Mapping[Any, Any]) -> np.ndarray:
+    """Values at positions along each dimension, integers in any order or a slice; names it lacks are passed over."""
+    box, inside = _box(variable, positions)
+    return np.asarray(box.isel(inside).values)
 
-    HDF5 reads a box at the speed of the disk and scattered positions one by one. Positions are integers in any order,
-    or a slice; a dimension that is not named is read whole, and a name that the variable lacks is passed over.
-    """
-    box: list[slice] = []
-    inside: list[Any] = []
-    for dim, size in variable.sizes.items():
+
+def pointwise(variable: xr.Variable, places: Mapping[str, np.ndarray]) -> np.ndarray:
+    """One value for each of r places, given by (r,) positions along each dimension."""
+    box, inside = _box(variable, places)
+    return np.asarray(box.values[tuple(inside[dim] for dim in box.dims)])
+
+
+def _box(variable: xr.Variable, positions: Mapping[Any, Any]) -> tuple[xr.Variable, dict[Any, Any]]:
+    """The box around positions, which HDF5 reads at the speed of the disk, and the positions within it."""
+    box: dict[Any, slice] = {}
+    inside = {}
+    for dim in variable.dims:
         wanted = positions.get(dim, slice(None))
         if isinstance(wanted, slice):
-            box.append(wanted)
-            inside.append(np.arange(len(range(*wanted.indices(size)))))
+            box[dim] = wanted
         else:
             start, stop = (int(wanted.min()), int(wanted.max()) + 1) if wanted.size else (0, 0)
-            box.append(slice(start, stop))
-            inside.append(wanted - start)
-    values = variable[tuple(box)].values
-    if all(isinstance(positions.get(dim, slice(None)), slice) for dim in variable.dims):
-        return values
-    return values[np.ix_(*inside)]
-
-
-def pointwise(variable: xr.Variable, places: dict[str, np.ndarray]) -> np.ndarray:
-    """One value for each of r places, by reading the box around them.
-
-    `places` holds (r,) positions along each dimension; names that the variable lacks are passed over.
-    """
-    starts = {dim: int(places[dim].min()) if places[dim].size else 0 for dim in map(str, variable.dims)}
-    stops = {dim: int(places[dim].max()) + 1 if places[dim].size else 0 for dim in starts}
-    values = variable[tuple(slice(starts[dim], stops[dim]) for dim in starts)].values
-    return np.asarray(values[tuple(places[dim] - starts[dim] for dim in starts)])
+            box[dim], inside[dim] = slice(start, stop), wanted - start
+    return variable.isel(box).load(), inside
 
 
 def flag_words(variable: xr.Variable | xr.DataArray) -> dict[int, str]:
@@ -190,13 +174,7 @@ def flag_words(variable: xr.Variable | xr.DataArray) -> dict[int, str]:
 
 
 def worded(values: np.ndarray, words: dict[int, str]) -> np.ndarray:
-    """Integer values of a flag as the words of :func:`flag_words`; a number that has none stays as it is.
-
-    Examples
-    --------
-    >>> worded(np.array([1, 0, 7]), {0: "no", 1: "yes"}).tolist()
-    ['yes', 'no', '7']
-    """
+    """Integer values of a flag as the words of :func:`flag_words`; a number that has none stays as it is."""
     codes, inverse = np.unique(values, return_inverse=True)
     names = np.array([words.get(code, str(code)) for code in codes.tolist()], dtype=object)
     return names[inverse].reshape(values.shape) if codes.size else values.astype(object)

@@ -1,15 +1,11 @@
-"""The results file: a tree written whole or not at all, with its provenance, and read back the same, whole or in part.
-
-:func:`load` takes a whole file into memory; a table of the worst twenty of two million answers needs a few variables,
-which a file of :func:`open_results` reads when their values are asked for.
-"""
+"""The results file: written whole or not at all, with its provenance, and read back, whole or in part."""
 
 from __future__ import annotations
 
 import os
 import platform
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from functools import cache
@@ -93,49 +89,48 @@ def load(path: str | os.PathLike[str]) -> xr.DataTree:
     return tree.map_over_datasets(_as_saved)
 
 
-def check_schema(path: str | os.PathLike[str]) -> str:
-    """The kind of a file of results, a key of `KINDS`; errors as of :func:`load` where it cannot be read."""
+@contextmanager
+def checked(path: str | os.PathLike[str]) -> Iterator[tuple[h5py.File, str, dict[str, h5py.Dataset]]]:
+    """An open file of results of this schema, its kind (a key of `KINDS`) and its datasets by path."""
     import h5py
 
     from rockpulse.storage.hdf5.layout import contained
 
     check_regular(path, ResultsError)
     Path(path).open("rb").close()
-    try:
-        with h5py.File(path, "r") as file:
-            contained(file)
-            found = file.attrs.get("schema_version")
-            kind = str(file.attrs.get("kind", ASSESSMENT))
-            known = KINDS.get(kind, "?") in file and isinstance(found, str)
-    except (OSError, RuntimeError, KeyError) as error:
-        raise ResultsError(
-            f"{path}: expected a results file of rockpulse (HDF5), found something else or a truncated file ({error}); "
-            "records are assessed with 'rockpulse assess'"
-        ) from error
-    if not known:
-        raise ResultsError(
-            f"{path}: an HDF5 file, not written by rockpulse (or of a kind that this version does not know): attribute "
-            f"'schema_version' or group '{KINDS.get(kind, KINDS[ASSESSMENT])}' is missing"
-        )
-    if found != SCHEMA_VERSION:
-        raise ResultsError(
-            f"{path}: expected schema version {SCHEMA_VERSION}, found {found}; run 'rockpulse {VERBS[kind]}' "
-            "again with this version, or open the file with the version that its attribute 'rockpulse_version' names"
-        )
-    return kind
+    with ExitStack() as stack:
+        try:
+            hdf5 = stack.enter_context(h5py.File(path, "r"))
+            datasets = contained(hdf5)
+            found = hdf5.attrs.get("schema_version")
+            kind = str(hdf5.attrs.get("kind", ASSESSMENT))
+            known = KINDS.get(kind, "?") in hdf5 and isinstance(found, str)
+        except (OSError, RuntimeError, KeyError) as error:
+            raise ResultsError(
+                f"{path}: expected a results file of rockpulse (HDF5), found something else or a truncated file "
+                f"({error}); records are assessed with 'rockpulse assess'"
+            ) from error
+        if not known:
+            raise ResultsError(
+                f"{path}: an HDF5 file, not written by rockpulse (or of a kind that this version does not know): "
+                f"attribute 'schema_version' or group '{KINDS.get(kind, KINDS[ASSESSMENT])}' is missing"
+            )
+        if found != SCHEMA_VERSION:
+            raise ResultsError(
+                f"{path}: expected schema version {SCHEMA_VERSION}, found {found}; run 'rockpulse {VERBS[kind]}' again "
+                "with this version, or open the file with the version that its attribute 'rockpulse_version' names"
+            )
+        yield hdf5, kind, datasets
 
 
 @contextmanager
 def opened(path: str | os.PathLike[str]) -> Iterator[tuple[h5py.File, str]]:
     """An open file of results, whose variables are as docs/schema.md describes them, and its kind; errors as `load`."""
-    import h5py
+    from rockpulse.storage.hdf5.layout import wrong_variables
 
-    from rockpulse.storage.hdf5.layout import contained, wrong_variables
-
-    kind = check_schema(path)
-    with h5py.File(path, "r") as hdf5:
+    with checked(path) as (hdf5, kind, datasets):
         with readable(path):
-            wrong = next(wrong_variables(contained(hdf5), kind, units=False), "")
+            wrong = next(wrong_variables(datasets, kind, units=False), "")
         if wrong:
             raise ResultsError(
                 f"{path}: {wrong}; 'rockpulse verify' says what else is not as it was written, run the assessment again"

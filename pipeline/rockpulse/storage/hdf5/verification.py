@@ -19,7 +19,7 @@ from rockpulse.readers.source import open_source
 from rockpulse.record.record import BETWEEN
 from rockpulse.storage.hdf5.layout import missing_variables, wrong_variables
 from rockpulse.storage.hdf5.netcdf4 import attributes, groups_of, variables_of
-from rockpulse.storage.hdf5.results_file import check_schema, readable
+from rockpulse.storage.hdf5.results_file import checked, readable
 from rockpulse.storage.hdf5.writer import CHECKSUM, CHECKSUM_OF_ATTRIBUTES, VariableChecksum, attributes_checksum
 
 #: Values that are read at once [bytes].
@@ -50,19 +50,8 @@ class _Listed:
 def verify(
     path: str | os.PathLike[str], inputs: bool = True, progress: Callable[[list[Any]], Any] = iter
 ) -> Verification:
-    """Compare a results file with its checksums and its schema, and with `inputs` also the files that it was made of.
-
-    `progress` wraps the list of variables, then that of input files, on its way into the loop.
-
-    Raises
-    ------
-    ResultsError
-        For a file that HDF5 cannot open, that is no results file of rockpulse, or of another major schema version.
-    OSError
-        Where it cannot be opened.
-    """
-    kind = check_schema(path)
-    with readable(path), h5py.File(path, "r") as hdf5:
+    """Compare a results file with its checksums and schema, and with `inputs` also the files that it was made of."""
+    with checked(path) as (hdf5, kind, _), readable(path):
         file = _listed(hdf5)
         root = file.attrs["/"]
         schema = str(root["schema_version"])
@@ -150,11 +139,7 @@ def stored_checksums(hdf5: h5py.File) -> list[tuple[str, str]]:
 
 
 def input_files(stored: Iterable[tuple[str, str]]) -> dict[str, set[str]]:
-    """The files (``archive.zip!member``) that records were read from, by name, from pairs of :func:`stored_checksums`.
-
-    The values are their SHA-256 as stored; several where a file changed between two records. A ResultsError where a
-    record has not a SHA-256 for each of its files.
-    """
+    """The SHA-256 (several if it changed) of each file (``archive.zip!member``) that records were read from."""
     found: dict[str, set[str]] = {}
     for source, checksum in stored:
         for name, one in _apart(source, checksum):
@@ -163,10 +148,7 @@ def input_files(stored: Iterable[tuple[str, str]]) -> dict[str, set[str]]:
 
 
 def record_folders(configuration: str) -> list[Path]:
-    """Folders from which the files of a run may have been named, by the configuration that is stored in its results.
-
-    The paths of its records are absolute. A text that is no configuration names no folder.
-    """
+    """Folders from which the files of a run may have been named, by the stored configuration."""
     try:
         named = stored_sections(configuration).get("records", {}).get("paths", ())
     except ResultsError:
@@ -209,10 +191,7 @@ def _location(source: str) -> tuple[Path, str | None]:
 
 
 def input_checksums(sources: Iterable[str]) -> Iterator[tuple[str, str | Exception | None]]:
-    """Every file and its SHA-256 as it is now, or the error that kept it from being read, or None where it is absent.
-
-    `sources` are sorted keys of :func:`input_files`, so that an archive is opened once.
-    """
+    """Each of the sorted files with its SHA-256 as it is now, the error that kept it from being read, or None."""
     for place, names in groupby(sources, key=lambda source: _location(source)[0]):
         if not _there(place):
             yield from ((name, None) for name in names)

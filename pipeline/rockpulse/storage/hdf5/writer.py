@@ -1,13 +1,8 @@
-"""Writing the HDF5 file of a tree, variable by variable or piece by piece, with the checksum of each.
+"""Writing a netCDF-4 file with h5py alone (docs/decisions/005), with a checksum of each variable.
 
-The file is one of netCDF-4, laid out with h5py alone (docs/decisions/005). Objects and attributes come in the order in
-which h5netcdf makes them; :mod:`rockpulse.storage.hdf5.netcdf4` says what the layout is.
-
-The checksum of a variable is the SHA-256 of its type and shape in one line (``float64 3x2``; ``text 3``; sizes in
-order, nothing for a single value), a line feed, and its values in C order: numbers little-endian, each text in UTF-8
-with a zero byte after it. That of the attributes is the one of sorted lines, ``PATH`` for each group, ``PATH
-DIMENSION...`` for each variable and ``PATH@ATTRIBUTE CHECKSUM`` for each attribute, that of its values as of a variable
-of one dimension.
+The checksum of a variable is the SHA-256 of its type and shape in one line (``float64 3x2``; ``text 3``), a line feed,
+and its values in C order: numbers little-endian, each text in UTF-8 with a zero byte after it. That of the attributes
+is of sorted lines, ``PATH`` for each group, ``PATH DIMENSION...`` for each variable and ``PATH@ATTRIBUTE CHECKSUM``.
 """
 
 from __future__ import annotations
@@ -30,11 +25,7 @@ if TYPE_CHECKING:
 
 
 class TreeWriter:
-    """A results file that is being written; to be used in a ``with`` block, at the end of which it is complete.
-
-    All sizes are known beforehand, so that every variable lies in the file in one piece: who reads one variable of many
-    records reads nothing else. An OSError wherever the file cannot be written, whatever HDF5 calls it.
-    """
+    """A results file that is being written, complete at the end of its ``with`` block; an OSError where it fails."""
 
     def __init__(self, path: Path, attrs: Mapping[str, Any]) -> None:
         self._path = path
@@ -72,10 +63,7 @@ class TreeWriter:
         self._set(path, group, attrs)
 
     def add_variable(self, path: str, dims: tuple[str, ...], dtype: np.dtype[Any], attrs: Mapping[str, Any]) -> None:
-        """Add a variable, as "/summary/pga", without its values; texts where `dtype` is a type of texts.
-
-        A TypeError for truth values, which netCDF has not.
-        """
+        """Add a variable, as "/summary/pga", without its values; texts where `dtype` is a type of texts."""
         group, _, name = path.rpartition("/")
         group = group or "/"
         if dtype.kind == "b":
@@ -102,10 +90,7 @@ class TreeWriter:
         self._set(path, variable, {**({} if fill is None else {"_FillValue": fill}), **attrs})
 
     def append(self, path: str, values: np.ndarray) -> None:
-        """Write the next values of a variable along its first dimension; all of a variable without dimensions.
-
-        A ValueError for values that do not fit into the variable.
-        """
+        """Write the next values of a variable along its first dimension; all of a variable without dimensions."""
         values = np.asarray(values)
         shape, begin = self._shapes[path], self._written[path]
         if values.shape[1:] != shape[1:] or (shape and begin + len(values) > shape[0]):
@@ -169,10 +154,7 @@ class TreeWriter:
         return scale
 
     def _set(self, path: str, item: h5py.Group | h5py.Dataset, attrs: Mapping[str, Any]) -> None:
-        """Write attributes of a group or variable; a number becomes a list of one, as netCDF knows no other.
-
-        A ValueError for a name that netCDF keeps to itself, a TypeError for truth values.
-        """
+        """Write attributes of a group or variable; a number becomes a list of one, as netCDF knows no other."""
         held, stored = self._attrs.setdefault(path, {}), item.attrs
         for key, value in attrs.items():
             name = str(key)
@@ -206,10 +188,7 @@ class TreeWriter:
 
 
 def write_tree(tree: xr.DataTree, path: Path, attrs: Mapping[str, Any]) -> None:
-    """Write a whole tree of numbers, texts and flags, whose attributes are numbers, texts or lists of numbers.
-
-    `attrs` takes the place of the attributes of its root. An OSError where the file cannot be written.
-    """
+    """Write a whole tree; `attrs` takes the place of the attributes of its root."""
     with TreeWriter(path, attrs) as writer:
         for node in tree.subtree:
             dataset = node.to_dataset(inherit=False)
@@ -221,10 +200,7 @@ def write_tree(tree: xr.DataTree, path: Path, attrs: Mapping[str, Any]) -> None:
 def add_dataset(
     writer: TreeWriter, path: str, dataset: xr.Dataset, attrs: Mapping[str, Any], sizes: Mapping[str, int] | None = None
 ) -> None:
-    """Add a group with the variables of a dataset, without their values.
-
-    `sizes` are of dimensions whose size is not that in the dataset.
-    """
+    """Add a group with the variables of a dataset, without their values; `sizes` replaces those of the dataset."""
     writer.add_group(path, {**{str(dim): size for dim, size in dataset.sizes.items()}, **(sizes or {})}, attrs)
     # CF: what is a coordinate without being a dimension is named by the variables that it belongs to.
     further = {name: set(dataset[name].dims) for name in dataset.coords if name not in dataset.dims}
@@ -254,16 +230,7 @@ CHECKSUM_OF_ATTRIBUTES = "attributes_sha256"
 
 
 class VariableChecksum:
-    r"""The checksum of a variable whose values, numbers or texts (dtype of kind U or O), come piece by piece.
-
-    Examples
-    --------
-    >>> whole = VariableChecksum(np.dtype(float), (3,))
-    >>> whole.add(np.array([1.0, 2.0]))
-    >>> whole.add(np.array([3.0]))
-    >>> whole.hexdigest() == hashlib.sha256(b"float64 3\n" + np.array([1.0, 2.0, 3.0]).tobytes()).hexdigest()
-    True
-    """
+    """The checksum of a variable whose values, numbers or texts (dtype of kind U or O), come piece by piece."""
 
     def __init__(self, dtype: np.dtype[Any], shape: tuple[int, ...]) -> None:
         self._text = dtype.kind in "UO"
@@ -283,10 +250,7 @@ class VariableChecksum:
 
 
 def attributes_checksum(attrs: Mapping[str, Mapping[str, Any]], dimensions: Mapping[str, Sequence[str]]) -> str:
-    """The checksum of all attributes, the checksums of the variables included.
-
-    `attrs` holds those of each group and variable by its path, `dimensions` the names of those of each variable.
-    """
+    """The checksum of all attributes by path, checksums of variables included, and the names of their dimensions."""
     lines = [f"{path} {' '.join(dimensions[path])}" if path in dimensions else path for path in attrs]
     for path, own in attrs.items():
         for name, value in own.items():

@@ -1,7 +1,4 @@
-"""The description of a variable of a results file, declared once for whoever writes, checks or describes it.
-
-A variable is added to the declarations of its kind of file, a module of this folder. docs/schema.md is made of them.
-"""
+"""The description of a variable of a results file, declared once for whoever writes, checks or describes it."""
 
 from __future__ import annotations
 
@@ -77,7 +74,7 @@ def text(long_name: str, take: Callable[..., Any] | None = None, **more: Any) ->
     return StoredVariable(str, "1", long_name, take, **more)
 
 
-def real(units: str, long_name: str, take: Callable[..., Any] | None = None, **more: Any) -> StoredVariable:
+def real(long_name: str, units: str = "1", take: Callable[..., Any] | None = None, **more: Any) -> StoredVariable:
     """A variable of real numbers."""
     return StoredVariable(float, units, long_name, take, **more)
 
@@ -96,13 +93,14 @@ def flag(
 
 def along(
     dims: tuple[str, ...],
-    declared: Declared,
     by: Callable[[str], Callable[..., Any] | None] | None = None,
-    **more: Any,
+    stored: Callable[[Config], bool] | None = None,
+    /,
+    **declared: StoredVariable,
 ) -> dict[str, StoredVariable]:
-    """The same variables along some dimensions, with what they share; each without a `take` is taken `by` its name."""
+    """Variables along the same dimensions, `stored` alike, each without a `take` of its own taken `by` its name."""
     return {
-        name: replace(one, dims=dims, take=by(name) if by is not None and one.take is None else one.take, **more)
+        name: replace(one, dims=dims, take=one.take or (by and by(name)), stored=stored or one.stored)
         for name, one in declared.items()
     }
 
@@ -116,12 +114,10 @@ def with_values(declared: Declared, values: Mapping[str, Any]) -> dict[str, xr.V
 
 FAILURE = along(
     ("failure",),
-    {
-        "file": text("file"),
-        "stage": text("step at which it was left"),
-        "reason": text("why, and what to do"),
-        "kind": text("failed, skipped, duplicate, depth, vertical or structural"),
-    },
+    file=text("file"),
+    stage=text("step at which it was left"),
+    reason=text("why, and what to do"),
+    kind=text("failed, skipped, duplicate, depth, vertical or structural"),
 )
 
 

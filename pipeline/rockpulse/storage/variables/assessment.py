@@ -14,18 +14,6 @@ from rockpulse.storage.variables.summary import LANES, SUMMARY
 GROWING = frozenset({"record", "row", "interval", "wave", "sample", "history", "instant"})
 
 
-def _of_half_cycle(name: str) -> Callable[[Any], np.ndarray]:
-    return lambda one: one.half_cycles(lambda rows: getattr(rows.source, name)[rows.cycle, rows.lane])
-
-
-def _of_interval(name: str) -> Callable[[Any], np.ndarray]:
-    return lambda one: one.intervals(lambda rows: getattr(rows.source, name))
-
-
-def _of_wave(name: str) -> Callable[[Any], np.ndarray]:
-    return lambda one: getattr(one.scene.waves, name)
-
-
 def _pointers(table: str) -> dict[str, StoredVariable]:
     """The columns of a table of an assessed record that say what a row belongs to; the record counts as the first."""
 
@@ -42,90 +30,74 @@ def _pointers(table: str) -> dict[str, StoredVariable]:
 
 HALF_CYCLE = along(
     ("row",),
-    {
-        **_pointers("half_cycles"),
-        "half_cycle": whole(
-            "number of the half-cycle, from 1", lambda one: one.half_cycles(lambda rows: rows.cycle + 1)
-        ),
-        "start_velocity": real("1", "u = theta'/(p alpha_c) at its start"),
-        "peak": real("1", "largest theta/alpha_c in it; inf where the block overturns"),
-        "duration": real("s", "time to the next impact; inf where there is none"),
-        "impulse_count": whole("intermediate impulses in it; -1 where n -> infinity", explanation="n_i"),
-        "interval": real("s", "corrected interval of the intermediate impulses; NaN without", explanation="dT_i"),
-        "impact_speed": real("1", "speed right before the next impact over p alpha_c; NaN without"),
-    },
-    by=_of_half_cycle,
+    lambda name: lambda one: one.half_cycles(lambda rows: getattr(rows.source, name)[rows.cycle, rows.lane]),
+    **_pointers("half_cycles"),
+    half_cycle=whole("number of the half-cycle, from 1", lambda one: one.half_cycles(lambda rows: rows.cycle + 1)),
+    start_velocity=real("u = theta'/(p alpha_c) at its start"),
+    peak=real("largest theta/alpha_c in it; inf where the block overturns"),
+    duration=real("time to the next impact; inf where there is none", "s"),
+    impulse_count=whole("intermediate impulses in it; -1 where n -> infinity", explanation="n_i"),
+    interval=real("corrected interval of the intermediate impulses; NaN without", "s", explanation="dT_i"),
+    impact_speed=real("speed right before the next impact over p alpha_c; NaN without"),
 )
 
 OVERTURNING = along(
     ("interval",),
-    {
-        **_pointers("intervals"),
-        "lower": real("1", "smallest factor on the model's input that overturns in this interval"),
-        "upper": real("1", "largest one; the end of the search where open"),
-        "open": flag(NO_YES, "whether the block still overturns at the end of the search"),
-        "resolved": flag(
-            NO_YES,
-            "whether the model can answer at the lower end",
-            explanation="no: from `lower` on it cannot, as in free flight, which counts as overturning",
-        ),
-    },
-    by=_of_interval,
+    lambda name: lambda one: one.intervals(lambda rows: getattr(rows.source, name)),
+    **_pointers("intervals"),
+    lower=real("smallest factor on the model's input that overturns in this interval"),
+    upper=real("largest one; the end of the search where open"),
+    open=flag(NO_YES, "whether the block still overturns at the end of the search"),
+    resolved=flag(
+        NO_YES,
+        "whether the model can answer at the lower end",
+        explanation="no: from `lower` on it cannot, as in free flight, which counts as overturning",
+    ),
 )
 
 #: Of each direction of a sweep, of each pair of channels, and of its answers: put together from those of /summary.
 DIRECTIONS: Declared = {
     "pair": text("the two channels that were rotated", dims=("pair",)),
     "direction_azimuth": real(
-        "degree",
         "azimuth of the direction, clockwise from north",
+        "degree",
         dims=("direction",),
         explanation="from 0 up to 180 degrees: the motion of the opposite direction is the mirror image",
     ),
-    "record_index": whole(
-        "index into record of /summary; -1 where the direction was not assessed", dims=("pair", "direction")
-    ),
+    "record_index": whole("index into record of /summary; -1 where not assessed", dims=("pair", "direction")),
     **along(
         ("pair",),
-        {
-            "pga_median": real("m s-2", "median over direction of the peak ground acceleration"),
-            "pga_largest": real("m s-2", "largest over direction of the peak ground acceleration"),
-            "pga_azimuth": real("degree", "azimuth of the largest peak ground acceleration"),
-            "main_impulse_median": real("m s-1", "median over direction of the main impulse I"),
-            "main_impulse_largest": real("m s-1", "largest over direction of the main impulse I"),
-            "main_impulse_azimuth": real("degree", "azimuth of the largest main impulse I"),
-        },
+        pga_median=real("median over direction of the peak ground acceleration", "m s-2"),
+        pga_largest=real("largest over direction of the peak ground acceleration", "m s-2"),
+        pga_azimuth=real("azimuth of the largest peak ground acceleration", "degree"),
+        main_impulse_median=real("median over direction of the main impulse I", "m s-1"),
+        main_impulse_largest=real("largest over direction of the main impulse I", "m s-1"),
+        main_impulse_azimuth=real("azimuth of the largest main impulse I", "degree"),
     ),
     **along(
         ("pair", *LANES[1:], "model"),
-        {
-            "median_rotation_ratio": real(
-                "1",
-                "median over direction of the largest rotation over alpha_c; inf where half of the directions "
-                "overturn, NaN where directions without an answer could change it",
-            ),
-            "largest_rotation_ratio": real(
-                "1",
-                "largest over direction of the largest rotation over alpha_c; inf where a direction overturns, else "
-                "NaN where one has no answer",
-            ),
-            "largest_azimuth": real(
-                "degree",
-                "azimuth of the largest rotation; where several directions overturn, of the one that does so first",
-            ),
-            "overturning_share": real("1", "share of all directions that overturn"),
-            "unanswered_count": whole("directions without an answer"),
-            "smallest_safety_factor": real(
-                "1",
-                "smallest over direction of the safety factor; NaN where one is not known",
-                explanation="inf: none in any direction up to the end of the search; a lower bound where "
-                "`factor_resolved` of that direction says no",
-            ),
-            "safety_factor_azimuth": real("degree", "azimuth of the smallest safety factor; NaN without a finite one"),
-        },
+        median_rotation_ratio=real(
+            "median over direction of the largest rotation over alpha_c; inf where half of the directions "
+            "overturn, NaN where directions without an answer could change it"
+        ),
+        largest_rotation_ratio=real(
+            "largest over direction of the largest rotation over alpha_c; inf where a direction overturns, else "
+            "NaN where one has no answer"
+        ),
+        largest_azimuth=real(
+            "azimuth of the largest rotation; of several that overturn, of the first to do so",
+            "degree",
+        ),
+        overturning_share=real("share of all directions that overturn"),
+        unanswered_count=whole("directions without an answer"),
+        smallest_safety_factor=real(
+            "smallest over direction of the safety factor; NaN where one is not known",
+            explanation="inf: none in any direction up to the end of the search; a lower bound where "
+            "`factor_resolved` of that direction says no",
+        ),
+        safety_factor_azimuth=real("azimuth of the smallest safety factor; NaN without a finite one", "degree"),
     ),
     "overturning_probability_mean": real(
-        "1",
         "mean over direction of the probability of overturning; NaN where one is not known",
         dims=("pair", *LANES[1:]),
         explanation="that of a body whose direction is not known; only with `[uncertainty] azimuth = true`",
@@ -135,14 +107,12 @@ DIRECTIONS: Declared = {
 
 WAVES = along(
     ("wave",),
-    {
-        "impulse": real("m s-1", "signed impulse of the half-wave"),
-        "centroid": real("s", "time of its centroid from the first sample"),
-        "start": real("s", "its start"),
-        "end": real("s", "its end"),
-        "peak": real("m s-2", "its signed peak acceleration"),
-    },
-    by=_of_wave,
+    lambda name: lambda one: getattr(one.scene.waves, name),
+    impulse=real("signed impulse of the half-wave", "m s-1"),
+    centroid=real("time of its centroid from the first sample", "s"),
+    start=real("its start", "s"),
+    end=real("its end", "s"),
+    peak=real("its signed peak acceleration", "m s-2"),
 )
 
 _SAMPLES = {
@@ -150,33 +120,32 @@ _SAMPLES = {
         "samples of each record", lambda one: one.record.npts, dims=("record",), sample_dimension="sample"
     ),
     "acceleration": real(
-        "m s-2", "conditioned ground acceleration", lambda one: one.record.acceleration, dims=("sample",)
+        "conditioned ground acceleration", "m s-2", lambda one: one.record.acceleration, dims=("sample",)
     ),
 }
 
 _HISTORIES = along(
     ("history",),
-    {
-        "history_row_size": whole(
-            "instants of each history",
-            lambda one: one.histories(lambda rows: np.full(rows.lane.size, rows.source.rotation.shape[1])),
-            sample_dimension="instant",
-        ),
-        "history_record_index": whole(
-            "index into record", lambda one: one.histories(lambda rows: np.zeros(rows.lane.size, dtype=int))
-        ),
-        "history_lane_index": whole(
-            "index into block x case of /summary, case running faster",
-            lambda one: one.histories(lambda rows: rows.lane),
-        ),
-        "history_model_index": whole(
-            "index into model of /summary", lambda one: one.histories(lambda rows: np.full(rows.lane.size, rows.model))
-        ),
-    },
+    history_row_size=whole(
+        "instants of each history",
+        lambda one: one.histories(lambda rows: np.full(rows.lane.size, rows.source.rotation.shape[1])),
+        sample_dimension="instant",
+    ),
+    history_record_index=whole(
+        "index into record", lambda one: one.histories(lambda rows: np.zeros(rows.lane.size, dtype=int))
+    ),
+    history_lane_index=whole(
+        "index into block x case of /summary, case running faster",
+        lambda one: one.histories(lambda rows: rows.lane),
+    ),
+    history_model_index=whole(
+        "index into model of /summary", lambda one: one.histories(lambda rows: np.full(rows.lane.size, rows.model))
+    ),
 ) | along(
     ("instant",),
-    {"rotation": real("rad", "rotation at the record's samples"), "velocity": real("rad s-1", "its rate")},
-    by=lambda name: lambda one: one.histories(lambda rows: getattr(rows.source, name).ravel()),
+    lambda name: lambda one: one.histories(lambda rows: getattr(rows.source, name).ravel()),
+    rotation=real("rotation at the record's samples", "rad"),
+    velocity=real("its rate", "rad s-1"),
 )
 
 #: Ragged arrays: the values of all records one after the other, with the number of each.

@@ -25,85 +25,77 @@ def _of_body(name: str) -> Callable[[Bodies, Config], Any]:
 
 BLOCK = along(
     ("block",),
-    {
-        "width": real(
-            "m",
-            "full width in the plane of rocking; NaN where only p and alpha are known",
-            lambda bodies, config: bodies.width,
-        ),
-        "height": real("m", "full height; NaN where only p and alpha are known", lambda bodies, config: bodies.height),
-        "radius": real(
-            "m",
-            "R, from the corner to the centre of mass: half the diagonal; for a body given by p the radius given with "
-            "it, else that of the rectangle with the same p",
-        ),
-        "alpha_c": real("rad", "critical angle", explanation="about the right-hand corner"),
-        "p": real("s-1", "frequency parameter", explanation="about the right-hand corner"),
-        "alpha_2": real("rad", "critical angle about the left-hand corner"),
-        "p_2": real("s-1", "frequency parameter about the left-hand corner"),
-        "radius_2": real("m", "from the left-hand corner to the centre of mass"),
-        "one_sided": flag(NO_YES, "whether the body leans on a wall and falls away from it only", _of_body("side")),
-        "facing": real(
-            "degree", "azimuth towards which such a body falls; NaN where not known", lambda b, config: b.facing
-        ),
-        "body_azimuth": real(
-            "degree",
-            "direction of its own in which pairs of channels shake the body; NaN for that of the records",
-            lambda b, config: b.azimuth,
-        ),
-        "friction": real("1", "coefficient at the base; NaN where not known", lambda b, config: b.friction),
-        "mass": real("kg", "mass with the loads that it carries along; NaN where not known"),
-        "restraints": text(
-            "ties, loads and thrusts of the body",
-            lambda bodies, config: [
-                "" if held is None else held.as_text()
-                for held in np.broadcast_to(np.array(bodies.lanes.restraints, dtype=object), bodies.lanes.shape)[
-                    :: bodies.cases
-                ]
-            ],
-            explanation="as JSON, in SI units; empty for none",
-        ),
-        "floors": text(
-            "modes of the building that the body stands on",
-            lambda bodies, config: [floors_as_text(floors) for floors in bodies.floors],
-            explanation="as JSON: period [s], damping and participation [-] of each; empty on the ground",
-        ),
-        "pedestal_of": text(
-            "name of the body that this one is together with its pedestal",
-            lambda bodies, config: bodies.pedestal_of,
-            explanation="empty for all others",
-        ),
-        "uplift_acceleration": real(
-            "m s-2",
-            "smallest horizontal acceleration that lifts it",
-            lambda bodies, config: _lifting(bodies.lanes)[:: bodies.cases],
-        ),
-        "gravity": real(
-            "m s-2",
-            "acceleration of gravity at the block",
-            lambda bodies, config: np.full(len(bodies.names), bodies.lanes.gravity),
-        ),
-        "slenderness": real("1", "height over width"),
-        "critical_impulse": real("m s-1", "I_1c, the impulse that overturns the resting block at once"),
-        "block_warnings": text(
-            "remarks on the block", lambda bodies, config: bodies.warnings, explanation="one a line"
-        ),
-    },
-    by=_of_body,
+    _of_body,
+    width=real(
+        "full width; NaN where only p and alpha are known",
+        "m",
+        lambda bodies, config: bodies.width,
+    ),
+    height=real("full height; NaN where only p and alpha are known", "m", lambda bodies, config: bodies.height),
+    radius=real(
+        "R, from the corner to the centre of mass: half the diagonal; for a body given by p the radius given with "
+        "it, else that of the rectangle with the same p",
+        "m",
+    ),
+    alpha_c=real("critical angle", "rad", explanation="about the right-hand corner"),
+    p=real("frequency parameter", "s-1", explanation="about the right-hand corner"),
+    alpha_2=real("critical angle about the left-hand corner", "rad"),
+    p_2=real("frequency parameter about the left-hand corner", "s-1"),
+    radius_2=real("from the left-hand corner to the centre of mass", "m"),
+    one_sided=flag(NO_YES, "whether the body leans on a wall and falls away from it only", _of_body("side")),
+    facing=real("azimuth towards which such a body falls; NaN where not known", "degree", lambda b, config: b.facing),
+    body_azimuth=real(
+        "direction of its own in which pairs of channels shake the body; NaN for that of the records",
+        "degree",
+        lambda b, config: b.azimuth,
+    ),
+    friction=real("coefficient at the base; NaN where not known", take=lambda b, config: b.friction),
+    mass=real("mass with the loads that it carries along; NaN where not known", "kg"),
+    restraints=text(
+        "ties, loads and thrusts of the body",
+        lambda bodies, config: [
+            "" if held is None else held.as_text()
+            for held in np.broadcast_to(np.array(bodies.lanes.restraints, dtype=object), bodies.lanes.shape)[
+                :: bodies.cases
+            ]
+        ],
+        explanation="as JSON, in SI units; empty for none",
+    ),
+    floors=text(
+        "modes of the building that the body stands on",
+        lambda bodies, config: [floors_as_text(floors) for floors in bodies.floors],
+        explanation="as JSON: period [s], damping and participation [-] of each; empty on the ground",
+    ),
+    pedestal_of=text(
+        "name of the body that this one is together with its pedestal",
+        lambda bodies, config: bodies.pedestal_of,
+        explanation="empty for all others",
+    ),
+    uplift_acceleration=real(
+        "smallest horizontal acceleration that lifts it",
+        "m s-2",
+        lambda bodies, config: _lifting(bodies.lanes)[:: bodies.cases],
+    ),
+    gravity=real(
+        "acceleration of gravity at the block",
+        "m s-2",
+        lambda bodies, config: np.full(len(bodies.names), bodies.lanes.gravity),
+    ),
+    slenderness=real("height over width"),
+    critical_impulse=real("I_1c, the impulse that overturns the resting block at once", "m s-1"),
+    block_warnings=text("remarks on the block", lambda bodies, config: bodies.warnings, explanation="one a line"),
 )
 
 CASE = {
     "restitution": real(
-        "1",
         "velocity ratio C of an impact",
-        lambda bodies, config: bodies.per_case(np.asarray(bodies.lanes.restitution)),
+        take=lambda bodies, config: bodies.per_case(np.asarray(bodies.lanes.restitution)),
         dims=("block", "case"),
         explanation="that ends the rotation about the right-hand corner; of a one-sided body its rebound",
     ),
     "restitution_2": real(
-        "1",
         "velocity ratio C of an impact that ends the rotation about the left-hand corner",
-        lambda bodies, config: bodies.per_case(np.asarray(bodies.lanes.restitution_2)),
+        take=lambda bodies, config: bodies.per_case(np.asarray(bodies.lanes.restitution_2)),
         dims=("block", "case"),
     ),
 }

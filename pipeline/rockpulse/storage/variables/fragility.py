@@ -25,37 +25,21 @@ QUALITIES = ("duration", "period", "strong_half_waves")
 TESTED = (*QUALITIES, STRENGTH, *STATED)
 
 
-class Status(IntEnum):
-    """Whether there is a curve, and why not."""
-
-    FITTED = 0
-    NO_RECORD = 1
-    ONE_RECORD = 2
-    NOTHING_REACHED = 3
-    EVERYTHING_REACHED = 4
-    ONE_REACHED = 5
-    STEP = 6
-    SEPARATED = 7
-    NOT_INCREASING = 8
-    NO_MAXIMUM = 9
+#: Whether there is a curve, and why not.
+Status = IntEnum(
+    "Status",
+    "FITTED NO_RECORD ONE_RECORD NOTHING_REACHED EVERYTHING_REACHED ONE_REACHED STEP SEPARATED NOT_INCREASING "
+    "NO_MAXIMUM",
+    start=0,
+)
 
 
-class Band(IntEnum):
-    """Whether there is a confidence band, and why not."""
-
-    GIVEN = 0
-    NO_CURVE = 1
-    ONE_EVENT = 2
-    FEW_EVENTS = 3
-    RESTS_ON_ONE_EVENT = 4
+#: Whether there is a confidence band, and why not.
+Band = IntEnum("Band", "GIVEN NO_CURVE ONE_EVENT FEW_EVENTS RESTS_ON_ONE_EVENT", start=0)
 
 
-class Extrapolated(IntEnum):
-    """Whether the median lies among the levels looked at."""
-
-    NO = 0
-    ABOVE = 1
-    BELOW = 2
+#: Whether the median lies among the levels looked at.
+Extrapolated = IntEnum("Extrapolated", "NO ABOVE BELOW", start=0)
 
 
 def _words(values: type[IntEnum]) -> list[str]:
@@ -77,12 +61,12 @@ COORDINATES: Declared = {
 }
 
 _FIT: Declared = {
-    "median": real(OWN, "measure at which the limit state is reached with probability 1/2"),
-    "median_low": real(OWN, "lower confidence limit of the median"),
-    "median_high": real(OWN, "upper confidence limit of the median"),
-    "beta": real("1", "dispersion: standard deviation of ln capacity"),
-    "beta_low": real("1", "lower confidence limit of the dispersion"),
-    "beta_high": real("1", "upper confidence limit of the dispersion"),
+    "median": real("measure at which the limit state is reached with probability 1/2", OWN),
+    "median_low": real("lower confidence limit of the median", OWN),
+    "median_high": real("upper confidence limit of the median", OWN),
+    "beta": real("dispersion: standard deviation of ln capacity"),
+    "beta_low": real("lower confidence limit of the dispersion"),
+    "beta_high": real("upper confidence limit of the dispersion"),
 }
 _JUDGED: Declared = {
     "extrapolated": flag(_words(Extrapolated), "whether the median lies beyond every level looked at"),
@@ -93,42 +77,36 @@ _JUDGED: Declared = {
 #: Of the fits of each body, limit state and measure, and what they rest on.
 CURVE = along(
     _LANES,
-    {
-        **_FIT,
-        "status": flag(_words(Status), "whether there is a curve, and why not"),
-        "band": flag(_words(Band), "whether there are confidence limits, and why not"),
-        **_JUDGED,
-        "records": whole("number of records"),
-        "events": whole("number of earthquakes, over which the confidence limits are taken"),
-        "observations": whole("number of capacities, or of scaled motions"),
-        "reached": whole("observations that reached the limit state; the others are censored"),
-    },
+    **_FIT,
+    status=flag(_words(Status), "whether there is a curve, and why not"),
+    band=flag(_words(Band), "whether there are confidence limits, and why not"),
+    **_JUDGED,
+    records=whole("number of records"),
+    events=whole("number of earthquakes, over which the confidence limits are taken"),
+    observations=whole("number of capacities, or of scaled motions"),
+    reached=whole("observations that reached the limit state; the others are censored"),
 )
 
 CURVES: Declared = {
     **CURVE,
     "level": real(
-        OWN,
         "values of the measure that the curves are given at",
+        OWN,
         dims=("block", "measure", "point"),
         explanation="the same for all limit states of a body",
     ),
     **along(
         ("block", "limit_state", "measure", "point"),
-        {
-            "probability": real("1", "probability of reaching the limit state", explanation="at `level`"),
-            "probability_low": real(
-                "1", "lower confidence limit of the probability", explanation="the band is pointwise"
-            ),
-            "probability_high": real("1", "upper confidence limit of the probability"),
-        },
+        probability=real("probability of reaching the limit state", explanation="at `level`"),
+        probability_low=real("lower confidence limit of the probability", explanation="the band is pointwise"),
+        probability_high=real("upper confidence limit of the probability"),
     ),
     "measure_units": text("unit of each measure", dims=("measure",)),
     "measure_long_name": text("meaning of each measure", dims=("measure",)),
-    **along(("block",), {"alpha_c": BLOCK["alpha_c"], "p": BLOCK["p"], "restitution": CASE["restitution"]}),
+    **along(("block",), alpha_c=BLOCK["alpha_c"], p=BLOCK["p"], restitution=CASE["restitution"]),
     "uplift_acceleration": real(
-        "m s-2",
         "smallest horizontal acceleration of the ground that lifts the body",
+        "m s-2",
         dims=("block",),
         explanation="NaN on a floor of a building, and where a vertical channel acts",
     ),
@@ -137,7 +115,6 @@ CURVES: Declared = {
 #: Of an incremental dynamic analysis.
 IDA: Declared = {
     "factor": real(
-        "1",
         "first factor on the record that reaches the limit state; inf where none does",
         dims=("record", "block", "limit_state"),
         explanation="up to the end of the search",
@@ -148,7 +125,6 @@ IDA: Declared = {
         dims=("record", "block", "limit_state"),
     ),
     "search_step": real(
-        "1",
         "ratio of neighbouring factors of the search for rotations and overturning; 1: nothing to miss",
         dims=("record", "block"),
         explanation="uplift is in closed form; a limit state that is reached in a narrower interval only is given a "
@@ -157,9 +133,8 @@ IDA: Declared = {
 }
 
 STRIPES: Declared = {
-    "factor": real("1", "factor on the record; NaN for none", dims=("record", "block", "stripe")),
+    "factor": real("factor on the record; NaN for none", dims=("record", "block", "stripe")),
     "weight": real(
-        "1",
         "weight of the record at that factor in the fits",
         dims=("record", "stripe"),
         explanation="1 without a selection of records",
@@ -175,36 +150,33 @@ STRIPES: Declared = {
 #: Of the records, whatever the analysis.
 CAPACITIES: Declared = {
     "measure_value": real(
-        OWN,
         "measure of the record at factor 1",
+        OWN,
         dims=("record", "block", "measure"),
         explanation="factor times it is the capacity in that measure",
     ),
     **along(
         ("record",),
-        {
-            "event": text("earthquake that the record is counted to"),
-            "source": text(RECORD["source"].long_name),
-            "duration": real("s", "length of the intense phase"),
-            "period": real("s", "2 pi PGV/PGA"),
-            "strong_half_waves": real("1", "half-waves of the intense phase above half the largest"),
-            **FACTS,
-        },
+        event=text("earthquake that the record is counted to"),
+        source=text(RECORD["source"].long_name),
+        duration=real("length of the intense phase", "s"),
+        period=real("2 pi PGV/PGA", "s"),
+        strong_half_waves=real("half-waves of the intense phase above half the largest"),
+        **FACTS,
     ),
 }
 
 _RATIO: Declared = {
-    "beta_ratio": real("1", "dispersion over that in p PGV/(g tan alpha_c)"),
-    "beta_ratio_low": real("1", "lower confidence limit of the ratio of dispersions"),
-    "beta_ratio_high": real("1", "upper confidence limit of the ratio of dispersions"),
+    "beta_ratio": real("dispersion over that in p PGV/(g tan alpha_c)"),
+    "beta_ratio_low": real("lower confidence limit of the ratio of dispersions"),
+    "beta_ratio_high": real("upper confidence limit of the ratio of dispersions"),
 }
 _QUALITY: Declared = {
     "slope": real(
-        "1",
         "d ln median over d ln of a quality of the record, of the magnitude over its own difference",
         explanation="of the records that have the quality",
     ),
-    "p_value": real("1", "p-value of a slope of zero, by the jackknife over events; not corrected for many tests"),
+    "p_value": real("p-value of a slope of zero, by the jackknife over events; not corrected for many tests"),
 }
 _POOLED_FIT: Declared = {**_FIT, **_JUDGED}
 
@@ -215,14 +187,14 @@ def _pooled(declared: Declared) -> Declared:
 
 #: Of each body, then of all bodies together, for which only dimensionless measures have values.
 EFFICIENCY: Declared = {
-    **along(_LANES, _RATIO),
-    **along((*_LANES, "quality"), _QUALITY),
-    **along(("limit_state", "measure"), _pooled(_RATIO)),
-    **along(("limit_state", "measure", "quality"), _pooled(_QUALITY)),
+    **along(_LANES, **_RATIO),
+    **along((*_LANES, "quality"), **_QUALITY),
+    **along(("limit_state", "measure"), **_pooled(_RATIO)),
+    **along(("limit_state", "measure", "quality"), **_pooled(_QUALITY)),
     "quality_records": whole("number of records that have the quality", dims=("quality",)),
     "quality_events": whole("number of earthquakes of these records", dims=("quality",)),
     "most_efficient": text("measure of smallest dispersion; empty where none has one", dims=("block", "limit_state")),
-    **along(("limit_state", "measure"), _pooled(_POOLED_FIT)),
+    **along(("limit_state", "measure"), **_pooled(_POOLED_FIT)),
 }
 
 #: Fits that /efficiency has of all bodies together.

@@ -25,6 +25,10 @@ READ = {
 }
 
 
+def _fixed(values: np.ndarray) -> Callable[[Any, Config], np.ndarray]:
+    return lambda bodies, config: values
+
+
 def _of_lanes(name: str) -> Callable[[Any], np.ndarray]:
     return lambda one: one.per_lane(one.probability[name])
 
@@ -47,7 +51,7 @@ def _with_ends(name: str, long_name: str, explanation: str) -> dict[str, StoredV
     }
     return {
         key: real(
-            "1", words, _of_lanes(key), of_ground=True, explanation=explanation if key == name else "", comment=_comment
+            words, take=_of_lanes(key), of_ground=True, explanation=explanation if key == name else "", comment=_comment
         )
         for key, words in told.items()
     }
@@ -73,9 +77,8 @@ PROBABILITY: Declared = {
         "",
     ),
     "uplift_probability": real(
-        "1",
         "probability that the body lifts off under the record as it is; NaN where not computed",
-        _of_lanes("uplift_probability"),
+        take=_of_lanes("uplift_probability"),
         of_ground=True,
         explanation="in closed form, from `uplift_ratio`: without the vertical acceleration",
         comment=_comment,
@@ -93,17 +96,15 @@ PROBABILITY: Declared = {
 #: The same at the demands of the site, along them.
 AT_DEMAND: Declared = {
     "demand_factor": real(
-        "1",
         "factor on the record that brings it to the demand",
-        _of_lanes("demand_factor"),
+        take=_of_lanes("demand_factor"),
         of_ground=True,
         explanation="the demand over the strength of the motion, of a pair of horizontal channels over the geometric "
         "mean of theirs",
     ),
     "demand_probability": real(
-        "1",
         "probability that the body overturns under the record brought to the demand; NaN where not computed",
-        _of_lanes("demand_probability"),
+        take=_of_lanes("demand_probability"),
         of_ground=True,
         explanation="not computed where `demand_factor` lies outside 0.25 to 4 or above `[search] factor_max`",
         comment=_comment,
@@ -122,43 +123,35 @@ ROTATIONS = np.array([0.1, 0.4, 0.6, 1.0])
 
 #: Along its axes. They are the same for every record of a file, so that the spectra of all records are one array.
 SPECTRUM_AXES: Declared = {
-    "p": real("s-1", "frequency parameter of the blocks", lambda bodies, config: RATES, dims=("p",)),
+    "p": real("frequency parameter of the blocks", "s-1", _fixed(RATES), dims=("p",)),
     "restitution": real(
-        "1",
         "nominal restitution C of the blocks",
-        lambda bodies, config: RESTITUTIONS,
+        take=_fixed(RESTITUTIONS),
         dims=("restitution",),
         explanation="that of a draw lies between the shares of it that `[uncertainty] restitution` tells",
     ),
-    "level": real(
-        "1", "factor on the record over the mean capacity of the block", lambda bodies, config: LEVELS, dims=("level",)
-    ),
-    "rotation": real(
-        "1", "limit state of rotation, theta/alpha_c", lambda bodies, config: ROTATIONS, dims=("rotation",)
-    ),
+    "level": real("factor on the record over the mean capacity of the block", take=_fixed(LEVELS), dims=("level",)),
+    "rotation": real("limit state of rotation, theta/alpha_c", take=_fixed(ROTATIONS), dims=("rotation",)),
 }
 
 SPECTRUM: Declared = {
     **along(
         ("p", "restitution"),
-        {
-            "spectrum": real(
-                "m s-1",
-                "overturning spectrum S = (g tan(alpha_c)/p)/capacity_mean",
-                explanation="the effective impulse that a slender block of this p and C takes from the record; its "
-                "mean capacity is (g tan(alpha_c)/p)/S",
-            ),
-            "spectrum_low": real("m s-1", "lower end of the interval of 90 % of the spectrum"),
-            "spectrum_high": real("m s-1", "upper end of the interval of 90 % of the spectrum"),
-        },
+        spectrum=real(
+            "overturning spectrum S = (g tan(alpha_c)/p)/capacity_mean",
+            "m s-1",
+            explanation="the effective impulse that a slender block of this p and C takes from the record; its "
+            "mean capacity is (g tan(alpha_c)/p)/S",
+        ),
+        spectrum_low=real("lower end of the interval of 90 % of the spectrum", "m s-1"),
+        spectrum_high=real("upper end of the interval of 90 % of the spectrum", "m s-1"),
     ),
     "rotation_spectrum": real(
-        "m s-1",
         "the same for reaching a rotation: (g tan(alpha_c)/p) over the mean factor at which it is reached",
+        "m s-1",
         dims=("rotation", "p", "restitution"),
     ),
     "probability": real(
-        "1",
         "probability of overturning of a block under the record times level times its mean capacity",
         dims=("p", "restitution", "level"),
     ),

@@ -4,14 +4,8 @@ from enum import IntEnum
 
 from rockpulse.storage.variables import NOT_KNOWN, Declared, along, flag, real, text, whole
 
-
-class RiskStatus(IntEnum):
-    """Whether there is a frequency, and why not."""
-
-    GIVEN = 0
-    NO_CURVE = 1
-    NO_LIMIT = 2  # the lower tail of the fragility outweighs the hazard
-    NOT_COVERED = 3  # the spectra do not stand for the body
+#: Whether there is a frequency: NO_LIMIT where the lower tail outweighs the hazard, NOT_COVERED by the spectra.
+RiskStatus = IntEnum("RiskStatus", "GIVEN NO_CURVE NO_LIMIT NOT_COVERED", start=0)
 
 
 OWN = "unit of the measure in SI"
@@ -20,76 +14,66 @@ OWN = "unit of the measure in SI"
 RISK: Declared = {
     **along(
         ("block",),
-        {
-            "frequency": real("year-1", "annual frequency of the limit state"),
-            "frequency_low": real("year-1", "lower limit of the frequency, by the records of the fragility"),
-            "frequency_high": real("year-1", "upper limit of the frequency"),
-            "probability": real("1", "probability of the limit state in the years that were asked for"),
-            "probability_low": real("1", "lower limit of that probability"),
-            "probability_high": real("1", "upper limit of that probability"),
-            "survival": real("1", "probability that the body stands for so many years"),
-            "below": real("1", "share of the frequency from levels below all that were looked at"),
-            "above": real("1", "share of the frequency from levels above all that were looked at"),
-            "events": whole("earthquakes of the fragility"),
-            "status": flag([one.name.lower() for one in RiskStatus], "whether there is a frequency, and why not"),
-            "statement": text("why there is no frequency or no band, and what is to be known of the band"),
-            "warning": text("what comes from levels that nothing was looked at; empty for a tenth and less"),
-        },
+        frequency=real("annual frequency of the limit state", "year-1"),
+        frequency_low=real("lower limit of the frequency, by the records of the fragility", "year-1"),
+        frequency_high=real("upper limit of the frequency", "year-1"),
+        probability=real("probability of the limit state in the years that were asked for"),
+        probability_low=real("lower limit of that probability"),
+        probability_high=real("upper limit of that probability"),
+        survival=real("probability that the body stands for so many years"),
+        below=real("share of the frequency from levels below all that were looked at"),
+        above=real("share of the frequency from levels above all that were looked at"),
+        events=whole("earthquakes of the fragility"),
+        status=flag([one.name.lower() for one in RiskStatus], "whether there is a frequency, and why not"),
+        statement=text("why there is no frequency or no band, and what is to be known of the band"),
+        warning=text("what comes from levels that nothing was looked at; empty for a tenth and less"),
     ),
     **along(
         ("block", "bin"),
-        {
-            "bin_low": real(OWN, "lower end of a range of levels"),
-            "bin_high": real(OWN, "upper end of a range of levels"),
-            "share": real("1", "share of the frequency from the range"),
-        },
+        bin_low=real("lower end of a range of levels", OWN),
+        bin_high=real("upper end of a range of levels", OWN),
+        share=real("share of the frequency from the range"),
     ),
 }
 
 #: Over the bodies of an inventory.
 INVENTORY: Declared = along(
     ("body",),
-    {
-        "frequency": real("year-1", "annual frequency of overturning"),
-        "frequency_low": real("year-1", "lower limit of the frequency, over earthquakes"),
-        "frequency_high": real("year-1", "upper limit of the frequency"),
-        "probability": real("1", "probability of overturning in the years that were asked for"),
-        "survival": real("1", "probability that the body stands for so many years"),
-        "median": real(OWN, "level at which the body overturns with probability 1/2"),
-        "dispersion": real("1", "standard deviation of ln(S/measure), S the overturning spectrum"),
-        "below": real("1", "share of the frequency from levels below those that the hazard was given for"),
-        "above": real("1", "share of the frequency from levels above those that the hazard was given for"),
-        "far": real("1", "share of the frequency from records at factors beyond those of [fragility] factors"),
-        "hazard_distance": real("m", "distance of the body's site from the place that its hazard was computed for"),
-        "status": flag([one.name.lower() for one in RiskStatus], "whether there is a frequency, and why not"),
-    },
+    frequency=real("annual frequency of overturning", "year-1"),
+    frequency_low=real("lower limit of the frequency, over earthquakes", "year-1"),
+    frequency_high=real("upper limit of the frequency", "year-1"),
+    probability=real("probability of overturning in the years that were asked for"),
+    survival=real("probability that the body stands for so many years"),
+    median=real("level at which the body overturns with probability 1/2", OWN),
+    dispersion=real("standard deviation of ln(S/measure), S the overturning spectrum"),
+    below=real("share of the frequency from levels below those that the hazard was given for"),
+    above=real("share of the frequency from levels above those that the hazard was given for"),
+    far=real("share of the frequency from records at factors beyond those of [fragility] factors"),
+    hazard_distance=real("distance of the body's site from the place that its hazard was computed for", "m"),
+    status=flag([one.name.lower() for one in RiskStatus], "whether there is a frequency, and why not"),
 )
 
 #: Over free bodies, and levels of a measure.
 FREE_FRAGILITY: Declared = {
     **along(
         ("body", "level"),
-        {
-            "probability": real("1", "probability of overturning, the mean of those of the records"),
-            "lognormal": real("1", "probability of overturning with S lognormal over earthquakes and records"),
-        },
+        probability=real("probability of overturning, the mean of those of the records"),
+        lognormal=real("probability of overturning with S lognormal over earthquakes and records"),
     ),
     **along(
         ("body",),
-        {
-            "median": real(OWN, "level at which the mean of ln S is that of the body, ln(g tan(alpha)/p)"),
-            "dispersion": INVENTORY["dispersion"],
-        },
+        median=real("level at which the mean of ln S is that of the body, ln(g tan(alpha)/p)", OWN),
+        dispersion=INVENTORY["dispersion"],
     ),
 }
 
 #: Over the bodies of either, of one that is known to have stood.
 STANDING: Declared = {
-    "chance": real("1", "probability that the body has stood for its age, exp(-frequency age)"),
-    "chance_low": real("1", "the same at the upper limit of the frequency"),
-    "chance_high": real("1", "the same at the lower limit of the frequency"),
-    "largest": real("year-1", "largest annual frequency that its age leaves at the confidence"),
-    "factor": real("1", "factor on the rates of the hazard at which the frequency would be the largest one"),
+    "chance": real("probability that the body has stood for its age, exp(-frequency age)"),
+    "chance_low": real("the same at the upper limit of the frequency"),
+    "chance_high": real("the same at the lower limit of the frequency"),
+    "largest": real("largest annual frequency that its age leaves at the confidence", "year-1"),
+    "factor": real("factor on the rates of the hazard at which the frequency would be the largest one"),
     "contradicted": flag(("not_known", "no", "yes"), "whether the frequency is above the largest one", first=NOT_KNOWN),
 }
 
@@ -98,27 +82,23 @@ STANDING: Declared = {
 CHECK: Declared = {
     **along(
         ("block",),
-        {
-            "multiplier": real("1", "alpha_0, multiplier of the horizontal forces that opens the mechanism"),
-            "share": real("1", "e*, share of the mass that takes part"),
-            "probability": real("1", "probability of overturning that the verdict of the results rests on"),
-            "factor_50": real("1", "median over the records of the factor at which that probability is 50 %"),
-            "beside": text("why the probability is not known, in words"),
-        },
+        multiplier=real("alpha_0, multiplier of the horizontal forces that opens the mechanism"),
+        share=real("e*, share of the mass that takes part"),
+        probability=real("probability of overturning that the verdict of the results rests on"),
+        factor_50=real("median over the records of the factor at which that probability is 50 %"),
+        beside=text("why the probability is not known, in words"),
     ),
     **along(
         ("block", "code"),
-        {
-            "activation": real("m s-2", "acceleration that opens the mechanism"),
-            "activation_demand": real("m s-2", "acceleration that the code asks it to bear"),
-            "activation_ratio": real("1", "acceleration that opens the mechanism over what is asked"),
-            "displacement": real("m", "spectral displacement that the code allows"),
-            "period": real("s", "period at which the displacement is asked for"),
-            "displacement_demand": real("m", "spectral displacement that the code asks for"),
-            "displacement_ratio": real("1", "displacement that is allowed over what is asked"),
-            "statement": text("why something is not known, in words"),
-            "activation_sense": text("sense that the acceleration is of, empty where both are alike"),
-            "displacement_sense": text("sense that the displacement is of, empty where both are alike"),
-        },
+        activation=real("acceleration that opens the mechanism", "m s-2"),
+        activation_demand=real("acceleration that the code asks it to bear", "m s-2"),
+        activation_ratio=real("acceleration that opens the mechanism over what is asked"),
+        displacement=real("spectral displacement that the code allows", "m"),
+        period=real("period at which the displacement is asked for", "s"),
+        displacement_demand=real("spectral displacement that the code asks for", "m"),
+        displacement_ratio=real("displacement that is allowed over what is asked"),
+        statement=text("why something is not known, in words"),
+        activation_sense=text("sense that the acceleration is of, empty where both are alike"),
+        displacement_sense=text("sense that the displacement is of, empty where both are alike"),
     ),
 }

@@ -25,157 +25,120 @@ _OF_PARAMETER = "parameter_unit"
 #: Of every record, whatever is worked out from it.
 OF_RECORDS: Declared = along(
     ("record",),
-    {
-        "source": text("file the record was read from"),
-        "source_sha256": text("SHA-256 of the source file"),
-        "event": text("event that the record belongs to, by the user's table, the title or the time"),
-        "weight": real("1", "weight of the record, of mean one"),
-        "scale_factor": real("1", "factor on the conditioned record"),
-        **{one.name: real(one.unit, f"{one.meaning} of the scaled record") for one in STORED_LEVELS},
-        "largest_impulse": real("m s-1", "largest half-wave impulse of the scaled record"),
-        "warnings": text("remarks on the record"),
-        "processing": text("conditioning steps in their order, and the scaling"),
-        **FACTS,
-    },
+    source=text("file the record was read from"),
+    source_sha256=text("SHA-256 of the source file"),
+    event=text("event that the record belongs to, by the user's table, the title or the time"),
+    weight=real("weight of the record, of mean one"),
+    scale_factor=real("factor on the conditioned record"),
+    **{one.name: real(f"{one.meaning} of the scaled record", one.unit) for one in STORED_LEVELS},
+    largest_impulse=real("largest half-wave impulse of the scaled record", "m s-1"),
+    warnings=text("remarks on the record"),
+    processing=text("conditioning steps in their order, and the scaling"),
+    **FACTS,
 )
 
 #: Of a site by the sequences of its records: of the whole site, of its parameters, records, blocks and events, in
 #: the order of the file.
 VARIABLES: Declared = {
-    "quantile": real("1", "share of the recorded rotations that the design is to cover"),
-    "confidence": real("1", "confidence of all intervals"),
+    "quantile": real("share of the recorded rotations that the design is to cover"),
+    "confidence": real("confidence of all intervals"),
     "resamples": whole("bootstrap resamples of the events"),
     "record_count": whole("records of a weight above zero"),
     "event_count": whole("events of such records"),
     "lifting_events": whole("those of these events that have a record which lifts a block"),
-    "lifted_share": real("1", "share of the pairs of record and block that count, for the record lifts the block"),
-    "unresolved_share": real(
-        "1", "share of the pairs of record and block whose answer is not known; they count as overturned"
-    ),
+    "lifted_share": real("share of the pairs of record and block that count, for the record lifts the block"),
+    "unresolved_share": real("share of the pairs of record and block without an answer, which count as overturned"),
     "design_set_by": text(
-        "blocks whose overturning sets I: just below it they stand and the quantile is not covered; empty where "
-        "larger rotations reach the quantile"
+        "blocks whose overturning sets I: just below it they stand and the quantile is not covered; empty where larger "
+        "rotations reach the quantile"
     ),
     "coverage": real(
-        "1",
         "share of the pairs that count, on blocks left standing, whose recorded rotation is covered by the design made "
-        "without the event of the record; NaN where nothing can be left out or nothing is left standing",
+        "without the event of the record; NaN where nothing can be left out or nothing is left standing"
     ),
-    "coverage_lower": real("1", "lower end of its interval, clustered by event"),
-    "coverage_upper": real("1", "upper end of its interval, clustered by event"),
+    "coverage_lower": real("lower end of its interval, clustered by event"),
+    "coverage_upper": real("upper end of its interval, clustered by event"),
     "judged_pairs": whole("pairs of record and block that the coverage rests on"),
     "judged_events": whole("events that the coverage rests on"),
-    "coverage_in_sample": real("1", "the same share by the design made of all records: no test of it"),
-    "coverage_all": real(
-        "1", "as coverage, with the blocks that the design overturns, which it covers whatever the records do"
-    ),
-    "standing_share": real("1", "share of the pairs that count on blocks that the design leaves standing"),
-    "remarks": text(
-        "what the numbers of this file do not say by themselves, one remark a line", explanation="the gravest first"
-    ),
+    "coverage_in_sample": real("the same share by the design made of all records: no test of it"),
+    "coverage_all": real("as coverage, with the blocks that the design overturns, which it always covers"),
+    "standing_share": real("share of the pairs that count on blocks that the design leaves standing"),
+    "remarks": text("what the numbers of this file do not say, one remark a line", explanation="the gravest first"),
     "remark_values": text("the same remarks by their codes and values, as JSON"),
     **along(
         ("parameter",),
-        {
-            "median": real(_OF_PARAMETER, "lognormal median"),
-            "median_lower": real(_OF_PARAMETER, "lower end of its interval, clustered by event; NaN with one event"),
-            "median_upper": real(_OF_PARAMETER, "upper end of its interval, clustered by event; NaN with one event"),
-            "dispersion": real("1", "standard deviation of the logarithm, of records of different events"),
-            "dispersion_lower": real("1", "lower end of its interval, clustered by event; NaN with one event"),
-            "dispersion_upper": real(
-                "1",
-                "upper end of its interval, clustered by event; inf where too few events bound it, NaN with one event",
-            ),
-            "quantile_16": real(_OF_PARAMETER, "weighted 16 % quantile of the records, a value that occurs"),
-            "quantile_50": real(_OF_PARAMETER, "weighted median of the records, a value that occurs"),
-            "quantile_84": real(_OF_PARAMETER, "weighted 84 % quantile of the records, a value that occurs"),
-            "design": real(_OF_PARAMETER, "design sequence"),
-            "design_lower": real(
-                _OF_PARAMETER,
-                "lower end of the interval of the design's I, its shape kept, by resamples on a grid of about 2 %; NaN "
-                "where not known and of the other parameters",
-            ),
-            "design_upper": real(
-                _OF_PARAMETER,
-                "upper end of the interval of the design's I, its shape kept, by resamples on a grid of about 2 %; inf "
-                "where the overturning of a block is all that bounds I, NaN of the other parameters",
-            ),
-        },
+        median=real("lognormal median", _OF_PARAMETER),
+        median_lower=real("lower end of its interval, clustered by event; NaN with one event", _OF_PARAMETER),
+        median_upper=real("upper end of its interval, clustered by event; NaN with one event", _OF_PARAMETER),
+        dispersion=real("standard deviation of the logarithm, of records of different events"),
+        dispersion_lower=real("lower end of its interval, clustered by event; NaN with one event"),
+        dispersion_upper=real("upper end of its interval, clustered by event; inf if unbounded, NaN with one event"),
+        quantile_16=real("weighted 16 % quantile of the records, a value that occurs", _OF_PARAMETER),
+        quantile_50=real("weighted median of the records, a value that occurs", _OF_PARAMETER),
+        quantile_84=real("weighted 84 % quantile of the records, a value that occurs", _OF_PARAMETER),
+        design=real("design sequence", _OF_PARAMETER),
+        design_lower=real(
+            "lower end of the interval of the design's I, its shape kept, by resamples on a grid of about 2 %; NaN "
+            "where not known and of the other parameters",
+            _OF_PARAMETER,
+        ),
+        design_upper=real(
+            "upper end of the interval of the design's I, its shape kept, by resamples on a grid of about 2 %; inf "
+            "where the overturning of a block is all that bounds I, NaN of the other parameters",
+            _OF_PARAMETER,
+        ),
     ),
     **OF_RECORDS,
     **along(
         ("record",),
-        {
-            "misfit": real(
-                "1",
-                "root mean square of ln(sequence/recorded) of the peak rotations where both rock; NaN where nothing "
-                "does",
-            ),
-            "unsafe_share": real(
-                "1",
-                "share of the blocks that the record lifts whose rotation under its own sequence is below the recorded "
-                "one",
-            ),
-            "left_out_main": real(
-                "m s-1",
-                "main impulse of the design sequence made without the event of the record; NaN without such a design",
-            ),
-            "calibration_remarks": text("what the calibration of its sequence says of itself, one remark a line"),
-        },
+        misfit=real("RMS of ln(sequence/recorded) of the peak rotations where both rock; NaN where nothing does"),
+        unsafe_share=real(
+            "share of the lifted blocks whose rotation under the record's own sequence is below the recorded one"
+        ),
+        left_out_main=real(
+            "main impulse I of the design without the event of the record; NaN if there is none",
+            "m s-1",
+        ),
+        calibration_remarks=text("what the calibration of its sequence says of itself, one remark a line"),
     ),
     **along(
         ("record", "parameter"),
-        {
-            "value": real(_OF_PARAMETER, "parameter of the record's own sequence"),
-            "value_lower": real(_OF_PARAMETER, "lower end of its interval, where the method gives one"),
-            "value_upper": real(_OF_PARAMETER, "upper end of its interval, where the method gives one"),
-        },
+        value=real("parameter of the record's own sequence", _OF_PARAMETER),
+        value_lower=real("lower end of its interval, where the method gives one", _OF_PARAMETER),
+        value_upper=real("upper end of its interval, where the method gives one", _OF_PARAMETER),
     ),
     **along(
         ("block",),
-        {
-            "alpha_c": real("rad", "critical angle"),
-            "p": real("s-1", "frequency parameter"),
-            "restitution": real("1", "velocity ratio C of an impact"),
-            "critical_impulse": real("m s-1", "I_1c, the impulse that overturns the resting block at once"),
-            "design_rotation_ratio": real("1", "theta_max/alpha_c under the design sequence; inf where it overturns"),
-            "block_coverage": real(
-                "1", "coverage by block, events left out, overturning designs included; NaN where not known"
-            ),
-        },
+        alpha_c=real("critical angle", "rad"),
+        p=real("frequency parameter", "s-1"),
+        restitution=real("velocity ratio C of an impact"),
+        critical_impulse=real("I_1c, the impulse that overturns the resting block at once", "m s-1"),
+        design_rotation_ratio=real("theta_max/alpha_c under the design sequence; inf where it overturns"),
+        block_coverage=real("coverage by block, events left out, overturning designs included; NaN where not known"),
     ),
     **along(
         ("site_event",),
-        {
-            "event_records": whole("records of the event"),
-            "event_coverage": real(
-                "1", "coverage of its records by the design made without it, on blocks left standing"
-            ),
-        },
+        event_records=whole("records of the event"),
+        event_coverage=real("coverage of its records by the design made without it, on blocks left standing"),
     ),
     "correlation": real(
-        "1",
         "weighted correlation of the logarithms; NaN where one of the two does not vary",
         dims=("parameter", "other_parameter"),
     ),
     **along(
         ("record", "block"),
-        {
-            "rotation_ratio": real("1", "recorded theta_max/alpha_c; inf overturned, 0 at rest, NaN unresolved"),
-            "covered": flag(
-                ("not_counted", "not_covered", "covered", "overturned_by_the_design"),
-                "whether the design made without the event of the record covers the recorded rotation",
-                first=-1,
-            ),
-        },
+        rotation_ratio=real("recorded theta_max/alpha_c; inf overturned, 0 at rest, NaN unresolved"),
+        covered=flag(
+            ("not_counted", "not_covered", "covered", "overturned_by_the_design"),
+            "whether the design made without the event of the record covers the recorded rotation",
+            first=-1,
+        ),
     ),
 }
 
 COORDINATES: Declared = {
     "record": text("record id", dims=("record",)),
-    "block": text(
-        "name of the body", dims=("block",), explanation="a body with several restitutions is several blocks"
-    ),
+    "block": text("name of the body", dims=("block",), explanation="one for each restitution of a body"),
     "site_event": text("event", dims=("site_event",)),
     "parameter": text("parameter of the impulse sequence", dims=("parameter",)),
     "other_parameter": text("the other one of a pair", dims=("other_parameter",)),
@@ -187,9 +150,9 @@ COORDINATES: Declared = {
 def _with_interval(name: str, units: str, meaning: str, explanation: str = "") -> dict[str, StoredVariable]:
     """A variable and both ends of its interval."""
     return {
-        name: real(units, meaning, explanation=explanation),
+        name: real(meaning, units, explanation=explanation),
         **{
-            f"{name}_{end}": real(units, f"{end} end of its interval, events resampled; NaN with one event")
+            f"{name}_{end}": real(f"{end} end of its interval, events resampled; NaN with one event", units)
             for end in ("lower", "upper")
         },
     }
@@ -197,35 +160,33 @@ def _with_interval(name: str, units: str, meaning: str, explanation: str = "") -
 
 #: Of a site by the overturning spectra of its records. What rests on too few earthquakes is NaN, and said in `remarks`.
 SITE: Declared = {
-    "quantile": real("1", "share of the weight of the records at or below the design spectrum"),
+    "quantile": real("share of the weight of the records at or below the design spectrum"),
     **{name: VARIABLES[name] for name in ("confidence", "resamples", "record_count", "event_count")},
     **{name: VARIABLES[name] for name in ("remarks", "remark_values")},
     **OF_RECORDS,
     **{name: VARIABLES[name] for name in ("alpha_c", "p", "restitution", "critical_impulse")},
     **along(
         ("block",),
-        {
-            **_with_interval(
-                "effective_impulse",
-                "m s-1",
-                "I_eff, the design spectrum at the p and C of the block",
-                "the block overturns where it reaches g tan(alpha_c)/p; NaN for a block outside the spectrum",
-            ),
-            **_with_interval(
-                "design_factor", "1", "factor on the design at which the block overturns, g tan(alpha_c)/(p I_eff)"
-            ),
-            **_with_interval(
-                "main",
-                "m s-1",
-                "main impulse I of the sequence of that effect with the ratio and main_count of the block",
-                "I = I_eff (alpha_c/sin(alpha_c))/[(1 - sigma) S_N + sigma/2], S_N = (1 - C^N)/(1 - C), so that the "
-                "sequence model, with I_1c = g alpha_c/(p cos(alpha_c)), has the same factor; ends: ratio and "
-                "main_count kept",
-            ),
-            **_with_interval("ratio", "1", "I_s/I, weighted median of the records on the time scale of the block"),
-            **_with_interval("main_count", "1", "number of main impulses, weighted median of the records likewise"),
-            "overturned_share": real("1", "share of the weight of the records whose own spectrum overturns the block"),
-        },
+        **_with_interval(
+            "effective_impulse",
+            "m s-1",
+            "I_eff, the design spectrum at the p and C of the block",
+            "the block overturns where it reaches g tan(alpha_c)/p; NaN for a block outside the spectrum",
+        ),
+        **_with_interval(
+            "design_factor", "1", "factor on the design at which the block overturns, g tan(alpha_c)/(p I_eff)"
+        ),
+        **_with_interval(
+            "main",
+            "m s-1",
+            "main impulse I of the sequence of that effect with the ratio and main_count of the block",
+            "I = I_eff (alpha_c/sin(alpha_c))/[(1 - sigma) S_N + sigma/2], S_N = (1 - C^N)/(1 - C), so that the "
+            "sequence model, with I_1c = g alpha_c/(p cos(alpha_c)), has the same factor; ends: ratio and "
+            "main_count kept",
+        ),
+        **_with_interval("ratio", "1", "I_s/I, weighted median of the records on the time scale of the block"),
+        **_with_interval("main_count", "1", "number of main impulses, weighted median of the records likewise"),
+        overturned_share=real("share of the weight of the records whose own spectrum overturns the block"),
     ),
     "event_records": VARIABLES["event_records"],
 }
@@ -236,39 +197,31 @@ SITE_AXES: Declared = {name: COORDINATES[name] for name in ("record", "block", "
 SPECTRA: Declared = {
     **along(
         ("p", "restitution"),
-        {
-            **_with_interval("spectrum_50", "m s-1", "weighted median of the overturning spectra, a value that occurs"),
-            **_with_interval("spectrum_84", "m s-1", "weighted 84 % quantile of the spectra, a value that occurs"),
-            **_with_interval(
-                "spectrum_design", "m s-1", "design spectrum: the weighted quantile of `quantile` in /site"
-            ),
-        },
+        **_with_interval("spectrum_50", "m s-1", "weighted median of the overturning spectra, a value that occurs"),
+        **_with_interval("spectrum_84", "m s-1", "weighted 84 % quantile of the spectra, a value that occurs"),
+        **_with_interval("spectrum_design", "m s-1", "design spectrum: the weighted quantile of `quantile` in /site"),
     ),
     **along(
         ("p",),
-        {
-            **_with_interval("ratio", "1", "I_s/I on the time scale 1/p, weighted median of the records"),
-            **_with_interval("main_count", "1", "number of main impulses on that time scale, likewise"),
-        },
+        **_with_interval("ratio", "1", "I_s/I on the time scale 1/p, weighted median of the records"),
+        **_with_interval("main_count", "1", "number of main impulses on that time scale, likewise"),
     ),
     "spectrum": real(
-        "m s-1",
         "overturning spectrum of the scaled record, the effective impulse that a slender block takes from it",
+        "m s-1",
         dims=("record", "p", "restitution"),
     ),
     **along(
         ("record", "p"),
-        {
-            "record_ratio": real("1", "I_s/I of the half-waves of the record on the time scale 1/p"),
-            "record_main_count": whole("number of main impulses of the record on that time scale"),
-        },
+        record_ratio=real("I_s/I of the half-waves of the record on the time scale 1/p"),
+        record_main_count=whole("number of main impulses of the record on that time scale"),
     ),
 }
 
 SPECTRA_AXES: Declared = {
     "record": COORDINATES["record"],
     "p": replace(SPECTRUM_AXES["p"], take=None),
-    "restitution": real("1", "restitution C of the blocks", dims=("restitution",)),
+    "restitution": real("restitution C of the blocks", dims=("restitution",)),
 }
 
 #: Every variable of a site file, by its group.

@@ -1,10 +1,6 @@
-"""The variables of /summary in an assessment, and how each is taken: of a record, or of bodies and configuration.
-
-The order is that of the file, and of the columns of an export.
-"""
+"""The variables of /summary in an assessment in the order of the file, and how each is taken."""
 
 from collections.abc import Callable, Iterable
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -30,25 +26,23 @@ def _of_record(name: str) -> Callable[[Any], Any]:
 #: from whatever has a `record`; stored for every record in every study.
 FACTS: Declared = along(
     ("record",),
-    {
-        "event_id": text("identifier of the earthquake at the agency"),
-        "origin_time": text(
-            "UTC time of the earthquake, ISO 8601",
-            lambda one: "" if one.record.origin_time is None else one.record.origin_time.isoformat(),
-        ),
-        "magnitude": real("1", "magnitude of the earthquake"),
-        "magnitude_type": text("scale of the magnitude as the file has it: Mw, ML"),
-        "hypocentre_latitude": real("degrees_north", "latitude of the hypocentre"),
-        "hypocentre_longitude": real("degrees_east", "longitude of the hypocentre"),
-        "hypocentre_depth": real("m", "depth of the hypocentre"),
-        "epicentral_distance": real("m", "distance of the station from the epicentre, as the file states it"),
-        "station_latitude": real("degrees_north", "latitude of the station"),
-        "station_longitude": real("degrees_east", "longitude of the station"),
-        "vs30": real("m s-1", "time-averaged velocity of shear waves in the upper 30 m"),
-        "site_class": text("class of the ground as the file words it"),
-        "sensor_depth": real("m", "depth of the sensor below the ground, as the file states it"),
-    },
-    by=_of_record,
+    _of_record,
+    event_id=text("identifier of the earthquake at the agency"),
+    origin_time=text(
+        "UTC time of the earthquake, ISO 8601",
+        lambda one: "" if one.record.origin_time is None else one.record.origin_time.isoformat(),
+    ),
+    magnitude=real("magnitude of the earthquake"),
+    magnitude_type=text("scale of the magnitude as the file has it: Mw, ML"),
+    hypocentre_latitude=real("latitude of the hypocentre", "degrees_north"),
+    hypocentre_longitude=real("longitude of the hypocentre", "degrees_east"),
+    hypocentre_depth=real("depth of the hypocentre", "m"),
+    epicentral_distance=real("distance of the station from the epicentre, as the file states it", "m"),
+    station_latitude=real("latitude of the station", "degrees_north"),
+    station_longitude=real("longitude of the station", "degrees_east"),
+    vs30=real("time-averaged velocity of shear waves in the upper 30 m", "m s-1"),
+    site_class=text("class of the ground as the file words it"),
+    sensor_depth=real("depth of the sensor below the ground, as the file states it", "m"),
 )
 
 
@@ -59,11 +53,6 @@ def facts_of(one: Any) -> dict[str, Any]:
 
 def _of_sequence(take: Callable[[Any], Any], absent: float = np.nan) -> Callable[[Any], Any]:
     return lambda one: absent if one.sequence is None else take(one.sequence)
-
-
-def _vertical_channel(one: Any) -> str:
-    acting = find(one.record.processing, "vertical_acceleration")
-    return "" if acting is None else str(acting.values["record"])
 
 
 #: How what is no field of a record is taken from what was assessed.
@@ -83,7 +72,9 @@ _OF_RECORD: dict[str, Callable[[Any], Any] | None] = {
     "warnings": lambda one: with_codes(one.record.warnings)[0],
     "warning_codes": lambda one: with_codes(one.record.warnings)[1],
     "processing": lambda one: "\n".join(one.record.processing),
-    "vertical_channel": _vertical_channel,
+    "vertical_channel": lambda one: (
+        "" if (acting := find(one.record.processing, "vertical_acceleration")) is None else str(acting.values["record"])
+    ),
 }
 
 
@@ -122,21 +113,17 @@ def _of_strength(name: str) -> Callable[[Any], Any]:
     return lambda one: one.per_lane(one.strength[name])
 
 
-def _of_motion(measure: Measure, one: Any) -> Any:
-    return measure.value(RecordOnBodies(one.record, lambda: one.scene.waves))
-
-
 def _measured(measures: Iterable[Measure], take: Callable[[Measure], Callable[..., Any]]) -> dict[str, StoredVariable]:
     """The variable of each measure, and after it whether a drifting baseline puts it in doubt."""
     found = {}
     for one in measures:
         long_name = f"{one.meaning or one.long_name}{one.stored}"
-        found[one.name] = real(one.unit, long_name, take(one), of_ground=True, explanation=one.explanation)
+        found[one.name] = real(long_name, one.unit, take(one), of_ground=True, explanation=one.explanation)
         if one.drifts:
             found[f"{one.name}_drift"] = flag(
                 ("reliable", "drift"),
-                "whether the ground velocity does not come back to zero, so that the "
-                f"{one.title} may be off by as much",
+                f"whether the ground velocity does not come back to zero, so that the {one.title} may be off by as "
+                "much",
                 lambda one: find(one.record.warnings, "baseline_drift") is not None,
             )
     return found
@@ -144,120 +131,106 @@ def _measured(measures: Iterable[Measure], take: Callable[[Measure], Callable[..
 
 RECORD = along(
     ("record",),
-    {
-        "source": text("file the record was read from"),
-        "source_sha256": text("SHA-256 of the source file"),
-        "format": text("file format"),
-        "event": text(
-            "earthquake that the record is counted to, by the user's table, the title or the time",
-            explanation="the table is `[records] events`; records that tell none of these are counted as one",
-        ),
-        "event_title": text("event as the file names it"),
-        "network": text("network code"),
-        "station": text("station code"),
-        "station_name": text("name of the station in words"),
-        "component": text("component as the file names it"),
-        "azimuth": real("degree", "azimuth of the component, clockwise from north"),
-        "start_time": text("UTC time of the first sample, ISO 8601"),
-        "npts": whole("number of samples", of_ground=True),
-        "dt": real("s", "sampling interval", of_ground=True),
-        **_measured(STORED, lambda measure: partial(_of_motion, measure)),
-        "intense_start": real("s", "start of the intense phase from the first sample", of_ground=True),
-        "intense_end": real("s", "end of the intense phase from the first sample", of_ground=True),
-        "main_impulse": real("m s-1", "main impulse I of the calibrated sequence"),
-        "secondary_impulse": real("m s-1", "secondary impulse I_s of the calibrated sequence"),
-        "secondary_interval": real("s", "interval dT of the secondary impulses"),
-        "sequence_duration": real("s", "duration within which main impulses act"),
-        "main_count": whole("number of main impulses; -1 where the duration alone limits them"),
-        "spacing": flag(
-            ("not_known", *SPACINGS),
-            "where the secondary impulses stand in the half-cycle; not known where there is no sequence",
-            first=NOT_KNOWN,
-        ),
-        "half_wave_count": whole("number of half-waves of the whole record", of_ground=True),
-        "warnings": text("remarks on the record", explanation="one a line"),
-        "warning_codes": text(
-            "codes of these remarks in their order; plain: a text without one",
-            explanation="with blanks between them, see below",
-        ),
-        "processing": text("conditioning steps in their order", explanation="one a line"),
-        "vertical_channel": text("id of the vertical channel whose acceleration acts too; empty without one"),
-    },
-    by=lambda name: _OF_RECORD.get(name, _of_record(name)),
+    lambda name: _OF_RECORD.get(name, _of_record(name)),
+    source=text("file the record was read from"),
+    source_sha256=text("SHA-256 of the source file"),
+    format=text("file format"),
+    event=text(
+        "earthquake that the record is counted to, by the user's table, the title or the time",
+        explanation="the table is `[records] events`; records that tell none of these are counted as one",
+    ),
+    event_title=text("event as the file names it"),
+    network=text("network code"),
+    station=text("station code"),
+    station_name=text("name of the station in words"),
+    component=text("component as the file names it"),
+    azimuth=real("azimuth of the component, clockwise from north", "degree"),
+    start_time=text("UTC time of the first sample, ISO 8601"),
+    npts=whole("number of samples", of_ground=True),
+    dt=real("sampling interval", "s", of_ground=True),
+    **_measured(STORED, lambda measure: lambda one: measure.value(RecordOnBodies(one.record, lambda: one.scene.waves))),
+    intense_start=real("start of the intense phase from the first sample", "s", of_ground=True),
+    intense_end=real("end of the intense phase from the first sample", "s", of_ground=True),
+    main_impulse=real("main impulse I of the calibrated sequence", "m s-1"),
+    secondary_impulse=real("secondary impulse I_s of the calibrated sequence", "m s-1"),
+    secondary_interval=real("interval dT of the secondary impulses", "s"),
+    sequence_duration=real("duration within which main impulses act", "s"),
+    main_count=whole("number of main impulses; -1 where the duration alone limits them"),
+    spacing=flag(
+        ("not_known", *SPACINGS),
+        "where the secondary impulses stand in the half-cycle; not known where there is no sequence",
+        first=NOT_KNOWN,
+    ),
+    half_wave_count=whole("number of half-waves of the whole record", of_ground=True),
+    warnings=text("remarks on the record", explanation="one a line"),
+    warning_codes=text(
+        "codes of these remarks in their order; plain: a text without one",
+        explanation="with blanks between them, see below",
+    ),
+    processing=text("conditioning steps in their order", explanation="one a line"),
+    vertical_channel=text("id of the vertical channel whose acceleration acts too; empty without one"),
 ) | dict(FACTS)
 
 DEMAND = along(
     LANES,
-    {
-        **_measured(STORED_OF_BODIES, lambda measure: _of_strength(measure.name)),
-        "impulse_ratio": real("1", "I/I_1c; NaN where the record gave no sequence"),
-        "floor_amplification": real(
-            "1",
-            "peak acceleration of the floor that the body stands on over that of the ground; 1 on the ground",
-            of_ground=True,
-        ),
-        "friction_required": real(
-            "1",
-            "largest coefficient of friction that the motion without sliding asks for",
-            of_ground=True,
-            explanation="of the nonlinear model, impacts aside; inf where the normal force vanishes; NaN where the "
-            "body has no `friction`, a wall behind it, ties, loads or thrusts",
-        ),
-        "friction_share": real(
-            "1",
-            "share of the samples at which it asks for more than `friction`",
-            of_ground=True,
-            explanation="NaN as above",
-        ),
-    },
-    by=_of_strength,
+    _of_strength,
+    **_measured(STORED_OF_BODIES, lambda measure: _of_strength(measure.name)),
+    impulse_ratio=real("I/I_1c; NaN where the record gave no sequence"),
+    floor_amplification=real(
+        "peak acceleration of the floor over that of the ground; 1 on the ground",
+        of_ground=True,
+    ),
+    friction_required=real(
+        "largest coefficient of friction that the motion without sliding asks for",
+        of_ground=True,
+        explanation="of the nonlinear model, impacts aside; inf where the normal force vanishes; NaN where the "
+        "body has no `friction`, a wall behind it, ties, loads or thrusts",
+    ),
+    friction_share=real(
+        "share of the samples that ask for more than `friction`", of_ground=True, explanation="NaN as above"
+    ),
 )
 
 ANSWER = along(
     (*LANES, "model"),
-    {
-        "peak_rotation_ratio": real(
-            "1",
-            "largest rotation over alpha_c; inf where the block overturns, 0 at rest",
-            explanation="theta_max/alpha_c; NaN: unresolved",
+    lambda name: _OF_ANSWER.get(name, _of_response(name)),
+    peak_rotation_ratio=real(
+        "largest rotation over alpha_c; inf where the block overturns, 0 at rest",
+        explanation="theta_max/alpha_c; NaN: unresolved",
+    ),
+    outcome=flag((outcome.name.lower() for outcome in Outcome), "how the motion ends"),
+    reason=flag((reason.name.lower() for reason in Reason), "why a model cannot say"),
+    overturning_time=real("time at which overturning is certain, from the start of the model's input", "s"),
+    overturning_half_cycle=whole("1 + impacts before overturning; -1 where it does not overturn"),
+    impacts=whole("impacts faster than 1e-3 p alpha_c; -1 where they never end or are not known"),
+    safety_factor=real(
+        "smallest factor on the model's input that overturns; NaN where not computed",
+        explanation="inf: none up to the end of the search",
+        comment=lambda config: (
+            f"searched up to a factor of {config.search.factor_max:g} in steps of search_step, edges to 1e-6; inf "
+            "if none; a factor at which the model cannot answer counts as overturning (factor_resolved)"
         ),
-        "outcome": flag((outcome.name.lower() for outcome in Outcome), "how the motion ends"),
-        "reason": flag((reason.name.lower() for reason in Reason), "why a model cannot say"),
-        "overturning_time": real("s", "time at which overturning is certain, from the start of the model's input"),
-        "overturning_half_cycle": whole("1 + impacts before overturning; -1 where it does not overturn"),
-        "impacts": whole("impacts faster than 1e-3 p alpha_c; -1 where they never end or are not known"),
-        "safety_factor": real(
-            "1",
-            "smallest factor on the model's input that overturns; NaN where not computed",
-            explanation="inf: none up to the end of the search",
-            comment=lambda config: (
-                f"searched up to a factor of {config.search.factor_max:g} in steps of search_step, edges to 1e-6; inf "
-                "if none; a factor at which the model cannot answer counts as overturning (factor_resolved)"
-            ),
-        ),
-        "factor_resolved": flag(
-            ("not_computed", "no", "yes"),
-            "whether the model answers at safety_factor; no: a lower bound, from there on it cannot answer",
-            first=-1,
-            explanation="it cannot answer in free flight, for one, which counts as overturning: what follows from "
-            "`safety_factor` is a lower bound then too. Where `outcome` is unresolved the factor is at most 1, unless "
-            "the bound that the search begins at already rules overturning out",
-        ),
-        "safe_up_to": real("1", "factor on the model's input up to which the search found no overturning"),
-        "interval_count": whole(
-            "intervals of the factor in which the block overturns; -1 where not computed",
-            explanation="that is where `safety_factor` is NaN",
-        ),
-        "search_step": real(
-            "1",
-            "ratio of neighbouring factors of the search; 1: nothing to miss, NaN: no search",
-            explanation="nothing can be missed in closed form, and where nothing up to the end of the search lifts the "
-            "block, or is strong enough to overturn it",
-        ),
-        "capacity_pga": real("m s-2", "safety factor times PGA; NaN where not computed", of_ground=True),
-        "applicable": flag(("outside_range", "applicable"), "whether the block is within the range of the model"),
-    },
-    by=lambda name: _OF_ANSWER.get(name, _of_response(name)),
+    ),
+    factor_resolved=flag(
+        ("not_computed", "no", "yes"),
+        "whether the model answers at safety_factor; no: a lower bound, from there on it cannot answer",
+        first=-1,
+        explanation="it cannot answer in free flight, for one, which counts as overturning: what follows from "
+        "`safety_factor` is a lower bound then too. Where `outcome` is unresolved the factor is at most 1, unless "
+        "the bound that the search begins at already rules overturning out",
+    ),
+    safe_up_to=real("factor on the model's input up to which the search found no overturning"),
+    interval_count=whole(
+        "intervals of the factor in which the block overturns; -1 where not computed",
+        explanation="that is where `safety_factor` is NaN",
+    ),
+    search_step=real(
+        "ratio of neighbouring factors of the search; 1: nothing to miss, NaN: no search",
+        explanation="nothing can be missed in closed form, and where nothing up to the end of the search lifts the "
+        "block, or is strong enough to overturn it",
+    ),
+    capacity_pga=real("safety factor times PGA; NaN where not computed", "m s-2", of_ground=True),
+    applicable=flag(("outside_range", "applicable"), "whether the block is within the range of the model"),
 )
 
 
@@ -270,46 +243,38 @@ def _of_demands(pick: Callable[[Any], Any]) -> Callable[[Bodies, Config], Any]:
 
 
 CAPACITY_RATIO = real(
-    "1",
     "safety factor over demand_factor; NaN where not computed",
-    _per_model(lambda one, model: one.scales[model].safety_factor[:, np.newaxis] / one.probability["demand_factor"]),
+    take=_per_model(
+        lambda one, model: one.scales[model].safety_factor[:, np.newaxis] / one.probability["demand_factor"]
+    ),
     dims=(*LANES, "model", "demand"),
     stored=_demanded,
 )
 
 COORDINATES = {
     "block": text("name of the body", lambda bodies, config: bodies.names, dims=("block",)),
-    "model": text(
-        "model, from the cheapest to the dearest",
-        lambda bodies, config: config.models.use,
-        dims=("model",),
-    ),
+    "model": text("model, from the cheapest to the dearest", lambda bodies, config: config.models.use, dims=("model",)),
 }
 
 SITE_DEMAND = along(
     ("demand",),
-    {
-        "demand_acceleration": real(
-            "m s-2",
-            "ground acceleration that the site asks for, a_g S; NaN for another measure",
-            _of_demands(lambda demand: demand.strength if demand.measure == PGA else np.nan),
-        ),
-        "demand_measure": text(
-            "measure of the strength that the site asks for", _of_demands(lambda demand: demand.measure)
-        ),
-        "demand_value": real(
-            "1", "strength that the site asks for, in demand_units", _of_demands(lambda demand: demand.strength)
-        ),
-        "demand_units": text("unit of demand_value", _of_demands(lambda demand: ROWS[demand.measure].unit)),
-        "demand_period": real(
-            "s",
-            "period of the oscillator whose pseudo-acceleration the site asks for; NaN for another measure",
-            _of_demands(lambda demand: np.nan if demand.period is None else demand.period),
-        ),
-        "limit_state": text("limit state of the demand", _of_demands(lambda demand: demand.limit_state)),
-        "demand": text("name of the demand", _of_demands(lambda demand: demand.name)),
-    },
-    stored=_demanded,
+    None,
+    _demanded,
+    demand_acceleration=real(
+        "ground acceleration that the site asks for, a_g S; NaN for another measure",
+        "m s-2",
+        _of_demands(lambda demand: demand.strength if demand.measure == PGA else np.nan),
+    ),
+    demand_measure=text("measure of the strength that the site asks for", _of_demands(lambda demand: demand.measure)),
+    demand_value=real("strength asked for, in demand_units", take=_of_demands(lambda demand: demand.strength)),
+    demand_units=text("unit of demand_value", _of_demands(lambda demand: ROWS[demand.measure].unit)),
+    demand_period=real(
+        "period of the oscillator whose pseudo-acceleration the site asks for; NaN for another measure",
+        "s",
+        _of_demands(lambda demand: np.nan if demand.period is None else demand.period),
+    ),
+    limit_state=text("limit state of the demand", _of_demands(lambda demand: demand.limit_state)),
+    demand=text("name of the demand", _of_demands(lambda demand: demand.name)),
 )
 
 SUMMARY: Declared = {
@@ -317,9 +282,9 @@ SUMMARY: Declared = {
     **RECORD,
     **DEMAND,
     **ANSWER,
-    **along(LANES, PROBABILITY),
+    **along(LANES, **PROBABILITY),
     "capacity_ratio": CAPACITY_RATIO,
-    **along((*LANES, "demand"), AT_DEMAND, stored=_demanded),
+    **along((*LANES, "demand"), None, _demanded, **AT_DEMAND),
     **BLOCK,
     **CASE,
     **COORDINATES,

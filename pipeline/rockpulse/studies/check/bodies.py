@@ -1,4 +1,4 @@
-"""The check of the bodies of a configuration by codes, with what time histories say of the same bodies beside it."""
+"""The check of the bodies of a configuration by codes, beside the answers of time histories for the same bodies."""
 
 import math
 from collections.abc import Sequence
@@ -8,21 +8,22 @@ import xarray as xr
 
 from rockpulse.assessment.answers import Answers, answers_of
 from rockpulse.assessment.verdict import verdicts
+from rockpulse.config import CODES
 from rockpulse.config.block_settings import BlockSettings, FloorSettings
 from rockpulse.config.configuration import Config, config_from_text
-from rockpulse.config.study_settings import CODES, CheckSettings
+from rockpulse.config.study_settings import CheckSettings
 from rockpulse.errors import ConfigError
 from rockpulse.storage.variables.risk import CHECK
 from rockpulse.studies.check.codes import CHECKS, Checked, worst
 from rockpulse.studies.check.mechanism import Mechanism, mechanisms
 from rockpulse.studies.check.spectra import DemandSpectrum, TableEnds, spectrum_of
 
-#: Settings of a body that no code asks for: with others it is still the same body.
+#: Settings of a body that no code uses.
 NOT_OF_A_CODE = {"name", "restitution", "rebound", "facing", "azimuth", "friction", "confirm_size"}
 
 
 def code_check(config: Config, codes: Sequence[str] = CODES, results: xr.DataTree | None = None) -> xr.Dataset:
-    """What codes say of the bodies of a configuration, from their geometry and the demand of [check].
+    """Check the bodies of a configuration by codes, from their geometry and the demand of [check].
 
     Parameters
     ----------
@@ -31,18 +32,17 @@ def code_check(config: Config, codes: Sequence[str] = CODES, results: xr.DataTre
     codes : sequence of str
         Of "circolare_2009", "circolare_2019", "en_1998".
     results : xarray.DataTree, optional
-        Of :func:`rockpulse.assess` on the same bodies: what the time histories say stands beside the codes.
+        Of :func:`rockpulse.assess` on the same bodies, to compare with.
 
     Returns
     -------
     xarray.Dataset
         Over (block): `multiplier` alpha_0 [-] and `share` e* [-]; over (block, code): `activation` and its `_demand`
         [m/s2] with their `activation_ratio`, `displacement` and its `_demand` [m], the `period` [s] and
-        `displacement_ratio`, and `statement`, why something is NaN. A ratio of 1 or more passes. Of the two senses of a
-        body each ratio is the worse one, `activation_sense` and `displacement_sense` tell of which. With results over
-        (block) `probability`, that of the verdict, under the records brought to the demands of the site where there
-        are some, and `factor_50`, its median over the motions; of several restitutions the worst; and `beside`, why
-        they are NaN.
+        `displacement_ratio`, and `statement`, the reason of NaN. A ratio of 1 or more passes; it is the worse one of
+        the two senses of a body, named by `activation_sense` and `displacement_sense`. With results over (block)
+        `probability`, that of the verdict, and `factor_50`, the median over the motions, of several restitutions the
+        worst; and `beside`, the reason of NaN.
 
     Raises
     ------
@@ -58,8 +58,6 @@ def code_check(config: Config, codes: Sequence[str] = CODES, results: xr.DataTre
     >>> [round(found[name].item(), 3) for name in ("multiplier", "activation_ratio", "period", "displacement_ratio")]
     [0.1, 1.333, 1.238, 1.734]
     """
-    import xarray as xr
-
     if unknown := [code for code in codes if code not in CHECKS]:
         raise ConfigError(f"code: expected some of {', '.join(CODES)}, found {unknown[0]!r}")
     if not config.blocks:
@@ -108,23 +106,22 @@ def _checked(
 
 
 def of_histories(results: xr.DataTree, config: Config, names: Sequence[str]) -> dict[str, np.ndarray]:
-    """`probability`, `factor_50` and `beside`, why they are NaN, of the bodies of these names, (m,) each.
+    """`probability` of the verdict, `factor_50`, and `beside`, the reason of NaN, of the named bodies, (m,) each.
 
-    The probability is that which the verdict rests on: under the records brought to the demands of the site where
-    there are some. A body whose geometry, restraints or floors are others in the results than in the configuration is
-    another body.
+    A body with other geometry, restraints or floors in the results than in the configuration is another body.
     """
     answers = answers_of(results)
     assessed, checked = _bodies(config_from_text(str(results.attrs.get("configuration", "")))), _bodies(config)
     beside = [_why_not(name, answers, assessed.get(name), checked[name]) for name in names]
     probability, factor = np.full((2, len(names)), math.nan)
     if answers.probable:
-        every, median = verdicts(answers), _median_factors(answers)
+        every, motions = verdicts(answers), answers.motions.over(answers["factor_50"], np.nan)
         for place, name in enumerate(names):
             lanes = [lane for lane, one in enumerate(every) if one.body.block == name]
             if beside[place] or not lanes:
                 continue
-            factor[place] = np.fmin.reduce(median[lanes])
+            medians = [np.nanmedian(column) for column in motions.T[lanes] if not np.isnan(column).all()]
+            factor[place] = min(medians, default=math.nan)
             if few := [one for one in (every[lane].deciding for lane in lanes) if one is not None and one.few]:
                 beside[place] = f"records of {few[0].earthquakes} earthquakes can be brought to {few[0].name}: no P"
             else:
@@ -132,17 +129,8 @@ def of_histories(results: xr.DataTree, config: Config, names: Sequence[str]) -> 
     return {"probability": probability, "factor_50": factor, "beside": np.array(beside, dtype=object)}
 
 
-def _median_factors(answers: Answers) -> np.ndarray:
-    """The median of f_50 over the motions, of every body [-]; NaN without one."""
-    found = np.full(len(answers.bodies), math.nan)
-    for lane, column in enumerate(answers.motions.over(answers["factor_50"], np.nan).T):
-        known = column[~np.isnan(column)]
-        found[lane] = np.median(known) if known.size else math.nan
-    return found
-
-
 def _bodies(config: Config) -> dict[str, BlockSettings]:
-    """The bodies of a configuration by their names, also as one with their pedestals."""
+    """The bodies of a configuration by name, and by the names that they have with their pedestals."""
     return {name: body for body in config.blocks for name in (body.name, *body.with_pedestals())}
 
 

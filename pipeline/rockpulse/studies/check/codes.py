@@ -14,30 +14,26 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from rocking.body.block import Block
+from rockpulse.config import CODES
 from rockpulse.config.block_settings import FloorSettings
-from rockpulse.config.study_settings import CODES, CheckSettings
+from rockpulse.config.study_settings import CheckSettings
 from rockpulse.studies.check.mechanism import SENSES, Mechanism, senses_of
 from rockpulse.studies.check.spectra import (
     DemandSpectrum,
     ElasticSpectrum,
+    GivenSpectrum,
     TableEnds,
     damping_factor,
     displacement_of,
 )
 
-if TYPE_CHECKING:
-    pass
-
-
 #: Circolare 617/2009: d_u* over d_0*, and d_s* over d_u* [-].
 ULTIMATE, SECANT = 0.4, 0.4
-
 #: Circolare 7/2019 by limit state: d over d_0 [-], the factor of T [pi], and the damping of the mechanism [-].
 STATES = {"slv": (0.4, 1.68, 0.08), "slc": (0.6, 1.56, 0.1)}
 
@@ -46,21 +42,21 @@ PLATEAU = (0.8, 1.1)
 
 
 class Checked(NamedTuple):
-    """What a code says of one body; NaN for what it does not ask, or is not known."""
+    """The check of one body by a code; NaN for values that it does not need or that are not known."""
 
     activation: float = math.nan  #: spectral acceleration that opens the mechanism, with FC [m/s2]
-    activation_demand: float = math.nan  #: what is asked of it, with q [m/s2]
+    activation_demand: float = math.nan  #: its demand, with q [m/s2]
     displacement: float = math.nan  #: spectral displacement that is allowed [m]
-    period: float = math.nan  #: at which the displacement is asked for [s]
-    displacement_demand: float = math.nan  #: what is asked of it [m]
-    displacement_ratio: float = math.nan  #: allowed over asked [-]; at least 1 passes
-    statement: str = ""  #: why something is missing
-    activation_sense: str = ""  #: the sense, of SENSES, that the acceleration is of; empty where both are alike
-    displacement_sense: str = ""  #: likewise of the displacement
+    period: float = math.nan  #: of the displacement demand [s]
+    displacement_demand: float = math.nan  #: [m]
+    displacement_ratio: float = math.nan  #: allowed over demand [-]; at least 1 passes
+    statement: str = ""  #: reason of missing values
+    activation_sense: str = ""  #: of SENSES; empty if both are alike
+    displacement_sense: str = ""
 
     @property
     def activation_ratio(self) -> float:
-        """Acceleration that opens over the one that is asked [-]; at least 1 passes."""
+        """Acceleration that opens the mechanism over its demand [-]; at least 1 passes."""
         return self.activation / self.activation_demand
 
 
@@ -78,8 +74,7 @@ def circolare_2009(
             asked / settings.q,
             statement="of Circolare 617/2009 the displacement aloft is left out: its formula could not be established",
         )
-    furthest = body.furthest
-    allowed = ULTIMATE * furthest
+    allowed = ULTIMATE * body.furthest
     slowest = SECANT * allowed
     pull = body.capacity(slowest) * body.gravity / (body.share * settings.confidence_factor)
     period = 2.0 * math.pi * math.sqrt(slowest / pull)
@@ -98,7 +93,7 @@ def circolare_2019(
     part, factor, damping = STATES[settings.limit_state]
     allowed = part * body.furthest
     pull = body.capacity(allowed) * body.gravity / (body.share * settings.confidence_factor)
-    if pull <= 0.0:  # a tie that breaks leaves nothing at a displacement that the weights alone would allow
+    if pull <= 0.0:  # a tie has broken before the displacement that the weights alone allow
         return Checked(activation, asked / settings.q, allowed, statement="no resistance is left at the displacement")
     period = factor * math.pi * math.sqrt(allowed / pull)
     linear = settings.limit_state == "slv"
@@ -147,7 +142,7 @@ def floor_spectrum(spectrum: DemandSpectrum, floors: Sequence[FloorSettings], pe
     """S_eZ(T, xi, z), the spectrum of a floor [m/s2]: Circolare 7/2019, (C7.2.5) and (C7.2.6)."""
     parts = []
     for floor in floors:
-        # xi_k as a share: in percent, as the text has it, a floor would shake least what is tuned to it.
+        # xi_k as a share: in percent, as the text has it, the spectrum would have a trough at the floor's period.
         high = 1.1 * floor.damping**-0.5 * damping_factor(damping)
         rising, falling = (share * floor.period for share in PLATEAU)
         below, above = max(0.0, 1.0 - period / rising), max(0.0, period / falling - 1.0)
@@ -159,7 +154,7 @@ def floor_spectrum(spectrum: DemandSpectrum, floors: Sequence[FloorSettings], pe
 
 
 def _displacement(spectrum: DemandSpectrum, floors: Sequence[FloorSettings], period: float, damping: float) -> float:
-    """Largest S_De up to a period [m] (C8.7.1.2.1.8); aloft as Circolare 7/2019, (C8.7.1.12) has it."""
+    """Largest S_De up to a period [m] (C8.7.1.2.1.8); on floors by Circolare 7/2019, (C8.7.1.12)."""
     if not floors:
         return spectrum.displacement(period, damping)
     own = max(one.period for one in floors)
@@ -175,13 +170,13 @@ CHECKS: dict[str, Callable[[Mechanism, DemandSpectrum, Sequence[FloorSettings], 
 
 
 def worst(senses: Sequence[Checked]) -> Checked:
-    """Of what a code says of the senses of a body the worse acceleration, and the worse displacement."""
+    """The worse acceleration and the worse displacement of the senses of a body."""
     named = SENSES if len(senses) > 1 else ("",)
 
     def of_displacement(place: int) -> float:
         one = senses[place]
         if math.isnan(one.displacement_ratio):
-            # Where a displacement is allowed, nothing holds the body there: worse than any ratio.
+            # An allowed displacement without resistance is worse than any ratio.
             return math.inf if math.isnan(one.displacement) else -math.inf
         return one.displacement_ratio
 
@@ -234,13 +229,13 @@ def kinematic_check(
     Parameters
     ----------
     block : Block
-        (m,) blocks; of their two senses the worse counts, for each number. Ties need a yield force.
+        (m,) blocks; each number is that of the worse sense. Ties need a yield force.
     spectrum : callable
         Elastic spectrum S_e of 5 % damping [m/s2] at (k,) periods [s].
     ground : float
         a_g S, the peak of the ground's acceleration on its soil [m/s2].
     behaviour, confidence_factor : float
-        q, 2 in the circular; FC, by how well the building is known: 1 or more.
+        q, 2 in the circular; FC, for the knowledge of the building, at least 1.
 
     Raises
     ------
@@ -261,20 +256,9 @@ def kinematic_check(
             f"{ground!r}, {behaviour!r}, {confidence_factor!r}"
         )
     settings = CheckSettings(q=behaviour, confidence_factor=confidence_factor)
-    demand = _GivenSpectrum(spectrum, ground)
+    demand = GivenSpectrum(spectrum, ground)
     lanes = block if block.shape else block.lanes(1)
     of_lanes = [senses_of(lanes.lane(place)) for place in range(lanes.shape[0])]
     found = [worst([circolare_2009(sense, demand, (), settings) for sense in senses]) for senses in of_lanes]
     names = ("activation", "activation_ratio", "displacement", "period", "displacement_ratio")
     return KinematicCheck(*(np.array([getattr(one, name) for one in found]) for name in names))
-
-
-@dataclass(frozen=True)
-class _GivenSpectrum:
-    """A spectrum of 5 % damping that was given as a function of (k,) periods."""
-
-    elastic: Callable[[np.ndarray], np.ndarray]
-    ground: float
-
-    def __call__(self, period: float, damping: float = 0.05) -> float:
-        return float(np.asarray(self.elastic(np.array([period])), dtype=float)[0])

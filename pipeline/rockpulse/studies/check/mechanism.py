@@ -1,11 +1,10 @@
 """A body as the kinematic mechanism of a code: weights and forces that turn with it about a corner.
 
-.. note:: A weight W_i stands the distance x_i behind the corner and z_i above it. A virtual rotation moves it by z_i
-   sideways and lifts it by x_i, less z_i for every radian that the body has turned already: the kinematics are those of
-   small rotations, as codes have them. The multiplier of the horizontal forces at the rotation theta is alpha = [sum
-   W_i (x_i - z_i theta) + sum F_j z_j]/sum W_i z_i, the last sum over the weights whose mass goes with the body
-   (Circolare 7/2019, C8.7.1.1). Ties are rigid and plastic: within their gap they do nothing, then they hold with their
-   yield force, and nothing once they are broken.
+.. note:: A weight W_i is at the distance x_i behind the corner and z_i above it. A virtual rotation moves it by z_i
+   sideways and lifts it by x_i, less z_i for every radian of rotation (small rotations, as in codes). The multiplier of
+   the horizontal forces at the rotation theta is alpha = [sum W_i (x_i - z_i theta) + sum F_j z_j]/sum W_i z_i, the
+   last sum over the weights whose mass goes with the body (Circolare 7/2019, C8.7.1.1). Ties are rigid and plastic:
+   beyond their gap they hold with their yield force until they break.
 """
 
 import math
@@ -20,40 +19,31 @@ from rocking.body.block_lanes import STANDARD_GRAVITY
 from rocking.body.restraint import Load, Restraints
 from rockpulse.config.block_settings import BlockSettings
 
-#: What the senses of :func:`senses_of` are called.
+#: Names of the senses of :func:`senses_of`.
 SENSES = ("positive", "negative")
 
 
 class Weight(NamedTuple):
     """A weight of a mechanism."""
 
-    weight: float  #: [N]; of a body alone any number
+    weight: float  #: [N]; any number for a body alone
     arm: float  #: x, its distance behind the corner [m]
     height: float  #: z, above the corner [m]
     moving: bool  #: whether its mass goes with the body
 
 
 class Force(NamedTuple):
-    """A horizontal force at a height, which holds the body back while its point has moved so far."""
+    """A horizontal force that holds the body back within a range of displacements of its point."""
 
     force: float  #: [N]; negative where it pushes the body on
     height: float  #: [m]
-    begins: float = 0.0  #: displacement of its point from which it acts [m]
-    ends: float = math.inf  #: and to which it acts [m]
+    begins: float = 0.0  #: first displacement at which it acts [m]
+    ends: float = math.inf  #: last displacement at which it acts [m]
 
 
 @dataclass(frozen=True)
 class Mechanism:
-    """Overturning about one corner.
-
-    Examples
-    --------
-    A rectangle of 0.4 x 4 m: alpha_0 = b/h, the whole weight takes part, and no couple is left at b/2.
-
-    >>> alone = Mechanism((Weight(1.0, 0.2, 2.0, True),))
-    >>> round(alone.multiplier, 12), alone.share, round(alone.furthest, 12)
-    (0.1, 1.0, 0.2)
-    """
+    """Overturning about one corner."""
 
     weights: tuple[Weight, ...]  # the body first
     forces: tuple[Force, ...] = ()  # ties, friction and thrusts
@@ -81,7 +71,7 @@ class Mechanism:
         return sum(one.weight * one.height**2 for one in self.weights if one.moving) / self._driving
 
     def at(self, rotation: float, lasting: bool = False) -> float:
-        """alpha at a rotation [rad]; `lasting` without the forces that end before the body has no couple left."""
+        """alpha at a rotation [rad]; `lasting` without the forces that end before d_0."""
         held = sum(one.weight * (one.arm - one.height * rotation) for one in self.weights)
         for force in self.forces:
             acts = force.begins <= force.height * rotation <= force.ends
@@ -91,7 +81,7 @@ class Mechanism:
 
     @property
     def furthest(self) -> float:
-        """d_0, the spectral displacement at which no couple is left of the actions that last till collapse [m]."""
+        """d_0, the spectral displacement without resistance, of the actions that last till collapse [m]."""
         weights = sum(one.weight * one.height for one in self.weights)
         knots = sorted({0.0, *(one.begins / one.height for one in self.forces if one.begins > 0.0)})
         for begin, end in zip(knots, [*knots[1:], math.inf], strict=True):
@@ -101,12 +91,12 @@ class Mechanism:
         return math.inf
 
     def capacity(self, displacement: float) -> float:
-        """e* a/g at a spectral displacement [m]: alpha of the rotation that goes with it [-]; nothing below 0."""
+        """e* a/g at a spectral displacement [m]: alpha at the rotation of that displacement [-], at least 0."""
         return max(0.0, self.at(displacement / self._lever))
 
 
 def _forces(restraints: Restraints, base: float) -> tuple[list[Weight], list[Force]]:
-    """Weights that stay with the building, and forces, as the corner of theta > 0 has them."""
+    """Weights whose mass stays with the building, and forces, about the corner of theta > 0."""
     weights, forces = [], []
     for load in restraints.loads:
         assert load.friction is not None  # those without are carried along
@@ -127,11 +117,10 @@ def _bearing(load: Load, base: float) -> float:
 
 
 def senses_of(block: Block, alone: Block | None = None, carried: Sequence[Load] = ()) -> tuple[Mechanism, ...]:
-    """The mechanisms of one block towards theta > 0 and theta < 0; one where both are alike or a wall leaves only one.
+    """The mechanisms of one block towards theta > 0 and theta < 0; one if both are alike or a wall leaves only one.
 
-    The block has one lane, or lanes that differ in their restitution only. Where it carries loads that are to be
-    weights of their own, `alone` is the body without them and `carried` are they. Raises ValueError for a tie without a
-    yield force.
+    Lanes may differ in restitution only. Of a block that carries loads as weights of their own, `alone` is the body
+    without them and `carried` are they. Raises ValueError for a tie without a yield force.
     """
     whole, body = (one.lane(0) if one.shape else one for one in (block, block if alone is None else alone))
     found = [_mechanism(whole, body, carried)]
@@ -155,9 +144,9 @@ def _mechanism(block: Block, body: Block, carried: Sequence[Load]) -> Mechanism:
 
 
 def mechanisms(body: BlockSettings) -> dict[str, tuple[Mechanism, ...]]:
-    """The mechanisms (:func:`senses_of`) of a body of the configuration, and of it with its pedestals, by their names.
+    """The mechanisms (:func:`senses_of`) of a body of the configuration, and of it with its pedestals, by name.
 
-    Raises ValueError for a tie without a yield force, ConfigError where the model refuses the body.
+    Raises ValueError for a tie without a yield force, ConfigError for an invalid body.
     """
     carried = tuple(one.made() for one in body.loads if one.friction is None)
     rest = tuple(one for one in body.loads if one.friction is not None)

@@ -1,4 +1,4 @@
-"""Elastic response spectra that codes state, and tables of such.
+"""Elastic response spectra of codes, and tables of such.
 
 .. note:: With the plateau F_0 (2.5 in EN 1998-1), the corners T_B, T_C, T_D, the soil factor S and eta =
    sqrt(10/(5 + xi)), at least 0.55, xi the damping in percent: S_e = a_g S [1 + T/T_B (eta F_0 - 1)] up to T_B, a_g S
@@ -7,9 +7,10 @@
 """
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Protocol
+from typing import TypeAlias
 
 import numpy as np
 
@@ -49,18 +50,12 @@ NTC = {
 #: S_T of the topographies of NTC 2018 (Table 3.2.V), at the top of the slope.
 TOPOGRAPHY = {"T1": 1.0, "T2": 1.2, "T3": 1.2, "T4": 1.4}
 
-#: Periods at which the displacements of a table are looked at.
+#: Number of periods at which the largest displacement of a table is searched.
 PERIODS = 401
 
 
 def damping_factor(damping: float) -> float:
-    """eta of a damping ratio [-]: EN 1998-1 (3.6), NTC 2018 (3.2.4).
-
-    Examples
-    --------
-    >>> damping_factor(0.05), round(damping_factor(0.08), 4), damping_factor(0.9)
-    (1.0, 0.8771, 0.55)
-    """
+    """eta of a damping ratio [-]: EN 1998-1 (3.6), NTC 2018 (3.2.4)."""
     return max(0.55, math.sqrt(10.0 / (5.0 + 100.0 * damping)))
 
 
@@ -73,43 +68,14 @@ class TableEnds(ConfigError):
     """A period beyond the end of a table."""
 
 
-class ElasticSpectrum(Protocol):
-    """An elastic spectrum: an acceleration by period and damping ratio."""
-
-    @property
-    def ground(self) -> float:
-        """a_g S [m/s2]."""
-
-    def __call__(self, period: float, damping: float = 0.05) -> float:
-        """S_e [m/s2] at a period [s]."""
-
-
-class DemandSpectrum(ElasticSpectrum, Protocol):
-    """An elastic spectrum that knows its largest displacements."""
-
-    @property
-    def words(self) -> str:
-        """What it is, in words."""
-
-    def displacement(self, period: float, damping: float = 0.05) -> float:
-        """The largest S_De [m] up to a period [s]."""
-
-
 @dataclass(frozen=True)
 class CodeSpectrum:
-    """The spectrum of EN 1998-1 or NTC 2018.
-
-    Examples
-    --------
-    >>> spectrum = CodeSpectrum(2.0, 2.5, (0.15, 0.5, 2.0))
-    >>> [round(spectrum(period), 4) for period in (0.0, 0.3, 1.0, 4.0)]
-    [2.0, 5.0, 2.5, 0.3125]
-    """
+    """The spectrum of EN 1998-1 or NTC 2018."""
 
     ground: float  # a_g S [m/s2]
     plateau: float  # F_0 [-]
     corners: tuple[float, float, float]  # T_B, T_C, T_D [s]
-    words: str = "spectrum"  # what it is
+    words: str = "spectrum"
 
     def __call__(self, period: float, damping: float = 0.05) -> float:
         """S_e [m/s2] at a period [s]; beyond T_D the displacement stays as it is."""
@@ -120,21 +86,21 @@ class CodeSpectrum:
         return self.ground * most * min(1.0, second / period) * min(1.0, third / period)
 
     def displacement(self, period: float, damping: float = 0.05) -> float:
-        """The largest S_De [m] up to a period [s]: that at the period, for it does not fall."""
+        """The largest S_De [m] up to a period [s]: that at the period, as S_De does not fall."""
         return displacement_of(period, self(period, damping))
 
 
 @dataclass(frozen=True, eq=False)
 class TabledSpectrum:
-    """A spectrum of 5 % damping between tabled periods; other dampings by eta, but for the ground at period 0.
+    """A spectrum of 5 % damping between tabled periods; other dampings by eta, except for the ground at period 0.
 
-    Raises ConfigError for fewer than two points, a first period that is not 0, or numbers that are not positive or not
-    in order.
+    Raises ConfigError for fewer than two points, a first period above 0, or numbers that are not positive or not
+    ascending.
     """
 
     period: np.ndarray  # (n,) T [s] from 0, ascending
     acceleration: np.ndarray  # (n,) S_e [m/s2], positive
-    words: str = "spectrum"  # where it comes from, for messages
+    words: str = "spectrum"  # its source, for messages
 
     def __post_init__(self) -> None:
         period, values = np.asarray(self.period, dtype=float), np.asarray(self.acceleration, dtype=float)
@@ -168,19 +134,29 @@ class TabledSpectrum:
 
     def displacement(self, period: float, damping: float = 0.05) -> float:
         """The largest S_De [m] up to a period [s]."""
-        periods = np.linspace(period, 0.0, PERIODS).tolist()  # the longest first, which the table may lack
+        periods = np.linspace(period, 0.0, PERIODS).tolist()  # the longest first: it may be beyond the table
         return max(displacement_of(one, self(one, damping)) for one in periods)
 
 
-def spectrum_of(settings: CheckSettings, folder: Path = Path()) -> DemandSpectrum:
-    """The spectrum that a configuration asks for, its file counted from a folder; ConfigError without one.
+@dataclass(frozen=True)
+class GivenSpectrum:
+    """A function of (k,) periods as a spectrum of 5 % damping."""
 
-    Examples
-    --------
-    >>> found = spectrum_of(CheckSettings(ag=0.25, f0=2.4, tc_star=0.35, ground="C"))
-    >>> round(found.ground / 9.80665, 4), [round(float(one), 4) for one in found.corners]
-    (0.335, [0.1732, 0.5197, 2.6])
-    """
+    elastic: Callable[[np.ndarray], np.ndarray]
+    ground: float  # a_g S [m/s2]
+
+    def __call__(self, period: float, damping: float = 0.05) -> float:
+        """S_e [m/s2] at a period [s]."""
+        return float(np.asarray(self.elastic(np.array([period])), dtype=float)[0])
+
+
+#: A spectrum with its largest displacements, and any elastic spectrum.
+DemandSpectrum: TypeAlias = CodeSpectrum | TabledSpectrum
+ElasticSpectrum: TypeAlias = DemandSpectrum | GivenSpectrum
+
+
+def spectrum_of(settings: CheckSettings, folder: Path = Path()) -> DemandSpectrum:
+    """The spectrum of a configuration, with its file relative to a folder; ConfigError without one."""
     if settings.file is not None:
         return _tabled(folder / settings.file)
     if settings.ag is None:

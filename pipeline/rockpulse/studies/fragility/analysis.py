@@ -20,28 +20,13 @@ from rockpulse.selection.directions import PlannedMotion, planned_ids
 from rockpulse.selection.tables import selection_of
 from rockpulse.selection.votes import unmatched_patterns
 from rockpulse.storage.variables import failure_table, with_values
-from rockpulse.storage.variables.fragility import (
-    CAPACITIES,
-    COORDINATES,
-    CURVE,
-    CURVES,
-    EFFICIENCY,
-    FRAGILITY,
-    IDA,
-    POOLED,
-    QUALITIES,
-    STRIPES,
-    TESTED,
-    Status,
-)
+from rockpulse.storage.variables import fragility as stored
 from rockpulse.studies.fragility.capacity import Lanes, motion_capacity, nothing
 from rockpulse.studies.fragility.ensemble import Ensemble, Fits, dispersion_ratio, fit_ensemble, gather
 
-#: Points of a curve, and how many dispersions they reach beyond the outermost medians of a body.
-POINTS, REACH = 41, 3.0
-
-#: Logarithm of the farthest level of a curve: one that hardly rises would leave the range of numbers.
-FARTHEST = 600.0
+#: Points of a curve, dispersions that they reach beyond the outermost medians of a body, and logarithm of the farthest
+#: level: a curve that hardly rises would leave the range of numbers.
+POINTS, REACH, FARTHEST = 41, 3.0, 600.0
 
 
 def fragility_curves(
@@ -51,16 +36,14 @@ def fragility_curves(
     failures: Iterable[Failure] = (),
     progress: Callable[[Sequence[PlannedMotion]], Iterable[PlannedMotion]] | None = None,
 ) -> xr.DataTree:
-    """Fragility curves of bodies, with confidence bands over events, and which intensity measure serves best.
+    """Fragility curves of bodies, with confidence bands over events, and the most efficient intensity measure.
 
     Parameters
     ----------
     records : iterable of Record
-        All channels, as :func:`rockpulse.read` returns them; chosen, rotated and conditioned as by
-        :func:`rockpulse.assess`. The result does not depend on their order.
+        All channels; selected, rotated and conditioned as by :func:`rockpulse.assess`. Their order does not matter.
     config : Config, optional
-        Sections records, conditioning, half_waves, intense_phase, search, fragility and the bodies; the defaults
-        without.
+        Sections records, conditioning, half_waves, intense_phase, search, fragility and the bodies.
     blocks : mapping of str to (width, height), Block or BlockSettings, or sequence of BlockSettings, optional
         The bodies, in place of those of the configuration; full sizes in m.
     failures, progress
@@ -69,8 +52,8 @@ def fragility_curves(
     Returns
     -------
     xarray.DataTree
-        /fragility, /capacities, /efficiency and /failures, see docs/schema.md. Where the records do not say what a
-        curve needs its numbers are NaN and `statement` says why.
+        /fragility, /capacities, /efficiency and /failures, see docs/schema.md. A curve that the records do not
+        determine is NaN, with the reason in `statement`.
 
     Raises
     ------
@@ -81,9 +64,9 @@ def fragility_curves(
     Notes
     -----
     With ``data = "stripes"`` every record is scaled to each level, within ``[fragility] factors``, and the curve is the
-    probability of reaching the limit state at a level. With ``data = "ida"`` capacity is the first factor that reaches
-    it, and the curve the probability of reaching it at or below a level. Rotation need not grow with the factor, so the
-    latter lies above the former (docs/decisions/012).
+    probability of reaching the limit state at a level. With ``data = "ida"`` capacity is the first scale factor that
+    reaches it, and the curve the probability of reaching it at or below a level, which is larger, as rotation need not
+    grow with the factor (docs/decisions/012).
 
     Examples
     --------
@@ -98,11 +81,11 @@ def fragility_curves(
 
 
 class FragilityAnalysis(Analysis):
-    """The capacity of every body under every motion, and the curves that all of them give."""
+    """The capacity of every body under every motion, and the curves fitted to them."""
 
     name = "fragility"
     doing = "scaling"
-    kind = FRAGILITY
+    kind = stored.FRAGILITY
 
     def __init__(self, config: Config, blocks: Blocks | None = None) -> None:
         super().__init__(config)
@@ -113,7 +96,7 @@ class FragilityAnalysis(Analysis):
 
     @property
     def work(self) -> Work:
-        """Find the capacities of all bodies under a motion."""
+        """Finds the capacities of all bodies under a motion."""
         return partial(motion_capacity, lanes=self.lanes, config=self.config, selection=self.selection)
 
     @cached_property
@@ -122,7 +105,7 @@ class FragilityAnalysis(Analysis):
         return nothing(len(self.block_names), self.config, self.selection)
 
     def collect(self, parts: Sequence[Part], planned: Sequence[PlannedMotion], failures: list[Failure]) -> xr.DataTree:
-        """Fit the curves, and lay everything out."""
+        """Fits the curves and builds the tree."""
         block, names, settings = self.lanes.block, self.block_names, self.config.fragility
         aloft = np.array([bool(self.lanes.bodies.floors[body]) for body in self.lanes.owner])
         known = ~aloft & (not self.config.records.include_vertical)
@@ -143,7 +126,7 @@ class FragilityAnalysis(Analysis):
         return tree
 
     def prepare(self, records: Iterable[Record], failures: Iterable[Failure] = ()) -> Prepared:
-        """Plan the motions, of a selection those that it names; raises ConfigError also for one that is not there."""
+        """Plans the motions, those of a selection alone; raises ConfigError for a missing selection."""
         prepared = super().prepare(records, failures)
         if self.selection is None:
             return prepared
@@ -163,7 +146,7 @@ def _curves(
 ) -> xr.Dataset:
     level, probability = _grid(fits)
     values = {
-        **{name: fits.of(name) for name in CURVE},
+        **{name: fits.of(name) for name in stored.CURVE},
         "level": level,
         **dict(zip(("probability", "probability_low", "probability_high"), probability, strict=True)),
         "measure_units": [MEASURES[key].unit for key in measures],
@@ -171,7 +154,7 @@ def _curves(
         **{name: getattr(block, name) for name in ("alpha_c", "p", "restitution")},
         "uplift_acceleration": uplift,
     }
-    return xr.Dataset(with_values(CURVES, values), coords)
+    return xr.Dataset(with_values(stored.CURVES, values), coords)
 
 
 def _grid(fits: Fits) -> tuple[np.ndarray, list[np.ndarray]]:
@@ -196,23 +179,25 @@ def _capacities(data: Ensemble, coords: dict[str, xr.Variable]) -> xr.Dataset:
     search = data.config.search
     factors = np.moveaxis(data.factors, 2, 1)
     if data.reached is None:
-        variables = with_values(IDA, {"factor": factors, "reached": np.isfinite(factors), "search_step": data.step})
+        variables = with_values(
+            stored.IDA, {"factor": factors, "reached": np.isfinite(factors), "search_step": data.step}
+        )
         variables["factor"].attrs["comment"] = (
             f"searched up to a factor of {search.factor_max:g} with {search.points} factors on each body, in steps of "
             "search_step; where a limit state is reached in a narrower interval only, too high"
         )
     else:
         reached = np.moveaxis(data.reached, 3, 1)
-        variables = with_values(STRIPES, {"factor": factors, "reached": reached, "weight": data.weight})
+        variables = with_values(stored.STRIPES, {"factor": factors, "reached": reached, "weight": data.weight})
     values = {
         "measure_value": np.moveaxis(data.measures, 2, 1),
         "event": data.clusters,
         "source": data.sources,
-        **dict(zip(QUALITIES, data.qualities.T, strict=True)),
+        **dict(zip(stored.QUALITIES, data.qualities.T, strict=True)),
         **data.facts,
     }
     coords = _coordinates(record=data.ids) | coords
-    capacities = xr.Dataset(variables | with_values(CAPACITIES, values), coords)
+    capacities = xr.Dataset(variables | with_values(stored.CAPACITIES, values), coords)
     if data.reached is None:
         capacities.attrs |= {"points": search.points, "factor_max": search.factor_max}
     return capacities
@@ -220,7 +205,7 @@ def _capacities(data: Ensemble, coords: dict[str, xr.Variable]) -> xr.Dataset:
 
 def _efficiency(data: Ensemble, single: Fits, pooled: Fits, coords: dict[str, xr.Variable]) -> xr.Dataset:
     measures = list(data.config.fragility.measures)
-    values: dict[str, Any] = dict(zip(("quality_records", "quality_events"), data.told_by(), strict=True))
+    values: dict[str, Any] = dict(zip(("quality_records", "quality_events"), data.quality_counts(), strict=True))
     for prefix, fits, shown in (("", single, slice(None)), ("pooled_", pooled, 0)):
         for end, table in zip(("", "_low", "_high"), _ratios(fits, measures), strict=True):
             values[f"{prefix}beta_ratio{end}"] = table[shown]
@@ -232,12 +217,12 @@ def _efficiency(data: Ensemble, single: Fits, pooled: Fits, coords: dict[str, xr
         for row in beta.reshape(-1, len(measures))
     ]
     values["most_efficient"] = np.reshape(best, beta.shape[:2])
-    values |= {f"pooled_{name}": pooled.of(name)[0] for name in POOLED}
-    return xr.Dataset(with_values(EFFICIENCY, values), coords | _coordinates(quality=TESTED))
+    values |= {f"pooled_{name}": pooled.of(name)[0] for name in stored.POOLED}
+    return xr.Dataset(with_values(stored.EFFICIENCY, values), coords | _coordinates(quality=stored.TESTED))
 
 
 def _coordinates(**labels: Sequence[str]) -> dict[str, xr.Variable]:
-    return {name: COORDINATES[name].variable(list(values)) for name, values in labels.items()}
+    return {name: stored.COORDINATES[name].variable(list(values)) for name, values in labels.items()}
 
 
 def _ratios(fits: Fits, measures: Sequence[str]) -> np.ndarray:
@@ -248,6 +233,6 @@ def _ratios(fits: Fits, measures: Sequence[str]) -> np.ndarray:
         for place in np.ndindex(fits.curves.shape):
             curve: Any = fits.curves[place]
             reference: Any = fits.curves[(*place[:2], column)]
-            if curve.status == reference.status == Status.FITTED:
+            if curve.status == reference.status == stored.Status.FITTED:
                 table[(slice(None), *place)] = dispersion_ratio(curve, reference)
     return table

@@ -1,4 +1,4 @@
-"""The limit states of bodies, the factors on a record that reach them, and the capacities that one motion shows."""
+"""The limit states of bodies, the scale factors that reach them, and the capacities under one motion."""
 
 import math
 from collections.abc import Sequence
@@ -27,26 +27,24 @@ from rockpulse.selection.tables import Selection
 from rockpulse.storage.variables.fragility import QUALITIES
 from rockpulse.storage.variables.summary import FACTS, facts_of
 
-#: Stands for a motion that the model cannot resolve.
+#: Value for a motion that the model cannot resolve.
 NOT_KNOWN = -1
-
-#: Half-waves with more than this share of the largest impulse are strong.
+#: Share of the largest impulse above which a half-wave is strong.
 STRONG_SHARE = 0.5
 
 
 def scale_capacities(
     scene: Scene, block: Block, states: Sequence[str | float], equation: str, factor_max: float, points: int
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Incremental dynamic analysis of one record: the first factor at which each limit state is reached.
+    """Incremental dynamic analysis of one record: the first scale factor at which each limit state is reached.
 
-    The `states` are "uplift", values of theta_max/alpha_c, and "overturning"; `equation` is the model by that equation;
-    each of the (m,) lanes of the block is scanned at `points` factors up to `factor_max`. Uplift is known in closed
-    form. A factor that the model cannot resolve (free flight) counts as reached.
+    The `states` are "uplift" (in closed form), values of theta_max/alpha_c, and "overturning"; each of the (m,) lanes
+    is scanned at `points` factors up to `factor_max`. A factor that the model cannot resolve (free flight) counts as
+    reached.
 
-    The factors (s, m) [-] are inf where none is found. Rotation need not grow with the factor: above the first one the
-    limit state may be left again. The step (m,) is the ratio of neighbouring factors of the scan [-]: where a limit
-    state is reached in a narrower interval only, the factor is one that lies higher. It is one where nothing can be
-    missed: uplift alone, or uplift beyond the search.
+    The factors (s, m) [-] are inf if none is found; above them the limit state may be left again. The step (m,) is the
+    ratio of neighbouring factors of the scan [-], so that a limit state reached in a narrower interval has a larger
+    factor; it is one for uplift alone.
     """
     record = scene.record
     solved, vertical = _acting(scene, equation)
@@ -73,9 +71,9 @@ def scale_capacities(
 def reached_at(
     scene: Scene, block: Block, states: Sequence[str | float], equation: str, factors: np.ndarray
 ) -> np.ndarray:
-    """Whether a record reaches the states of :func:`scale_capacities` at given factors (r, m), r for each lane.
+    """Whether a record reaches the states of :func:`scale_capacities` at factors (r, m), r for each lane.
 
-    The answer (s, r, m) is 1 for reached, 0 for not, :data:`NOT_KNOWN` where the model cannot say.
+    (s, r, m): 1 for reached, 0 for not, :data:`NOT_KNOWN` if the model cannot resolve it.
     """
     record = scene.record
     solved, vertical = _acting(scene, equation)
@@ -83,12 +81,7 @@ def reached_at(
     reached = np.empty((len(states), *factors.shape), dtype=np.int8)
     for column, own in enumerate(factors):
         response = recorded_response(
-            block,
-            record.acceleration,
-            record.dt,
-            equation=solved,
-            vertical=vertical,
-            block_scale=own,
+            block, record.acceleration, record.dt, equation=solved, vertical=vertical, block_scale=own
         )
         overturned = np.equal(response.outcome, Outcome.OVERTURNS)
         known = np.not_equal(response.outcome, Outcome.UNRESOLVED)
@@ -102,18 +95,18 @@ def reached_at(
 
 
 def _acting(scene: Scene, model: str) -> tuple[Equation, np.ndarray | None]:
-    """The equation of motion of a model, and the vertical acceleration that acts by it."""
+    """The equation of motion of a model, and the vertical acceleration in it."""
     equation = MODELS[model].equation
     assert equation is not None
     return equation, MODELS[model].vertical_of(scene)
 
 
 class Lanes(NamedTuple):
-    """What is asked about: the (m,) lanes of all bodies."""
+    """The (m,) lanes of all bodies."""
 
     block: Block
     bodies: Bodies
-    owner: np.ndarray  #: (m,) number of the body that each lane is of
+    owner: np.ndarray  #: (m,) number of the body of each lane
 
 
 def motion_capacity(
@@ -121,16 +114,14 @@ def motion_capacity(
 ) -> Part:
     """The capacities of (m,) lanes under one motion, as arrays.
 
-    "measures" (1, k, m) are those of the ground's motion as it is, in the direction of each body and in the order of
-    ``[fragility] measures``, "qualities" (1, c) those of :data:`rockpulse.storage.variables.fragility.QUALITIES`. An
-    incremental analysis adds "factors" (1, s, m), the first that reaches each limit state, inf where none does, and
-    "step" (1, m), the ratio of neighbouring factors of the scan; others add "factors" (1, r, m), those that were looked
-    at, "reached" (1, s, r, m), whether the limit state was, and "weight" (1, r). Beyond ``[fragility] factors`` a
-    scaled record stands for no recorded one: an incremental analysis ends there, and a stripe has no answer.
+    "measures" (1, k, m) are those of the unscaled ground motion in the direction of each body, in the order of
+    ``[fragility] measures``, "qualities" (1, c) those of QUALITIES. An incremental analysis adds "factors" (1, s, m),
+    the first that reaches each limit state, else inf, and "step" (1, m) of its scan; others add "factors" (1, r, m),
+    "reached" (1, s, r, m) and "weight" (1, r), of a `selection` those of the rows of the record. Beyond ``[fragility]
+    factors`` an incremental analysis ends, and a stripe is not known.
 
-    With a `selection` the factors and weights of stripes are those of the rows of the record. With a body before a wall
-    the motion and its reverse are two rows, of one earthquake. Raises ValueError where the motion has no intense phase
-    or the model refuses its numbers, TooWeak below the smallest PGA or without a row of the selection.
+    With a body before a wall the motion and its reverse are two rows of one earthquake. Raises ValueError for a motion
+    without an intense phase or refused by the model, TooWeak below the smallest PGA or outside the selection.
     """
     with watch("condition"):
         scene = extract(motion.record, config, motion.vertical)
@@ -148,7 +139,7 @@ def motion_capacity(
         for place, numbers in places_of(lanes.bodies, record, pair, config):
             with watch("condition"):
                 ground = turned(scene, place, pair, config)
-                # A body before a wall falls to one side only, and the earthquake might have come from the other one.
+                # A body before a wall falls to one side only, and the earthquake may come from the other one.
                 ground = _reversed(ground) if reverse else ground
                 there = aloft(ground, place, config)
             own = np.flatnonzero(np.isin(lanes.owner, numbers))
@@ -165,7 +156,7 @@ def motion_capacity(
 
 
 def record_measures(scene: Scene, block: Block, names: tuple[str, ...]) -> np.ndarray:
-    """The k named measures of a record as it is, (k, m) in the unit of each, for (m,) lanes."""
+    """The k named measures of an unscaled record, (k, m) in the unit of each, for (m,) lanes."""
     on = RecordOnBodies.slender(scene.record, lambda: scene.waves, block.weaker)
     return np.stack([np.broadcast_to(MEASURES[name].value(on), block.shape) for name in names])
 
@@ -187,14 +178,14 @@ def _reversed(scene: Scene) -> Scene:
 
 
 def _stripes(config: Config, selection: Selection | None) -> int:
-    """Number r of factors that are looked at."""
+    """Number r of factors of a record."""
     if selection is not None:
         return selection.most
     return len(config.fragility.stripe_levels) if config.fragility.data == "stripes" else 1
 
 
 def _weights(record: str, config: Config, selection: Selection | None) -> dict[str, np.ndarray]:
-    """The weight (r,) of each factor that is looked at; none in an incremental analysis, 0 where there is none."""
+    """The weight (r,) of each factor, 0 for a missing one; empty for an incremental analysis."""
     if config.fragility.data == "ida":
         return {}
     if selection is None:
@@ -206,7 +197,7 @@ def _weights(record: str, config: Config, selection: Selection | None) -> dict[s
 def _capacity(
     ground: Scene, there: Scene, block: Block, config: Config, selection: Selection | None
 ) -> dict[str, np.ndarray]:
-    """The arrays of (m,) lanes that are shaken by one scene, with the measures of the ground below."""
+    """The arrays of (m,) lanes under one scene, with the measures of the ground below."""
     settings, search = config.fragility, config.search
     measures = record_measures(ground, block, settings.measures)
     if settings.data == "ida":
@@ -224,13 +215,13 @@ def _capacity(
         factors = np.asarray(settings.stripe_levels)[:, None] / own
     least, most = settings.factors if settings.data == "stripes" and selection is None else (0.0, np.inf)
     near = (factors >= least) & (factors <= most)
-    # What is not looked at is not marched: a record at factor zero moves nothing.
+    # A record at factor zero moves nothing and costs nothing.
     looked = reached_at(there, block, settings.limit_states, settings.equation, np.where(near, factors, 0.0))
     return {"measures": measures, "factors": factors, "reached": np.where(near, looked, NOT_KNOWN)}
 
 
 def nothing(lanes: int, config: Config, selection: Selection | None = None) -> Part:
-    """The capacities without any motion: every array of :func:`motion_capacity`, and "event", without a row."""
+    """Every array of :func:`motion_capacity`, and "event", without a row."""
     settings = config.fragility
     ida, states = settings.data == "ida", len(settings.limit_states)
     stripes = _stripes(config, selection)

@@ -1,8 +1,8 @@
-"""One fragility curve: the observed capacities, the fit, and its band over events.
+"""A fragility curve: the observed capacities, the fit, and its band over events.
 
 .. note:: A curve is P(x) = F(a + b ln x): the median is exp(-a/b), the dispersion beta the standard deviation of ln
-   capacity. Records of one event are no independent observations, so a band comes from leaving out one event after
-   the other (docs/decisions/012). Where the data do not say what a curve needs, there is a statement and no number.
+   capacity. Records of one event are not independent, so a band comes from leaving out one event after the other
+   (docs/decisions/012). A statement takes the place of numbers that the data do not determine.
 """
 
 from dataclasses import dataclass
@@ -27,54 +27,31 @@ from rockpulse.studies.fragility.statements import (
 
 @dataclass(frozen=True, eq=False)
 class Curve:
-    """A fragility curve, or the statement why there is none.
+    """A fragility curve, or the statement why there is none; NaN for numbers that the data do not determine."""
 
-    Attributes
-    ----------
-    status, band : Status, Band
-        Whether there is a curve, and a band, and why not.
-    extrapolated : Extrapolated
-        Whether the median lies beyond every level looked at.
-    statement, statement_values : str
-        The same in words; empty where curve and band are given and the median lies among the levels.
-    records, events, observations, reached : int
-        Number of records, of events, of rows, and of rows whose capacity is known or not above the level.
-    median : float
-        Measure at which the limit state is reached with probability 1/2, in the unit of the measure; NaN without.
-    beta : float
-        Standard deviation of ln capacity [-]; NaN without a curve, 0 where all capacities are the same.
-    median_low, median_high, beta_low, beta_high : float
-        Confidence limits; NaN without.
-    confidence : float
-        Their probability [-].
-    """
-
-    status: Status
-    band: Band
-    extrapolated: Extrapolated
-    statement: str
-    statement_values: str
+    status: Status  # whether there is a curve, and why not
+    band: Band  # whether there is a band, and why not
+    extrapolated: Extrapolated  # whether the median lies beyond all levels
+    statement: str  # the same in words; empty for a curve with a band whose median lies among the levels
+    statement_values: str  # the statement as it is stored
     records: int
     events: int
-    observations: int
-    reached: int
-    median: float
-    beta: float
-    median_low: float
+    observations: int  # number of rows
+    reached: int  # number of rows whose capacity is known or not above the level
+    median: float  # measure at which the limit state is reached with probability 1/2, in the unit of the measure
+    beta: float  # standard deviation of ln capacity [-]; 0 for equal capacities
+    median_low: float  # confidence limits
     median_high: float
     beta_low: float
     beta_high: float
-    confidence: float
+    confidence: float  # of the limits [-]
     _family: Family
     _theta: np.ndarray
     _centre: float
     _spread: float
 
     def probability(self, levels: ArrayLike) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """The curve and its pointwise band at levels (k,) of the measure, positive.
-
-        Probability, low and high, (k,) each [-]; NaN where there is no curve, or no band.
-        """
+        """Probability, low and high end of the band [-] at levels (k,) of the measure; NaN without a curve or band."""
         levels = np.asarray(levels, dtype=float)
         if self.status == Status.STEP:
             nothing = np.full(levels.shape, np.nan)
@@ -86,7 +63,7 @@ class Curve:
 
     @cached_property
     def log_beta(self) -> np.ndarray:
-        """ln beta of all rows, then without each event, (1 + events,), by which dispersions are compared."""
+        """ln beta of all rows, then without each event, (1 + events,)."""
         with np.errstate(invalid="ignore"):  # a set without one event may fall instead of rise
             return np.asarray(np.log(self._family.deviation * self._spread / self._theta[:, 1]))
 
@@ -99,16 +76,16 @@ def fit_capacities(
     model: str = "lognormal",
     confidence: float = 0.9,
 ) -> Curve:
-    """Fragility curve from the capacities that an incremental dynamic analysis gives, truncated or not.
+    """Fragility curve from the capacities of an incremental dynamic analysis, truncated or not.
 
     Parameters
     ----------
     capacities : (n,) array_like
-        Smallest value of the measure at which the limit state is reached; inf where it was not.
+        Smallest value of the measure at which the limit state is reached; inf if it was not.
     clusters, records : (n,) sequence, optional
-        Labels of event and record; every row is one of its own without.
+        Labels of event and record; by default each row has its own.
     limits : (n,) array_like, optional
-        Value of the measure up to which was looked; needed where a capacity is inf.
+        Largest value of the measure that was tried; needed if a capacity is inf.
     model : {"lognormal", "logistic"}
         Distribution of ln capacity: normal or logistic.
     confidence : float
@@ -121,7 +98,7 @@ def fit_capacities(
     Raises
     ------
     ConfigError
-        For capacities or limits that are not positive, or options out of range.
+        For capacities or limits that are not positive, or invalid options.
 
     References
     ----------
@@ -161,7 +138,7 @@ def fit_stripes(
     exceeded : (n,) array_like of bool
         Whether the limit state was reached.
     clusters, records, model, confidence
-        As in :func:`fit_capacities`; a record stands in several rows where it was scaled to several levels.
+        As in :func:`fit_capacities`; a record scaled to several levels has several rows.
 
     Returns
     -------
@@ -184,7 +161,7 @@ def fit_stripes(
 
 
 def fit_curve(rows: Observations, model: str = "lognormal", confidence: float = 0.9) -> Curve:
-    """Fragility curve of any observations; the options and errors are those of :func:`fit_capacities`.
+    """Fragility curve of any observations; options and errors as in :func:`fit_capacities`.
 
     The band of eta = a + b ln x, of ln median and of ln beta is the estimate plus or minus Student's t with K - 1
     degrees of freedom times the jackknife error over the K events, s^2 = (K - 1)/K sum (estimate without event k -
@@ -244,7 +221,7 @@ def fit_curve(rows: Observations, model: str = "lognormal", confidence: float = 
 
 
 def standardised(values: np.ndarray) -> tuple[np.ndarray, float, float]:
-    """Values (n,), not all equal, brought to mean zero and standard deviation one; then that mean and deviation."""
+    """Values (n,), not all equal, brought to mean zero and standard deviation one; that mean and deviation."""
     centre, spread = float(np.mean(values)), float(np.std(values))
     return (values - centre) / spread, centre, spread
 

@@ -1,9 +1,8 @@
-"""The capacities of all records and bodies as arrays, the curves fitted to them, and how much each measure says.
+"""The capacities of all records and bodies, the curves fitted to them, and the efficiency of each measure.
 
-.. note:: A measure is efficient where the capacities of the records in it scatter little (beta), and sufficient where
-   they depend on nothing else of the record (Luco & Cornell 2007, doi:10.1193/1.2723158). The likelihood is that of
-   the curve with one covariate more, z = a + b ln x + c ln u, so that capacities that are not known count too. Where
-   only some records have a quality, as a magnitude that their files state, it is that of these records alone.
+.. note:: A measure is efficient if the capacities in it scatter little (beta), and sufficient if they depend on nothing
+   else of the record (Luco & Cornell 2007, doi:10.1193/1.2723158). The likelihood is that of the curve with another
+   covariate, z = a + b ln x + c ln u, of the records that have the quality u, such as a magnitude.
 """
 
 from collections.abc import Sequence
@@ -27,19 +26,10 @@ from rockpulse.studies.fragility.likelihood import ABOVE, EXACT, FAMILIES, NOT_A
 from rockpulse.studies.fragility.statements import missing
 
 
-@dataclass(frozen=True)
-class Sufficiency:
-    """The dependence of capacity on a quality u of the record beside the measure."""
-
-    slope: float  # d ln median/d ln u [-]; NaN where there is no fit
-    p_value: float  # of a slope of zero, two-sided, by the jackknife over events; NaN with too few of them
-
-
 def dispersion_ratio(curve: Curve, reference: Curve) -> tuple[float, float, float]:
-    """beta over that of a reference measure for the same records [-], and its lower and upper confidence limit.
+    """beta over that of a reference measure for the same records [-], with lower and upper limit; NaN without.
 
-    NaN where one of the curves has no beta, limits also where one has no band. Both are jackknifed over the same
-    events, so that the scatter they have in common cancels.
+    Both are jackknifed over the same events, so that their common scatter cancels.
     """
     difference = curve.log_beta - reference.log_beta
     half = np.nan if curve.events < FEWEST_EVENTS else jackknife_half_width(difference, curve.confidence)
@@ -47,12 +37,12 @@ def dispersion_ratio(curve: Curve, reference: Curve) -> tuple[float, float, floa
     return float(ratio), float(low), float(high)
 
 
-def sufficiency(rows: Observations, column: int, model: str = "lognormal") -> Sufficiency:
-    """The dependence of capacity in a measure on one of the record's qualities, for observations that have a curve.
+def sufficiency(rows: Observations, column: int, model: str = "lognormal") -> tuple[float, float]:
+    """The slope d ln median/d ln u [-] of capacity by a quality u of the record, and the p-value of a slope of zero.
 
-    Of the records that have the quality; NaN where these have no curve.
+    The p-value is two-sided, by the jackknife over events; NaN for too few of them, or without a fit.
     """
-    nothing = Sufficiency(np.nan, np.nan)
+    nothing = np.nan, np.nan
     known = rows.having(column)
     if not np.all(known):
         rows = rows.only(known)
@@ -70,9 +60,9 @@ def sufficiency(rows: Observations, column: int, model: str = "lognormal") -> Su
         return nothing
     events = len(rows.events)
     if events < FEWEST_EVENTS or not np.all(theta[:, 1] > 0.0):
-        return Sufficiency(float(slopes[0]), np.nan)
+        return float(slopes[0]), np.nan
     statistic = abs(slopes[0]) / jackknife_error(slopes)
-    return Sufficiency(float(slopes[0]), float(2.0 * stdtr(events - 1, -statistic)))
+    return float(slopes[0]), float(2.0 * stdtr(events - 1, -statistic))
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,19 +70,19 @@ class Ensemble:
     """Capacities of n records and m lanes, in k measures, for s limit states."""
 
     ids: list[str]  # n, of the records
-    clusters: list[str]  # n, the event of each
-    sources: list[str]  # n, the file of each
-    measures: np.ndarray  # (n, k, m), of the records as they are
+    clusters: list[str]  # n, their events
+    sources: list[str]  # n, their files
+    measures: np.ndarray  # (n, k, m), of the unscaled records
     qualities: np.ndarray  # (n, c), in the order of QUALITIES
-    facts: dict[str, np.ndarray]  # (n,) each, what the files state about earthquake and site, by the names of FACTS
-    factors: np.ndarray  # first that reaches each limit state (n, s, m), or the r that were looked at (n, r, m) [-]
-    step: np.ndarray | None  # (n, m), ratio of neighbouring factors of the scan; None for factors looked at
-    reached: np.ndarray | None  # (n, s, r, m) of int, whether the limit state was; None for first factors
-    weight: np.ndarray | None  # (n, r), of the factors looked at [-]; None for first factors
+    facts: dict[str, np.ndarray]  # (n,) each, of earthquake and site, by the names of FACTS
+    factors: np.ndarray  # (n, s, m) first that reaches each limit state, or (n, r, m) all that were tried [-]
+    step: np.ndarray | None  # (n, m), ratio of neighbouring factors of the scan for first factors
+    reached: np.ndarray | None  # (n, s, r, m) of int, whether the limit state was, at tried factors
+    weight: np.ndarray | None  # (n, r), of tried factors [-]
     config: Config
 
     def observations(self, state: int, measure: int, lanes: Sequence[int]) -> Observations:
-        """Rows of one limit state in one measure, by their numbers, of one lane or of several put together."""
+        """Rows of one limit state in one measure, by their numbers, of one or several lanes."""
         if self.reached is None:
             factor = self.factors[:, state, None][:, :, lanes]
             least, most = self.config.fragility.factors
@@ -117,15 +107,15 @@ class Ensemble:
 
     @property
     def stated(self) -> np.ndarray:
-        """(n, c) The qualities that the files state of the records, in the order of STATED; NaN where they do not.
+        """(n, c) The qualities that the files state, in the order of STATED; NaN without.
 
-        Their logarithms are the covariates: a magnitude, which is a logarithm already, stands as its exponential.
+        Their logarithms are the covariates; a magnitude is a logarithm already, so that its exponential is returned.
         """
         return np.column_stack(
             [np.exp(self.facts[name]) if name == "magnitude" else self.facts[name] for name in STATED]
         )
 
-    def told_by(self) -> tuple[list[int], list[int]]:
+    def quality_counts(self) -> tuple[list[int], list[int]]:
         """The numbers of records that have each quality in the order of TESTED, and of their events."""
         every = np.ones((len(self.ids), 1))  # the measure before scaling, which every record has
         values = np.column_stack([self.qualities, every, self.stated])
@@ -134,7 +124,7 @@ class Ensemble:
 
 
 def gather(parts: Sequence[Part], lanes: int, config: Config, selection: Selection | None = None) -> Ensemble:
-    """Line up what the motions say of so many lanes, in the order of their ids; there may be no motion."""
+    """The capacities of any number of motions, in the order of their ids."""
     done = joined([nothing(lanes, config, selection), *parts])
     return Ensemble(
         ids=done["record"].tolist(),
@@ -152,7 +142,7 @@ def gather(parts: Sequence[Part], lanes: int, config: Config, selection: Selecti
 
 
 def stored_ensemble(tree: xr.DataTree) -> Ensemble:
-    """The capacities that a fragility file holds."""
+    """The capacities of a fragility file."""
     table = tree["capacities"].to_dataset()
     config = config_from_text(str(tree.attrs["configuration"]))
     factors, reached = (table[name].values for name in ("factor", "reached"))
@@ -188,8 +178,7 @@ class Fits:
 def fit_ensemble(ensemble: Ensemble, groups: Sequence[Sequence[int]]) -> Fits:
     """Curves of all limit states in all measures, and whether the measures are sufficient.
 
-    The lanes of a group are fitted together; where there are several, in dimensionless measures only, which alone bring
-    bodies of different size to one scale.
+    Several lanes of a group are fitted together in dimensionless measures only, which have one scale for all bodies.
     """
     settings = ensemble.config.fragility
     shape = (len(groups), len(settings.limit_states), len(settings.measures))
@@ -203,6 +192,5 @@ def fit_ensemble(ensemble: Ensemble, groups: Sequence[Sequence[int]]) -> Fits:
         curve = curves[place] = fit_curve(rows, model, settings.confidence)
         if curve.status == Status.FITTED:
             for quality in range(len(TESTED)):
-                found = sufficiency(rows, quality, model)
-                slope[(*place, quality)], p_value[(*place, quality)] = found.slope, found.p_value
+                slope[(*place, quality)], p_value[(*place, quality)] = sufficiency(rows, quality, model)
     return Fits(curves, slope, p_value)

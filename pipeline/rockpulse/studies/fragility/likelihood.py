@@ -17,7 +17,7 @@ from scipy.special import expit, log_expit, log_ndtr, ndtr
 
 from rockpulse.errors import ConfigError
 
-#: Kinds of knowledge about a capacity: its value, that it is above a level, that it is not.
+#: Kinds of observations: the capacity is known, above a level, or not above it.
 EXACT, ABOVE, NOT_ABOVE = 0, 1, 2
 
 
@@ -25,28 +25,21 @@ EXACT, ABOVE, NOT_ABOVE = 0, 1, 2
 class Observations:
     """Observations of capacities, in the unit of one intensity measure; the rows ascend."""
 
-    level: np.ndarray  # (n,) a capacity, or the level that it is compared with, positive
-    kind: np.ndarray  # (n,) EXACT: the capacity is the level; ABOVE: it is above it; NOT_ABOVE: it is not
+    level: np.ndarray  # (n,) the capacity, or the level that it is compared with, positive
+    kind: np.ndarray  # (n,) EXACT, ABOVE or NOT_ABOVE
     cluster: np.ndarray  # (n,) number of the event of each row
     record: np.ndarray  # (n,) number of the record of each row
     events: tuple[str, ...]  # labels of the events, sorted
-    qualities: np.ndarray  # (n, c) positive numbers that capacity should not depend on, NaN: not known
-    weight: np.ndarray  # (n,) how much each row counts, of mean one
+    qualities: np.ndarray  # (n, c) positive numbers that capacity should not depend on; NaN if not known
+    weight: np.ndarray  # (n,) of mean one
 
     @classmethod
     def of(
-        cls,
-        level: Any,
-        kind: Any,
-        clusters: Any = None,
-        records: Any = None,
-        qualities: Any = None,
-        weight: Any = None,
+        cls, level: Any, kind: Any, clusters: Any = None, records: Any = None, qualities: Any = None, weight: Any = None
     ) -> Observations:
-        """Rows from levels, kinds and qualities; without labels every row is an event and a record of its own.
+        """Rows of equal weight, and of an event and record each, by default.
 
-        Without weights all rows count alike. Raises ConfigError for levels that are not positive and finite, or arrays
-        of different lengths.
+        Raises ConfigError for levels that are not positive and finite, or arrays of different lengths.
         """
         level, kind = np.asarray(level, dtype=float), np.asarray(kind, dtype=np.int64)
         if level.ndim != 1 or not np.all(np.isfinite(level) & (level > 0.0)):
@@ -75,26 +68,25 @@ class Observations:
         return int(np.unique(self.record).size)
 
     def having(self, column: int) -> np.ndarray:
-        """Whether (n,) a row has a quality, so that its logarithm is a number."""
+        """Whether (n,) a row has a quality with a finite logarithm."""
         values = self.qualities[:, column]
         return np.isfinite(values) & (values > 0.0)
 
     def only(self, kept: np.ndarray) -> Observations:
-        """The rows that a mask (n,) keeps, with their events alone."""
+        """The rows of a mask (n,), with their events alone."""
         clusters = np.array(self.events, dtype=str)[self.cluster]
         rows = (clusters, self.record.astype(str), self.qualities, self.weight)
         return Observations.of(self.level[kept], self.kind[kept], *(values[kept] for values in rows))
 
     def without_each_event(self) -> np.ndarray:
-        """Weights (1 + events, n): all rows, then the rows without one event after the other."""
+        """Weights (1 + events, n): of all rows, then of the rows without each event."""
         left = self.cluster != np.arange(len(self.events))[:, None]
         return np.vstack([np.ones((1, self.level.size)), left]) * self.weight
 
 
 #: Most Newton steps, most halvings of one, and the step at which the search ends, in units of the standard error.
 STEPS, HALVINGS, CLOSE = 60, 30, 1e-8
-
-#: Rounding of a sum of logarithms, and the condition of the second derivatives beyond which they say nothing.
+#: Rounding of a sum of logarithms, and largest usable condition number of the second derivatives.
 ROUNDING, LARGEST_CONDITION = 1e-12, 1e14
 
 
@@ -140,10 +132,9 @@ FAMILIES: dict[str, Family] = {
 def has_maximum(x: np.ndarray, kind: np.ndarray, weights: np.ndarray) -> np.ndarray:
     """Whether (q,) the likelihood has a maximum at finite a, b, that is, the data do not separate.
 
-    `x` (n,) are logarithms of capacities or levels, `kind` (n,) is EXACT, ABOVE or NOT_ABOVE, and `weights` (q, n) tell
-    how often each row counts, in q data sets. Without exact capacities both kinds of rows have to overlap (Albert &
-    Anderson 1984). With some, b grows without limit only where they are all equal and no other row speaks against that
-    value.
+    `x` (n,) are logarithms of levels of a `kind` (n,), `weights` (q, n) those of q data sets. Without exact capacities
+    both kinds of rows have to overlap (Albert & Anderson 1984). With some, b is unlimited only if they are all equal
+    and no other row contradicts that value.
     """
 
     def extremes(of: int) -> tuple[np.ndarray, np.ndarray]:
@@ -160,10 +151,10 @@ def has_maximum(x: np.ndarray, kind: np.ndarray, weights: np.ndarray) -> np.ndar
 def scores(
     family: Family, design: np.ndarray, kind: np.ndarray, theta: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Log-likelihood of each row, and its first two derivatives by z (those of log b apart), each (q, n).
+    """Log-likelihood of each row, and its first two derivatives by z (without those of log b), each (q, n).
 
-    `design` (n, k) has the columns 1, ln x and any covariates: z = design @ theta; `kind` (n,) is EXACT, ABOVE or
-    NOT_ABOVE; `theta` (q, k) are the parameters (a, b, ...) of q data sets, b > 0 where a row is EXACT.
+    `design` (n, k) has the columns 1, ln x and any covariates, z = design @ theta; `theta` (q, k) are the parameters
+    (a, b, ...) of q data sets, b > 0 if a row is EXACT.
     """
     z = theta @ design.T
     value, slope, bend = np.empty_like(z), np.empty_like(z), np.empty_like(z)
@@ -180,8 +171,7 @@ def scores(
 def maximise(family: Family, design: np.ndarray, kind: np.ndarray, weights: np.ndarray) -> np.ndarray:
     """Parameters (q, k) of largest likelihood for q weightings (q, n) of the same rows; see :func:`scores`.
 
-    The columns of the design but the first are centred, of the order of one. NaN where there is no maximum or the
-    search did not find it.
+    The columns of the design except the first are centred, of the order of one. NaN without a maximum or convergence.
     """
     theta = np.zeros((weights.shape[0], design.shape[1]))
     theta[:, 1] = 1.0

@@ -1,4 +1,4 @@
-"""Whether the data make a fragility curve and a band, and the statement that says why they do not."""
+"""Whether the data determine a fragility curve and a band, and the statement if they do not."""
 
 import math
 from collections.abc import Callable
@@ -10,12 +10,12 @@ from rockpulse.remark import Remark, counted
 from rockpulse.storage.variables.fragility import Band, Extrapolated, Status
 from rockpulse.studies.fragility.likelihood import ABOVE, EXACT, NOT_ABOVE, Observations, has_maximum
 
-#: Relative difference of capacities that are the same but for rounding.
+#: Relative difference of capacities that is rounding.
 EQUAL = 1e-9
 
 
 def missing(rows: Observations) -> Status:
-    """The status of data that lack something for a curve, as far as it is seen before any fit."""
+    """The status of the data before any fit."""
     known = rows.level[rows.kind == EXACT]
     reached = rows.kind != ABOVE
     if rows.level.size == 0:
@@ -26,7 +26,7 @@ def missing(rows: Observations) -> Status:
         return Status.NOTHING_REACHED
     if np.all(rows.kind == NOT_ABOVE):
         return Status.EVERYTHING_REACHED
-    if np.unique(rows.record[reached]).size == 1:  # in however many rows: of several levels, or bodies put together
+    if np.unique(rows.record[reached]).size == 1:  # of any number of rows: levels, or bodies together
         return Status.ONE_REACHED
     if known.size and np.ptp(known) <= EQUAL * known[0]:
         above, below = rows.level[rows.kind == ABOVE], rows.level[rows.kind == NOT_ABOVE]
@@ -38,10 +38,7 @@ def missing(rows: Observations) -> Status:
 
 
 def band_statement(band: Band, rows: Observations, slopes: np.ndarray) -> list[Remark]:
-    """The statement on the band of a curve; none where it is given.
-
-    `slopes` (1 + events,) are b of all rows, then without each event.
-    """
+    """The statement on a missing band; `slopes` (1 + events,) are b of all rows, then without each event."""
     if band == Band.GIVEN:
         return []
     if band == Band.RESTS_ON_ONE_EVENT:
@@ -51,7 +48,7 @@ def band_statement(band: Band, rows: Observations, slopes: np.ndarray) -> list[R
 
 
 def extrapolated(median: float, rows: Observations) -> Extrapolated:
-    """Whether the median of a curve, in the unit of the measure, lies above or below every level looked at."""
+    """Whether the median of a curve, in the unit of the measure, lies above or below all levels."""
     if median > np.max(rows.level):
         return Extrapolated.ABOVE
     if median < np.min(rows.level):
@@ -60,7 +57,7 @@ def extrapolated(median: float, rows: Observations) -> Extrapolated:
 
 
 def extrapolation_statement(median: float, rows: Observations) -> list[Remark]:
-    """The statement on a median beyond the data; none where it lies among them."""
+    """The statement on a median beyond all levels; none if it lies among them."""
     side = extrapolated(median, rows)
     if side == Extrapolated.NO:
         return []

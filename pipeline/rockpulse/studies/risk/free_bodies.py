@@ -1,9 +1,9 @@
 """The fragility of free bodies over an intensity measure, from the stored overturning spectra of records.
 
 .. note:: At the level x of a measure a record of the value m acts with the factor x/m, so its effective impulse on a
-   body is S x/m, and the body overturns where that exceeds g tan(alpha)/p. Over records ln(S/m) has a mean and a
-   standard deviation, earthquakes alike: P(overturning | x) is the normal distribution of (ln x + mean - ln(g
-   tan(alpha)/p))/deviation. Beside it stands the mean of the records' own probabilities, which assumes no distribution.
+   body is S x/m, and the body overturns if that exceeds g tan(alpha)/p. With the mean and standard deviation of ln(S/m)
+   over records, equal for all earthquakes, P(overturning | x) is the normal distribution of (ln x + mean - ln(g
+   tan(alpha)/p))/deviation. The mean of the records' own probabilities assumes no distribution.
 """
 
 from __future__ import annotations
@@ -23,14 +23,14 @@ from rockpulse.record.measures import PGA, STORED_LEVELS
 from rockpulse.sequences.design_spectrum import at_blocks, within
 from rockpulse.storage.variables.risk import FREE_FRAGILITY
 
-#: Pairs of a body and a record that are worked on at once.
+#: Pairs of a body and a record computed at once.
 AT_ONCE = 30_000
 
 
 class BodyCurves(NamedTuple):
-    """What r records say of m bodies at l levels each; logarithms of levels are those of a measure in SI units."""
+    """The curves of m bodies under r records at l levels each; logarithms of levels are in SI units."""
 
-    at: np.ndarray  #: (m, r, l) logarithms of the levels, in equal steps that are those of all
+    at: np.ndarray  #: (m, r, l) logarithms of the levels, in steps equal for all
     probability: np.ndarray  #: (m, r, l) of overturning [-]
     log_s: np.ndarray  #: (m, r) logarithms of the overturning spectra
     own: np.ndarray  #: (r,) logarithms of the records' own values of the measure
@@ -39,7 +39,7 @@ class BodyCurves(NamedTuple):
 
     @classmethod
     def read(cls, spectra: xr.Dataset, block: Block, own: np.ndarray) -> BodyCurves:
-        """The curves of (m,) bodies that the spectra stand for; ResultsError for gaps at their p."""
+        """The curves of (m,) bodies that the spectra cover; ResultsError for gaps at their p."""
         axes = spectra["p"].values, spectra["restitution"].values
         log_s = at_blocks(block, *axes, np.log(spectra["spectrum"].transpose("p", "restitution", "record").values))
         if np.any(np.isnan(log_s)):
@@ -59,25 +59,25 @@ class BodyCurves(NamedTuple):
         return float(self.at[0, 0, -1] - self.at[0, 0, 0]) / (self.at.shape[2] - 1)
 
     def step_of(self, log_level: np.ndarray) -> np.ndarray:
-        """The step (m, r), from one stored level to the next, that a level (m or 1, r or 1) is in; the nearest one."""
+        """The step (m, r) between two stored levels that contains a level (m or 1, r or 1); the nearest one."""
         place = ((log_level - self.at[:, :, 0]) / self.spacing).astype(int)
         return np.clip(place, 0, self.at.shape[2] - 2)
 
     def read_at(self, values: np.ndarray, log_level: np.ndarray) -> np.ndarray:
-        """Values (m, r, l) at the levels, read at others (m or 1, r or 1): (m, r), straight between, level beyond."""
+        """Values (m, r, l) interpolated at other levels (m or 1, r or 1): (m, r), constant beyond the ends."""
         step = self.step_of(log_level)
         share = np.clip((log_level - chosen(self.at, step)) / self.spacing, 0.0, 1.0)
         low = chosen(values, step)
         return np.asarray(low + share * (chosen(values, step + 1) - low))
 
     def scatter(self, weights: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Over records by their weights: ln of the level (m,) at which S is g tan(alpha)/p, the deviation of ln S."""
+        """Weighted over records: ln of the level (m,) at which S is g tan(alpha)/p, the deviation of ln S."""
         ratio = self.log_s - self.own
         centre = ratio @ weights
         return self.speed - centre, np.sqrt((ratio - centre[:, np.newaxis]) ** 2 @ weights)
 
     def medians(self, weights: np.ndarray) -> np.ndarray:
-        """Logarithms (m,) of the levels at which the mean over records by their weights (r,) is 1/2."""
+        """Logarithms (m,) of the levels at which the mean over records with weights (r,) is 1/2."""
         low, high = self.at[:, :, 0].min(axis=1), self.at[:, :, -1].max(axis=1)
         for _ in range(48):
             middle = 0.5 * (low + high)
@@ -87,15 +87,12 @@ class BodyCurves(NamedTuple):
 
 
 def chosen(values: np.ndarray, place: np.ndarray) -> np.ndarray:
-    """Of values (m, r, l) those at the places (m, r) of the last axis."""
+    """The values (m, r, l) at the places (m, r) of the last axis."""
     return np.take_along_axis(values, place[:, :, np.newaxis], axis=2)[:, :, 0]
 
 
 def spectra_of(results: xr.DataTree, measure: str) -> tuple[xr.Dataset, xr.Dataset]:
-    """The overturning spectra of results, and the summaries of their records.
-
-    ConfigError for a measure that results do not hold, ResultsError without spectra.
-    """
+    """The overturning spectra of results, and the summaries of their records; ConfigError for another measure."""
     measured = [one.name for one in STORED_LEVELS]
     if measure not in measured:
         raise ConfigError(f"measure: expected one of {' or '.join(measured)}, which results hold, got {measure}")
@@ -108,7 +105,7 @@ def spectra_of(results: xr.DataTree, measure: str) -> tuple[xr.Dataset, xr.Datas
 def curves_in_parts(
     spectra: xr.Dataset, summary: xr.Dataset, block: Block, measure: str
 ) -> Iterator[tuple[np.ndarray, BodyCurves]]:
-    """Numbers and curves of those of (m,) bodies that the spectra stand for, some at a time."""
+    """Numbers and curves of the (m,) bodies that the spectra cover, some at a time."""
     own = np.log(summary[measure].values.astype(float))
     covered = np.flatnonzero(within(block, spectra["p"].values, spectra["restitution"].values))
     for places in np.array_split(covered, max(1, math.ceil(covered.size * own.size / AT_ONCE))):
@@ -128,14 +125,13 @@ def free_body_fragility(results: xr.DataTree, block: Block, levels: Any, measure
     levels : (n,) array_like
         Of the measure, positive [m/s2 or m/s].
     measure : str
-        "pga" or "pgv", of one component as the records were assessed.
+        "pga" or "pgv", of one component.
 
     Returns
     -------
     xarray.Dataset
-        Over (body, level): `probability`, the mean of those of the records, and `lognormal`, by the `median` and
-        `dispersion` of S over (body). In PGA they are 0 below g tan(alpha). NaN for a body that the spectra do not
-        stand for.
+        Over (body, level): `probability`, the mean over records, and `lognormal`, by the `median` and `dispersion` of S
+        over (body). In PGA they are 0 below g tan(alpha). NaN for a body that the spectra do not cover.
 
     Raises
     ------
@@ -157,8 +153,6 @@ def free_body_fragility(results: xr.DataTree, block: Block, levels: Any, measure
     >>> bool(found["probability"][0, 0] == 0.0), bool(found["probability"][0, 2] > 0.9)
     (True, True)
     """
-    import xarray as xr
-
     at = np.atleast_1d(np.asarray(levels, dtype=float))
     spectra, summary = spectra_of(results, measure)
     if at.ndim != 1 or not np.all(np.isfinite(at) & (at > 0.0)):

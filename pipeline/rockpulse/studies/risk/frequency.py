@@ -1,12 +1,10 @@
-"""How often bodies reach a limit state at a site: the fragility of a file summed over the hazard, with bands.
+"""The annual frequency of a limit state at a site: the fragility of a file summed over the hazard, with bands.
 
-.. note:: lambda = integral of P(x) (-dH/dx) dx. What comes from levels that no record was looked at, or that the hazard
-   was not given for, is counted and told, and nothing is cut off but what cannot be: in PGA no level below the uplift
-   of a body on the ground counts.
+.. note:: lambda = integral of P(x) (-dH/dx) dx, with the shares from levels outside those of the records or of the
+   hazard. In PGA levels below the uplift of a body on the ground do not count.
 
    A body that overturns lambda times a year has stood for T years with the probability exp(-lambda T). At a confidence
-   q that leaves frequencies up to -ln(1 - q)/T; a larger one contradicts the hazard, whose rates would have to be lower
-   by the ratio of the two, for lambda is proportional to them: a precarious rock is a test of the hazard.
+   q frequencies up to -ln(1 - q)/T are possible; a larger one contradicts the hazard, to which it is proportional.
 """
 
 import math
@@ -28,7 +26,7 @@ from rockpulse.studies.fragility.statements import STATEMENTS, missing
 from rockpulse.studies.risk.hazard import Hazard, HazardCurve, PowerLawHazard
 from rockpulse.studies.risk.integral import FEWEST_EVENTS, LEAST_EVENTS, Integral, band_of, fitted_lines, integrate
 
-#: The horizontal component that a hazard has to be of, by [records] components.
+#: The horizontal component of the hazard, by [records] components.
 COMPONENTS = {
     "horizontal": "any single horizontal component, as each channel is a motion of its own, not the larger of two",
     "azimuth": "a single horizontal component in a given direction, not the larger of two",
@@ -36,7 +34,7 @@ COMPONENTS = {
     "sweep": "any single horizontal component, as each direction is a motion of its own, not the larger of two",
 }
 
-#: What the fragility is the probability of, by [fragility] data.
+#: The data of a fragility, by [fragility] data.
 DATA = {
     "stripes": "records scaled to levels (stripes)",
     "ida": (
@@ -46,12 +44,10 @@ DATA = {
     "cloud": "records as they are, not scaled (cloud)",
 }
 
-#: Share of a frequency that comes from levels that nothing was looked at, from which on that is told.
+#: Share of a frequency from levels beyond the data that gives a warning.
 OUTSIDE = 0.1
-
-#: Levels whose contributions are told, and the share of the frequency that they hold.
+#: Number of bins with the contributions of levels, and their share of the frequency.
 BINS, HELD = 16, 0.998
-
 #: A and B of a fragility that is 1 at every level above its floor.
 CERTAIN = (40.0, 1e-9)
 
@@ -62,13 +58,13 @@ def several_events(count: int) -> str:
 
 
 def hazard_assumed(remarks: Iterable[str], config: Config) -> str:
-    """The remarks on a hazard, and for which ground and which component it has to be given."""
+    """The remarks on a hazard, and the ground and component for which it has to be given."""
     wanted = f"to be of the ground below the bodies, and of {COMPONENTS[config.records.components]}"
     return "; ".join([*remarks, wanted])
 
 
 def fragility_assumed(config: Config, model: str, records: int, events: int) -> str:
-    """The fragility of a file: its data, its distribution, and how records count."""
+    """The data and the distribution of a fragility, in words."""
     settings, chosen = config.fragility, config.fragility.selection is not None
     of, alike = ("records chosen elsewhere", "by their weights") if chosen else (DATA[settings.data], "alike")
     shown = f"{records} record{'' if records == 1 else 's'} of {several_events(events)}"
@@ -76,7 +72,7 @@ def fragility_assumed(config: Config, model: str, records: int, events: int) -> 
 
 
 class _Asked(NamedTuple):
-    """What is asked of every body."""
+    """The arguments for every body."""
 
     family: Family
     hazard: Hazard
@@ -96,40 +92,38 @@ def annual_frequency(
     resamples: int = 500,
     seed: int = 0,
 ) -> xr.Dataset:
-    """How often each body reaches a limit state.
+    """The annual frequency at which each body reaches a limit state.
 
     Parameters
     ----------
     fragility : xarray.DataTree
-        Of :func:`rockpulse.fragility_curves`, or a loaded file, with the measure of the hazard among its measures.
+        Of :func:`rockpulse.fragility_curves`, or a loaded file, with the measure of the hazard.
     hazard : PowerLawHazard or HazardCurve
         Annual rate of exceedance of that measure at the ground below the bodies.
     limit_state : str
         Of the fragility.
     years : float
-        Time for which the probability is told [years].
+        Time of the probability [years].
     confidence : float, optional
-        Of the bands; that of the fragility without.
-    resamples : int
-        Draws of the earthquakes for the bands; 0 for none.
-    seed : int
-        Of the draws.
+        Of the bands; by default that of the fragility.
+    resamples, seed : int
+        Draws of the earthquakes for the bands, 0 for no band; seed of the draws.
 
     Returns
     -------
     xarray.Dataset
         Over (block): `frequency` [1/year] with `frequency_low` and `frequency_high`, `probability` in `years` with its
-        limits, `survival` = exp(-frequency years), `below` and `above`, the shares of the frequency from levels that no
-        record was looked at or the hazard was not given for, `events`, `status`, `statement` and `warning`; over
-        (block, bin) `bin_low`, `bin_high` [unit of the measure in SI] and `share` of the frequency. The uplift of a
-        body on the ground in PGA needs no fit: it is the rate of exceedance of the acceleration that lifts it.
+        limits, `survival` = exp(-frequency years), `below` and `above`, the shares of the frequency from levels beyond
+        those of the records or of the hazard, `events`, `status`, `statement` and `warning`; over (block, bin)
+        `bin_low`, `bin_high` [unit of the measure in SI] and `share` of the frequency. The uplift of a body on the
+        ground in PGA needs no fit: it is the rate of exceedance of its uplift PGA.
 
     Raises
     ------
     ResultsError
-        For a tree that is no fragility, or without the limit state or the measure.
+        For another tree, or one without the limit state or the measure.
     ConfigError
-        For years, a confidence or a number of draws that is none.
+        For invalid years, confidence or resamples.
 
     References
     ----------
@@ -150,8 +144,6 @@ def annual_frequency(
     >>> bool(0.0 < found["frequency"].item() < 1e-3), bool(found["survival"].item() > 0.9)
     (True, True)
     """
-    import xarray as xr
-
     if not isinstance(hazard, PowerLawHazard | HazardCurve):
         raise ConfigError(f"hazard: expected one of one site, a PowerLawHazard or a HazardCurve, got {hazard!r:.80}")
     if fragility.attrs.get("kind") != FRAGILITY:
@@ -197,7 +189,7 @@ def annual_frequency(
 
 
 def _of_body(rows: Observations, floor: float, asked: _Asked) -> dict[str, Any]:
-    """The variables of one body, that does not move below the level exp(floor)."""
+    """The variables of one body, which does not move below the level exp(floor)."""
     nothing = np.full(BINS, np.nan)
     found: dict[str, Any] = dict.fromkeys(RISK, np.nan) | {"bin_low": nothing, "bin_high": nothing, "share": nothing}
     found |= {"events": len(rows.events), "status": RiskStatus.NO_CURVE, "statement": "", "warning": ""}
@@ -206,14 +198,14 @@ def _of_body(rows: Observations, floor: float, asked: _Asked) -> dict[str, Any]:
             low, high = np.log(asked.hazard.covered).tolist()
         whole = integrate(asked.family, CERTAIN, asked.hazard, (low, high), floor)
         told = "every ground motion above the acceleration that lifts it does: exact, no band"
-        return found | _told(whole, low, high, asked) | {"statement": told}
+        return found | _frequency(whole, low, high, asked) | {"statement": told}
     status = missing(rows)
     if status != Status.FITTED:
         return found | {"statement": f"{STATEMENTS[status](rows)} ({asked.hazard.measure} in SI units)"}
     lines = fitted_lines(rows, asked.family)
     if not lines[0, 1] > 0.0:
         return found | {"statement": STATEMENTS[Status.NOT_INCREASING](rows)}
-    # Levels between which records were looked at and the hazard was given.
+    # Levels of both the records and the hazard.
     least = max(float(rows.level[0]), asked.hazard.covered[0])
     low, high = math.log(least), math.log(max(least, min(float(rows.level[-1]), asked.hazard.covered[1])))
     whole = integrate(asked.family, (lines[0, 0], lines[0, 1]), asked.hazard, (low, high), floor)
@@ -223,12 +215,12 @@ def _of_body(rows: Observations, floor: float, asked: _Asked) -> dict[str, Any]:
             "statement": "no frequency: the fragility falls towards small levels less than the hazard rises; it would "
             "rest on levels that nothing was looked at",
         }
-    found |= _told(whole, low, high, asked)
+    found |= _frequency(whole, low, high, asked)
     return found | (_band(rows, lines, whole, floor, asked) if asked.resamples else {})
 
 
-def _told(whole: Integral, low: float, high: float, asked: _Asked) -> dict[str, Any]:
-    """A frequency with the levels that contribute, and the warning of those beyond the logarithms of two levels."""
+def _frequency(whole: Integral, low: float, high: float, asked: _Asked) -> dict[str, Any]:
+    """A frequency with its contributions by level, and the warning of those beyond two logarithms of levels."""
     below, above = whole.between(-math.inf, low), whole.between(high, math.inf)
     return {
         "status": RiskStatus.GIVEN,
@@ -243,7 +235,7 @@ def _told(whole: Integral, low: float, high: float, asked: _Asked) -> dict[str, 
 
 
 def _warning(below: float, above: float, low: float, high: float, hazard: Hazard) -> str:
-    """What is to be told of the shares from levels below and above those that were looked at; empty for small ones."""
+    """The warning of large shares from levels beyond the data; empty without."""
     told = []
     ends = zip((below, above), (low, high), ("below", "above"), hazard.covered, strict=True)
     for share, limit, side, end in ends:
@@ -256,7 +248,7 @@ def _warning(below: float, above: float, low: float, high: float, hazard: Hazard
 
 
 def _band(rows: Observations, lines: np.ndarray, whole: Integral, floor: float, asked: _Asked) -> dict[str, Any]:
-    """The limits of the frequency and of the probability, and what is to be told of them."""
+    """The limits of the frequency and of the probability, with their statement."""
     events = len(rows.events)
     if events < FEWEST_EVENTS:
         return {"statement": f"no band: {several_events(events)}, {FEWEST_EVENTS} are needed"}
@@ -279,17 +271,14 @@ def _band(rows: Observations, lines: np.ndarray, whole: Integral, floor: float, 
 
 
 def _lifted_from(rows: Observations, floor: float) -> bool:
-    """Whether a level is known from which on every motion lifts the body, and no row speaks against it."""
+    """Whether the uplift level is known, and no row contradicts it."""
     lifted, level = math.exp(floor), rows.level
     against = (rows.kind == ABOVE) & (level > lifted * (1.0 + 1e-9)) | (rows.kind == NOT_ABOVE) & (level < lifted)
     return lifted > 0.0 and not np.any(against)
 
 
 def _floors(table: xr.Dataset, hazard: Hazard) -> list[float]:
-    """Logarithms of the levels below which no body moves, and so reaches no limit state; -inf where that is not known.
-
-    Only a PGA tells: it lifts a body on the ground, or it does not.
-    """
+    """Logarithms of the levels below which no body moves; -inf if not known, as for other measures than PGA."""
     if hazard.measure != PGA:
         return [-math.inf] * table.sizes["block"]
     lifting = np.log(table["uplift_acceleration"].values)
@@ -297,7 +286,7 @@ def _floors(table: xr.Dataset, hazard: Hazard) -> list[float]:
 
 
 def _contributions(whole: Integral) -> dict[str, np.ndarray]:
-    """Equal steps in the logarithm of the level with nearly all of a frequency, and the share of each."""
+    """Bins of equal width in the logarithm of the level, with nearly all of a frequency, and the share of each."""
     summed = np.cumsum(whole.contribution) / np.sum(whole.contribution)
     low, high = np.interp([0.5 - 0.5 * HELD, 0.5 + 0.5 * HELD], summed, whole.log_level).tolist()
     edges = np.linspace(low, high, BINS + 1)
@@ -306,28 +295,27 @@ def _contributions(whole: Integral) -> dict[str, np.ndarray]:
 
 
 def standing_test(risk: xr.Dataset, age: float, confidence: float = 0.95) -> xr.Dataset:
-    """What it says of the hazard that bodies have stood for so many years.
+    """Test the hazard by bodies that have stood for a number of years.
 
     Parameters
     ----------
     risk : xarray.Dataset
         Of :func:`rockpulse.annual_frequency` for overturning, or of :func:`rockpulse.inventory_frequency`.
     age : float
-        Time for which the bodies have stood as they are [years].
+        Time for which the bodies have stood [years].
     confidence : float
         At which a frequency is excluded [-].
 
     Returns
     -------
     xarray.Dataset
-        Over the bodies: `chance` = exp(-frequency age) with `chance_low` and `chance_high` at the limits of the
-        frequency, `largest`, the frequency at which the chance is 1 - confidence [1/year], `factor` on the rates of
-        the hazard that leads to it, and `contradicted`.
+        Over the bodies: `chance` = exp(-frequency age) with `chance_low` and `chance_high`, `largest`, the frequency at
+        which the chance is 1 - confidence [1/year], its `factor` on the rates of the hazard, and `contradicted`.
 
     Raises
     ------
     ConfigError
-        For an age that is not positive, or a confidence that is none.
+        For an invalid age or confidence.
 
     References
     ----------
@@ -341,8 +329,6 @@ def standing_test(risk: xr.Dataset, age: float, confidence: float = 0.95) -> xr.
     >>> [round(float(found[name].item()), 6) for name in ("chance", "largest", "factor", "contradicted")]
     [0.006738, 0.000599, 0.599146, 1.0]
     """
-    import xarray as xr
-
     if not (math.isfinite(age) and age > 0.0) or not 0.0 < confidence < 1.0:
         raise ConfigError(f"age, confidence: expected a positive time and a share, got {age!r}, {confidence!r}")
     frequency, low, high = (risk[f"frequency{end}"].values for end in ("", "_low", "_high"))

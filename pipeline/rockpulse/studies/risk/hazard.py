@@ -1,8 +1,8 @@
-"""How often the ground exceeds a level of an intensity measure: a power law, a table, or one of each body.
+"""The annual rate at which the ground exceeds a level of an intensity measure: a power law, a table, or one per body.
 
-.. note:: A hazard is an annual rate of exceedance H over levels x in SI units. Between its points a curve is straight
-   in the logarithms; beyond them it goes on with its outermost slopes, which is told wherever it matters. A hazard of
-   rock is brought to the ground of a site by the soil factor S: the rate of x there is that of x/S on rock.
+.. note:: A hazard is an annual rate of exceedance H over levels x in SI units. A curve is linear in the logarithms
+   between its points, and continues with its outermost slopes. With the soil factor S the rate of x at the ground of a
+   site is that of x/S on rock.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from rockpulse.record.measures import HAZARD, MEASURES, PGA
 
 
 def unit_factor(measure: str, unit: str, where: str) -> float:
-    """A unit of a measure in SI units; ConfigError for a unit of something else."""
+    """A unit of a measure in SI units; ConfigError for an unknown unit."""
     known = MEASURES[measure].known_units
     if unit not in known:
         raise ConfigError(f"{where}: expected a unit of {measure} among {', '.join(known)}, found {unit!r}")
@@ -29,21 +29,21 @@ def unit_factor(measure: str, unit: str, where: str) -> float:
 
 
 def known_measure(measure: str, where: str) -> str:
-    """The measure itself; ConfigError where hazards are not given in it."""
+    """The measure itself; ConfigError if it is not one of a hazard."""
     if measure not in HAZARD:
         raise ConfigError(f"{where}: expected a measure among {', '.join(HAZARD)}, found {measure!r}")
     return measure
 
 
 class _Hazard(ABC):
-    """What both kinds of hazard have in common."""
+    """The common part of a power law and a curve."""
 
     measure: str
     unit: str
     soil_factor: float
 
     def _check(self, where: str, **positive: float) -> None:
-        """Put the unit in SI where there is none; ConfigError for an unknown measure or unit, or a number below 0."""
+        """Sets the default unit; ConfigError for an unknown measure or unit, or a number that is not positive."""
         known_measure(self.measure, f"{where} measure")
         object.__setattr__(self, "unit", self.unit or MEASURES[self.measure].shown_unit)
         unit_factor(self.measure, self.unit, f"{where} unit")
@@ -58,7 +58,6 @@ class _Hazard(ABC):
 
     @property
     def _levels(self) -> str:
-        """The levels in words."""
         on_soil = "" if self.soil_factor == 1.0 else f", levels times the soil factor {self.soil_factor:g}"
         return f"{self.measure} in {self.unit}{on_soil}"
 
@@ -80,18 +79,18 @@ class PowerLawHazard(_Hazard):
     k0, k : float
         Rate at the level 1 in the unit [1/year], and slope in the logarithms [-].
     measure : str
-        Intensity measure, of those that serve hazards in :data:`rockpulse.record.measures.MEASURES`, such as "pga".
+        Intensity measure of :data:`rockpulse.record.measures.HAZARD`, such as "pga".
     unit : str
-        Of the level at which k0 is meant: "m/s2", "g", "cm/s2", or "m/s", "cm/s" of a velocity; that in SI without.
+        Of the level of k0: "m/s2", "g", "cm/s2", or "m/s", "cm/s" of a velocity; SI by default.
     soil_factor : float
-        Levels at the ground of the site over those that k0 and k are meant for [-].
+        Levels at the ground of the site over those of k0 and k [-].
     remarks : tuple of str
-        What is to be known of the hazard, in words.
+        Remarks on the hazard.
 
     Raises
     ------
     ConfigError
-        For numbers that are not positive, a measure or a unit that is not known.
+        For numbers that are not positive, an unknown measure or unit.
 
     Examples
     --------
@@ -117,12 +116,12 @@ class PowerLawHazard(_Hazard):
 
     @property
     def covered(self) -> tuple[float, float]:
-        """Levels between which the hazard was given."""
+        """First and last level of the hazard."""
         return 0.0, math.inf
 
     @property
     def words(self) -> str:
-        """What the hazard is, in words."""
+        """The hazard in words."""
         return f"power law {self.k0:g} x^-{self.k:g} of {self._levels}"
 
     @property
@@ -153,9 +152,9 @@ class HazardCurve(_Hazard):
     level, rates : (n,) ndarray
         Levels in SI units, ascending, and annual rates of exceedance [1/year], positive and not rising.
     source : str
-        Where it comes from, for messages.
+        For messages.
     unit : str
-        In which levels are told; that in SI without.
+        Of levels in texts; SI by default.
     measure, soil_factor, remarks
         As for :class:`PowerLawHazard`.
 
@@ -205,12 +204,12 @@ class HazardCurve(_Hazard):
 
     @property
     def covered(self) -> tuple[float, float]:
-        """Levels between which the hazard was given, at the ground of the site."""
+        """First and last level of the hazard, at the ground of the site."""
         return float(self.level[0] * self.soil_factor), float(self.level[-1] * self.soil_factor)
 
     @property
     def words(self) -> str:
-        """What the hazard is, in words."""
+        """The hazard in words."""
         return f"{self.source}: {self.level.size} points of {self._levels}"
 
     def _piece(self, log_level: np.ndarray) -> np.ndarray:
@@ -230,7 +229,7 @@ class HazardCurve(_Hazard):
         """The integral of the rate over ln x from logarithms of levels in SI units upwards [1/year]."""
         piece = self._piece(log_level)
         ends = np.append(self.knots[1:-1], np.inf)
-        level = self.slopes == 0.0  # a piece on which the rate stays the same, never the last one
+        level = self.slopes == 0.0  # never the last piece
         slopes = np.where(level, 1.0, self.slopes)
 
         def of_piece(start: np.ndarray, number: np.ndarray) -> np.ndarray:
@@ -243,27 +242,25 @@ class HazardCurve(_Hazard):
         return of_piece(np.asarray(log_level, dtype=float), piece) + beyond[piece]
 
 
-#: Either of them.
+#: The hazard of one site.
 Hazard: TypeAlias = PowerLawHazard | HazardCurve
 
 
 @dataclass(frozen=True, eq=False)
 class SiteHazards:
-    """A hazard for each of m bodies; those of one site and soil factor share it.
-
-    Made by :func:`rockpulse.load_site_hazards`.
+    """A hazard for each of m bodies, made by :func:`rockpulse.load_site_hazards`.
 
     Attributes
     ----------
     hazards : tuple of PowerLawHazard or HazardCurve
         The different ones, all of one measure and unit.
     of_body, distance : (m,) ndarray
-        The number of the hazard of each body, and how far from its site its hazard was computed [m]; NaN: not known.
+        The number of the hazard of each body, and its distance from the site [m]; NaN if not known.
 
     Raises
     ------
     ConfigError
-        For no hazard, hazards of several measures or units, or numbers of hazards that there are not.
+        For no hazard, several measures or units, or invalid numbers of hazards.
     """
 
     hazards: tuple[Hazard, ...]
@@ -289,7 +286,7 @@ class SiteHazards:
     def distinct(
         cls, keys: np.ndarray, hazard: Callable[..., Hazard], distance: np.ndarray | None = None
     ) -> SiteHazards:
-        """The hazards of m bodies whose keys (m, k) say which ones are alike; `hazard` makes one of a key."""
+        """The hazards of m bodies, one for each different row of the keys (m, k); `hazard` makes it."""
         found, of_body = np.unique(keys, axis=0, return_inverse=True)
         known = np.full(len(keys), np.nan) if distance is None else distance
         return cls(tuple(hazard(*key) for key in found.tolist()), of_body.ravel(), known)
@@ -301,7 +298,7 @@ class SiteHazards:
 
     @property
     def unit(self) -> str:
-        """The unit in which levels are told."""
+        """The unit of levels in texts."""
         return self.hazards[0].unit
 
     @property
@@ -311,14 +308,14 @@ class SiteHazards:
 
     @property
     def covered(self) -> tuple[float, float]:
-        """Levels between which the hazard was given; NaN for an end that is not the same for all."""
+        """First and last level of the hazards; NaN if it differs."""
         ends = np.array([one.covered for one in self.hazards])
         low, high = np.where(ends.min(axis=0) == ends.max(axis=0), ends[0], np.nan).tolist()
         return low, high
 
     @property
     def remarks(self) -> tuple[str, ...]:
-        """What is to be known of any of them, and how far away the places of the curves are."""
+        """The remarks on all hazards, and the largest distance of their places."""
         told = tuple(dict.fromkeys(text for one in self.hazards for text in one.remarks))
         if np.all(np.isnan(self.distance)):
             return told
@@ -326,13 +323,13 @@ class SiteHazards:
 
     @property
     def words(self) -> str:
-        """What the hazards are, in words."""
+        """The hazards in words."""
         if len(self.hazards) == 1:
             return self.hazards[0].words
         return f"{len(self.hazards)} hazards of {self.measure} in {self.unit}, such as {self.hazards[0].words}"
 
     def chosen(self, bodies: np.ndarray) -> SiteHazards:
-        """The hazards of some bodies by their numbers."""
+        """The hazards of some bodies, by number."""
         return SiteHazards(self.hazards, self.of_body[bodies], self.distance[bodies])
 
     def log_rate(self, log_level: np.ndarray) -> np.ndarray:
@@ -351,14 +348,14 @@ class SiteHazards:
         return found
 
     def log_ends(self) -> tuple[np.ndarray, np.ndarray]:
-        """Logarithms (m, 1) of the levels between which the hazard of each body was given."""
+        """Logarithms (m, 1) of the first and last level of the hazard of each body."""
         with np.errstate(divide="ignore"):
             ends = np.log([self.hazards[number].covered for number in self.of_body.tolist()])
         return ends[:, :1], ends[:, 1:]
 
 
 def of_each(values: ArrayLike, count: int, what: str) -> np.ndarray:
-    """A positive number for each of so many bodies, or one for all: (count,); ConfigError for anything else."""
+    """A positive number for each of several bodies, or one for all: (count,); ConfigError for others."""
     try:
         found = np.asarray(values, dtype=float)
     except (TypeError, ValueError):

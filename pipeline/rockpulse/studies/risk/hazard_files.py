@@ -30,15 +30,14 @@ EXPECTED = (
     "the grid of NTC 2008 (ID;LON;LAT;T30ag;T30F0;T30Tc;...)"
 )
 
-#: Unit of a_g in the grid of NTC 2008 (annex B), where the heading names none.
+#: Default unit of a_g in the grid of NTC 2008 (annex B).
 ANNEX = "g/10"
-
-#: A heading of the grid: a_g of a return period, as "T475ag", "ag_475" or "ag TR=475", perhaps with its unit.
+#: A heading of the grid: a_g of a return period, as "T475ag", "ag_475" or "ag TR=475", optionally with its unit.
 OF_PERIOD = re.compile(r"(?:tr?=?(\d+)_?ag|ag_?(?:tr?=?)?(\d+))(?:\[(.+)\])?")
 
 
 class _Sheet(NamedTuple):
-    """Levels in their unit and annual rates [1/year], (k,) for every place or (n, k), and what is to be known."""
+    """Levels in their unit and annual rates [1/year], (k,) for every place or (n, k)."""
 
     path: str
     measure: str
@@ -47,7 +46,7 @@ class _Sheet(NamedTuple):
     rates: np.ndarray
     places: np.ndarray | None = None  #: (n, 2) longitude and latitude [degrees]
     remarks: tuple[str, ...] = ()
-    rock: bool = False  #: whether the levels are said to be those on rock
+    rock: bool = False  #: whether the levels are those on rock
 
     def curve(self, row: int, soil_factor: float, remarks: tuple[str, ...] = ()) -> HazardCurve:
         """The curve of a row in SI units, without the points at which a probability was 1 or 0."""
@@ -67,7 +66,7 @@ class _Sheet(NamedTuple):
         return HazardCurve(self.measure, in_si * level[kept], rate[kept], where, self.unit, soil_factor, remarks)
 
     def at(self, site: tuple[float, float] | None) -> tuple[int, tuple[str, ...]]:
-        """The row of a site, and how far away its place is in words; ConfigError where one cannot be chosen."""
+        """The row of a site, and the distance of its place in words; ConfigError if none can be chosen."""
         if self.places is None:
             if site is None:
                 return 0, ()
@@ -94,13 +93,13 @@ def load_hazard(path: str | Path, site: tuple[float, float] | None = None, soil_
     path : str or Path
         A table of two columns, the level with its measure and unit ("pga [g]", "pgv [cm/s]", "si [m/s]", "sa(1.0)
         [g]") and "rate" [1/year] or "probability in 50 years"; OpenQuake's hazard curves of one measure; return periods
-        as Italian practice has them, "TR [years],ag [g]" with any other columns; or the grid of NTC 2008, a row for
-        each node with "LON", "LAT" and for each return period "T30ag", "T30F0", "T30Tc", or with these periods in a
-        line above. With semicolons or tabs between the cells commas are decimal ones.
+        of Italian practice, "TR [years],ag [g]" with any other columns; or the grid of NTC 2008, a row for each node
+        with "LON", "LAT" and for each return period "T30ag", "T30F0", "T30Tc", or with these periods in a line above.
+        With the delimiters ; or tab commas are decimal ones.
     site : (float, float), optional
         Longitude and latitude [degrees], for a file of several places: the nearest one up to 50 km away.
     soil_factor : float
-        S, by which the levels are multiplied: those at the ground of the site over those of the file [-].
+        S, levels at the ground of the site over those of the file [-].
 
     Returns
     -------
@@ -110,7 +109,7 @@ def load_hazard(path: str | Path, site: tuple[float, float] | None = None, soil_
     Raises
     ------
     ConfigError
-        For a file that is none of these, of several sites where none was named, or of none near the one that was.
+        For another file, one of several sites without `site`, or of none near it.
     """
     sheet = _read(path)
     row, remarks = sheet.at(site)
@@ -123,21 +122,21 @@ def load_site_hazards(path: str | Path, sites: ArrayLike, soil_factor: ArrayLike
     Parameters
     ----------
     path : str or Path
-        OpenQuake's hazard curves of one measure, or the grid of NTC 2008, as :func:`load_hazard` reads them.
+        OpenQuake's hazard curves of one measure, or the grid of NTC 2008, as for :func:`load_hazard`.
     sites : (m, 2) array_like
-        Longitude and latitude of each body [degrees]: the curve of the nearest place up to 50 km away is its own.
+        Longitude and latitude of each body [degrees], for the nearest place up to 50 km away.
     soil_factor : float or (m,) array_like
-        S, by which the levels of each body are multiplied [-].
+        S, as for :func:`load_hazard`.
 
     Returns
     -------
     SiteHazards
-        One curve for each place and soil factor that is asked for.
+        One curve for each place and soil factor.
 
     Raises
     ------
     ConfigError
-        As :func:`load_hazard`; for a file without places, or sites and soil factors that do not fit.
+        As :func:`load_hazard`; for a file without places, or invalid sites or soil factors.
     """
     sheet, asked = _read(path), _checked_sites(sites)
     if sheet.places is None:
@@ -151,7 +150,7 @@ def load_site_hazards(path: str | Path, sites: ArrayLike, soil_factor: ArrayLike
 
 
 def _checked_sites(sites: ArrayLike) -> np.ndarray:
-    """Longitude and latitude (m, 2) of one or more bodies; ConfigError for anything else."""
+    """Longitude and latitude (m, 2) of one or more bodies; ConfigError for others."""
     expected = "sites: expected a longitude and a latitude [degrees] for each body"
     try:
         found = np.asarray(sites, dtype=float)
@@ -167,17 +166,16 @@ def _checked_sites(sites: ArrayLike) -> np.ndarray:
 
 
 def hazard_of(settings: HazardSettings, folder: Path = Path()) -> Hazard:
-    """The hazard that a configuration asks for, its file counted from a folder; ConfigError where there is none."""
+    """The hazard of a configuration, with its file relative to a folder; ConfigError without one."""
     return _of_factor(settings, folder)(settings.soil_factor)
 
 
 def site_hazards_of(
     settings: HazardSettings, sites: np.ndarray | None, soil_factor: np.ndarray | None, count: int, folder: Path
 ) -> SiteHazards:
-    """The hazards of so many bodies: by the configuration's curve or law, their own sites and their own soil factors.
+    """The hazards of several bodies: by the configuration, their own sites and their own soil factors.
 
-    Without `sites` all have the hazard of the configuration, without `soil_factor` its soil factor. ConfigError where
-    the configuration says of all what is said of each.
+    Without `sites` or `soil_factor` those of the configuration; ConfigError if both are given.
     """
     for key, told, own in (
         ("longitude, latitude", settings.longitude is not None, sites),
@@ -197,7 +195,7 @@ def site_hazards_of(
 
 
 def _of_factor(settings: HazardSettings, folder: Path) -> Callable[[float], Hazard]:
-    """The hazard of a configuration, by the soil factor."""
+    """The hazard of a configuration as a function of the soil factor."""
     site = None if settings.longitude is None or settings.latitude is None else (settings.longitude, settings.latitude)
     if settings.k0 is not None and settings.k is not None:
         if site is not None:
@@ -236,7 +234,7 @@ def _measure_of(path: str, told: str) -> str:
 
 
 def _rates(path: str, probability: np.ndarray, years: float) -> np.ndarray:
-    """Annual rates from probabilities in so many years, H = -ln(1 - probability)/years (Poisson); inf for 1."""
+    """Annual rates from probabilities in a number of years, H = -ln(1 - probability)/years (Poisson); inf for 1."""
     if not years > 0.0 or np.any((probability < 0.0) | (probability > 1.0)):
         raise ConfigError(f"{path}: expected probabilities from 0 to 1 in a positive number of years")
     with np.errstate(divide="ignore"):
@@ -269,7 +267,7 @@ def _return_periods(path: str, table: pd.DataFrame, heads: list[str]) -> _Sheet:
 
 
 def _with_one_heading(lines: list[str]) -> str:
-    """The lines, the first two joined where the first has the return periods ("TR = 30") and the second the names."""
+    """The lines, with return periods of the first ("TR = 30") joined to the names of the second."""
     above = lines[0] if lines else ""
     if len(lines) < 2 or len(re.findall(r"\bTR\s*=\s*\d+", above, re.IGNORECASE)) < 2:
         return "\n".join(lines)
@@ -301,7 +299,7 @@ def _grid(path: str, table: pd.DataFrame, heads: list[str], places: np.ndarray) 
 
 
 def _openquake(path: str, lines: list[str]) -> _Sheet:
-    # A row of commas may stand in front of the comment, as a spreadsheet leaves it.
+    # A spreadsheet may leave a row of commas before the comment.
     told = dict(re.findall(r"(investigation_time|imt)\s*=\s*(\"[^\"]*\"|'[^']*'|[0-9.eE+-]+)", lines[0]))
     if set(told) != {"investigation_time", "imt"}:
         raise ConfigError(f"{path}, line 1: expected investigation_time=... and imt=..., found {lines[0]!r:.120}")
@@ -324,7 +322,7 @@ def _openquake(path: str, lines: list[str]) -> _Sheet:
     return _Sheet(path, measure, unit, level, _rates(path, probability, years), places)
 
 
-#: Distance of a site beyond which its hazard stands for no other [km].
+#: Largest distance of a site from the place of its hazard [km].
 FARTHEST = 50.0
 
 
@@ -339,10 +337,9 @@ def coordinates(path: str, table: pd.DataFrame) -> np.ndarray | None:
 
 
 def nearest_places(path: str, places: np.ndarray, sites: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """The row (m,) of the place nearest to each of some sites, and how far away it is [m].
+    """The row (m,) of the place nearest to each of some sites, and its distance [m].
 
-    `places` (n, 2) and `sites` (m, 2) are longitudes and latitudes [degrees]. Raises ConfigError for a site whose
-    nearest place is more than 50 km away.
+    `places` (n, 2) and `sites` (m, 2) are longitudes and latitudes [degrees]. Raises ConfigError beyond 50 km.
     """
     from obspy.geodetics import degrees2kilometers, locations2degrees
     from scipy.spatial import KDTree
@@ -365,7 +362,7 @@ def named(longitude: float, latitude: float) -> str:
 
 
 def _on_sphere(places: np.ndarray) -> np.ndarray:
-    """Places (n, 2) as points (n, 3) of a sphere of radius 1, where what is near is near, across any meridian."""
+    """Places (n, 2) as points (n, 3) of the unit sphere, which has no date line."""
     longitude, latitude = np.radians(places).T
     level = np.cos(latitude)
     return np.stack([level * np.cos(longitude), level * np.sin(longitude), np.sin(latitude)], axis=1)

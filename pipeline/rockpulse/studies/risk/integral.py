@@ -2,13 +2,12 @@
 
 .. note:: With a fragility F(A + B u) over u = ln x and a hazard H, lambda = integral of F(A + B u) (-dH/du) du. It is
    summed by Gauss-Legendre nodes on short pieces between the bends of the hazard, and in closed form beyond them: far
-   above its median a fragility is 1, and what is left is H; far below it a logistic one is an exponential.
+   above its median a fragility is 1, and H remains; far below it a logistic one is an exponential.
 
-   The band is that of the bootstrap-t. Records of one earthquake are no independent observations, so as many
-   earthquakes are drawn again and again. Each draw has a frequency and, by leaving out one of its earthquakes after the
-   other, a standard error; the quantiles of (ln lambda - its estimate)/standard error over the draws stand for those of
-   the estimate itself. The hazard is taken as known. Efron, B., Tibshirani, R. (1993), An Introduction to the
-   Bootstrap, chapter 12.
+The band is that of the bootstrap-t over earthquakes, since records of one earthquake are not independent. Each draw has
+a frequency and, by leaving out one of its earthquakes after the other, a standard error; the quantiles of (ln lambda -
+its estimate)/standard error over the draws are those of the estimate itself. The hazard is taken as known. Efron, B.,
+Tibshirani, R. (1993), An Introduction to the Bootstrap, chapter 12.
 """
 
 import itertools
@@ -25,17 +24,13 @@ from rockpulse.studies.risk.hazard import Hazard
 
 #: Nodes of a piece, and its length over the shortest length on which anything changes.
 NODES, SHARE = 8, 0.5
-
-#: Logarithm of what the tails are cut off at, and standard units beyond which a distribution is 0 or 1 to rounding.
+#: Logarithm at which tails are cut off, and standard units beyond which a distribution is 0 or 1 to rounding.
 TAIL, NORMAL_REACH, LOGISTIC_REACH = 30.0, 9.0, 40.0
-
-#: Logarithm of a level that no ground reaches: a fragility that counts below its inverse has no frequency.
+#: Logarithm of an unreachable level: a fragility that counts below its inverse has no frequency.
 FARTHEST = 300.0
-
-#: Fewest earthquakes from which a band covers what it says, and from which there is one.
+#: Fewest earthquakes of a band with the right coverage, and of any band.
 LEAST_EVENTS, FEWEST_EVENTS = 14, 4
-
-#: Capacities over which the frequencies of the draws are summed, as arguments of the family's distribution.
+#: Arguments of the family's distribution at which the frequencies of the draws are summed.
 STEP = 0.1
 CAPACITY = np.arange(-60.0, 40.0, STEP)
 
@@ -43,7 +38,7 @@ CAPACITY = np.arange(-60.0, 40.0, STEP)
 class Integral(NamedTuple):
     """A frequency, with the contributions of levels to it."""
 
-    frequency: float  #: [1/year]; inf where the fragility falls less towards low levels than the hazard rises
+    frequency: float  #: [1/year]; inf if towards low levels the fragility falls less than the hazard rises
     log_level: np.ndarray  #: (n,) nodes
     contribution: np.ndarray  #: (n,) of each to the frequency [1/year]
 
@@ -53,41 +48,13 @@ class Integral(NamedTuple):
         return float(np.sum(self.contribution[inside]) / np.sum(self.contribution))
 
 
-def power_law_frequency(k0: float, k: float, median: float, beta: float) -> float:
-    """The frequency by a power law and a lognormal fragility in closed form, k0 median^-k exp(k^2 beta^2/2) [1/year].
-
-    `k0` and `median` are for levels in one unit. Cornell, C. A., Jalayer, F., Hamburger, R. O., Foutch, D. A. (2002),
-    J. Struct. Eng. 128(4), doi:10.1061/(ASCE)0733-9445(2002)128:4(526).
-
-    Examples
-    --------
-    >>> round(power_law_frequency(1e-4, 2.5, 0.6, 0.4), 9)
-    0.000591247
-    """
-    return float(k0 * median**-k * np.exp(0.5 * (k * beta) ** 2))
-
-
 def integrate(
-    family: Family,
-    line: tuple[float, float],
-    hazard: Hazard,
-    breaks: tuple[float, ...] = (),
-    floor: float = -math.inf,
+    family: Family, line: tuple[float, float], hazard: Hazard, breaks: tuple[float, ...] = (), floor: float = -math.inf
 ) -> Integral:
-    """Sum a fragility over a hazard.
+    """The sum of a fragility over a hazard of the same measure, levels in SI units.
 
-    Parameters
-    ----------
-    family : Family
-        Normal or logistic.
-    line : (float, float)
-        A and B of the fragility in ln of the level, B > 0.
-    hazard : Hazard
-        Of the same measure, levels in SI units.
-    breaks : tuple of float
-        Logarithms of levels between which contributions are asked for.
-    floor : float
-        Logarithm of the level below which the fragility is zero, whatever its curve says.
+    `line` is A and B > 0 in ln of the level, `breaks` are logarithms of levels that separate contributions, and below
+    the logarithm `floor` the fragility is zero.
     """
     a, b = line
     lowest, highest, steepest = float(hazard.slopes[0]), float(hazard.slopes[-1]), float(np.max(hazard.slopes))
@@ -117,7 +84,7 @@ def integrate(
     def fragility(at: np.ndarray) -> np.ndarray:
         return family.log_cdf(a + b * at)[0]
 
-    # In logarithms: far out one of the two is beyond the range of numbers.
+    # In logarithms: in the tails one of the two is beyond the range of numbers.
     parts = (0.5 * widths * weights).ravel() * np.exp(fragility(u) + hazard.log_density(u))
     tops = np.array([first, last])
     low, high = np.exp(fragility(tops) + np.stack([hazard.log_density(tops)[0], hazard.log_rate(tops)[1]]))
@@ -127,7 +94,7 @@ def integrate(
 
 
 def _decay(rate: float, length: float) -> float:
-    """The integral of exp(-rate t) over t from 0 to a length, which may be infinite where the rate is positive."""
+    """The integral of exp(-rate t) over t from 0 to a length, infinite for a positive rate only."""
     if rate == 0.0:
         return length
     return 1.0 / rate if length == math.inf else -math.expm1(-rate * length) / rate
@@ -140,16 +107,16 @@ def fitted_lines(rows: Observations, family: Family) -> np.ndarray:
 
 
 def _lines(rows: Observations, family: Family, weights: np.ndarray) -> np.ndarray:
-    """A and B (q, 2) in ln of the level of the fits to q weightings (q, events) of the earthquakes; NaN without."""
+    """A and B (q, 2) in ln of the level of the fits with q weightings (q, events) of the earthquakes; NaN without."""
     u, centre, spread = standardised(np.log(rows.level))
     theta = maximise(family, np.stack([np.ones(u.size), u], axis=1), rows.kind, weights[:, rows.cluster] * rows.weight)
     return np.stack([theta[:, 0] - theta[:, 1] * centre / spread, theta[:, 1] / spread], axis=1)
 
 
 def _frequencies(family: Family, lines: np.ndarray, hazard: Hazard, floor: float) -> np.ndarray:
-    """ln of the frequencies of q fits, to about 1e-4; NaN where there is no rising curve.
+    """ln of the frequencies of q fits, to about 1e-4; NaN without a rising curve.
 
-    As the mean of the hazard over the capacities, none below the floor: lambda = integral of H(exp((z - A)/B)) f(z) dz.
+    The mean of the hazard over the capacities: lambda = integral of H(exp((z - A)/B)) f(z) dz.
     """
     found = np.full(lines.shape[0], np.nan)
     rising = np.flatnonzero(lines[:, 1] > 0.0)
@@ -171,10 +138,9 @@ def band_of(
     seed: int,
     floor: float = -math.inf,
 ) -> Limits:
-    """Limits of the frequency whose logarithm is the estimate; the lines are those of :func:`fitted_lines`.
+    """Limits of the frequency with the logarithm `estimate`, from the `lines` of :func:`fitted_lines`.
 
-    A draw is lost where it has no rising curve, or has none without one of its earthquakes: its standard error would
-    miss what that earthquake does.
+    A draw is lost if it has no rising curve, or none without one of its earthquakes: it has no standard error.
     """
     events = len(rows.events)
     error = jackknife_error(_frequencies(family, lines, hazard, floor)[:, np.newaxis])[0]
@@ -182,7 +148,7 @@ def band_of(
     fewer = np.maximum(counts[:, np.newaxis] - np.eye(events, dtype=int), 0)
     weights = np.concatenate([counts[:, np.newaxis], fewer], axis=1).reshape(-1, events)
     drawn = _frequencies(family, _lines(rows, family, weights), hazard, floor).reshape(resamples, -1)
-    # What a draw would be without an earthquake that is not in it does not count.
+    # Earthquakes that are not in a draw do not count.
     moved = np.where(counts > 0, drawn[:, 1:] - drawn[:, :1], 0.0)
     with np.errstate(invalid="ignore", divide="ignore"):
         spread = np.sqrt((events - 1) / events * np.sum(counts * moved**2, axis=1))

@@ -1,9 +1,8 @@
 """Tables of free bodies, and the annual frequency of any number of them from one set of overturning spectra.
 
-.. note:: The overturning spectrum S(p, C) of a record says with which probability any slender free body overturns under
-   it at any factor: P_r(x) at the level x of a measure is that at the factor x over the record's own value. The mean
-   over records, earthquakes alike, is the fragility of the body, without a fit, and the frequency is the mean of those
-   that each record's P gives. The march is that of the records alone: ten thousand bodies are read from it like one.
+.. note:: The overturning spectrum S(p, C) of a record gives the probability that any slender free body overturns at any
+   scale factor: P_r(x) at the level x of a measure is that at x over the record's own value. The mean over records,
+   earthquakes alike, is the fragility, without a fit, and the frequency is the mean of those of the records.
 """
 
 import math
@@ -26,15 +25,14 @@ from rockpulse.studies.risk.frequency import hazard_assumed, several_events
 from rockpulse.studies.risk.hazard import Hazard, SiteHazards
 from rockpulse.studies.risk.integral import FEWEST_EVENTS
 
-#: Columns that a table has to have, and others that are read where they are there.
+#: Required and optional columns of a table.
 NEEDED, OPTIONAL = ("name", "width [m]", "height [m]"), ("restitution", "longitude", "latitude", "soil_factor")
-
-#: Degrees between which a place on the Earth is.
+#: Ranges of coordinates [degrees].
 DEGREES = {"longitude": (-180.0, 360.0), "latitude": (-90.0, 90.0)}
 
 
 class Inventory(NamedTuple):
-    """Free bodies, and what the table says of the ground below each."""
+    """Free bodies with their sites."""
 
     names: list[str]
     block: Block  #: (m,)
@@ -46,9 +44,8 @@ class Inventory(NamedTuple):
 def read_inventory(path: str | Path) -> Inventory:
     """Free rectangular bodies from a CSV table with the columns name, width [m] and height [m].
 
-    It may have restitution, longitude and latitude [degrees] (or lon, lat) and soil_factor; others are passed over.
-    Raises ConfigError for a file that is no such table, a name that is empty or twice, numbers that are not positive,
-    half of a site or one that is none.
+    Optional columns are restitution, longitude and latitude [degrees] (or lon, lat) and soil_factor. Raises ConfigError
+    for another file, an empty or repeated name, numbers that are not positive, or an invalid site.
     """
     where = Path(path)
     if not where.exists() or where.is_dir():
@@ -82,7 +79,7 @@ def read_inventory(path: str | Path) -> Inventory:
 
 
 def _known(name: str) -> str:
-    """The name of a column as it is known here, where it is only spelt in another way."""
+    """The usual spelling of the name of a column."""
     plain = re.sub(r"\s*\[(deg|degrees|°|-)\]$", "", name.lower()).replace(" ", "_")
     plain = {"lon": "longitude", "lat": "latitude"}.get(plain, plain)
     if plain in OPTIONAL:
@@ -91,13 +88,9 @@ def _known(name: str) -> str:
 
 
 def inventory_frequency(
-    results: xr.DataTree,
-    block: Block,
-    hazard: Hazard | SiteHazards,
-    years: float = 50.0,
-    confidence: float = 0.9,
+    results: xr.DataTree, block: Block, hazard: Hazard | SiteHazards, years: float = 50.0, confidence: float = 0.9
 ) -> xr.Dataset:
-    """How often each of many free bodies overturns, from the overturning spectra of a results file.
+    """The annual frequency at which each of many free bodies overturns, from the overturning spectra of results.
 
     Parameters
     ----------
@@ -106,30 +99,28 @@ def inventory_frequency(
     block : Block
         (m,) slender free-standing bodies.
     hazard : PowerLawHazard, HazardCurve or SiteHazards
-        Of all bodies, or of each (:func:`rockpulse.load_site_hazards`); of "pga" or "pgv", of the kind that the records
-        have: of one component as they were assessed.
+        Of all bodies, or of each (:func:`rockpulse.load_site_hazards`); of "pga" or "pgv" of one component.
     years : float
-        Time for which the probability is told [years].
+        Time of the probability [years].
     confidence : float
         Of the band over earthquakes.
 
     Returns
     -------
     xarray.Dataset
-        Over (body): `frequency` [1/year] with `frequency_low` and `frequency_high` (over earthquakes, whose own
-        frequencies are taken as lognormal; NaN below four), `probability` and `survival` in `years`, `median` [unit of
-        the measure in SI] at which the fragility is 1/2, `dispersion`, the standard deviation of ln(S/measure) over
-        earthquakes and records [-], and the shares of the frequency `below` and `above` the levels that the hazard was
-        given for, and `far`, at factors on the records beyond ``[fragility] factors``; `hazard_distance` [m] from the
-        site of the body to the place of its hazard. NaN for a body that the spectra do not stand for. In PGA no level
-        below g tan(alpha) counts.
+        Over (body): `frequency` [1/year] with `frequency_low` and `frequency_high` (for lognormal frequencies of the
+        earthquakes; NaN below four), `probability` and `survival` in `years`, `median` [unit of the measure in SI] at
+        which the fragility is 1/2, `dispersion`, the standard deviation of ln(S/measure) over earthquakes and records
+        [-], the shares of the frequency `below` and `above` the levels of the hazard, and `far`, at scale factors
+        beyond ``[fragility] factors``; `hazard_distance` [m] from the site to the place of its hazard. NaN for a body
+        that the spectra do not cover. In PGA levels below g tan(alpha) do not count.
 
     Raises
     ------
     ResultsError
         For results without spectra, or with gaps at the p of the bodies.
     ConfigError
-        For a hazard of another measure or of another number of bodies, or years or a confidence that is none.
+        For a hazard of another measure or number of bodies, or invalid years or confidence.
 
     Examples
     --------
@@ -145,8 +136,6 @@ def inventory_frequency(
     >>> bool(found["frequency"][-1] < found["frequency"][0])
     True
     """
-    import xarray as xr
-
     spectra, summary = spectra_of(results, hazard.measure)
     if not (math.isfinite(years) and years > 0.0) or not 0.0 < confidence < 1.0:
         raise ConfigError(f"years, confidence: expected a positive time and a share, got {years!r}, {confidence!r}")
@@ -189,17 +178,17 @@ def inventory_frequency(
 def _of_bodies(
     curves: BodyCurves, events: np.ndarray, hazards: SiteHazards, factors: tuple[float, float], confidence: float
 ) -> dict[str, np.ndarray]:
-    """The variables of (m,) bodies that the spectra stand for; `events` (k, r) are the weights of records in each."""
-    # P is straight between two levels in the logarithm: what it rises by counts with the mean of H between them.
+    """The variables of (m,) bodies that the spectra cover; `events` (k, r) are the weights of records in each."""
+    # P is linear in the logarithm between two levels: its rise counts with the mean of H between them.
     whole_above = hazards.integral_above(curves.at)
     slope = np.diff(curves.probability, axis=2) / curves.spacing
     rising = slope * -np.diff(whole_above, axis=2)
-    # What P rises by above each stored level: beyond the last one it is 1.
+    # The rise of P above each stored level, to 1 beyond the last one.
     last = (1.0 - curves.probability[:, :, -1:]) * np.exp(hazards.log_rate(curves.at[:, :, -1:]))
     tail = np.cumsum(np.concatenate([last, rising[:, :, ::-1]], axis=2), axis=2)[:, :, ::-1]
 
     def above(log_level: np.ndarray) -> np.ndarray:
-        """What comes from levels above some (m or 1, r or 1), but none at which the body does not move: (m, r)."""
+        """The frequency from levels above some (m or 1, r or 1), at which the body moves: (m, r)."""
         bound = np.maximum(log_level, curves.floor[:, np.newaxis] if hazards.measure == PGA else -np.inf)
         inside = np.clip(bound, curves.at[:, :, 0], curves.at[:, :, -1])
         step, chance = curves.step_of(inside), curves.read_at(curves.probability, inside)

@@ -1,9 +1,8 @@
-"""The usual method, against which the kernels are measured: scipy's ``solve_ivp``, restarted after each impact event.
+"""The reference method for errors and costs: scipy's ``solve_ivp``, restarted after each impact.
 
-It is written with care, not to look slow: the record is indexed directly, the right-hand side works on plain floats,
-rest is jumped over to the next sample above the threshold, overturning stops the run, tiny hops start with a step of
-their own length, and the motion after the record is decided by energy. ``max_step=dt``, since longer steps would miss
-the kinks of the record.
+It is as fast as possible: rest is skipped up to the next sample above the threshold, overturning stops the run, tiny
+hops begin with a step of their own length, and the motion after the record is decided by energy. ``max_step=dt``, since
+longer steps would miss the kinks of the record.
 """
 
 import math
@@ -22,7 +21,7 @@ class Baseline(NamedTuple):
 
     peak_rotation_ratio: float  #: theta_max/alpha [-], inf when overturned
     outcome: str  #: AT_REST, ROCKS, OVERTURNS or UNRESOLVED
-    active_samples: int  #: samples in which the block was neither at rest nor overturned
+    active_samples: int  #: samples with the block neither at rest nor overturned
 
 
 def response(
@@ -41,11 +40,10 @@ def response(
 ) -> Baseline:
     """Rocking response of one block to a record (n,) [m/s2] by ``solve_ivp``.
 
-    `p` is the frequency parameter [1/s], `alpha` the critical angle [rad], `restitution` the velocity ratio C [-];
-    `equation` is "nonlinear" or "linear", as in `models.recorded_response`. `method` and the tolerances are those of
-    ``solve_ivp``; atol [rad, rad/s] is rtol x alpha/1000 unless given. The block rests after an impact slower than
-    `rest_speed` times p alpha on ground below the threshold [-]. Such hops are 1e-8 of alpha high, below the error of
-    RK45 at rtol 1e-6; a smaller value costs more.
+    `p` is the frequency parameter [1/s], `alpha` the critical angle [rad], `restitution` the velocity ratio C [-]. The
+    tolerance atol [rad, rad/s] is rtol x alpha/1000 by default. The block rests after an impact slower than
+    `rest_speed` times p alpha on ground below the threshold [-]: such hops are 1e-8 of alpha high, below the error of
+    RK45 at rtol 1e-6.
     """
     linear = equation == "linear"
     threshold = alpha if linear else math.tan(alpha)
@@ -89,7 +87,7 @@ def response(
     t, theta, speed, side, peak, after = 0.0, 0.0, 0.0, 0, 0.0, -1
     for _ in range(MOST_HOPS):
         if side == 0:
-            # Beyond the last one: a push of a rounding error would be tried at the same instant for ever.
+            # Beyond the last one: a rounding error would restart at the same instant for ever.
             k = int(np.searchsorted(strong, max(math.ceil(t / dt - 1e-9), after + 1)))
             if k == strong.size:
                 return Baseline(peak, "ROCKS" if moving.any() else "AT_REST", int(moving.sum()))

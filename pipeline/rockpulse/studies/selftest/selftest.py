@@ -1,7 +1,7 @@
-"""The stored cases that an installation is tried on: answers of 24 digits, the errors and costs on this machine.
+"""The stored cases of `rockpulse selftest`: answers of 24 digits, errors and costs on this machine.
 
-The ground of a case is a row of parabolic half-waves, whose samples are exact in binary; ``cases.csv`` has the answers,
-which ``benchmarks/selftest_cases.py`` computed in 42 digits, and the largest error that each allows.
+The ground of a case consists of parabolic half-waves, whose samples are exact in binary; ``cases.csv`` has the answers,
+computed by ``benchmarks/selftest_cases.py`` in 42 digits, and the largest error of each.
 """
 
 from __future__ import annotations
@@ -25,16 +25,14 @@ from rockpulse.studies.selftest.baseline import response as by_solve_ivp
 __all__ = ["COLUMNS", "TABLE", "Case", "Stored", "Tried", "stored_cases", "tried"]
 
 TABLE = Path(__file__).with_name("cases.csv")
-
-#: Factors on the record of a case, solved in one call, from which its cost is told.
+#: Scale factors of a case that are solved in one call to measure its cost.
 FACTORS = np.linspace(0.9, 1.1, 64)
-
-#: solve_ivp takes 0.15 ms a sample: it solves free bodies under records of at most so many samples.
+#: Most samples of a case that solve_ivp solves too, in 0.15 ms each.
 FEW_SAMPLES = 200
 
 
 def lobes(peaks: str, samples: int, quiet: int) -> np.ndarray:
-    """Parabolic half-waves with these peaks [m/s2], each of a number of samples, then quiet ones as long."""
+    """Parabolic half-waves with these peaks [m/s2] and a number of samples each, then `quiet` ones of zeros."""
     place = np.arange(samples) / samples
     shape = 4.0 * place * (1.0 - place)
     return np.concatenate([*(float(peak) * shape for peak in peaks.split()), np.zeros(quiet * samples + 1)])

@@ -1,4 +1,4 @@
-"""From the records of a site to its design sequence, with the uncertainty of everything on the way."""
+"""The design of a site from its records, with uncertainties."""
 
 import math
 from collections.abc import Callable, Iterable, Sequence
@@ -39,38 +39,34 @@ def calibrate_site(
     """Calibrate the design of a site on a set of records.
 
     By default it is a quantile over earthquakes of the overturning spectra of the records, with a sequence for every
-    body; ``[calibration] method`` asks for one sequence for all bodies, fitted to the rotations or taken from the
-    statistics of the half-waves.
+    body; by ``[calibration] method`` one sequence for all bodies, fitted to the rotations or taken from the statistics
+    of the half-waves.
 
     Parameters
     ----------
     records : iterable of Record
-        All channels, as :func:`rockpulse.read` returns them; chosen, rotated and conditioned as
-        :func:`rockpulse.assess` does. The result does not depend on their order.
+        All channels; selected, rotated and conditioned as by :func:`rockpulse.assess`. Their order does not matter.
     config : Config, optional
-        Sections records, conditioning, half_waves, intense_phase, sequence, calibration, run and the bodies; the
-        defaults without.
+        Sections records, conditioning, half_waves, intense_phase, sequence, calibration, run and the bodies.
     blocks : mapping of str to (width, height), Block or BlockSettings, or sequence of BlockSettings, optional
-        The bodies that the design is read for, or whose rotations it is to cover, in place of those of the
-        configuration. Where neither names one, the spectrum is stored alone, and one sequence covers a family of 100
-        (:func:`rockpulse.sequences.response_targets.block_family`).
+        The bodies of the design, in place of those of the configuration. Without any, the spectrum is stored alone, and
+        one sequence covers a family of 100 (:func:`rockpulse.sequences.response_targets.block_family`).
     failures, progress
         As for :func:`rockpulse.assess`.
 
     Returns
     -------
     xarray.DataTree
-        /site, /failures and by the spectrum /spectra, see docs/schema.md. What few records or events leave open is NaN,
-        inf or a wide interval, and said in `remarks`.
+        /site, /failures and by the spectrum /spectra, see docs/schema.md. Numbers that few records or events do not
+        determine are NaN, inf or a wide interval, with the reason in `remarks`.
 
     Raises
     ------
     ConfigError
         For two records of one id, or tables of events or weights that do not fit.
     RecordRefused
-        Where not one record could be calibrated (one that cannot, among others, is a row of /failures), or the records
-        make no design sequence: nothing rocks, or one record has no quantile. Too few earthquakes for a quantile of the
-        spectrum are no error: the first line of `remarks` says so.
+        If no record could be calibrated, or the records make no design sequence: nothing rocks, or one record has no
+        quantile. Too few earthquakes for a quantile of the spectrum are a line of `remarks`.
 
     Examples
     --------
@@ -89,7 +85,7 @@ def calibrate_site(
 
 
 class NothingCalibrated(RecordRefused):
-    """Not one record could be calibrated; ``failures`` are the rows of all that was left out."""
+    """No record could be calibrated; ``failures`` are the rows of all."""
 
     def __init__(self, message: str, failures: Sequence[Failure]) -> None:
         super().__init__(message)
@@ -97,7 +93,7 @@ class NothingCalibrated(RecordRefused):
 
 
 class SiteCalibration(Analysis):
-    """The overturning spectrum or the sequence of every motion, and of all together the design of a site."""
+    """The overturning spectrum or the sequence of every motion, and the design of a site from all."""
 
     name = "calibrate"
     doing = "calibrating"
@@ -111,14 +107,14 @@ class SiteCalibration(Analysis):
 
     @property
     def work(self) -> Work:
-        """Work out the spectrum of a motion, or calibrate its sequence."""
+        """Computes the spectrum or the sequence of a motion."""
         if self.lanes is None or self.by_spectrum:
             return partial(site_spectrum_record, config=self.config)
         return partial(site_record, blocks=self.lanes, config=self.config)
 
     @property
     def by_spectrum(self) -> bool:
-        """Whether the site is described by the overturning spectra of its records, and not by their sequences."""
+        """Whether the site has overturning spectra, in place of sequences."""
         return self.config.calibration.method == "spectrum"
 
     @cached_property
@@ -129,7 +125,7 @@ class SiteCalibration(Analysis):
         return no_site_record(self.lanes)
 
     def _bodies(self, blocks: Blocks) -> tuple[list[str], Block | None]:
-        """Names and lanes of the bodies, of several restitutions several; a family of 100 where a sequence has none."""
+        """Names and lanes of the bodies; a family of 100 for a sequence without bodies."""
         if not blocks and self.by_spectrum:
             return [], None
         if not blocks:
@@ -148,7 +144,7 @@ class SiteCalibration(Analysis):
         return names, lanes
 
     def prepare(self, records: Iterable[Record], failures: Iterable[Failure] = ()) -> Prepared:
-        """Plan the motions; a record without a weight is refused before the long part where its id is known."""
+        """Plans the motions; refuses a record without a weight at once if its id is known."""
         prepared = super().prepare(records, failures)
         known = [name for one in prepared.planned for name in planned_ids(one, self.config)]
         if self.weights is not None and known:
@@ -156,7 +152,7 @@ class SiteCalibration(Analysis):
         return prepared
 
     def collect(self, parts: Sequence[Part], planned: Sequence[PlannedMotion], failures: list[Failure]) -> xr.DataTree:
-        """Describe the distribution over the records, and choose the design."""
+        """Describes the distribution over the records, and chooses the design."""
         if not parts:
             rows = [row for row in failures if row.kind != "vertical"]
             reasons = "".join(f"\n  {told(group)}" for group in alike(rows))
@@ -183,7 +179,7 @@ class SiteCalibration(Analysis):
 
 
 def load_design(path: str | Path) -> DesignSpectrum | ImpulseSequence:
-    """The design that ``rockpulse calibrate`` has stored.
+    """The design of a site file of ``rockpulse calibrate``: a design spectrum, or one sequence for all bodies.
 
     Parameters
     ----------
@@ -193,15 +189,13 @@ def load_design(path: str | Path) -> DesignSpectrum | ImpulseSequence:
     Returns
     -------
     DesignSpectrum or ImpulseSequence
-        The design spectrum, which has a sequence for every body; one sequence for all of them where the file was made
-        by the method "response" or "statistics".
 
     Raises
     ------
     ResultsError
-        For a file that is no results file of rockpulse, of another kind, or of too few earthquakes for a design.
+        For another file, or one of too few earthquakes for a design.
     OSError
-        Where the file cannot be opened.
+        If the file cannot be opened.
     """
     tree = load(path)
     kind = tree.attrs.get("kind", ASSESSMENT)
@@ -211,10 +205,7 @@ def load_design(path: str | Path) -> DesignSpectrum | ImpulseSequence:
 
 
 def design_of(tree: xr.DataTree, name: str = "site") -> DesignSpectrum | ImpulseSequence:
-    """The design of a site in memory (:func:`rockpulse.calibrate_site`), as :func:`load_design` reads it from a file.
-
-    `name` stands for the site in the message where there is no design.
-    """
+    """The design of a site in memory, as by :func:`load_design`; `name` is that of the site in messages."""
     site = tree["site"].to_dataset()
     if site.attrs["method"] == "spectrum":
         spectra = tree["spectra"].to_dataset()

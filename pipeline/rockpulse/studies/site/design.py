@@ -1,14 +1,13 @@
 """The design sequence of a site: one sequence out of the distribution of its records' sequences.
 
-.. note:: A sequence has a shape (I_s/I, dT, number of main impulses, duration) and a size I. The parameters do not
-   order sequences by what they do: a larger I_s/I takes speed away, more main impulses add some, and dT acts either way
-   (Casapulla & Maione 2017, section 4). What does order them is the rotation they cause. Hence the design "response":
-   the shape of the medians, and the smallest I at which the sequence covers the quantile of the recorded rotations of
-   the blocks that it leaves standing. The design "parameters", the quantile of I with the conditional medians of the
-   others given it, is there for comparison; the coverage of records left out judges both.
+.. note:: A sequence has a shape (I_s/I, dT, number of main impulses, duration) and a size I. Its parameters do not
+   order sequences by their effect (Casapulla & Maione 2017, section 4), but the rotations do. Hence the design
+   "response": the shape of the medians, and the smallest I at which the sequence covers the quantile of the recorded
+   rotations of the blocks that it leaves standing. The design "parameters", the quantile of I with the conditional
+   medians of the others, is for comparison; the coverage of records left out judges both.
 
-   Blocks that the design overturns are covered whatever the records do. Counted with the others they buy the quantile
-   for blocks that the design calls safe, which it then does not cover (docs/decisions/011).
+   Blocks that the design overturns do not count: they are covered by any record, so that the quantile would not hold
+   for the blocks that the design calls safe (docs/decisions/011).
 """
 
 from __future__ import annotations
@@ -28,13 +27,10 @@ from rockpulse.errors import RecordRefused
 
 #: Parameters of a sequence, in the order of the tables.
 PARAMETERS = ("main", "ratio", "interval", "main_count", "duration")
-
 #: Mark of a recorded rotation on a block that the sequence overturns, beside 1 covered and 0 not.
 BEYOND = 2.0
-
 #: Main impulses tried at once, from the weakest to one that overturns every block by itself, and rounds of refinement.
 GRID, REFINED, ROUNDS = 256, 17, 3
-
 #: The weakest main impulse tried, over the smallest I_1c of the blocks: peaks of about 1e-8 alpha_c.
 WEAKEST = 1e-4
 
@@ -43,13 +39,11 @@ WEAKEST = 1e-4
 class SiteSample:
     """The sequences of n records, and the peaks of m blocks under their motions.
 
-    The values are parameters of the sequences, in the order and unit of :data:`PARAMETERS`; NaN for a number of main
-    impulses or a duration without limit, or an interval without meaning. The peaks are theta_max/alpha_c [-] to be
-    covered, inf where overturned or unresolved; NaN where one does not count: a block at rest is covered by any
-    sequence.
+    The values are the parameters of the sequences, NaN for none. The peaks are theta_max/alpha_c [-] to be covered, inf
+    for overturned or unresolved, NaN for a block at rest, which any sequence covers.
     """
 
-    values: np.ndarray  # (n, 5)
+    values: np.ndarray  # (n, 5) in the order and unit of PARAMETERS
     peaks: np.ndarray  # (n, m)
     weights: np.ndarray  # (n,) not negative, not all zero
     events: np.ndarray  # (n,) number of each record's event
@@ -58,7 +52,7 @@ class SiteSample:
 
     @property
     def logarithms(self) -> np.ndarray:
-        """(n, 5) logarithms of the values; NaN where there is none, a secondary impulse of zero included."""
+        """(n, 5) logarithms of the values; NaN for none and for a secondary impulse of zero."""
         with np.errstate(divide="ignore"):
             logarithms = np.log(self.values)
         return np.where(np.isfinite(logarithms), logarithms, np.nan)
@@ -69,7 +63,7 @@ class SiteSample:
         return ~np.isnan(self.peaks) & (self.weights[:, np.newaxis] > 0.0)
 
     def part(self, kept: np.ndarray) -> SiteSample:
-        """The sample of some records, those of `kept` (n,) bool."""
+        """The sample of the records `kept` (n,) bool."""
         return replace(
             self,
             values=self.values[kept],
@@ -80,10 +74,9 @@ class SiteSample:
 
 
 def design_sequence(sample: SiteSample, quantile: float, design: str) -> ImpulseSequence:
-    """The design sequence of a sample that is to cover a share `quantile` of it [-], above 0 and below 1.
+    """The design sequence that covers a share `quantile` of a sample [-], by one of DESIGN.
 
-    The designs "response" and "parameters" are described in the note of the module. Raises RecordRefused where the
-    sample cannot tell: no record lifts a block ("response"), or a single one has no dispersion ("parameters").
+    Raises RecordRefused if no record lifts a block ("response"), or for a single record ("parameters").
     """
     return DESIGN[design](sample, quantile)
 
@@ -100,7 +93,7 @@ def _by_response(sample: SiteSample, quantile: float) -> ImpulseSequence:
         reached = _reached(sample, shape, mains)
         hits, total = _event_sums(sample, reached, ~np.isinf(reached))
         short = np.flatnonzero(_falls_short(hits.sum(axis=0), total.sum(axis=0), quantile))
-        # The response is not monotonic in I: no larger main impulse of the grid covers less than the quantile.
+        # The response is not monotonic in I: the largest main impulse that falls short counts.
         if short.size == 0:
             high = float(mains[0])
             break
@@ -141,11 +134,11 @@ def _moments(sample: SiteSample) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _medians(sample: SiteSample) -> np.ndarray:
-    """(5,) Lognormal medians; of the number of main impulses, a whole number, the weighted median itself."""
+    """(5,) Lognormal medians; for the whole number of main impulses the weighted median."""
     medians = np.exp(_moments(sample)[0])
     medians[3] = weighted_quantile(sample.values[:, 3], 0.5, sample.weights)
     if not np.isfinite(medians[1]):
-        medians[1] = 0.0  # not one record has secondary impulses
+        medians[1] = 0.0  # no record has secondary impulses
     return medians
 
 
@@ -164,17 +157,16 @@ def _sequence(values: np.ndarray, sample: SiteSample) -> ImpulseSequence:
 def _range(sample: SiteSample) -> tuple[float, float]:
     """Main impulses from the weakest that is tried to one that overturns every block in its first half-cycle.
 
-    Secondary impulses take at most half of its speed away, but for those that act at the same instant ("start").
+    Secondary impulses reduce its speed by at most half, unless they act at the same instant ("start").
     """
     critical = np.atleast_1d(sample.blocks.critical_impulse)
     return WEAKEST * float(critical.min()), 4.0 * float(critical.max())
 
 
 def covered(sample: SiteSample, sequence: ImpulseSequence) -> np.ndarray:
-    """Whether a sequence reaches the recorded rotations (n, m): 1 covered, 0 not.
+    """Whether a sequence reaches the recorded rotations (n, m): 1 covered, 0 not, NaN for pairs that do not count.
 
-    :data:`BEYOND` where the sequence overturns the block, NaN where the pair does not count. A sequence without an
-    answer covers nothing.
+    :data:`BEYOND` if the sequence overturns the block. A sequence without an answer covers nothing.
     """
     reached = np.atleast_1d(sequence_response(sample.blocks, sequence, table_rows=0).peak_rotation_ratio)
     marks = np.where(np.isinf(reached), BEYOND, sample.peaks <= reached)
@@ -190,8 +182,7 @@ def _reached(sample: SiteSample, shape: ImpulseSequence, mains: np.ndarray) -> n
 def _event_sums(sample: SiteSample, reached: np.ndarray, stands: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Weight covered and weight counted of every event, (g, q), under q sequences with the peaks (q, m) of the blocks.
 
-    A pair is covered by the sequences whose peak on the block is at least the recorded one; the blocks that count with
-    each sequence are those that stand, (q, m).
+    With each sequence the blocks `stands` (q, m) count.
     """
     counted = sample.counted
     hits, total = np.zeros((2, int(sample.events.max()) + 1, reached.shape[0]))
@@ -204,16 +195,14 @@ def _event_sums(sample: SiteSample, reached: np.ndarray, stands: np.ndarray) -> 
 
 
 def _falls_short(hits: np.ndarray, total: np.ndarray, quantile: float) -> np.ndarray:
-    """Whether the share covered is below the quantile; never where no block is left standing."""
+    """Whether the share covered is below the quantile; never without a standing block."""
     return np.asarray(hits < (quantile - ROUNDING) * total)
 
 
 def overturning_limit(sample: SiteSample, sequence: ImpulseSequence, quantile: float) -> tuple[np.ndarray, float]:
-    """Blocks (m,) whose overturning sets the main impulse of a design "response", and the share covered below it.
+    """Blocks (m,) whose overturning sets the main impulse of a design "response", and the share covered below it [-].
 
-    The blocks are those that stand just below I and no longer at it, where the quantile is reached by their leaving the
-    count and not by larger rotations; else none. The share [-] is that of the rotations of the blocks left standing
-    just below I.
+    They stand just below I and not at it, and the quantile is reached because they no longer count; else none.
     """
     low, high = _range(sample)
     bracket = math.log(high / low) / (GRID - 1) / (REFINED - 1) ** ROUNDS
@@ -231,11 +220,10 @@ def main_impulse_interval(
 ) -> tuple[float, float]:
     """Event-clustered bootstrap interval [m/s] of the main impulse of the design of a sample, its shape kept.
 
-    `draws` (b, g) are resamples of events; quantile and design are those of :func:`design_sequence`. NaN with a single
-    event. The upper end is inf where more resamples than the interval leaves out above overturn every block. Where the
-    design does, or most resamples stop at the overturning of one block, the spread is that of the block and not of the
-    records: NaN and inf. The resamples know I on a grid of about 2 % (:data:`GRID`); no end is closer to the design
-    than a step of it.
+    `draws` (b, g) are resamples of events. NaN with a single event; the upper end is inf if more resamples than the
+    interval leaves out overturn every block. NaN and inf if the design does, or if most resamples stop at the
+    overturning of one block, since their spread is that of the block. No end is closer to the design than a step of the
+    grid, about 2 %.
     """
     middle = math.log(sequence.main)
     if design == "parameters":
@@ -254,7 +242,7 @@ def main_impulse_interval(
     counted = draws @ total
     short = _falls_short(draws @ hits, counted, quantile)
     step = np.where(short.any(axis=1), mains.size - np.argmax(short[:, ::-1], axis=1), 0)
-    # Short of the quantile one step below, but not on the blocks that stand at the next too: an overturning ends it.
+    # Short of the quantile one step below, but not on the blocks that stand at the next too: an overturning.
     kept_hits, kept = _event_sums(sample, reached[:-1], stands[:-1] & stands[1:])
     enough = ~_falls_short(draws @ kept_hits, draws @ kept, quantile)
     limited = (step > 0) & (step <= last) & enough[rows, np.clip(step - 1, 0, last - 1)]
@@ -270,16 +258,7 @@ def main_impulse_interval(
 
 
 def correlation(logarithms: np.ndarray, weights: np.ndarray) -> np.ndarray:
-    """Weighted correlation (p, p) of logarithms (n, p), over the records that have both parameters.
-
-    The logarithms are NaN where a record does not have the parameter, the correlation where one of the two does not
-    vary.
-
-    Examples
-    --------
-    >>> correlation(np.log([[1.0, 2.0], [2.0, 4.0], [4.0, 8.0]]), np.ones(3)).round(6).tolist()
-    [[1.0, 1.0], [1.0, 1.0]]
-    """
+    """Weighted correlation (p, p) of logarithms (n, p), over records with both parameters; NaN without variation."""
     count = logarithms.shape[1]
     matrix = np.full((count, count), np.nan)
     for row in range(count):

@@ -1,4 +1,4 @@
-"""One motion of a site: scaled to a target, its sequence, and what it does to the blocks."""
+"""One motion of a site: scaled to a target, its sequence, and the response of the blocks."""
 
 import math
 from dataclasses import replace
@@ -28,10 +28,9 @@ from rockpulse.storage.variables.site import OF_RECORDS
 from rockpulse.storage.variables.summary import facts_of
 from rockpulse.studies.site.design import PARAMETERS
 
-#: Smaller recorded peaks do not enter a misfit: just after uplift no sequence is comparable [-].
+#: Smallest recorded peak in a misfit: just after uplift no sequence is comparable [-].
 SMALLEST_PEAK = 0.01
-
-#: Scale factors beyond these make a motion of another kind of earthquake than the one recorded.
+#: Range of usual scale factors: beyond, the motion is that of another kind of earthquake.
 USUAL_FACTORS = (0.25, 4.0)
 
 
@@ -41,15 +40,7 @@ def measured(name: str, record: Record, config: Config) -> float:
 
 
 def scale_factor(record: Record, config: Config) -> float:
-    """Factor [-] that takes a conditioned record to the configured target; RecordRefused for a record of zeros.
-
-    Examples
-    --------
-    >>> from rockpulse import CalibrationSettings
-    >>> config = Config(calibration=CalibrationSettings(scale_to="pga", target=3.0))
-    >>> scale_factor(Record([0.0, 1.5, 0.0], dt=0.01, id="a"), config)
-    2.0
-    """
+    """Factor [-] that scales a conditioned record to the configured target; RecordRefused for a record of zeros."""
     settings = config.calibration
     if settings.scale_to == "none" or settings.target is None:
         return 1.0
@@ -60,34 +51,23 @@ def scale_factor(record: Record, config: Config) -> float:
 
 
 def scaled(record: Record, factor: float) -> Record:
-    """A record times a positive factor [-], with a note of it."""
+    """A record times a positive factor [-], with a line of its processing."""
     if factor == 1.0:
         return record
     return replace(record, acceleration=factor * record.acceleration).with_note(f"scaled by {factor:.6g}")
 
 
 def rotation_to_cover(peaks: np.ndarray) -> np.ndarray:
-    """The rotation that a sequence has to reach to cover recorded theta_max/alpha_c (inf overturned, NaN unresolved).
-
-    NaN at rest, which every sequence covers; inf where the answer is not known, for only an overturning sequence is
-    sure to cover it.
-
-    Examples
-    --------
-    >>> rotation_to_cover(np.array([0.2, 0.0, np.nan])).tolist()
-    [0.2, nan, inf]
-    """
+    """The rotation that covers a recorded theta_max/alpha_c: NaN at rest, inf if overturned or unresolved."""
     return np.where(peaks == 0.0, np.nan, np.where(np.isnan(peaks), np.inf, peaks))
 
 
 def site_record(motion: Motion, watch: Watch, blocks: Block, config: Config) -> Part:
-    """Scale a motion, calibrate its sequence, and let it act on (m,) blocks: the arrays of the scaled motion.
+    """Scales a motion, calibrates its sequence and applies it to (m,) blocks: arrays (1,) by the names of the file.
 
-    By the names of the file and (1,), but "value", "value_lower" and "value_upper" (1, 5), the parameters of its
-    sequence and the ends of their intervals, NaN where there is none, and "peaks" (1, m), the recorded
-    theta_max/alpha_c: inf overturned, 0 at rest, NaN unresolved.
-
-    Raises ValueError where the motion cannot be scaled or calibrated, TooWeak where it moves too few blocks.
+    "value", "value_lower" and "value_upper" (1, 5) are the parameters of the sequence and their intervals, NaN for
+    none; "peaks" (1, m) the recorded theta_max/alpha_c: inf overturned, 0 at rest, NaN unresolved. Raises ValueError if
+    the motion cannot be scaled or calibrated, TooWeak if it moves too few blocks.
     """
     with watch("solve"):
         conditioned, factor = scaled_motion(motion, config)
@@ -127,10 +107,7 @@ def no_site_record(blocks: Block) -> Part:
 
 
 def scaled_motion(motion: Motion, config: Config) -> tuple[Record, float]:
-    """The conditioned record of a motion times the factor [-] that takes it to the configured target, and that factor.
-
-    A RecordRefused where it cannot be scaled.
-    """
+    """The conditioned record of a motion scaled to the target, and its factor [-]; RecordRefused if impossible."""
     conditioned, factor, scale_to = motion.record, scale_factor(motion.record, config), config.calibration.scale_to
     if not USUAL_FACTORS[0] <= factor <= USUAL_FACTORS[1]:
         low, high = USUAL_FACTORS
@@ -141,7 +118,7 @@ def scaled_motion(motion: Motion, config: Config) -> tuple[Record, float]:
 
 
 def facts_of_record(record: Record, factor: float, config: Config) -> dict[str, Any]:
-    """What a site file has of every record, whatever is worked out from it; the record is the scaled one."""
+    """The variables of every record in a site file, of the scaled record."""
     return {
         "record": record.id,
         "source": record.source,
@@ -162,7 +139,7 @@ def no_facts() -> dict[str, np.ndarray]:
 
 
 def parameters_of(sequence: ImpulseSequence) -> list[float]:
-    """The parameters of a sequence; NaN where there is no limit or no meaning."""
+    """The parameters of a sequence, in the order of PARAMETERS; NaN for none."""
     return [
         float(sequence.main),
         float(sequence.secondary / sequence.main),
@@ -191,7 +168,7 @@ def _calibrated(
 
 
 def _compared(peaks: np.ndarray, sequence: ImpulseSequence, blocks: Block) -> tuple[float, float]:
-    """Root mean square of ln(sequence/record) where both rock, and share of the lifted blocks that fall short."""
+    """Root mean square of ln(sequence/record) of rocking blocks, and share of the lifted blocks that fall short."""
     reached = np.asarray(sequence_response(blocks, sequence, table_rows=0).peak_rotation_ratio)
     needed = rotation_to_cover(peaks)
     lifted = ~np.isnan(needed) & ~np.isnan(reached)

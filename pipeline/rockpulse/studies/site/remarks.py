@@ -1,4 +1,4 @@
-"""Remarks on a site: what its set of records is too small or too odd to tell."""
+"""Remarks on a site whose records are few or unusual."""
 
 import math
 from collections.abc import Mapping
@@ -9,34 +9,25 @@ import numpy as np
 from rockpulse.remark import Remark
 from rockpulse.studies.site.records import USUAL_FACTORS
 
-#: With fewer than these the intervals are those of a guess, and are called so.
+#: Fewest records and events for usable intervals.
 FEWEST_RECORDS, FEWEST_EVENTS = 10, 5
-
-#: A coverage that is known no better than this is hardly known [-].
+#: Width of the interval of a coverage that is hardly known [-].
 WIDE = 0.5
-
-#: Quantiles that fewer records than this lie beyond rest on the strongest or weakest of them.
+#: Fewest records beyond a quantile.
 FEWEST_BEYOND = 2.0
-
-#: Names that a remark lists.
+#: Most names in a remark.
 LISTED = 5
-
-#: Blocks whose records lift so few pairs say little.
+#: Share of lifted pairs that is few [-].
 FEW_LIFTED = 0.1
 
 
 def site_remarks(
-    site: Mapping[str, Any],
-    factors: np.ndarray,
-    events: np.ndarray,
-    weights: np.ndarray,
-    unjudged: Mapping[str, str],
+    site: Mapping[str, Any], factors: np.ndarray, events: np.ndarray, weights: np.ndarray, unjudged: Mapping[str, str]
 ) -> list[Remark]:
-    """The remarks of a site file, the gravest first and each without line breaks.
+    """The remarks of a site file, the most important first.
 
-    `site` holds the scalars of the file, with `design_upper` (of I) and `share_below`, the share that the design covers
-    just below I; `factors`, `events` and `weights` are those of the records; `unjudged` names the events that the
-    coverage does not rest on, and says why by the code of a remark.
+    `site` has the scalars of the file, `design_upper` (of I) and `share_below`, the share covered just below I;
+    `unjudged` has the code of a remark for each event without judgement.
     """
     records, count, quantile = site["record_count"], site["event_count"], float(site["quantile"])
     remarks = []
@@ -72,7 +63,7 @@ def site_remarks(
 
 
 def scaled_far(factors: np.ndarray) -> list[Remark]:
-    """The remark on records whose scale factors (n,) make another kind of earthquake of them; none without any."""
+    """The remark on unusual scale factors (n,), if there are any."""
     low, high = USUAL_FACTORS
     odd = int(np.count_nonzero((factors < low) | (factors > high)))
     if not odd:
@@ -82,7 +73,7 @@ def scaled_far(factors: np.ndarray) -> list[Remark]:
 
 
 def _tail(records: int, quantile: float) -> Remark:
-    """The remark on how little so few records can show of a quantile."""
+    """The remark on the tail of a quantile of few records."""
     beyond, side = (records * (1.0 - quantile), "above") if quantile >= 0.5 else (records * quantile, "below")
     if beyond < FEWEST_BEYOND:
         return Remark(f"tail_{side}", beyond=float(beyond), quantile=quantile)
@@ -90,7 +81,7 @@ def _tail(records: int, quantile: float) -> Remark:
 
 
 def _judged(site: Mapping[str, Any], unjudged: Mapping[str, str]) -> list[Remark]:
-    """The remark on the data that the coverage rests on, where they are few."""
+    """The remark on few data of the coverage."""
     groups = []
     for reason in dict.fromkeys(unjudged.values()):
         every = [name for name, why in unjudged.items() if why == reason]

@@ -29,23 +29,19 @@ from rockpulse.studies.site.design import (
 from rockpulse.studies.site.records import parameters_of, rotation_to_cover
 from rockpulse.studies.site.remarks import site_remarks
 
-#: Mark of a pair that does not count.
+#: Value of a pair that does not count.
 NOT_COUNTED = -1
 
 
 class Coverage(NamedTuple):
-    """Coverage by designs that were fitted without the earthquake they are judged on.
+    """Coverage by designs that were fitted without the earthquake they are judged on; NaN without a design."""
 
-    `covered` (n, m) is 1 for covered, 0 for not, 2 where that design overturns the block; NaN where the pair does not
-    count, or no design could be made. `main` (n,) is the main impulse of that design [m/s]; NaN without one.
-    """
-
-    covered: np.ndarray
-    main: np.ndarray
+    covered: np.ndarray  # (n, m) values of :func:`rockpulse.studies.site.design.covered`
+    main: np.ndarray  # (n,) main impulse of that design [m/s]
 
 
 def leave_one_event_out(sample: SiteSample, quantile: float, design: str) -> Coverage:
-    """Judge the design sequence of all earthquakes but one on the records of that one; NaN for a single earthquake."""
+    """Judges the design of all earthquakes but one on the records of that one."""
     marks, mains = np.full(sample.peaks.shape, math.nan), np.full(sample.weights.size, math.nan)
     for event in np.unique(sample.events):
         out = sample.events == event
@@ -54,7 +50,7 @@ def leave_one_event_out(sample: SiteSample, quantile: float, design: str) -> Cov
             continue
         try:
             sequence = design_sequence(sample.part(others), quantile, design)
-        except RecordRefused:  # the others do not make a design: these records stay unjudged
+        except RecordRefused:  # the others make no design
             continue
         marks[out] = covered(sample.part(out), sequence)
         mains[out] = sequence.main
@@ -62,7 +58,7 @@ def leave_one_event_out(sample: SiteSample, quantile: float, design: str) -> Cov
 
 
 def judged(marks: np.ndarray, sample: SiteSample, standing: bool = True) -> np.ndarray:
-    """Pairs (n, m) of record and block on which :func:`coverage_of` rests."""
+    """Pairs (n, m) of record and block in :func:`coverage_of`."""
     counted: np.ndarray = ~np.isnan(marks) & (sample.weights[:, np.newaxis] > 0.0)
     if standing:
         counted &= marks != BEYOND
@@ -72,10 +68,10 @@ def judged(marks: np.ndarray, sample: SiteSample, standing: bool = True) -> np.n
 def coverage_of(
     marks: np.ndarray, sample: SiteSample, confidence: float, standing: bool = True
 ) -> tuple[float, float, float]:
-    """Weighted share of covered pairs of record and block, with both ends of its event-clustered interval.
+    """Weighted share of covered pairs of record and block, with its event-clustered interval; NaN without pairs.
 
-    `marks` are :attr:`Coverage.covered`. With `standing` only the blocks count that the design leaves standing; else
-    all, those that it overturns being covered. NaN where no pair counts; the ends also with a single event.
+    `marks` are :attr:`Coverage.covered`. With `standing` only blocks count that the design leaves standing; else those
+    that it overturns are covered. The ends are NaN for a single event.
     """
     counted = judged(marks, sample, standing)
     rows = np.nonzero(counted)[0]
@@ -85,7 +81,7 @@ def coverage_of(
 
 
 def unjudged_events(found: Coverage, sample: SiteSample) -> dict[int, str]:
-    """Events of a weight above zero on which the coverage of standing blocks does not rest, and why (a code)."""
+    """Events without a judgement of standing blocks, and the code of the reason."""
     rests, lifts, counted = judged(found.covered, sample).any(axis=1), ~np.isnan(sample.peaks), sample.weights > 0.0
     reasons = {}
     for event in np.unique(sample.events[counted & ~np.isin(sample.events, sample.events[rests])]).tolist():
@@ -107,11 +103,10 @@ def sequence_design(
     config: Config,
     remarks: Sequence[str],
 ) -> dict[str, xr.Dataset]:
-    """Fit, design, judge, and lay everything out: the nodes of a site file, by their paths.
+    """Fits, designs, judges: the nodes of a site file by their paths.
 
-    `done` is what :func:`rockpulse.studies.site.records.site_record` found of every record, and "event"; the weights
-    are of mean one; `remarks` is what is to be said already. Raises RecordRefused where the records make no design
-    sequence.
+    `done` are the arrays of :func:`rockpulse.studies.site.records.site_record` of all records, and "event"; the weights
+    are of mean one. Raises RecordRefused if the records make no design sequence.
     """
     settings = config.calibration
     names, numbers = np.unique(done["event"], return_inverse=True)
@@ -124,7 +119,7 @@ def sequence_design(
         blocks=blocks,
         spacing=config.sequence.spacing,
     )
-    # Records of no weight are shown and judged by nobody; the statistics are those of the others.
+    # Records of no weight are in the file, but not in the statistics.
     fitted = sample.part(weights > 0.0)
     draws = draw_earthquakes(int(fitted.events.max()) + 1, settings.bootstrap, [config.run.seed, *b"site"])
     design = design_sequence(fitted, settings.quantile, settings.design)

@@ -1,14 +1,14 @@
 """The design of a site by the overturning spectra of its records: quantiles over earthquakes, sequences of bodies.
 
 .. note:: At every p and C the quantile is the smallest S with at least that share of the weight at or below it. The
-   intervals resample earthquakes. What is said of a quantile needs earthquakes beyond it: with fewer than 1/(1 -
-   quantile) of them it is the largest one seen, and no interval says how much larger the next one is.
+   intervals resample earthquakes. With fewer than 1/(1 - quantile) of them it is the largest one, of which no interval
+   is known.
 """
 
 import math
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from typing import Any, NamedTuple
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -19,7 +19,7 @@ from rocking.spectrum.half_waves import lobe_shapes
 from rocking.spectrum.overturning import OverturningSpectrum
 from rockpulse.assessment.spectra import LANES
 from rockpulse.config.configuration import Config
-from rockpulse.earthquakes import ROUNDING, bootstrap_interval, draw_earthquakes
+from rockpulse.earthquakes import ROUNDING, Quantiles, draw_earthquakes, record_quantiles
 from rockpulse.errors import RecordRefused
 from rockpulse.record.half_wave import half_waves
 from rockpulse.remark import Remark, as_stored
@@ -32,15 +32,15 @@ from rockpulse.storage.variables.site import OF_RECORDS, SITE, SITE_AXES, SPECTR
 from rockpulse.studies.site.records import facts_of_record, no_facts, scaled_motion
 from rockpulse.studies.site.remarks import FEWEST_EVENTS, scaled_far
 
-#: Quantiles that every file has beside that of the design, by their names.
+#: Quantiles of every file beside that of the design, by name.
 STATED = {"spectrum_50": 0.5, "spectrum_84": 0.84}
 
 
 def site_spectrum_record(motion: Motion, watch: Watch, config: Config) -> Part:
-    """Scale a motion and work out its overturning spectrum: arrays by the names of the file.
+    """Scales a motion and computes its overturning spectrum: arrays (1,) by the names of the file.
 
-    They are (1,), but "spectrum" (1, a, c), "record_ratio" and "record_main_count" (1, a). RecordRefused where the
-    motion cannot be scaled or is nothing but zeros.
+    "spectrum" is (1, a, c), "record_ratio" and "record_main_count" (1, a). RecordRefused for a motion that cannot be
+    scaled or is zero.
     """
     with watch("solve"):
         record, factor = scaled_motion(motion, config)
@@ -68,57 +68,8 @@ def no_spectrum_record() -> Part:
 
 
 def fewest_events(quantile: float) -> int:
-    """Earthquakes below which no quantile of a site is stated: one lies beyond it, and at least five.
-
-    Examples
-    --------
-    >>> fewest_events(0.5), fewest_events(0.84), fewest_events(0.95)
-    (5, 7, 20)
-    """
+    """Fewest earthquakes for a quantile of a site: one lies beyond it, and at least five."""
     return max(FEWEST_EVENTS, math.ceil((1.0 - ROUNDING) / min(quantile, 1.0 - quantile)))
-
-
-class Quantiles(NamedTuple):
-    """A quantile of k values over records, with the ends of its interval; NaN with a single earthquake."""
-
-    value: np.ndarray  # (k,)
-    lower: np.ndarray  # (k,)
-    upper: np.ndarray  # (k,)
-
-
-@dataclass(frozen=True, eq=False)
-class QuantileSample:
-    """Weights and events of n records, and resamples of the events, of which quantiles are taken."""
-
-    weights: np.ndarray  # (n,) above zero
-    events: np.ndarray  # (n,) number of each record's event
-    draws: np.ndarray  # (b, g) how often each event is in each resample
-    confidence: float
-
-    def quantiles(self, values: np.ndarray, levels: list[float], logarithmic: bool) -> list[Quantiles]:
-        """Quantiles over the records of values (n, ...), one for each level, of the shape of the values of a record.
-
-        The interval of positive values is worked out on their logarithms where these are asked for.
-        """
-        flat = values.reshape(values.shape[0], -1)
-        found = np.empty((len(levels), 3, flat.shape[1]))
-        sizes = np.bincount(self.events, self.weights)
-        drawn = self.draws[:, self.events] * self.weights
-        for column in range(flat.shape[1]):
-            order = np.argsort(flat[:, column], kind="stable")
-            ordered = flat[order, column]
-            below, of_draws = np.cumsum(self.weights[order]), np.cumsum(drawn[:, order], axis=1)
-            for row, level in enumerate(levels):
-                share = level - ROUNDING
-                value = ordered[np.searchsorted(below, share * below[-1])]
-                # As many records lie below the quantile as there are sums below the share.
-                resampled = ordered[np.sum(of_draws < share * of_draws[:, -1:], axis=1)]
-                if logarithmic:
-                    ends = np.exp(bootstrap_interval(np.log(value), np.log(resampled), sizes, self.confidence))
-                else:
-                    ends = np.array(bootstrap_interval(float(value), resampled, sizes, self.confidence))
-                found[row, :, column] = value, *ends
-        return [Quantiles(*one) for one in found.reshape(len(levels), 3, *values.shape[1:])]
 
 
 def spectrum_design(
@@ -129,10 +80,9 @@ def spectrum_design(
     config: Config,
     remarks: Sequence[str],
 ) -> dict[str, xr.Dataset]:
-    """Lay out the spectra of all records, their quantiles and the design of every body: nodes of a file by their paths.
+    """The spectra of all records, their quantiles and the design of every body: nodes of a file by path.
 
-    `done` is what :func:`site_spectrum_record` found of every record, and "event"; the weights are of mean one;
-    `remarks` is what is to be said already.
+    `done` are the arrays of :func:`site_spectrum_record` of all records, and "event"; the weights are of mean one.
     """
     settings = config.calibration
     names, numbers = np.unique(done["event"], return_inverse=True)
@@ -143,9 +93,11 @@ def spectrum_design(
     enough = count >= least
     if enough:
         draws = draw_earthquakes(count, settings.bootstrap, [config.run.seed, *b"site"])
-        sample = QuantileSample(weights[counted], events, draws, settings.confidence)
+        quantiles = partial(
+            record_quantiles, weights=weights[counted], events=events, draws=draws, confidence=settings.confidence
+        )
         own = {name: values[counted] for name, values in spectra.items()}
-        spectra |= _interval_tables(sample, own, settings.quantile)
+        spectra |= _interval_tables(quantiles, own, settings.quantile)
     else:
         few = Remark("too_few_events", count=count, least=int(least), quantile=float(settings.quantile))
         remarks = [few, *remarks]
@@ -182,14 +134,14 @@ def spectrum_design(
 
 
 def _interval_tables(
-    sample: QuantileSample, of_records: Mapping[str, np.ndarray], quantile: float
+    quantiles: Callable[..., list[Quantiles]], of_records: Mapping[str, np.ndarray], quantile: float
 ) -> dict[str, np.ndarray]:
-    """The quantiles of /spectra with both ends of their intervals, by name."""
+    """The quantiles of /spectra with their intervals, by name."""
     levels = {**STATED, "spectrum_design": quantile}
-    of_levels = sample.quantiles(of_records["spectrum"], list(levels.values()), logarithmic=True)
+    of_levels = quantiles(of_records["spectrum"], list(levels.values()), logarithmic=True)
     found = dict(zip(levels, of_levels, strict=True))
-    (ratio,) = sample.quantiles(of_records["record_ratio"], [0.5], logarithmic=False)
-    (count,) = sample.quantiles(of_records["record_main_count"].astype(float), [0.5], logarithmic=False)
+    (ratio,) = quantiles(of_records["record_ratio"], [0.5], logarithmic=False)
+    (count,) = quantiles(of_records["record_main_count"].astype(float), [0.5], logarithmic=False)
     found["ratio"] = Quantiles(ratio.value, np.clip(ratio.lower, 0.0, 1.0), np.clip(ratio.upper, 0.0, 1.0))
     found["main_count"] = Quantiles(count.value, np.maximum(np.floor(count.lower), 1.0), np.ceil(count.upper))
     ends = ("", "_lower", "_upper")
@@ -197,7 +149,7 @@ def _interval_tables(
 
 
 def _bodies(spectra: Mapping[str, np.ndarray], blocks: Block | None, weights: np.ndarray) -> dict[str, np.ndarray]:
-    """The design of each body (m,) and its interval, NaN for a body outside the spectrum or without any weight."""
+    """The design of each body (m,) and its interval; NaN outside the spectrum or without weights."""
     names = [name for name, one in SITE.items() if one.dims == ("block",)]
     if blocks is None:
         return {name: np.empty(0) for name in names}

@@ -1,7 +1,4 @@
-"""The changes between two assessments that decide: answers on the other side of a limit, and the margin of a body.
-
-The verdict is that of the fullest model; its changes come first.
-"""
+"""The changes between two assessments that decide: answers on the other side of a limit, and margins of bodies."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -70,30 +67,29 @@ def body_changes(
     """A line for every body whose margin changed: probability, smallest factor and capacity over demand, overturnings.
 
     `named` are the rows of both nodes /summary along record and block, `ignore` the variables that are left out. Only
-    records that both files have are counted, and where these are not all of both the line says so. A body with several
-    restitutions counts with the worst of them.
+    records that both files have are counted. A body with several restitutions counts with the worst of them.
     """
     records, blocks = named["record"], named["block"]
     size = records.first.size
     if not size:
         return []
     names = [name for name in MARGIN if name in one and name in other and not {name, f"/summary/{name}"} & set(ignore)]
-    sides = []
     ignored = [name for name in MARGIN if name not in ("outcome", "capacity_ratio", *names)]
+    sides = []
     for dataset, side in ((one, "first"), (other, "second")):
-        beside = {"outcome", "event", "npts", "restitution", *ignored}
+        needed = {"outcome", "event", "npts", "restitution", *names, *ignored}
         if "capacity_ratio" in names:
-            beside |= {str(name) for name in dataset.variables if dataset[name].dims == ("demand",)}
-            beside |= {"demand_factor", "demand_probability"}
-        whole = dataset[sorted({*names, *beside})]
-        part = whole.isel(model=[whole["model"].values.tolist().index(model)]).load()
+            needed |= {str(name) for name in dataset.variables if dataset[name].dims == ("demand",)}
+            needed |= {"demand_factor", "demand_probability"}
+        part = dataset[sorted(needed)].isel(model=[dataset["model"].values.tolist().index(model)]).load()
         part = part.assign({name: xr.full_like(part[name], np.nan, dtype=float) for name in ignored})
         sides.append(_told(part.isel(record=getattr(records, side), block=getattr(blocks, side)), names))
+    before, after = sides
     every = size == one.sizes["record"] == other.sizes["record"]
     of = f" of {size} records" if every else f" of the {size} records in both"
     lines = []
     for place in range(blocks.first.size):
-        pairs = {what: (cells[place], sides[1][what][place]) for what, cells in sides[0].items() if what in sides[1]}
+        pairs = {what: (cells[place], after[what][place]) for what, cells in before.items() if what in after}
         if any(old != new for old, new in pairs.values()):
             told = [f"{what} {old}" + (f" -> {new}" if new != old else "") for what, (old, new) in pairs.items()]
             lines.append(f"{blocks.names(place)[0]}: {', '.join(told)}{of}")
@@ -103,20 +99,24 @@ def body_changes(
 def _told(summary: xr.Dataset, names: list[str]) -> dict[str, list[str]]:
     """Words on the blocks by some variables: how much of every block."""
     answers = Answers(summary)
+
+    def probability(values: np.ndarray, *left_out: np.ndarray) -> list[str]:
+        shares = [share.value for share in answers.motions.shares(values, *left_out)]
+        return [ratio(value) for value in answers.by_block(np.fmax, np.array([shares]))[0]]
+
+    def smallest(*demand: str) -> list[str]:
+        return [margin_cells(margin)[0].marked for margin in answers.margins("block", *demand)]
+
     told = {}
     if answers.probable:
-        shares = [share.value for share in answers.motions.shares(answers["overturning_probability"])]
-        told["P"] = [ratio(value) for value in answers.by_block(np.fmax, np.array([shares]))[0]]
+        told["P"] = probability(answers["overturning_probability"])
     if answers.factor in names:
-        margins = answers.margins("block")
-        told[f"smallest {factor_title(answers.factor)}"] = [margin_cells(margin)[0].marked for margin in margins]
+        told[f"smallest {factor_title(answers.factor)}"] = smallest()
     for demand in answers.demands:
         if answers.probable:
-            left_out = np.isnan(answers.at_demand(demand))
-            at = [share.value for share in answers.motions.shares(answers.at_demand(demand), left_out)]
-            told[f"P at {demand}"] = [ratio(value) for value in answers.by_block(np.fmax, np.array([at]))[0]]
-        margins = answers.margins("block", demand)
-        told[f"smallest capacity/demand {demand}"] = [margin_cells(margin)[0].marked for margin in margins]
+            at_demand = answers.at_demand(demand)
+            told[f"P at {demand}"] = probability(at_demand, np.isnan(at_demand))
+        told[f"smallest capacity/demand {demand}"] = smallest(demand)
     if "outcome" in names:
         told["overturned"] = [str(count) for count in answers.overturnings("block")]
     return told

@@ -1,9 +1,4 @@
-"""The changes between two results files: rows only one of them has, values beyond a tolerance, verdicts that flipped.
-
-Rows are matched by their names (records, blocks, models), not by their place; in tables that point at them, such as the
-half-cycles, by what they point at. All values of both files are read and compared, part by part: stored checksums say
-what was written, not what is there now (``rockpulse verify`` checks them).
-"""
+"""The changes between two results files: rows of one only, values beyond a tolerance, verdicts that flipped."""
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
@@ -83,16 +78,11 @@ def compare_results(
     ignore: Sequence[str] = (),
     listed: int = 20,
 ) -> Differences:
-    """Compare two open results files of the same kind.
+    """Compare two open results files of the same kind; a ResultsError for others, and for an unknown name in `ignore`.
 
     Two numbers are the same where they differ by at most `atol` + `rtol` times the larger one, or are both NaN or the
     same infinity; texts, whole numbers and flags where they are equal. Variables in `ignore`, as ``name`` or
     ``/group/name``, are not compared; at most `listed` verdicts and `listed` ratios that changed sides are named.
-
-    Raises
-    ------
-    ResultsError
-        For files of different kinds, and a variable to ignore that neither has.
     """
     if first.kind != second.kind:
         raise ResultsError(
@@ -111,7 +101,7 @@ def compare_results(
                 continue
             if group == "summary":
                 found.model = leading_model(one, other)
-            _Group(found, group, one, other, named, rtol, atol).compare(ignore)
+            _compare_group(found, RowMatcher(group, one, other, named, found.only, found.others), ignore, rtol, atol)
             if group == "summary" and found.model and {"record", "block"} <= set(named):
                 found.bodies = body_changes(one, other, named, found.model, ignore)
     return found
@@ -154,126 +144,113 @@ def _placed(configuration: str) -> list[str]:
 
 
 def _compare_failures(found: Differences, one: xr.Dataset, other: xr.Dataset) -> None:
-    """As sets: a failure has no name but all that it says."""
-
-    def told(dataset: xr.Dataset) -> list[str]:
-        columns = [dataset[name].values for name in ("kind", "stage", "file", "reason")]
-        return [f"{kind} ({stage}) {file}: {reason}" for kind, stage, file, reason in zip(*columns, strict=True)]
-
-    add_only(found.only, "failures", dict.fromkeys(told(one)), dict.fromkeys(told(other)))
+    """Compare the failures as sets: a failure has no name but all of its text."""
+    first, second = (
+        list(map("{} ({}) {}: {}".format, *(dataset[name].values for name in ("kind", "stage", "file", "reason"))))
+        for dataset in (one, other)
+    )
+    add_only(found.only, "failures", first, second)
     found.compared += one["kind"].size
 
 
-@dataclass
-class _Group:
-    """One group of both files."""
+def _compare_group(found: Differences, rows: RowMatcher, ignore: Sequence[str], rtol: float, atol: float) -> None:
+    """Match the rows of a group of both files, then compare the variables that both have."""
+    one, other, group = rows.one, rows.other, rows.group
+    for name in sorted(set(one.attrs) | set(other.attrs)):
+        old, new = (str(dataset.attrs.get(name, "absent")) for dataset in (one, other))
+        if old != new:
+            found.others.append(f"attribute {name} of /{group}: {old} in the first, {new} in the second")
+    names, others = (
+        [str(name) for name in dataset.data_vars if not {str(name), f"/{group}/{name}"} & set(ignore)]
+        for dataset in (one, other)
+    )
+    add_only(found.only, f"variables of /{group}", names, others)
+    for name in names:
+        if name not in others:
+            continue
+        before, after = one.variables[name], other.variables[name]
+        title = f"/{group}/{name}"
+        if reason := _not_alike(before, after):
+            found.others.append(f"{title}: {reason}")
+        elif name not in POINTS_AT and "sample_dimension" not in before.attrs:  # by these the rows are matched
+            matched = [rows.of(str(dim)) for dim in before.dims]
+            if None not in matched:  # else it is said where the rows were matched
+                _compare_values(found, title, before, after, [row for row in matched if row is not None], rtol, atol)
 
-    found: Differences
-    group: str
-    one: xr.Dataset
-    other: xr.Dataset
-    named: dict[str, Matched]
-    rtol: float
-    atol: float
 
-    def __post_init__(self) -> None:
-        self.rows = RowMatcher(self.group, self.one, self.other, self.named, self.found.only, self.found.others)
+def _not_alike(before: xr.Variable, after: xr.Variable) -> str:
+    """The difference in units, flags, dimensions or kind that leaves nothing to compare; empty for none."""
+    for what in ("units", "flag_meanings"):
+        if str(before.attrs.get(what)) != str(after.attrs.get(what)):
+            return f"{what} {before.attrs.get(what)!r}, then {after.attrs.get(what)!r}"
+    if before.dims != after.dims or (before.dtype.kind in "OU") != (after.dtype.kind in "OU"):
+        return ", then ".join(f"{' x '.join(map(str, one.dims))} {one.dtype}" for one in (before, after))
+    return ""
 
-    def compare(self, ignore: Sequence[str]) -> None:
-        """Match the rows, then compare the variables that both have."""
-        for name in sorted(set(self.one.attrs) | set(self.other.attrs)):
-            old, new = (str(dataset.attrs.get(name, "absent")) for dataset in (self.one, self.other))
-            if old != new:
-                self.found.others.append(f"attribute {name} of /{self.group}: {old} in the first, {new} in the second")
-        names, others = (
-            [str(name) for name in dataset.data_vars if not {str(name), f"/{self.group}/{name}"} & set(ignore)]
-            for dataset in (self.one, self.other)
-        )
-        add_only(self.found.only, f"variables of /{self.group}", names, others)
-        for name in names:
-            if name in others:
-                self._variable(name)
 
-    def _variable(self, name: str) -> None:
-        before, after = self.one.variables[name], self.other.variables[name]
-        title = f"/{self.group}/{name}"
-        for what in ("units", "flag_meanings"):
-            if str(before.attrs.get(what)) != str(after.attrs.get(what)):
-                self.found.others.append(f"{title}: {what} {before.attrs.get(what)!r}, then {after.attrs.get(what)!r}")
-                return
-        if before.dims != after.dims or (before.dtype.kind in "OU") != (after.dtype.kind in "OU"):
-            self.found.others.append(
-                f"{title}: {' x '.join(map(str, before.dims))} {before.dtype}, then "
-                f"{' x '.join(map(str, after.dims))} {after.dtype}"
-            )
-            return
-        if name in POINTS_AT or "sample_dimension" in before.attrs:
-            return  # by these the rows are matched
-        rows = [self.rows.of(str(dim)) for dim in before.dims]
-        if any(row is None for row in rows):
-            return  # said once, where the rows were matched
-        self._values(title, before, after, [row for row in rows if row is not None])
+def _compare_values(
+    found: Differences,
+    title: str,
+    before: xr.Variable,
+    after: xr.Variable,
+    rows: list[Matched],
+    rtol: float,
+    atol: float,
+) -> None:
+    words = flag_words(before)
+    sides = found.sides.get(title)
+    differing = compared = 0
+    largest, worst = -1.0, None
+    for start, old, new in _parts(before, after, rows):
 
-    def _values(self, title: str, before: xr.Variable, after: xr.Variable, rows: list[Matched]) -> None:
-        words = flag_words(before)
-        sides = self.found.sides.get(title)
-        differing = compared = 0
-        largest, worst = -1.0, None
-        for start, old, new in self._parts(before, after, rows):
+        def told(at: int, start: int = start, old: np.ndarray = old, new: np.ndarray = new) -> Flip:
+            place = np.unravel_index(at, old.shape)
+            labels = (row.names(int(k) + (start if row is rows[0] else 0)) for row, k in zip(rows, place, strict=True))
+            return Flip(tuple(chain(*labels)), _shown(old[place], words), _shown(new[place], words))
 
-            def told(at: int, start: int = start, old: np.ndarray = old, new: np.ndarray = new) -> Flip:
-                place = np.unravel_index(at, old.shape)
-                labels = (
-                    row.names(int(k) + (start if row is rows[0] else 0)) for row, k in zip(rows, place, strict=True)
-                )
-                return Flip(tuple(chain(*labels)), _shown(old[place], words), _shown(new[place], words))
+        compared += old.size
+        apart = _apart(old, new, rtol, atol)
+        if sides is not None:
+            changed = apart if title == OUTCOME else _crossed(apart, old, new)
+            leads = np.ones(old.shape, dtype=bool)
+            if "model" in before.dims:
+                axis = before.dims.index("model")
+                own = np.array([rows[axis].names(k)[0] == found.model for k in range(old.shape[axis])], dtype=bool)
+                leads = np.moveaxis(np.broadcast_to(own, (*np.delete(old.shape, axis), own.size)), -1, axis)
+            sides.compared += old.size
+            sides.compared_by_model += int(leads.sum())
+            sides.add(changed, leads.ravel()[changed], told)
+        if apart.size:
+            differing += apart.size
+            sizes = _relative(old.reshape(-1)[apart], new.reshape(-1)[apart])
+            at = int(sizes.argmax())
+            if sizes[at] > largest:
+                largest, worst = float(sizes[at]), told(apart[at])
+    found.compared += compared
+    if worst is not None:
+        size = largest if before.dtype.kind == "f" else math.nan
+        found.variables.append(VariableDifference(title, differing, compared, size, *worst))
 
-            compared += old.size
-            apart = _apart(old, new, self.rtol, self.atol)
-            if sides is not None:
-                changed = apart if title == OUTCOME else _crossed(apart, old, new)
-                leads = np.ones(old.shape, dtype=bool)
-                if "model" in before.dims:
-                    axis = before.dims.index("model")
-                    names = [rows[axis].names(k)[0] for k in range(old.shape[axis])]
-                    own = np.array([name == self.found.model for name in names], dtype=bool)
-                    leads = np.moveaxis(np.broadcast_to(own, (*np.delete(old.shape, axis), own.size)), -1, axis)
-                sides.compared += old.size
-                sides.compared_by_model += int(leads.sum())
-                sides.add(changed, leads.ravel()[changed], told)
-            if apart.size:
-                differing += apart.size
-                sizes = _relative(old.reshape(-1)[apart], new.reshape(-1)[apart])
-                at = int(sizes.argmax())
-                if sizes[at] > largest:
-                    largest, worst = float(sizes[at]), told(apart[at])
-        self.found.compared += compared
-        if worst is not None:
-            size = largest if before.dtype.kind == "f" else math.nan
-            flip = (worst.place, worst.before, worst.after)
-            self.found.variables.append(VariableDifference(title, differing, compared, size, *flip))
 
-    @staticmethod
-    def _parts(
-        before: xr.Variable, after: xr.Variable, rows: list[Matched]
-    ) -> Iterator[tuple[int, np.ndarray, np.ndarray]]:
-        """Start along the first dimension, and the values of both files from there on."""
-        if not rows:
-            yield 0, np.asarray(before.values), np.asarray(after.values)
-            return
-        rest = int(np.prod([row.first.size for row in rows[1:]]))
-        step = max(1, PART // max(rest, 1))
-        for start in range(0, rows[0].first.size, step):
-            pair = []
-            for variable, side in ((before, "first"), (after, "second")):
-                where: dict[Any, Any] = {}
-                for number, (dim, row) in enumerate(zip(variable.dims, rows, strict=True)):
-                    at = getattr(row, side)
-                    at = at[start : start + step] if number == 0 else at
-                    run = row.whole or bool((np.diff(at) == 1).all())
-                    where[dim] = slice(int(at[0]), int(at[-1]) + 1) if run and at.size else at
-                pair.append(slab(variable, where))
-            yield start, pair[0], pair[1]
+def _parts(
+    before: xr.Variable, after: xr.Variable, rows: list[Matched]
+) -> Iterator[tuple[int, np.ndarray, np.ndarray]]:
+    """Start along the first dimension, and the values of both files from there on."""
+    if not rows:
+        yield 0, np.asarray(before.values), np.asarray(after.values)
+        return
+    step = max(1, PART // max(int(np.prod([row.first.size for row in rows[1:]])), 1))
+    for start in range(0, rows[0].first.size, step):
+        pair = []
+        for variable, side in ((before, "first"), (after, "second")):
+            where: dict[Any, Any] = {}
+            for number, (dim, row) in enumerate(zip(variable.dims, rows, strict=True)):
+                at = getattr(row, side)
+                at = at[start : start + step] if number == 0 else at
+                run = row.whole or bool((np.diff(at) == 1).all())
+                where[dim] = slice(int(at[0]), int(at[-1]) + 1) if run and at.size else at
+            pair.append(slab(variable, where))
+        yield start, pair[0], pair[1]
 
 
 def _apart(old: np.ndarray, new: np.ndarray, rtol: float, atol: float) -> np.ndarray:

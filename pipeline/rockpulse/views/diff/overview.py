@@ -34,40 +34,29 @@ def difference_overview(
     Without `full` a screen of it: the first of every list, and how many more there are.
     """
     most = LISTED if full else ON_SCREEN
-    parts = [_files(first, second), _bodies(found, most), _flips(found)]
-    parts += [_crossings(found, name, title) for name, title in CROSSED.items()]
-    parts += [_about(found), _configuration(found, most)]
+    parts = ["\n".join(map(_file, "-+", (first, second)))]
+    if not found.same:
+        title = f"Bodies whose margin changed (by the {found.model} model): {len(found.bodies)}"
+        parts.append(_list(title, found.bodies, 2 * most))
+    parts += [_flips(found), *(_crossings(found, name, title) for name, title in CROSSED.items())]
+    parts.append("\n".join(f"  {name}: {old} -> {new}" for name, old, new in found.about))
+    changes = [paragraph(line[1:], "      ", f"  {line[0]} ") for line in found.configuration]
+    parts.append("\n".join(["Configuration:", *_first(changes, 2 * most, " lines")]) if changes else "")
     parts += [_only(one, most) for one in found.only]
-    if found.others:
-        others = [paragraph(line, "    ", "  ") for line in found.others]
-        parts.append("\n".join(["Other differences:", *(others if full else _first(others, most))]))
+    parts.append(_list("Other differences:", found.others, len(found.others) if full else most, "    "))
     parts.append(_variables(found, tolerance, len(found.variables) if full else 2 * most))
     if not full and any("\n  and " in part for part in parts):
         parts.append("All of it: rockpulse diff BEFORE AFTER --full")
     same = f"The results are the same: {found.compared} values within {tolerance}."
     apart = f"The results differ ({found.compared} values compared within {tolerance})."
-    return "\n\n".join([*(part for part in parts if part), same if found.same else apart])
+    return "\n\n".join([*filter(None, parts), same if found.same else apart])
 
 
-def _files(first: ResultsFile, second: ResultsFile) -> str:
-    said = []
-    for mark, file in (("-", first), ("+", second)):
-        sizes = file.dataset("summary").sizes if "summary" in file.groups else {}
-        counts = ", ".join(f"{sizes[dim]} {dim}s" for dim in ("record", "block", "model") if dim in sizes)
-        history = str(file.attrs.get("history", "")).splitlines()
-        said += [f"{mark} {file.path}", f"    {counts or file.kind}; {history[-1] if history else ''}"]
-    return "\n".join(said)
-
-
-def _about(found: Differences) -> str:
-    return "\n".join(f"  {name}: {old} -> {new}" for name, old, new in found.about)
-
-
-def _configuration(found: Differences, most: int) -> str:
-    if not found.configuration:
-        return ""
-    said = [paragraph(line[1:], "      ", f"  {line[0]} ") for line in found.configuration]
-    return "\n".join(["Configuration:", *_first(said, 2 * most, " lines")])
+def _file(mark: str, file: ResultsFile) -> str:
+    sizes = file.dataset("summary").sizes if "summary" in file.groups else {}
+    counts = ", ".join(f"{sizes[dim]} {dim}s" for dim in ("record", "block", "model") if dim in sizes)
+    history = str(file.attrs.get("history", "")).splitlines()
+    return f"{mark} {file.path}\n    {counts or file.kind}; {history[-1] if history else ''}"
 
 
 def _only(one: OnlyIn, most: int) -> str:
@@ -79,12 +68,10 @@ def _only(one: OnlyIn, most: int) -> str:
     return "\n".join(said)
 
 
-def _bodies(found: Differences, most: int) -> str:
-    if found.same or not found.bodies:
-        return ""
-    said = [paragraph(line, "      ", "  ") for line in found.bodies]
-    title = f"Bodies whose margin changed (by the {found.model} model): {len(found.bodies)}"
-    return "\n".join([title, *_first(said, 2 * most)])
+def _list(title: str, every: Sequence[str], most: int, indent: str = "      ") -> str:
+    """The title, and the first of some lines; empty where there are none."""
+    said = [paragraph(line, indent, "  ") for line in every]
+    return "\n".join([title, *_first(said, most)]) if said else ""
 
 
 def _first(said: list[str], most: int, noun: str = "") -> list[str]:
@@ -94,10 +81,8 @@ def _first(said: list[str], most: int, noun: str = "") -> list[str]:
 
 def _flips(found: Differences) -> str:
     flips = found.sides[OUTCOME]
-    if not flips.compared:
-        return ""
     if not flips.count:
-        return f"No verdict of {flips.compared} flipped."
+        return f"No verdict of {flips.compared} flipped." if flips.compared else ""
     by_model = f"{flips.count_by_model} of {flips.compared_by_model}"
     return _changes(f"Verdicts that flipped: {flips.count} of {flips.compared}", by_model, found.model, flips)
 

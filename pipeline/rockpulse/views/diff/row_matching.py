@@ -49,10 +49,7 @@ class Matched:
 
 @dataclass
 class RowMatcher:
-    """The rows of one group of two files; fills ``only`` and ``remarks`` with what could not be matched.
-
-    ``named`` are the rows of /summary by dimension, which other groups point at; the group summary fills it.
-    """
+    """The rows of one group of two files; fills ``only`` and ``remarks``, and from /summary ``named``, by dimension."""
 
     group: str
     one: xr.Dataset
@@ -126,14 +123,15 @@ class RowMatcher:
     def _by_pointers(self, dim: str) -> Matched | None:
         """Rows that point at the same record, block, case and model, in their order."""
         pointers = [name for name in POINTS_AT if name in self.one and self.one[name].dims == (dim,)]
-        if self._alike(pointers) and all(matched.whole for matched in self.named.values()):
+        alike = all(np.array_equal(self.one[name].values, self.other[name].values) for name in pointers)
+        if alike and all(matched.whole for matched in self.named.values()):
             every = np.arange(self.one.sizes[dim])
             return Matched(every, every, self._names(dim, pointers, every), True)
-        sides = ((self.one, "first"), (self.other, "second"))
         columns = [
-            [self._common(dataset[name].values, POINTS_AT[name], side) for name in pointers] for dataset, side in sides
+            [self._common(dataset[name].values, POINTS_AT[name], side) for name in pointers]
+            for dataset, side in ((self.one, "first"), (self.other, "second"))
         ]
-        keys = [np.zeros(dataset.sizes[dim], dtype=np.int64) for dataset, _ in sides]
+        keys = [np.zeros(dataset.sizes[dim], dtype=np.int64) for dataset in (self.one, self.other)]
         for old, new in zip(*columns, strict=True):
             radix = int(max(old.max(initial=0), new.max(initial=0))) + 1
             for key, pointed in zip(keys, (old, new), strict=True):
@@ -147,25 +145,17 @@ class RowMatcher:
                 f"/{self.group}: {apart} combinations of record, block and model have another number of rows, "
                 "which were not compared"
             )
-
         return Matched(first, second, self._names(dim, pointers, first), whole)
-
-    def _alike(self, names: list[str]) -> bool:
-        """Whether variables are the same in both files."""
-        pairs = ((self.one[name].values, self.other[name].values) for name in names)
-        return all(np.array_equal(one, other) for one, other in pairs)
 
     def _names(self, dim: str, pointers: list[str], first: np.ndarray) -> Callable[[int], tuple[str, ...]]:
         """The name that the k-th row points at, and its number in the first file."""
+        labels = {pointer: POINTS_AT[pointer] for pointer in pointers if POINTS_AT[pointer] in self.named}
 
         def name(k: int) -> tuple[str, ...]:
-            at = int(first[k])
-            told: list[str] = []
-            for pointer in pointers:
-                label = POINTS_AT[pointer]
-                if label in self.named:
-                    pointed = self.one.variables[pointer][at : at + 1].values
-                    told.extend(self.named[label].names(int(self._common(pointed, label, "first")[0])))
+            at, told = int(first[k]), list[str]()
+            for pointer, label in labels.items():
+                pointed = self.one.variables[pointer][at : at + 1].values
+                told += self.named[label].names(int(self._common(pointed, label, "first")[0]))
             return (*told, f"{dim} {at}")
 
         return name

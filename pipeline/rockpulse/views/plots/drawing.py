@@ -50,7 +50,7 @@ from rockpulse.views.shared.words import say
 #: Most records whose spectra are marched again for a picture, some seconds in all.
 MARCHED = 12
 
-#: What is drawn of results where no kind is asked for, by the kind of their file.
+#: The pictures of results where no kind is asked for, by the kind of their file.
 FIRST = {ASSESSMENT: ("spectrum", "bodies"), FRAGILITY: ("fragility",), SITE_KIND: ("calibration",)}
 
 
@@ -234,18 +234,17 @@ def plot(
     block : Block or str, optional
         Of a sequence: the Block whose half-cycles give it times. Of results: the name of a body.
     **options
-        Of results: what else is chosen, see :func:`rockpulse.plots.draw`.
+        Of results: other options of :func:`rockpulse.plots.draw`.
 
     Returns
     -------
     matplotlib Figure
-        Bound to no window, so that a notebook shows it once; ``savefig`` writes it. The functions of
-        :mod:`rockpulse.plots` draw on Axes of your own.
+        Bound to no window, so that a notebook shows it once; ``savefig`` writes it.
 
     Raises
     ------
     TypeError
-        For an object that has no picture, or an option that it has not.
+        For an object without a picture, or an option that it does not take.
     ResultsError
         For results that do not hold what the picture needs.
 

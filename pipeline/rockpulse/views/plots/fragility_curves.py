@@ -77,21 +77,19 @@ def fragility_panels(
 
     Parameters
     ----------
-    tree : xarray.DataTree
-        As :func:`rockpulse.fragility_curves` returns it.
-    block : str, optional
-        Name; none where there is one only.
+    tree, block, limit_states : xarray.DataTree, str, sequence of str
+        As of :func:`fragility`.
     measures : sequence of str, optional
         A panel each. By default that of :func:`fragility`, and beside it the measure of the power law in `[hazard]`,
         else PGA, where the file has it.
-    limit_states : sequence of str, optional
-        As of :func:`fragility`.
     axes : matplotlib Axes, optional
         One for each measure; by default on a figure of their own.
     """
     curves = tree["fragility"].to_dataset()
     block = one_name(curves, "block", block)
-    chosen = [one_name(curves, "measure", name) for name in measures or _usual_measures(tree, curves)]
+    usual = dict.fromkeys((shown_measure(curves), settings_of(tree, HazardSettings).measure))
+    there = [name for name in usual if name in curves["measure"].values]
+    chosen = [one_name(curves, "measure", name) for name in measures or there]
     panels = style.several_axes(axes, 1, len(chosen), height=4.2, sharey=True).ravel()
     states = [one_name(curves, "limit_state", str(name)) for name in limit_states or curves["limit_state"].values]
     gravest = [*(state for state in states if state == OVERTURNING), *states[::-1]]
@@ -99,8 +97,8 @@ def fragility_panels(
     found: dict[str, Any] = {}
     for ax, measure in zip(panels, chosen, strict=True):
         own = curves.sel(block=block, measure=measure)
-        there = own["probability_low"].notnull().any("point")
-        with_band = (state for state in (states if limit_states else gravest) if bool(there.sel(limit_state=state)))
+        band = own["probability_low"].notnull().any("point")
+        with_band = (state for state in (states if limit_states else gravest) if bool(band.sel(limit_state=state)))
         said.append(_panel(ax, tree, own, states, next(with_band, None), len(chosen) == 1))
         ax.set_xlabel(style.wrapped(ax.get_xlabel(), 90 // len(chosen)))
         found = dict(zip(*ax.get_legend_handles_labels()[::-1], strict=True)) | found
@@ -116,11 +114,6 @@ def fragility_panels(
         words += [say("plot.fragility.of_measure", name=name, words=own_words)] if own_words else []
     style.caption(panels[0], " ".join(words))
     return panels
-
-
-def _usual_measures(tree: xr.DataTree, curves: xr.Dataset) -> list[str]:
-    first, second = shown_measure(curves), settings_of(tree, HazardSettings).measure
-    return [first, second] if second in curves["measure"].values and second != first else [first]
 
 
 def _measure_words(own: xr.Dataset) -> str:

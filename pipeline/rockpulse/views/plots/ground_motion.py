@@ -31,8 +31,8 @@ STORE = 'the file does not hold the accelerograms: assess again with [records] s
 #: Stored variables that are fields of a record by another name: by it alone no record is counted to an earthquake.
 _FIELDS = {"event_title": "event"}
 
-_ACCELERATION = real("m s-2", "ground acceleration", dims=("sample",))
-_TIME = real("s", "time from the first sample", dims=("sample",))
+_ACCELERATION = real("ground acceleration", "m s-2", dims=("sample",))
+_TIME = real("time from the first sample", "s", dims=("sample",))
 
 
 def stored_motion(tree: xr.DataTree, record: str) -> xr.Dataset:
@@ -45,10 +45,8 @@ def stored_motion(tree: xr.DataTree, record: str) -> xr.Dataset:
     """
     summary = tree["summary"].to_dataset()
     own = summary.sel(record=record)
-    samples = ragged(tree, "row_size", ["acceleration"], record)
-    waves = ragged(tree, "half_wave_row_size", [f"half_wave_{name}" for name in WAVES], record)
-    if samples is None or waves is None:
-        raise ResultsError(f"{record}: {_missing(own)}")
+    samples = _samples(tree, own, "row_size", ["acceleration"])
+    waves = _samples(tree, own, "half_wave_row_size", [f"half_wave_{name}" for name in WAVES])
     motion = xr.Dataset(samples | {name.removeprefix("half_wave_"): values for name, values in waves.items()})
     for name in ("dt", "intense_start", "intense_end", "main_impulse", "secondary_impulse"):
         motion[name] = own[name].variable
@@ -113,16 +111,19 @@ def motion_of_record(
 
 def stored_record(tree: xr.DataTree, record: str) -> Record:
     """The conditioned record stored in the results, for the models; ResultsError if the accelerogram is not stored."""
-    samples = ragged(tree, "row_size", ["acceleration"], record)
     own = tree["summary"].to_dataset().sel(record=record)
-    if samples is None:
-        raise ResultsError(f"{record}: {_missing(own)}")
+    samples = _samples(tree, own, "row_size", ["acceleration"])
     return Record(samples["acceleration"].values, dt=float(own["dt"]), id=record)
 
 
-def _missing(own: xr.Dataset) -> str:
-    """The reason why there are no samples, and a remedy."""
-    return STORE if int(own["npts"]) >= 0 else "a sequence of impulses, which has no accelerogram"
+def _samples(tree: xr.DataTree, own: xr.Dataset, sizes: str, names: list[str]) -> dict[str, xr.Variable]:
+    """Variables of /records of a record, by its part of /summary."""
+    record = str(own["record"].item())
+    found = ragged(tree, sizes, names, record)
+    if found is None:
+        sequence = int(own["npts"]) < 0
+        raise ResultsError(f"{record}: {'a sequence of impulses, which has no accelerogram' if sequence else STORE}")
+    return found
 
 
 def had_vertical(summary: xr.Dataset, record: str) -> bool:
@@ -130,11 +131,9 @@ def had_vertical(summary: xr.Dataset, record: str) -> bool:
     return bool(summary["vertical_channel"].sel(record=record).item())
 
 
-#: Part of the intense phase that is shown before and after it, and at least so many seconds.
-_AROUND, _LEAST = 0.1, 1.0
-
-#: Columns by which the whole record is drawn: it is an overview.
-_WHOLE = 450
+#: The share of the intense phase that is shown before and after it, but at least so many seconds; columns by which the
+#: whole record is drawn, as an overview.
+_AROUND, _LEAST, _WHOLE = 0.1, 1.0, 450
 
 
 def accelerogram(motion: xr.Dataset, axes: Panels | None = None) -> np.ndarray:

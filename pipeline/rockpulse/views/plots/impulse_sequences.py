@@ -17,11 +17,8 @@ from rockpulse.views.plots.style import BLACK, BLUE, GREY, ORANGE, RED, SMALL, P
 from rockpulse.views.shared.terminal import figure
 from rockpulse.views.shared.words import numerals, say
 
-#: Longest stretch that is shown, in main impulses: more of them are the same again.
-_MAIN_SHOWN = 12
-
-#: Half-cycles shorter than this part of the picture have no room for their peak.
-_NAMED = 0.07
+#: Main impulses that are shown at most, and the shortest half-cycle with room for its peak, as a share of the picture.
+_MAIN_SHOWN, _NAMED = 12, 0.07
 
 #: Words beside a half-cycle.
 _BESIDE: dict[str, Any] = {"textcoords": "offset points", "fontsize": SMALL - 0.5}

@@ -33,14 +33,11 @@ from rockpulse.views.plots.selection import (
 from rockpulse.views.shared.terminal import figure
 from rockpulse.views.shared.words import say
 
-#: Peaks that differ by more than this [-] are said to.
-_SAME = 1e-3
+#: Difference of peaks [-] from which on a history has a remark, and instants of the history of a sequence.
+_SAME, _INSTANTS = 1e-3, 4000
 
-#: Remedies where the file does not hold what acted on a body.
+#: Remedies where the file does not hold the motion of a body.
 _AGAIN, _OTHERS = "assess again with [models] histories = true", "draw other models (--model)"
-
-#: Instants of the history of a sequence.
-_INSTANTS = 4000
 
 
 class History(NamedTuple):

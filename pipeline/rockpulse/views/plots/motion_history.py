@@ -28,12 +28,11 @@ class HalfCycle(NamedTuple):
 def secondary_impulses(cycle: HalfCycle, secondary: float, spacing: str) -> tuple[np.ndarray, np.ndarray]:
     """Times after the main impulse [s] and velocity changes [-] of the secondary impulses in a half-cycle that returns.
 
-    `secondary` is a = u_1 I_s/I, the change of velocity of one of them [-]. The changes are of the velocity away from
-    the ground; the first one is negative. Infinitely many act like half of one at the start and half of one at the end.
+    One changes the velocity away from the ground by a = u_1 I_s/I, `secondary`; the first change is negative.
     """
     if secondary == 0.0:
         return np.zeros(0), np.zeros(0)
-    if spacing == "continuous":
+    if spacing == "continuous":  # infinitely many act like half of one at the start and half of one at the end
         return np.array([0.0, cycle.duration]), np.array([-0.5, 0.5]) * secondary
     order = np.arange(1, cycle.impulse_count + 1)
     return (order - _PHASE[spacing]) * cycle.interval, np.where(order % 2, -secondary, secondary)
@@ -44,9 +43,8 @@ def rotation_history(
 ) -> np.ndarray:
     """Signed rotation theta/alpha_c [-] at increasing instants from the first main impulse [s], within the half-cycles.
 
-    An overturning half-cycle comes last; `p` is in 1/s and `secondary` is a = u_1 I_s/I [-]. In the half-cycle that
-    overturns the main impulse alone is followed, as in :func:`~rocking.impulse_train`, up to alpha_c; NaN from
-    there on. A block that was given just the critical velocity creeps up to alpha_c for ever.
+    `p` is in 1/s and `secondary` is a = u_1 I_s/I [-]. The half-cycle that overturns comes last; in it the main impulse
+    alone is followed up to alpha_c, NaN from there on. At just the critical velocity a block never reaches alpha_c.
     """
     # Natural motion from an instant [s] on, with x and x' [-], and its side.
     pieces: list[tuple[float, float, float, float]] = []

@@ -20,11 +20,8 @@ from rockpulse.views.plots.style import BLACK, GREY, SMALL
 from rockpulse.views.shared.terminal import general, ratio, shortened
 from rockpulse.views.shared.words import say
 
-#: Records and bodies on a page; of more the likeliest to overturn are shown.
-ROWS, COLUMNS = 50, 30
-
-#: Bodies whose names stand upright, and whose probabilities are written into the map.
-UPRIGHT, WRITTEN = 5, 10
+#: Records and bodies on a page, of more the likeliest to overturn; bodies with upright names, and with written values.
+ROWS, COLUMNS, UPRIGHT, WRITTEN = 50, 30, 5, 10
 
 #: Steps of the colours, among them those at which a body may overturn and overturns.
 LEVELS = np.array([0.0, 0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0])

@@ -15,11 +15,8 @@ from rockpulse.views.plots.style import BLACK, DASHED, FONT, INSTANTS, SMALL, Pa
 from rockpulse.views.shared.terminal import figure, fixed, general
 from rockpulse.views.shared.words import named, say
 
-#: Motions that stay below this [-] are not looked at when the stretch of time is chosen.
-_MOVES = 0.02
-
-#: Share of the stretch of time that is left free before and after it.
-_AROUND = 0.06
+#: The shown time is that of rotations above this share of the largest, and this share of it before and after.
+_MOVES, _AROUND = 0.02, 0.06
 
 #: Largest rotation that is shown: beyond it the block has fallen.
 _TOP = 1.5

@@ -19,11 +19,8 @@ from rockpulse.views.shared.terminal import figure, general
 from rockpulse.views.shared.words import named, say
 from rockpulse.views.text.site import site_remarks
 
-#: Largest ratio to the range of the records up to which the axis follows an interval or the design.
-_NEAR = 3.0
-
-#: A remark longer than this is cut [characters].
-_REMARK = 230
+#: Largest ratio to the range of the records up to which the axis follows the design; the longest remark [characters].
+_NEAR, _REMARK = 3.0, 230
 
 #: Letters of the parameters that have one.
 _SYMBOLS = {"main": "$I$", "ratio": "$I_s/I$", "interval": r"$\Delta T$"}
@@ -97,7 +94,11 @@ def _parameter(ax: Axes, own: xr.Dataset, name: str, weight: np.ndarray) -> None
             words = say("plot.site.of_design", confidence=confidence)
             ax.axvspan(low, high, color=RED, alpha=0.13, lw=0, label=words)
     ax.set_xlim(_range(ordered, np.r_[lower[bounded], upper[bounded], design]))
-    _ticks(ax, whole=name == "main_count")
+    style.plain_ticks(ax.xaxis, 100.0)
+    low, high = ax.get_xlim()
+    if high / low < 6.0:  # within less than a decade the usual round numbers
+        ax.xaxis.set_major_locator(MaxNLocator(5, integer=name == "main_count"))
+        ax.xaxis.set_minor_locator(NullLocator())
     missing = int(np.count_nonzero(~np.isfinite(value) & (weight > 0.0)))
     if missing:
         ax.text(0.02, 0.97, say("plot.site.without_limit", count=missing), va="top", **beside)
@@ -125,15 +126,6 @@ def _fit(ax: Axes, own: xr.Dataset, confidence: str) -> None:
     if np.isfinite(low) and np.isfinite(high):
         words = say("plot.site.of_median", confidence=confidence)
         ax.plot([low, high], [0.5, 0.5], color=SKY, lw=4.0, solid_capstyle="butt", zorder=2.5, label=words)
-
-
-def _ticks(ax: Axes, whole: bool) -> None:
-    """Label the ticks with plain numbers, whole ones for counts."""
-    low, high = ax.get_xlim()
-    style.plain_ticks(ax.xaxis, 100.0)
-    if high / low < 6.0:  # within less than a decade the usual round numbers
-        ax.xaxis.set_major_locator(MaxNLocator(5, integer=whole))
-        ax.xaxis.set_minor_locator(NullLocator())
 
 
 def _remarks(site: xr.Dataset) -> list[str]:

@@ -138,14 +138,11 @@ def size_scale(ax: Axes, gravity: float) -> None:
     top.set_xlabel(say("plot.spectra.radius"), fontsize=FONT)
 
 
-#: Spectra of single records that are drawn.
-_DRAWN = 200
+#: Spectra of single records that are drawn, and the share of the lowest body down to which they are.
+_DRAWN, _DEEPEST = 200, 0.1
 
 #: Frequency parameters that are written along p [1/s], and the room beside what is drawn, as a ratio of p.
 _TICKS, _ROOM = (0.5, 0.7, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0), 1.6
-
-#: Curves are followed down to this share of the lowest body.
-_DEEPEST = 0.1
 
 
 def overturning_spectra(

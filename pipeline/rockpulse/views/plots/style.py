@@ -27,11 +27,8 @@ from rockpulse.views.plots.picture import NotebookFigure
 from rockpulse.views.shared.terminal import general
 from rockpulse.views.shared.words import counted, in_numerals, language, named, say
 
-#: Width of a picture: that of the text on a page of A4 with margins of 25 mm [in].
-WIDTH = 6.3
-
-#: Sizes of text [pt], at that width.
-FONT, SMALL = 8.5, 7.5
+#: Width of a picture [in], that of the text on a page of A4 with margins of 25 mm; sizes of text at that width [pt].
+WIDTH, FONT, SMALL = 6.3, 8.5, 7.5
 
 #: Colours of Okabe & Ito (2008), told apart by colour-blind eyes, and a grey.
 PALETTE = {
@@ -50,11 +47,8 @@ PALE = "#DDDDDD"
 #: Dashes: of a line to compare with, and dots.
 DASHED, DOTTED = (0, (6, 3)), (0, (1.2, 1.2))
 
-#: Label of the figures that are made here.
-_OURS = "rockpulse"
-
-#: Columns by which a long history is drawn: more cannot be told apart on the page.
-INSTANTS = 700
+#: Label of the figures that are made here; columns by which a long history is drawn: more cannot be told apart.
+_OURS, INSTANTS = "rockpulse", 700
 
 #: The Axes of a user for a picture of several panels: one, several, or those of ``plt.subplots``.
 Panels: TypeAlias = "Axes | Sequence[Axes] | np.ndarray"
@@ -252,11 +246,8 @@ _SYMBOLS = {
 }
 _SYMBOL = re.compile(rf"\b({'|'.join(map(re.escape, _SYMBOLS))})\b")
 
-#: Mathematics of matplotlib: between dollars that are not escaped.
-_MATHEMATICS = re.compile(r"(?<!\\)\$[^$]+(?<!\\)\$")
-
-#: First of the letters that no text has.
-_PRIVATE = 0xE000
+#: Mathematics of matplotlib: between dollars that are not escaped. The first of the letters that no text has.
+_MATHEMATICS, _PRIVATE = re.compile(r"(?<!\\)\$[^$]+(?<!\\)\$"), 0xE000
 
 
 def unit(units: str) -> str:
@@ -281,14 +272,9 @@ def plain(name: object) -> str:
 
 
 def wrapped(words: str, width: int) -> str:
-    r"""Text broken into lines of `width` characters: mathematics counts as long as it is drawn, and is never broken.
+    """Text broken into lines of `width` characters: mathematics counts as long as it is drawn, and is never broken.
 
     Longer words are cut, so that no id leaves the picture. Line breaks in the text stay.
-
-    Examples
-    --------
-    >>> wrapped("a row of $\\alpha_c$ and so on", 13)
-    'a row of $\\alpha_c$\nand so on'
     """
     pieces = _MATHEMATICS.findall(words)
     # Each piece is replaced by as many letters of its own as it shows.

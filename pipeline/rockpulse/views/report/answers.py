@@ -47,10 +47,7 @@ def model_heading(model: str) -> Heading:
 
 
 class AnswerCells:
-    """Cells of every record and body, whose marks the notes of the page explain.
-
-    ``names`` are the ids of the records, marked where their peak is doubtful.
-    """
+    """Cells of every record and body, whose marks the notes of the page explain; ``names`` are the marked ids."""
 
     def __init__(self, answers: Answers) -> None:
         self.answers = answers
@@ -80,10 +77,7 @@ class AnswerCells:
         return Cell(body.block, link=f"body-{body.place}")
 
     def verdict(self, record: int, lane: int) -> Cell:
-        """The probability of overturning under a record, which is a number; else the answer of the model in words.
-
-        It is sorted from best to worst.
-        """
+        """The probability of overturning under a record, else the answer in words, sorted from best to worst."""
         if self.answers.probable:
             (cell,) = self.cells(columns("overturning_probability"), [record], [lane])[0]
             return cell

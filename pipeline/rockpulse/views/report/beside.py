@@ -1,7 +1,4 @@
-"""Whether the files of a report belong together: a curve of another body is never shown as this body's.
-
-The parts of a report on a site calibration and on fragility curves that are shown beside the verdict.
-"""
+"""The parts of a report on a site calibration and on fragility curves, and whether these belong to the results."""
 
 import re
 from dataclasses import dataclass
@@ -18,6 +15,7 @@ from rockpulse.record.measures import PGA
 from rockpulse.storage.hdf5.netcdf4 import flag_words
 from rockpulse.storage.variables.fragility import FRAGILITY
 from rockpulse.storage.variables.site import SITE_KIND
+from rockpulse.views.shared.columns import shown, tabulated, titled
 from rockpulse.views.shared.files_used import files_used
 from rockpulse.views.shared.table import Cell, Heading, Table, number
 from rockpulse.views.shared.terminal import share
@@ -47,16 +45,15 @@ _OF_THE_MOTION = {
     "conditioning": None,
 }
 
+_ASSESS_AGAIN = "run 'rockpulse assess --sequence' with this site file, or give the one that it was run with"
+
 #: Names that are given one by one in a sentence.
 NAMED = 6
 
 
 @dataclass(frozen=True, eq=False)
 class Paired:
-    """Another file beside the results, and what they have in common.
-
-    The tree holds, of fragility curves, those of bodies of the results only, each once.
-    """
+    """Another file beside the results, of fragility curves the common bodies alone, and what both have in common."""
 
     tree: xr.DataTree
     missing: tuple[str, ...]  # bodies of the results only
@@ -83,18 +80,13 @@ class Paired:
 def paired(results: xr.DataTree, other: xr.DataTree, kind: str, name: str) -> Paired:
     """Compare a file with the results that it is to be shown beside.
 
-    Raises
-    ------
-    ResultsError
-        Where a body has the name of one of the results and another p, alpha_c or C; where fragility curves have no body
-        of the results; where a sequence that was assessed is not the design of the site.
+    A ResultsError where a body has the name of one of the results and another p, alpha_c or C, where no body of
+    fragility curves is in the results, and where a sequence that was assessed is not the design of the site.
     """
     summary = results["summary"].to_dataset()
-    kept, missing, foreign = _bodies(
-        summary, other["site" if kind == SITE_KIND else FRAGILITY].to_dataset(), kind, name
-    )
+    site = other["site" if kind == SITE_KIND else FRAGILITY].to_dataset()
+    kept, missing, foreign = _bodies(summary, site, kind, name)
     if kind == SITE_KIND:
-        site = other["site"].to_dataset()
         if Answers(summary).motions.kind == "sequence":
             _check_design(summary, site, name)
         ids, pga = site["record"].values, (site["pga"] / site["scale_factor"]).values
@@ -104,8 +96,8 @@ def paired(results: xr.DataTree, other: xr.DataTree, kind: str, name: str) -> Pa
                 f"{name}: none of its bodies ({some(foreign, NAMED)}) is a body of the results "
                 f"({some(missing, NAMED)}); run 'rockpulse fragility' with the configuration of these results"
             )
-        groups = {place: node.to_dataset() for place, node in other.children.items()}
-        own = {place: one.isel(block=kept) if "block" in one.dims else one for place, one in groups.items()}
+        nodes = other.children.items()
+        own = {place: node.to_dataset().isel(block=kept, missing_dims="ignore") for place, node in nodes}
         other = type(other).from_dict({"/": other.to_dataset(), **own})
         ids, pga = _of_capacities(other["capacities"].to_dataset())
     assessed = dict(zip(map(str, summary["record"].values), summary["pga"].values.tolist(), strict=True))
@@ -169,8 +161,7 @@ def _check_design(summary: xr.Dataset, site: xr.Dataset, name: str) -> None:
     if not same or spacing != site.attrs["spacing"]:
         raise ResultsError(
             f"{name}: the sequence that was assessed is not the design of this site: {_sequence(assessed, spacing)} in "
-            f"the results, {_sequence(design, site.attrs['spacing'])} in the site file; run 'rockpulse assess "
-            "--sequence' with this site file, or give the one that it was run with"
+            f"the results, {_sequence(design, site.attrs['spacing'])} in the site file; {_ASSESS_AGAIN}"
         )
 
 
@@ -180,14 +171,12 @@ def _check_factors(summary: xr.Dataset, site: xr.Dataset, name: str) -> None:
     model = next(name for name in map(str, summary["model"].values) if MODELS[name].paired)
     factors = summary["safety_factor"].isel(record=0).sel(model=model)
     for body in bodies_of(summary):
-        own = factors.isel(block=body.place)
-        here = float(own.isel(case=body.case) if "case" in own.dims else own)
+        here = float(factors.isel(block=body.place).isel(case=body.case, missing_dims="ignore"))
         there = designed.get(body.name, np.nan)
         if np.isfinite(here) and not _close((here,), (there,)):
             raise ResultsError(
                 f"{name}: the design that was assessed is not that of this site: the factor of {body.name} is "
-                f"{here:.7g} in the results, {there:.7g} in the site file; run 'rockpulse assess --sequence' with this "
-                "site file, or give the one that it was run with"
+                f"{here:.7g} in the results, {there:.7g} in the site file; {_ASSESS_AGAIN}"
             )
 
 
@@ -231,10 +220,7 @@ def _set(value: Any) -> str:
 
 @dataclass(frozen=True)
 class Part:
-    """A section of the report: loud remarks, sentences, tables.
-
-    ``blocks`` names the bodies that have curves; ``banded`` says whether any of these has a confidence band.
-    """
+    """A section of the report: loud remarks, sentences, tables; the bodies with curves, and whether one has a band."""
 
     remarks: tuple[str, ...]
     statements: tuple[str, ...]
@@ -264,42 +250,30 @@ def _not_used(of: Paired) -> list[str]:
 
 
 def _events(site: xr.Dataset) -> Table:
-    headings = (
-        Heading(say("head.earthquake")),
-        Heading(say("head.records")),
-        Heading(say("site.coverage_head"), note=say("site.without_it")),
+    selected = (
+        titled(say("head.earthquake"), Cell, "site_event"),
+        titled(say("head.records"), shown(str), "event_records"),
+        titled(say("site.coverage_head"), shown(share), "event_coverage", note=say("site.without_it")),
     )
-    columns = (site[name].values.tolist() for name in ("site_event", "event_records", "event_coverage"))
-    rows = tuple(
-        (Cell(name), number(count, str), number(covered, share)) for name, count, covered in zip(*columns, strict=True)
-    )
-    return Table("site-events", say("site.earthquakes"), headings, rows)
+    return tabulated("site-events", say("site.earthquakes"), selected, site)
 
 
 def _every_record(site: xr.Dataset) -> Table:
-    headings = (
-        *(Heading(say(key)) for key in ("head.record", "head.earthquake", "site.weight", "site.factor")),
-        *(Heading(name, unit) for name, unit in (("PGA", "m/s2"), ("PGV", "m/s"), ("I", "m/s"), ("I_s/I", ""))),
-        Heading("dT", "s"),
-        Heading(say("site.main_impulses")),
-        Heading(say("site.duration"), "s"),
-        Heading(say("site.misfit"), note="ln, rms"),
-        Heading(say("site.below"), note=say("site.of_blocks")),
+    count, duration = say("site.main_impulses"), say("site.duration")
+    parameters = (("I", "m/s"), ("I_s/I", ""), ("dT", "s"), (count, ""), (duration, "s"))
+    selected = (
+        titled(say("head.record"), Cell, "record"),
+        titled(say("head.earthquake"), Cell, "event"),
+        titled(say("site.weight"), number, "weight"),
+        titled(say("site.factor"), number, "scale_factor"),
+        titled("PGA", number, "pga", unit="m/s2"),
+        titled("PGV", number, "pgv", unit="m/s"),
+        *(titled(title, number, title, unit=unit) for title, unit in parameters),
+        titled(say("site.misfit"), number, "misfit", note="ln, rms"),
+        titled(say("site.below"), shown(share), "unsafe_share", note=say("site.of_blocks")),
     )
-    rows = []
-    for place, name in enumerate(site["record"].values.tolist()):
-        one = site.isel(record=place)
-        rows.append(
-            (
-                Cell(name),
-                Cell(one["event"].item()),
-                *(number(float(one[key])) for key in ("weight", "scale_factor", "pga", "pgv")),
-                *map(number, one["value"].transpose("parameter").values.tolist()),
-                number(float(one["misfit"])),
-                number(float(one["unsafe_share"]), share),
-            )
-        )
-    return Table("site-records", say("site.caption.records"), headings, tuple(rows))
+    values = {title: site["value"].isel(parameter=place) for place, (title, _) in enumerate(parameters)}
+    return tabulated("site-records", say("site.caption.records"), selected, site.assign(values))
 
 
 def describe_fragility(of: Paired, assessed: int, model: str) -> Part:
@@ -307,30 +281,23 @@ def describe_fragility(of: Paired, assessed: int, model: str) -> Part:
     tree = of.tree
     curves = tree["fragility"].to_dataset()
     own = curves.sel(measure=shown_measure(curves))
-    said = say(
-        "fragility.from",
-        records=records_words(tree),
-        common=say("fragility.common" if assessed else "fragility.sequence", same=of.same, assessed=assessed),
-        data=say(f"fragility.{tree.attrs['data']}"),
-    )
+    common = say("fragility.common" if assessed else "fragility.sequence", same=of.same, assessed=assessed)
+    data = say(f"fragility.{tree.attrs['data']}")
+    said = say("fragility.from", records=records_words(tree), common=common, data=data)
+    remarks = [*_not_used(of), *of.other_motions("fragility", assessed)]
+    equation = stored_sections(str(tree.attrs.get("configuration", ""))).get("fragility", {}).get("equation", model)
+    if equation != model and model not in SEQUENCE_MODELS:
+        remarks.append(say("fragility.equation", equation=say(f"models.{equation}"), model=say(f"models.{model}")))
+    named = {"missing": of.missing, "foreign": of.foreign}
+    remarks += [say(f"fragility.{key}", names=listed(names)) for key, names in named.items() if names]
     tables = [median_table(tree), _remark_table(own), *sufficiency_tables(tree["efficiency"].to_dataset())]
     return Part(
-        (*_not_used(of), *_differences(of, assessed, model)),
+        tuple(remarks),
         (said,),
         tuple(table for table in tables if table.rows),
         tuple(own["block"].values.tolist()),
         bool(own["median_low"].notnull().any()),
     )
-
-
-def _differences(of: Paired, assessed: int, model: str) -> list[str]:
-    """Sentences on the things in which the curves and the verdict differ."""
-    said = of.other_motions("fragility", assessed)
-    equation = stored_sections(str(of.tree.attrs.get("configuration", ""))).get("fragility", {}).get("equation", model)
-    if equation != model and model not in SEQUENCE_MODELS:
-        said.append(say("fragility.equation", equation=say(f"models.{equation}"), model=say(f"models.{model}")))
-    named = {"missing": of.missing, "foreign": of.foreign}
-    return [*said, *(say(f"fragility.{key}", names=listed(names)) for key, names in named.items() if names)]
 
 
 def _remark_table(own: xr.Dataset) -> Table:

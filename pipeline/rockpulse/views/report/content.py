@@ -25,17 +25,7 @@ from rockpulse.views.report.records import (
     warning_table,
 )
 from rockpulse.views.report.remarks import Limit, limits, remarks
-from rockpulse.views.report.verdict import (
-    MOST,
-    Card,
-    Drawing,
-    basis,
-    body_table,
-    cards,
-    counted_by,
-    drawings,
-    legend,
-)
+from rockpulse.views.report.verdict import MOST, Card, Drawing, basis, body_table, cards, counted_by, drawings, legend
 from rockpulse.views.shared.files_used import files_used
 from rockpulse.views.shared.table import Fact, Table
 from rockpulse.views.shared.words import named, say
@@ -104,8 +94,7 @@ def gather(tree: xr.DataTree, site: Paired | None = None, fragility: Paired | No
     sections = stored_sections(configuration)
     files, drawn = files_used(tree), drawings(tree)
     calibrated = None if site is None else site.tree["site"].to_dataset()
-    components = str(sections.get("records", {}).get("components", ""))
-    said = remarks(answers, found, files, calibrated, components)
+    said = remarks(answers, found, files, calibrated, str(sections.get("records", {}).get("components", "")))
     title = str(tree.attrs.get("title", ""))
     if configuration and not sections.get("site", {}).get("name"):
         title = say(f"page.title_by_{'sequence' if by_sequence else 'records'}")

@@ -1,8 +1,4 @@
-"""Drawings in SVG without matplotlib: a body with what holds it, and a record as a strip.
-
-A body is to scale, seen along the base, theta > 0 to the right, fitted into a square. A strip is an accelerogram in a
-few kilobytes, by the extremes in each column of pixels.
-"""
+"""Drawings in SVG without matplotlib: a body to scale with what holds it, and an accelerogram as a strip."""
 
 import math
 from collections.abc import Callable, Sequence
@@ -28,12 +24,6 @@ WIDTH, HEIGHT = 700, 110
 
 #: Room for the numbers below and beside a strip.
 LEFT, BOTTOM, TOP = 52, 20, 8
-
-_STRIP = """<svg viewBox="0 0 {width} {height}" class="strip" role="img" aria-label="{label}">
-{shade}<path class="axis" d="M{left} {middle}H{width}"/><path class="trace" d="{path}"/>
-<text x="{text}" y="{upper}" text-anchor="end">{peak}</text>
-<text x="{text}" y="{lower}" text-anchor="end">−{peak}</text>
-<text x="{left}" y="{foot}">0</text><text x="{width}" y="{foot}" text-anchor="end">{end}</text></svg>"""
 
 
 @dataclass(frozen=True)
@@ -114,10 +104,7 @@ def _arrow(x0: float, y0: float, x1: float, y1: float, kind: str) -> str:
 
 
 def strip(acceleration: np.ndarray, dt: float, intense: tuple[float, float]) -> str:
-    """An element `<svg>` of the accelerogram [m/s2], the intense phase (start and end [s], or NaN) shaded.
-
-    The vertical scale is that of the record's own PGA.
-    """
+    """An element `<svg>` of the accelerogram [m/s2], the intense phase (start and end [s], or NaN) shaded."""
     peak = float(np.max(np.abs(acceleration)))
     end = dt * (acceleration.size - 1)
     span, high = WIDTH - LEFT, HEIGHT - BOTTOM - TOP
@@ -129,18 +116,9 @@ def strip(acceleration: np.ndarray, dt: float, intense: tuple[float, float]) -> 
     if np.all(np.isfinite(intense)):
         start, stop = (LEFT + span * min(max(instant / end, 0.0), 1.0) for instant in intense)
         shade = f'<rect class="intense" x="{start:.1f}" y="{TOP}" width="{stop - start:.1f}" height="{high}"/>\n'
-    return _STRIP.format(
-        width=WIDTH,
-        height=HEIGHT,
-        left=LEFT,
-        text=LEFT - 6,
-        shade=shade,
-        middle=f"{middle:.1f}",
-        upper=TOP + 9,
-        lower=TOP + high,
-        foot=HEIGHT - 4,
-        path="M" + "L".join(points),
-        peak=figure(peak / STANDARD_GRAVITY, "g"),
-        end=figure(end, "s"),
-        label=say("picture.label"),
-    )
+    told, length = figure(peak / STANDARD_GRAVITY, "g"), figure(end, "s")
+    return f"""<svg viewBox="0 0 {WIDTH} {HEIGHT}" class="strip" role="img" aria-label="{say("picture.label")}">
+{shade}<path class="axis" d="M{LEFT} {middle:.1f}H{WIDTH}"/><path class="trace" d="M{"L".join(points)}"/>
+<text x="{LEFT - 6}" y="{TOP + 9}" text-anchor="end">{told}</text>
+<text x="{LEFT - 6}" y="{TOP + high}" text-anchor="end">−{told}</text>
+<text x="{LEFT}" y="{HEIGHT - 4}">0</text><text x="{WIDTH}" y="{HEIGHT - 4}" text-anchor="end">{length}</text></svg>"""

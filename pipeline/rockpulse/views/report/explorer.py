@@ -1,8 +1,4 @@
-"""The part of the page to explore: bodies that rock in time under the few records that tell most of them.
-
-The motions are those of `rockpulse.plots`: as stored, else computed again from the stored accelerogram, at five factors
-on the record. The script of the page draws them; it computes no motion.
-"""
+"""The part of the page to explore: bodies that rock in time under a few records, at five factors on each."""
 
 import json
 import math
@@ -61,10 +57,7 @@ class _Motion(NamedTuple):
 
 
 def explorer(tree: xr.DataTree, file: str = "results.h5") -> Explorer | None:
-    """The motions to explore of the results in a file.
-
-    None where nothing moves in time: a design sequence, no record, or a model that follows none.
-    """
+    """The motions to explore; None under a design sequence, without a record, by a model without motions in time."""
     answers, told = Answers(tree["summary"].to_dataset()), section("explorer")
     if answers.model not in FOLLOWING or not answers.bodies or not (answers["npts"] >= 0).any():
         return None

@@ -1,7 +1,4 @@
-"""What the page shows of how a body moves: records, factors, the probability there, and curves as extremes.
-
-A curve in time is shown as the extremes of each of many columns, in numbers of 16 bits for the script of the page.
-"""
+"""The records, factors, probabilities and curves that the part to explore shows of a body."""
 
 import base64
 import math

@@ -23,10 +23,7 @@ GOVERNING = 10
 
 @dataclass(frozen=True)
 class BodyPage:
-    """One block: a verdict for each restitution, and the records that come nearest to overturning it, or beyond.
-
-    ``key`` is the id of the part of the page.
-    """
+    """One block: a verdict for each restitution, and the records that come nearest to overturning it, or beyond."""
 
     key: str
     name: str
@@ -37,10 +34,7 @@ class BodyPage:
 
 @dataclass(frozen=True)
 class RecordPage:
-    """One record, a row of /summary: what is known of it in words, how the worst body stands, and every body under it.
-
-    ``key`` is the id of the part of the page.
-    """
+    """One record, a row of /summary: its facts, the worst answer, and every body under it."""
 
     key: str
     name: str
@@ -78,9 +72,8 @@ def record_pages(cells: AnswerCells) -> list[RecordPage]:
     for place, (record, event) in enumerate(zip(answers.records, answers["event"], strict=True)):
         worst = cells.verdict(place, cells.worst(place)) if answers.bodies else Cell(ABSENT)
         one = Known(answers.summary, record=record)
-        brief = ", ".join(one.strength)
-        if math.isnan(one.value(PGA)):
-            brief = f"I {figure(one.value('main_impulse'), 'm/s')}"
+        impulse = f"I {figure(one.value('main_impulse'), 'm/s')}"
+        brief = impulse if math.isnan(one.value(PGA)) else ", ".join(one.strength)
         pages.append(
             RecordPage(
                 key=f"record-{place}",

@@ -41,12 +41,14 @@ class Pictures:
         self._tree = tree
         self._site, self._fragility = (None if other is None else other.tree for other in (site, fragility))
         self._summary = tree["summary"].to_dataset()
+        axes = ("record", "block")
+        self._records, self._blocks = ([str(name) for name in self._summary[axis].values] for axis in axes)
         stored = tree["records"].to_dataset() if "records" in tree.children else None
         self._stored = None if stored is None or "acceleration" not in stored else stored
-        count = self._summary.sizes["record"]
         self._found = content.found
         governing = {one.governing for one in content.found if one.governing >= 0}
-        self._in_full = set(range(count)) if count <= IN_FULL else set(sorted(governing)[:IN_FULL])
+        few = len(self._records) <= IN_FULL
+        self._in_full = set(range(len(self._records))) if few else set(sorted(governing)[:IN_FULL])
 
     def strip(self, record: int) -> Picture:
         """The accelerogram of a record, small."""
@@ -55,8 +57,7 @@ class Pictures:
             return Picture(Markup(""), say("picture.not_stored"))
         one = self._summary.isel(record=record)
         phase = float(one["intense_start"]), float(one["intense_end"])
-        drawn = strip(acceleration, float(one["dt"]), phase)
-        return Picture(Markup(drawn), say("picture.strip"))
+        return Picture(Markup(strip(acceleration, float(one["dt"]), phase)), say("picture.strip"))
 
     def _acceleration(self, record: int) -> np.ndarray:
         """The stored samples of a record; none where they are not stored."""
@@ -71,23 +72,17 @@ class Pictures:
             return None
         from rockpulse.views.plots.ground_motion import accelerogram, stored_motion
 
-        name = str(self._summary["record"].values[record])
-        return self._drawn(
-            lambda: _bare(accelerogram(stored_motion(self._tree, name))[0]),
-            f"record{record}",
-            say("picture.in_full"),
-        )
+        motion = partial(stored_motion, self._tree, self._records[record])
+        return self._drawn(lambda: _bare(accelerogram(motion())[0]), f"record{record}", say("picture.in_full"))
 
     def body(self, block: int, name: str = "body") -> Picture:
         """Factors on the records at which a body overturns, and the windows between them."""
         from rockpulse.views.plots.critical_factors import overturning_map
 
-        body = str(self._summary["block"].values[block])
         if not Answers(self._summary).probable and "overturning_intervals" not in self._tree.children:
             return Picture(Markup(""), say("picture.no_factors"))
-        return self._drawn(
-            lambda: overturning_map(self._tree, block=body, most=IN_A_MAP), f"{name}{block}", say("picture.map")
-        )
+        draw = partial(overturning_map, self._tree, block=self._blocks[block], most=IN_A_MAP)
+        return self._drawn(draw, f"{name}{block}", say("picture.map"))
 
     def motion(self, block: int) -> Picture | None:
         """The rotation of a body in time under the record that comes nearest to overturning it, or beyond it.
@@ -99,12 +94,12 @@ class Pictures:
         from rockpulse.views.plots.model_histories import histories
 
         model = fullest_model(self._summary)
-        if self._stored is None or not own or self._summary.sizes["block"] > IN_FULL or model not in DRAWN:
+        if self._stored is None or not own or len(self._blocks) > IN_FULL or model not in DRAWN:
             return None
         from rockpulse.views.plots.rotation import rotation_history
 
         worst = min(own, key=lambda one: one.margin.smallest)
-        record, body = str(self._summary["record"].values[worst.governing]), worst.body
+        record, body = self._records[worst.governing], worst.body
 
         def draw() -> Axes:
             found = histories(self._tree, record, body.block, [model], body.case + 1)
@@ -113,11 +108,8 @@ class Pictures:
             ax: Axes = rotation_history(found)[0]
             return ax
 
-        return self._drawn(
-            draw,
-            f"motion{block}",
-            say("picture.rotation", body=body.name, record=record, model=say(f"models.{model}")),
-        )
+        caption = say("picture.rotation", body=body.name, record=record, model=say(f"models.{model}"))
+        return self._drawn(draw, f"motion{block}", caption)
 
     def explaining(self) -> list[Picture]:
         """The pictures that explain the verdict: the overturning spectra of the records with the bodies as points.
@@ -136,8 +128,7 @@ class Pictures:
             median = float(self._summary["restitution"].median())
             c = float(spectra["restitution"].sel(restitution=median, method="nearest"))
             found.append(self._drawn(draw, "spectra", say("picture.spectra", c=figure(c))))
-        others = [one for one in self._found if one.body.block not in plain]
-        if others:
+        if others := [one for one in self._found if one.body.block not in plain]:
             worst = max(others, key=lambda one: (one.overall, one.decides.value))
             found.append(self.body(worst.body.place, "front"))
         return found
@@ -148,11 +139,17 @@ class Pictures:
 
         tree = self._site
         assert tree is not None
-        return self._drawn(
-            lambda: _bare(calibration(tree).flat[0]),
-            "site",
-            say(f"picture.site_{'spectrum' if tree['site'].attrs['method'] == 'spectrum' else 'parameters'}"),
-        )
+        kind = "spectrum" if tree["site"].attrs["method"] == "spectrum" else "parameters"
+        return self._drawn(lambda: _bare(calibration(tree).flat[0]), "site", say(f"picture.site_{kind}"))
+
+    def fragility(self, block: str) -> Picture:
+        """The curves of a body; only asked for with a fragility file."""
+        from rockpulse.views.plots.fragility_curves import fragility_panels
+
+        tree = self._fragility
+        assert tree is not None
+        place = tree["fragility"].to_dataset().get_index("block").get_loc(block)
+        return self._drawn(lambda: fragility_panels(tree, block)[0], f"fragility{place}", say("picture.fragility"))
 
     def _drawn(self, draw: Callable[[], Axes], name: str, caption: str) -> Picture:
         """A picture of rockpulse.views.plots; what it refuses to draw is said in its place."""
@@ -164,19 +161,6 @@ class Pictures:
             return Picture(Markup(""), str(reason))
         assert figure is not None
         return Picture(Markup(svg(figure, name)), caption)
-
-    def fragility(self, block: str) -> Picture:
-        """The curves of a body; only asked for with a fragility file."""
-        from rockpulse.views.plots.fragility_curves import fragility_panels
-
-        tree = self._fragility
-        assert tree is not None
-        place = tree["fragility"].to_dataset().get_index("block").get_loc(block)
-        return self._drawn(
-            lambda: fragility_panels(tree, block)[0],
-            f"fragility{place}",
-            say("picture.fragility"),
-        )
 
 
 def _spectra(tree: xr.DataTree, spectra: xr.Dataset) -> Axes:

@@ -16,7 +16,7 @@ from rockpulse.record.measures import PGA
 from rockpulse.record.record import STANDARD_GRAVITY
 from rockpulse.selection.events import UNKNOWN
 from rockpulse.views.shared.facts import Known
-from rockpulse.views.shared.files_used import reasons_of
+from rockpulse.views.shared.files_used import failure_rows, reasons_of
 from rockpulse.views.shared.table import Cell, Fact, Heading, Table, number
 from rockpulse.views.shared.terminal import figure, ratio
 from rockpulse.views.shared.words import counted, listed, say
@@ -60,10 +60,7 @@ def record_named(known: Known, name: str) -> str:
 
 
 def used_table(answers: Answers) -> Table:
-    """A row for the records of one station and earthquake: its magnitude, directions, PGA and the worst answer.
-
-    Of many the strongest ones; the caption tells how many there are.
-    """
+    """A row for the records of one station and earthquake; of many the strongest ones, as the caption says."""
     pga = answers["pga"]
     groups: dict[tuple[str, str, str], list[int]] = {}
     for row, (record, event) in enumerate(zip(answers.records, answers["event"], strict=True)):
@@ -115,17 +112,14 @@ def event_table(answers: Answers) -> Table:
         of_event.setdefault(event, []).append(place)
     rows = []
     for event, places in of_event.items():
-        known = [
-            Known(answers.summary, record=answers.records[row]) for row in np.unique(motions.index[places]) if row >= 0
-        ]
+        members = np.unique(motions.index[places])
+        known = [Known(answers.summary, record=answers.records[row]) for row in members if row >= 0]
         names = ", ".join(motions.names[place] for place in places)
         rows.append((Cell(event_name(event)), *_of_earthquake(known), number(len(places), str), Cell(names)))
-    titles = ("earthquake", "date", "magnitude", "distance", "motions", "which")
-    always = ("earthquake", "motions", "which")
-    shown = [place for place, title in enumerate(titles) if title in always or any(row[place].text for row in rows)]
+    titles, always = ("earthquake", "date", "magnitude", "distance", "motions", "which"), (0, 4, 5)
+    shown = [place for place in range(len(titles)) if place in always or any(row[place].text for row in rows)]
     of_shown = tuple(tuple(row[place] for place in shown) for row in rows)
-    headings = tuple(Heading(say(f"head.{titles[place]}")) for place in shown)
-    return Table("earthquakes", say("caption.earthquakes"), headings, of_shown)
+    return Table("earthquakes", say("caption.earthquakes"), _headings(*(titles[place] for place in shown)), of_shown)
 
 
 def _of_earthquake(known: Sequence[Known]) -> tuple[Cell, Cell, Cell]:
@@ -134,20 +128,15 @@ def _of_earthquake(known: Sequence[Known]) -> tuple[Cell, Cell, Cell]:
     magnitudes = list(dict.fromkeys(told for one in known if (told := one.magnitude)))
     distances = [distance / 1000.0 for one in known if not math.isnan(distance := one.real("epicentral_distance"))]
     largest = max((one.real("magnitude") for one in known if one.magnitude), default=math.nan)
-    ends = list(dict.fromkeys(figure(end) for end in (min(distances), max(distances)))) if distances else []
-    return (
-        Cell(dates[0] if dates else ""),
-        Cell(", ".join(magnitudes), largest),
-        Cell(
-            say("between", low=ends[0], high=ends[1]) if len(ends) > 1 else "".join(ends),
-            min(distances, default=math.nan),
-        ),
-    )
+    nearest, farthest = min(distances, default=math.nan), max(distances, default=math.nan)
+    low, high = figure(nearest), figure(farthest)
+    reach = "" if not distances else low if low == high else say("between", low=low, high=high)
+    return Cell(dates[0] if dates else ""), Cell(", ".join(magnitudes), largest), Cell(reach, nearest)
 
 
 def left_out_table(tree: xr.DataTree) -> Table:
     """The files and channels that are no part of the verdict: a row for each kind, with reasons in readers' words."""
-    found, beside = apart(by_kind(tree))
+    found, beside = apart(failure_rows(tree))
     rows = []
     for kind, every in found.items():
         said, rest = reasons_of(every, REASONS, LONGEST) if kind in _TOLD else ([say(f"left_out.why.{kind}")], 0)
@@ -193,7 +182,7 @@ def failure_table(tree: xr.DataTree) -> Table:
             Cell(", ".join(dict.fromkeys(row.place for row in group))),
             Cell(group[0].bare),
         )
-        for kind, entries in by_kind(tree).items()
+        for kind, entries in by_kind(failure_rows(tree)).items()
         for group in alike(entries)
     )
     return Table("failures", say("caption.left_out"), _headings("kind", "step", "file", "reason"), rows)

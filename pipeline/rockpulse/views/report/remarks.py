@@ -41,11 +41,7 @@ def remarks(
     site: xr.Dataset | None = None,
     components: str = "",
 ) -> list[Limit]:
-    """Everything that the verdict on the bodies by a model does not say by itself, the gravest first.
-
-    `files` says what failed; `site` is the node /site of a site file; `components` says
-    which direction of a pair of channels was assessed ([records] components).
-    """
+    """The remarks on the verdicts, the gravest first, with the node /site of a site file and [records] components."""
     summary, motions = answers.summary, answers.motions
     said = [_doubtful(summary), *_few(found), *_of_model(answers), _unknown(answers, found)]
     if motions.kind == "sequence":
@@ -136,12 +132,8 @@ def _of_design(site: xr.Dataset, found: Sequence[BodyVerdict]) -> list[Limit]:
     """The remarks on bodies that stand under the design of their site."""
     standing = [one for one in found if one.grade < Grade.MAY_OVERTURN]
     confidence = share(float(site["confidence"]))
-    if site.attrs["method"] == "spectrum":
-        within, fallen = _of_spectrum(site, standing)
-        kind = "spectrum"
-    else:
-        within, fallen = _of_sequences(site, standing)
-        kind = "sequences"
+    kind = "spectrum" if site.attrs["method"] == "spectrum" else "sequences"
+    within, fallen = (_of_spectrum if kind == "spectrum" else _of_sequences)(site, standing)
     said = []
     if within:
         said.append(_limit("decides", f"within_{kind}", confidence=confidence, bodies=listed(within)))
@@ -223,9 +215,4 @@ def _several_restitutions(found: Sequence[BodyVerdict]) -> Limit | None:
     blocks = {one.body.block for one in found}
     if len(blocks) == len(found):
         return None
-    return _limit(
-        "notes",
-        "restitutions",
-        blocks=counted(len(blocks), "block"),
-        bodies=counted(len(found), "body"),
-    )
+    return _limit("notes", "restitutions", blocks=counted(len(blocks), "block"), bodies=counted(len(found), "body"))

@@ -1,8 +1,9 @@
 """The verdict: in a sentence for every body beside its drawing, in the table of the bodies, and what its words mean."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import NamedTuple
 
 import xarray as xr
@@ -131,14 +132,9 @@ def motions_words(motions: Motions) -> str:
     """The number of motions with that of their earthquakes."""
     if motions.kind == "sequence":
         return say("motions.sequence")
-    fields = {
-        "motions": counted(len(motions.names), motions.kind),
-        "events": counted(motions.event_count, "earthquake"),
-    }
-    if motions.kind == "pair":
-        key = "motions.pair_mean" if motions.any_azimuth else "motions.pair"
-        return say(key, directions=motions.index.shape[1], **fields)
-    return say("motions.record", **fields)
+    key = f"motions.{motions.kind}{'_mean' if motions.kind == 'pair' and motions.any_azimuth else ''}"
+    each = {"motions": counted(len(motions.names), motions.kind), "directions": motions.index.shape[1]}
+    return say(key, events=counted(motions.event_count, "earthquake"), **each)
 
 
 def legend(answers: Answers) -> str:
@@ -189,39 +185,40 @@ def body_table(answers: Answers, found: Sequence[BodyVerdict]) -> Table:
     """One row per body: verdict, probability at each demand and as it is, factor, the record that it rests on."""
     motions, factor = answers.motions, factor_title(answers.factor)
     c = COLUMNS["restitution"]
-    several = any(one.body.several for one in found)
-    headings = [
-        Heading(say("head.body")),
-        *([c.heading._replace(note="")] if several else []),
-        COLUMNS["verdict"].heading._replace(note=say(f"models.{answers.model}")),
-        Heading(say("head.smallest", factor=factor)),
+    of = say("head.probability" if answers.probable else "head.share")
+    by_sequence = motions.kind == "sequence"  # of which there is one
+    of_motions = "" if by_sequence else say("head.of", motions=counted(len(motions.names), motions.kind))
+    columns: list[tuple[Heading, Callable[[BodyVerdict], Cell]]] = [
+        (Heading(say("head.body")), lambda one: Cell(one.body.block, link=f"body-{one.body.place}")),
+        (c.heading._replace(note=""), lambda one: c.cell(one.body.restitution)),
+        (COLUMNS["verdict"].heading._replace(note=say(f"models.{answers.model}")), grade_cell),
+        *(
+            (Heading(say("head.at", what=of, name=name), note=say("head.interval")), partial(_at_demand, place))
+            for place, name in enumerate(answers.demands)
+        ),
+        (
+            Heading(say("head.as_recorded", what=of), note=say("head.interval")),
+            lambda one: _share_cell(one.share),
+        ),
+        (Heading(say("head.smallest", factor=factor)), lambda one: unexplained(margin_cells(one.margin)[0])),
+        (Heading(say("head.under")), lambda one: _governing(answers, one)),
+        (Heading(say("head.median", factor=factor)), lambda one: unexplained(margin_cells(one.margin)[1])),
+        (Heading(say("head.overturned"), note=of_motions), lambda one: number(one.overturned, str)),
+        (Heading(say("head.unknown")), lambda one: number(one.share.unknown, str)),
+        (Heading(say("head.not_lifted")), lambda one: number(one.at_rest, str)),
     ]
-    rows = [
-        [
-            Cell(one.body.block, link=f"body-{one.body.place}"),
-            *([c.cell(one.body.restitution)] if several else []),
-            grade_cell(one),
-            unexplained(margin_cells(one.margin)[0]),
-        ]
-        for one in found
-    ]
-    if motions.kind != "sequence":  # of which there is one
-        of = say("head.probability" if answers.probable else "head.share")
-        at = [say("head.at", what=of, name=name) for name in answers.demands]
-        at.append(say("head.as_recorded", what=of))
-        place = len(headings) - 1
-        headings[place:place] = [Heading(title, note=say("head.interval")) for title in at]
-        of_motions = say("head.of", motions=counted(len(motions.names), motions.kind))
-        headings += [Heading(say("head.under")), Heading(say("head.median", factor=factor))]
-        headings += [Heading(say("head.overturned"), note=of_motions)]
-        headings += [Heading(say(f"head.{name}")) for name in ("unknown", "not_lifted")]
-        for row, one in zip(rows, found, strict=True):
-            shares = [_share_cell(demand.share, GRADES[demand.grade]) for demand in one.demands]
-            row[place:place] = [*shares, _share_cell(one.share)]
-            row += [_governing(answers, one), unexplained(margin_cells(one.margin)[1])]
-            row += [number(count, str) for count in (one.overturned, one.share.unknown, one.at_rest)]
+    if by_sequence:
+        columns = [*columns[:3], columns[len(answers.demands) + 4]]
+    if not any(one.body.several for one in found):
+        del columns[1]
+    rows = tuple(tuple(cell(one) for _, cell in columns) for one in found)
     caption = say("caption.bodies", motions=motions_words(motions))
-    return Table("verdict-bodies", caption, tuple(headings), tuple(map(tuple, rows)), searched=FEW)
+    return Table("verdict-bodies", caption, tuple(heading for heading, _ in columns), rows, searched=FEW)
+
+
+def _at_demand(place: int, one: BodyVerdict) -> Cell:
+    demand = one.demands[place]
+    return _share_cell(demand.share, GRADES[demand.grade])
 
 
 def _governing(answers: Answers, one: BodyVerdict) -> Cell:

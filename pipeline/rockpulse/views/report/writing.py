@@ -1,7 +1,4 @@
-"""The report as a file: one page of HTML that asks nothing of a network, or the PDF that a browser prints of it.
-
-The browser is one that is on this machine, Chrome, Chromium or Edge, without a window.
-"""
+"""The report as a file: one page of HTML that asks nothing of a network, or the PDF that a browser prints of it."""
 
 import base64
 import hashlib
@@ -49,19 +46,11 @@ _FILES = {ASSESSMENT: "assessment", SITE_KIND: "site", FRAGILITY: "fragility"}
 #: The parts of the annex, by their ids; one that the results have nothing for is left out.
 ANNEXES = ("remarks", "site", "fragility", "all-answers", "bodies", "records", "method", "sources")
 
-#: What a page shows for words of the terminal.
-LETTERS = {
-    "theta_max": "θ_max",
-    "alpha_c": "α_c",
-    "theta": "θ",
-    "alpha": "α",
-    "beta": "β",
-    "dT": "ΔT",
-    "m/s2": "m/s²",
-}
+#: The letters and powers of a page for words of the terminal.
+LETTERS = {"theta_max": "θ_max", "alpha_c": "α_c", "theta": "θ", "alpha": "α", "beta": "β", "dT": "ΔT", "m/s2": "m/s²"}
 
-#: What these browsers are called on PATH.
-BROWSERS = (
+#: Names of these browsers on PATH.
+BROWSERS = [
     "chromium",
     "chromium-browser",
     "google-chrome",
@@ -69,20 +58,15 @@ BROWSERS = (
     "chrome",
     "microsoft-edge",
     "msedge",
-)
+]
 
-#: Where Windows and macOS keep them: below the folders of programs, and among the applications.
+#: Their places on Windows, below the folders of programs, and on macOS, among the applications.
 PROGRAMS = ("ProgramFiles", "ProgramFiles(x86)", "LocalAppData")
-WINDOWS = (
-    "Google/Chrome/Application/chrome.exe",
-    "Chromium/Application/chrome.exe",
-    "Microsoft/Edge/Application/msedge.exe",
+WINDOWS = tuple(
+    f"{name}.exe"
+    for name in ("Google/Chrome/Application/chrome", "Chromium/Application/chrome", "Microsoft/Edge/Application/msedge")
 )
-MACOS = (
-    "Google Chrome.app/Contents/MacOS/Google Chrome",
-    "Chromium.app/Contents/MacOS/Chromium",
-    "Microsoft Edge.app/Contents/MacOS/Microsoft Edge",
-)
+MACOS = tuple(f"{name}.app/Contents/MacOS/{name}" for name in ("Google Chrome", "Chromium", "Microsoft Edge"))
 
 #: Seconds that printing may take; a report of 200 records and 20 bodies takes some ten.
 LONGEST = 180.0
@@ -91,12 +75,8 @@ LONGEST = 180.0
 INSTEAD = "write the report as .html and print it from a browser"
 
 PRINTING = (
-    "--headless",
-    "--disable-gpu",
-    "--no-first-run",
-    "--disable-extensions",
-    "--disable-background-networking",
-    "--no-pdf-header-footer",
+    *("--headless", "--disable-gpu", "--no-first-run", "--disable-extensions"),
+    *("--disable-background-networking", "--no-pdf-header-footer"),
 )
 
 
@@ -197,9 +177,9 @@ def report_page(
     given = {ASSESSMENT: results, SITE_KIND: site, FRAGILITY: fragility}
     trees = {kind: _loaded(source, kind) for kind, source in given.items() if source is not None}
     tree = trees[ASSESSMENT]
-    others = {
-        kind: paired(tree, trees[kind], kind, _name(given[kind])) for kind in (SITE_KIND, FRAGILITY) if kind in trees
-    }
+    kinds = [kind for kind in (SITE_KIND, FRAGILITY) if kind in trees]
+    others = {kind: paired(tree, trees[kind], kind, _name(given[kind])) for kind in kinds}
+    beside = others.get(SITE_KIND), others.get(FRAGILITY)
     environment = Environment(
         loader=PackageLoader("rockpulse.views.report"),
         autoescape=True,
@@ -211,7 +191,7 @@ def report_page(
     environment.filters["typeset"] = typeset
     script = "".join(map(_text, ("report.js", "explorer_drawing.js", "explorer.js")))
     with writing(language):
-        content = gather(tree, others.get(SITE_KIND), others.get(FRAGILITY))
+        content = gather(tree, *beside)
         return environment.get_template("report.html").render(
             say=say,
             language=language,
@@ -220,12 +200,8 @@ def report_page(
             content=content,
             annexes=[one for one in ANNEXES if getattr(content, one, True)],
             worst_curve=_worst_curve(content),
-            pictures=Pictures(tree, others.get(SITE_KIND), others.get(FRAGILITY), content),
-            files=tuple(
-                Fact(say(f"page.file.{_FILES[kind]}"), _described(source))
-                for kind, source in given.items()
-                if source is not None
-            ),
+            pictures=Pictures(tree, *beside, content),
+            files=[Fact(say(f"page.file.{_FILES[kind]}"), _described(given[kind])) for kind in given if kind in trees],
             explorer=explorer(tree, str(results) if isinstance(results, str | Path) else "results.h5"),
             style=Markup(_text("report.css") + _text("explorer.css")),
             script=Markup(script),
@@ -255,8 +231,9 @@ def typeset(words: str) -> str:
 
 def _loaded(source: xr.DataTree | str | Path, kind: str) -> xr.DataTree:
     tree = load(source) if isinstance(source, str | Path) else source
-    found = str(tree.attrs.get("kind", _kind_by_group(tree)))
-    if found != kind:
+    groups = {"summary": ASSESSMENT, "site": SITE_KIND}  # a tree that was never saved may lack the attribute
+    by_group = next((groups[name] for name in groups if name in tree.children), "tree of another kind")
+    if (found := str(tree.attrs.get("kind", by_group))) != kind:
         raise ResultsError(f"{_name(source)}: expected {named(kind)} of rockpulse, found {named(found)}")
     return tree
 
@@ -265,14 +242,7 @@ def _name(source: xr.DataTree | str | Path | None) -> str:
     return str(source) if isinstance(source, str | Path) else "the tree"
 
 
-def _kind_by_group(tree: xr.DataTree) -> str:
-    """Trees that were never saved may lack the attribute."""
-    return (
-        ASSESSMENT if "summary" in tree.children else SITE_KIND if "site" in tree.children else "tree of another kind"
-    )
-
-
-def _described(source: xr.DataTree | str | Path) -> tuple[str, ...]:
+def _described(source: xr.DataTree | str | Path | None) -> tuple[str, ...]:
     if isinstance(source, str | Path):
         return str(source), f"SHA-256 {hash_of(source)}"
     return (say("page.in_memory"),)
@@ -302,13 +272,7 @@ def browser() -> str:
 
 
 def printed(page: str) -> bytes:
-    """The PDF of a page of HTML.
-
-    Raises
-    ------
-    ResultsError
-        Where there is no browser, or it does not print within the time.
-    """
+    """The PDF of a page of HTML; a ResultsError where there is no browser, or it does not print within the time."""
     program = browser()
     # A profile of its own: a browser that is open would take the page over, and print nothing.
     with tempfile.TemporaryDirectory(prefix="rockpulse-", ignore_cleanup_errors=True) as folder:

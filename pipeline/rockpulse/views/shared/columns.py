@@ -1,8 +1,7 @@
-"""The columns that people read, each declared once: its heading, the variables it is told by, and how they are shown.
+"""The columns of all tables, each declared once: its heading, the variables that it shows, and the form of its cells.
 
-The first table of the terminal, the lists of ``inspect``, its whole and the tables of the report are selections of
-these columns. The headings and the small print below them stand in the table of words, section [column]; a `--where`
-knows a column by its heading (:data:`rockpulse.storage.export.selection.SHOWN`).
+The headings and their small print stand in the table of words, section [column]; a `--where` knows a column by its
+heading (:data:`rockpulse.storage.export.selection.SHOWN`).
 """
 
 from __future__ import annotations
@@ -22,7 +21,7 @@ from rockpulse.readers.kit.channel import CREDIBLE_PEAK_G
 from rockpulse.record.measures import PGA, STORED, STORED_OF_BODIES, Measure
 from rockpulse.record.record import STANDARD_GRAVITY
 from rockpulse.remark import remarked
-from rockpulse.views.shared.table import Cell, Heading, Mark, number
+from rockpulse.views.shared.table import Cell, Heading, Mark, Table, number
 from rockpulse.views.shared.terminal import ABSENT, between, lower_bound, ratio, restitution, shortened
 from rockpulse.views.shared.words import say
 
@@ -47,23 +46,45 @@ class Rows(Protocol):
 
 @dataclass(frozen=True)
 class Column:
-    """A column: the variables that it is told by, and the cell that their values make.
-
-    Cells longer than ``width`` are cut on the terminal.
-    """
+    """A column: the variables that it shows, and the function that makes a cell of their values."""
 
     name: str
     of: tuple[str, ...]
     cell: Callable[..., Cell]
     unit: str = ""
-    width: int | None = None
-    title: str = ""  # in place of that of the words: a name, as of a model
+    width: int | None = None  # longer cells are cut on the terminal
+    title: str | None = None  # in place of that of the words: a name, as of a model
+    note: str = ""
 
     @property
     def heading(self) -> Heading:
         """The heading with its small print."""
-        note = say(f"column.{self.name}.note") if self.name in _NOTED else ""
-        return Heading(self.title or say(f"column.{self.name}.head"), self.unit, note, self.width)
+        title = say(f"column.{self.name}.head") if self.title is None else self.title
+        note = say(f"column.{self.name}.note") if self.name in _NOTED else self.note
+        return Heading(title, self.unit, note, self.width)
+
+
+def titled(title: str, cell: Callable[..., Cell], *of: str, **options: Any) -> Column:
+    """A column of one table alone, under a title of its own."""
+    return Column(title, of, cell, title=title, **options)
+
+
+class Along:
+    """The variables of a dataset along its only dimension as the rows of a table."""
+
+    def __init__(self, dataset: xr.Dataset) -> None:
+        self._dataset = dataset
+
+    def __getitem__(self, name: str) -> Sequence[Any]:
+        found: list[Any] = self._dataset[name].values.tolist()
+        return found
+
+
+def tabulated(
+    key: str, caption: str, selected: Sequence[Column], dataset: xr.Dataset, notes: tuple[str, ...] = ()
+) -> Table:
+    """The table of some columns with a row for every place along the dimension of a dataset."""
+    return Table(key, caption, headed(selected), tuple(filled(selected, Along(dataset))), notes)
 
 
 #: Columns with small print below their heading.
@@ -71,15 +92,7 @@ _NOTED = frozenset({"restitution", "uplift_ratio", "overturning_probability", "s
 
 
 def doubt(pga: float, codes: str) -> tuple[Mark, ...]:
-    """Marks of one record, by its PGA [m/s2] and the codes of its warnings.
-
-    Most records have none; the PGA of a sequence in place of a record is NaN.
-
-    Examples
-    --------
-    >>> [mark.shown for mark in (*doubt(981.0, ""), *doubt(4.2, "baseline_guessed clipped"))]
-    [' (peak?)', ' (clipped?)']
-    """
+    """Marks of one record, by its PGA [m/s2], which is NaN of a sequence, and the codes of its warnings."""
     low, high = (STANDARD_GRAVITY * bound for bound in CREDIBLE_PEAK_G)
     peak = pga < low or pga > high or remarked(codes, "header_peak")
     return ((PEAK,) if peak else ()) + ((CLIPPED,) if remarked(codes, "clipped", "full_scale") else ())
@@ -96,13 +109,7 @@ def record_cells(summary: xr.Dataset) -> list[Cell]:
 
 
 def answer_cell(outcome: int, peak: float, applicable: int) -> Cell:
-    """The answer of a model: the largest rotation over alpha_c, or a word, with its mark.
-
-    Examples
-    --------
-    >>> answer_cell(1, 0.4123, applicable=1).marked, answer_cell(2, 0.4, 0).marked
-    ('0.41', 'overturns*')
-    """
+    """The answer of a model: the largest rotation over alpha_c, or a word, with its mark."""
     marks = (OUTSIDE,) if applicable == 0 else ()
     if outcome in _SORTED:
         kind = Outcome(outcome)
@@ -112,16 +119,9 @@ def answer_cell(outcome: int, peak: float, applicable: int) -> Cell:
 
 
 def factor_cell(factor: float, limit: float = math.nan, bound: bool = False, intervals: int = 1) -> Cell:
-    """A factor, or a capacity over demand: marked where it is a lower bound, and with a number of intervals above one.
+    """A factor, or a capacity over demand: marked if it is a lower bound, and with the number of intervals above one.
 
-    `limit` says how far was searched where none was found.
-
-    Examples
-    --------
-    >>> [factor_cell(factor, 10.0).marked for factor in (1.31, math.inf)]
-    ['1.31', '>10']
-    >>> factor_cell(1.31, bound=True).marked, factor_cell(math.nan).marked, factor_cell(math.inf).marked
-    ('1.31!', '-', 'none')
+    `limit` is the end of the search in which no factor was found.
     """
     marks = ([NO_ANSWER] if bound else []) + ([Mark(sign=f" ({intervals})")] if intervals > 1 else [])
     if math.isnan(factor):
@@ -186,20 +186,26 @@ def grade_cell(one: BodyVerdict, before: str = "") -> Cell:
     return Cell(before + told, float(one.overall), grade="fair" if unsure else GRADES[one.overall])
 
 
-def _shown(show: Callable[[float], str], scale: float = 1.0) -> Callable[[float], Cell]:
-    return lambda value: number(value / scale, show)
+def shown(show: Callable[[float], str], scale: float = 1.0) -> Callable[[float], Cell]:
+    """The cell of a number in units of a scale."""
+    return lambda value: number(value if scale == 1.0 else value / scale, show)
 
 
-def _searched(factor: float, limit: float, resolved: int) -> Cell:
-    return factor_cell(factor, limit, resolved == 0)
+def _searched(factor: float, limit: float, resolved: int, intervals: int = 1) -> Cell:
+    return factor_cell(factor, limit, resolved == 0, intervals)
 
 
 def _probability(value: float, low: float, high: float) -> Cell:
     return Cell(ratio(value) if math.isnan(low) else f"{ratio(value)} ({between(low, high, ratio)})", value)
 
 
-def _of_all(count: int, total: int) -> Cell:
-    return Cell(say("count_of", count=count, total=total), float(count))
+def _capacity(capacity: float, limit: float, pga: float) -> Cell:
+    return factor_cell(capacity / STANDARD_GRAVITY, limit * pga / STANDARD_GRAVITY)
+
+
+def count_of(count: int, total: int) -> Cell:
+    """A number of all."""
+    return Cell(say("count_of", count=count, total=total), count)
 
 
 def _counted(codes: str) -> Cell:
@@ -214,22 +220,19 @@ def _restitutions(values: Sequence[float]) -> Cell:
 def _of_measure(row: Measure) -> Column:
     """The column of an intensity measure that results have of every record, or of every record and body."""
     title, unit, scale = row.column
-    if row.drifts:
-        of = (row.name, f"{row.name}_drift")
-        return Column(
-            row.name,
-            of,
-            lambda value, drift: number(value / scale, ratio, (DRIFT,) if drift else ()),
-            unit,
-            title=title,
-        )
-    return Column(row.name, (row.name,), _shown(ratio, scale), unit, title=title)
+    of = (row.name, f"{row.name}_drift") if row.drifts else (row.name,)
+
+    def cell(value: float, drift: bool = False) -> Cell:
+        return number(value / scale, ratio, (DRIFT,) if drift else ())
+
+    return Column(row.name, of, cell, unit, title=title)
 
 
 _RECORD = ("record", PGA, "warning_codes")
 _SEARCHED = ("safety_factor", "safe_up_to", "factor_resolved")
+_PROBABILITY = tuple(f"overturning_probability{end}" for end in ("", "_low", "_high"))
 
-#: Every column by its name; of those that tell one variable that is its name.
+#: Every column by its name; that of one variable has the name of the variable.
 COLUMNS = {
     column.name: column
     for column in (
@@ -237,55 +240,42 @@ COLUMNS = {
         Column("record", _RECORD, lambda *one: record_cell(shortened(one[0], ID_WIDTH), *one[1:])),
         Column("block", ("block",), Cell, width=NAME_WIDTH),
         Column("model", ("model",), lambda name: Cell(say(f"models.{name}"))),
-        Column("restitution", ("restitution",), _shown(restitution)),
+        Column("restitution", ("restitution",), shown(restitution)),
         *map(_of_measure, STORED_OF_BODIES),
-        Column("impulse_ratio", ("impulse_ratio",), _shown(ratio)),
+        Column("impulse_ratio", ("impulse_ratio",), shown(ratio)),
         Column("answer", ("outcome", "peak_rotation_ratio", "applicable"), answer_cell),
-        Column("overturning_probability", ("overturning_probability",), _shown(ratio)),
-        Column(
-            "probability_interval",
-            tuple(f"overturning_probability{end}" for end in ("", "_low", "_high")),
-            _probability,
-        ),
+        Column("overturning_probability", ("overturning_probability",), shown(ratio)),
+        Column("probability_interval", _PROBABILITY, _probability),
         Column("factor_10", ("factor_10", "factor_10_low"), factor_cell),
         Column("factor_50", ("factor_50", "factor_50_low"), factor_cell),
         Column("capacity_mean", ("capacity_mean", "capacity_mean_low"), factor_cell),
         Column("source", ("source",), lambda word: Cell(word.replace("_", " "))),
         Column("safety_factor", _SEARCHED, _searched),
-        Column(
-            "safety_intervals",
-            (*_SEARCHED, "interval_count"),
-            lambda factor, limit, resolved, count: factor_cell(factor, limit, resolved == 0, count),
-        ),
-        Column(
-            "capacity_pga",
-            ("capacity_pga", "safe_up_to", PGA),
-            lambda capacity, limit, pga: factor_cell(capacity / STANDARD_GRAVITY, limit * pga / STANDARD_GRAVITY),
-            "g",
-        ),
+        Column("safety_intervals", (*_SEARCHED, "interval_count"), _searched),
+        Column("capacity_pga", ("capacity_pga", "safe_up_to", PGA), _capacity, "g"),
         # a record
         *map(_of_measure, STORED),
-        Column("main_impulse", ("main_impulse",), _shown(ratio), "m/s"),
+        Column("main_impulse", ("main_impulse",), shown(ratio), "m/s"),
         Column("magnitude", ("magnitude",), number),
         Column("epicentral_distance", ("epicentral_distance",), lambda distance: number(distance / 1000.0), "km"),
         Column("warnings", ("warning_codes",), _counted),
-        Column("overturns", ("fallen", "total"), _of_all),
+        Column("overturns", ("fallen", "total"), count_of),
         # a block
-        Column("width", ("width",), _shown(ratio), "m"),
-        Column("height", ("height",), _shown(ratio), "m"),
-        Column("alpha_c", ("alpha_c",), _shown(ratio), "rad"),
-        Column("p", ("p",), _shown(ratio), "1/s"),
-        Column("critical_impulse", ("critical_impulse",), _shown(ratio), "m/s"),
+        Column("width", ("width",), shown(ratio), "m"),
+        Column("height", ("height",), shown(ratio), "m"),
+        Column("alpha_c", ("alpha_c",), shown(ratio), "rad"),
+        Column("p", ("p",), shown(ratio), "1/s"),
+        Column("critical_impulse", ("critical_impulse",), shown(ratio), "m/s"),
         Column("restitutions", ("restitutions",), _restitutions),
-        Column("overturned_by", ("fallen", "total"), _of_all),
+        Column("overturned_by", ("fallen", "total"), count_of),
         # the verdict on a body over all motions, and the worst for a motion
         Column("verdict", ("found",), grade_cell),
-        Column("up_to", ("high",), _shown(ratio)),
-        Column("uplift", ("uplift",), _shown(ratio, STANDARD_GRAVITY), "g"),
+        Column("up_to", ("high",), shown(ratio)),
+        Column("uplift", ("uplift",), shown(ratio, STANDARD_GRAVITY), "g"),
         Column("median_factor_50", ("median",), unexplained),
         Column("median_safety_factor", ("median",), unexplained),
-        Column("top", ("top",), _shown(ratio), "cm"),
-        Column("turn", ("turn",), _shown(ratio), "deg"),
+        Column("top", ("top",), shown(ratio), "cm"),
+        Column("turn", ("turn",), shown(ratio), "deg"),
         Column("worst", ("worst",), Cell),
         Column("worst_for", ("worst_for",), Cell),
     )
@@ -335,14 +325,12 @@ class AnswerRows:
 
 def answer_columns(answers: Answers) -> dict[str, list[Cell]]:
     """The answers of every model, in all rows of the answers, by the model."""
-    column = COLUMNS["answer"]
-    return {
-        name: [row[0] for row in filled([column], AnswerRows.every(one))] for name, one in answers.of_models.items()
-    }
+    own, models = [COLUMNS["answer"]], answers.of_models.items()
+    return {name: [row[0] for row in filled(own, AnswerRows.every(one))] for name, one in models}
 
 
 def factor_columns(answers: Answers) -> tuple[Column, ...]:
-    """The columns that tell how near to overturning a body is; none where that is not known."""
+    """The columns of the probability and the factor of overturning; none where these are not known."""
     if not answers.told:
         return ()
     return columns("overturning_probability", "factor_10") if answers.probable else columns("safety_factor")

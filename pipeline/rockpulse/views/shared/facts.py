@@ -1,4 +1,4 @@
-"""The facts of one record or one block as text: a dash for what a page asks for, nothing for what files rarely know."""
+"""The facts of one record or one block as text: a dash for a missing fact of every page, nothing for a rare one."""
 
 import json
 import math
@@ -20,26 +20,8 @@ _DATED = re.compile(r"\b(?:19|20)\d\d\b|\b\d{1,2}[/-]\d{1,2}[/-]\d\d\b", re.ASCI
 _MEASURED = re.compile(r"\bM[A-Za-z]{0,2}\s?=?\s?\d", re.ASCII)
 
 
-def own_radius(radius: float, p: float, gravity: float | None) -> float | None:
-    """The radius of a body [m] where it is its own; None where it is that of the rectangle with the same p [1/s].
-
-    Results without the gravity of their bodies know no other radius than the rectangle's.
-    """
-    of_rectangle = gravity is None or math.isclose(radius, radius_of_rectangle(p, gravity), rel_tol=1e-9)
-    return None if of_rectangle else radius
-
-
 class RecordFacts:
-    """What is known of one record, from its stored variables by their names; None where there is none.
-
-    Examples
-    --------
-    >>> known = {"event_title": "Kahramanmaras", "origin_time": "2023-02-06T01:17:32", "magnitude": 7.7}
-    >>> RecordFacts({**known, "station": "0201", "azimuth": 90.0}.get).described
-    'Kahramanmaras 2023-02-06 M 7.7, station 0201, E-W'
-    >>> RecordFacts({"start_time": "2019-07-06T03:19:37", "magnitude": math.nan, "component": "UP"}.get).described
-    'earthquake of 2019-07-06, UP'
-    """
+    """The facts of one record, from a function of the names of stored variables; None stands for a missing one."""
 
     def __init__(self, value: Callable[[str], Any]) -> None:
         self.value = value
@@ -56,7 +38,7 @@ class RecordFacts:
     @property
     def described(self) -> str:
         """Earthquake, station and direction in words; empty where nothing is known of them."""
-        station = f"station {self.place}" if self.place else ""
+        station = f"{say('head.station')} {self.place}" if self.place else ""
         return ", ".join(filter(None, (self._earthquake, station, self.direction)))
 
     @property
@@ -74,7 +56,7 @@ class RecordFacts:
             return " ".join(filter(None, (title, *more)))
         if not date and not magnitude:
             return self.text("event_title")
-        return " ".join(filter(None, ("earthquake", f"of {date}" if date else "", magnitude)))
+        return f"{say('earthquake_of', date=date) if date else say('head.earthquake')} {magnitude}".rstrip()
 
     @property
     def title(self) -> str:
@@ -89,13 +71,7 @@ class RecordFacts:
 
     @property
     def magnitude(self) -> str:
-        """The magnitude of the earthquake with its scale, as far as the file tells it; empty where it does not.
-
-        Examples
-        --------
-        >>> RecordFacts({"magnitude": 7.0, "magnitude_type": "Mw"}.get).magnitude
-        'Mw 7.0'
-        """
+        """The magnitude of the earthquake with its scale, as far as the file tells it; empty where it does not."""
         magnitude = self.real("magnitude")
         if math.isnan(magnitude):
             return ""
@@ -164,8 +140,9 @@ class Known(RecordFacts):
         shown, width = self.number("radius", "m"), self.value("width")
         if shown == ABSENT or width is None or not math.isnan(width):
             return shown
-        own = own_radius(*(self.value(name) for name in ("radius", "p", "gravity")))
-        return say(f"fact.radius_of_{'rectangle' if own is None else 'body'}", radius=shown)
+        radius, p, gravity = (self.value(name) for name in ("radius", "p", "gravity"))
+        rectangle = gravity is None or math.isclose(radius, radius_of_rectangle(p, gravity), rel_tol=1e-9)
+        return say(f"fact.radius_of_{'rectangle' if rectangle else 'body'}", radius=shown)
 
     @property
     def support(self) -> str:

@@ -1,8 +1,7 @@
-"""How many of the files that were given are in the results, and why the others are not: one count for every view.
+"""The number of the given files that are in the results, and why the others are not: one count for every view.
 
-A file is used where one of its channels is in the results: assessed, or left out as a vertical one, one on a structure,
-or one whose motion another record has. It is not used where it has failed and nothing of it is in the results. Files
-that were skipped (texts, tables, pictures, velocities, spectra, records too weak for the purpose) do not count.
+A file is used if one of its channels is assessed, or left out as vertical, on a structure or a duplicate. It is not
+used if it failed and nothing of it is in the results. Skipped files (texts, pictures, spectra) do not count.
 """
 
 from collections.abc import Iterable
@@ -28,26 +27,15 @@ _REASONS, _NAMED, _LONGEST = 3, 2, 120
 
 @dataclass(frozen=True)
 class FilesUsed:
-    """The files that were used, as a number, and the rows of what failed.
+    """The number of files that were used, and the rows of failures."""
 
-    ``unused`` has a row for each file that failed, its first; ``beside`` are the other rows of kind "failed": channels
-    of files that are used, a table of earthquakes, and patterns that fit no record. ``used`` is None where records do
-    not tell their files.
-    """
-
-    used: int | None
-    unused: tuple[Failure, ...] = ()
-    beside: tuple[Failure, ...] = ()
+    used: int | None  # None where records do not tell their files
+    unused: tuple[Failure, ...] = ()  # the first row of each file that failed
+    beside: tuple[Failure, ...] = ()  # others: channels of used files, tables of earthquakes, patterns without a record
 
     @property
     def counted(self) -> str:
-        """How many files were used and how many not, and how many channels of those used failed; empty for none.
-
-        Examples
-        --------
-        >>> FilesUsed(3, (Failure("a.txt", "read", "a.txt: damaged", "failed"),)).counted
-        '3 of 4 files used, 1 not'
-        """
+        """How many files were used and how many not, and how many channels of those used failed; empty for none."""
         failed = say("files.channels", channels=counted(self.channels, "channel")) if self.channels else ""
         return ", ".join(filter(None, (self._files, failed)))
 
@@ -67,13 +55,7 @@ class FilesUsed:
 
     @property
     def sentence(self) -> str:
-        """The numbers and the reasons; empty where all files were used.
-
-        Examples
-        --------
-        >>> FilesUsed(3, (Failure("a.txt", "read", "a.txt: damaged; download it again", "failed"),)).sentence
-        '3 of 4 files used, 1 not: damaged (a.txt).'
-        """
+        """The numbers and the reasons; empty where all files were used."""
         return f"{self._files}: {_reasons(self.unused)}." if self.unused else ""
 
     @property

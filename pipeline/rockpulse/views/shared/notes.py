@@ -9,13 +9,7 @@ from rocking.response import Outcome, Reason
 from rockpulse.assessment.answers import Answers, Motions, searched_up_to
 from rockpulse.assessment.verdict import BodyVerdict, sliding, worse_screens
 from rockpulse.model_table import MODELS, UPPER_BOUND, is_upper_bound
-from rockpulse.views.shared.columns import (
-    NONE_UP_TO,
-    OUTSIDE,
-    doubt_notes,
-    factor_cell,
-    record_cells,
-)
+from rockpulse.views.shared.columns import NONE_UP_TO, OUTSIDE, doubt_notes, factor_cell, record_cells
 from rockpulse.views.shared.table import Mark
 from rockpulse.views.shared.terminal import ratio, several
 from rockpulse.views.shared.words import say
@@ -37,10 +31,7 @@ def uncertainty_words(answers: Answers) -> str:
 
 
 def factor_notes(answers: Answers, swept: bool = False) -> list[str]:
-    """The meaning of the columns that tell how near to overturning a body is; nothing where that is not known.
-
-    In the table of a sweep the factor is the smallest over direction.
-    """
+    """The meaning of the columns of :func:`factor_columns`; in the table of a sweep the smallest over direction."""
     if not answers.told:
         return []
     factor = answers[answers.factor]
@@ -86,10 +77,7 @@ def missed_step(answers: Answers) -> float:
 
 
 def verdict_notes(answers: Answers, of_factors: list[str], marks: Collection[Mark]) -> list[str]:
-    """Notes to a table of the verdicts of all models, whose figures bear some marks.
-
-    Those on the column SF stand behind those on the figures.
-    """
+    """Notes to a table of the verdicts of all models, whose figures have some marks; those on SF come second."""
     notes = [
         "Figures: largest rotation over the critical angle (theta_max/alpha_c). C: velocity ratio of an impact. "
         "a/a_up: PGA over the acceleration of uplift. I/I_1c: main impulse over the one that overturns the block "
@@ -145,8 +133,5 @@ def body_notes(answers: Answers, found: Sequence[BodyVerdict]) -> list[str]:
 
 def cautions(names: Iterable[str]) -> list[str]:
     """A sentence on each of the models whose input is an upper bound."""
-    return [
-        f"{name}: an {UPPER_BOUND} ({MODELS[name].upper_bound}), not a prediction."
-        for name in names
-        if is_upper_bound(name)
-    ]
+    bounds = [MODELS[name] for name in names if is_upper_bound(name)]
+    return [f"{model.name}: an {UPPER_BOUND} ({model.upper_bound}), not a prediction." for model in bounds]

@@ -11,9 +11,9 @@ from rockpulse.views.shared.words import say
 
 
 class Mark(NamedTuple):
-    """A sign at a cell, and the key of the note below the table that says what it means; empty where it needs none.
+    """A sign behind the text of a cell or before it, and the key of its note below the table; empty without a note.
 
-    The sign stands behind the text of the cell, or before it; one that is a word is told by its key, with a blank.
+    A sign that is a word stands in the table of words by its key.
     """
 
     key: str = ""
@@ -27,7 +27,7 @@ class Mark(NamedTuple):
 
     @property
     def note(self) -> str:
-        """The meaning of the sign; empty where it is told elsewhere."""
+        """The meaning of the sign; empty where another place explains it."""
         return say(f"mark.{self.key}.note") if self.key else ""
 
 
@@ -120,26 +120,13 @@ class Fact:
 
 
 def number(value: float | None, show: Callable[[float], str] = figure, marks: tuple[Mark, ...] = ()) -> Cell:
-    """A cell of a number, with the marks only where the number is known.
-
-    Examples
-    --------
-    >>> number(5.5574).text, number(None).text, number(3, str).text
-    ('5.56', '-', '3')
-    """
+    """A cell of a number, with the marks only where the number is known."""
     known = math.nan if value is None else value
     return Cell(show(known), known, () if math.isnan(known) else marks)
 
 
 def lines(table: Table) -> list[str]:
-    """The headings and the rows with aligned columns: numbers flush right, their marks hanging; words flush left.
-
-    Examples
-    --------
-    >>> far = Mark(sign="!")
-    >>> lines(Table("", "", (Heading("wall"), Heading("I", "m/s")), ((Cell("a"), number(0.4, marks=(far,))),)))
-    ['wall  I [m/s]', 'a         0.4!']
-    """
+    """The headings and the rows with aligned columns: numbers flush right, their marks hanging; words flush left."""
     columns = []
     for place, heading in enumerate(table.headings):
         numeric = table.numeric[place]

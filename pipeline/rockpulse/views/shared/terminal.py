@@ -3,6 +3,7 @@
 import math
 import textwrap
 from collections.abc import Callable
+from typing import Any
 
 from rockpulse.views.shared.words import numerals, say
 
@@ -14,13 +15,7 @@ WIDTH = 110
 
 
 def ratio(value: float) -> str:
-    """A ratio around one with two or three digits.
-
-    Examples
-    --------
-    >>> [ratio(value) for value in (0.0, 0.0004, 0.0412, 0.412, 1.3, 24.6, math.inf, math.nan)]
-    ['0', '<0.001', '0.041', '0.41', '1.30', '24.6', 'inf', '-']
-    """
+    """A ratio around one with two or three digits."""
     if math.isnan(value):
         return ABSENT
     if value == 0.0 or math.isinf(value):
@@ -30,49 +25,20 @@ def ratio(value: float) -> str:
     return numerals(f"{value:.{3 if abs(value) < 0.1 else 2 if abs(value) < 10.0 else 1}f}")
 
 
-def rough(value: float) -> str:
-    """A ratio that is an estimate: one digit behind a mark.
-
-    Examples
-    --------
-    >>> [rough(value) for value in (0.0, 0.0004, 0.0007, 0.056, 0.41, 1.3, 24.6)]
-    ['~0', '~0', '~0.001', '~0.06', '~0.4', '~1', '~25']
-    """
-    return numerals("~" + (f"{value:.0f}" if value >= 1.0 else f"{round(value, 3):.1g}"))
-
-
 def lower_bound(value: float) -> str:
-    """A ratio that may be larger: the digits of :func:`ratio` behind a mark, rounded down.
-
-    Examples
-    --------
-    >>> [lower_bound(value) for value in (0.0, 0.0004, 0.0417, 0.129, 1.309, 24.69)]
-    ['>0', '>0', '>0.041', '>0.12', '>1.30', '>24.6']
-    """
+    """A ratio that may be larger: the digits of :func:`ratio` behind a mark, rounded down."""
     places = 3 if value < 0.1 else 2 if value < 10.0 else 1
     down = math.floor(value * 10**places) / 10**places
     return numerals(f">{down:.{places}f}") if down > 0.0 else ">0"
 
 
 def restitution(value: float) -> str:
-    """A velocity ratio of impacts with three decimals: its distance from one decides how long a block rocks.
-
-    Examples
-    --------
-    >>> restitution(0.98514)
-    '0.985'
-    """
+    """A velocity ratio of impacts with three decimals: its distance from one decides how long a block rocks."""
     return numerals(f"{value:.3f}")
 
 
 def figure(value: float, unit: str = "") -> str:
-    """A number with three digits and its unit.
-
-    Examples
-    --------
-    >>> figure(5.5574, "m/s2"), figure(math.nan, "s")
-    ('5.56 m/s2', '-')
-    """
+    """A number with three digits and its unit."""
     if math.isnan(value):
         return ABSENT
     return f"{numerals(f'{value:.3g}')} {unit}".rstrip()
@@ -84,48 +50,24 @@ def general(value: float) -> str:
 
 
 def fixed(value: float, places: int = 2) -> str:
-    """A number with so many decimals; a dash where it is not known.
-
-    Examples
-    --------
-    >>> fixed(0.4151), fixed(0.4151, 3), fixed(math.nan)
-    ('0.42', '0.415', '-')
-    """
+    """A number with so many decimals; a dash where it is not known."""
     return ABSENT if math.isnan(value) else numerals(f"{value:.{places}f}")
 
 
 def between(low: float, high: float, show: Callable[[float], str] = figure) -> str:
-    """An interval; a dash where neither end is known.
-
-    Examples
-    --------
-    >>> between(0.5, 1.5), between(0.5, math.inf), between(math.nan, math.nan)
-    ('0.5 to 1.5', '0.5 to no limit', '-')
-    """
+    """An interval; a dash where neither end is known."""
     if math.isnan(low) and math.isnan(high):
         return ABSENT
     return say("between", low=show(low), high=say("no_limit") if math.isinf(high) else show(high))
 
 
 def share(value: float) -> str:
-    """A share in whole percent; a dash where it is not known.
-
-    Examples
-    --------
-    >>> share(0.5358), share(float("nan"))
-    ('54 %', '-')
-    """
+    """A share in whole percent; a dash where it is not known."""
     return ABSENT if math.isnan(value) else f"{100.0 * value:.0f} %"
 
 
 def several(count: int, noun: str) -> str:
-    """A number and what is counted, the noun in the singular.
-
-    Examples
-    --------
-    >>> several(1, "body"), several(2, "body"), several(0, "pair of channels"), several(2, "record")
-    ('1 body', '2 bodies', '0 pairs of channels', '2 records')
-    """
+    """A number and what is counted, the noun in the singular."""
     if count == 1:
         return f"1 {noun}"
     head, of, tail = noun.partition(" of ")
@@ -134,13 +76,7 @@ def several(count: int, noun: str) -> str:
 
 
 def shortened(words: str, width: int) -> str:
-    """Text in one line, cut in the middle to a width, so that both its ends can be recognised.
-
-    Examples
-    --------
-    >>> shortened("a long name of a block", 11)
-    'a lon…block'
-    """
+    """Text in one line, cut in the middle to a width, so that both its ends can be recognised."""
     words = " ".join(words.splitlines())
     if len(words) <= width:
         return words
@@ -150,11 +86,5 @@ def shortened(words: str, width: int) -> str:
 
 def paragraph(words: str, indent: str = "", first: str | None = None) -> str:
     """Running text, wrapped."""
-    return textwrap.fill(
-        words,
-        WIDTH,
-        initial_indent=indent if first is None else first,
-        subsequent_indent=indent,
-        break_long_words=False,
-        break_on_hyphens=False,
-    )
+    options: dict[str, Any] = {"break_long_words": False, "break_on_hyphens": False, "subsequent_indent": indent}
+    return textwrap.fill(words, WIDTH, initial_indent=indent if first is None else first, **options)

@@ -1,7 +1,6 @@
-"""The words of a language, out of one table a language by keys, and the form that its numbers have.
+"""The texts of a language by their keys, and the form of its numbers.
 
-What is printed is English; a report is written in the language of :func:`writing`. A language is one file of the folder
-`words`; a test compares its keys and fields with those of the English one.
+What is printed is English; a report is written in the language of :func:`writing`, which is one file of `words`.
 """
 
 import re
@@ -68,14 +67,7 @@ def template(key: str) -> str:
 
 
 def say(key: str, /, **fields: object) -> str:
-    """The text of a key in the language that is written, its fields filled in.
-
-    Examples
-    --------
-    >>> with writing("it"):
-    ...     print(say("records_of", records=counted(4, "record"), earthquakes=counted(3, "earthquake")))
-    4 registrazioni di 3 terremoti
-    """
+    """The text of a key in the language that is written, its fields filled in."""
     return template(key).format(**fields)
 
 
@@ -86,7 +78,7 @@ def section(name: str) -> dict[str, str]:
 
 
 def named(key: str, english: str) -> str:
-    """The words for what is declared in English below the views, by a key that the other languages have of it."""
+    """The words for a text declared in English below the views, by its key in the other languages."""
     return english if language() == "en" else table(language()).get(key, english)
 
 

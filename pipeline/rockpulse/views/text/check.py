@@ -1,14 +1,16 @@
 """The checks of codes as text and as a table."""
 
 import math
+from dataclasses import replace
 
 import pandas as pd
 import xarray as xr
 
-from rockpulse.views.shared.table import Cell, Heading, Table, lines
+from rockpulse.views.shared.columns import tabulated, titled
+from rockpulse.views.shared.table import Cell, lines
 from rockpulse.views.shared.terminal import ABSENT, figure, paragraph, ratio, several
 
-#: What the codes are called.
+#: Names of the codes.
 CODE_WORDS = {
     "circolare_2009": "Circolare 617/2009",
     "circolare_2019": "Circolare 7/2019",
@@ -16,87 +18,74 @@ CODE_WORDS = {
 }
 
 
+def _value(value: float) -> Cell:
+    return Cell(ABSENT if math.isnan(value) else "inf" if math.isinf(value) else figure(value))
+
+
+def _word(value: float) -> Cell:
+    return Cell("" if math.isnan(value) else "passes" if value >= 1.0 else "FAILS")
+
+
+#: Columns of the codes, and those of the results beside them.
+_OF_CODE = (
+    titled("", lambda code: Cell(f"  {CODE_WORDS[code]}"), "code"),
+    titled("alpha_0", _value, "multiplier"),
+    titled("a_0*", _value, "activation"),
+    titled("asked", _value, "activation_demand"),
+    titled("ratio", _value, "activation_ratio"),
+    titled("", _word, "activation_ratio"),
+    titled("d_u", _value, "displacement"),
+    titled("T", _value, "period"),
+    titled("asked", _value, "displacement_demand"),
+    titled("ratio", _value, "displacement_ratio"),
+    titled("", _word, "displacement_ratio"),
+)
+_OF_RESULTS = (titled("P", lambda chance: Cell(ratio(chance)), "probability"), titled("f_50", _value, "factor_50"))
+
+
 def check_overview(check: xr.Dataset) -> str:
     """The dataset of :func:`rockpulse.code_check` as text."""
     beside = "probability" in check
-    heads = ["", "alpha_0", "a_0*", "asked", "ratio", "", "d_u", "T", "asked", "ratio", ""]
-    heads += ["P", "f_50"] if beside else []
-    rows = []
-    for name in check["block"].values:
-        rows.append((Cell(str(name)), *(Cell("") for _ in heads[1:])))
-        for code in check["code"].values:
-            one = check.sel(block=name, code=code)
-            cells = [
-                Cell(f"  {CODE_WORDS[str(code)]}"),
-                Cell(_shown(one, "multiplier")),
-                Cell(_shown(one, "activation")),
-                Cell(_shown(one, "activation_demand")),
-                Cell(_shown(one, "activation_ratio")),
-                Cell(_word(float(one["activation_ratio"]))),
-                Cell(_shown(one, "displacement")),
-                Cell(_shown(one, "period")),
-                Cell(_shown(one, "displacement_demand")),
-                Cell(_shown(one, "displacement_ratio")),
-                Cell(_word(float(one["displacement_ratio"]))),
-            ]
-            if beside:
-                chance = float(one["probability"])
-                cells += [Cell(ABSENT if math.isnan(chance) else ratio(chance)), Cell(_shown(one, "factor_50"))]
-            rows.append(tuple(cells))
-    state = str(check.attrs["limit_state"]).upper()
+    names, codes = (check[dim].values.tolist() for dim in ("block", "code"))
+    rows = check.stack(row=("block", "code"))
+    table = tabulated("", "", _OF_CODE + _OF_RESULTS * beside, rows)
+    below = []
+    for place, name in enumerate(names):
+        below += [(Cell(name), *[Cell("")] * (len(table.headings) - 1))]
+        below += table.rows[place * len(codes) : (place + 1) * len(codes)]
     title = (
-        f"Checks of codes, {several(check.sizes['block'], 'body')}: {check.attrs['spectrum']}; {state}, q "
-        f"{check.attrs['q']:g}, FC {check.attrs['confidence_factor']:g}, q_a {check.attrs['q_a']:g}, gamma_a "
-        f"{check.attrs['gamma_a']:g}"
+        f"Checks of codes, {several(len(names), 'body')}: {check.attrs['spectrum']}; "
+        f"{str(check.attrs['limit_state']).upper()}, q {check.attrs['q']:g}, FC {check.attrs['confidence_factor']:g}, "
+        f"q_a {check.attrs['q_a']:g}, gamma_a {check.attrs['gamma_a']:g}"
     )
-    told = [
+    notes = [
         "alpha_0: multiplier that opens the mechanism; a_0*: acceleration that does, with FC, and what is asked of it "
         "[m/s2]; d_u: displacement that is allowed [m] and asked for at the period T [s]; a ratio of 1 or more passes."
     ]
     if beside:
-        told.append(
+        notes.append(
             "P: probability of overturning that the verdict of the results rests on, under the records as recorded or, "
             "where the site has a [[demand]], brought to it, which need not be that of [check]; f_50: median over the "
             "motions of the factor on each at which it is 50 %."
         )
-        told += [
-            f"{name}: {words}."
-            for name, words in zip(check["block"].values, check["beside"].values, strict=True)
-            if words
-        ]
-    told += _of_senses(check)
-    for name, row in zip(check["block"].values, check["statement"].values, strict=True):
-        if len(row) > 1 and len(set(row)) == 1 and row[0]:
-            told.append(f"{name}: {row[0]}.")
-        else:
-            pairs = zip(check["code"].values, row, strict=True)
-            told += [f"{name}, {CODE_WORDS[str(code)]}: {words}." for code, words in pairs if words]
-    table = lines(Table("", "", tuple(map(Heading, heads)), tuple(rows)))
-    return "\n".join([paragraph(title), *table, *(paragraph(line, "  ") for line in told)])
-
-
-def _of_senses(check: xr.Dataset) -> list[str]:
-    """A sentence for each body and code whose two senses are not alike."""
-    found = []
-    for name in check["block"].values:
-        for code in check["code"].values:
-            one = check.sel(block=name, code=code)
-            opens, moves = (str(one[what].item()) for what in ("activation_sense", "displacement_sense"))
+        notes += [f"{name}: {words}." for name, words in zip(names, check["beside"].values, strict=True) if words]
+    for place, name in enumerate(names):
+        senses = (check[f"{what}_sense"].values[place] for what in ("activation", "displacement"))
+        for code, opens, moves in zip(codes, *senses, strict=True):
             if opens:
                 moved = f", the displacement of the {moves} one" if moves else ""
-                found.append(f"{name}, {CODE_WORDS[str(code)]}: the acceleration is of the {opens} sense{moved}.")
-    return found
+                notes.append(f"{name}, {CODE_WORDS[code]}: the acceleration is of the {opens} sense{moved}.")
+    for name, row in zip(names, check["statement"].values, strict=True):
+        if len(row) > 1 and len(set(row)) == 1 and row[0]:
+            notes.append(f"{name}: {row[0]}.")
+        else:
+            pairs = zip(codes, row, strict=True)
+            notes += [f"{name}, {CODE_WORDS[code]}: {words}." for code, words in pairs if words]
+    return "\n".join(
+        [paragraph(title), *lines(replace(table, rows=tuple(below))), *(paragraph(line, "  ") for line in notes)]
+    )
 
 
 def check_table(check: xr.Dataset) -> pd.DataFrame:
     """A row for each body and code."""
     return check.to_dataframe().reset_index()
-
-
-def _shown(one: xr.Dataset, name: str) -> str:
-    value = float(one[name])
-    return ABSENT if math.isnan(value) else "inf" if math.isinf(value) else figure(value)
-
-
-def _word(value: float) -> str:
-    return "" if math.isnan(value) else "passes" if value >= 1.0 else "FAILS"

@@ -22,10 +22,7 @@ WORST = 20
 
 
 def record_details(summary: xr.Dataset, record: str) -> str:
-    """Everything known about one record: measures, sequence, processing, warnings, verdicts, probabilities and factors.
-
-    Raises ResultsError for an id that is not in the results.
-    """
+    """All that is known of one record; a ResultsError for an id that is not in the results."""
     answers = _only(summary, "record", record)
     one = Known(answers.summary, record=record)
     number, words, pga = one.number, one.words, one.value("pga")
@@ -58,13 +55,12 @@ def record_details(summary: xr.Dataset, record: str) -> str:
 
 
 def block_details(summary: xr.Dataset, block: str) -> str:
-    """Everything known about one block: size, parameters, restitution, warnings, verdicts, factors.
-
-    Raises ResultsError for a name that is not in the results.
-    """
+    """All that is known of one block; a ResultsError for a name that is not in the results."""
     answers = _only(summary, "block", block)
     one = Known(answers.summary, block=block)
-    number = one.number
+    number, restitutions = one.number, [body.restitution for body in answers.bodies]
+    asked = [one.impact_friction(c) for c in restitutions]
+    friction = f"{', '.join(map(figure, asked))} in its instant, for information"
     rows = [
         ("width, height", f"{number('width', 'm')}, {number('height', 'm')}"),
         ("half the diagonal R", one.radius),
@@ -72,15 +68,8 @@ def block_details(summary: xr.Dataset, block: str) -> str:
         ("frequency parameter p", number("p", "1/s")),
         ("slenderness", number("slenderness")),
         *((("beside", one.support),) if one.support else ()),
-        *(
-            [("friction of an impact", f"{', '.join(map(figure, asked))} in its instant, for information")]
-            if (asked := [one.impact_friction(body.restitution) for body in answers.bodies])[0]
-            else []
-        ),
-        (
-            "rebound e" if one.value("one_sided") else "restitution C",
-            ", ".join(restitution(body.restitution) for body in answers.bodies),
-        ),
+        *([("friction of an impact", friction)] if asked[0] else []),
+        ("rebound e" if one.value("one_sided") else "restitution C", ", ".join(map(restitution, restitutions))),
         ("critical impulse I_1c", number("critical_impulse", "m/s")),
         *(("warning", warning) for warning in one.lines("block_warnings")),
     ]
@@ -97,15 +86,8 @@ def _page(title: str, rows: list[tuple[str, str]], answers: Answers, of: str) ->
         verdicts = f"{sum(answers.counts)} verdicts by the {answers.model} model: {told}."
         worst = case_list(answers.summary, worst_first(answers, Selection(limit=WORST)))
         return "\n".join([*head, verdicts, "", worst])
-    return "\n".join(
-        [
-            *head,
-            verdict_table(answers.summary),
-            "",
-            *capacities(answers, of),
-            probability_table(answers) + factor_table(answers),
-        ]
-    )
+    factors = probability_table(answers) + factor_table(answers)
+    return "\n".join([*head, verdict_table(answers.summary), "", *capacities(answers, of), factors])
 
 
 def _only(summary: xr.Dataset, dimension: str, label: str) -> Answers:

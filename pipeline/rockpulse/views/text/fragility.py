@@ -8,6 +8,7 @@ import xarray as xr
 from rockpulse.record.measures import REFERENCE
 from rockpulse.selection.events import UNKNOWN
 from rockpulse.storage.variables.fragility import STATED, STRENGTH
+from rockpulse.views.shared.columns import count_of, shown, tabulated, titled
 from rockpulse.views.shared.files_used import files_used
 from rockpulse.views.shared.table import Cell, Heading, Mark, Table, number, text
 from rockpulse.views.shared.terminal import ABSENT, general, paragraph, ratio, several
@@ -28,16 +29,16 @@ LEVEL = 0.05
 def fragility_overview(tree: xr.DataTree) -> str:
     """The tree of :func:`rockpulse.fragility_curves` as text, on a screen or two."""
     curves, efficiency = tree["fragility"].to_dataset(), tree["efficiency"].to_dataset()
-    found = [records_words(tree), several(curves.sizes["block"], "body"), f"data: {tree.attrs['data']}"]
+    bodies = several(curves.sizes["block"], "body")
     parts = [
-        f"{tree.attrs['title']}: {', '.join(found)}",
+        f"{tree.attrs['title']}: {records_words(tree)}, {bodies}, data: {tree.attrs['data']}",
         unused(files_used(tree).line),
         explained(median_table(tree)),
         _pooled(curves, efficiency),
         *map(text, sufficiency_tables(efficiency)),
         _statements(curves),
     ]
-    return "\n\n".join(part for part in parts if part)
+    return "\n\n".join(filter(None, parts))
 
 
 def shown_measure(curves: xr.Dataset) -> str:
@@ -75,40 +76,30 @@ def median_table(tree: xr.DataTree) -> Table:
     curves = tree["fragility"].to_dataset()
     own = curves.sel(measure=shown_measure(curves))
     level = f"{general(100.0 * float(tree.attrs['confidence']))} %"
-    rows = []
-    for block in own["block"].values.tolist():
-        for state in own["limit_state"].values.tolist():
-            one = own.sel(block=block, limit_state=state)
-            median, low, high, beta = (float(one[name]) for name in ("median", "median_low", "median_high", "beta"))
-            reached, of, records, events = (int(one[name]) for name in ("reached", "observations", "records", "events"))
-            rows.append(
-                (
-                    Cell(block),
-                    Cell(state_words(state)),
-                    number(median, ratio, (BEYOND,) if int(one["extrapolated"]) else ()),
-                    number(low, ratio),
-                    number(high, lambda limit: say("no_limit") if math.isinf(limit) else ratio(limit)),
-                    number(beta, ratio),
-                    Cell(say("count_of", count=reached, total=of), reached),
-                    number(records, str),
-                    number(events, str),
-                )
-            )
-    note = say("fragility.limits", absent=ABSENT) + (say("fragility.first") if tree.attrs["data"] == "ida" else "")
+
+    def beyond(median: float, extrapolated: int) -> Cell:
+        return number(median, ratio, (BEYOND,) if extrapolated else ())
+
+    def upper(limit: float) -> Cell:
+        return number(limit, lambda high: say("no_limit") if math.isinf(high) else ratio(high))
+
+    selected = (
+        titled(say("head.body"), Cell, "block", width=30),
+        titled(say("fragility.limit_state"), lambda state: Cell(state_words(state)), "limit_state"),
+        titled(say("site.head.median"), beyond, "median", "extrapolated"),
+        titled(say("site.head.low"), shown(ratio), "median_low", note=level),
+        titled(say("site.head.high"), upper, "median_high", note=level),
+        titled("beta", shown(ratio), "beta", note=say("fragility.of_capacity")),
+        titled(say("fragility.reached"), count_of, "reached", "observations", note=say("fragility.of_observations")),
+        titled(say("head.records"), shown(str), "records"),
+        titled(say("fragility.earthquakes"), shown(str), "events"),
+    )
     words, units = (str(own[f"measure_{of}"].item()) for of in ("long_name", "units"))
     words = named(f"measures.{own['measure'].item()}", words)
     caption = say("fragility.caption", measure=words if units == "1" else f"{words} [{units}]")
-    headings = (
-        Heading(say("head.body"), width=30),
-        Heading(say("fragility.limit_state")),
-        Heading(say("site.head.median")),
-        *(Heading(say(f"site.head.{end}"), note=level) for end in ("low", "high")),
-        Heading("beta", note=say("fragility.of_capacity")),
-        Heading(say("fragility.reached"), note=say("fragility.of_observations")),
-        Heading(say("head.records")),
-        Heading(say("fragility.earthquakes")),
-    )
-    return Table("fragility-medians", caption, headings, tuple(rows), (note,))
+    note = say("fragility.limits", absent=ABSENT) + (say("fragility.first") if tree.attrs["data"] == "ida" else "")
+    rows = own[[name for column in selected for name in column.of]].stack(row=("block", "limit_state"))
+    return tabulated("fragility-medians", caption, selected, rows, (note,))
 
 
 def _pooled(curves: xr.Dataset, efficiency: xr.Dataset) -> str:
@@ -136,10 +127,7 @@ def _pooled(curves: xr.Dataset, efficiency: xr.Dataset) -> str:
 
 
 def sufficiency_tables(efficiency: xr.Dataset) -> list[Table]:
-    """The number of cases in which the capacity depends on a quality of the record beside the measure.
-
-    One table, with a column for every quality that was tested; none where nothing was.
-    """
+    """The numbers of cases in which capacity depends on a quality beside the measure, each a column; or no table."""
     p_value = efficiency["pooled_p_value"].transpose("measure", "quality", "limit_state")
     tested = np.isfinite(p_value.values)
     tests = int(np.count_nonzero(tested))
@@ -150,7 +138,7 @@ def sufficiency_tables(efficiency: xr.Dataset) -> list[Table]:
     for name, own in zip(p_value["measure"].values.tolist(), p_value.values[:, shown], strict=True):
         if np.any(np.isfinite(own)):
             counts = [(int(np.sum(found < LEVEL)), int(np.sum(np.isfinite(found)))) for found in own]
-            rows.append((Cell(name), *(Cell(say("count_of", count=few, total=every), few) for few, every in counts)))
+            rows.append((Cell(name), *(count_of(*pair) for pair in counts)))
     qualities = p_value["quality"].values[shown].tolist()
     headings = (Heading(""), *(Heading(say(f"quality.{name}")) for name in qualities))
     note = say("fragility.tests", tests=tests, few=f"{LEVEL * tests:.0f}")
@@ -160,31 +148,25 @@ def sufficiency_tables(efficiency: xr.Dataset) -> list[Table]:
 
 def _told_by(efficiency: xr.Dataset, p_value: xr.DataArray) -> list[str]:
     """A sentence for every quality that files of some records state: by how many, and whether they are enough."""
-    total = int(efficiency["quality_records"].sel(quality=STRENGTH))
+    total = counted(int(efficiency["quality_records"].sel(quality=STRENGTH)), "record")
     said = []
     for name in (name for name in STATED if name in efficiency["quality"].values):
-        records, events = (int(efficiency[f"quality_{of}"].sel(quality=name)) for of in ("records", "events"))
-        if records:
-            enough = bool(np.isfinite(p_value.sel(quality=name)).any())
-            fields = {"count": records, "records": counted(total, "record"), "events": counted(events, "earthquake")}
-            key = f"fragility.{'stated' if enough else 'too_few'}"
-            said.append(say(key, quality=say(f"quality.{name}"), **fields))
+        count, events = (int(efficiency[f"quality_{of}"].sel(quality=name)) for of in ("records", "events"))
+        if count:
+            key = "stated" if np.isfinite(p_value.sel(quality=name)).any() else "too_few"
+            fields = {"quality": say(f"quality.{name}"), "events": counted(events, "earthquake")}
+            said.append(say(f"fragility.{key}", count=count, records=total, **fields))
     return said
 
 
 def _statements(curves: xr.Dataset) -> str:
-    """A remark of each kind, by what is known of curve, band and median, and how many others there are like it."""
+    """A remark of each kind, by the state of curve, band and median, and how many others there are like it."""
+    statements = curves["statement"]
     found: dict[tuple[int, ...], list[str]] = {}
-    for place in np.ndindex(curves["statement"].shape):
-        if words := str(curves["statement"].values[place]):
-            dims = curves["statement"].dims
-            labels = [str(curves[dim].values[index]) for dim, index in zip(dims, place, strict=True)]
-            kind = tuple(int(curves[name].values[place]) for name in ("status", "band", "extrapolated"))
-            found.setdefault(kind, []).append(f"{', '.join(labels)}: {words}")
-    if not found:
-        return ""
-    said = ["remarks"]
-    for entries in found.values():
-        more = "" if len(entries) == 1 else f" (and {len(entries) - 1} more like it)"
-        said.append(paragraph(entries[0] + more, "      ", "  "))
-    return "\n".join(said)
+    for place in zip(*np.nonzero(statements.values), strict=True):
+        labels = [str(curves[dim].values[index]) for dim, index in zip(statements.dims, place, strict=True)]
+        kind = tuple(int(curves[name].values[place]) for name in ("status", "band", "extrapolated"))
+        found.setdefault(kind, []).append(f"{', '.join(labels)}: {statements.values[place]}")
+    like = {first: f" (and {len(others)} more like it)" if others else "" for first, *others in found.values()}
+    said = [paragraph(first + more, "      ", "  ") for first, more in like.items()]
+    return "\n".join(["remarks", *said]) if said else ""

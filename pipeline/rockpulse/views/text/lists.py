@@ -34,10 +34,7 @@ from rockpulse.views.shared.words import say
 
 #: Columns of a list of cases; those of each factor, where it is known, and what they are.
 CASE = ("record", "block", "model", "restitution", PGA, "uplift_ratio", "impulse_ratio", "answer")
-OF_FACTOR = {
-    "factor_10": ("overturning_probability", "factor_10"),
-    "safety_factor": ("safety_factor", "capacity_pga"),
-}
+OF_FACTOR = {"factor_10": ("overturning_probability", "factor_10"), "safety_factor": ("safety_factor", "capacity_pga")}
 _MEANING = {
     "factor_10": "P: probability of overturning under the record as it is; factor of 10 %: factor on the record at "
     "which it is 10 %; both by the nonlinear model.",
@@ -74,10 +71,7 @@ def worst_first(answers: Answers, selection: Selection) -> Selection:
 
 
 def case_list(summary: xr.Dataset, selection: Selection) -> str:
-    """The answers that a selection names, one a line; those of the fullest model where it names none.
-
-    Raises ResultsError for a name or variable that is not there.
-    """
+    """The answers that a selection names, one a line; those of the fullest model where it names none."""
     if not selection.names.get("model"):
         selection = replace(selection, names={**selection.names, "model": (fullest_model(summary),)})
     dims = [dim for dim in ("record", "block", "case", "model") if dim in summary["outcome"].dims]
@@ -97,13 +91,14 @@ def case_list(summary: xr.Dataset, selection: Selection) -> str:
     selected = columns(*names, answer=say(f"models.{models[0]}") if single else "")
     selected += _of_interest(summary, selection, selected)
     table = filled(selected, points)
-    rocking = zip(points["outcome"], points["peak_rotation_ratio"], strict=True)
+    rotations = zip(points["outcome"], points["peak_rotation_ratio"], strict=True)
+    beyond = any(outcome == Outcome.ROCKS and peak > 1.0 for outcome, peak in rotations)
     marks = marks_of(cell for row in table for cell in row)
     notes = [
         "Figures: theta_max/alpha_c. a/a_up: PGA over the acceleration of uplift. I/I_1c: main impulse over the one "
         "that overturns alone.",
         *(_MEANING[factor] for factor in factors),
-        *([say("note.beyond_critical")] if any(o == Outcome.ROCKS and peak > 1.0 for o, peak in rocking) else []),
+        *([say("note.beyond_critical")] if beyond else []),
         *([NONE_UP_TO.note] if NONE_UP_TO in marks else []),
         *doubt_notes(row[0] for row in table),
         *(["*: outside the range of this model."] if OUTSIDE in marks else []),
@@ -113,11 +108,7 @@ def case_list(summary: xr.Dataset, selection: Selection) -> str:
 
 
 def record_list(summary: xr.Dataset, selection: Selection) -> str:
-    """The records that a selection names: strength, and what they do to the blocks.
-
-    A condition on an answer has to hold for one of the blocks. Raises ResultsError for a name or variable that is not
-    there.
-    """
+    """The records that a selection names; a condition on an answer has to hold for one of the blocks."""
     answers, selection = _selected(summary, selection)
     summary = answers.summary
     names = [name for name in RECORD if name not in STATED or (name in summary and summary[name].notnull().any())]
@@ -125,11 +116,7 @@ def record_list(summary: xr.Dataset, selection: Selection) -> str:
 
 
 def block_list(summary: xr.Dataset, selection: Selection) -> str:
-    """The blocks that a selection names: size, and what the records do to them.
-
-    A condition on an answer has to hold for one of the records. Raises ResultsError for a name or variable that is not
-    there.
-    """
+    """The blocks that a selection names; a condition on an answer has to hold for one of the records."""
     return _of_motions(*_selected(summary, selection), "block", BLOCK)
 
 
@@ -178,7 +165,7 @@ def _selected(summary: xr.Dataset, selection: Selection) -> tuple[Answers, Selec
 
 
 def _distinct(summary: xr.Dataset) -> np.ndarray:
-    """(block, case) which restitutions are shown: one of a block that has the same in all cases."""
+    """(block, case) True for the restitutions that are shown: one of a block that has the same in all cases."""
     shown = np.zeros((summary.sizes["block"], summary.sizes["case"]), dtype=bool)
     for body in bodies_of(summary):
         shown[body.place, body.case] = True

@@ -27,19 +27,20 @@ from rockpulse.views.shared.terminal import ABSENT, figure, paragraph, ratio, sh
 
 
 def smallest_capacities(answers: Answers, blocks: Collection[int] | None = None) -> str:
-    """Of every body the smallest and the median capacity over each demand; empty without a demand or a motion.
+    """Of every body, or of the blocks at some places, the smallest and the median capacity over each demand.
 
-    Only of the blocks at some places, where these are given.
+    Empty without a demand or a motion.
     """
     motions = answers.motions
     if not answers.demands or not motions.names:
         return ""
     of_demands = [answers.margins(demand=name) for name in answers.demands]
-    rows, every = [], []
-    for body, *margins in zip(answers.bodies, *of_demands, strict=True):
-        if blocks is None or body.place in blocks:
-            rows.append((body.block, body.restitution, list(map(_both, margins))))
-            every += margins
+    shown = [k for k, body in enumerate(answers.bodies) if blocks is None or body.place in blocks]
+    every = [margins[k] for k in shown for margins in of_demands]
+    rows = [
+        (answers.bodies[k].block, answers.bodies[k].restitution, [_both(margins[k]) for margins in of_demands])
+        for k in shown
+    ]
     each = "the pairs" if motions.kind == "pair" else "the records"
     of = f"{each}, each in its worst direction" if motions.kind == "pair" else each
     marks = marks_of(cell for margin in every for cell in margin_cells(margin))
@@ -101,7 +102,7 @@ def _both(margin: Margin) -> Cell:
 def direction_table(summary: xr.Dataset, directions: xr.Dataset) -> str:
     """Rotations and smallest factor over direction by the fullest model; by every model, how many overturn."""
     answers = swept_answers(summary, directions)
-    count = directions.sizes["direction"]
+    count, pairs = directions.sizes["direction"], range(directions.sizes["pair"])
     of_factors = factor_notes(answers, swept=True)
 
     def swept(name: str, model: str = answers.model) -> np.ndarray:
@@ -111,38 +112,27 @@ def direction_table(summary: xr.Dataset, directions: xr.Dataset) -> str:
     # A block that stays at rest in all directions has no azimuth of the largest.
     largest_at = np.where(largest == 0.0, np.nan, swept("largest_azimuth"))
     fallen = [(swept("overturning_share", model), swept("unanswered_count", model)) for model in answers.models]
-    factor, row_of_factor = answers.least_over_direction
     titles = [factor_title(answers.factor), "at"] if of_factors else []
-    names, pair_headings, rows = [], [], []
-    for pair in range(directions.sizes["pair"]):
-        one = directions.isel(pair=pair)
-        names.append(_name(answers, one))
-        pair_headings.append("  ".join([names[-1].marked, *_strength(one)]))
-        index = directions["record_index"].values[pair]
-        for lane, body in enumerate(answers.bodies):
-            at = pair, lane
-            row = int(row_of_factor[at])
-            factor_at = directions["direction_azimuth"].values[index == row] if row >= 0 else [math.nan]
-            limit = float(np.min(answers.proven()[index[index >= 0], lane], initial=math.inf))
-            bound = row >= 0 and bool(answers.bound[row, lane])
-            smallest = (factor_cell(float(factor[at]), limit, bound), number(float(factor_at[0]), _degrees))
-            rows.append(
-                (
-                    Cell("  " + shortened(body.block, NAME_WIDTH)),
-                    COLUMNS["restitution"].cell(body.restitution),
-                    *(number(float(peaks[at]), _peak) for peaks in (median, largest)),
-                    number(largest_at[at], _degrees),
-                    *(smallest if titles else ()),
-                    *(_fallen(share[at] * count, silent[at]) for share, silent in fallen),
-                )
-            )
+    names = [_name(answers, directions.isel(pair=pair)) for pair in pairs]
+    rows = [
+        (
+            Cell("  " + shortened(body.block, NAME_WIDTH)),
+            COLUMNS["restitution"].cell(body.restitution),
+            *(number(float(peaks[pair, lane]), _peak) for peaks in (median, largest)),
+            number(largest_at[pair, lane], _degrees),
+            *(_smallest(answers, directions, pair, lane) if titles else ()),
+            *(_fallen(share[pair, lane] * count, silent[pair, lane]) for share, silent in fallen),
+        )
+        for pair in pairs
+        for lane, body in enumerate(answers.bodies)
+    ]
     headings = map(Heading, ("", "C", "median", "largest", "at", *titles, *answers.models))
     head, *laid = lines(Table("", "", tuple(headings), tuple(rows)))
-    # Over the columns of the models, what their figures are.
-    over = f"directions of {count} that overturn".rjust(len(head))
+    over = f"directions of {count} that overturn".rjust(len(head))  # above the columns of the models
     told, size = [], len(answers.bodies)
-    for place, heading in enumerate(pair_headings):
-        told += ["", heading, over, head, *laid[place * size : (place + 1) * size]]
+    for pair, name in enumerate(names):
+        title = "  ".join([name.marked, *_strength(directions.isel(pair=pair))])
+        told += ["", title, over, head, *laid[pair * size : (pair + 1) * size]]
     smallest_of = f" Smallest {factor_name(answers.factor)}, and its azimuth." if of_factors else ""
     notes = [
         f"Median and largest over {count} directions of theta_max/alpha_c by the {answers.model} model, and the "
@@ -152,9 +142,19 @@ def direction_table(summary: xr.Dataset, directions: xr.Dataset) -> str:
         *of_factors,
         *doubt_notes(names),
         "The directions are records: rockpulse inspect RESULTS --record ID shows one, --block NAME all of them.",
+        *cautions(answers.models),
     ]
-    notes += cautions(answers.models)
     return "\n".join([*told[1:], "", *(paragraph(note, "  ") for note in notes)])
+
+
+def _smallest(answers: Answers, directions: xr.Dataset, pair: int, lane: int) -> tuple[Cell, Cell]:
+    """The smallest factor of a body over the directions of a pair, and its azimuth."""
+    factor, row_of_factor = (table[pair, lane] for table in answers.least_over_direction)
+    index, row = directions["record_index"].values[pair], int(row_of_factor)
+    azimuth = float(directions["direction_azimuth"].values[index == row][0]) if row >= 0 else math.nan
+    limit = float(np.min(answers.proven()[index[index >= 0], lane], initial=math.inf))
+    bound = row >= 0 and bool(answers.bound[row, lane])
+    return factor_cell(float(factor), limit, bound), number(azimuth, _degrees)
 
 
 def _name(answers: Answers, pair: xr.Dataset) -> Cell:

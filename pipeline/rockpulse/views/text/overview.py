@@ -1,7 +1,4 @@
-"""The overview of an assessment as text: one screen with the verdict on the bodies, or everything.
-
-Of an assessment that is too large to be shown whole: counts, the worst, and how to see the rest.
-"""
+"""The overview of an assessment as text: one screen with the verdict on the bodies, or everything."""
 
 import numpy as np
 import xarray as xr
@@ -33,27 +30,25 @@ def overview(tree: xr.DataTree, whole: bool = False) -> str:
     """One screen: the verdict on every body, the worst motions, how much was left out.
 
     The `whole` adds every model's verdict for every record and block, what overturns and why the rest was left out; of
-    a sweep over direction the median and largest instead. Of more verdicts than can be shown one by one that is counts
-    and the worst. Values that are not yet read from a file are read as far as they are shown.
+    a sweep over direction the median and largest instead, and of more verdicts than a table holds counts and the worst.
     """
-    head, files = headline(tree), files_used(tree).line
-    answers = answers_of(tree)
-    if not whole and answers.motions.kind != "sequence":
-        more = "All of it, every record, body and model: rockpulse inspect RESULTS --all"
-        bodies = body_verdicts(answers, BODIES if len(answers.bodies) > BODIES else None)
-        parts = [head, unused(files), bodies, worst_motions(answers, MOTIONS), left_out_in_short(tree), more]
-        return "\n\n".join(filter(None, parts))
+    files, answers = files_used(tree).line, answers_of(tree)
+    parts = [headline(tree), unused(files)]
     directions = tree["directions"].to_dataset() if "directions" in tree.children else None
-    if is_large(answers):
-        parts = [head, unused(files), _large(answers, directions), left_out(tree, brief=True), HINTS]
-        return "\n\n".join(filter(None, parts))
-    summary = answers.summary.load()  # all of it is shown: read at once, not value by value
-    if directions is None:
-        shown = [verdict_table(summary), body_verdicts(answers), overturned(answers, files)]
+    if not whole and answers.motions.kind != "sequence":
+        bodies = body_verdicts(answers, BODIES if len(answers.bodies) > BODIES else None)
+        parts += [bodies, worst_motions(answers, MOTIONS), left_out_in_short(tree)]
+        parts.append("All of it, every record, body and model: rockpulse inspect RESULTS --all")
+    elif is_large(answers):
+        parts += [_large(answers, directions), left_out(tree, brief=True), HINTS]
     else:
-        shown = [direction_table(summary, directions.load()), body_verdicts(answers), unused(files)]
-    parts = [head, *shown, governing(answers), smallest_capacities(answers), left_out(tree)]
-    return "\n\n".join(part for part in parts if part)
+        summary = answers.summary.load()  # all of it is shown: read at once, not value by value
+        if directions is None:
+            parts[1:] = [verdict_table(summary), body_verdicts(answers), overturned(answers, files)]
+        else:
+            parts[1:] = [direction_table(summary, directions.load()), body_verdicts(answers), unused(files)]
+        parts += [governing(answers), smallest_capacities(answers), left_out(tree)]
+    return "\n\n".join(filter(None, parts))
 
 
 def headline(tree: xr.DataTree) -> str:
@@ -82,20 +77,17 @@ def is_large(answers: Answers) -> bool:
 
 
 def _large(answers: Answers, directions: xr.Dataset | None) -> str:
-    """Strength of the records, verdicts by model, the worst blocks and cases.
-
-    Of a sweep, whose node /directions is given, the worst pairs in place of the cases.
-    """
+    """Strength of the records, verdicts by model, the worst blocks, and the worst cases or pairs of a sweep."""
     parts = [_strength(answers), _verdicts(answers), body_verdicts(answers, WORST)]
     if directions is None:
         parts.append(case_list(answers.summary, worst_first(answers, Selection(limit=WORST))))
     else:
         parts.append(_pairs(answers, directions))
-    parts += filter(None, [governing(answers)])
+    parts.append(governing(answers))
     if answers.demands:
         smallest = [margin.smallest for margin in answers.margins("block")]
         parts.append(smallest_capacities(answers, np.argsort(smallest, kind="stable")[:WORST].tolist()))
-    return "\n\n".join(parts)
+    return "\n\n".join(filter(None, parts))
 
 
 def _strength(answers: Answers) -> str:

@@ -1,7 +1,4 @@
-"""A site file as text: its remarks first, then the parameters, the design sequence and the coverage.
-
-By the overturning spectrum: what the design asks of every body, in effective impulses, then sequences of them.
-"""
+"""A site file as text: by sequences parameters, design and coverage, by the spectrum the design of every body."""
 
 import math
 from collections.abc import Callable
@@ -11,7 +8,8 @@ import numpy as np
 import xarray as xr
 
 from rockpulse.record.measures import MEASURES
-from rockpulse.views.shared.files_used import files_used
+from rockpulse.views.shared.columns import Column, shown, tabulated, titled
+from rockpulse.views.shared.files_used import failure_rows, files_used
 from rockpulse.views.shared.table import Cell, Heading, Table, lines, number, text
 from rockpulse.views.shared.terminal import (
     ABSENT,
@@ -25,7 +23,7 @@ from rockpulse.views.shared.terminal import (
     share,
 )
 from rockpulse.views.shared.words import counted, listed, named, remarks_of, say
-from rockpulse.views.text.left_out import not_used, unused
+from rockpulse.views.text.left_out import rows_not_used, unused
 
 #: Rows of a table of blocks, and names of events, that are listed one by one.
 LISTED = 12
@@ -51,7 +49,7 @@ def site_overview(tree: xr.DataTree) -> str:
         "\n".join(paragraph(line, "  ", "") for line in about_records(site)),
         *own,
         _warnings(site),
-        not_used(tree),
+        rows_not_used(failure_rows(tree)),
     ]
     return "\n\n".join(part for part in parts if part)
 
@@ -70,18 +68,15 @@ def site_tables(site: xr.Dataset) -> list[Table]:
 
 def about_records(site: xr.Dataset) -> list[str]:
     """The records and their events, and how a sequence was made of each."""
-    events, method = site["site_event"].values.tolist(), site.attrs["method"]
-    each = zip(events, site["event_records"].values.tolist(), strict=True)
-    names = listed([f"{name} ({count})" for name, count in each], LISTED)
-    scaled = str(site.attrs["scaled_to"])
-    target = "" if scaled == "none" else f"{scaled} {MEASURES[scaled.split()[0]].shown_unit}"
-    records = {
-        "records": counted(site.sizes["record"], "record"),
-        "earthquakes": counted(len(events), "earthquake"),
-        "names": names,
-    }
-    on_records = say(f"site.records.{'as_they_are' if scaled == 'none' else 'scaled'}", target=target, **records)
-    weights = site.attrs["weights"]
+    method, weights, scaled = (str(site.attrs[name]) for name in ("method", "weights", "scaled_to"))
+    each = zip(site["site_event"].values.tolist(), site["event_records"].values.tolist(), strict=True)
+    on_records = say(
+        f"site.records.{'as_they_are' if scaled == 'none' else 'scaled'}",
+        target="" if scaled == "none" else f"{scaled} {MEASURES[scaled.split()[0]].shown_unit}",
+        records=counted(site.sizes["record"], "record"),
+        earthquakes=counted(site.sizes["site_event"], "earthquake"),
+        names=listed([f"{name} ({count})" for name, count in each], LISTED),
+    )
     if method == "spectrum":
         return [on_records, say(f"site.spectra.{site.attrs['spectrum']}", weights=weights)]
     misfit, below = figure(_median(site["misfit"])), share(_median(site["unsafe_share"]))
@@ -90,22 +85,22 @@ def about_records(site: xr.Dataset) -> list[str]:
 
 def _parameter_table(site: xr.Dataset) -> Table:
     """The parameters of the sequences of all records: lognormal, with intervals where they are known."""
-    headings = (
-        *(Heading(say(f"site.head.{name}")) for name in ("parameter", "median", "median_low", "median_high")),
-        *(Heading(say(f"site.head.{name}"), note=say("site.of_logarithm")) for name in ("dispersion", "low", "high")),
-        *(Heading(f"{percent} %", note=say("site.of_records")) for percent in (16, 50, 84)),
-        Heading(say("site.head.design")),
+    medians = {"median": "median", "median_low": "median_lower", "median_high": "median_upper"}
+    spread = {"dispersion": "dispersion", "low": "dispersion_lower", "high": "dispersion_upper"}
+    of_logarithm, of_records = say("site.of_logarithm"), say("site.of_records")
+    selected = (
+        titled(say("site.head.parameter"), _parameter, "parameter", "parameter_name", "parameter_unit"),
+        *(titled(say(f"site.head.{name}"), number, key) for name, key in medians.items()),
+        *(titled(say(f"site.head.{name}"), number, key, note=of_logarithm) for name, key in spread.items()),
+        *(titled(f"{percent} %", number, f"quantile_{percent}", note=of_records) for percent in (16, 50, 84)),
+        titled(say("site.head.design"), number, "design"),
     )
-    spread = (f"{name}{end}" for name in ("median", "dispersion") for end in ("", "_lower", "_upper"))
-    keys = (*spread, *(f"quantile_{percent}" for percent in (16, 50, 84)), "design")
-    rows = []
-    for name in site["parameter"].values.tolist():
-        one = site.sel(parameter=name)
-        words = named(f"parameters.{name}", str(one["parameter_name"].item()).partition(";")[0])
-        label = Heading(words, _UNITS[str(one["parameter_unit"].item())]).label
-        rows.append((Cell(label), *(number(_number(one, key)) for key in keys)))
     caption = say("site.caption.parameters", confidence=_percent(site, "confidence"))
-    return Table("site-parameters", caption, headings, tuple(rows), (say("site.not_known", absent=ABSENT),))
+    return tabulated("site-parameters", caption, selected, site, (say("site.not_known", absent=ABSENT),))
+
+
+def _parameter(name: str, words: str, unit: str) -> Cell:
+    return Cell(Heading(named(f"parameters.{name}", words.partition(";")[0]), _UNITS[unit]).label)
 
 
 def design(site: xr.Dataset) -> str:
@@ -155,78 +150,63 @@ def coverage(site: xr.Dataset) -> str:
 
 def _block_table(site: xr.Dataset) -> Table:
     """The blocks under the design sequence."""
-    rows = []
-    for place, name in enumerate(site["block"].values.tolist()):
-        one = site.isel(block=place)
-        peak = _number(one, "design_rotation_ratio")
-        verdict = number(peak, ratio)
-        if math.isinf(peak):
-            verdict = Cell(say("answer.overturns"), peak, grade="bad")
-        c, covered = _number(one, "restitution"), _number(one, "block_coverage")
-        rows.append((Cell(name), number(c, restitution), verdict, number(covered, share)))
-    headings = (
-        Heading(say("site.head.block"), width=34),
-        Heading("C", note=say("head.restitution")),
-        Heading(say("site.head.under"), note="theta_max/alpha_c"),
-        Heading(say("site.coverage_head"), note=say("site.left_out")),
+
+    def under(peak: float) -> Cell:
+        return Cell(say("answer.overturns"), peak, grade="bad") if math.isinf(peak) else number(peak, ratio)
+
+    selected = (
+        titled(say("site.head.block"), Cell, "block", width=34),
+        _restitution(),
+        titled(say("site.head.under"), under, "design_rotation_ratio", note="theta_max/alpha_c"),
+        titled(say("site.coverage_head"), shown(share), "block_coverage", note=say("site.left_out")),
     )
-    return Table("site-blocks", say("site.caption.blocks"), headings, tuple(rows))
+    return tabulated("site-blocks", say("site.caption.blocks"), selected, site)
+
+
+def _restitution() -> Column:
+    return titled("C", shown(restitution), "restitution", note=say("head.restitution"))
+
+
+def _interval(title: str, name: str) -> Column:
+    return titled(title, lambda low, high: Cell(between(low, high)), f"{name}_lower", f"{name}_upper")
 
 
 def _design_table(site: xr.Dataset) -> Table:
-    """What the design asks of every body, in effective impulses and as a factor."""
+    """The design of every body that has one, in effective impulses and as a factor."""
     quantile, confidence = (f"{general(100.0 * float(site[name]))} %" for name in ("quantile", "confidence"))
-    headings = (
-        Heading(say("head.body"), width=34),
-        Heading("C", note=say("head.restitution")),
-        Heading("I_eff", "m/s", say("site.note.effective", quantile=quantile)),
-        Heading(say("site.head.interval", confidence=confidence)),
-        Heading(say("site.head.overturns_at"), "m/s", "g tan(alpha)/p"),
-        Heading(say("site.factor"), note=say("site.note.on_design")),
-        Heading(say("site.head.overturned_by"), note=say("site.note.weight")),
+
+    def over(factor: float) -> Cell:
+        words = say("site.factor_overturns", factor=ratio(factor))
+        return Cell(words, factor, grade="bad") if factor <= 1.0 else number(factor, ratio)
+
+    selected = (
+        titled(say("head.body"), Cell, "block", width=34),
+        _restitution(),
+        titled("I_eff", number, "effective_impulse", unit="m/s", note=say("site.note.effective", quantile=quantile)),
+        _interval(say("site.head.interval", confidence=confidence), "effective_impulse"),
+        titled(say("site.head.overturns_at"), number, "speed", unit="m/s", note="g tan(alpha)/p"),
+        titled(say("site.factor"), over, "design_factor", note=say("site.note.on_design")),
+        titled(say("site.head.overturned_by"), shown(share), "overturned_share", note=say("site.note.weight")),
     )
-    speed = site["design_factor"] * site["effective_impulse"]
-    rows = []
-    for place, name in enumerate(site["block"].values.tolist()):
-        one = site.isel(block=place)
-        factor, effect = float(one["design_factor"]), float(one["effective_impulse"])
-        if np.isnan(effect):
-            continue
-        over = say("site.factor_overturns", factor=ratio(factor))
-        rows.append(
-            (
-                Cell(str(name)),
-                number(float(one["restitution"]), restitution),
-                number(effect),
-                Cell(_range(one, "effective_impulse")),
-                number(float(speed[place])),
-                Cell(over, factor, grade="bad") if factor <= 1.0 else number(factor, ratio),
-                number(float(one["overturned_share"]), share),
-            )
-        )
-    return Table("site-design", say("site.caption.design"), headings, tuple(rows))
+    own = site.assign(speed=site["design_factor"] * site["effective_impulse"])
+    own = own.isel(block=np.flatnonzero(site["effective_impulse"].notnull()))
+    return tabulated("site-design", say("site.caption.design"), selected, own)
 
 
 def _sequence_table(site: xr.Dataset) -> Table:
-    """The sequence that stands for the design on every body, which is one of many of the same effect."""
-    headings = (
-        Heading(say("head.body"), width=34),
-        Heading("I", "m/s", say("site.note.main")),
-        Heading(say("site.head.interval_of", what="I")),
-        Heading("I_s/I", note=say("site.note.half_waves")),
-        Heading(say("site.head.interval_of", what="I_s/I")),
-        Heading(say("site.head.number"), note=say("site.note.main_impulses")),
-        Heading(say("site.head.its_interval")),
+    """A sequence of the effect of the design on every body, one of many."""
+    interval_of = "site.head.interval_of"
+    selected = (
+        titled(say("head.body"), Cell, "block", width=34),
+        titled("I", number, "main", unit="m/s", note=say("site.note.main")),
+        _interval(say(interval_of, what="I"), "main"),
+        titled("I_s/I", number, "ratio", note=say("site.note.half_waves")),
+        _interval(say(interval_of, what="I_s/I"), "ratio"),
+        titled(say("site.head.number"), number, "main_count", note=say("site.note.main_impulses")),
+        _interval(say("site.head.its_interval"), "main_count"),
     )
-    rows = []
-    for place, name in enumerate(site["block"].values.tolist()):
-        one = site.isel(block=place)
-        cells = [Cell(str(name))]
-        for key in ("main", "ratio", "main_count"):
-            cells += [number(float(one[key])), Cell(_range(one, key))]
-        if not np.isnan(float(one["main"])):
-            rows.append(tuple(cells))
-    return Table("site-sequence", say("site.caption.sequence"), headings, tuple(rows), (say("site.one_number"),))
+    own = site.isel(block=np.flatnonzero(site["main"].notnull()))
+    return tabulated("site-sequence", say("site.caption.sequence"), selected, own, (say("site.one_number"),))
 
 
 def _spectrum_tables(spectra: xr.Dataset, site: xr.Dataset) -> list[Table]:
@@ -236,27 +216,23 @@ def _spectrum_tables(spectra: xr.Dataset, site: xr.Dataset) -> list[Table]:
     at = spectra.sel(restitution=SHOWN_RESTITUTION, method="nearest")
     quantile, confidence = (f"{100.0 * float(site[name]):g} %" for name in ("quantile", "confidence"))
     columns = {"spectrum_50": "median", "spectrum_84": "84 %", "spectrum_design": quantile}
-    shown = {title: key for key, title in columns.items()}  # of a quantile that is stated anyway the one of the design
-    headings = (
-        Heading("p", "1/s"),
-        *(Heading(title, "m/s", "the design" if key == "spectrum_design" else "") for title, key in shown.items()),
-        Heading(f"{confidence} interval"),
-        Heading("I_s/I", note=say("site.note.half_waves")),
-        Heading(say("site.head.number"), note=say("site.note.main_impulses")),
+    titles = {title: key for key, title in columns.items()}  # the design in place of the same quantile
+    notes = {"spectrum_design": "the design"}
+    selected = (
+        titled("p", number, "p", unit="1/s"),
+        *(titled(title, number, key, unit="m/s", note=notes.get(key, "")) for title, key in titles.items()),
+        _interval(f"{confidence} interval", "spectrum_design"),
+        titled("I_s/I", number, "ratio", note=say("site.note.half_waves")),
+        titled(say("site.head.number"), number, "main_count", note=say("site.note.main_impulses")),
     )
-    rows = []
-    for place in range(0, at.sizes["p"], STEP):
-        one = at.isel(p=place)
-        numbers = [number(float(one[key])) for key in ("p", *shown.values(), "ratio", "main_count")]
-        rows.append((*numbers[:-2], Cell(_range(one, "spectrum_design")), *numbers[-2:]))
     caption = (
         f"Effective impulse I_eff of blocks with C = {float(at['restitution']):g}; a body overturns at g tan(alpha)/p"
     )
-    return [Table("site-spectrum", caption, headings, tuple(rows))]
+    return [tabulated("site-spectrum", caption, selected, at.isel(p=slice(None, None, STEP)))]
 
 
 def explained(table: Table) -> str:
-    """The table for the terminal, with a note that says what the report has in small print below the headings."""
+    """The table for the terminal; the small print below its headings in the report is a note here."""
     titles: dict[str, list[str]] = {}
     for heading in table.headings:
         if heading.note:
@@ -309,13 +285,11 @@ def _coverage(site: xr.Dataset, blocks: Table) -> str:
 
 
 def _warnings(site: xr.Dataset) -> str:
-    texts = [str(words) for words in site["warnings"].values]
-    warned = [(str(name), words) for name, words in zip(site["record"].values, texts, strict=True) if words]
-    if not warned:
-        return ""
-    said = [f"records with warnings: {len(warned)} (variable warnings of /site holds all of them)"]
-    said += [paragraph(words.splitlines()[0], "      ", f"  {name}: ") for name, words in warned[:LISTED]]
-    return "\n".join(said)
+    pairs = zip(site["record"].values, site["warnings"].values, strict=True)
+    warned = [(name, str(words).splitlines()[0]) for name, words in pairs if words]
+    title = f"records with warnings: {len(warned)} (variable warnings of /site holds all of them)"
+    said = [paragraph(words, "      ", f"  {name}: ") for name, words in warned[:LISTED]]
+    return "\n".join([title, *said]) if warned else ""
 
 
 def _median(values: xr.DataArray) -> float:

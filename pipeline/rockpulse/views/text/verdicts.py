@@ -1,7 +1,7 @@
 """The verdicts of all models as text: a line for every record and body, and what overturns."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 import xarray as xr
@@ -21,13 +21,17 @@ from rockpulse.views.shared.columns import (
     AnswerRows,
     answer_columns,
     columns,
+    count_of,
     factor_cell,
     factor_columns,
     filled,
+    grade_cell,
     headed,
     margin_cells,
     marks_of,
     record_cells,
+    shown,
+    titled,
     unexplained,
 )
 from rockpulse.views.shared.facts import Known
@@ -40,29 +44,20 @@ from rockpulse.views.shared.notes import (
     uncertainty_words,
     verdict_notes,
 )
-from rockpulse.views.shared.table import Cell, Heading, Table, lines, number
+from rockpulse.views.shared.table import Cell, Heading, Table, lines
 from rockpulse.views.shared.terminal import ABSENT, figure, paragraph, ratio, several, shortened
 
 #: Columns of every table below a record, and of the probability.
 DEMAND = ("block", "restitution", "uplift_ratio", "impulse_ratio")
 PROBABILITY = ("probability_interval", "factor_10", "factor_50", "capacity_mean", "source")
 
-#: Columns of the verdict on the bodies behind those of the shares.
-BODY = ("up_to", "uplift", "median_factor_50", "top", "turn", "worst")
-
 #: Records that govern, and bodies that each of them governs, which are named.
 NAMED = 3
 
 
-def verdict_table(
-    summary: xr.Dataset, records: Sequence[str] | None = None, blocks: Sequence[str] | None = None
-) -> str:
-    """The verdict of every model, one line per block under a heading per record, with footnotes.
-
-    Of some records or blocks where these are given.
-    """
-    named = {"record": records, "block": blocks}
-    answers = Answers(summary.sel({dim: list(labels) for dim, labels in named.items() if labels is not None}))
+def verdict_table(summary: xr.Dataset) -> str:
+    """The verdict of every model, a line per block under a heading per record, with footnotes."""
+    answers = Answers(summary)
     of_models = answer_columns(answers)
     marks = marks_of(cell for column in of_models.values() for cell in column)
     factors = factor_columns(answers)
@@ -72,10 +67,7 @@ def verdict_table(
 
 
 def probability_table(answers: Answers) -> str:
-    """The probability of overturning and the factors that it grows with, laid out as the verdicts.
-
-    Empty where there is none.
-    """
+    """The probability of overturning and the factors that it grows with, laid out as the verdicts; empty without."""
     if not answers.probable:
         return ""
     selected = columns(*PROBABILITY)
@@ -91,10 +83,7 @@ def probability_table(answers: Answers) -> str:
 
 
 def factor_table(answers: Answers) -> str:
-    """The smallest factor on a model's input that overturns the block, laid out as the verdicts.
-
-    Empty where no model was searched.
-    """
+    """The smallest factor on the input of each model that was searched, laid out as the verdicts; empty without."""
     searched = {name: one for name, one in answers.of_models.items() if one.searched}
     if not searched:
         return ""
@@ -115,16 +104,14 @@ def factor_table(answers: Answers) -> str:
 
 
 def _below_records(
-    title: str,
-    answers: Answers,
-    headings: tuple[Heading, ...],
-    table: Sequence[tuple[Cell, ...]],
-    notes: Sequence[str],
+    title: str, answers: Answers, headings: Iterable[Heading], table: Sequence[tuple[Cell, ...]], notes: Sequence[str]
 ) -> str:
     """A line for every body under a heading for every record: what is asked of it, and a row of the table; notes."""
-    rows = []
-    for (body, *demand), more in zip(filled(columns(*DEMAND), AnswerRows.every(answers)), table, strict=True):
-        rows.append((Cell("  " + shortened(body.text, NAME_WIDTH)), *demand, *more))
+    demands = filled(columns(*DEMAND), AnswerRows.every(answers))
+    rows = [
+        (Cell("  " + shortened(body.text, NAME_WIDTH)), *demand, *more)
+        for (body, *demand), more in zip(demands, table, strict=True)
+    ]
     demanded = (Heading(""), *headed(columns(*DEMAND[1:])))
     head, *laid = lines(Table("", "", (*demanded, *headings), tuple(rows)))
     found, size = [], len(answers.bodies)
@@ -138,29 +125,26 @@ def _below_records(
 
 
 def overturned(answers: Answers, files: str = "") -> str:
-    """The part of the overview on overturning: the records that overturn each block, by the fullest model in use.
+    """The records that overturn each block by the fullest model, and the counts of every model.
 
-    Before them stands what is to be known of the `files`, where not all are among these records. Below stand the counts
-    of every model, and the pairs in which a block rocks under a record but is overturned by a weaker copy of it, which
-    is no safer.
+    Before them stand the `files` that are not among these records, behind them the pairs in which a block rocks under
+    a record but is overturned by a weaker copy of it, which is no safer.
     """
     names = [cell.marked for cell in record_cells(answers.summary)]
     fallen = answers.by_block(np.logical_or, answers.overturned)
     # A probability already counts what rocks by luck alone.
     factor = np.full(fallen.shape, np.inf) if answers.probable else answers.by_block(np.fmin, answers["safety_factor"])
+    lucky = ~fallen & (factor < 1.0)
     counts = [one.overturnings("block") for one in answers.of_models.values()]
     told = [f"What overturns (by the {answers.model} model):", *([paragraph(files, "    ", "  ! ")] if files else [])]
     rows, by_weaker = [], []
     for place, block in enumerate(answers.blocks):
-        weaker = [
-            f"{names[row]} ({figure(factor[row, place])})"
-            for row in np.flatnonzero(~fallen[:, place] & (factor[:, place] < 1.0))
-        ]
+        weaker = [f"{names[row]} ({figure(factor[row, place])})" for row in np.flatnonzero(lucky[:, place])]
         nothing = "nothing as recorded does, but see below" if weaker else "nothing does"
         named = ", ".join(names[row] for row in np.flatnonzero(fallen[:, place]))
         told.append(paragraph(named or nothing, "      ", f"  {block}: "))
         by_weaker += [paragraph(", ".join(weaker), "      ", f"  {block}: ")] if weaker else []
-        rows.append((Cell(block), *(COLUMNS["overturned_by"].cell(own[place], len(names)) for own in counts)))
+        rows.append((Cell(block), *(count_of(own[place], len(names)) for own in counts)))
     headings = (Heading("records that overturn", width=NAME_WIDTH), *map(Heading, answers.models))
     told += ["", *("  " + line for line in lines(Table("", "", headings, tuple(rows))))]
     if by_weaker:
@@ -170,38 +154,37 @@ def overturned(answers: Answers, files: str = "") -> str:
 
 def body_verdicts(answers: Answers, most: int | None = None) -> str:
     """The verdict on every body over all motions; of more than `most` those that are the most likely to overturn."""
-    found = verdicts(answers)
-    order = sorted(range(len(found)), key=lambda place: -found[place].decides.value)[:most]
-    shown = [found[place] for place in (sorted(order) if most is None else order)]
-    names, summary = [cell.marked for cell in record_cells(answers.summary)], answers.summary
+    found, summary = verdicts(answers), answers.summary
+    places = np.argsort([-one.decides.value for one in found], kind="stable")[:most]
+    lanes = (np.sort(places) if most is None else places).tolist()
+    kept = [found[lane] for lane in lanes]
+    names = [cell.marked for cell in record_cells(summary)]
     (top, turn), factors = _largest_survived(answers), _middle_factors(answers)
-    uplift = summary["uplift_acceleration"].values
+    demands = [[demand.share for demand in one.demands] or [one.share] for one in kept]
     of = "P" if answers.probable else "share"
-    shares = [f"{of} at {name}" for name in answers.demands] or [of]
-    lanes = [found.index(one) for one in shown]
+    likely = {f"{of} at {name}": place for place, name in enumerate(answers.demands)} or {of: 0}
     values = {
-        "found": shown,
-        "high": [one.decides.high for one in shown],
-        "uplift": [float(uplift[one.body.place]) for one in shown],
+        "name": [f"  {one.body.name}" for one in kept],
+        "found": kept,
+        "high": [one.decides.high for one in kept],
+        "uplift": [float(summary["uplift_acceleration"].values[one.body.place]) for one in kept],
         "median": [factors[lane] for lane in lanes],
         "top": top[lanes].tolist(),
         "turn": turn[lanes].tolist(),
-        "worst": [names[one.governing] if one.governing >= 0 else ABSENT for one in shown],
+        "worst": [names[one.governing] if one.governing >= 0 else ABSENT for one in kept],
+        **{title: [shares[place].value for shares in demands] for title, place in likely.items()},
     }
-    selected = columns("verdict", *BODY, worst=f"worst {answers.motions.kind}")
-    if not answers.probable:
-        selected = tuple(COLUMNS["median_safety_factor"] if one.name == "median_factor_50" else one for one in selected)
-    rows = []
-    for one, (verdict, *more) in zip(shown, filled(selected, values), strict=True):
-        of_demands = [demand.share for demand in one.demands] or [one.share]
-        likely = (number(share.value, ratio) for share in of_demands)
-        rows.append((Cell("  " + one.body.name), Cell(verdict.text), *likely, *more))
-    which = f"the {len(rows)} most likely to overturn of {len(found)} bodies" if len(rows) < len(found) else "each body"
+    selected = (
+        titled("", Cell, "name", width=NAME_WIDTH),
+        titled(COLUMNS["verdict"].heading.title, lambda one: Cell(grade_cell(one).text), "found"),
+        *(titled(title, shown(ratio), title) for title in likely),
+        *columns("up_to", "uplift", f"median_{'factor_50' if answers.probable else 'safety_factor'}", "top", "turn"),
+        *columns("worst", worst=f"worst {answers.motions.kind}"),
+    )
+    which = f"the {len(kept)} most likely to overturn of {len(found)} bodies" if len(kept) < len(found) else "each body"
     title = f"Verdict on {which}, {_under(answers, found)} ({answers.model} model):"
-    verdict_heading, *others = headed(selected)
-    headings = (Heading("", width=NAME_WIDTH), verdict_heading, *map(Heading, shares), *others)
     notes = [*_legend(answers), *body_notes(answers, found)]
-    table = lines(Table("", "", headings, tuple(rows)))
+    table = lines(Table("", "", headed(selected), tuple(filled(selected, values))))
     return "\n".join([paragraph(title), *table, *(paragraph(note, "  ") for note in notes)])
 
 
@@ -267,45 +250,43 @@ def worst_motions(answers: Answers, most: int) -> str:
     body = np.array([np.lexsort((own, -every))[0] for own, every in zip(near, likely, strict=True)])
     at = np.arange(len(body)), body
     order = np.lexsort((near[at], -likely[at]))[:most]
-    limit = searched_up_to(answers[answers.factor], answers.proven())
     marked = dict(zip(answers.records, (cell.marked for cell in record_cells(answers.summary)), strict=True))
-    motion = {name: np.fmax.reduce(motions.over(answers[name], np.nan), axis=1)[order] for name in (PGA, PGV)}
-    values = {name: column.tolist() for name, column in motion.items()} | {
+    strength = {name: np.fmax.reduce(motions.over(answers[name], np.nan), axis=1)[order] for name in (PGA, PGV)}
+    values = {name: column.tolist() for name, column in strength.items()} | {
+        "name": [f"  {marked.get(motions.names[row], motions.names[row])}" for row in order],
         "pgv_drift": [0] * len(order),
-        "worst_for": [shortened(answers.bodies[body[row]].name, NAME_WIDTH) for row in order],
+        "worst_for": [shortened(answers.bodies[lane].name, NAME_WIDTH) for lane in body[order]],
         "overturning_probability": chance[at][order].tolist(),
+        "near": factor[at][order].tolist(),
         "fallen": answers.overturned.sum(axis=1)[order].tolist(),
-        "total": [len(answers.bodies)] * len(order),
     }
-    selected = columns(PGA, PGV, "worst_for", *(["overturning_probability"] if answers.probable else []), "overturns")
-    rows = []
-    for row, (*first, last) in zip(order.tolist(), filled(selected, values), strict=True):
-        name = "  " + marked.get(motions.names[row], motions.names[row])
-        near_cell = unexplained(factor_cell(float(factor[row, body[row]]), limit))
-        rows.append((Cell(name), *first, near_cell, last._replace(value=None)))
-    *headings, overturns = headed(selected)
-    headings = [Heading(""), *headings, Heading(factor_title(answers.factor)), overturns]
-    which = f"The {len(rows)} worst of {len(motions.names)}" if len(rows) < len(motions.names) else "All"
+    limit, bodies = searched_up_to(answers[answers.factor], answers.proven()), len(answers.bodies)
+    selected = (
+        titled("", Cell, "name"),
+        *columns(PGA, PGV, "worst_for", *(["overturning_probability"] if answers.probable else [])),
+        titled(factor_title(answers.factor), lambda value: unexplained(factor_cell(value, limit)), "near"),
+        titled(COLUMNS["overturns"].heading.title, lambda count: Cell(count_of(count, bodies).text), "fallen"),
+    )
+    which = f"The {len(order)} worst of {len(motions.names)}" if len(order) < len(motions.names) else "All"
     what = {"record": "records", "pair": "pairs of channels", "sequence": "sequences"}[motions.kind]
-    return "\n".join([f"{which} {what}, as recorded:", *lines(Table("", "", tuple(headings), tuple(rows)))])
+    table = lines(Table("", "", headed(selected), tuple(filled(selected, values))))
+    return "\n".join([f"{which} {what}, as recorded:", *table])
 
 
 def governing(answers: Answers) -> str:
-    """The records that the verdicts rest on in words, with the bodies; empty where nothing is known of any.
-
-    Of every body that is the record of its smallest factor or, without one, the first that overturns it.
-    """
+    """The records of the smallest factors, or that overturn, in words with their bodies; empty where none is known."""
     ruled: dict[int, dict[str, None]] = {}
     for one in verdicts(answers):
         if one.governing >= 0:
             ruled.setdefault(one.governing, {})[one.body.block] = None
     told = []
     for row, blocks in sorted(ruled.items(), key=lambda item: -len(item[1]))[:NAMED]:
-        if known := Known(answers.summary, record=answers.records[row]).described:
-            of = some(list(blocks), NAMED)
-            told.append(paragraph(f"{answers.records[row]}: {known} (for {of})", "      ", "  "))
+        record = answers.records[row]
+        if known := Known(answers.summary, record=record).described:
+            told.append(paragraph(f"{record}: {known} (for {some(list(blocks), NAMED)})", "      ", "  "))
     if not told:
         return ""
-    others = [f"  and {several(len(ruled) - NAMED, 'other record')}"] if len(ruled) > NAMED else []
+    if len(ruled) > NAMED:
+        told.append(f"  and {several(len(ruled) - NAMED, 'other record')}")
     what = f"of the smallest {factor_name(answers.factor)}" if answers.told else "that overturns"
-    return "\n".join([f"What governs (the record {what}, by the {answers.model} model):", *told, *others])
+    return "\n".join([f"What governs (the record {what}, by the {answers.model} model):", *told])

@@ -7,7 +7,7 @@ from record_writers.columns import table
 
 from rockpulse.errors import RecordFormatError, UnitError
 from rockpulse.readers import read
-from rockpulse.readers.formats.columns import _integrates, is_columns
+from rockpulse.readers.formats.columns import is_columns
 from rockpulse.readers.source import NotAcceleration
 from rockpulse.record.record import STANDARD_GRAVITY
 
@@ -50,14 +50,6 @@ def test_blank_rows_quotes_and_separators_at_the_end_do_no_harm(write):
     rows = [f'{time:.2f}, "{value:.6f}",' for time, value in zip(TIMES, VALUES, strict=True)]
     (record,) = read(write("\n".join([*rows[:50], "", "  ", *rows[50:], ""])), units="m/s2")
     assert record.acceleration == pytest.approx(VALUES, rel=1e-12)
-
-
-@pytest.mark.parametrize("row", ["0.5,,1", ",1", "1 2", "0.5 1,"])
-def test_a_row_that_lacks_a_number_is_named_though_another_has_one_too_many(write, row):
-    rows = [f"{time:.2f},{value:.6f}" for time, value in zip(TIMES, VALUES, strict=True)]
-    rows[20], rows[21] = row, "1,2 3"
-    with pytest.raises(RecordFormatError, match=r"record.txt:21: expected 2 finite numbers"):
-        read(write("\n".join(rows)), units="m/s2")
 
 
 def test_a_comma_that_may_be_either_is_refused(write):
@@ -141,23 +133,6 @@ def test_a_column_that_is_the_integral_of_the_one_before_it_is_no_acceleration(w
     velocity = np.append(0.0, np.cumsum(0.005 * (VALUES[1:] + VALUES[:-1])))
     with pytest.raises(RecordFormatError, match="column 3 is the integral of column 2"):
         read(write(table(TIMES, VALUES, velocity, number="{:.9f}")), units="g")
-
-
-@pytest.mark.parametrize(("rows", "told"), [(3, False), (4, True)])
-def test_two_steps_are_too_few_for_an_integral(rows, told):
-    rate = np.array([1.0, 3.0, -2.0, 5.0])[:rows]
-    assert _integrates(rate, np.append(0.0, np.cumsum(rate[1:] + rate[:-1]))) is told
-
-
-def test_the_last_row_of_two_columns_is_no_end_of_a_series(write):
-    with pytest.raises(RecordFormatError, match=r"record.txt:201: expected 2 finite numbers, found '2.0'"):
-        read(write(table(TIMES, VALUES) + "2.0\n"), units="m/s2")
-
-
-def test_a_damaged_number_in_the_last_row_of_a_series_is_named_with_its_line(write):
-    rows = [" ".join(f"{value:.6f}" for value in VALUES[at : at + 5]) for at in range(0, 195, 5)]
-    with pytest.raises(RecordFormatError, match=r"record.txt:41: expected 3 finite numbers, found '0.1 x 0.3'"):
-        read(write("\n".join(["NPTS = 198", *rows, "0.1 x 0.3"])), units="g", dt=0.01)
 
 
 def test_accelerations_that_run_like_time_are_named_by_their_own_heading(write):

@@ -7,7 +7,7 @@ import pytest
 from record_writers import pulse
 from record_writers.csmip_v2 import NEW, OLD, csmip_v2
 
-from rockpulse.errors import RecordFormatError, UnitError
+from rockpulse.errors import RecordFormatError, RockpulseError
 from rockpulse.readers import read
 from rockpulse.readers.folders import read_all
 from rockpulse.readers.source import NotAcceleration
@@ -16,17 +16,6 @@ MOTION = np.round(pulse(403, peak=250.0), 3)
 
 
 NAME = "TEST.V2"
-
-
-def test_the_text_of_a_real_file(records_folder):
-    record = read(records_folder / "csmip_v2" / "ce36456p_CE36456.V2")[0]
-    assert record.id == ".36456..90@19830502T234248"
-    assert (record.station_name, record.event) == ("PARKFIELD FAULT ZONE 14", "COALINGA EARTHQUAKE")
-    assert record.acceleration[:2] == pytest.approx([-0.03038, -0.00787], rel=1e-12)
-    assert record.processing == (
-        "by the agency: instrument- and baseline-corrected",
-        "by the agency: bandpass filtered with ramps at .050- .100 and 23.00-25.00 cyc/sec",
-    )
 
 
 def test_the_channels_on_the_meloland_overpass_are_structural_and_the_free_field_is_not(records_folder):
@@ -106,33 +95,6 @@ def with_real(content: bytes, number: int, text: str) -> bytes:
     return b"\n".join(lines)
 
 
-@pytest.mark.parametrize(
-    ("number", "text", "told"),
-    [
-        (60, "4.070", ""),  # two steps, its rounding and five thousandths of the length away
-        (60, "4.073", "the header states 4.073 s, 403 samples at 0.01 s last 4.03 s"),
-        (61, ".000", ""),
-        (61, ".020", "real 61 of the header states an interval of 0.02 s, the heading 0.01 s"),
-        (65, "3.120", "the header states the peak at 3.12 s"),
-        (66, "260.000", "real 66 of the header states a peak of"),
-    ],
-)
-def test_the_reals_are_held_against_the_samples(write, number, text, told):
-    content = csmip_v2(MOTION, end="\n")
-    assert with_real(content, number, text) != content
-    (record,) = read(write(with_real(content, number, text)))
-    assert len(record.warnings) == bool(told)
-    assert "".join(record.warnings).startswith(told)
-
-
-@pytest.mark.parametrize(("length", "told"), [("4.070", False), ("4.073", True)])
-def test_the_length_in_the_text_is_held_against_the_samples(write, length, told):
-    content = csmip_v2(MOTION)
-    assert content.count(b"RECORD LENGTH =  4.020") == 1
-    (record,) = read(write(content.replace(b"LENGTH =  4.020", f"LENGTH =  {length}".encode())))
-    assert bool(record.warnings) is told
-
-
 def test_an_interval_may_be_off_by_the_rounding_of_the_text(write):
     content = csmip_v2(MOTION, end="\n")
     for wrong, told in ((".010", 0), (".011", 1)):
@@ -147,38 +109,6 @@ def test_an_interval_may_be_off_by_the_rounding_of_the_text(write):
         assert len(record.warnings) == told
     with pytest.raises(RecordFormatError, match=r"expected an interval of 0.01 s .* found a heading with 0.0106 s"):
         read(write(content.replace(b"accel data equally spaced at  .010", b"accel data equally spaced at .0106")))
-
-
-def test_a_block_that_stands_twice_is_read_once(write):
-    lines = csmip_v2(MOTION, end="\n").split(b"\n")
-    heading, velocity = 45, 45 + 1 + 51
-    assert b"veloc" in lines[velocity]
-    (record,) = read(write(b"\n".join([*lines[:velocity], *lines[heading:]])))
-    assert record.npts == 403
-    assert "line 98: the block of line 46 stands in the file again" in record.warnings[0]
-    (record,) = read(write(b"\n".join([*lines[: heading + 1], *lines[heading:]])))
-    assert record.npts == 403
-    assert "line 46: the line is repeated up to line 47" in record.warnings[0]
-    with pytest.raises(RecordFormatError, match=r"TEST.V2:98: .* found a second block"):
-        read(write(b"\n".join([*lines[:velocity], lines[heading].replace(b".010", b".020"), *lines[heading + 1 :]])))
-
-
-@pytest.mark.parametrize("line", [0, 23])
-def test_a_component_that_another_line_contradicts_is_unknown(write, line):
-    lines = csmip_v2(MOTION, end="\n").split(b"\n")
-    assert b" 90 DEG" in lines[line]
-    (record,) = read(
-        write(b"\n".join([*lines[:line], lines[line].replace(b" 90 DEG", b"180 DEG"), *lines[line + 1 :]]))
-    )
-    assert np.isnan(record.azimuth)
-    assert "another line of the header '180 DEG'" in record.warnings[0]
-
-
-def test_the_azimuth_of_the_integers_is_held_against_the_words(write):
-    lines = csmip_v2(MOTION, end="\n").split(b"\n")
-    assert lines[26][50:55] == b"   90"
-    lines[26] = lines[26][:50] + b"  180" + lines[26][55:]
-    assert np.isnan(read(write(b"\n".join(lines)))[0].azimuth)
 
 
 def test_a_channel_without_acceleration_is_left_out_with_a_warning_on_the_others(write):
@@ -198,84 +128,59 @@ def cut(content: bytes, lines: int) -> bytes:
 
 
 DAMAGE = {
-    "header": (lambda c: cut(c, 20), RecordFormatError, "TEST.V2:20: expected 25 header lines of channel 1"),
-    "numbers": (lambda c: cut(c, 40), RecordFormatError, r"TEST.V2:40: expected a line 'N points of accel data"),
-    "truncated": (
-        lambda c: cut(c, 60),
-        RecordFormatError,
-        r"TEST.V2:60: expected 51 rows of acceleration .*, found 14; .* truncated",
-    ),
-    "velocity": (lambda c: cut(c, 120), RecordFormatError, "TEST.V2:120: expected 51 rows of velocity .* found 22"),
+    "header": (lambda c: cut(c, 20), "TEST.V2:20: expected 25 header lines of channel 1"),
+    "numbers": (lambda c: cut(c, 40), r"TEST.V2:40: expected a line 'N points of accel data"),
+    "truncated": (lambda c: cut(c, 60), r"TEST.V2:60: expected 51 rows of acceleration .*, found 14; .* truncated"),
+    "velocity": (lambda c: cut(c, 120), "TEST.V2:120: expected 51 rows of velocity .* found 22"),
     "one-row": (
         lambda c: b"\n".join([*c.split(b"\n")[:96], *c.split(b"\n")[97:]]),
-        RecordFormatError,
         r"TEST.V2:96: expected 51 rows of acceleration .*, found 50",
     ),
     "old": (
         lambda c: cut(csmip_v2(MOTION, 0.005, OLD, 3, end="\n"), 60),
-        RecordFormatError,
         r"TEST.V2:60: expected 51 rows of acceleration .*, found 14",
     ),
     "huge": (
         lambda c: c.replace(b"   403 points of accel", b"999999999999 points of accel"),
-        RecordFormatError,
         "expected 125000000000 rows of acceleration",
     ),
-    "zero": (lambda c: c.replace(b"   403 points of acc", b"     0 points of acc"), RecordFormatError, "positive"),
+    "zero": (lambda c: c.replace(b"   403 points of acc", b"     0 points of acc"), "positive"),
     "text": (
         lambda c: c.replace(b"   403 POINTS", b"   503 POINTS"),
-        RecordFormatError,
         "TEST.V2:46: expected 503 points .* found a heading with 403",
     ),
     "interval": (
         lambda c: c.replace(b"accel data equally spaced at  .010", b"accel data equally spaced at  .050"),
-        RecordFormatError,
         "TEST.V2:46: expected an interval of 0.01 s .* found a heading with 0.05",
     ),
     "no-interval": (
         lambda c: c.replace(b"accel data equally spaced at  .010", b"accel data equally spaced at  .0.0"),
-        RecordFormatError,
         "TEST.V2:46: expected 'at N pts/sec' or 'equally spaced at N sec'",
     ),
-    "unit": (
-        lambda c: c.replace(b"cm/sec2.", b"furlong."),
-        UnitError,
-        "TEST.V2:46: unknown unit of acceleration 'furlong.'",
-    ),
+    "unit": (lambda c: c.replace(b"cm/sec2.", b"furlong."), "TEST.V2:46: unknown unit of acceleration 'furlong.'"),
     "peak-unit": (
         lambda c: c.replace(b"CM/SEC/SEC", b"CM/SEC/SEX"),
-        UnitError,
         "TEST.V2:18: unknown unit of acceleration 'CM/SEC/SEX'",
     ),
     "no-unit": (
         lambda c: c.replace(b", in cm/sec2.", b"").replace(b"CM/SEC/SEC", b""),
-        UnitError,
         "TEST.V2:46: expected the unit of acceleration",
     ),
-    "format": (lambda c: c.replace(b"(8f10.5)", b"(0f10.5)"), RecordFormatError, "expected a format such as"),
-    "short-row": (lambda c: c.replace(b" 250.00000", b"250.00000"), RecordFormatError, r"expected 8 fields of 10"),
-    "letters": (lambda c: c.replace(b" 250.00000", b"  25o.0000"), RecordFormatError, r"TEST.V2:\d+: .*'25o.0000'"),
-    "not-finite": (lambda c: c.replace(b" 250.00000", b"       NaN"), RecordFormatError, r"TEST.V2:\d+: .*'NaN'"),
-    "twice": (
-        lambda c: c.replace(b"points of veloc", b"points of accel"),
-        RecordFormatError,
-        "found a second block of acceleration",
-    ),
-    "behind": (lambda c: c + b"something else\n", RecordFormatError, "expected 'Corrected accelerogram' .channel 2."),
+    "format": (lambda c: c.replace(b"(8f10.5)", b"(0f10.5)"), "expected a format such as"),
+    "short-row": (lambda c: c.replace(b" 250.00000", b"250.00000"), r"expected 8 fields of 10"),
+    "letters": (lambda c: c.replace(b" 250.00000", b"  25o.0000"), r"TEST.V2:\d+: .*'25o.0000'"),
+    "not-finite": (lambda c: c.replace(b" 250.00000", b"       NaN"), r"TEST.V2:\d+: .*'NaN'"),
+    "twice": (lambda c: c.replace(b"points of veloc", b"points of accel"), "found a second block of acceleration"),
+    "behind": (lambda c: c + b"something else\n", "expected 'Corrected accelerogram' .channel 2."),
 }
 
 
-@pytest.mark.parametrize(("change", "error", "message"), DAMAGE.values(), ids=DAMAGE)
-def test_damage_is_named_with_file_and_line(write, change, error, message):
+@pytest.mark.parametrize(("change", "message"), DAMAGE.values(), ids=DAMAGE)
+def test_damage_is_named_with_file_and_line(write, change, message):
     content = csmip_v2(MOTION, end="\n")
     assert change(content) != content
-    with pytest.raises(error, match=message):
+    with pytest.raises(RockpulseError, match=message):
         read(write(change(content)))
-
-
-def test_spectra_are_refused(records_folder):
-    with pytest.raises(NotAcceleration, match=r"CE89146.V3:1: .*spectra.*; read the volume 1 or 2"):
-        read(records_folder / "csmip_v3" / "CE89146.V3")
 
 
 def test_channels_that_the_header_counts_and_the_file_lacks(write):

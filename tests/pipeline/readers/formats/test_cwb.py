@@ -8,40 +8,15 @@ import pytest
 from record_writers._shared import pulse
 from record_writers.cwb import cwb
 
-from rockpulse.errors import RecordFormatError, UnitError
+from rockpulse.errors import RockpulseError
 from rockpulse.readers import read
-from rockpulse.record.record import STANDARD_GRAVITY, Record
+from rockpulse.record.record import Record
 
 THREE = tuple(np.round(pulse(400, peak, dt=0.02), 3) for peak in (7.1, 45.5, 50.2))
 
 
 def got(content: bytes) -> list[Record]:
     return read(io.BytesIO(content))
-
-
-def test_the_real_file(records_folder):
-    records = read(records_folder / "cwb" / "2-EGF.dat")
-    assert [(record.npts, record.dt, record.processed) for record in records] == [(6000, 0.02, False)] * 3
-    assert [record.pga / STANDARD_GRAVITY for record in records] == pytest.approx(
-        [0.007258, 0.004636, 0.005124], rel=5e-4
-    )
-    assert [record.header_peak for record in records] == pytest.approx([record.pga for record in records], rel=1e-9)
-    assert [record.orientation for record in records] == ["vertical", "horizontal", "horizontal"]
-    assert [record.azimuth for record in records[1:]] == [0.0, 90.0]
-    # 23:50:29 in Taiwan.
-    assert {record.start_time for record in records} == {datetime(2018, 2, 6, 15, 50, 29, tzinfo=UTC)}
-    assert [record.id for record in records] == [f".EGF..{letter}@20180206T155029" for letter in "UNE"]
-    assert {(record.station_name, record.event) for record in records} == {("Guangfu", "2018/02/06-23:50:42")}
-    assert {record.warnings for record in records} == {()}
-
-
-def test_fields_of_ten_characters_touch():
-    columns = [-np.abs(values) - 10_000.0 for values in THREE]
-    content = cwb(columns)
-    assert b"-10000.000-10000.000" in content
-    for record, values in zip(got(content), columns, strict=True):
-        assert record.acceleration == pytest.approx(0.01 * values, rel=1e-9)
-        assert any("peak" in note for note in record.warnings)  # above 5 g
 
 
 @pytest.mark.parametrize(
@@ -101,53 +76,33 @@ def test_the_length_may_be_off_by_its_rounding_and_a_step(length, told):
     assert [len(record.warnings) for record in got(cwb(THREE, length=length))] == [told] * 3
 
 
-@pytest.mark.parametrize(("peak", "told"), [("7.400", 1), ("7.200", 0)])
-def test_the_peak_is_held_against_the_samples(peak, told):
-    content = cwb(THREE)
-    assert content.count(b"MAX. U:    7.100~") == 1
-    records = got(content.replace(b"MAX. U:    7.100~", f"MAX. U:    {peak}~".encode()))
-    assert [len(record.warnings) for record in records] == [told, 0, 0]
-
-
-def test_the_facts_of_the_header():
-    for record in got(cwb(THREE)):
-        assert record.origin_time == datetime(2018, 2, 6, 15, 50, 42, tzinfo=UTC)
-        assert (record.magnitude, record.magnitude_type) == (6.0, "ML")
-        assert (record.hypocentre_latitude, record.hypocentre_longitude) == (24.14, 121.69)
-        assert (record.hypocentre_depth, record.station_latitude, record.station_longitude) == (10e3, 23.685, 121.483)
-
-
 def without_row(content: bytes, row: int) -> bytes:
     lines = content.split(b"\r\n")
     return b"\r\n".join(lines[: 22 + row] + lines[23 + row :])
 
 
 @pytest.mark.parametrize(
-    ("content", "error", "message"),
+    ("content", "message"),
     [
-        (cwb(THREE)[:9000], RecordFormatError, r"stream:\d+: expected 375 rows .* found \d+"),
-        (cwb(THREE, length="120"), RecordFormatError, r"stream:422: expected 5975 rows .* found 400"),
-        (cwb(THREE, length="999999999"), RecordFormatError, r"expected 49999999925 rows"),
-        (cwb(THREE)[:-7], RecordFormatError, r"stream:422: expected 4 fields of 10 characters"),
-        (without_row(cwb(THREE), 100), RecordFormatError, r"stream:123: expected 2 s .* found 2.02 s"),
-        (
-            cwb(THREE).replace(b"Rate(Hz): 50", b"Rate(Hz): 40"),
-            RecordFormatError,
-            "stream:24: expected 0.025 s .* found 0.02 s",
-        ),
-        (cwb(THREE).replace(b"Rate(Hz): 50", b"Rate(Hz): 0"), RecordFormatError, r"stream:16: expected .*above 0"),
-        (cwb(THREE).replace(b"#SampleRate", b"#Sample"), RecordFormatError, "stream:1: expected a line '#SampleRate"),
-        (cwb(THREE, sequence="Time"), RecordFormatError, "stream:21: expected '#DataSequence: Time U"),
-        (cwb(THREE, sequence="U(+); N(+); E(+)"), RecordFormatError, "stream:21: expected '#DataSequence: Time U"),
-        (cwb(THREE, layout="FREE"), RecordFormatError, "stream:22: expected '#Data: 4F10.3'"),
-        (cwb([one[:1] for one in THREE], length="0.01"), RecordFormatError, "expected at least 2 samples, found 1"),
-        (cwb(THREE, unit="stone. DC"), UnitError, "stream:17: unknown unit of acceleration 'stone'"),
-        (cwb(THREE, sequence="U N E"), RecordFormatError, "stream:21: expected '#DataSequence: Time U"),
-        (cwb(THREE, layout="3F10.3"), RecordFormatError, "stream:22: expected '#Data: 4F10.3'"),
-        (cwb(THREE, layout="4F0.3"), RecordFormatError, "expected fields of at least 1 character"),
-        (cwb(THREE).replace(b"     7.100", b"     7.1x0"), RecordFormatError, "stream:29: expected a finite number"),
+        (cwb(THREE)[:9000], r"stream:\d+: expected 375 rows .* found \d+"),
+        (cwb(THREE, length="120"), r"stream:422: expected 5975 rows .* found 400"),
+        (cwb(THREE, length="999999999"), r"expected 49999999925 rows"),
+        (cwb(THREE)[:-7], r"stream:422: expected 4 fields of 10 characters"),
+        (without_row(cwb(THREE), 100), r"stream:123: expected 2 s .* found 2.02 s"),
+        (cwb(THREE).replace(b"Rate(Hz): 50", b"Rate(Hz): 40"), "stream:24: expected 0.025 s .* found 0.02 s"),
+        (cwb(THREE).replace(b"Rate(Hz): 50", b"Rate(Hz): 0"), r"stream:16: expected .*above 0"),
+        (cwb(THREE).replace(b"#SampleRate", b"#Sample"), "stream:1: expected a line '#SampleRate"),
+        (cwb(THREE, sequence="Time"), "stream:21: expected '#DataSequence: Time U"),
+        (cwb(THREE, sequence="U(+); N(+); E(+)"), "stream:21: expected '#DataSequence: Time U"),
+        (cwb(THREE, layout="FREE"), "stream:22: expected '#Data: 4F10.3'"),
+        (cwb([one[:1] for one in THREE], length="0.01"), "expected at least 2 samples, found 1"),
+        (cwb(THREE, unit="stone. DC"), "stream:17: unknown unit of acceleration 'stone'"),
+        (cwb(THREE, sequence="U N E"), "stream:21: expected '#DataSequence: Time U"),
+        (cwb(THREE, layout="3F10.3"), "stream:22: expected '#Data: 4F10.3'"),
+        (cwb(THREE, layout="4F0.3"), "expected fields of at least 1 character"),
+        (cwb(THREE).replace(b"     7.100", b"     7.1x0"), "stream:29: expected a finite number"),
     ],
 )
-def test_damage_is_named(content, error, message):
-    with pytest.raises(error, match=message):
+def test_damage_is_named(content, message):
+    with pytest.raises(RockpulseError, match=message):
         got(content)

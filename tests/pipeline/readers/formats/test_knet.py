@@ -102,15 +102,6 @@ def test_damage_is_named(write, content, message):
         read(write(content))
 
 
-def test_the_facts_of_the_header(write):
-    (record,) = read(write(knet(COUNTS, peak_gal=11.0)))
-    assert record.origin_time == datetime(1996, 8, 10, 18, 12, tzinfo=UTC)
-    assert (record.magnitude, record.magnitude_type, record.hypocentre_depth) == (5.9, "", 7000.0)
-    assert (record.hypocentre_latitude, record.hypocentre_longitude) == (38.92, 140.63)
-    assert (record.station_latitude, record.station_longitude) == (39.6069, 140.3213)
-    assert record.event == "1996-08-10 18:12:00 UTC M5.9"
-
-
 @pytest.mark.parametrize(("surplus", "refused"), [(0, False), (99, False), (100, False), (101, True), (443, True)])
 def test_more_samples_than_the_duration_are_another_record(write, surplus, refused):
     content = knet(np.append(COUNTS, COUNTS[:surplus])).replace(f"  {(500 + surplus) / 100:g}\n".encode(), b"  5\n")

@@ -11,12 +11,11 @@ import numpy as np
 import pytest
 from record_writers import pulse
 
-from rockpulse.errors import RecordFormatError, RecordRefused, UnitError
+from rockpulse.errors import RecordFormatError, RecordRefused
 from rockpulse.readers import read
 from rockpulse.readers.formats.miniseed import _held_rate, is_miniseed
 from rockpulse.readers.kit.obspy_bridge import PROCESSED, _standard_error, obspy_notes, told_otherwise
 from rockpulse.readers.source import NotAcceleration
-from rockpulse.record.record import STANDARD_GRAVITY
 
 COUNTS = np.round(pulse(1000, peak=500_000.0)).astype(np.int32)
 START = "2020-01-02T03:04:05.5"
@@ -357,29 +356,6 @@ def test_warnings_of_the_process_survive_two_threads_that_use_obspy():
     after = (warnings.filters[:], warnings._showwarnmsg_impl)
     warnings.filters[:], warnings._showwarnmsg_impl = before
     assert after == before
-
-
-@pytest.mark.parametrize(("channel", "peak"), [("HNE", 0.255), ("HNN", 0.1864)])
-def test_real_miniseed(records_folder, channel, peak):
-    (record,) = read(records_folder / "mseed_xml" / f"CI.WCS2..{channel}.mseed")
-    assert (record.npts, record.dt) == (39000, 0.01)
-    # The listed peaks are those of the record less its mean.
-    centred = record.acceleration - record.acceleration.mean()
-    assert np.max(np.abs(centred)) / STANDARD_GRAVITY == pytest.approx(peak, rel=0.02)
-
-
-@pytest.mark.parametrize(
-    ("name", "error", "reason"),
-    [
-        ("mseed_xml/AV.CKT..EHZ__20181130T172859Z__20181130T173629Z.mseed", NotAcceleration, "EHZ records M/S"),
-        ("mseed_clipped/HV.HSSD..HHE__20190414T030832Z__20190414T031602Z.mseed", RecordRefused, "no StationXML file"),
-        ("tricky_obspy/gaps.mseed", RecordRefused, "3 gaps or overlaps, the first at"),
-        ("sac/20190706031952.CJ.T001230.HNE.sac", UnitError, "does not state the unit"),
-    ],
-)
-def test_real_files_that_are_refused(records_folder, name, error, reason):
-    with pytest.raises(error, match=reason):
-        read(records_folder / name)
 
 
 def test_what_obspy_warns_of_in_the_station_metadata_is_a_warning_of_the_record(samples, tmp_path):

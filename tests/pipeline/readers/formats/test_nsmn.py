@@ -7,9 +7,8 @@ import pytest
 from record_writers import pulse
 from record_writers.nsmn import nsmn
 
-from rockpulse.errors import RecordFormatError, UnitError
+from rockpulse.errors import RecordFormatError, RockpulseError
 from rockpulse.readers import read
-from rockpulse.record.record import STANDARD_GRAVITY
 
 TABLE = np.round(np.column_stack([pulse(400, 13.0), pulse(400, -12.0), pulse(400, 9.0)]), 6)
 
@@ -57,44 +56,18 @@ def test_a_start_time_that_is_none(write, start, note):
     assert note in "".join(record.warnings)
 
 
-@pytest.mark.parametrize(("peak", "told"), [("12.8", 0), ("12.5", 1)])
-def test_a_peak_that_is_printed_with_few_digits(write, peak, told):
-    content = nsmn(TABLE).replace(b"(N-S) 13.000000", f"(N-S) {peak}".encode())
-    assert [len(record.warnings) for record in read(write(content))] == [told, 0, 0]
-
-
-def test_the_facts_of_the_header(write):
-    for record in read(write(nsmn(TABLE))):
-        assert record.origin_time == datetime(2017, 7, 20, 22, 31, 9, tzinfo=UTC)
-        assert (record.magnitude, record.magnitude_type, record.hypocentre_depth) == (6.5, "Mw", 19_440.0)
-        assert (record.hypocentre_latitude, record.hypocentre_longitude) == (36.9198, 27.4435)
-        assert (record.station_latitude, record.station_longitude) == (37.8747, 27.59223)
-        assert (record.station, record.station_name) == ("0921", "AYDIN GERMENCİK")
-
-
 @pytest.mark.parametrize(
-    ("line", "error", "message"),
+    ("line", "message"),
     [
-        (13, RecordFormatError, "test.txt:17: expected 'NUMBER OF DATA : '"),
-        (14, RecordFormatError, "test.txt:17: expected 'SAMPLING INTERVAL : '"),
-        (15, UnitError, "test.txt:17: unknown unit of acceleration ''"),
+        (13, "test.txt:17: expected 'NUMBER OF DATA : '"),
+        (14, "test.txt:17: expected 'SAMPLING INTERVAL : '"),
+        (15, "test.txt:17: unknown unit of acceleration ''"),
     ],
 )
-def test_a_key_that_is_missing_is_asked_for_at_the_end_of_the_header(write, line, error, message):
+def test_a_key_that_is_missing_is_asked_for_at_the_end_of_the_header(write, line, message):
     lines = nsmn(TABLE).split(b"\r\n")
-    with pytest.raises(error, match=message):
+    with pytest.raises(RockpulseError, match=message):
         read(write(b"\n".join([*lines[: line - 1], *lines[line:]])))
-
-
-def test_the_names_of_the_columns_stand_in_one_of_the_first_lines(write):
-    lines = nsmn(TABLE).split(b"\r\n")
-    for more, known in ((42, True), (43, False)):
-        content = b"\n".join([*lines[:16], *[b"words"] * more, *lines[16:]])
-        if known:
-            assert read(write(content))[0].npts == 400
-        else:
-            with pytest.raises(RecordFormatError, match=r"test.txt:60: expected a line 'N-S  E-W  U-D'"):
-                read(write(content))
 
 
 @pytest.mark.parametrize(
@@ -118,14 +91,3 @@ def test_the_names_of_the_columns_stand_in_one_of_the_first_lines(write):
 def test_damage_is_named(write, content, message):
     with pytest.raises(RecordFormatError, match=message):
         read(write(content))
-
-
-def test_the_real_file(records_folder):
-    records = read(records_folder / "afad_nsmn" / "20170720223109_0921.txt")
-    assert [(record.npts, record.dt) for record in records] == [(28683, 0.01)] * 3
-    assert [record.pga / STANDARD_GRAVITY for record in records] == pytest.approx([0.01346, 0.0124, 0.01003], rel=0.005)
-    for record in records:
-        assert record.pga == pytest.approx(record.header_peak, rel=1e-6)
-        assert record.start_time == datetime(2017, 7, 20, 22, 30, 58, tzinfo=UTC)
-        assert (record.station, record.station_name) == ("0921", "AYDıN GERMENCIK DEVLET HASTANESI")
-        assert (record.processed, record.warnings) == (False, ())

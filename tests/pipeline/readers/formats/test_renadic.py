@@ -3,7 +3,6 @@
 import hashlib
 import io
 import re
-import zipfile
 from datetime import UTC, datetime
 
 import numpy as np
@@ -168,25 +167,6 @@ def test_parts_whose_times_begin_anew_are_joined_by_their_clocks(tmp_path):
 def test_printed_times_of_parts_may_be_off_by_a_quarter_of_a_step(tmp_path, begin, count):
     put(tmp_path, a_parte1=part(0, 200), a_parte2=part(200, 400, first=begin))
     assert len(read_all(tmp_path)[0]) == count
-
-
-def test_a_part_without_a_clock_is_joined_by_its_times(tmp_path):
-    for first, second in ((NEVER_SET, "2/27/2010 3:55:14.000 GMT"), ("2/27/2010 3:55:14.000 GMT", NEVER_SET)):
-        put(tmp_path, a_parte1=part(0, 200, trigger=first), a_parte2=part(200, 400, trigger=second))
-        assert [record.npts for record in read_all(tmp_path)[0]] == [400] * 3
-
-
-def test_parts_are_joined_from_files_a_glob_an_archive_and_different_folders(tmp_path):
-    for folder in ("one", "two"):
-        (tmp_path / folder).mkdir()
-    first = put(tmp_path / "one", xparte1=part(0, 100)) / "xparte1.v1"
-    second = put(tmp_path / "two", xparte2=part(100, 400)) / "xparte2.v1"
-    with zipfile.ZipFile(tmp_path / "x.zip", "w") as archive:
-        archive.write(first, "xparte1.v1")
-        archive.write(second, "xparte2.v1")
-    for paths in ([second, first], [str(tmp_path / "*" / "*.v1")], [tmp_path / "x.zip"], [tmp_path]):
-        records, _ = read_all(paths)
-        assert [record.npts for record in records] == [400] * 3
 
 
 @pytest.mark.parametrize(

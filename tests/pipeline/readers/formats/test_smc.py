@@ -91,19 +91,6 @@ def test_an_angle_from_the_vertical_turns_the_sign(write, angle, sign):
     assert record.acceleration == pytest.approx(sign * np.array([0.01, -0.07, 0.03]), rel=1e-12)
 
 
-@pytest.mark.parametrize(
-    ("number", "code", "message"),
-    [
-        (16, -32768, r"test.smc:28: expected 8 fields of 10 characters"),
-        (16, -1, r"test.smc:13: expected a number of comment lines \(integer 16\), found -1"),
-        (17, -32768, "expected a positive number of numbers .*found 0"),
-    ],
-)
-def test_a_header_without_a_number_of_comments_or_of_values_is_damaged(write, number, code, message):
-    with pytest.raises(RecordFormatError, match=message):
-        read(write(smc(pulse(), codes={number: code})))
-
-
 #: The largest is at 0.04 s, the least at 0.1 s.
 UNEVEN = [1.0, 5.0, 50.0, 7.0, -3.0, -20.0, -2.0, 0.5, 0.0, 3.0, 1.0, -1.0, 0.0, 2.0, 0.0, 1.0, 0.0]
 
@@ -128,13 +115,6 @@ def test_the_largest_and_the_least_value_are_held_against_the_samples(write, fac
     (record,) = read(write(smc(UNEVEN, rate=50.0, facts=facts)))
     assert len(record.warnings) == len(told)
     assert all(re.match(words, warning) for words, warning in zip(told, record.warnings, strict=True))
-
-
-@pytest.mark.parametrize(("at", "told"), [(0.14, 0), (0.3, 1)])
-def test_the_time_of_the_largest_value_is_not_that_of_the_peak(write, at, told):
-    values = np.minimum(UNEVEN, 0.0)
-    values[7] = 0.5
-    assert len(read(write(smc(values, rate=50.0, facts={29: at})))[0].warnings) == told
 
 
 @pytest.mark.parametrize(

@@ -19,38 +19,6 @@ MOTION = np.round(pulse(203, peak=2.5), 3)
 NAME = "TEST.USC"
 
 
-def test_a_real_volume_1(records_folder):
-    (record,) = read(records_folder / "usc_v1" / "017m30lw.e0a")
-    # 7065 pairs at 3 to 13 ms, on average 4.25 ms, become 7504 samples at 4 ms.
-    assert (record.npts, record.dt) == (7504, 0.004)
-    assert record.duration == pytest.approx(30.013, abs=0.004)
-    assert record.pga / STANDARD_GRAVITY == pytest.approx(0.156, rel=5e-3)
-    assert record.acceleration[:2] == pytest.approx([0.046 * TENTH, 0.022 * TENTH])
-    assert (record.azimuth, record.orientation, record.processed) == (185.0, "horizontal", False)
-    assert (record.station, record.station_name) == ("0017", "8510 WONDERLAND AVE., LOS ANGELES, CA")
-    assert record.event == "NORTHRIDGE EARTHQUAKE JAN 17, 1994 -1230 GMT"
-    assert record.start_time is None  # the header knows the minute of the earthquake
-    assert record.id == "017m30lw.S05W"
-    (warning,) = record.warnings
-    assert "unequal steps of 0.003 to 0.013 s" in warning
-
-
-def test_a_real_volume_2(records_folder):
-    (record,) = read(records_folder / "usc_v2" / "274o42pv.s0a")
-    assert (record.npts, record.dt, record.processed, record.source_unit) == (573, 0.02, True, "cm/s2")
-    assert record.pga / STANDARD_GRAVITY == pytest.approx(0.007004, rel=1e-4)
-    assert record.header_peak == pytest.approx(0.06869)
-    assert record.acceleration[[0, -1]] == pytest.approx([-0.01208, -0.02063])
-    assert (record.azimuth, record.station) == (238.0, "0042")
-    assert record.station_name == "2161 VIA OLIVERA, PALOS VERDES ESTATES, CA"
-    assert record.start_time is None
-    assert record.warnings == ()
-    assert record.processing == (
-        "by the agency: instrument and baseline corrected",
-        "by the agency: band-pass filtered between .600-1.100 and 25.00-27.00 cyc/sec",
-    )
-
-
 @pytest.mark.parametrize("end", ["\n", "\r\n", "\r"])
 def test_equal_pairs_keep_their_samples(write, end):
     (record,) = read(write(usc_v1(TIMES, MOTION, end=end)))
@@ -103,13 +71,6 @@ def rewritten(number: int, change) -> bytes:
     return b"\n".join(lines)
 
 
-def test_the_words_of_a_line_end_at_its_column_72(write):
-    station = "S" * 71 + "T"
-    content = usc_v1(TIMES, MOTION, station=station)
-    assert (station + "72").encode() in content
-    assert read(write(content))[0].station_name == station
-
-
 def test_the_facts_of_both_volumes(write):
     place = (34 + 6 / 60 + 52 / 3600, -(118 + 22 / 60 + 47 / 3600))
     hypocentre = (34 + 12 / 60 + 48 / 3600, -(118 + 32 / 60 + 13 / 3600))
@@ -135,23 +96,6 @@ def test_the_facts_of_both_volumes(write):
     for one in (record, second):
         assert (one.station_latitude, one.station_longitude) == pytest.approx(place, abs=1e-6)
         assert (one.hypocentre_latitude, one.hypocentre_longitude) == pytest.approx(hypocentre, abs=1e-6)
-
-
-@pytest.mark.parametrize(
-    ("line", "old", "new", "told"),
-    [
-        (11, b"   1.010 SEC", b"   1.025 SEC", ""),
-        (11, b"   1.010 SEC", b"   1.990 SEC", "the header states 1.99 s, 203 samples at 0.005 s last 1.015 s"),
-        (21, b"     1.010", b"     1.990", "the header states 1.99 s"),
-        (15, b"  203", b"  204", "integer 28 of the header states 204 points, the text 203"),
-    ],
-)
-def test_count_and_length_are_held_against_the_pairs(write, line, old, new, told):
-    content = rewritten(line, lambda text: text.replace(old, new))
-    assert content != usc_v1(TIMES, MOTION, end="\n")
-    (record,) = read(write(content))
-    assert len(record.warnings) == bool(told)
-    assert "".join(record.warnings).startswith(told)
 
 
 def ones(count: int) -> np.ndarray:

@@ -26,7 +26,7 @@ FILE = SourceFile("a.V1", b"x", lambda: b"x")
 
 def record(peak=0.3, unit="g", samples=None, **known):
     samples = pulse(peak=peak) if samples is None else samples
-    return build_record(FILE, 1, samples, 0.01, unit, format="test", processed=None, **known)
+    return build_record(FILE, samples, 0.01, unit, number=1, format="test", processed=None, **known)
 
 
 @pytest.mark.parametrize(
@@ -65,7 +65,7 @@ def test_a_peak_that_differs_from_the_header_is_printed_beside_it():
     ],
 )
 def test_only_a_peak_one_and_a_half_times_that_of_the_header_is_doubted(stated, code, words):
-    warnings = record(header_peak=(stated, 0.0)).warnings
+    warnings = record(header_peak=(stated, 0.0), peak_factor=1.0).warnings
     assert [code_of(warning) for warning in warnings] == ([code] if code else [])
     assert words in " ".join(warnings)
 
@@ -127,7 +127,7 @@ def test_a_channel_code_that_says_vertical_outweighs_a_horizontal_azimuth(known,
 )
 def test_what_is_no_series_is_refused(samples, dt):
     with pytest.raises(RecordFormatError, match=r"a.V1: channel 1: expected (at least 2 samples|a positive sampling)"):
-        build_record(FILE, 1, samples, dt, "g", format="test", processed=None)
+        build_record(FILE, samples, dt, "g", number=1, format="test", processed=None)
 
 
 def test_a_component_of_blanks_costs_no_time():
@@ -164,7 +164,7 @@ def test_a_depth_of_the_sensor_that_cannot_be_is_left_out(stated, kept):
 
 @pytest.mark.parametrize(("dt", "told"), [(0.1, False), (0.11, True)])
 def test_a_long_interval_is_told(dt, told):
-    built = build_record(FILE, 3, pulse(), dt, "g", format="test", processed=None)
+    built = build_record(FILE, pulse(), dt, "g", number=3, format="test", processed=None)
     assert [code_of(warning) for warning in built.warnings] == ["long_interval"] * told
     assert built.channel == "3"
 
@@ -189,7 +189,7 @@ def test_clipping_is_told_once_and_not_of_corrected_records():
     (note,) = record(samples=clipped).warnings
     assert "the record may be clipped" in note
     assert record(samples=clipped, warnings=("first", note)).warnings == ("first", note)
-    assert build_record(FILE, 1, clipped, 0.01, "g", format="test", processed=True).warnings == ()
+    assert build_record(FILE, clipped, 0.01, "g", number=1, format="test", processed=True).warnings == ()
 
 
 def test_counts_have_a_factor_of_their_own():

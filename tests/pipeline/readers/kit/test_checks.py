@@ -27,7 +27,7 @@ from rockpulse.readers.kit.checks import (
     held_units,
     last_of_equal,
 )
-from rockpulse.readers.kit.csmip import channel_count, direction_code, held_count, held_peak_real, one_direction, real
+from rockpulse.readers.kit.csmip import direction_code, held_count, held_peak_real, one_direction, real
 from rockpulse.readers.kit.direction import Direction, direction
 from rockpulse.readers.kit.response import sensitivity_notes
 from rockpulse.record.record import STANDARD_GRAVITY, Record
@@ -140,15 +140,11 @@ ROWS = [
 ]
 
 
-def test_the_integers_of_a_channel():
-    assert (channel_count(ROWS), direction_code(ROWS)) == (3, 90)
-    assert (channel_count(ROWS[1:]), direction_code(["words", *ROWS])) == (8, 90)
-    assert (channel_count([]), direction_code(ROWS[:1]), direction_code([])) == (0, 0, 0)
+def test_the_direction_among_the_integers_of_a_channel():
+    assert direction_code(ROWS) == direction_code(["words", *ROWS]) == 90
+    assert direction_code(ROWS[:1]) == direction_code([]) == 0
     assert direction_code([ROWS[0], ROWS[1].replace("   90", " 1100")]) == 0  # a sensor without an azimuth
     assert direction_code([ROWS[0], ROWS[1].replace("   90", "1  90")]) == 0  # damaged
-    # Blanks may follow; of a line 200 letters are looked at.
-    assert channel_count([ROWS[0] + "  "]) == 3
-    assert [channel_count([ROWS[0].ljust(blank) + "x"]) for blank in (199, 200)] == [0, 3]
 
 
 @pytest.mark.parametrize(

@@ -8,13 +8,11 @@ from dataclasses import fields
 from datetime import UTC, datetime, timedelta
 
 import numpy as np
-import obspy
 import pytest
+from make_format_samples import FORMATS, read_options
 
 from rockpulse.readers import read
 from rockpulse.readers.kit.facts import (
-    NOTHING,
-    Facts,
     clock_fault,
     coordinates,
     instant,
@@ -130,95 +128,85 @@ def when(*moment):
     return datetime(*moment, tzinfo=UTC)
 
 
-def known(record):
-    """The facts that a record knows, by their names."""
-    values = {field.name: getattr(record, field.name) for field in fields(Facts)}
+def known(found):
+    """The facts that a record, or a dictionary, knows, by their names."""
+    values = found if isinstance(found, dict) else {name: getattr(found, name) for name in stated()}
     return {name: value for name, value in values.items() if value not in ("", None) and value == value}
 
 
 def test_facts_are_fields_of_a_record_with_the_same_defaults():
-    of_record = {field.name: field for field in fields(Record)}
-    for field in fields(Facts):
-        assert of_record[field.name].type == field.type
-        assert str(of_record[field.name].default) == str(field.default)
+    of_record = {field.name: field.default for field in fields(Record)}
+    assert {name: str(of_record[name]) for name in stated()} == {name: str(value) for name, value in stated().items()}
+
+
+@pytest.mark.parametrize(
+    ("fact", "values"),
+    [
+        ("magnitude", [("0.00", "ML"), (-999.0, "Mw"), ("10.1", ""), (-1.1, "ML"), ("unknown", "Mw")]),
+        ("hypocentre", [(37.0, 360.5), (37.0, -360.5), (90.5, 20.0), (-90.5, 20.0), (-999.0, -999.0), ("0.0", "0.0")]),
+        ("station_place", [("37.76121", ""), ("", "37.76121"), (0.0, 0.0)]),
+        ("depth_km", ["-3", 800.5, -0.5, "0.0"]),
+        ("distance_km", [-0.5, 20_040.5, "0.", -999.0]),
+        ("vs30", ["0", 29.5, 5000.5, "1e999"]),
+        ("site_class", ["N/A", "---", ""]),
+        ("event_id", ["---"]),
+        ("origin_time", [when(1980, 1, 1), None]),
+    ],
+)
+def test_what_cannot_be_true_is_left_out(fact, values):
+    assert [known(stated(**{fact: value})) for value in values] == [{}] * len(values)
 
 
 @pytest.mark.parametrize(
     ("told", "found"),
     [
-        ({"magnitude": ("7.7", "MW")}, {"magnitude": 7.7, "magnitude_type": "Mw"}),
-        ({"magnitude": (4.6, "Ml")}, {"magnitude": 4.6, "magnitude_type": "ML"}),
-        ({"magnitude": ("5.9", "M")}, {"magnitude": 5.9}),
-        ({"magnitude": ("5.1", "mbLg")}, {"magnitude": 5.1, "magnitude_type": "mbLg"}),
-        ({"magnitude": ("-0.4", "ML")}, {"magnitude": -0.4, "magnitude_type": "ML"}),
-        ({"magnitude": ("0.00", "ML")}, {}),
-        ({"magnitude": (-999.0, "Mw")}, {}),
-        ({"magnitude": ("10.1", "")}, {}),
-        ({"magnitude": (10.0, "")}, {"magnitude": 10.0}),
-        ({"magnitude": (-1.0, "ML")}, {"magnitude": -1.0, "magnitude_type": "ML"}),
-        ({"magnitude": (-1.1, "ML")}, {}),
-        ({"magnitude": (1.0, " mb ")}, {"magnitude": 1.0, "magnitude_type": "mb"}),
-        ({"magnitude": ("unknown", "Mw")}, {}),
-        ({"hypocentre": ("37.288", "37.043")}, {"hypocentre_latitude": 37.288, "hypocentre_longitude": 37.043}),
-        ({"hypocentre": (37.0, 200.0)}, {"hypocentre_latitude": 37.0, "hypocentre_longitude": -160.0}),
-        ({"hypocentre": (37.0, -359.5)}, {"hypocentre_latitude": 37.0, "hypocentre_longitude": 0.5}),
-        ({"hypocentre": (37.0, 360.0)}, {"hypocentre_latitude": 37.0, "hypocentre_longitude": 0.0}),
-        ({"hypocentre": (37.0, 180.0)}, {"hypocentre_latitude": 37.0, "hypocentre_longitude": 180.0}),
-        ({"hypocentre": (37.0, 180.5)}, {"hypocentre_latitude": 37.0, "hypocentre_longitude": -179.5}),
-        ({"hypocentre": (37.0, -180.0)}, {"hypocentre_latitude": 37.0, "hypocentre_longitude": -180.0}),
-        ({"hypocentre": (37.0, -360.0)}, {"hypocentre_latitude": 37.0, "hypocentre_longitude": 0.0}),
-        ({"hypocentre": (37.0, 360.5)}, {}),
-        ({"hypocentre": (37.0, -360.5)}, {}),
-        ({"hypocentre": (90.0, 0.0)}, {"hypocentre_latitude": 90.0, "hypocentre_longitude": 0.0}),
-        ({"hypocentre": (90.5, 20.0)}, {}),
-        ({"hypocentre": (-90.5, 20.0)}, {}),
-        ({"hypocentre": (1.0, 1.0)}, {"hypocentre_latitude": 1.0, "hypocentre_longitude": 1.0}),
-        ({"hypocentre": (-90.0, 20.0)}, {"hypocentre_latitude": -90.0, "hypocentre_longitude": 20.0}),
-        ({"hypocentre": ("91", "37"), "depth_km": "5"}, {"hypocentre_depth": 5000.0}),
-        ({"hypocentre": (-999.0, -999.0)}, {}),
-        ({"hypocentre": ("0.000", "0.000"), "depth_km": "0.0"}, {}),
-        (
-            {"hypocentre": (37.0, 37.0), "depth_km": "0.0"},
-            {"hypocentre_latitude": 37.0, "hypocentre_longitude": 37.0, "hypocentre_depth": 0.0},
-        ),
-        ({"depth_km": "-3"}, {}),
-        ({"depth_km": 800.5}, {}),
-        ({"depth_km": 800.0}, {"hypocentre_depth": 800_000.0}),
-        ({"depth_km": 0.5}, {"hypocentre_depth": 500.0}),
-        ({"depth_km": -0.5}, {}),
-        ({"distance_km": 0.5}, {"epicentral_distance": 500.0}),
-        ({"distance_km": 1.0}, {"epicentral_distance": 1000.0}),
-        ({"distance_km": -0.5}, {}),
-        ({"distance_km": 20_040.0}, {"epicentral_distance": 20_040_000.0}),
-        ({"distance_km": 20_040.5}, {}),
-        ({"distance_km": "120.12"}, {"epicentral_distance": 120120.0}),
-        ({"distance_km": "0."}, {}),
-        ({"distance_km": -999.0}, {}),
-        ({"station": ("37.76121", "")}, {}),
-        ({"station": (0.0, 9.5)}, {"station_latitude": 0.0, "station_longitude": 9.5}),
-        ({"vs30": "391"}, {"vs30": 391.0}),
-        ({"vs30": "0"}, {}),
-        ({"vs30": 30.0}, {"vs30": 30.0}),
-        ({"vs30": 29.5}, {}),
-        ({"vs30": "5000"}, {"vs30": 5000.0}),
-        ({"vs30": 5000.5}, {}),
-        ({"vs30": "1e999"}, {}),
-        ({"site_class": " B "}, {"site_class": "B"}),
-        ({"site_class": "N/A", "event_id": "---"}, {}),
-        ({"origin_time": when(1980, 1, 1)}, {}),
-        ({"origin_time": when(2009, 4, 6, 1, 32, 39)}, {"origin_time": when(2009, 4, 6, 1, 32, 39)}),
+        (("7.7", "MW"), (7.7, "Mw")),
+        ((4.6, "Ml"), (4.6, "ML")),
+        (("5.9", "M"), (5.9, "")),
+        (("5.1", "mbLg"), (5.1, "mbLg")),
+        (("-0.4", "ML"), (-0.4, "ML")),
+        ((10.0, ""), (10.0, "")),
+        ((-1.0, "ML"), (-1.0, "ML")),
+        ((1.0, " mb "), (1.0, "mb")),
     ],
 )
-def test_what_cannot_be_true_is_left_out(told, found):
-    assert (
-        known(stated(**told)) == pytest.approx(found)
-        if "epicentral_distance" in found
-        else known(stated(**told)) == found
-    )
+def test_a_magnitude_and_its_scale(told, found):
+    facts = stated(magnitude=told)
+    assert (facts["magnitude"], facts["magnitude_type"]) == found
 
 
-def test_nothing_stated_is_nothing_known():
-    assert known(NOTHING) == known(stated()) == {}
+@pytest.mark.parametrize(
+    ("longitude", "found"),
+    [(200.0, -160.0), (-359.5, 0.5), (360.0, 0.0), (180.0, 180.0), (180.5, -179.5), (-180.0, -180.0), (-360.0, 0.0)],
+)
+def test_longitudes_are_brought_within_half_a_turn(longitude, found):
+    assert known(stated(hypocentre=(37.0, longitude))) == {"hypocentre_latitude": 37.0, "hypocentre_longitude": found}
+
+
+@pytest.mark.parametrize(
+    ("fact", "value", "found"),
+    [
+        ("hypocentre", (90.0, 0.0), [90.0, 0.0]),
+        ("hypocentre", ("-90.0", "20.0"), [-90.0, 20.0]),
+        ("station_place", (0.0, 9.5), [0.0, 9.5]),
+        ("depth_km", 800.0, [800_000.0]),
+        ("depth_km", 0.5, [500.0]),
+        ("distance_km", 0.5, [500.0]),
+        ("distance_km", "120.12", [pytest.approx(120120.0)]),
+        ("distance_km", 20_040.0, [20_040_000.0]),
+        ("vs30", 30.0, [30.0]),
+        ("vs30", "5000", [5000.0]),
+        ("site_class", " B ", ["B"]),
+        ("origin_time", when(2009, 4, 6, 1, 32, 39), [when(2009, 4, 6, 1, 32, 39)]),
+    ],
+)
+def test_what_can_be_true_is_known_in_the_units_of_a_record(fact, value, found):
+    assert list(known(stated(**{fact: value})).values()) == found
+
+
+def test_a_depth_of_zero_is_one_where_the_place_is_known():
+    assert known(stated(hypocentre=(37.0, 37.0), depth_km="0.0"))["hypocentre_depth"] == 0.0
+    assert known(stated(hypocentre=("91", "37"), depth_km="5")) == {"hypocentre_depth": 5000.0}
 
 
 @pytest.mark.parametrize(
@@ -310,31 +298,14 @@ def test_what_real_records_do_not_state_is_unknown(records_folder, name):
     assert {fact for record in read(records_folder / name) for fact in known(record)} == UNKNOWN[name]
 
 
-STATION = {"station_latitude": 35.81574, "station_longitude": -117.59751}
-
-
-def sac(tmp_path, **header):
-    """A SAC file of 20 samples from 03:20 on, with words of its header."""
-    path = tmp_path / "one.sac"
-    trace = obspy.Trace(np.ones(20, dtype=np.float32), {"delta": 0.01, "station": "CLC", "channel": "HNE"})
-    trace.stats.starttime = obspy.UTCDateTime(2019, 7, 6, 3, 20)
-    trace.stats.sac = {"b": 0.0, **header}
-    trace.write(str(path), format="SAC")
-    return known(read(path, units="g")[0])
-
-
-def test_facts_of_sac(tmp_path):
-    place = {"stla": 35.816, "stlo": -117.598, "evla": 35.77, "evlo": -117.599, "lcalda": 0}
-    found = sac(tmp_path, o=-6.96, evdp=8.0, mag=7.1, dist=5.1, **place)
-    assert found == {
-        "origin_time": when(2019, 7, 6, 3, 19, 53, 40000),
-        "magnitude": 7.1,
-        "hypocentre_latitude": 35.77,
-        "hypocentre_longitude": -117.599,
-        "hypocentre_depth": 8000.0,
-        "epicentral_distance": 5100.0,
-        "station_latitude": 35.816,
-        "station_longitude": -117.598,
-    }
-    # Nobody has set O where it is the first sample; a depth of 8000 km is one in metres, of which nobody says so.
-    assert sac(tmp_path, o=0.0, evdp=8000.0) == {}
+@pytest.mark.parametrize(
+    "name", ["clc_bhrc.V1", "clc_cwb.dat", "clc_geonet.V1A", "clc_nsmn.txt", "clc_csmnc.EW.dat", "clc_asa.061"]
+)
+def test_the_samples_tell_the_earthquake_of_their_motion(name):
+    """Ridgecrest as in the catalogue of the USGS, ci38457511: Mw 7.1, 8 km below 35.770 N 117.599 W."""
+    for record in read(FORMATS / name, **read_options().get(name, {})):
+        facts = known(record)
+        assert facts["origin_time"].replace(microsecond=0) == when(2019, 7, 6, 3, 19, 53)
+        assert (facts["magnitude"], facts["magnitude_type"], facts["hypocentre_depth"]) == (7.1, "Mw", 8000.0)
+        places = [facts[f"{of}_{along}"] for of in ("hypocentre", "station") for along in ("latitude", "longitude")]
+        assert places == pytest.approx([35.770, -117.599, 35.816, -117.598], abs=2e-3)

@@ -18,7 +18,6 @@ from rockpulse.readers.format import ReadOptions
 from rockpulse.readers.formats.columns import is_columns, read_columns
 from rockpulse.readers.kit.headings import (
     Heading,
-    _are_headings,
     column_headings,
     kinds_of,
     stated_counts,
@@ -328,8 +327,8 @@ def test_a_column_that_is_headed_as_acceleration_and_runs_like_time_is_refused(w
 )
 def test_hostile_lines_cost_no_more_than_their_length(unit):
     rows = columns(PAIR)
-    long, short = unit * (1_000_000 // len(unit)) + b"x\n", unit * (900 // len(unit)) + b"x\n"
-    for content in (long, long + rows, rows + long + rows, short * 50 + rows, short * 2000, rows + short * 2000):
+    long, short = unit * (300_000 // len(unit)) + b"x\n", unit * (900 // len(unit)) + b"x\n"
+    for content in (long, long + rows, rows + long + rows, short * 50 + rows, short * 600, rows + short * 600):
         began = time.process_time()
         is_columns(content[:65536], "a.txt")
         with contextlib.suppress(RockpulseError):
@@ -342,12 +341,6 @@ def test_numbers_up_to_360_are_headings_that_name_directions(write, words, count
     table = columns(np.column_stack([TIMES, VALUES, VALUES[::-1]])).decode()
     records = read(write(f"{words}\n{table}".encode()), units="g")
     assert sum(record.orientation == "horizontal" for record in records) == count
-
-
-def test_words_that_say_nothing_are_headings_where_each_stands_alone():
-    one, two = Heading("alpha"), Heading("beta")
-    assert _are_headings([one, two], own=True)
-    assert not _are_headings([Heading("the first"), two], own=True)
 
 
 def test_a_column_without_a_heading_in_front_of_tabs_keeps_its_place(write):
@@ -456,19 +449,6 @@ def test_the_headings_of_columns(header, delimiter, width, found, above):
     headings, lines = column_headings(header, Layout(len(header), delimiter, ".", width))
     assert [(heading.name, heading.kind, heading.unit) for heading in headings] == found
     assert lines == above
-
-
-@pytest.mark.parametrize(("length", "count"), [(10_000, 2), (10_001, 0)])
-def test_a_line_of_headings_is_no_longer_than_a_row_may_be(length, count):
-    line = "time" + " " * (length - 7) + "acc"
-    assert len(column_headings([line], Layout(1, None, ".", 2))[0]) == count
-
-
-def test_a_heading_is_looked_at_up_to_its_eightieth_letter():
-    (_, one), _ = column_headings(["t," + "x" * 77 + " acc"], Layout(1, ",", ".", 2))
-    assert (len(one.name), one.kind) == (80, "")
-    (_, one), _ = column_headings(["t," + "x" * 76 + " acc"], Layout(1, ",", ".", 2))
-    assert (len(one.name), one.kind) == (80, "acceleration")
 
 
 @pytest.mark.parametrize(

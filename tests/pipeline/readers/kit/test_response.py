@@ -223,12 +223,6 @@ def test_a_sensor_of_velocity_or_displacement_in_any_unit(unit, scale):
     assert not any("differ" in warning and "stages" in warning for warning in (*plain.warnings, *scaled.warnings))
 
 
-def test_a_first_stage_without_a_unit_has_that_of_the_sensitivity():
-    response = paz([], POLES, "CM/S**2", 0.2)
-    response.response_stages[0].input_units = None
-    assert "CM/S**2 to m/s2" in without_response("test", 1e4 * wavelet(TIME, 1.0, 20.0), DT, response).processing[0]
-
-
 def test_the_response_that_was_given_stays_as_it_is():
     response = paz([], POLES, "MM/S**2", 0.2)
     without_response("test", 1e4 * wavelet(TIME, 1.0, 20.0), DT, response)
@@ -340,24 +334,6 @@ def test_the_stages_against_the_stated_sensitivity(size, scale, value, unit, not
     found = _disagreement("test", response, size, "acceleration", scale)
     assert len(found) == len(notes)
     assert all(one.startswith(note) for one, note in zip(found, notes, strict=True))
-
-
-def test_a_seismometer_of_long_periods_damps_no_pulse():
-    corner = 2.0 * np.pi * 0.001
-    poles = [corner * (-DAMPING + sign * 1j * np.sqrt(1.0 - DAMPING**2)) for sign in (1.0, -1.0)]
-    removed = without_response("test", 1e4 * wavelet(TIME, 2.0, 15.0), DT, paz([0.0, 0.0], poles, "M/S"))
-    assert "pass band from 0.025 Hz (nothing below 0.0125 Hz) to 40 Hz (nothing above 47.5 Hz)" in removed.processing[0]
-    assert removed.warnings == ("a sensor of velocity, differentiated: check that it was not driven to its limit",)
-
-
-def test_a_pass_band_that_begins_above_a_twentieth_of_a_hertz_is_told():
-    corner = 2.0 * np.pi * 0.001
-    poles = [corner * (-DAMPING + sign * 1j * np.sqrt(1.0 - DAMPING**2)) for sign in (1.0, -1.0)]
-    counts = 1e4 * wavelet(TIME[:1500], 2.0, 7.0)
-    removed = without_response("test", counts, DT, paz([0.0, 0.0], poles, "M/S"))
-    assert removed.warnings[1].startswith(
-        "the pass band begins at 0.0667 Hz: impulses longer than about 3 s are damped"
-    )
 
 
 def test_a_response_that_does_not_serve_is_refused():

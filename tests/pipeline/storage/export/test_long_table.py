@@ -90,7 +90,6 @@ def test_a_selection_takes_names_conditions_order_and_limit(results):
     [
         (["record"], 3, "pga", "width"),
         (["block"], 3, "width", "pga"),
-        (["record", "block"], 9, "uplift_ratio", "outcome"),
         (["demand"], 2, "demand_acceleration", "pga"),
     ],
 )
@@ -155,10 +154,9 @@ def test_the_csv_reads_back_the_same(results, tmp_path, suffix):
         assert sum(1 for _ in lines) == 28  # a row is a line, whatever the texts
 
 
-@pytest.mark.parametrize("suffix", [".csv", ".csv.gz"])
-def test_a_table_for_spreadsheets_with_decimal_commas(results, tmp_path, suffix):
-    target, readme = written(results, tmp_path / f"t{suffix}", decimal_comma=True)
-    content = gzip.decompress(target.read_bytes()) if suffix.endswith("gz") else target.read_bytes()
+def test_a_table_for_spreadsheets_with_decimal_commas(results, tmp_path):
+    target, readme = written(results, tmp_path / "t.csv.gz", decimal_comma=True)
+    content = gzip.decompress(target.read_bytes())
     assert content.startswith(b"\xef\xbb\xbfrecord;block;model;")
     assert content.count(b"\xef\xbb\xbf") == 1
     assert ";5,5574;" in content.decode()

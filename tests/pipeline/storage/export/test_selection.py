@@ -104,7 +104,7 @@ def test_a_variable_that_is_known_of_no_answer_is_no_condition(summary):
         (where("outcom = rocks"), r"no variable 'outcom' .* did you mean \"outcome\""),
         (where("outcome = falls"), r"outcome: expected one of at_rest, rocks, overturns, unresolved"),
         (where("outcome = rock"), r"unresolved, found 'rock'; did you mean \"rocks\"\?$"),
-        (where("pga > high"), r"pga: expected a number, found 'high'"),
+        (where("pga > nan"), r"pga: expected a number, found 'nan'"),
         (where("source < a"), r"source is a text: expected = or !=, found <"),
         (Selection({"demand": ("collapse",)}), "this table has no demand"),
     ],

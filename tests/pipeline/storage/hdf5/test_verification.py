@@ -225,18 +225,18 @@ def test_a_name_too_long_for_a_file_is_the_name_of_a_member(folder, results):
     assert "no longer has this member" in str(why)
 
 
-def test_inputs_are_found_from_any_folder(samples, tmp_path, monkeypatch):
+def test_inputs_are_found_from_any_folder(golden, tmp_path, monkeypatch):
     """They were named from a folder that is not this one; the configuration knows where they are."""
     config = Config(
-        records=RecordSettings(paths=(str(samples),), store="none"), models=ModelSettings(use=("resonance",))
+        records=RecordSettings(paths=(str(golden.records),), store="none"), models=ModelSettings(use=("resonance",))
     )
     blocks = {"pier": rp.models.Block(half_width=0.5, half_height=1.9365)}
-    monkeypatch.chdir(samples.parents[1])
-    records, _ = rp.read_all("samples/records")
+    monkeypatch.chdir(golden.folder)
+    records, _ = rp.read_all("records")
     save(rp.assess(records, config, blocks), tmp_path / "results.h5")
     monkeypatch.chdir(tmp_path)
     found = verify("results.h5")
-    assert (found.inputs, found.absent, found.differences) == (4, (), ())
+    assert (found.inputs, found.absent, found.differences) == (5, (), ())
 
 
 def test_the_checksum_is_the_documented_one(results):

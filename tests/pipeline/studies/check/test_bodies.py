@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 import rockpulse as rp
-from rockpulse.config.study_settings import CODES, CheckSettings
+from rockpulse.config import CODES
+from rockpulse.config.study_settings import CheckSettings
 from rockpulse.errors import ConfigError
 from rockpulse.studies.check.bodies import code_check
 

@@ -3,18 +3,21 @@
 Fragility of records that were chosen elsewhere, with weights.
 """
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 import rockpulse as rp
+from rocking.body.block import Block
+from rocking.march.recorded import recorded_response
 from rockpulse.assessment.scene import prepare
 from rockpulse.config.configuration import Config
 from rockpulse.errors import ConfigError
 from rockpulse.record.half_wave import half_waves
 from rockpulse.record.intensity import pgv
-from rockpulse.studies.fragility.capacity import _reversed, record_qualities
+from rockpulse.studies.fragility.capacity import _reversed, reached_at, record_qualities, scale_capacities
 from rockpulse.studies.fragility.curves import fit_curve
 from rockpulse.studies.fragility.ensemble import stored_ensemble
 from rockpulse.studies.fragility.likelihood import ABOVE, NOT_ABOVE, Observations
@@ -54,6 +57,59 @@ def test_the_reverse_of_a_motion_has_the_half_waves_of_its_record():
     np.testing.assert_allclose(back.waves.peak, again.peak)
 
 
+BLOCKS = Block(half_width=[0.3, 0.5], half_height=[1.5, 1.9365])
+STATES = ("uplift", 0.4, "overturning")
+
+
+@pytest.mark.parametrize("equation", ["nonlinear", "linear"])
+def test_a_capacity_is_where_the_response_reaches_the_limit_state(equation):
+    block, motion = BLOCKS, scene()
+    factors, _ = scale_capacities(motion, block, STATES, equation, 30.0, 64)
+    for state, factor in enumerate(factors):
+        around = np.stack([factor * (1.0 - 1e-5), factor * (1.0 + 1e-5)])
+        assert reached_at(motion, block, STATES, equation, around)[state].tolist() == [[0, 0], [1, 1]]
+
+
+def test_a_capacity_above_the_search_is_not_known():
+    """Uplift, known in closed form, ends with the search as the others do."""
+    block, motion = BLOCKS, scene()
+    (lifted,), step = scale_capacities(motion, block, ["uplift"], "nonlinear", 1e6, 8)
+    assert np.all(np.isfinite(lifted))
+    assert np.all(step == 1.0)  # a closed form misses nothing
+    between = float(np.mean(lifted))
+    factors, step = scale_capacities(motion, block, STATES, "nonlinear", between, 8)
+    reached = lifted <= between
+    assert sorted(reached.tolist()) == [False, True]
+    np.testing.assert_array_equal(factors[0], np.where(reached, lifted, np.inf))
+    assert np.all(np.isinf(factors[-1]))
+    np.testing.assert_allclose(step, np.where(reached, (between / lifted) ** (1 / 7), 1.0))
+
+
+def test_uplift_at_the_very_factor_is_none_and_a_peak_of_the_very_state_is_one():
+    block, motion = BLOCKS, scene()
+    lifting = block.gravity * np.tan(block.alpha_c) / motion.record.pga
+    lifted = scale_capacities(motion, block, ["uplift"], "nonlinear", 1e6, 8)[0][0]
+    assert lifted == pytest.approx(lifting, rel=1e-12)
+    assert reached_at(motion, block, ["uplift"], "nonlinear", lifted[np.newaxis])[0].tolist() == [[0, 0]]
+    peaks = recorded_response(block, motion.record.acceleration, motion.record.dt, block_scale=1.5).peak_rotation_ratio
+    states = [float(peaks[0]), float(peaks[1])]
+    reached = reached_at(motion, block, states, "nonlinear", np.full((1, 2), 1.5))
+    assert reached[:, 0].tolist() == [[int(peak >= state) for peak in peaks] for state in states]
+    assert reached[0, 0, 0] == reached[1, 0, 1] == 1
+
+
+def test_the_vertical_acceleration_belongs_to_the_nonlinear_equation():
+    block, motion = BLOCKS, scene()
+    shaken = replace(motion, vertical=np.full(motion.record.npts, -3.0))  # all is lighter by 3 m/s2
+    for equation, same in (("nonlinear", False), ("linear", True)):
+        one, other = (scale_capacities(scene, block, STATES, equation, 30.0, 32)[0] for scene in (motion, shaken))
+        assert np.array_equal(one, other) is same
+        one, other = (
+            reached_at(scene, block, STATES, equation, np.array([[0.9, 0.9], [1.4, 1.4]])) for scene in (motion, shaken)
+        )
+        assert np.array_equal(one, other) is same
+
+
 WALL = {"wall": rp.models.Block(half_width=0.2, half_height=1.5)}
 
 
@@ -66,14 +122,31 @@ def shake(number):
 
 
 RECORDS = [shake(number) for number in range(10)]
+LEVELS = (0.25, 0.4, 0.6, 0.9)
 
 
-def curves(tmp_path, text, **more):
+def options(**more):
+    known = {"measures": ("pga", "velocity_ratio"), "limit_states": ("overturning",)}
+    return rp.FragilitySettings(**known, overturning_model="lognormal", **more)
+
+
+def curves(tmp_path, text):
     (tmp_path / "chosen.csv").write_text(text)
-    settings = rp.FragilitySettings(
-        measures=("pga", "velocity_ratio"), limit_states=("overturning",), selection="chosen.csv", **more
-    )
-    return rp.fragility_curves(RECORDS, rp.Config(fragility=settings, folder=tmp_path), WALL)
+    config = rp.Config(fragility=options(selection="chosen.csv"), folder=tmp_path)
+    return rp.fragility_curves(RECORDS, config, WALL)
+
+
+def table(weight=""):
+    """A row for each record and level; records below the fifth have another weight."""
+    rows = ((number, level) for number in range(10) for level in LEVELS)
+    if not weight:
+        return "record,level\n" + "".join(f"r{number},{level}\n" for number, level in rows)
+    return "record,level,weight\n" + "".join(f"r{n},{level},{weight if n < 5 else 1.0}\n" for n, level in rows)
+
+
+@pytest.fixture(scope="module")
+def alike(tmp_path_factory):
+    return curves(tmp_path_factory.mktemp("alike"), table())
 
 
 def test_a_row_of_weight_two_counts_as_two():
@@ -111,28 +184,17 @@ def test_factors_of_the_table_are_looked_at_and_nothing_else(tmp_path):
     assert failures["kind"].values[0] == "skipped"
 
 
-def test_the_same_rows_as_stripes_give_the_same_curve(tmp_path):
-    levels = (0.25, 0.4, 0.6, 0.9)
-    rows = "".join(f"r{number},{level}\n" for number in range(10) for level in levels)
-    chosen = curves(tmp_path, "record,level\n" + rows)
-    settings = rp.FragilitySettings(
-        measures=("pga", "velocity_ratio"), limit_states=("overturning",), stripe_levels=levels, factors=(1e-6, 1e6)
-    )
-    plain = rp.fragility_curves(RECORDS, rp.Config(fragility=settings), WALL)
+def test_the_same_rows_as_stripes_give_the_same_curve(alike):
+    stripes = options(stripe_levels=LEVELS, factors=(1e-6, 1e6))
+    plain = rp.fragility_curves(RECORDS, rp.Config(fragility=stripes), WALL)
     for name in ("median", "beta", "median_low", "median_high"):
-        np.testing.assert_array_equal(chosen["fragility"][name].values, plain["fragility"][name].values)
+        np.testing.assert_array_equal(alike["fragility"][name].values, plain["fragility"][name].values)
 
 
-def test_weights_move_the_curve_and_the_annual_frequency(tmp_path):
-    levels = (0.25, 0.4, 0.6, 0.9)
-    rows = [(f"r{number}", level) for number in range(10) for level in levels]
-    strong = {f"r{number}": 5.0 if number < 5 else 1.0 for number in range(10)}
-    text = "record,level,weight\n" + "".join(f"{name},{level},{strong[name]}\n" for name, level in rows)
-    weighted = curves(tmp_path, text, overturning_model="lognormal")
-    text = "record,level\n" + "".join(f"{name},{level}\n" for name, level in rows)
-    plain = curves(tmp_path, text, overturning_model="lognormal")
+def test_weights_move_the_curve_and_the_annual_frequency(alike, tmp_path):
+    weighted = curves(tmp_path, table("5.0"))
     place = {"block": "wall", "limit_state": "overturning", "measure": "pga"}
-    medians = [tree["fragility"]["median"].sel(place).item() for tree in (weighted, plain)]
+    medians = [tree["fragility"]["median"].sel(place).item() for tree in (weighted, alike)]
     assert abs(medians[0] / medians[1] - 1.0) > 1e-3
     hazard = rp.PowerLawHazard(k0=1e-3, k=2.0)
     found, beta = rp.annual_frequency(weighted, hazard, resamples=0), weighted["fragility"]["beta"].sel(place).item()

@@ -58,12 +58,11 @@ def covered(data, events, correlation, sets, seed=0):
     return len(hits), np.sum(hits, axis=0)
 
 
-@pytest.mark.parametrize("correlation", [0.0, 0.4])
-@pytest.mark.parametrize("data", ["ida", "truncated", "stripes"])
+@pytest.mark.parametrize(("data", "correlation"), [("ida", 0.0), ("truncated", 0.4), ("stripes", 0.4)])
 def test_bands_cover_the_truth_at_the_nominal_rate(data, correlation):
-    sets, hits = covered(data, events=15, correlation=correlation, sets=60)
-    assert sets == 60
-    # Six counts of a fair binomial in six cases: all within the limits but for one chance in thirty or so.
+    sets, hits = covered(data, events=15, correlation=correlation, sets=40)
+    assert sets == 40
+    # Six counts of a fair binomial in three cases: all within the limits but for one chance in sixty or so.
     low, high = binom.ppf([0.0005, 0.9995], sets, CONFIDENCE)
     assert np.all((hits >= low) & (hits <= high)), hits
 

@@ -28,16 +28,6 @@ def test_known_capacities_give_mean_and_deviation_of_their_logarithms():
     assert (curve.status, curve.band, curve.statement) == (Status.FITTED, Band.GIVEN, "")
 
 
-def test_with_one_record_an_event_the_band_of_the_median_is_that_of_a_mean():
-    # The jackknife of a mean is its standard error; around it stands Student's t: the classical interval.
-    x = np.log(CAPACITIES)
-    curve = fit_capacities(CAPACITIES)
-    half = 1.7396067 * np.std(x, ddof=1) / math.sqrt(x.size)  # t at 0.95 with 17 degrees of freedom
-    np.testing.assert_allclose(
-        np.log([curve.median_low, curve.median_high]), [np.mean(x) - half, np.mean(x) + half], rtol=1e-6
-    )
-
-
 @pytest.mark.parametrize("confidence", [0.9, 0.5])
 def test_the_bands_are_the_jackknife_over_events_of_the_logarithms(confidence):
     """Of known capacities mean and deviation of the logarithms are the estimates, and z is (x - mean)/deviation."""
@@ -107,17 +97,6 @@ def test_the_order_of_the_rows_does_not_matter_to_the_last_digit(model):
     assert numbers(here) == numbers(there)
 
 
-def test_the_band_of_the_curve_meets_that_of_the_median_in_the_middle():
-    curve = fit_capacities(CAPACITIES, EVENTS)
-    probability, low, high = curve.probability([curve.median, curve.median_low, curve.median_high])
-    assert probability[0] == pytest.approx(0.5)
-    assert low[0] < 0.5 < high[0]
-    assert np.all((low < probability) & (probability < high))
-    # Fieller and delta intervals of the median differ a little.
-    assert low[2] == pytest.approx(0.5, abs=0.05)
-    assert high[1] == pytest.approx(0.5, abs=0.05)
-
-
 def test_correlated_records_of_few_events_widen_the_band():
     shared = np.repeat(np.exp([-0.6, -0.2, 0.1, 0.2, 0.5]), 8)
     own = np.exp(np.random.default_rng(1).normal(0.0, 0.05, shared.size))
@@ -152,8 +131,6 @@ def test_correlated_records_of_few_events_widen_the_band():
             Status.ONE_REACHED,
             "one record only reached the limit state, at 1 to 1.7, of 3",
         ),
-        (lambda: fit_stripes([1.0, 1.5, 2.0, 1.8], [0, 0, 0, 1]), Status.ONE_REACHED, "at 1.8, of 4"),
-        (lambda: fit_stripes([1.0, 2.0, 1.0, 2.0], [0, 0, 0, 0]), Status.NOTHING_REACHED, "up to 1 to 2"),
         (
             lambda: fit_stripes([1.0, 2.0, 1.0, 2.0], [1, 1, 1, 1]),
             Status.EVERYTHING_REACHED,
@@ -276,12 +253,6 @@ def test_the_first_of_the_events_without_which_there_is_no_curve_is_named():
     assert said == "no band: the records come from 2 events, it needs 3"
 
 
-@pytest.mark.parametrize(("high", "words"), [(2.0019, "at 2"), (2.0021, "at 2 to 2")])
-def test_levels_that_differ_by_a_thousandth_are_one(high, words):
-    curve = fit_stripes([2.0, high, 1.0], [1, 1, 0], records=["a", "a", "b"])
-    assert f"only reached the limit state, {words}, of 2;" in curve.statement
-
-
 def test_rows_ascend_whatever_their_order_and_keep_what_belongs_to_them():
     level, kind = [3.0, 1.0, 2.0, 1.0], [EXACT, NOT_ABOVE, ABOVE, ABOVE]
     qualities = np.array([[30.0, 1.0], [11.0, np.nan], [20.0, 0.0], [10.0, -1.0]])
@@ -308,28 +279,16 @@ def test_rows_ascend_whatever_their_order_and_keep_what_belongs_to_them():
     assert kept.qualities[:, 0].tolist() == [10.0, 30.0]
 
 
-def test_without_labels_every_row_is_an_event_of_its_own_in_the_order_that_is_given():
-    rows = Observations.of(np.arange(1.0, 13.0), np.full(12, EXACT))
-    assert rows.cluster.tolist() == rows.record.tolist() == list(range(12))
-    assert rows.weight.tolist() == [1.0] * 12
-    assert rows.qualities.shape == (12, 0)
-    assert Observations.of([], [], weight=[]).weight.size == 0
-
-
 @pytest.mark.parametrize(
     ("call", "message"),
     [
         (lambda: fit_capacities([1.0, -2.0]), "positive, finite levels"),
-        (lambda: fit_capacities([1.0, np.nan]), "positive, finite levels"),
         (lambda: fit_capacities([1.0, np.inf]), "need limits"),
         (lambda: fit_capacities([1.0, 2.0], ["a"]), "one level, kind, event and record a row"),
         (lambda: fit_capacities([1.0, 2.0], model="normal"), "expected one of lognormal, logistic"),
-        (lambda: fit_capacities([1.0, 2.0], confidence=90.0), "between 0 and 1"),
         (lambda: fit_capacities([1.0, 2.0], confidence=1.0), "between 0 and 1"),
         (lambda: fit_capacities([1.0, 2.0], confidence=0.0), "between 0 and 1"),
-        (lambda: fit_capacities([1.0, 0.0]), "positive, finite levels"),
         (lambda: fit_capacities([[1.0, 2.0]]), "positive, finite levels"),
-        (lambda: fit_capacities([1.0, 2.0], records=["a"]), "got 2, 2, 2 and 1"),
         (lambda: fit_stripes([1.0, 2.0], [1]), "got 2, 1, 2 and 2"),
     ],
 )

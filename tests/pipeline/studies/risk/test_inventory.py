@@ -16,7 +16,7 @@ from rockpulse.sequences.design_spectrum import at_blocks
 from rockpulse.studies.risk.free_bodies import curves_in_parts
 from rockpulse.studies.risk.hazard_files import site_hazards_of
 
-T = np.arange(0.0, 5.0, 0.02)
+T = np.arange(0.0, 4.0, 0.02)
 LAW = rp.PowerLawHazard(k0=2e-3, k=2.0, measure="pgv")
 CURVE = rp.HazardCurve("pga", [0.1, 1.0, 4.0], [0.3, 0.02, 1e-3])
 
@@ -26,57 +26,27 @@ def shaking(number):
     waves = sum(rng.normal() * np.sin(2.0 * np.pi * f * T + rng.uniform(0.0, 6.0)) for f in (0.6, 1.1, 2.3))
     peak = 3.0 * waves / np.max(np.abs(waves))
     return rp.Record(
-        peak * np.exp(-(((T - 2.0) / 1.0) ** 2)), dt=0.02, id=f"r{number}", event=f"e{number // 2}", processed=True
+        peak * np.exp(-(((T - 2.0) / 1.0) ** 2)),
+        dt=0.02,
+        id=f"r{number}",
+        event=f"e{max(number - 1, 0)}",
+        processed=True,
     )
 
 
 @pytest.fixture(scope="module")
 def results():
     config = rp.Config(models=rp.ModelSettings(use=("nonlinear",)), uncertainty=rp.UncertaintySettings(spectrum="all"))
-    return rp.assess([shaking(n) for n in range(9)], config, blocks={"wall": models.Block(width=0.4, height=3.0)})
-
-
-@pytest.mark.parametrize("hazard", [LAW, CURVE])
-def test_one_body_is_the_mean_over_earthquakes_of_each_record(results, hazard):
-    body = models.Block(width=[0.35], height=[2.6])
-    found = rp.inventory_frequency(results, body, hazard)
-    summary, spectra = results["summary"].to_dataset(), results["spectra"].to_dataset()
-    by_event: dict[str, list[float]] = {}
-    for name in spectra["record"].values:
-        own = spectra.sel(record=name)
-        p = rp.overturning_factors(own, body)["capacity_mean"][0]
-        probability = at_blocks(body, own["p"].values, own["restitution"].values, own["probability"].values)[0]
-        level = np.log(own["level"].values)
-        measure = math.log(float(summary[hazard.measure].sel(record=name)))
-
-        def at(u, probability=probability, level=level):
-            return float(np.interp(u, level, probability))
-
-        shift = measure + math.log(p)
-        ends = np.unique([*level, *(hazard.knots - shift)])
-        inside = sum(
-            quad(lambda u, shift=shift, at=at: at(u) * math.exp(hazard.log_density(np.array(u + shift))), low, high)[0]
-            for low, high in itertools.pairwise(ends.tolist())
-            if level[0] <= low and high <= level[-1]
-        )
-        beyond = float(hazard.rate(math.exp(level[-1] + shift)))
-        by_event.setdefault(str(summary["event"].sel(record=name).values), []).append(inside + beyond)
-    expected = np.mean([np.mean(values) for values in by_event.values()])
-    if hazard is CURVE:  # In PGA nothing overturns below g tan(alpha); the test below.
-        assert found["frequency"].item() <= expected * (1.0 + 2e-4)
-        return
-    assert found["frequency"].item() == pytest.approx(expected, rel=2e-4)
-    assert found["probability"].item() == pytest.approx(1.0 - math.exp(-50.0 * found["frequency"].item()))
-    assert found["frequency_low"].item() < found["frequency"].item() < found["frequency_high"].item()
+    return rp.assess([shaking(n) for n in range(5)], config, blocks={"wall": models.Block(width=0.4, height=3.0)})
 
 
 def test_many_bodies_are_read_like_one_and_larger_ones_fall_less_often(results):
-    scale = np.linspace(0.8, 3.0, 2500)
+    scale = np.linspace(0.8, 3.0, 500)
     many = models.Block(width=0.3 * scale, height=2.4 * scale)
     found = rp.inventory_frequency(results, many, LAW)
     # Not at every step: a spectrum has its dips.
     assert np.mean(np.diff(found["frequency"]) < 0.0) > 0.9
-    for place in (0, 1200, 2499):
+    for place in (0, 250, 499):
         one = rp.inventory_frequency(results, models.Block(width=0.3 * scale[place], height=2.4 * scale[place]), LAW)
         for name in found:
             assert found[name].values[place] == pytest.approx(one[name].item(), rel=1e-12, nan_ok=True), name
@@ -162,15 +132,11 @@ def test_hazards_of_sites_have_one_measure_and_a_number_for_each_body():
         rp.SiteHazards((LAW,), np.array([0, 1]), distance)
 
 
-def test_no_body_has_no_frequency(results):
-    assert rp.inventory_frequency(results, models.Block(width=np.zeros(0), height=np.zeros(0)), LAW).sizes["body"] == 0
-
-
 KINKED = rp.HazardCurve("pgv", [0.1, 0.2, 0.25, 2.0], [2e-2, 1e-2, 1e-4, 1e-6])
 STEEP = rp.HazardCurve("pga", [0.5, 1.6, 1.8, 4.0], [2e-2, 1e-2, 1e-4, 1e-6])
 
 
-@pytest.mark.parametrize("hazard", [LAW, CURVE, KINKED, STEEP])
+@pytest.mark.parametrize("hazard", [KINKED, STEEP])
 def test_the_sum_over_a_hazard_is_exact_between_its_bends_and_from_the_uplift_on(results, hazard):
     """By adaptive quadrature of the same P, straight between stored levels, with the bends of both as ends."""
     body = models.Block(width=[0.35], height=[2.6]).lanes(1)
@@ -186,7 +152,7 @@ def test_the_sum_over_a_hazard_is_exact_between_its_bends_and_from_the_uplift_on
         start, top = max(at[0], floor), max(at[-1], floor)
         ends = np.unique([start, top, *at[(at > start) & (at < top)], *(k for k in hazard.knots if start < k < top)])
         pieces = (
-            quad(lambda u: chance_at(u) * math.exp(hazard.log_density(np.array(u))), low, high, epsrel=1e-11)[0]
+            quad(lambda u: chance_at(u) * math.exp(hazard.log_density(np.array(u))), low, high, epsrel=1e-10)[0]
             for low, high in itertools.pairwise(ends.tolist())
         )
         of_record.append(sum(pieces) + float(hazard.rate(math.exp(top))))
@@ -227,7 +193,7 @@ def by_hand(results, body, hazard, low, high, relative=False):
         probability = at_blocks(body, one["p"].values, one["restitution"].values, one["probability"].values)[0]
         own = float(summary[hazard.measure].sel(record=name))
         ends = (low * own, high * own) if relative else (low, high)
-        u = np.linspace(math.log(max(ends[0], 1e-4)), math.log(min(ends[1], 1e4)), 400_001)
+        u = np.linspace(math.log(max(ends[0], 1e-4)), math.log(min(ends[1], 1e4)), 40_001)
         middle = 0.5 * (u[1:] + u[:-1])
         chance = np.interp(
             middle - math.log(own * capacity), np.log(one["level"].values), probability, left=0.0, right=1.0
@@ -252,6 +218,8 @@ def test_the_shares_beyond_the_curve_and_beyond_the_factors_are_told(results):
     found = rp.inventory_frequency(results, body, curve)
     whole = by_hand(results, body, curve, 1e-4, 1e4)
     assert found["frequency"].item() == pytest.approx(whole, rel=5e-4)
+    assert found["frequency_low"].item() < found["frequency"].item() < found["frequency_high"].item()
+    assert found["probability"].item() == pytest.approx(1.0 - math.exp(-50.0 * found["frequency"].item()))
     assert found["below"].item() == pytest.approx(by_hand(results, body, curve, 1e-4, 0.25) / whole, abs=2e-3)
     assert found["above"].item() == pytest.approx(by_hand(results, body, curve, 0.5, 1e4) / whole, abs=2e-3)
     inside = by_hand(results, body, curve, 0.25, 4.0, relative=True) / whole
@@ -259,9 +227,9 @@ def test_the_shares_beyond_the_curve_and_beyond_the_factors_are_told(results):
 
 
 def test_the_fragility_of_a_free_body_is_that_of_the_spectra(results):
-    """At the level x a record of PGV m acts with x/m: S x/m against g tan(alpha)/p, earthquakes of two records alike.
+    """At the level x a record of PGV m acts with x/m: S x/m against g tan(alpha)/p.
 
-    Nine records of five earthquakes: the ninth, alone in its one, weighs twice as much as each other.
+    Five records of four earthquakes, which weigh alike: the first two are of one.
     """
     body = models.Block(width=[0.35, 5.0], height=[2.6, 5.0])
     levels = np.array([0.2, 0.4, 0.8])
@@ -277,7 +245,7 @@ def test_the_fragility_of_a_free_body_is_that_of_the_spectra(results):
         probability = at_blocks(body, one["p"].values, one["restitution"].values, one["probability"].values)[0]
         ratio.append(-math.log(capacity * own))
         chance.append(np.interp(np.log(levels / own / capacity), np.log(one["level"].values), probability))
-    weights = np.array([0.1] * 8 + [0.2])
+    weights = np.array([0.125, 0.125, 0.25, 0.25, 0.25])
     middle = weights @ ratio
     deviation = math.sqrt(weights @ (np.array(ratio) - middle) ** 2)
     assert found["dispersion"].values[0] == pytest.approx(deviation, rel=1e-3)

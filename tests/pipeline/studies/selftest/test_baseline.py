@@ -21,7 +21,7 @@ def answer(block, ground, dt, equation, **options):
 @pytest.mark.parametrize("equation", EQUATIONS)
 def test_baseline_converges_to_the_kernel(equation, peak):
     block, dt = block_of(1.0, 5.0, 0.8), 0.02
-    ground = synthetic(seed=3, n=200, dt=dt, peak=peak)
+    ground = synthetic(seed=3, n=120, dt=dt, peak=peak)
     fast = recorded_response(block, ground, dt, equation=equation)
     tight = answer(block, ground, dt, equation, method="DOP853", rtol=1e-10, rest_speed=1e-6)
     loose = answer(block, ground, dt, equation)

@@ -15,7 +15,6 @@ from rockpulse.errors import ConfigError, RecordRefused
 from rockpulse.models import Block
 from rockpulse.record.measures import SCALING
 from rockpulse.run.analysis import worked
-from rockpulse.selection.tables import record_weights
 from rockpulse.studies.site import records as site_record
 from rockpulse.studies.site.calibration import SiteCalibration
 
@@ -37,7 +36,7 @@ RECORDS = [shake(seed, 0.7 + 0.06 * seed) for seed in range(8)]
 
 
 def config(**calibration):
-    return Config(calibration=CalibrationSettings(**{"method": "statistics", "bootstrap": 200, **calibration}))
+    return Config(calibration=CalibrationSettings(**{"method": "statistics", "bootstrap": 100, **calibration}))
 
 
 def site(records=RECORDS, settings=None, **calibration):
@@ -51,9 +50,9 @@ def done():
 
 def test_the_facts_of_each_record_are_stored():
     known = dataclasses.replace(RECORDS[1], magnitude=6.3, magnitude_type="Mw", vs30=717.0)
-    found = site([RECORDS[0], known, *RECORDS[2:]])
-    np.testing.assert_array_equal(found["magnitude"].values, [np.nan, 6.3, *[np.nan] * 6])
-    assert found["magnitude_type"].values.tolist() == ["", "Mw", *[""] * 6]
+    found = site([RECORDS[0], known])
+    np.testing.assert_array_equal(found["magnitude"].values, [np.nan, 6.3])
+    assert found["magnitude_type"].values.tolist() == ["", "Mw"]
     assert (found["vs30"].values[1].item(), found["vs30"].attrs["units"]) == (717.0, "m s-1")
 
 
@@ -100,8 +99,8 @@ def test_few_records_and_events_are_said_loudly(done):
     assert (widths[1] > 7.5).all()
 
 
-def test_few_records_are_said_by_the_quantile():
-    assert "about 1.3 of them lie above the quantile 0.84" in str(site()["remarks"].item())
+def test_few_records_are_said_by_the_quantile(done):
+    assert "about 1.3 of them lie above the quantile 0.84" in str(done["remarks"].item())
     assert "the quantile 0.5 lies among them" in str(site(quantile=0.5)["remarks"].item())
 
 
@@ -131,9 +130,7 @@ def test_unresolved_pairs_count_as_overturned(monkeypatch):
         if not np.array_equal(acceleration, RECORDS[7].acceleration):
             return response
         return dataclasses.replace(
-            response,
-            outcome=np.full(3, rp.models.Outcome.UNRESOLVED),
-            peak_rotation_ratio=np.full(3, np.nan),
+            response, outcome=np.full(3, rp.models.Outcome.UNRESOLVED), peak_rotation_ratio=np.full(3, np.nan)
         )
 
     monkeypatch.setattr(site_record, "recorded_response", aloft)
@@ -170,18 +167,18 @@ def test_one_record_alone_still_has_a_design():
 
 @pytest.mark.parametrize("measure", SCALING)
 def test_scaling_to_twice_the_target_doubles_every_impulse(measure):
-    weak, strong = (site(scale_to=measure, target=target) for target in (1.5, 3.0))
+    weak, strong = (site(RECORDS[:3], scale_to=measure, target=target) for target in (1.5, 3.0))
     name = "largest_impulse" if measure == "impulse" else measure
     np.testing.assert_allclose(strong[name], 3.0, rtol=1e-12)
     np.testing.assert_allclose(strong["scale_factor"], 2.0 * weak["scale_factor"], rtol=1e-12)
     ratio = (strong["value"] / weak["value"]).values
-    np.testing.assert_allclose(ratio, np.tile([2.0, 1.0, 1.0, 1.0, 1.0], (8, 1)), rtol=1e-12)
+    np.testing.assert_allclose(ratio, np.tile([2.0, 1.0, 1.0, 1.0, 1.0], (3, 1)), rtol=1e-12)
     np.testing.assert_allclose(strong["median"][0], 2.0 * weak["median"][0], rtol=1e-12)
 
 
 def test_scaled_beyond_the_usual_is_said():
-    far = site(scale_to="pga", target=40.0)
-    assert "8 of 8 records are scaled by less than 0.25 or more than 4" in str(far["remarks"].item())
+    far = site(RECORDS[:2], scale_to="pga", target=40.0)
+    assert "2 of 2 records are scaled by less than 0.25 or more than 4" in str(far["remarks"].item())
     assert "scaled by" in str(far["warnings"][0].item())
     assert "scaled by" in str(far["processing"][0].item())
 
@@ -232,15 +229,9 @@ def test_tables_of_weights_that_do_not_fit_are_refused(tmp_path, text, message):
         site(settings=settings)
 
 
-def test_huge_weights_are_weights():
-    ids = ["a", "b", "c"]
-    table = dict(zip(ids, (1e308, 1e308, 5e307), strict=True))
-    np.testing.assert_allclose(record_weights(ids, ids, "table", table), [1.2, 1.2, 0.6], rtol=1e-15)
-
-
 def test_a_record_that_fails_is_a_row_and_never_the_end():
     dead = rp.Record(np.zeros(1000), dt=0.01, id="dead", event="Nowhere", processed=True)
-    tree = rp.calibrate_site([*RECORDS, dead], config(), BLOCKS)
+    tree = rp.calibrate_site([RECORDS[0], dead], config(), BLOCKS)
     assert "dead" not in tree["site"]["record"].values
     rows = tree["failures"].to_dataset()
     assert (rows["kind"].values.tolist(), rows["stage"].values.tolist()) == (["failed"], ["calibrate"])
@@ -289,13 +280,13 @@ def test_a_design_that_overturns_every_block_says_so():
 
 
 def test_a_body_of_several_restitutions_is_several_blocks():
-    found = rp.calibrate_site(RECORDS, config(), {"pier": Block(0.4, 1.8, restitution=[0.7, 0.9])})["site"]
+    found = rp.calibrate_site(RECORDS[:2], config(), {"pier": Block(0.4, 1.8, restitution=[0.7, 0.9])})["site"]
     assert found["block"].values.tolist() == ["pier C 0.7", "pier C 0.9"]
     assert found["restitution"].values.tolist() == [0.7, 0.9]
 
 
 def test_without_bodies_the_default_family_is_judged():
-    found = rp.calibrate_site(RECORDS[:4], config())["site"]
+    found = rp.calibrate_site(RECORDS[:1], config())["site"]
     assert found.sizes["block"] == 100
 
 
@@ -355,8 +346,3 @@ def test_the_response_method_gives_intervals_and_a_small_misfit():
     assert found["value_lower"].values[0, 0] < main < found["value_upper"].values[0, 0]
     assert str(found["calibration_remarks"].values[0])
     assert float(found["misfit"][0]) < 1.0
-
-
-def test_a_family_of_too_few_bodies_is_a_failure_of_the_record():
-    with pytest.raises(RecordRefused, match="choose blocks that this motion sets rocking"):
-        site(RECORDS[:1], method="response", family="blocks")

@@ -54,23 +54,10 @@ def test_the_design_is_the_record_that_has_the_share_at_or_below_it(quantile, re
     assert (design.main_count, design.duration, design.spacing) == (2, pytest.approx(20.0), "end")
 
 
-def test_weights_move_the_quantile():
-    weights = np.ones(10)
-    weights[2] = 20.0
-    assert design_sequence(sample_of(MAINS, weights=weights), 0.5, "response").main == pytest.approx(MAINS[2], rel=2e-4)
-
-
 def test_a_motion_twice_as_strong_gives_the_design_of_the_stronger_motion():
     weak = design_sequence(sample_of(MAINS), 0.84, "response")
     strong = design_sequence(sample_of(1.5 * MAINS), 0.84, "response")
     assert strong.main == pytest.approx(1.5 * weak.main, rel=4e-4)
-
-
-def test_the_order_of_the_records_does_not_matter():
-    order = np.random.default_rng(0).permutation(10)
-    design = design_sequence(sample_of(MAINS), 0.7, "response")
-    mixed = design_sequence(sample_of(MAINS[order], events=order), 0.7, "response")
-    assert mixed.main == pytest.approx(design.main, rel=1e-9)
 
 
 def test_blocks_that_the_design_overturns_do_not_buy_the_quantile_for_the_others():
@@ -236,17 +223,6 @@ def test_events_that_are_not_judged_are_told_with_the_reason():
     lone = sample_of(MAINS[:2], peaks=np.vstack([np.full(3, np.nan), rotations(MAINS[1:2])]))
     reasons = unjudged_events(leave_one_event_out(lone, 0.5, "response"), lone)
     assert reasons == {0: "unlifted", 1: "no_design"}
-
-
-@pytest.mark.slow
-def test_left_out_coverage_is_the_nominal_quantile_for_exchangeable_events():
-    """Lognormal sizes, 40 events of one record: the mean coverage of 30 sets against the quantile."""
-    generator, shares = np.random.default_rng(5), []
-    for _ in range(30):
-        sample = sample_of(0.05 * np.exp(0.3 * generator.standard_normal(40)))
-        found = leave_one_event_out(sample, 0.84, "response")
-        shares.append(coverage_of(found.covered, sample, 0.9)[0])
-    assert np.mean(shares) == pytest.approx(0.84, abs=0.03)
 
 
 def test_correlation_of_weighted_records_in_closed_form():

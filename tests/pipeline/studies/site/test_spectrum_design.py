@@ -13,56 +13,58 @@ import rockpulse as rp
 from rocking.body.limits import RATES
 from rockpulse import CalibrationSettings
 from rockpulse.assessment.spectra import LANES
-from rockpulse.earthquakes import bootstrap_interval, draw_earthquakes, weighted_quantile
+from rockpulse.earthquakes import bootstrap_interval, draw_earthquakes, record_quantiles, weighted_quantile
 from rockpulse.errors import ResultsError
 from rockpulse.models import Block, ImpulseSequence
 from rockpulse.storage.variables.probability import RESTITUTIONS
 from rockpulse.storage.variables.site import SITE_GROUPS
-from rockpulse.studies.site.spectrum_design import QuantileSample, fewest_events
+from rockpulse.studies.site.calibration import design_of
+from rockpulse.studies.site.spectrum_design import fewest_events
 
 EVENTS = np.array([0, 0, 0, 1, 2, 2, 3, 4, 5, 6, 6, 7])
 WEIGHTS = 1.0 / np.bincount(EVENTS)[EVENTS]
 VALUES = np.exp(np.random.default_rng(2).standard_normal((12, 2, 3)))
 
 
-def sample(events=EVENTS, weights=WEIGHTS, resamples=150):
-    return QuantileSample(weights, events, draw_earthquakes(int(events.max()) + 1, resamples, 0), 0.9)
+def quantiles(values, levels, logarithmic, events=EVENTS, weights=WEIGHTS):
+    known = {"weights": weights, "events": events, "draws": draws_of(events), "confidence": 0.9}
+    return record_quantiles(values, levels, logarithmic, **known)
+
+
+def draws_of(events):
+    return draw_earthquakes(int(events.max()) + 1, 60, 0)
 
 
 @pytest.mark.parametrize("logarithmic", [True, False])
 def test_quantiles_and_intervals_are_those_of_the_resamples_one_by_one(logarithmic):
-    one = sample()
-    found = one.quantiles(VALUES, [0.5, 0.84], logarithmic)
+    found = quantiles(VALUES, [0.5, 0.84], logarithmic)
     change, back = (np.log, np.exp) if logarithmic else (np.array, np.array)
-    for level, quantiles in zip((0.5, 0.84), found, strict=True):
-        assert quantiles.value.shape == (2, 3)
+    for level, own in zip((0.5, 0.84), found, strict=True):
+        assert own.value.shape == (2, 3)
         for place in np.ndindex(2, 3):
             of = VALUES[(slice(None), *place)]
             value = weighted_quantile(of, level, WEIGHTS)
-            assert quantiles.value[place] == value
+            assert own.value[place] == value
             # Every resample with its records written out as often as their event was drawn.
             drawn = []
-            for times in one.draws:
+            for times in draws_of(EVENTS):
                 rows = np.repeat(np.arange(12), times[EVENTS])
                 drawn.append(weighted_quantile(of[rows], level, WEIGHTS[rows]))
             ends = bootstrap_interval(change(value), change(drawn), np.ones(8), 0.9)
-            np.testing.assert_allclose((quantiles.lower[place], quantiles.upper[place]), back(ends), rtol=1e-12)
+            np.testing.assert_allclose((own.lower[place], own.upper[place]), back(ends), rtol=1e-12)
 
 
 def test_more_records_of_an_earthquake_count_no_more_than_one():
     twice = np.concatenate([EVENTS, EVENTS[:3]])
     values = np.concatenate([VALUES, VALUES[:3]])
     weights = 1.0 / np.bincount(twice)[twice]
-    (alone,), (more,) = (
-        one.quantiles(of, [0.84], logarithmic=True)
-        for one, of in ((sample(), VALUES), (sample(twice, weights), values))
-    )
+    (alone,), (more,) = quantiles(VALUES, [0.84], True), quantiles(values, [0.84], True, twice, weights)
     for name in ("value", "lower", "upper"):
         np.testing.assert_allclose(getattr(alone, name), getattr(more, name), rtol=1e-12)
 
 
 def test_a_single_earthquake_has_no_interval():
-    (found,) = sample(np.zeros(12, dtype=int), np.ones(12)).quantiles(VALUES, [0.5], logarithmic=True)
+    (found,) = quantiles(VALUES, [0.5], True, np.zeros(12, dtype=int), np.ones(12))
     assert np.isfinite(found.value).all()
     assert np.isnan(found.lower).all()
     assert np.isnan(found.upper).all()
@@ -234,6 +236,5 @@ def test_the_stored_design_is_the_one_that_bodies_are_assessed_under(tmp_path):
     rp.save(usual_site(), tmp_path / "site.h5")
     design = rp.load_design(tmp_path / "site.h5")
     np.testing.assert_allclose(design.effective_impulse(WALL), 1.3 * base_at(WALL), rtol=1e-12)
-    rp.save(site_of(STRENGTHS[:3]), tmp_path / "few.h5")
-    with pytest.raises(ResultsError, match=r"few.h5: no design: not enough earthquakes \(3; at least 7"):
-        rp.load_design(tmp_path / "few.h5")
+    with pytest.raises(ResultsError, match=r"few: no design: not enough earthquakes \(3; at least 7"):
+        design_of(site_of(STRENGTHS[:3]), "few")

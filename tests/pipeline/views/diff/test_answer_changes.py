@@ -1,32 +1,12 @@
 """What decides between two assessments: margins of the bodies, ratios that crossed one."""
 
-from contextlib import nullcontext
-
 import numpy as np
 import pytest
 import xarray as xr
+from compared_trees import compare
 from results_tree import RECORDS, demanding, results_tree
 
-from rockpulse.views.diff.differences import CAPACITY, FACTOR, compare_results
-from rockpulse.views.diff.overview import difference_overview
-
-
-class InMemory:
-    """A tree in place of an open file."""
-
-    kind, path = "assessment", "results.h5"
-
-    def __init__(self, made):
-        self.attrs, self.groups = made.attrs, ("summary",)
-        self.dataset = lambda group: made[group].to_dataset(inherit=False)
-        self.reading = nullcontext
-
-
-def compare(first, second, **options):
-    """The differences of two trees and their text."""
-    one, other = InMemory(first), InMemory(second)
-    found = compare_results(one, other, **options)
-    return found, difference_overview(found, one, other, "rtol 1e-09")
+from rockpulse.views.diff.differences import CAPACITY, FACTOR
 
 
 def demanded(factors, outcomes=None, kept=(0, 1, 2)):
@@ -109,18 +89,22 @@ def test_what_was_not_found_is_told_up_to_where_it_was_sought():
     assert line.startswith("cabinet: smallest SF >4 -> >10, smallest capacity/demand SLD >18.4 -> >46.1, ")
 
 
-def test_a_changed_probability_and_factor_of_ten_percent_are_told_of_every_body():
-    def made(probability, factor):
-        found = demanded(BEFORE)
-        summary = found["summary"].to_dataset()
-        summary["safety_factor"][:] = np.nan
-        tables = {name: np.full((3, 3), 0.01) for name in ("overturning_probability", "factor_10", "factor_10_low")}
-        tables["factor_10"][:], tables["factor_10_low"][:] = 1.5, 1.4
-        tables["overturning_probability"][:2, 1], tables["factor_10"][0, 1] = probability, factor
-        found["summary"] = xr.DataTree(summary.assign({k: (("record", "block"), v) for k, v in tables.items()}))
-        return found
+def probable(probability, factor, **asked):
+    """With a probability and a factor of 10 % of the column, and `asked`, variables along the demands."""
+    found = demanded(BEFORE)
+    summary = found["summary"].to_dataset()
+    summary["safety_factor"][:] = np.nan
+    tables = {name: np.full((3, 3), 0.01) for name in ("overturning_probability", "factor_10", "factor_10_low")}
+    tables["factor_10"][:], tables["factor_10_low"][:] = 1.5, 1.4
+    tables["overturning_probability"][:2, 1], tables["factor_10"][0, 1] = probability, factor
+    variables = {name: (("record", "block"), table) for name, table in tables.items()}
+    variables |= {name: (("record", "block", "demand"), table) for name, table in asked.items()}
+    found["summary"] = xr.DataTree(summary.assign(variables))
+    return found
 
-    found, text = compare(made(0.04, 1.2), made(0.3, 0.8))
+
+def test_a_changed_probability_and_factor_of_ten_percent_are_told_of_every_body():
+    found, text = compare(probable(0.04, 1.2), probable(0.3, 0.8))
     (line,) = found.bodies
     # Two records of one earthquake, the third of another, which has 0.01: half of the sum.
     assert line.startswith("column: P 0.025 -> 0.15, smallest factor of 10 % 1.20 -> 0.80, P at SLD -, smallest cap")
@@ -133,18 +117,9 @@ def test_the_probability_at_a_demand_is_told_and_its_factor_is_that_of_the_file(
     """A factor to the demand that no PGA tells, as of a demand in PGV."""
 
     def made(at_slv):
-        found = demanded(BEFORE)
-        summary = found["summary"].to_dataset()
-        summary["safety_factor"][:] = np.nan
-        tables = {name: np.full((3, 3), 0.01) for name in ("overturning_probability", "factor_10", "factor_10_low")}
-        tables["factor_10"][:], tables["factor_10_low"][:] = 1.5, 1.4
         at = np.full((3, 3, 2), 0.02)
         at[:, 1, 1] = at_slv
-        asked = {"demand_probability": at, "demand_factor": np.full((3, 3, 2), 3.0)}
-        variables = {k: (("record", "block"), v) for k, v in tables.items()}
-        variables |= {k: (("record", "block", "demand"), v) for k, v in asked.items()}
-        found["summary"] = xr.DataTree(summary.assign(variables))
-        return found
+        return probable(0.01, 1.5, demand_probability=at, demand_factor=np.full((3, 3, 2), 3.0))
 
     found, _ = compare(made(0.1), made(0.4))
     (line,) = found.bodies

@@ -1,12 +1,12 @@
 """What changed between two results files, on trees whose answers are known."""
 
 import shutil
-from contextlib import nullcontext
 
 import h5py
 import numpy as np
 import pytest
 import xarray as xr
+from compared_trees import compare
 from results_tree import BLOCKS, RECORDS, results_tree
 
 from rockpulse.errors import ResultsError
@@ -36,25 +36,6 @@ def tree(cases=None):
     record = made["summary"]["record"].variable
     made["records"] = xr.DataTree(xr.Dataset({"half_wave_row_size": sizes, **waves}, {"record": record}))
     return made
-
-
-class InMemory:
-    """A tree in place of an open file."""
-
-    kind = "assessment"
-    path = "results.h5"
-
-    def __init__(self, made):
-        self.attrs, self.groups = made.attrs, tuple(made.children)
-        self.dataset = lambda group: made[group].to_dataset(inherit=False)
-        self.reading = nullcontext
-
-
-def compare(first, second, **options):
-    """The differences of two trees and their text."""
-    one, other = InMemory(first), InMemory(second)
-    found = compare_results(one, other, **options)
-    return found, difference_overview(found, one, other, "rtol 1e-09")
 
 
 @pytest.fixture(scope="module")
@@ -303,27 +284,23 @@ def test_versions_and_configuration_are_told_and_do_not_count():
     assert '  + [[block]] "wall" width = 0.4' in text
 
 
-@pytest.mark.parametrize(
-    ("path", "place"),
-    [("summary/pga", 0), ("summary/outcome", (0, 0, 0)), ("half_cycles/peak", 3), ("summary/source", 1)],
-)
-def test_values_that_another_program_has_changed_are_found_though_the_checksums_are_equal(saved, tmp_path, path, place):
-    for name in ("a.h5", "b.h5"):
-        shutil.copy(saved, tmp_path / name)
+def test_values_that_another_program_has_changed_are_found_though_the_checksums_are_equal(saved, tmp_path):
+    places = {"summary/pga": 0, "summary/outcome": (0, 0, 0), "half_cycles/peak": 3, "summary/source": 1}
+    shutil.copy(saved, tmp_path / "b.h5")
     with h5py.File(tmp_path / "b.h5", "a") as file:
-        file[path][place] = "other" if "source" in path else 0
-    with open_results(tmp_path / "a.h5") as one, open_results(tmp_path / "b.h5") as other:
+        for path, place in places.items():
+            file[path][place] = "other" if "source" in path else 0
+    with open_results(saved) as one, open_results(tmp_path / "b.h5") as other:
         found = compare_results(one, other)
-    assert [(one.name, one.differing) for one in found.variables] == [(f"/{path}", 1)]
+    assert {one.name: one.differing for one in found.variables} == {f"/{path}": 1 for path in places}
     assert found.sides[OUTCOME].compared == 27
 
 
 def test_a_pointer_that_another_program_has_changed_is_found(saved, tmp_path):
-    for name in ("a.h5", "b.h5"):
-        shutil.copy(saved, tmp_path / name)
+    shutil.copy(saved, tmp_path / "b.h5")
     with h5py.File(tmp_path / "b.h5", "a") as file:
         file["half_cycles/record_index"][0] = 2
-    with open_results(tmp_path / "a.h5") as one, open_results(tmp_path / "b.h5") as other:
+    with open_results(saved) as one, open_results(tmp_path / "b.h5") as other:
         assert not compare_results(one, other).same
 
 
@@ -351,14 +328,15 @@ def test_parts_are_compared_as_the_whole(monkeypatch):
 
 
 def test_files_of_different_kinds_are_refused(saved, tmp_path):
-    shutil.copy(saved, tmp_path / "a.h5")
     other = xr.DataTree.from_dict({"/site": xr.Dataset()})
     other.attrs["kind"] = "site calibration"
     save(other, tmp_path / "b.h5")
     with (
-        open_results(tmp_path / "a.h5") as one,
+        open_results(saved) as one,
         open_results(tmp_path / "b.h5") as two,
-        pytest.raises(ResultsError, match=r"two files of one kind, found .*a\.h5 \(assessment\) and .*b\.h5 \(site"),
+        pytest.raises(
+            ResultsError, match=r"two files of one kind, found .*results\.h5 \(assessment\) and .*b\.h5 \(site"
+        ),
     ):
         compare_results(one, two)
 

@@ -17,9 +17,9 @@ BLOCKS = {
 
 @pytest.fixture(scope="session")
 def clc(ridgecrest):
-    """The two horizontal channels of China Lake, 50 s of them."""
+    """The two horizontal channels of China Lake, 8 s of them."""
     channels = [channel for channel in ridgecrest if channel.station == "CLC" and "Up" not in channel.id]
-    return [replace(channel, acceleration=channel.acceleration[22_000:27_000]) for channel in channels]
+    return [replace(channel, acceleration=channel.acceleration[22_600:23_400]) for channel in channels]
 
 
 @pytest.fixture(scope="session")

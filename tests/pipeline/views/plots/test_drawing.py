@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 import xarray as xr
-from matplotlib.figure import Figure
 from results_tree import results_bytes
 
 import rockpulse as rp
@@ -15,20 +14,18 @@ BLOCK = rp.models.Block(width=0.25, height=2.2)
 
 @pytest.fixture(scope="module")
 def record():
-    return rp.Record(3.0 * np.sin(np.arange(0.0, 40.0, 0.1)), dt=0.1, id="sine", processed=True)
+    return rp.Record(3.0 * np.sin(np.arange(0.0, 20.0, 0.1)), dt=0.1, id="sine", processed=True)
 
 
 def test_every_public_object_has_a_picture(record):
     response = rp.models.recorded_response(BLOCK, record.acceleration, record.dt)
-    panels = {what: len(rp.plot(what).axes) for what in (record, rp.half_waves(record), SEQUENCE, response)}
-    assert list(panels.values()) == [3, 1, 1, 1]
-    assert isinstance(rp.plot(BLOCK), Figure)
+    panels = [len(rp.plot(what).axes) for what in (record, rp.half_waves(record), SEQUENCE, response, BLOCK)]
+    assert panels == [3, 1, 1, 1, 4]
 
 
 def test_a_block_gives_a_sequence_its_times():
     figure = rp.plot(SEQUENCE, block=BLOCK)
-    assert len(figure.axes) == 2
-    assert figure.axes[1].get_xlabel() == "time from the first main impulse [s]"
+    assert [ax.get_xlabel() for ax in figure.axes] == ["", "time from the first main impulse [s]"]
 
 
 def test_datasets_of_spectra_are_drawn(record):
@@ -39,7 +36,6 @@ def test_datasets_of_spectra_are_drawn(record):
 
 
 def test_results_are_drawn_by_their_kind(assessed, fragility_tree):
-    assert len(rp.plot(assessed, "critical-scale", block="wall").axes) >= 1
     assert rp.plot(assessed).axes[0].get_title() == "wall"  # without spectra its bodies
     assert rp.plot(fragility_tree).axes[0].get_ylabel().startswith("probability")
 
@@ -47,10 +43,9 @@ def test_results_are_drawn_by_their_kind(assessed, fragility_tree):
 def test_a_file_is_drawn_like_its_tree(tmp_path):
     path = tmp_path / "results.h5"
     path.write_bytes(results_bytes())
-    for given in (path, str(path)):
-        assert isinstance(rp.plot(given, "critical-scale", block="column"), Figure)
+    assert rp.plot(path).axes[0].get_title() == "boundary wall"
     with pytest.raises(ResultsError, match='no kind of picture "map"'):
-        rp.plot(path, "map")
+        rp.plot(str(path), "map")
     with pytest.raises(FileNotFoundError):
         rp.plot(tmp_path / "none.h5")
 

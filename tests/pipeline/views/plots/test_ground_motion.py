@@ -23,12 +23,11 @@ def panels(motion):
 def test_the_intense_phase_is_shaded_in_every_panel(motion, panels):
     phase = float(motion["intense_start"]), float(motion["intense_end"])
     for ax in panels:
-        box = labelled(ax)["intense phase"].get_bbox() if ax is not None else None
+        box = labelled(ax)["intense phase"].get_bbox()
         assert (box.x0, box.x1) == pytest.approx(phase)
     low, high = panels[1].get_xlim()
-    assert low < phase[0]
-    assert high > phase[1]
-    assert panels[2].get_xlim() == panels[1].get_xlim()
+    assert low < phase[0] < phase[1] < high
+    assert panels[2].get_xlim() == (low, high)
 
 
 def test_labels_have_readable_units(panels):
@@ -42,21 +41,16 @@ def test_the_peak_of_the_whole_record_is_drawn(motion, panels):
     acceleration = motion["acceleration"].values
     strongest = int(np.argmax(np.abs(acceleration)))
     assert np.max(np.abs(drawn)) == np.abs(acceleration[strongest])
-    assert len(drawn) < 2000 < motion.sizes["sample"]
     assert panels[0].lines[2].get_xydata().tolist() == [[motion["time"].values[strongest], acceleration[strongest]]]
     (words,) = (text.get_text() for text in panels[0].texts)
     assert words == f"PGA {abs(acceleration[strongest]):.3g} m/s² at {motion['time'].values[strongest]:.2f} s"
     assert panels[0].get_xlim() == (0.0, motion["time"].values[-1])
 
 
-def test_the_acceleration_of_the_phase_is_that_of_the_record(motion, panels):
+def test_the_phase_is_that_of_the_record_with_its_half_waves_above_half_the_largest_filled(motion, panels):
     time, acceleration = panels[1].lines[1].get_data()
     assert np.interp(time, motion["time"].values, motion["acceleration"].values) == pytest.approx(acceleration)
-    low, high = panels[1].get_xlim()
-    assert (time[0], time[-1]) == pytest.approx((low, high), abs=0.1)
-
-
-def test_half_waves_above_half_the_largest_are_filled(motion, panels):
+    assert (time[0], time[-1]) == pytest.approx(panels[1].get_xlim(), abs=0.1)
     within = (motion["centroid"] >= motion["intense_start"]) & (motion["centroid"] <= motion["intense_end"])
     size = np.abs(motion["impulse"].values[within.values])
     assert len(panels[1].collections) == np.count_nonzero(size >= 0.5 * size.max()) > 0
@@ -67,9 +61,8 @@ def test_impulses_stand_at_their_centroids(motion, panels):
     assert np.all(np.isnan(stems[:, 2]))
     where = np.searchsorted(motion["centroid"].values, stems[:, 1, 0])
     assert np.array_equal(motion["impulse"].values[where], stems[:, 1, 1])
-    inside = (motion["centroid"].values >= panels[2].get_xlim()[0]) & (
-        motion["centroid"].values <= panels[2].get_xlim()[1]
-    )
+    low, high = panels[2].get_xlim()
+    inside = (motion["centroid"].values >= low) & (motion["centroid"].values <= high)
     size = np.abs(motion["impulse"].values)
     assert len(stems) == np.count_nonzero(inside & (size > 0.01 * size.max()))
     assert len(labelled(panels[2])["above half the largest"].get_xdata()) == len(panels[1].collections)

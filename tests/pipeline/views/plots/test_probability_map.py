@@ -48,7 +48,6 @@ def test_what_is_not_known_is_white_and_named():
     assert names == ["r0", "r1"]
     assert np.isnan(values[1, 0])
     assert in_legend(ax) == ["not known"]
-    assert probability_map(tree_of(probable([0.9, 0.1]))).get_legend() is None
 
 
 def test_at_a_demand_it_is_the_probability_there_without_records_that_are_scaled_too_far():

@@ -25,31 +25,20 @@ def panels(tree):
 
 
 def test_every_parameter_has_a_panel_with_its_unit(panels):
-    assert [ax.get_xlabel() for ax in panels[:5]] == [
-        "$I$ [m/s]",
-        "$I_s/I$ [-]",
-        r"$\Delta T$ [s]",
-        "number [-]",
-        "time [s]",
-    ]
+    labels = ["$I$ [m/s]", "$I_s/I$ [-]", r"$\Delta T$ [s]", "number [-]", "time [s]"]
+    assert [ax.get_xlabel() for ax in panels[:5]] == labels
     assert panels[0].get_title(loc="left") == "main impulse I"
     assert not panels[5].axison
     assert [ax.get_ylabel() for ax in panels[:5]] == ["share of the records [-]", ""] * 2 + ["share of the records [-]"]
 
 
-def test_each_step_is_a_record(tree, panels):
+def test_each_step_is_a_record_and_the_design_sequence_a_line(tree, panels):
     site = tree["site"].to_dataset()
     for ax, name in zip(panels, site["parameter"].values, strict=False):
-        value = np.sort(site["value"].sel(parameter=name).values)
-        steps = labelled(ax)["records"]
-        assert steps.get_xdata()[1:].tolist() == value.tolist()
-        assert steps.get_ydata()[-1] == pytest.approx(1.0)
-
-
-def test_the_design_sequence_is_a_line_in_every_panel(tree, panels):
-    site = tree["site"].to_dataset()
-    for ax, name in zip(panels, site["parameter"].values, strict=False):
-        assert labelled(ax)["design sequence"].get_xdata()[0] == float(site["design"].sel(parameter=name))
+        own, shown = site.sel(parameter=name), labelled(ax)
+        assert shown["records"].get_xdata()[1:].tolist() == np.sort(own["value"].values).tolist()
+        assert shown["records"].get_ydata()[-1] == pytest.approx(1.0)
+        assert shown["design sequence"].get_xdata()[0] == float(own["design"])
 
 
 def test_the_fit_and_the_intervals_are_those_of_the_file(tree):

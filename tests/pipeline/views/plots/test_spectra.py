@@ -63,11 +63,10 @@ def test_where_no_body_lies_the_curve_is_straight():
     ax = overturning_spectra(some, restitution=0.85, bodies={"wall": (1.0, 0.2)})
     assert lines(ax)["median"] == pytest.approx([0.2, 0.4])
     assert ax.get_xlim() == pytest.approx((1.0, 4.0))
-    some["spectrum"].values[:, 2] = np.nan
-    assert overturning_spectra(some, restitution=0.85).get_xlim() == pytest.approx(
-        (1.0, 1.6)
-    )  # nothing is drawn beyond
     assert "Straight where no body lies" in small_print(ax)
+    some["spectrum"].values[:, 2] = np.nan
+    # Nothing is drawn beyond.
+    assert overturning_spectra(some, restitution=0.85).get_xlim() == pytest.approx((1.0, 1.6))
 
 
 def test_records_far_below_every_body_are_counted_and_not_shown():
@@ -158,23 +157,17 @@ def test_labels_and_legend(spectrum):
     assert "Housner" in small_print(ax)
 
 
-def test_nothing_overturns_and_nothing_says_it_does(spectrum):
+def test_nothing_overturns_and_an_unresolved_block_is_crossed_out(spectrum):
     calm = spectrum.copy(deep=True)
-    calm["outcome"].values[:] = 0
-    calm["peak_rotation_ratio"].values[:] = 0.0
+    calm["peak_rotation_ratio"].values[:] = calm["outcome"].values[:] = 0
+    assert "Every block stays at rest." in small_print(rocking_spectrum(calm))
+    calm["outcome"].values[0, 0] = 3
     ax = rocking_spectrum(calm)
-    assert in_legend(ax) == ["at rest"]
+    assert in_legend(ax) == ["at rest", "unresolved"]
     assert not ax.patches
-    assert "Every block stays at rest." in small_print(ax)
-    assert "Every block" not in rocking_spectrum(spectrum).figure.get_supxlabel()
-
-
-def test_unresolved_blocks_are_crossed_out(spectrum):
-    doubted = spectrum.copy(deep=True)
-    doubted["outcome"].values[0, 0] = 3
-    ax = rocking_spectrum(doubted)
     (line,) = (line for line in ax.lines if line.get_label() == "unresolved")
     assert line.get_xydata().tolist() == [[1.0, 0.1]]
+    assert "Every block" not in small_print(ax)
 
 
 def test_many_bodies_are_counted_and_not_named(spectrum):

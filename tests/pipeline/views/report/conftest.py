@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from markupsafe import Markup
 from nominal import ida
 from real_browser import chromium
 
@@ -13,6 +14,7 @@ import rockpulse as rp
 from rockpulse import CalibrationSettings, SearchSettings
 from rockpulse.errors import Failure
 from rockpulse.models import Block
+from rockpulse.views.report.pictures import Picture, Pictures
 from rockpulse.views.report.writing import report_page
 
 TIME = 0.02 * np.arange(500)
@@ -80,8 +82,26 @@ def fragility(bursts, bodies, config):
 
 @pytest.fixture(scope="session")
 def whole_page(results, site, fragility):
-    """The page with everything on it."""
+    """The page with everything on it; drawing its pictures takes seconds."""
     return report_page(results, site, fragility)
+
+
+@pytest.fixture(scope="session")
+def plain_page(results, site, fragility):
+    """The same with an empty picture in place of each."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(Pictures, "_drawn", empty)
+        return report_page(results, site, fragility)
+
+
+@pytest.fixture
+def undrawn(monkeypatch):
+    """Pages of which no picture is drawn."""
+    monkeypatch.setattr(Pictures, "_drawn", empty)
+
+
+def empty(pictures, draw, name, caption):
+    return Picture(Markup(f'<svg id="picture-{name}"></svg>'), caption)
 
 
 @pytest.fixture(scope="module")

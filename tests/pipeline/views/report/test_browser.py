@@ -182,7 +182,7 @@ def test_it_prints_on_a4(page):
         assert tuple(sorted(box)) == pytest.approx(A4, abs=1)
 
 
-@pytest.mark.sweep
+@pytest.mark.slow
 def test_two_hundred_records_on_twenty_bodies_open_in_a_second_and_a_half(browser, tmp_path):
     path = write_report(many_results(200, 20, samples=12000), tmp_path / "report.html")
     assert path.stat().st_size < 15e6

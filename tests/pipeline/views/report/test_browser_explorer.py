@@ -233,7 +233,7 @@ def test_it_is_not_printed(page):
         page.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": ""})
 
 
-@pytest.mark.sweep
+@pytest.mark.slow
 def test_any_of_twenty_bodies_is_drawn_at_once(browser, tmp_path):
     path = write_report(many_results(200, 20, samples=12000), tmp_path / "report.html")
     browser.get(path.as_uri())

@@ -55,9 +55,4 @@ def test_a_file_is_told_with_the_earthquake_and_station_of_its_channels():
 
 def test_files_of_which_nothing_is_known_have_no_such_column():
     summary = results_tree()["summary"].to_dataset().isel(record=[2])
-    assert [heading.title for heading in input_table(summary).headings] == [
-        "file",
-        "SHA-256",
-        "format",
-        "records",
-    ]
+    assert [heading.title for heading in input_table(summary).headings] == ["file", "SHA-256", "format", "records"]

@@ -15,12 +15,9 @@ from rockpulse.selection.events import UNKNOWN
 from rockpulse.storage.variables.summary import SUMMARY
 from rockpulse.views.report.verdict import (
     TO,
-    acceleration,
     basis,
     body_table,
     counted_by,
-    legend,
-    model_words,
     motions_words,
     of_unknown_event,
     sentence,
@@ -186,30 +183,6 @@ def test_what_the_verdicts_rest_on_names_model_motions_files_and_demands():
     stated = summary.assign(limit_state=(("demand",), ["collapse"]))
     assert basis(answers(stated), "") == plain.removesuffix(".") + ", collapse."
     assert basis(answers(probable([0.1, 0.2])), "") == "By the nonlinear model, under 2 records of 2 earthquakes."
-
-
-def test_the_figures_of_the_table_are_explained_as_they_are_counted():
-    assert legend(answers(probable([0.1]))).startswith("P: probability that a motion overturns the body")
-    share = legend(answers(summary_of([2.0])))
-    assert share.startswith("Share: of the earthquakes")
-    assert "Overturns: 0.5 or more; may overturn: 0.05 or more" in share
-    of = motions(1, kind="sequence")
-    assert legend(answers(summary_of([2.0]), of)).startswith("SF: smallest factor on the main impulse")
-    assert counted_by(answers(probable([0.1]))).startswith("P is the probability that a motion overturns")
-    assert "brought to the demand" not in counted_by(answers(probable([0.1])))
-
-
-def test_nothing_is_said_of_earthquakes_that_are_all_known():
-    assert of_unknown_event(motions(3)) == ""
-
-
-def test_a_model_that_bounds_from_above_is_named_as_that():
-    assert model_words("nonlinear") == "nonlinear model"
-    assert model_words("resonance") not in ("resonance model", "")
-
-
-def test_an_acceleration_is_told_in_both_units():
-    assert acceleration(9.80665 / 4.0) == "2.45 m/s² (0.25 g)"
 
 
 def test_a_pedestal_of_a_body_that_is_not_there_is_an_error_in_words():

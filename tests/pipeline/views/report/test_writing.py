@@ -13,6 +13,7 @@ from results_tree import results_tree
 
 import rockpulse as rp
 from rockpulse.errors import ResultsError
+from rockpulse.views.report import writing
 from rockpulse.views.report.content import gather
 from rockpulse.views.report.writing import report_page, write_report
 
@@ -43,9 +44,9 @@ class Page(HTMLParser):
         return " ".join(" ".join(self.words).split())
 
 
-@pytest.fixture(scope="module")
-def page(whole_page):
-    return whole_page
+@pytest.fixture(scope="module", params=["plain_page", pytest.param("whole_page", marks=pytest.mark.sweep)])
+def page(request):
+    return request.getfixturevalue(request.param)
 
 
 @pytest.fixture(scope="module")
@@ -112,14 +113,6 @@ def test_the_verdict_names_what_is_counted(page, results):
         "the body is not lifted",
     ):
         assert expected in words, expected
-    for head in (
-        "Sliding",
-        "Flexible bodies",
-        "Walls, ties and thrusts that were not given",
-        "Floors that were not given",
-        "Three-dimensional rocking",
-    ):
-        assert head in words, head
     for digit in range(4):
         assert f"burst{digit}" in words
         assert f"{digit}" * 64 in words
@@ -129,7 +122,7 @@ def test_the_verdict_names_what_is_counted(page, results):
 def test_a_record_is_named_by_its_earthquake_on_the_first_two_pages(known):
     front = Page(known.split('id="annex"')[0]).text
     assert "Ridgecrest 2019-07-06" in front
-    assert "CI.CCC" not in front.replace("worst", "")
+    assert "CI.CCC" not in front
 
 
 def test_two_earthquakes_say_on_the_first_page_that_little_is_said_of_others(known):
@@ -149,21 +142,15 @@ def test_without_factors_or_answers_a_body_is_not_called_safe(known):
 def test_the_resonance_model_is_named_for_what_it_is_where_it_judges():
     tree = results_tree()
     summary = tree["summary"].to_dataset().sel(model=["resonance"])
-    words = Page(
-        report_page(
-            xr.DataTree.from_dict(
-                {"/": tree.to_dataset(), "/summary": summary, "/failures": tree["failures"].to_dataset()}
-            )
-        )
-    ).text
+    parts = {"/": tree.to_dataset(), "/summary": summary, "/failures": tree["failures"].to_dataset()}
+    words = Page(report_page(xr.DataTree.from_dict(parts))).text
     assert "resonance model (upper-bound type input, no prediction)" in words
     assert "judged by an upper-bound type input" in words
     assert words.split("What limits it")[0].count("may overturn") >= 3
 
 
 def test_cases_of_restitution_are_bodies_of_their_own():
-    words = Page(report_page(results_tree(cases=2))).text
-    assert "column, C = 0.830" in words
+    assert "column, C = 0.830" in [row[0].text for row in gather(results_tree(cases=2)).counts.rows]
 
 
 @pytest.mark.sweep
@@ -213,16 +200,6 @@ def test_where_nothing_was_found_the_page_says_up_to_where(results):
     assert any("1 of 3 bodies lifted by none of these motions" in one.head for one in found.remarks)
 
 
-def test_a_rotation_beyond_the_critical_angle_is_explained_where_there_is_one(results):
-    assert not any("Above 1" in note for note in gather(results).notes)
-    peaks = results["summary"]["peak_rotation_ratio"].values[0].copy()
-    body = list(results["summary"]["block"].values).index("stele")
-    outcome = results["summary"]["outcome"].values[0].copy()
-    outcome[body], peaks[body] = 1, 1.2
-    notes = gather(changed(results, outcome=outcome, peak_rotation_ratio=peaks)).notes
-    assert any("Above 1: rocked beyond the critical angle" in note for note in notes)
-
-
 def test_results_without_a_record_call_nothing_safe(results):
     tree = results.copy()
     tree["summary"] = xr.DataTree(tree["summary"].to_dataset().isel(record=[]))
@@ -230,11 +207,11 @@ def test_results_without_a_record_call_nothing_safe(results):
     assert [card.verdict.text for card in found.cards] == ["not known"] * 3
 
 
-def test_the_file_is_written_and_only_a_report_is_replaced(tmp_path):
+def test_the_file_is_written_and_only_a_report_is_replaced(tmp_path, monkeypatch, known):
     tree, path = results_tree(), tmp_path / "report.html"
+    monkeypatch.setattr(writing, "report_page", lambda *given: known)
     assert write_report(tree, path) == path
-    first = path.read_text(encoding="utf-8")
-    assert first.startswith("<!DOCTYPE html>")
+    assert path.read_text(encoding="utf-8").startswith("<!DOCTYPE html>")
     with pytest.raises(ResultsError, match="--overwrite"):
         write_report(tree, path)
     write_report(tree, path, overwrite=True)

@@ -20,55 +20,40 @@ def results(group, sources, rows=(), checksums=None):
     return xr.DataTree.from_dict({f"/{group}": xr.Dataset(variables), "/failures": failure_table(rows)})
 
 
+#: Rows of a file with a channel that failed, of a file that failed, and of options.
+SHORT = row("a.v1", reason="a.90: too short", stage="assess")
+TABLE = row("[records] events", reason="[records] events names records that were not read: x", stage="events")
+PATTERN = row("--confirm", reason="--confirm: no record has an id that fits x; correct it", stage="select")
+NINE_G = [row("b.v2", reason=f"b.{code}: peak 9 g", stage="assess") for code in ("0", "90")]
+
+
 @pytest.mark.parametrize("group", ["summary", "site", "capacities"])
-def test_a_file_is_counted_once_whatever_its_channels(group):
-    found = files_used(results(group, ["a", "a", "b"], [row("c"), row("c", reason="c: another reason")]))
-    assert found.counted == "2 of 3 files used, 1 not"
-    assert found.sentence == "2 of 3 files used, 1 not: damaged (c)."
-
-
-def test_where_every_file_was_used_nothing_is_said():
-    found = files_used(results("summary", ["a", "b"], [row("c", "skipped")]))
-    assert (found.counted, found.sentence, found.line) == ("", "", "")
-
-
-@pytest.mark.parametrize("kind", ["vertical", "structural", "duplicate", "depth"])
-def test_a_channel_that_was_read_makes_a_used_file(kind):
-    found = files_used(results("summary", ["a"], [row("b", kind), row("c")]))
-    assert found.counted == "2 of 3 files used, 1 not"
-
-
-def test_a_skipped_file_counts_neither_way():
-    assert files_used(results("summary", ["a"], [row("b", "skipped"), row("c")])).counted == "1 of 2 files used, 1 not"
-
-
-def test_a_channel_that_failed_in_a_used_file_is_no_file_but_is_told_in_the_line():
-    found = files_used(results("summary", ["a.v1"], [row("a.v1", reason="a.90: too short", stage="assess")]))
-    assert (found.counted, found.sentence) == ("1 channel failed", "")
-    assert found.line == "failed: too short (a.v1)."
-    both = files_used(results("summary", ["a.v1"], [row("a.v1", reason="a.90: too short", stage="assess"), row("b")]))
-    assert both.line == "1 of 2 files used, 1 not: damaged (b). also failed: too short (a.v1)."
-
-
-def test_a_vertical_channel_beside_horizontal_ones_that_failed_makes_no_file_used():
-    failed = [row("b.v2", reason=f"b.{code}: peak 9 g", stage="assess") for code in ("0", "90")]
-    found = files_used(results("summary", ["a.v1"], [row("b.v2", reason="b.up: vertical", kind="vertical"), *failed]))
-    assert found.counted == "1 of 2 files used, 1 not"
-
-
-def test_a_table_of_earthquakes_is_no_file_of_records():
-    reason = "[records] events names records that were not read: x"
-    found = files_used(results("summary", ["a"], [row("[records] events", reason=reason, stage="events")]))
-    assert found.counted == ""
-    assert found.line == f"failed: {reason} ([records] events)."
-
-
-@pytest.mark.parametrize("option", ["[records] keep", "[records] confirm", "--confirm"])
-def test_a_pattern_that_fits_no_record_is_no_file(option):
-    reason = f"{option}: no record has an id that fits x; correct it"
-    found = files_used(results("summary", ["a"], [row("b"), row(option, reason=reason, stage="select")]))
-    assert found.counted == "1 of 2 files used, 1 not"
-    assert found.line.endswith(f"also failed: no record has an id that fits x ({option}).")
+@pytest.mark.parametrize(
+    ("sources", "rows", "counted", "line"),
+    [
+        (["a", "b"], [row("c", "skipped")], "", ""),
+        (["a", "a", "b"], [row("c"), row("c", reason="c: other")], "2 of 3 files used, 1 not", "{}: damaged (c)."),
+        *(
+            (["a"], [row("b", kind), row("c")], "2 of 3 files used, 1 not", "{}: damaged (c).")
+            for kind in ("vertical", "structural", "duplicate", "depth")
+        ),
+        (["a"], [row("b", "skipped"), row("c")], "1 of 2 files used, 1 not", "{}: damaged (c)."),
+        (["a.v1"], [SHORT], "1 channel failed", "failed: too short (a.v1)."),
+        (["a"], [TABLE], "", "failed: [records] events names records that were not read: x ([records] events)."),
+        (
+            ["a"],
+            [row("b"), PATTERN],
+            "1 of 2 files used, 1 not",
+            "{}: damaged (b). also failed: no record has an id that fits x (--confirm).",
+        ),
+        # a vertical channel beside horizontal ones that failed makes no file used
+        (["a"], [row("b.v2", kind="vertical"), *NINE_G], "1 of 2 files used, 1 not", "{}: peak 9 g (b.v2)."),
+        (["", "a"], [row("b")], "1 file not used", "{}: damaged (b)."),  # records that do not tell their file
+    ],
+)
+def test_files_are_counted_once_and_nothing_that_failed_is_passed_over(group, sources, rows, counted, line):
+    found = files_used(results(group, sources, rows))
+    assert (found.counted, found.line) == (counted, line.format(counted))
 
 
 @pytest.mark.parametrize("name", ["d/c; d.txt", "all.zip!c; d.txt", "c; d.txt"])
@@ -84,10 +69,6 @@ def test_a_rotated_pair_has_the_files_of_both_channels():
     assert found.counted == "3 of 5 files used, 2 not"
     assert [one.file for one in found.unused] == ["n", "c; d.txt"]
     assert files_used(results("capacities", ["e; f"], [row("c")])).counted == "2 of 3 files used, 1 not"
-
-
-def test_records_that_do_not_tell_their_file_leave_the_number_of_used_ones_open():
-    assert files_used(results("summary", ["", "a"], [row("b")])).counted == "1 file not used"
 
 
 def test_without_any_record_the_count_is_of_what_failed():

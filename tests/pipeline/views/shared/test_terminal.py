@@ -2,27 +2,21 @@
 
 import math
 
-import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from rockpulse.views.shared.terminal import WIDTH, figure, lower_bound, paragraph, ratio, shortened
+from rockpulse.views.shared.terminal import WIDTH, between, figure, lower_bound, paragraph, ratio, several, shortened
 
 
-@pytest.mark.parametrize(
-    ("value", "text"),
-    [
-        (0.0, "0"),
-        (9.99e-4, "<0.001"),
-        (0.0999, "0.100"),
-        (0.1, "0.10"),
-        (9.99, "9.99"),
-        (10.04, "10.0"),
-        (-0.5, "-0.50"),
-    ],
-)
-def test_a_ratio_has_two_or_three_digits(value, text):
-    assert ratio(value) == text
+def test_a_ratio_has_two_or_three_digits():
+    values = (0.0, 9.99e-4, 0.0999, 0.1, 9.99, 10.04, -0.5, math.inf)
+    assert list(map(ratio, values)) == ["0", "<0.001", "0.100", "0.10", "9.99", "10.0", "-0.50", "inf"]
+
+
+def test_intervals_and_counts_are_words():
+    assert [between(*ends) for ends in ((0.5, 1.5), (0.5, math.inf))] == ["0.5 to 1.5", "0.5 to no limit"]
+    assert several(0, "pair of channels") == "0 pairs of channels"
+    assert (several(1, "body"), several(2, "body")) == ("1 body", "2 bodies")
 
 
 @settings(derandomize=True, deadline=None, max_examples=200)
@@ -35,7 +29,7 @@ def test_a_lower_bound_is_never_above_the_value_and_an_estimate_has_one_digit(va
 
 
 def test_what_is_absent_is_a_dash_without_a_unit():
-    assert ratio(math.nan) == figure(math.nan, "m/s") == "-"
+    assert ratio(math.nan) == figure(math.nan, "m/s") == between(math.nan, math.nan) == "-"
 
 
 @settings(derandomize=True, deadline=None, max_examples=50)

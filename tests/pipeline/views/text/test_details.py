@@ -16,38 +16,27 @@ def summary():
 def entries(text):
     """First part of a page as (name, value) pairs."""
     lines = text.split("\n\n")[0].splitlines()[1:]
-    return [tuple(line.strip().split("  ", 1)) for line in lines]
+    return [tuple(part.strip() for part in line.strip().split("  ", 1)) for line in lines]
 
 
 def test_a_record_shows_its_measures_and_its_sequence(summary):
-    shown = {name: words.strip() for name, words in entries(record_details(summary, RECORDS[0]))}
-    assert shown["PGA"] == "5.56 m/s2 (0.567 g)"
-    assert shown["PGV"] == "0.71 m/s"
-    assert shown["Arias intensity"] == "5.2 m/s"
-    assert shown["intense phase"] == "10 s to 22 s"
-    assert shown["main impulse I"] == "0.62 m/s"
-    assert shown["secondary impulse I_s"] == "0.11 m/s"
-    assert shown["interval dT"] == "0.12 s"
-    assert shown["main impulses"] == "5"
-    assert shown["samples"] == "35430 at 0.01 s"
-    assert shown["processing"] == "baseline: mean"
-
-
-def test_a_peak_that_cannot_be_is_marked(summary):
-    summary["pga"][0] = 981.0
-    text = record_details(summary, RECORDS[0])
-    assert ("PGA", "981 m/s2 (100 g) (peak?)") in [(name, words.strip()) for name, words in entries(text)]
-    assert f"{RECORDS[0]} (peak?)" in text
-
-
-def test_a_velocity_that_is_drift_is_marked(summary):
-    assert ("PGV", "~0.43 m/s (drift)") in [
-        (name, words.strip()) for name, words in entries(record_details(summary, RECORDS[1]))
-    ]
+    shown = dict(entries(record_details(summary, RECORDS[0])))
+    assert shown.items() >= {
+        ("PGA", "5.56 m/s2 (0.567 g)"),
+        ("PGV", "0.71 m/s"),
+        ("Arias intensity", "5.2 m/s"),
+        ("intense phase", "10 s to 22 s"),
+        ("main impulse I", "0.62 m/s"),
+        ("secondary impulse I_s", "0.11 m/s"),
+        ("interval dT", "0.12 s"),
+        ("main impulses", "5"),
+        ("samples", "35430 at 0.01 s"),
+        ("processing", "baseline: mean"),
+    }
 
 
 def test_every_warning_has_a_line(summary):
-    warnings = [words.strip() for name, words in entries(record_details(summary, RECORDS[0])) if name == "warning"]
+    warnings = [words for name, words in entries(record_details(summary, RECORDS[0])) if name == "warning"]
     assert warnings == ["mean removed", "direction unknown; check it"]
 
 
@@ -59,12 +48,7 @@ def test_an_unlimited_number_of_main_impulses_is_no_minus_one(summary):
 def test_what_a_record_lacks_is_a_dash(summary):
     text = record_details(summary, RECORDS[2])
     assert "nan" not in text.replace("resonance", "")
-    assert ("secondary impulse I_s", "   -") in entries(text)
-
-
-def test_a_record_without_a_sequence_has_no_number_of_main_impulses(summary):
-    shown = {name: words.strip() for name, words in entries(record_details(summary, RECORDS[2]))}
-    assert shown["main impulses"] == "-"
+    assert {("secondary impulse I_s", "-"), ("main impulses", "-")} <= set(entries(text))
 
 
 def test_a_record_shows_its_verdicts_and_safety_factors_only(summary):
@@ -94,7 +78,7 @@ def test_capacities_over_the_demands_are_shown_for_the_record_and_for_the_block(
 
 def test_a_block_shows_its_parameters_and_verdicts_only(summary):
     text = block_details(summary, "boundary wall")
-    shown = {name: words.strip() for name, words in entries(text)}
+    shown = dict(entries(text))
     assert shown["width, height"] == "0.25 m, 2.2 m"
     assert shown["half the diagonal R"] == "1.11 m"
     assert shown["critical angle alpha_c"] == "0.113 rad"
@@ -108,7 +92,7 @@ def test_a_block_shows_its_parameters_and_verdicts_only(summary):
 
 def test_a_block_lists_its_restitutions_and_warnings():
     text = block_details(results_tree(2)["summary"].to_dataset(), "cabinet")
-    shown = {name: words.strip() for name, words in entries(text)}
+    shown = dict(entries(text))
     assert shown["restitution C"] == "0.790, 0.690"
     assert shown["width, height"] == "-, -"
     assert shown["half the diagonal R"] == "1.2 m (of the rectangle with this p)"
@@ -126,7 +110,7 @@ def test_the_radius_of_a_body_that_is_no_rectangle_says_whose_it_is(radius, show
     summary = results_tree()["summary"].to_dataset()
     summary["radius"].values[2] = radius
     text = block_details(summary.assign(gravity=("block", [9.81] * 3)), "cabinet")
-    assert {name: words.strip() for name, words in entries(text)}["half the diagonal R"] == shown
+    assert dict(entries(text))["half the diagonal R"] == shown
 
 
 @pytest.mark.parametrize(
@@ -141,7 +125,7 @@ def test_an_unknown_name_is_answered_with_the_known_ones(summary, show, wrong, c
 def test_what_the_file_states_of_the_earthquake_has_lines_and_what_it_does_not_state_has_none(summary):
     before = dict(entries(record_details(summary, RECORDS[0])))
     summary = summary.assign(magnitude=("record", [7.1, np.nan, np.nan]), vs30=("record", [np.nan] * 3))
-    shown = {name: words.strip() for name, words in entries(record_details(summary, RECORDS[0]))}
+    shown = dict(entries(record_details(summary, RECORDS[0])))
     assert shown["in words"] == "Ridgecrest 2019-07-06 M 7.1, station CCC, E-W"
     assert shown["magnitude"] == "M 7.1"
     assert shown.keys() - before.keys() == {"magnitude"}

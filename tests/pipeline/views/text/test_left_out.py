@@ -8,7 +8,8 @@ from results_tree import results_tree
 from rockpulse.errors import NO_RECORD, Failure
 from rockpulse.remark import Remark, with_codes
 from rockpulse.storage.variables import failure_table
-from rockpulse.views.text.left_out import failure_list, left_out, not_used
+from rockpulse.views.shared.files_used import failure_rows
+from rockpulse.views.text.left_out import failure_list, left_out, rows_not_used
 
 
 def test_left_out_lists_by_kind_with_the_failed_first():
@@ -42,7 +43,7 @@ def test_one_reason_of_many_files_is_told_once_with_their_number_and_two_of_them
     told = f"24 files (campaign/m00.asc, campaign/m01.asc and 22 more): {reason}"
     lines = left_out(tree).splitlines()
     assert lines[:3] == ["failed: 25", f"  {told}", "  cut.AT2:4: truncated"]
-    assert f"failed (read) {told}" in " ".join(not_used(tree).split())
+    assert f"failed (read) {told}" in " ".join(rows_not_used(failure_rows(tree)).split())
     assert len(failure_list(tree).splitlines()) == 25
 
 
@@ -57,7 +58,7 @@ def test_files_that_are_no_records_are_one_line_and_data_that_cannot_be_used_one
     assert lines[at + 1] == "  a.V3:1: expected an accelerogram of station 7, found spectra"
     assert lines[at + 2].startswith("not records: DISCLAIMER.TXT, n0.txt, n1.txt")
     assert "and 9 more" in " ".join(lines[at + 2 : at + 4])
-    assert "not records: DISCLAIMER.TXT" in not_used(told)
+    assert "not records: DISCLAIMER.TXT" in rows_not_used(failure_rows(told))
     assert len(failure_list(told).splitlines()) == 22
 
 
@@ -107,8 +108,7 @@ def test_without_warnings_there_is_no_line_of_them():
 
 
 @pytest.mark.parametrize(
-    ("name", "title"),
-    [("", "read, not assessed (vertical): 1"), ("up", "vertical, acting on 2 records: 1")],
+    ("name", "title"), [("", "read, not assessed (vertical): 1"), ("up", "vertical, acting on 2 records: 1")]
 )
 def test_a_vertical_channel_that_acted_is_told(name, title):
     tree = results_tree()
@@ -119,13 +119,8 @@ def test_a_vertical_channel_that_acted_is_told(name, title):
 
 
 def test_what_was_not_used_is_listed_by_kind():
-    rows = {
-        "file": ["up", "bad", *[f"note {k}" for k in range(15)]],
-        "stage": ["assess", *["read"] * 16],
-        "reason": ["vertical channel", "truncated", *["no reader"] * 15],
-        "kind": ["vertical", "failed", *["skipped"] * 15],
-    }
-    text = not_used(xr.DataTree.from_dict({"/failures": xr.Dataset({k: ("failure", v) for k, v in rows.items()})}))
+    rows = [Failure("up", "assess", "vertical channel", "vertical"), Failure("bad", "read", "truncated", "failed")]
+    text = rows_not_used([*rows, *(Failure(f"note {k}", "read", "no reader", "skipped") for k in range(15))])
     assert text.splitlines()[0] == "failed (read) bad: truncated"
     assert "skipped (read) 15 files (note 0, note 1 and 13 more): no reader" in text
     assert "vertical" not in text

@@ -13,7 +13,7 @@ from rockpulse.views.text import overview as overviews
 from rockpulse.views.text.details import block_details, record_details
 from rockpulse.views.text.left_out import left_out
 from rockpulse.views.text.lists import block_list, case_list, record_list, worst_first
-from rockpulse.views.text.overview import headline, overview
+from rockpulse.views.text.overview import overview
 
 
 @pytest.fixture
@@ -183,18 +183,6 @@ def test_large_results_are_counted_and_their_worst_shown(tree):
     assert "--outcome overturns" in text
 
 
-def test_large_results_count_doubtful_peaks_and_say_how_far_was_searched(tree):
-    summary = tree["summary"].to_dataset()
-    summary["pga"][0] = 98.1
-    factor = xr.full_like(summary["safety_factor"], np.inf)
-    tree["summary"] = xr.DataTree(summary.assign(safety_factor=factor, safe_up_to=xr.full_like(factor, 10.0)))
-    text = overview(many(tree), whole=True)
-    assert "60 with a doubtful peak" in text
-    wall = next(line for line in text.splitlines() if line.startswith("  boundary wall"))
-    assert " >10 " in wall
-    assert wall.endswith("(peak?)")
-
-
 def test_what_is_large_is_counted_in_verdicts_that_are_shown(tree, monkeypatch):
     summary = results_tree(2)["summary"].to_dataset()
     monkeypatch.setattr(overviews, "WHOLE", 15)
@@ -220,11 +208,6 @@ def test_a_record_with_few_blocks_is_shown_whole_and_a_block_under_many_records_
     assert len(text.splitlines()) < 50
     assert "240 verdicts by the nonlinear model: 80 at rest, 160 rocks, 0 overturns, 0 unresolved" in text
     assert "240 cases with model nonlinear, smallest safety_factor first; 20 shown" in text
-
-
-def test_the_headline_counts_what_there_is(tree):
-    tree.attrs["site_description"] = "On rock."
-    assert headline(tree) == "Borgo: 3 records, 3 blocks; resonance, sequence, nonlinear\n  On rock."
 
 
 def test_what_was_left_out_is_brief_where_asked_for(tree):

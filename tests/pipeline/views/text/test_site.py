@@ -120,9 +120,9 @@ def test_the_effective_impulse_is_shown_before_the_sequence():
     assert 'by the rule, from its half-waves alone; weights: "event".' in text
     first, second = text.partition("A sequence of that effect")[::2]
     # I_eff is 1.3 times 0.4 sqrt(p) exp(2 (C - 0.9)), and the body overturns at g tan(alpha)/p.
-    assert re.search(r"wall +0\.985 +0\.916 +0\.76 to 1\.11 +0\.444 +0\.48 OVERTURNS +80 %", first)
-    assert re.search(r"pier +0\.929 +0\.779 +0\.646 to 0\.94 +1\.09 +1\.40 +0 %", first)
-    assert re.search(r"wall +0\.213 +0\.176 to 0\.257 +0\.278 +0\.\d+ to 0\.\d+ +6 +\d to \d", second)
+    assert re.search(r"wall +0\.985 +0\.916 +0\.753 to 1\.11 +0\.444 +0\.48 OVERTURNS +80 %", first)
+    assert re.search(r"pier +0\.929 +0\.779 +0\.641 to 0\.948 +1\.09 +1\.40 +0 %", first)
+    assert re.search(r"wall +0\.213 +0\.175 to 0\.259 +0\.278 +0\.\d+ to 0\.\d+ +6 +\d to \d", second)
     assert "cannot be told apart: every sequence of one I_eff overturns the same" in " ".join(second.split())
     assert not re.search(r"\bnan\b", text, re.I)
 

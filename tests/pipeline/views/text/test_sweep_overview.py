@@ -5,19 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import xarray as xr
-from swept_motions import (
-    ACROSS,
-    TOWER,
-    WALL,
-    channel,
-    config,
-    sweep,
-)
+from swept_motions import ACROSS, TOWER, WALL, channel, config, sweep
 
-from rockpulse import (
-    DemandSettings,
-    ModelSettings,
-)
+from rockpulse import DemandSettings, ModelSettings
 from rockpulse.assessment.answers import answers_of
 from rockpulse.assessment.assessment import assess
 from rockpulse.assessment.verdict import verdicts
@@ -30,7 +20,7 @@ from rockpulse.views.text.overview import overview
 
 @pytest.fixture(scope="module")
 def tree():
-    return sweep(channel(90.0), channel(0.0))
+    return sweep(channel(90.0), channel(0.0), models=ModelSettings(use=("resonance", "nonlinear")))
 
 
 def test_the_overview_of_a_sweep_is_one_table_for_each_pair(tree):
@@ -118,7 +108,7 @@ def test_all_views_of_a_sweep_tell_the_same_margins(monkeypatch):
     """Over all rotated records of two pairs of different strength the median would be another than over the pairs."""
     records = [channel(azimuth, f"S{k}", across=(1.0 - 0.3 * k) * ACROSS) for k in range(2) for azimuth in (90.0, 0.0)]
     records = [replace(r, acceleration=r.acceleration * (0.7 if r.station == "S1" else 1.0)) for r in records]
-    options = config("sweep", (WALL, TOWER), ModelSettings(use=("linear", "nonlinear")), azimuth_step=45.0)
+    options = config("sweep", (WALL, TOWER), ModelSettings(use=("nonlinear",)), azimuth_step=45.0)
     tree = assess(records, replace(options, demands=(DemandSettings(name="collapse", acceleration=2.5),)))
     answers = answers_of(tree)
     index = tree["directions"]["record_index"].values
