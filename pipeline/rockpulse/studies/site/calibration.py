@@ -38,8 +38,7 @@ def calibrate_site(
     """Calibrate the design of a site on a set of records.
 
     By default it is a quantile over earthquakes of the overturning spectra of the records, with a sequence for every
-    body; by ``[calibration] method`` one sequence for all bodies, fitted to the rotations or taken from the statistics
-    of the half-waves.
+    body; by ``[calibration] method`` one sequence for all bodies, from the statistics of the half-waves.
 
     Parameters
     ----------
