@@ -19,16 +19,13 @@ from rockpulse.views.diff.row_matching import Matched, OnlyIn, RowMatcher, add_o
 
 #: Largest part of a variable that is read at once; larger ones are slower, for their memory is new each time.
 PART = 1_000_000
-
 #: Variables whose changes are named one by one: of the first all, of the others those from one side of 1 to the other.
 OUTCOME = "/summary/outcome"
 SAFETY = "/summary/safety_factor"
 CAPACITY = "/summary/capacity_ratio"
 FACTOR = "/summary/factor_10"
-
 #: Names of variables in a message, where none is close.
 LISTED = 8
-
 #: Root attributes that say where a file comes from; their change alone makes no other results.
 ABOUT = ("title", "site_description")
 APART = ("history", "configuration", "kind", "Conventions", "run_id", "run_digest", *ABOUT)

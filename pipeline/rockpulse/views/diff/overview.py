@@ -12,12 +12,10 @@ from rockpulse.views.shared.terminal import ABSENT, paragraph, shortened
 #: Names that are listed of what only one file has, and half of the lines of the configuration and of bodies; and how
 #: many for one screen, which shows as many variables as lines.
 LISTED, ON_SCREEN = 12, 3
-
 #: Longest place and text in a table, and name in a place.
 PLACE_WIDTH = 44
 TEXT_WIDTH = 20
 NAME_WIDTH = 34
-
 #: What is said of ratios that crossed one.
 CROSSED = {
     FACTOR: "Factors of 10 % that crossed 1 (below it the record as it is overturns with more than 10 % probability)",

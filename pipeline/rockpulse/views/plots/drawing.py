@@ -49,7 +49,6 @@ from rockpulse.views.shared.words import say
 
 #: Most records whose spectra are marched again for a picture, some seconds in all.
 MARCHED = 12
-
 #: The pictures of results where no kind is asked for, by the kind of their file.
 FIRST = {ASSESSMENT: ("spectrum", "bodies"), FRAGILITY: ("fragility",), SITE_KIND: ("calibration",)}
 

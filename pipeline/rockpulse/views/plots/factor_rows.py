@@ -18,7 +18,6 @@ from rockpulse.views.shared.words import listed, say
 
 #: Rows on a page, of more the lowest factors are shown; the height of a row [in], and the longest name beside it.
 ROWS, ROW, NAME = 60, 0.155, 34
-
 #: Names that are listed of the rows that are drawn as one.
 LISTED = 3
 
@@ -131,7 +130,6 @@ def uncertainty_words(tree: xr.DataTree) -> str:
 
 #: Half the height of a bar.
 HALF = 0.33
-
 #: The bars of a probability of overturning from its lower end on, by the keys of their words, and how they look.
 _LEVELS: tuple[tuple[str, dict[str, Any]], ...] = (
     ("below_10", {"fc": "#E8F3EF", "ec": GREEN, "lw": 0.4}),

@@ -35,7 +35,6 @@ from rockpulse.views.shared.words import say
 
 #: Difference of peaks [-] from which on a history has a remark, and instants of the history of a sequence.
 _SAME, _INSTANTS = 1e-3, 4000
-
 #: Remedies where the file does not hold the motion of a body.
 _AGAIN, _OTHERS = "assess again with [models] histories = true", "draw other models (--model)"
 

@@ -10,7 +10,6 @@ from matplotlib.figure import Figure
 
 #: Dots per inch of a PNG: 300 and more is for photographs.
 RESOLUTION = 200
-
 #: Metadata left out of a file: the time of the run, and what takes room and says nothing.
 _UNDATED: dict[str, dict[str, None]] = {
     "svg": dict.fromkeys(("Date", "Creator", "Format", "Type")),
@@ -21,15 +20,12 @@ _UNDATED: dict[str, dict[str, None]] = {
 #: A tag, and in it an id or a reference to one.
 _TAG = re.compile(r"<[a-zA-Z][^>]*>")
 _ID = re.compile(r'(\bid="|\bhref="#|url\(#)')
-
 #: Coordinates of a path, which are written to 1e-6 pt.
 _PATH = re.compile(r'\bd="[^"]*"')
 _LONG = re.compile(r"-?\d+\.\d{3,}")
-
 #: A rule for the whole page, which the element can carry itself; and the list of fonts at every text.
 _RULE = '<style type="text/css">*{stroke-linejoin: round; stroke-linecap: butt}</style>'
 _FONTS = re.compile(r"font-family: 'DejaVu Sans',[^;\"]*")
-
 #: matplotlib's settings, and its reader of mathematics, are the same for all threads.
 _WRITING = threading.Lock()
 

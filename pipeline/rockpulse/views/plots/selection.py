@@ -18,7 +18,6 @@ from rockpulse.storage.hdf5.netcdf4 import flag_words
 from rockpulse.views.shared.terminal import restitution
 
 _Section = TypeVar("_Section", bound=Section)
-
 #: Names listed in a message.
 LISTED = 20
 

@@ -23,10 +23,8 @@ from rockpulse.views.shared.words import counted, say
 
 #: Sizes whose p is marked along the top [m].
 _RADII = (0.2, 0.3, 0.5, 1.0, 2.0, 4.0, 8.0)
-
 #: Blocks that overturn.
 _FALLEN: dict[str, Any] = {"fc": RED, "ec": BLACK, "hatch": "/////", "hatch_linewidth": 0.25}
-
 #: Bodies that are named one by one.
 _NAMED = 12
 
@@ -140,7 +138,6 @@ def size_scale(ax: Axes, gravity: float) -> None:
 
 #: Spectra of single records that are drawn, and the share of the lowest body down to which they are.
 _DRAWN, _DEEPEST = 200, 0.1
-
 #: Frequency parameters that are written along p [1/s], and the room beside what is drawn, as a ratio of p.
 _TICKS, _ROOM = (0.5, 0.7, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0), 1.6
 

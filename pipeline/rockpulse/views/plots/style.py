@@ -29,7 +29,6 @@ from rockpulse.views.shared.words import counted, in_numerals, language, named, 
 
 #: Width of a picture [in], that of the text on a page of A4 with margins of 25 mm; sizes of text at that width [pt].
 WIDTH, FONT, SMALL = 6.3, 8.5, 7.5
-
 #: Colours of Okabe & Ito (2008), told apart by colour-blind eyes, and a grey.
 PALETTE = {
     "black": "#000000",
@@ -43,13 +42,10 @@ PALETTE = {
 }
 BLACK, BLUE, ORANGE, GREEN, RED, SKY, PURPLE, GREY = PALETTE.values()
 PALE = "#DDDDDD"
-
 #: Dashes: of a line to compare with, and dots.
 DASHED, DOTTED = (0, (6, 3)), (0, (1.2, 1.2))
-
 #: Label of the figures that are made here; columns by which a long history is drawn: more cannot be told apart.
 _OURS, INSTANTS = "rockpulse", 700
-
 #: The Axes of a user for a picture of several panels: one, several, or those of ``plt.subplots``.
 Panels: TypeAlias = "Axes | Sequence[Axes] | np.ndarray"
 
@@ -231,7 +227,6 @@ def plain_ticks(axis: Axis, wide: float = 200.0) -> None:
 
 #: CF units of the results as an engineer writes them.
 _UNITS = {"m s-2": "m/s²", "m s-1": "m/s", "s-1": "1/s", "rad s-1": "rad/s", "degree": "°", "1": "-"}
-
 #: Symbols of the long names as mathematics; of those that begin alike the longer one first.
 _SYMBOLS = {
     "theta_max/alpha_c": r"$\theta_{max}/\alpha_c$",
@@ -245,7 +240,6 @@ _SYMBOLS = {
     "dT": r"$\Delta T$",
 }
 _SYMBOL = re.compile(rf"\b({'|'.join(map(re.escape, _SYMBOLS))})\b")
-
 #: Mathematics of matplotlib: between dollars that are not escaped. The first of the letters that no text has.
 _MATHEMATICS, _PRIVATE = re.compile(r"(?<!\\)\$[^$]+(?<!\\)\$"), 0xE000
 

@@ -32,13 +32,10 @@ from rockpulse.views.text.site import about_records, coverage, design, site_rema
 
 #: The same configuration gives the same numbers to the last digit; a body written down with other digits is another.
 TOLERANCE = 1e-6
-
 #: What each kind of file is called, and the command that makes it again.
 _MADE_BY = {FRAGILITY: ("fragility file", "rockpulse fragility"), SITE_KIND: ("site file", "rockpulse calibrate")}
-
 #: How a body with several restitutions is called there.
 _WITH_RESTITUTION = re.compile(r"(?P<block>.+) C [0-9.e+-]+")
-
 #: Settings by which the same channel is another motion.
 _OF_THE_MOTION = {
     "records": ("components", "azimuth", "azimuth_step", "units", "dt", "response", "include_vertical"),
@@ -46,7 +43,6 @@ _OF_THE_MOTION = {
 }
 
 _ASSESS_AGAIN = "run 'rockpulse assess --sequence' with this site file, or give the one that it was run with"
-
 #: Names that are given one by one in a sentence.
 NAMED = 6
 

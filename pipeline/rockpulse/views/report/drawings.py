@@ -15,13 +15,10 @@ from rockpulse.views.shared.words import say
 
 #: Size of the drawing, and the room around the body for its sizes and for what holds it.
 SIDE, MARGIN = 150.0, 28.0
-
 #: Where the middle of the body is drawn: left of that of the drawing, for its height is written on its right.
 MIDDLE = 66.0
-
 #: Size of a strip in its own units, about the pixels that it is shown in.
 WIDTH, HEIGHT = 700, 110
-
 #: Room for the numbers below and beside a strip.
 LEFT, BOTTOM, TOP = 52, 20, 8
 

@@ -35,7 +35,6 @@ from rockpulse.views.shared.words import say, section
 
 #: Bodies with motions on the page, those of the smallest factors first.
 MOST_BODIES = 20
-
 #: Time before and after the motion that is shown [s]; a rotation below this share of alpha_c counts as none.
 BEFORE, AFTER, NO_MOTION = 1.0, 2.0, 1e-4
 

@@ -12,20 +12,16 @@ from rockpulse.assessment.answers import Answers
 
 #: Factors on each record.
 STEPS = 5
-
 #: Factors beside those that have a meaning, and how near to each other two may be.
 OTHERS, APART = (0.5, 0.7, 1.4, 2.0, 3.0, 5.0), 0.03
-
 #: Probabilities whose factors the results hold, by the variables that hold them.
 SHARES = {0.1: "factor_10", 0.5: "factor_50"}
-
 #: The smallest and the largest factor that is shown.
 SHOWN = (0.05, 20.0)
 
 
 #: Columns of a stretch of time, more than a screen shows.
 COLUMNS = 1500
-
 #: The largest 16-bit number, and the one that stands for no value.
 LARGEST, NONE = 32767, -32768
 

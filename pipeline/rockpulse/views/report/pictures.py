@@ -21,7 +21,6 @@ from rockpulse.views.shared.words import say
 
 #: Records that are drawn with their half-waves and impulses: all, or of more those that govern a body.
 IN_FULL = 20
-
 #: Records in the map of a body: those of the smallest factors.
 IN_A_MAP = 20
 

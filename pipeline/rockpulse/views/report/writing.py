@@ -33,22 +33,16 @@ from rockpulse.views.shared.words import say, writing
 
 #: What the head of every report holds; a file without it is never replaced.
 MARK = '<meta name="generator" content="rockpulse report'
-
 #: The last line of every PDF of ours, which readers of PDF pass over; the same holds for it.
 PDF_MARK = b"\n% rockpulse report\n"
-
 #: Bytes at the head of a page that are searched for its mark.
 HEAD = 4096
-
 #: The kinds of files, by which words name them.
 _FILES = {ASSESSMENT: "assessment", SITE_KIND: "site", FRAGILITY: "fragility"}
-
 #: The parts of the annex, by their ids; one that the results have nothing for is left out.
 ANNEXES = ("remarks", "site", "fragility", "all-answers", "bodies", "records", "method", "sources")
-
 #: The letters and powers of a page for words of the terminal.
 LETTERS = {"theta_max": "θ_max", "alpha_c": "α_c", "theta": "θ", "alpha": "α", "beta": "β", "dT": "ΔT", "m/s2": "m/s²"}
-
 #: Names of these browsers on PATH.
 BROWSERS = [
     "chromium",
@@ -67,13 +61,10 @@ WINDOWS = tuple(
     for name in ("Google/Chrome/Application/chrome", "Chromium/Application/chrome", "Microsoft/Edge/Application/msedge")
 )
 MACOS = tuple(f"{name}.app/Contents/MacOS/{name}" for name in ("Google Chrome", "Chromium", "Microsoft Edge"))
-
 #: Seconds that printing may take; a report of 200 records and 20 bodies takes some ten.
 LONGEST = 180.0
-
 #: What to do without it.
 INSTEAD = "write the report as .html and print it from a browser"
-
 PRINTING = (
     *("--headless", "--disable-gpu", "--no-first-run", "--disable-extensions"),
     *("--disable-background-networking", "--no-pdf-header-footer"),

@@ -27,13 +27,11 @@ from rockpulse.views.shared.words import say
 
 #: Longest id of a record and name of a block in a table.
 ID_WIDTH, NAME_WIDTH = 36, 29
-
 #: Marks at a peak, at a factor or a capacity, and beside the name of a record whose peak may not be what it seems.
 OUTSIDE, NO_ANSWER = Mark("outside", "*"), Mark("no_answer", "!")
 NONE_UP_TO, AT_MOST = Mark("none_up_to", ">", before=True), Mark("at_most", "≤", before=True)
 DRIFT = Mark("drift", "~", before=True)
 PEAK, CLIPPED = Mark("peak"), Mark("clipped")
-
 #: Larger than any rotation: overturned sorts above it, unresolved at the end.
 _SORTED = {Outcome.AT_REST: 0.0, Outcome.OVERTURNS: math.inf, Outcome.UNRESOLVED: math.nan}
 
@@ -231,7 +229,6 @@ def _of_measure(row: Measure) -> Column:
 _RECORD = ("record", PGA, "warning_codes")
 _SEARCHED = ("safety_factor", "safe_up_to", "factor_resolved")
 _PROBABILITY = tuple(f"overturning_probability{end}" for end in ("", "_low", "_high"))
-
 #: Every column by its name; that of one variable has the name of the variable.
 COLUMNS = {
     column.name: column

@@ -18,10 +18,8 @@ from rockpulse.views.text.site import explained
 
 #: At a median that no record was looked at.
 BEYOND = Mark("beyond", "!")
-
 #: At the smallest dispersion of a limit state.
 SMALLEST = Mark("smallest", "*")
-
 #: Level of the tests of sufficiency.
 LEVEL = 0.05
 

@@ -18,10 +18,8 @@ from rockpulse.views.text.verdicts import body_verdicts, governing, overturned, 
 
 #: Bodies and motions that one screen holds.
 BODIES, MOTIONS = 12, 10
-
 #: Most verdicts of a model that are shown one by one.
 WHOLE = 200
-
 #: Worst cases and blocks that are shown, and worst pairs of channels of a sweep.
 WORST, PAIRS = 12, 3
 

@@ -50,7 +50,6 @@ from rockpulse.views.shared.terminal import ABSENT, figure, paragraph, ratio, se
 #: Columns of every table below a record, and of the probability.
 DEMAND = ("block", "restitution", "uplift_ratio", "impulse_ratio")
 PROBABILITY = ("probability_interval", "factor_10", "factor_50", "capacity_mean", "source")
-
 #: Records that govern, and bodies that each of them governs, which are named.
 NAMED = 3
 

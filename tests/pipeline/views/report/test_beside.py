@@ -197,10 +197,7 @@ def test_the_page_and_the_terminal_show_the_same_tables(results, site, fragility
     beside = site_of(results, site), curves_of(results, fragility)
     shown = (
         (site_overview(site), site_tables(site["site"].to_dataset())),
-        (
-            fragility_overview(fragility),
-            [median_table(fragility)],
-        ),
+        (fragility_overview(fragility), [median_table(fragility)]),
     )
     for part, (told, tables) in zip(beside, shown, strict=True):
         for table, own in zip(tables, part.tables, strict=False):

@@ -187,9 +187,7 @@ def test_a_vertical_that_is_not_stored_leaves_the_stored_history_alone(bursts, b
 
 def test_a_body_before_a_wall_turns_away_from_it(bursts, config):
     wanted = replace(
-        config,
-        models=rp.ModelSettings(use=("nonlinear",)),
-        uncertainty=replace(config.uncertainty, probability=False),
+        config, models=rp.ModelSettings(use=("nonlinear",)), uncertainty=replace(config.uncertainty, probability=False)
     )
     tree = rp.assess(bursts[:1], wanted, {"parapet": Block(0.1, 1.5, one_sided=True)})
     (body,) = json.loads(explorer(tree).data)["bodies"]

@@ -13,15 +13,7 @@ from rockpulse.assessment.verdict import Grade
 from rockpulse.errors import ResultsError
 from rockpulse.selection.events import UNKNOWN
 from rockpulse.storage.variables.summary import SUMMARY
-from rockpulse.views.report.verdict import (
-    TO,
-    basis,
-    body_table,
-    counted_by,
-    motions_words,
-    of_unknown_event,
-    sentence,
-)
+from rockpulse.views.report.verdict import TO, basis, body_table, counted_by, motions_words, of_unknown_event, sentence
 from rockpulse.views.report.writing import report_page
 from rockpulse.views.shared.columns import grade_cell
 
