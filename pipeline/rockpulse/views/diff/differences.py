@@ -46,10 +46,7 @@ class VariableDifference:
 
 @dataclass
 class Differences:
-    """The changes between two files; ``sides`` holds the verdicts and ratios that changed sides, by variable.
-
-    Lines of the configuration stand behind "-" or "+" and the section or the block that they are of.
-    """
+    """The changes between two files; ``sides`` are the verdicts and ratios that changed sides, by variable."""
 
     about: list[tuple[str, str, str]] = field(default_factory=list)  # attributes of the root: name, before, after
     configuration: list[str] = field(default_factory=list)

@@ -25,10 +25,7 @@ LISTED = 3
 def shown_rows(
     summary: xr.Dataset, rows: Sequence[tuple[str, str, int]], factors: np.ndarray, most: int = ROWS
 ) -> tuple[np.ndarray, list[np.ndarray], list[str], list[str]]:
-    """The rows that are drawn, those that each of the last ones stands for, the names of all, and sentences on them.
-
-    Two and more rows in which nothing overturns are one row, and so are those in which it is not known.
-    """
+    """The rows that are drawn (those without a factor merged), the rows merged into each last one, names, sentences."""
     groups = [np.flatnonzero(one) for one in (np.isinf(factors), np.isnan(factors))]
     merged = [group for group in groups if group.size > 1]
     lone = np.setdiff1d(np.arange(len(rows)), np.concatenate([[], *merged])).astype(int)

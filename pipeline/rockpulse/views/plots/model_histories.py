@@ -97,9 +97,11 @@ def histories(
             )
     if not (np.isfinite(factor) and factor > 0.0):
         raise ResultsError(f"factor: expected a positive factor on the record, got {factor:g}")
-    if factor != 1.0:
-        return [_scaled(tree, record, block, name, case, factor) for name in models]
-    return [_history(tree, record, block, name, case) for name in models]
+    if factor == 1.0:
+        return [_history(tree, record, block, name, case) for name in models]
+    body = block_of(summary, block, case)
+    scaled = [recomputed(tree, record, block, body, name, [factor])[0] for name in models]
+    return [History(one.model, remark=say("unknown.unresolved")) if np.isnan(one.peak) else one for one in scaled]
 
 
 def _history(tree: xr.DataTree, record: str, block: str, model: str, case: int) -> History:
@@ -121,24 +123,11 @@ def _history(tree: xr.DataTree, record: str, block: str, model: str, case: int) 
         time, rotation = kept
         hits = _impacts(time, rotation, body)
     else:
-        motion = recomputed(tree, record, block, body, model, [1.0])
-        time, rotation, found = motion.time, motion.rotation[0], float(motion.peak[0])
-        hits = _impacts(time, rotation, body)
+        _, time, rotation, hits, *_, found, _ = recomputed(tree, record, block, body, model, [1.0])[0]
         if not (found == peak or abs(found - peak) <= _SAME):
             again, before = (say("limit_state.overturning") if np.isinf(one) else figure(one) for one in (found, peak))
             remarks.append(say("plot.motion.again", again=again, stored=before))
     return History(model, time, rotation, hits, count, overturning, peak, "; ".join(remarks))
-
-
-def _scaled(tree: xr.DataTree, record: str, block: str, model: str, case: int, factor: float) -> History:
-    """The motion under the record times a factor, of which the file holds nothing."""
-    body = block_of(tree["summary"].to_dataset(), block, case)
-    time, rotation, *told = recomputed(tree, record, block, body, model, [factor])
-    peak, outcome, overturning, count = (values[0] for values in told)
-    if outcome == Outcome.UNRESOLVED:
-        return History(model, remark=say("unknown.unresolved"))
-    hits = _impacts(time, rotation[0], body)
-    return History(model, time, rotation[0], hits, int(count), float(overturning), float(peak))
 
 
 def stored_history(
@@ -190,24 +179,10 @@ def _impacts(time: np.ndarray, rotation: np.ndarray, body: Block) -> np.ndarray:
     return at[crossed & (speed > IMPACT_CUTOFF)]
 
 
-class Recomputed(NamedTuple):
-    """Motions under a record times (q,) factors: ``rotation`` is theta/alpha_c, NaN once the block has overturned."""
-
-    time: np.ndarray  # (n,) from the first sample of the record [s]
-    rotation: np.ndarray  # (q, n)
-    peak: np.ndarray  # (q,) the largest rotation; inf where the block overturns, NaN where the model cannot say
-    outcome: np.ndarray  # (q,) rocking.Outcome
-    overturning: np.ndarray  # (q,) time from which overturning is certain [s]; NaN without
-    impacts: np.ndarray  # (q,) -1 where they never end or are not known
-
-
 def recomputed(
     tree: xr.DataTree, record: str, block: str, body: Block, model: str, factors: Sequence[float]
-) -> Recomputed:
-    """Motions of a block, which is `body`, under a record times some factors, by a model that follows the record.
-
-    A ResultsError where the file does not hold the ground motion that acts on the block.
-    """
+) -> list[History]:
+    """Motions of a block, `body`, under a record times factors; ResultsError without the motion that acts on it."""
     summary, row = tree["summary"].to_dataset(), MODELS[model]
     floors = floors_from_text(str(summary["floors"].sel(block=block).values))
     if not _in_direction(summary, record, block, tree):
@@ -218,7 +193,7 @@ def recomputed(
     if floors and row.takes == "half-waves":
         raise ResultsError(f"{block}: the half-waves of its floor are not in the file: {_AGAIN}, or {_OTHERS}")
     if row.takes == "half-waves":
-        return _worse(body, [row.respond(body, _of_half_waves(tree, record, model), np.asarray(factors))])
+        return _worse(model, body, [row.respond(body, _of_half_waves(tree, record, model), np.asarray(factors))])
     if row.vertical and had_vertical(summary, record):
         raise ResultsError(f"{record}: the vertical channel acted and is not in the file: {_AGAIN}, or {_OTHERS}")
     if ragged(tree, "row_size", ["acceleration"], record) is None:
@@ -230,9 +205,8 @@ def recomputed(
     azimuth = float(summary["azimuth"].sel(record=record))
     scene = _scene(tree, motion, {"impulse": np.zeros(0), "centroid": np.zeros(0)})
     senses = acting(azimuth, facing) if body.side else (1,)
-    return _worse(
-        body, [row.respond(body if sense > 0 else body.mirrored(), scene, np.asarray(factors)) for sense in senses]
-    )
+    bodies = [body if sense > 0 else body.mirrored() for sense in senses]
+    return _worse(model, body, [row.respond(one, scene, np.asarray(factors)) for one in bodies])
 
 
 def _of_half_waves(tree: xr.DataTree, record: str, model: str) -> Scene:
@@ -261,14 +235,16 @@ def _scene(tree: xr.DataTree, record: Record, waves: dict[str, np.ndarray]) -> S
     )
 
 
-def _worse(body: Block, found: Sequence[Response]) -> Recomputed:
+def _worse(model: str, body: Block, found: Sequence[Response]) -> list[History]:
     """Of each factor the response with the larger peak, one that cannot say counting as the largest."""
     rank = [np.nan_to_num(one.peak_rotation_ratio, nan=np.finfo(float).max) for one in found]
-    worse = np.argmax(rank, axis=0)
-    names = ("rotation", "peak_rotation_ratio", "outcome", "overturning_time", "impacts")
-    every = (np.stack([getattr(one, name) for one in found]) for name in names)
-    rotation, *others = (values[worse, np.arange(worse.size)] for values in every)
-    return Recomputed(np.asarray(found[0].time), body.ratio(rotation), *others)
+    names = ("impacts", "overturning_time", "peak_rotation_ratio")
+    time, histories = np.asarray(found[0].time), []
+    for lane, worse in enumerate(np.argmax(rank, axis=0)):
+        rotation = body.ratio(np.asarray(found[worse].rotation)[lane])
+        told = (getattr(found[worse], name)[lane].item() for name in names)
+        histories.append(History(model, time, rotation, _impacts(time, rotation, body), *told))
+    return histories
 
 
 def _in_direction(summary: xr.Dataset, record: str, block: str, tree: xr.DataTree) -> bool:

@@ -26,10 +26,7 @@ class HalfCycle(NamedTuple):
 
 
 def secondary_impulses(cycle: HalfCycle, secondary: float, spacing: str) -> tuple[np.ndarray, np.ndarray]:
-    """Times after the main impulse [s] and velocity changes [-] of the secondary impulses in a half-cycle that returns.
-
-    One changes the velocity away from the ground by a = u_1 I_s/I, `secondary`; the first change is negative.
-    """
+    """Times [s] and velocity changes [-] (a = u_1 I_s/I, `secondary`) in a half-cycle that returns."""
     if secondary == 0.0:
         return np.zeros(0), np.zeros(0)
     if spacing == "continuous":  # infinitely many act like half of one at the start and half of one at the end

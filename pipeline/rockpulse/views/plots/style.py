@@ -12,11 +12,9 @@ from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 import xarray as xr
-from matplotlib import colormaps
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis
 from matplotlib.collections import QuadMesh
-from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter, ScalarFormatter
 from matplotlib.transforms import ScaledTranslation, blended_transform_factory
@@ -87,12 +85,6 @@ def looks(names: Sequence[str]) -> list[Look]:
     return [Look(name, _CYCLE[at][0], *one[1:]) for name, (_, at), one in zip(names, turns, other, strict=True)]
 
 
-def ramp(names: Sequence[str]) -> list[Look]:
-    """The looks of the named steps of one quantity, in order: from dark to light, neighbours by other lines too."""
-    shades = colormaps["cividis"](np.linspace(0.0, 0.88, len(names)))
-    return [Look(name, to_hex(shades[place]), *_CYCLE[place % 4][1:]) for place, name in enumerate(names)]
-
-
 def figure_of(width: float = WIDTH, height: float = 3.4) -> Figure:
     """A figure of some size [in] that belongs to no window and no global list."""
     figure = NotebookFigure(figsize=(width, height), layout="constrained")
@@ -119,10 +111,7 @@ def one_axes(ax: Axes | None, height: float = 3.4) -> Axes:
 
 
 def several_axes(axes: Panels | None, rows: int, columns: int = 1, height: float = 5.0, **options: Any) -> np.ndarray:
-    """As :func:`one_axes` for rows x columns of panels, with options of :meth:`matplotlib.figure.Figure.subplots`.
-
-    A ValueError for another number of Axes.
-    """
+    """As :func:`one_axes` for rows x columns of panels, with options of `Figure.subplots`."""
     if axes is None:
         panels = figure_of(height=height).subplots(rows, columns, squeeze=False, **options)
     else:
@@ -266,10 +255,7 @@ def plain(name: object) -> str:
 
 
 def wrapped(words: str, width: int) -> str:
-    """Text broken into lines of `width` characters: mathematics counts as long as it is drawn, and is never broken.
-
-    Longer words are cut, so that no id leaves the picture. Line breaks in the text stay.
-    """
+    """Text in lines of `width` characters: mathematics counts as drawn and is not broken, longer words are cut."""
     pieces = _MATHEMATICS.findall(words)
     # Each piece is replaced by as many letters of its own as it shows.
     for place, piece in enumerate(pieces):

@@ -37,10 +37,7 @@ class Support:
 
 
 def drawing(body: Outline, support: Support, label: str, length: Callable[[float], str]) -> str:
-    """An element `<svg>` of a body, with a label for those who do not see it; `length` words a length [m].
-
-    The texts are without markup.
-    """
+    """An element `<svg>` of a body with a label, texts without markup; `length` words a length [m]."""
     below, top = sum(height for _, height in support.pedestals), body.top
     width = max(body.width, *(one for one, _ in support.pedestals), 0.25 * (top + below))
     scale = (SIDE - 2 * MARGIN) / max(width, top + below)

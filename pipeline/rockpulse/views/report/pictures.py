@@ -10,11 +10,11 @@ from markupsafe import Markup
 from matplotlib.axes import Axes
 
 from rockpulse.assessment.answers import Answers, answers_of, fullest_model
+from rockpulse.assessment.verdict import BodyVerdict
 from rockpulse.errors import ResultsError
 from rockpulse.model_table import DRAWN
 from rockpulse.views.plots.selection import plain_bodies
 from rockpulse.views.report.beside import Paired
-from rockpulse.views.report.content import Content
 from rockpulse.views.report.drawings import strip
 from rockpulse.views.shared.terminal import figure
 from rockpulse.views.shared.words import say
@@ -36,7 +36,9 @@ class Picture:
 class Pictures:
     """The pictures of one report, by row of /summary and place of the block."""
 
-    def __init__(self, tree: xr.DataTree, site: Paired | None, fragility: Paired | None, content: Content) -> None:
+    def __init__(
+        self, tree: xr.DataTree, site: Paired | None, fragility: Paired | None, found: list[BodyVerdict]
+    ) -> None:
         self._tree = tree
         self._site, self._fragility = (None if other is None else other.tree for other in (site, fragility))
         self._summary = tree["summary"].to_dataset()
@@ -44,8 +46,8 @@ class Pictures:
         self._records, self._blocks = ([str(name) for name in self._summary[axis].values] for axis in axes)
         stored = tree["records"].to_dataset() if "records" in tree.children else None
         self._stored = None if stored is None or "acceleration" not in stored else stored
-        self._found = content.found
-        governing = {one.governing for one in content.found if one.governing >= 0}
+        self._found = found
+        governing = {one.governing for one in found if one.governing >= 0}
         few = len(self._records) <= IN_FULL
         self._in_full = set(range(len(self._records))) if few else set(sorted(governing)[:IN_FULL])
 

@@ -24,7 +24,7 @@ from rockpulse.storage.variables.fragility import FRAGILITY
 from rockpulse.storage.variables.site import SITE_KIND
 from rockpulse.version import __version__
 from rockpulse.views.report.beside import paired
-from rockpulse.views.report.content import Content, gather, logo, parties
+from rockpulse.views.report.content import gather, logo, parties
 from rockpulse.views.report.explorer import explorer
 from rockpulse.views.report.pictures import Pictures
 from rockpulse.views.report.records import hash_of
@@ -44,15 +44,10 @@ ANNEXES = ("remarks", "site", "fragility", "all-answers", "bodies", "records", "
 #: The letters and powers of a page for words of the terminal.
 LETTERS = {"theta_max": "θ_max", "alpha_c": "α_c", "theta": "θ", "alpha": "α", "beta": "β", "dT": "ΔT", "m/s2": "m/s²"}
 #: Names of these browsers on PATH.
-BROWSERS = [
-    "chromium",
-    "chromium-browser",
-    "google-chrome",
-    "google-chrome-stable",
-    "chrome",
-    "microsoft-edge",
-    "msedge",
-]
+BROWSERS = (
+    *("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome"),
+    *("microsoft-edge", "msedge"),
+)
 
 #: Their places on Windows, below the folders of programs, and on macOS, among the applications.
 PROGRAMS = ("ProgramFiles", "ProgramFiles(x86)", "LocalAppData")
@@ -183,6 +178,9 @@ def report_page(
     script = "".join(map(_text, ("report.js", "explorer_drawing.js", "explorer.js")))
     with writing(language):
         content = gather(tree, *beside)
+        curves = content.fragility.blocks if content.fragility else ()
+        gravest = sorted(content.found, key=lambda one: (one.overall, one.decides.value), reverse=True)
+        worst = [one.body.block for one in gravest]
         return environment.get_template("report.html").render(
             say=say,
             language=language,
@@ -190,8 +188,8 @@ def report_page(
             logo=logo(tree, config),
             content=content,
             annexes=[one for one in ANNEXES if getattr(content, one, True)],
-            worst_curve=_worst_curve(content),
-            pictures=Pictures(tree, *beside, content),
+            worst_curve=next((name for name in worst if name in curves), curves[0] if curves else ""),
+            pictures=Pictures(tree, *beside, content.found),
             files=[Fact(say(f"page.file.{_FILES[kind]}"), _described(given[kind])) for kind in given if kind in trees],
             explorer=explorer(tree, str(results) if isinstance(results, str | Path) else "results.h5"),
             style=Markup(_text("report.css") + _text("explorer.css")),
@@ -202,21 +200,8 @@ def report_page(
         )
 
 
-def _worst_curve(content: Content) -> str:
-    """The body of the worst verdict among those that have curves, which the second page shows; empty without curves."""
-    curves = content.fragility.blocks if content.fragility else ()
-    worst = sorted(content.found, key=lambda one: (one.overall, one.decides.value), reverse=True)
-    return next((one.body.block for one in worst if one.body.block in curves), curves[0] if curves else "")
-
-
 def typeset(words: str) -> str:
-    """Words of the terminal with the Greek letters and the powers that a page can show.
-
-    Examples
-    --------
-    >>> typeset("theta_max/alpha_c, PGA [m/s2], dT [s]")
-    'θ_max/α_c, PGA [m/s²], ΔT [s]'
-    """
+    """Words of the terminal with the Greek letters and the powers that a page can show."""
     return re.sub(rf"\b({'|'.join(LETTERS)})\b", lambda found: LETTERS[found[0]], words)
 
 

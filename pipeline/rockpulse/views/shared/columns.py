@@ -117,10 +117,7 @@ def answer_cell(outcome: int, peak: float, applicable: int) -> Cell:
 
 
 def factor_cell(factor: float, limit: float = math.nan, bound: bool = False, intervals: int = 1) -> Cell:
-    """A factor, or a capacity over demand: marked if it is a lower bound, and with the number of intervals above one.
-
-    `limit` is the end of the search in which no factor was found.
-    """
+    """A factor (none up to `limit`) with its marks: of a lower bound, and the number of intervals above one."""
     marks = ([NO_ANSWER] if bound else []) + ([Mark(sign=f" ({intervals})")] if intervals > 1 else [])
     if math.isnan(factor):
         return Cell(ABSENT, factor)

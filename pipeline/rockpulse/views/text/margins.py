@@ -27,10 +27,7 @@ from rockpulse.views.shared.terminal import ABSENT, figure, paragraph, ratio, sh
 
 
 def smallest_capacities(answers: Answers, blocks: Collection[int] | None = None) -> str:
-    """Of every body, or of the blocks at some places, the smallest and the median capacity over each demand.
-
-    Empty without a demand or a motion.
-    """
+    """Smallest and median capacity of every body, or some blocks, over each demand; empty without a demand."""
     motions = answers.motions
     if not answers.demands or not motions.names:
         return ""

@@ -11,8 +11,16 @@ from report_cases import probable
 import rockpulse as rp
 from rockpulse.assessment.answers import Answers
 from rockpulse.models import Block, recorded_response
-from rockpulse.views.report.explorer import explorer
-from rockpulse.views.report.explorer_choice import NONE, Columns, chosen, laid_through, packed, probability_at, steps_on
+from rockpulse.views.report.explorer import (
+    NONE,
+    Columns,
+    chosen,
+    explorer,
+    laid_through,
+    packed,
+    probability_at,
+    steps_on,
+)
 from rockpulse.views.report.writing import report_page
 from rockpulse.views.shared.words import section
 

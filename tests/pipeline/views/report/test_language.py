@@ -152,7 +152,7 @@ def test_no_english_word_is_left_on_a_page(request, language, case, site, fragil
 def test_the_numbers_of_pictures_have_the_decimal_sign_of_the_language(results, fragility):
     beside = paired(results, fragility, "fragility", "it")
     with writing("it"):
-        pictures = Pictures(results, None, beside, gather(results))
+        pictures = Pictures(results, None, beside, gather(results).found)
         drawn = [str(one.svg) for one in (pictures.body(0), pictures.strip(0), pictures.fragility("stele"))]
     texts = [re.sub(r"<[^>]*>", "", text) for text in re.findall(r"<text[^>]*>(.*?)</text>", "".join(drawn), re.DOTALL)]
     assert [text for text in texts if re.search(r"\d\.\d", text)] == []

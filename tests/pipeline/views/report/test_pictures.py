@@ -8,7 +8,7 @@ from rockpulse.views.report.pictures import Pictures
 
 
 def motion(tree, place=0):
-    return Pictures(tree, None, None, gather(tree)).motion(place)
+    return Pictures(tree, None, None, gather(tree).found).motion(place)
 
 
 def labels(picture):
