@@ -19,17 +19,9 @@ from rockpulse.record.half_wave import HalfWaves
 from rockpulse.record.intensity import IntensePhase
 from rockpulse.record.record import Record
 from rockpulse.selection.directions import FACING_WITHIN
+from rockpulse.views.plots import selection
 from rockpulse.views.plots.ground_motion import STORE, had_vertical, stored_record
 from rockpulse.views.plots.motion_history import HalfCycle, rotation_history
-from rockpulse.views.plots.selection import (
-    block_of,
-    chosen_case,
-    one_name,
-    ragged,
-    sequence_of,
-    settings_of,
-    table_of_pair,
-)
 from rockpulse.views.shared.terminal import figure
 from rockpulse.views.shared.words import say
 
@@ -83,11 +75,11 @@ def histories(
     their first main impulse is put at the beginning of the intense phase.
     """
     summary = tree["summary"].to_dataset()
-    record, block = one_name(summary, "record", record), one_name(summary, "block", block)
+    record, block = selection.one_name(summary, "record", record), selection.one_name(summary, "block", block)
     known = [str(name) for name in summary["model"].values]
     if models is None:
         models = [name for name in FOLLOWING if name in known] or [name for name in DRAWN if name in known]
-    models = [one_name(summary, "model", name) for name in models]
+    models = [selection.one_name(summary, "model", name) for name in models]
     for name in models:
         if name not in DRAWN:
             raise ResultsError(f'model "{name}": expected one with a motion in time: {", ".join(DRAWN)}')
@@ -99,21 +91,21 @@ def histories(
         raise ResultsError(f"factor: expected a positive factor on the record, got {factor:g}")
     if factor == 1.0:
         return [_history(tree, record, block, name, case) for name in models]
-    body = block_of(summary, block, case)
+    body = selection.block_of(summary, block, case)
     scaled = [recomputed(tree, record, block, body, name, [factor])[0] for name in models]
     return [History(one.model, remark=say("unknown.unresolved")) if np.isnan(one.peak) else one for one in scaled]
 
 
 def _history(tree: xr.DataTree, record: str, block: str, model: str, case: int) -> History:
     summary = tree["summary"].to_dataset()
-    answer = summary.sel(record=record, block=block, model=model).isel(chosen_case(summary, case))
+    answer = summary.sel(record=record, block=block, model=model).isel(selection.chosen_case(summary, case))
     peak, outcome = float(answer["peak_rotation_ratio"]), int(answer["outcome"])
     overturning = float(answer["overturning_time"]) if "overturning_time" in answer else np.nan
     count = int(answer["impacts"]) if "impacts" in answer else -1
     remarks = [] if "applicable" not in answer or int(answer["applicable"]) else [say("unknown.outside")]
     if outcome == Outcome.UNRESOLVED:
         return History(model, remark="; ".join([say("unknown.unresolved"), *remarks]))
-    body = block_of(summary, block, case)
+    body = selection.block_of(summary, block, case)
     if model in SEQUENCE_MODELS:
         # A design sequence stands for no record: its own time is the only one.
         start = float(np.nan_to_num(summary["intense_start"].sel(record=record)))
@@ -146,7 +138,7 @@ def stored_history(
     first, last = np.cumsum([0, *kept["history_row_size"].values])[rows[0] : rows[0] + 2]
     rotation = np.asarray(kept["rotation"].values[first:last])
     dt = float(summary["dt"].sel(record=record))
-    return dt * np.arange(rotation.size), block_of(summary, block, case).ratio(rotation)
+    return dt * np.arange(rotation.size), selection.block_of(summary, block, case).ratio(rotation)
 
 
 def _of_sequence(
@@ -154,10 +146,10 @@ def _of_sequence(
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Time from the first main impulse, theta/alpha_c, impacts: from the table of half-cycles."""
     own = tree["summary"].to_dataset().sel(block=block)
-    table = table_of_pair(tree, "half_cycles", record, block, model, case)
+    table = selection.table_of_pair(tree, "half_cycles", record, block, model, case)
     order = np.argsort(table["half_cycle"])
     cycles = [HalfCycle(*one) for one in zip(*(table[name][order].tolist() for name in HalfCycle._fields), strict=True)]
-    p, sequence = float(own["p"]), sequence_of(tree, record)
+    p, sequence = float(own["p"]), selection.sequence_of(tree, record)
     share = 0.0 if MODELS[model].cycles == "main" else float(sequence.secondary) / float(own["critical_impulse"])
     ends = np.cumsum([cycle.duration for cycle in cycles if np.isfinite(cycle.duration)])
     # An overturning half-cycle is followed a while beyond alpha_c, where the history ends by itself.
@@ -196,7 +188,7 @@ def recomputed(
         return _worse(model, body, [row.respond(body, _of_half_waves(tree, record, model), np.asarray(factors))])
     if row.vertical and had_vertical(summary, record):
         raise ResultsError(f"{record}: the vertical channel acted and is not in the file: {_AGAIN}, or {_OTHERS}")
-    if ragged(tree, "row_size", ["acceleration"], record) is None:
+    if selection.ragged(tree, "row_size", ["acceleration"], record) is None:
         raise ResultsError(f"{record}: {STORE}, or with [models] histories = true")
     motion = stored_record(tree, record)
     motion = floor_record(motion, floors) if floors else motion
@@ -212,7 +204,7 @@ def recomputed(
 def _of_half_waves(tree: xr.DataTree, record: str, model: str) -> Scene:
     """The half-waves of a record, which need no accelerogram."""
     summary = tree["summary"].to_dataset().sel(record=record)
-    waves = ragged(tree, "half_wave_row_size", ["half_wave_centroid", "half_wave_impulse"], record)
+    waves = selection.ragged(tree, "half_wave_row_size", ["half_wave_centroid", "half_wave_impulse"], record)
     if waves is None:
         raise ResultsError(
             f"{record}: the file does not hold the half-waves, nor histories of {model}: assess again with "
@@ -231,7 +223,7 @@ def _scene(tree: xr.DataTree, record: Record, waves: dict[str, np.ndarray]) -> S
         waves=HalfWaves(**waves, **others, dt=record.dt, record_id=record.id),
         phase=IntensePhase(0.0, record.duration),
         sequence=None,
-        gain=settings_of(tree, ModelSettings).gain,
+        gain=selection.settings_of(tree, ModelSettings).gain,
     )
 
 
@@ -250,6 +242,6 @@ def _worse(model: str, body: Block, found: Sequence[Response]) -> list[History]:
 def _in_direction(summary: xr.Dataset, record: str, block: str, tree: xr.DataTree) -> bool:
     """Whether a record is what shakes a block, which may have a direction of its own."""
     own = float(summary["body_azimuth"].sel(block=block))
-    turned = settings_of(tree, RecordSettings).components != "horizontal"
+    turned = selection.settings_of(tree, RecordSettings).components != "horizontal"
     apart = abs(math.remainder(own - float(summary["azimuth"].sel(record=record)), 180.0)) if np.isfinite(own) else 0.0
     return not turned or apart <= FACING_WITHIN

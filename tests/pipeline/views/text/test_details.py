@@ -5,7 +5,7 @@ import pytest
 from results_tree import RECORDS, demanding, results_tree
 
 from rockpulse.errors import ResultsError
-from rockpulse.views.text.details import block_details, record_details
+from rockpulse.views.text.overview import block_details, record_details
 
 
 @pytest.fixture

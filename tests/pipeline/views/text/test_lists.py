@@ -10,10 +10,9 @@ from rockpulse.errors import Failure
 from rockpulse.storage.export.selection import Condition, Selection
 from rockpulse.storage.variables import failure_table
 from rockpulse.views.text import overview as overviews
-from rockpulse.views.text.details import block_details, record_details
 from rockpulse.views.text.left_out import left_out
 from rockpulse.views.text.lists import block_list, case_list, record_list, worst_first
-from rockpulse.views.text.overview import overview
+from rockpulse.views.text.overview import block_details, overview, record_details
 
 
 @pytest.fixture
