@@ -64,16 +64,12 @@ def _limit_accelerogram(
 
 
 def _rotation_history(
-    tree: xr.DataTree,
-    record: str | None = None,
-    block: str | None = None,
-    models: Sequence[str] | None = None,
-    case: int = 1,
-    factor: float = 1.0,
+    tree: xr.DataTree, record: str | None = None, block: str | None = None, **options: Any
 ) -> np.ndarray:
-    record, block, name = _pair(tree, record, block, case)
+    record, block, name = _pair(tree, record, block, options.get("case", 1))
+    factor = options.get("factor", 1.0)
     name = name if factor == 1.0 else say("plot.motion.times", name=name, factor=general(factor))
-    return rotation_history(histories(tree, record, block, models, case, factor), title=name)
+    return rotation_history(histories(tree, record, block, **options), title=name)
 
 
 def _rocking_spectrum(tree: xr.DataTree, record: str | None = None, restitution: float | str = "housner") -> Axes:

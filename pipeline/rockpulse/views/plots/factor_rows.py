@@ -85,10 +85,7 @@ def legend_once(ax: Axes, columns: int) -> int:
 def factors_to_demands(
     summary: xr.Dataset, records: Sequence[str], blocks: Sequence[str] | str, end: float
 ) -> dict[str, np.ndarray]:
-    """Factors that bring the record of each row to each demand, for the body of the row or of all: (rows,) by demand.
-
-    NaN stands for a factor beyond the end of the search. Empty where the results have no demand.
-    """
+    """(rows,) factors that bring each record to each demand, for its body; NaN beyond the search, empty without one."""
     bodies = [blocks] * len(records) if isinstance(blocks, str) else blocks
     at = {name: xr.DataArray(list(values), dims="row") for name, values in (("record", records), ("block", bodies))}
     found = {}

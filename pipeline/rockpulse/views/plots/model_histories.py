@@ -177,7 +177,9 @@ def recomputed(
     """Motions of a block, `body`, under a record times factors; ResultsError without the motion that acts on it."""
     summary, row = tree["summary"].to_dataset(), MODELS[model]
     floors = floors_from_text(str(summary["floors"].sel(block=block).values))
-    if not _in_direction(summary, record, block, tree):
+    azimuth, own = float(summary["azimuth"].sel(record=record)), float(summary["body_azimuth"].sel(block=block))
+    turned = selection.settings_of(tree, RecordSettings).components != "horizontal"
+    if turned and np.isfinite(own) and not abs(math.remainder(own - azimuth, 180.0)) <= FACING_WITHIN:
         raise ResultsError(
             f"{block}: it is shaken in a direction of its own, whose motion is not in the file: {_AGAIN}, or with its "
             "direction as that of [records]"
@@ -194,7 +196,6 @@ def recomputed(
     motion = floor_record(motion, floors) if floors else motion
     # What is stored of a body before a wall is the worse of those senses of the record that may act.
     facing = float(summary["facing"].sel(block=block))
-    azimuth = float(summary["azimuth"].sel(record=record))
     scene = _scene(tree, motion, {"impulse": np.zeros(0), "centroid": np.zeros(0)})
     senses = acting(azimuth, facing) if body.side else (1,)
     bodies = [body if sense > 0 else body.mirrored() for sense in senses]
@@ -237,11 +238,3 @@ def _worse(model: str, body: Block, found: Sequence[Response]) -> list[History]:
         told = (getattr(found[worse], name)[lane].item() for name in names)
         histories.append(History(model, time, rotation, _impacts(time, rotation, body), *told))
     return histories
-
-
-def _in_direction(summary: xr.Dataset, record: str, block: str, tree: xr.DataTree) -> bool:
-    """Whether a record is what shakes a block, which may have a direction of its own."""
-    own = float(summary["body_azimuth"].sel(block=block))
-    turned = selection.settings_of(tree, RecordSettings).components != "horizontal"
-    apart = abs(math.remainder(own - float(summary["azimuth"].sel(record=record)), 180.0)) if np.isfinite(own) else 0.0
-    return not turned or apart <= FACING_WITHIN

@@ -67,13 +67,13 @@ def svg(figure: Figure, name: str | None = None) -> str:
         name = "p" + hashlib.sha256(element.encode("utf-8")).hexdigest()[:12]
     if not re.fullmatch(r"[A-Za-z][\w-]*", name, flags=re.ASCII):
         raise ValueError(f"name: expected a letter, then letters, digits, '-' and '_', got {name!r}")
+
+    def rounded(number: re.Match[str]) -> str:
+        return f"{float(number.group()):.2f}".rstrip("0").rstrip(".")
+
     # A hundredth of a point is a tenth of the thinnest line: half the size, the same picture.
-    element = _PATH.sub(lambda path: _LONG.sub(_rounded, path.group()), element)
+    element = _PATH.sub(lambda path: _LONG.sub(rounded, path.group()), element)
     return _TAG.sub(lambda tag: _ID.sub(rf"\g<1>{name}-", tag.group()), element)
-
-
-def _rounded(number: re.Match[str]) -> str:
-    return f"{float(number.group()):.2f}".rstrip("0").rstrip(".")
 
 
 class NotebookFigure(Figure):

@@ -162,10 +162,7 @@ def legend(ax: Axes, **options: Any) -> None:
 
 
 def legend_above(ax: Axes, ncols: int, across: bool = False, lift: float = 0.0, **options: Any) -> None:
-    """The legend in rows of `ncols` entries above the Axes, `lift` further up [pt].
-
-    With `across` it begins at the left edge of a figure of our own, beside long names.
-    """
+    """The legend in rows of `ncols` above the Axes, `lift` [pt] further up, or `across` from the edge of our figure."""
     figure, beside = whole_figure(ax), across and _ours(ax)
     above = blended_transform_factory(figure.transFigure if beside else ax.transAxes, ax.transAxes)
     place = above + ScaledTranslation(0.0, lift / 72.0, figure.dpi_scale_trans)

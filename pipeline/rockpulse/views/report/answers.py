@@ -76,13 +76,10 @@ class AnswerCells:
         table = self.answers["overturning_probability"] if self.answers.probable else self.standing
         return int(np.argmax(np.nan_to_num(table[record])))
 
-    def cells(
-        self, selected: Sequence[col.Column], records: Sequence[int], lanes: Sequence[int]
-    ) -> list[tuple[Cell, ...]]:
+    def cells(self, of: Sequence[col.Column], records: Sequence[int], lanes: Sequence[int]) -> list[tuple[Cell, ...]]:
         """The cells of some columns for bodies under records."""
-        return col.filled(
-            selected, col.AnswerRows(self.answers, np.array(records, dtype=int), np.array(lanes, dtype=int))
-        )
+        places = (np.array(one, dtype=int) for one in (records, lanes))
+        return col.filled(of, col.AnswerRows(self.answers, *places))
 
     @property
     def short(self) -> tuple[Heading, ...]:
@@ -143,15 +140,12 @@ def count_table(answers: Answers) -> Table:
     """Numbers of motions that overturn every body, by every model, as they are, in one of their directions."""
     total = len(answers.motions.names)
     counts = [(one.overturnings(), one.unresolved) for one in answers.of_models.values()]
-    rows = tuple(
-        (
-            Cell(body.name, link=f"body-{body.place}"),
-            *(_count(fallen[k], total, silent[k]) for fallen, silent in counts),
-        )
-        for k, body in enumerate(answers.bodies)
-    )
+    rows = []
+    for k, body in enumerate(answers.bodies):
+        cells = (_count(fallen[k], total, silent[k]) for fallen, silent in counts)
+        rows.append((Cell(body.name, link=f"body-{body.place}"), *cells))
     headings = (Heading(say("head.body")), *map(model_heading, answers.models))
-    return Table("counts", say("caption.counts"), headings, rows)
+    return Table("counts", say("caption.counts"), headings, tuple(rows))
 
 
 def _count(fallen: int, total: int, silent: int) -> Cell:

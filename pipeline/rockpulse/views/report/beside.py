@@ -279,18 +279,10 @@ def describe_fragility(of: Paired, assessed: int, model: str) -> Part:
         remarks.append(say("fragility.equation", equation=say(f"models.{equation}"), model=say(f"models.{model}")))
     named = {"missing": of.missing, "foreign": of.foreign}
     remarks += [say(f"fragility.{key}", names=listed(names)) for key, names in named.items() if names]
-    tables = [
-        curves_text.median_table(tree),
-        _remark_table(own),
-        *curves_text.sufficiency_tables(tree["efficiency"].to_dataset()),
-    ]
-    return Part(
-        tuple(remarks),
-        (said,),
-        tuple(table for table in tables if table.rows),
-        tuple(own["block"].values.tolist()),
-        bool(own["median_low"].notnull().any()),
-    )
+    of_measures = curves_text.sufficiency_tables(tree["efficiency"].to_dataset())
+    tables = tuple(one for one in (curves_text.median_table(tree), _remark_table(own), *of_measures) if one.rows)
+    banded = bool(own["median_low"].notnull().any())
+    return Part(tuple(remarks), (said,), tables, tuple(own["block"].values.tolist()), banded)
 
 
 def _remark_table(own: xr.Dataset) -> Table:

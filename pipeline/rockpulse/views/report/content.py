@@ -92,6 +92,10 @@ def gather(tree: xr.DataTree, site: Paired | None = None, fragility: Paired | No
     )
 
 
+def _fact(key: str) -> Fact:
+    return Fact(say(f"{key}.head"), (say(f"{key}.text"),))
+
+
 def _model(name: str, judging: bool) -> Fact:
     """A model with what it is; the verdict counts the one that is judging."""
     shown = say(f"models.{name}")
@@ -114,10 +118,6 @@ def _assumptions(summary: xr.Dataset, conditioning: dict[str, object]) -> tuple[
     return tuple(facts)
 
 
-def _fact(key: str) -> Fact:
-    return Fact(say(f"{key}.head"), (say(f"{key}.text"),))
-
-
 def parties(tree: xr.DataTree, config: Config | None = None) -> tuple[Fact, ...]:
     """Project, client and author, those that are given: by a configuration, else by the one in the results."""
     chosen = config_from_text(str(tree.attrs.get("configuration", ""))) if config is None else config
@@ -132,8 +132,8 @@ def logo(tree: xr.DataTree, config: Config | None = None) -> str:
     stored = str(tree.attrs.get("report_logo", ""))
     try:
         content = base64.b64decode(stored, validate=True)
-    except ValueError as error:
-        raise ResultsError("report_logo: expected a PNG in base64, found something else in the results") from error
+    except ValueError:
+        content = b""
     if stored and not content.startswith(PNG):
         raise ResultsError("report_logo: expected a PNG in base64, found something else in the results")
     return stored

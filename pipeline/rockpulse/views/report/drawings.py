@@ -25,11 +25,7 @@ LEFT, BOTTOM, TOP = 52, 20, 8
 
 @dataclass(frozen=True)
 class Support:
-    """What a body stands on: a floor of a building, and pedestals.
-
-    `pedestals` are widths and heights [m] from the foot of the body downwards, of which the first `joined` rock with it
-    as one body.
-    """
+    """The floor of a building, and pedestals [m] from the foot down, the first `joined` of which rock with the body."""
 
     floor: bool = False
     pedestals: Sequence[tuple[float, float]] = ()

@@ -75,7 +75,7 @@ def write_report(
     language: str = "en",
     config: Config | None = None,
 ) -> Path:
-    """Write the results of an assessment as one file to hand over: HTML, or PDF by the name.
+    """Write the results of an assessment as one file to hand over: HTML, which asks nothing of a network, or PDF.
 
     Parameters
     ----------
@@ -108,10 +108,6 @@ def write_report(
         a browser that prints it.
     OSError
         Where a file cannot be read or written.
-
-    Notes
-    -----
-    The page holds its style, its script and its pictures, and a policy that forbids every request.
     """
     target = check_report_target(path, overwrite)
     as_pdf = target.suffix.lower() == ".pdf"

@@ -1,8 +1,4 @@
-"""The columns of all tables, each declared once: its heading, the variables that it shows, and the form of its cells.
-
-The headings and their small print stand in the table of words, section [column]; a `--where` knows a column by its
-heading (:data:`rockpulse.storage.export.selection.SHOWN`).
-"""
+"""The columns of all tables, each declared once: its heading (section [column] of the words), variables and cells."""
 
 from __future__ import annotations
 

@@ -49,11 +49,8 @@ def overview(tree: xr.DataTree, whole: bool = False) -> str:
     else:
         summary = answers.summary.load()  # all of it is shown: read at once, not value by value
         if directions is None:
-            parts[1:] = [
-                verdicts.verdict_table(summary),
-                verdicts.body_verdicts(answers),
-                verdicts.overturned(answers, files),
-            ]
+            tables = [verdicts.verdict_table(summary), verdicts.body_verdicts(answers)]
+            parts[1:] = [*tables, verdicts.overturned(answers, files)]
         else:
             parts[1:] = [direction_table(summary, directions.load()), verdicts.body_verdicts(answers), unused(files)]
         parts += [verdicts.governing(answers), smallest_capacities(answers), left_out(tree)]

@@ -142,6 +142,7 @@ def body_verdicts(answers: Answers, most: int | None = None) -> str:
     demands = [[demand.share for demand in one.demands] or [one.share] for one in kept]
     of = "P" if answers.probable else "share"
     likely = {f"{of} at {name}": place for place, name in enumerate(answers.demands)} or {of: 0}
+    middle = f"median_{'factor_50' if answers.probable else 'safety_factor'}"
     values = {
         "name": [f"  {one.body.name}" for one in kept],
         "found": kept,
@@ -157,9 +158,7 @@ def body_verdicts(answers: Answers, most: int | None = None) -> str:
         col.titled("", Cell, "name", width=col.NAME_WIDTH),
         col.titled(col.COLUMNS["verdict"].heading.title, lambda one: Cell(col.grade_cell(one).text), "found"),
         *(col.titled(title, col.shown(ratio), title) for title in likely),
-        *col.columns(
-            "up_to", "uplift", f"median_{'factor_50' if answers.probable else 'safety_factor'}", "top", "turn"
-        ),
+        *col.columns("up_to", "uplift", middle, "top", "turn"),
         *col.columns("worst", worst=f"worst {answers.motions.kind}"),
     )
     which = f"the {len(kept)} most likely to overturn of {len(found)} bodies" if len(kept) < len(found) else "each body"
@@ -242,13 +241,12 @@ def worst_motions(answers: Answers, most: int) -> str:
         "fallen": answers.overturned.sum(axis=1)[order].tolist(),
     }
     limit, bodies = searched_up_to(answers[answers.factor], answers.proven()), len(answers.bodies)
+    title = col.COLUMNS["overturns"].heading.title
     selected = (
         col.titled("", Cell, "name"),
         *col.columns(PGA, PGV, "worst_for", *(["overturning_probability"] if answers.probable else [])),
         col.titled(factor_title(answers.factor), lambda value: col.unexplained(col.factor_cell(value, limit)), "near"),
-        col.titled(
-            col.COLUMNS["overturns"].heading.title, lambda count: Cell(col.count_of(count, bodies).text), "fallen"
-        ),
+        col.titled(title, lambda count: Cell(col.count_of(count, bodies).text), "fallen"),
     )
     which = f"The {len(order)} worst of {len(motions.names)}" if len(order) < len(motions.names) else "All"
     what = {"record": "records", "pair": "pairs of channels", "sequence": "sequences"}[motions.kind]
