@@ -172,10 +172,7 @@ def legend_above(ax: Axes, ncols: int, across: bool = False, lift: float = 0.0, 
 
 
 def title(ax: Axes, words: str, rows: int = 0, width: int = 74) -> None:
-    """The title of a picture: above a figure of our own, else above its uppermost Axes and their own title.
-
-    `rows` is the number of rows of a legend above the Axes, `width` the longest line; names in it are :func:`plain`.
-    """
+    """The title of a figure of our own, else of its uppermost Axes over `rows` of a legend; names are :func:`plain`."""
     if words and _ours(ax):
         whole_figure(ax).suptitle(wrapped(words, width), x=0.01, ha="left", fontsize=FONT)
     else:

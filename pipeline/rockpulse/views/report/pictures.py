@@ -86,11 +86,7 @@ class Pictures:
         return self._drawn(draw, f"{name}{block}", say("picture.map"))
 
     def motion(self, block: int) -> Picture | None:
-        """The rotation of a body in time under the record that comes nearest to overturning it, or beyond it.
-
-        By the model of the verdict alone: another one that overturns would hide it. None where the accelerograms are
-        not stored, for many bodies, where no record stands out, and where the model has no motion in time.
-        """
+        """The rotation of a body, by the model of the verdict, under its worst record; None where it is unknown."""
         own = [one for one in self._found if one.body.place == block and one.governing >= 0]
         from rockpulse.views.plots.model_histories import histories
 
@@ -113,11 +109,7 @@ class Pictures:
         return self._drawn(draw, f"motion{block}", caption)
 
     def explaining(self) -> list[Picture]:
-        """The pictures that explain the verdict: the overturning spectra of the records with the bodies as points.
-
-        Of bodies that no spectrum stands for, as one that is tied, the factors that overturn the one of the worst
-        verdict; of a design sequence the spectrum of its site.
-        """
+        """The spectra with bodies as points, factors of the worst body without a spectrum; of a sequence its site."""
         if answers_of(self._tree).motions.kind == "sequence":
             return [] if self._site is None else [self.site()]
         found, plain = [], []

@@ -32,11 +32,7 @@ CASES = 20
 
 
 def overview(tree: xr.DataTree, whole: bool = False) -> str:
-    """One screen: the verdict on every body, the worst motions, how much was left out.
-
-    The `whole` adds every model's verdict for every record and block, what overturns and why the rest was left out; of
-    a sweep over direction the median and largest instead, and of more verdicts than a table holds counts and the worst.
-    """
+    """One screen: verdicts, worst motions, what was left out; `whole`: all answers, or counts and the worst of many."""
     files, answers = files_used(tree).line, answers_of(tree)
     parts = [headline(tree), unused(files)]
     directions = tree["directions"].to_dataset() if "directions" in tree.children else None

@@ -104,11 +104,7 @@ def _below_records(
 
 
 def overturned(answers: Answers, files: str = "") -> str:
-    """The records that overturn each block by the fullest model, and the counts of every model.
-
-    Before them stand the `files` that are not among these records, behind them the pairs in which a block rocks under
-    a record but is overturned by a weaker copy of it, which is no safer.
-    """
+    """The records that overturn each block, or a weaker copy of which does; counts of every model; `files` first."""
     names = [cell.marked for cell in col.record_cells(answers.summary)]
     fallen = answers.by_block(np.logical_or, answers.overturned)
     # A probability already counts what rocks by luck alone.
