@@ -24,12 +24,14 @@ def panels(tree):
     return calibration(tree)
 
 
-def test_every_parameter_has_a_panel_with_its_unit(panels):
+def test_every_parameter_has_a_panel_with_its_unit_and_few_earthquakes_are_said(panels):
     labels = ["$I$ [m/s]", "$I_s/I$ [-]", r"$\Delta T$ [s]", "number [-]", "time [s]"]
     assert [ax.get_xlabel() for ax in panels[:5]] == labels
     assert panels[0].get_title(loc="left") == "main impulse I"
     assert not panels[5].axison
     assert [ax.get_ylabel() for ax in panels[:5]] == ["share of the records [-]", ""] * 2 + ["share of the records [-]"]
+    assert "ONE EVENT" in small_print(panels[0])
+    assert "6 records of 1 earthquake" in panels[0].figure.get_suptitle()
 
 
 def test_each_step_is_a_record_and_the_design_sequence_a_line(tree, panels):
@@ -64,11 +66,6 @@ def test_the_fit_and_the_intervals_are_those_of_the_file(tree):
     assert 0.05 < low < 0.09
     assert 0.44 < high < 0.6
     assert ax.get_xscale() == "log"
-
-
-def test_few_earthquakes_are_said(panels):
-    assert "ONE EVENT" in small_print(panels[0])
-    assert "6 records of 1 earthquake" in panels[0].figure.get_suptitle()
 
 
 def test_records_without_a_limit_are_counted(tree):

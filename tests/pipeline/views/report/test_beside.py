@@ -62,12 +62,9 @@ def test_a_curve_of_another_body_of_the_same_name_is_refused(results, fragility,
     assert paired(results, changed(fragility, "fragility", **{number: 1.0 + 1e-9}), "fragility", "it").missing == ()
 
 
-def test_a_site_judged_on_another_body_of_the_same_name_is_refused(results, site):
+def test_a_site_of_another_body_is_refused_and_a_file_is_named(results, site, tmp_path, fragility):
     with pytest.raises(ResultsError, match=r'this site file has another body of the name "stele"'):
         report_page(results, changed(site, "site", alpha_c=1.01))
-
-
-def test_a_file_is_named_in_the_refusal(tmp_path, results, fragility):
     path = tmp_path / "curves.h5"
     rp.save(changed(fragility, "fragility", p=2.0), path)
     with pytest.raises(ResultsError, match=r"curves\.h5: this fragility file has another body"):
@@ -121,14 +118,11 @@ def test_records_that_are_compared_by_name_only_say_so(results, bursts, bodies, 
     assert by_name not in curves_of(results, fragility).remarks
 
 
-def test_other_settings_of_the_motions_are_told(results, bursts, bodies):
+def test_other_settings_of_the_motions_and_another_gravity_are_told(results, bursts, bodies, fragility):
     fragility = rp.fragility_curves(bursts, replace(CURVES, conditioning=ConditioningSettings(order=4)), bodies)
     assert curves_of(results, fragility).remarks == (
         "The motions were made with other settings: [conditioning] order = 4, here 2.",
     )
-
-
-def test_another_gravity_is_told(results, fragility):
     here, there = results.copy(), fragility.copy()
     here.attrs["configuration"], there.attrs["configuration"] = (
         f'[[block]]\nname = "stele"\ngravity = {gravity}' for gravity in (9.80665, 9.81)

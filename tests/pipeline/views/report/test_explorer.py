@@ -94,9 +94,6 @@ def test_the_motions_on_the_page_are_those_of_the_model(shown, results, bursts):
                 assert (ratio[inside] <= highest + margin).all()
                 assert max(np.nanmax(high), -np.nanmin(low)) == pytest.approx(np.nanmax(np.abs(ratio)), abs=margin)
     assert at_end >= {"overturns", "rocks"}
-
-
-def test_the_ground_is_that_of_the_record(shown, bursts):
     scene = shown["bodies"][0]["scenes"][0]
     record = bursts[scene["record"]]
     low, high = unpacked(scene["ground"])
@@ -118,13 +115,10 @@ def test_the_slider_has_the_record_as_it_is_and_the_factors_of_ten_and_fifty_per
             assert steps["as recorded"]["probability"] == pytest.approx(float(own["overturning_probability"]), abs=1e-3)
 
 
-def test_factors_that_are_too_near_to_each_other_are_one():
+def test_factors_too_near_to_each_other_are_one_and_the_demand_is_its_own():
     answers = Answers(probable([0.5], factor_10=[1.01]))  # f_50 is 1.313
     steps = steps_on(answers, 0, 0, CONTROLS)
     assert steps == {0.5: "", 0.7: "", 1.0: "as recorded", 1.31: "f_50", 2.0: ""}
-
-
-def test_the_demand_is_a_factor_of_its_own():
     answers = Answers(probable([0.0], factor_10=[np.inf], demand=2.5, at_demand=[0.07]))
     steps = steps_on(answers, 0, 0, CONTROLS)
     assert steps[2.5] == "demand ULS"
@@ -135,9 +129,6 @@ def test_three_records_are_chosen_and_each_says_why():
     summary = probable([0.9, 0.4, 0.2, 0.0, 0.0], factor_10=[0.4, 0.8, 1.1, 2.0, np.inf])
     answers = Answers(summary.assign(uplift_ratio=(("record", "block"), np.arange(5.0)[:, None])))
     assert chosen(answers, 0) == {0: ["worst"], 1: ["nearest"], 2: ["median"]}
-
-
-def test_without_a_finite_factor_the_strongest_record_is_the_worst():
     summary = probable([0.0, 0.0, 0.0], factor_10=[np.inf] * 3)
     answers = Answers(summary.assign(uplift_ratio=(("record", "block"), np.array([[0.3], [0.9], [0.6]]))))
     assert chosen(answers, 0) == {1: ["worst"], 2: ["median"]}

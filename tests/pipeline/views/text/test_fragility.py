@@ -49,8 +49,5 @@ def test_what_no_file_states_is_not_shown(efficiency):
     nothing["pooled_p_value"][..., 2:] = np.nan
     nothing["quality_records"][2:] = 0
     assert sufficiency_tables(nothing) == sufficiency_tables(efficiency.isel(quality=[0, 1]))
-
-
-def test_without_a_test_there_is_no_table(efficiency):
     efficiency["pooled_p_value"][:] = np.nan
     assert sufficiency_tables(efficiency) == []
