@@ -70,11 +70,8 @@ def reordered(made, order):
     records = made["records"].to_dataset()
     ends = np.cumsum(records["half_wave_row_size"].values)
     waves = np.concatenate([np.arange(ends[k] - records["half_wave_row_size"].values[k], ends[k]) for k in order])
-    for name, dataset in (
-        ("summary", summary),
-        ("half_cycles", half),
-        ("records", records.isel(record=order, wave=waves)),
-    ):
+    records = records.isel(record=order, wave=waves)
+    for name, dataset in (("summary", summary), ("half_cycles", half), ("records", records)):
         made[name] = xr.DataTree(dataset)
     return made
 
@@ -155,10 +152,9 @@ def test_safety_factors_that_crossed_one_are_a_group_above_all_other_differences
     factors = changed["summary"]["safety_factor"].values
     factors[0, 1, 1], factors[1, 0, 1], factors[0, 2, 1] = 0.98, np.inf, 1.6  # of 1.7, 0.5 and 1.7
     found, text = compare(tree(), changed)
-    assert [(flip.place, flip.before, flip.after) for flip in found.sides[SAFETY].named] == [
-        ((RECORDS[0], "column", "sequence"), "1.7", "0.98"),
-        ((RECORDS[1], "boundary wall", "sequence"), "0.5", "inf"),
-    ]
+    one, other = found.sides[SAFETY].named
+    assert one == ((RECORDS[0], "column", "sequence"), "1.7", "0.98")
+    assert other == ((RECORDS[1], "boundary wall", "sequence"), "0.5", "inf")
     assert text.index("Safety factors that crossed 1 (below it a weaker copy") < text.index("Variables beyond")
     found, text = compare(tree(), changed, listed=1)
     assert (found.sides[SAFETY].count, len(found.sides[SAFETY].named)) == (2, 1)
@@ -248,8 +244,8 @@ def test_units_and_attributes_that_differ_are_told_and_versions_do_not_count():
         "/summary/outcome: flag_meanings 'at_rest rocks overturns unresolved', then 'at_rest rocks falls unresolved'",
     ]
     found, _ = compare(tree(), tree(2))
-    assert any(line.startswith("/summary/outcome: record x block x model int8, then record x block x") for line in
-               found.others)  # fmt: skip
+    told = "/summary/outcome: record x block x model int8, then record x block x"
+    assert any(line.startswith(told) for line in found.others)
     other = tree()
     block = '[[block]]\nname = "wall"\nwidth = 0.4\n'
     other.attrs.update(numpy_version="1.0", configuration=f'[site]\nname = "Borgo"\n[run]\nworkers = 2\n{block}')
@@ -304,13 +300,8 @@ def test_files_of_different_kinds_are_refused(saved, tmp_path):
     other = xr.DataTree.from_dict({"/site": xr.Dataset()})
     other.attrs["kind"] = "site calibration"
     save(other, tmp_path / "b.h5")
-    with (
-        open_results(saved) as one,
-        open_results(tmp_path / "b.h5") as two,
-        pytest.raises(
-            ResultsError, match=r"two files of one kind, found .*results\.h5 \(assessment\) and .*b\.h5 \(site"
-        ),
-    ):
+    told = r"two files of one kind, found .*results\.h5 \(assessment\) and .*b\.h5 \(site"
+    with open_results(saved) as one, open_results(tmp_path / "b.h5") as two, pytest.raises(ResultsError, match=told):
         compare_results(one, two)
 
 
@@ -324,6 +315,5 @@ def test_failures_are_counted_whatever_the_rows_of_their_group_are_called(compar
     assert (same.same, same.compared) == (True, 3)
     assert "The results are the same: 3 values" in text
     assert compare_files(none, none)[0].same
-    assert [(one.what, len(one.first), one.second) for one in compare_files(made, none)[0].only] == [
-        ("failures", 3, ())
-    ]
+    (one,) = compare_files(made, none)[0].only
+    assert (one.what, len(one.first), one.second) == ("failures", 3, ())

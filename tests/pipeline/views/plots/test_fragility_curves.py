@@ -47,7 +47,7 @@ def test_every_limit_state_has_its_curve(fragility_tree):
     assert line.get_ydata().tolist() == [0.0, 0.0, 1.0, 1.0]
 
 
-def test_the_records_stand_beside_the_curve(fragility_tree):
+def test_the_records_and_the_acceleration_that_lifts_stand_beside_the_curve(fragility_tree):
     ax = fragility(fragility_tree, block="wall", limit_states=["overturning"])
     capacities = fragility_tree["capacities"].to_dataset().sel(block="wall")
     measure = capacities["measure_value"].sel(measure="velocity_ratio")
@@ -59,6 +59,12 @@ def test_the_records_stand_beside_the_curve(fragility_tree):
     tree["capacities"]["factor"].values[0] = np.inf  # never reaches the state
     ax = fragility(tree, block="wall", limit_states=["overturning"])
     assert [len(line.get_xdata()) for line in ax.lines if line.get_linestyle() == "None"] == [1]
+    tree = fragility_tree.copy(deep=True)
+    tree["fragility"]["uplift_acceleration"].values[:] = 3.0
+    assert labelled(fragility(tree, measure="pga"))["lifts from here on"].get_xdata()[0] == 3.0
+    assert "lifts from here on" not in labelled(fragility(tree))
+    tree["fragility"]["uplift_acceleration"].values[:] = np.nan  # on a floor
+    assert "lifted" not in small_print(fragility(tree, measure="pga"))
 
 
 def test_what_holds_for_all_limit_states_is_said_once(fragility_tree):
@@ -130,15 +136,6 @@ def test_pga_stands_beside_the_measure_that_is_shown(fragility_tree):
     words = small_print(left)
     assert words.count("2 records of 1 earthquake") == 1
     assert "In PGA: The body is never lifted by less" in words
-
-
-def test_the_grey_line_is_the_acceleration_that_lifts(fragility_tree):
-    tree = fragility_tree.copy(deep=True)
-    tree["fragility"]["uplift_acceleration"].values[:] = 3.0
-    assert labelled(fragility(tree, measure="pga"))["lifts from here on"].get_xdata()[0] == 3.0
-    assert "lifts from here on" not in labelled(fragility(tree))
-    tree["fragility"]["uplift_acceleration"].values[:] = np.nan  # on a floor
-    assert "lifted" not in small_print(fragility(tree, measure="pga"))
 
 
 @pytest.mark.parametrize(

@@ -59,16 +59,6 @@ def test_the_curves_are_the_histories(drawn):
     assert all(abs(line.get_ydata()[0]) <= 1.5 for line in crosses)
 
 
-def test_the_legend_says_how_each_ends(drawn, assessed, first):
-    words = [line.get_label() for line in curves(drawn[1][0])]
-    assert words[3].startswith("sequence: overturns by")
-    assert words[4].startswith("resonance (upper-bound type input): overturns by")
-    peak = float(assessed["summary"]["peak_rotation_ratio"].sel(record=first, block="wall", model="linear"))
-    assert words[1] == f"linear: peak {peak:.3g}"
-    start = float(assessed["summary"]["intense_start"].sel(record=first))
-    assert drawn[0][3].time[0] == drawn[0][4].time[0] == start  # of the sequences
-
-
 def test_the_computed_history_reaches_the_stored_peak(assessed, first, changed):
     for history in histories(assessed, first, COLUMN, ["nonlinear", "linear", "impulsive"]):
         assert np.nanmax(np.abs(history.rotation)) == pytest.approx(history.peak, rel=0.02)
@@ -79,7 +69,7 @@ def test_the_computed_history_reaches_the_stored_peak(assessed, first, changed):
     assert "stored is 0.9" in found.remark
 
 
-def test_impacts_are_ticks_in_a_row_of_each_model(drawn):
+def test_impacts_are_ticks_in_a_row_of_each_model_and_the_legend_says_how_it_ends(drawn, assessed, first):
     found, (_, below) = drawn
     assert [line.get_xdata().tolist() for line in below.lines] == [history.impacts.tolist() for history in found]
     assert [set(line.get_ydata()) <= {place} for place, line in enumerate(below.lines)] == [True] * 5
@@ -89,6 +79,13 @@ def test_impacts_are_ticks_in_a_row_of_each_model(drawn):
     assert all(line.get_marker() == "|" for line in below.lines)
     assert [tick.get_text().split(" ")[0] for tick in below.get_yticklabels()] == [h.model for h in found]
     assert found[1].impacts.size > 10
+    words = [line.get_label() for line in curves(drawn[1][0])]
+    assert words[3].startswith("sequence: overturns by")
+    assert words[4].startswith("resonance (upper-bound type input): overturns by")
+    peak = float(assessed["summary"]["peak_rotation_ratio"].sel(record=first, block="wall", model="linear"))
+    assert words[1] == f"linear: peak {peak:.3g}"
+    start = float(assessed["summary"]["intense_start"].sel(record=first))
+    assert drawn[0][3].time[0] == drawn[0][4].time[0] == start  # of the sequences
 
 
 def test_stored_histories_are_those_computed_again(assessed, with_histories, first):

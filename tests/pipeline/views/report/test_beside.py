@@ -51,9 +51,8 @@ def site_of(results, site):
 @pytest.mark.parametrize("number", ["p", "alpha_c", "restitution"])
 def test_a_curve_of_another_body_of_the_same_name_is_refused(results, fragility, number):
     other = changed(fragility, "fragility", **{number: 1.00001})
-    with pytest.raises(
-        ResultsError, match=r'another body of the name "stele": p .*; in the results it has p '
-    ) as caught:
+    told = r'another body of the name "stele": p .*; in the results it has p '
+    with pytest.raises(ResultsError, match=told) as caught:
         report_page(results, fragility=other)
     summary = results["summary"].sel(block="stele")
     for tree in (summary, other["fragility"].sel(block="stele")):
@@ -106,9 +105,8 @@ def test_curves_of_other_ground_motions_say_so(results, bursts, bodies, fragilit
     stronger = changed(results, "summary", pga=1.1)
     found = paired(stronger, fragility, "fragility", "it")
     assert (found.same, found.changed) == (3, ("burst0",))
-    assert found.other_motions("fragility", 4) == [
-        "Another motion here than there, by its PGA, under the same name: burst0."
-    ]
+    told = "Another motion here than there, by its PGA, under the same name: burst0."
+    assert found.other_motions("fragility", 4) == [told]
 
 
 def test_records_that_are_compared_by_name_only_say_so(results, bursts, bodies, fragility):
@@ -118,7 +116,7 @@ def test_records_that_are_compared_by_name_only_say_so(results, bursts, bodies, 
     assert by_name not in curves_of(results, fragility).remarks
 
 
-def test_other_settings_of_the_motions_and_another_gravity_are_told(results, bursts, bodies, fragility):
+def test_other_settings_another_gravity_and_another_equation_are_told(results, bursts, bodies, fragility):
     fragility = rp.fragility_curves(bursts, replace(CURVES, conditioning=ConditioningSettings(order=4)), bodies)
     assert curves_of(results, fragility).remarks == (
         "The motions were made with other settings: [conditioning] order = 4, here 2.",
@@ -128,9 +126,6 @@ def test_other_settings_of_the_motions_and_another_gravity_are_told(results, bur
         f'[[block]]\nname = "stele"\ngravity = {gravity}' for gravity in (9.80665, 9.81)
     )
     assert paired(here, there, "fragility", "it").settings == ("[[block]] gravity = 9.81, here 9.80665",)
-
-
-def test_curves_by_another_equation_say_so(results, bursts, bodies):
     linear = replace(CURVES, fragility=replace(CURVES.fragility, equation="linear"))
     assert curves_of(results, rp.fragility_curves(bursts, linear, bodies)).remarks == (
         "The curves are by the linear equation of motion, the verdict is by the nonlinear model.",
@@ -217,14 +212,11 @@ def test_a_median_beyond_every_level_is_marked_and_explained_only_where_there_is
     assert table.notes[-1] == BEYOND.note
 
 
-def test_a_band_is_shown_with_both_ends(fragility, curves):
+def test_a_band_is_shown_with_both_ends_and_a_rotation_is_named_in_both_tables(fragility, curves):
     curves["median_low"][:], curves["median_high"][:] = 0.3, np.inf
     table = median_table(with_curves(fragility, curves))
     assert {(row[3].text, row[4].text) for row in table.rows} == {("0.30", "no limit")}
     assert [(one.title, one.note) for one in table.headings[3:5]] == [("low", "90 %"), ("high", "90 %")]
-
-
-def test_a_limit_state_of_rotation_is_named_in_both_tables(fragility, curves):
     curves = curves.assign_coords(limit_state=["0.4", "overturning"])
     curves["statement_values"][:] = as_stored([Remark("no_maximum")])
     of = Paired(with_curves(fragility, curves), (), (), 0, 0, (), ())

@@ -112,12 +112,8 @@ def told(words):
 @pytest.fixture(scope="module")
 def of_intervals(bursts, bodies, config):
     """Results with intervals of overturning in place of a probability."""
-    settings = replace(
-        config,
-        search=replace(config.search, intervals=True),
-        uncertainty=replace(config.uncertainty, probability=False),
-    )
-    return rp.assess(bursts, settings, bodies)
+    search, uncertainty = replace(config.search, intervals=True), replace(config.uncertainty, probability=False)
+    return rp.assess(bursts, replace(config, search=search, uncertainty=uncertainty), bodies)
 
 
 @pytest.fixture(scope="module")

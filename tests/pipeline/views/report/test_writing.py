@@ -74,7 +74,7 @@ def test_nothing_in_the_page_asks_for_anything_and_links_lead_to_unique_ids(page
     assert links <= set(ids)
 
 
-def test_names_with_html_or_mathematics_are_text(page, results):
+def test_names_with_html_or_mathematics_are_text_and_the_parts_come_in_order(page, results):
     from rocking.response import Outcome
 
     found = Page(page)
@@ -82,18 +82,10 @@ def test_names_with_html_or_mathematics_are_text(page, results):
     for words in ('Quake <script>alert("1")</script>', 'why <script>alert("1")</script>', "$\\frac{"):
         assert words in found.text, words
     assert int(results["summary"]["outcome"].max()) == Outcome.OVERTURNS
-
-
-def test_the_parts_come_in_their_order(page):
-    places = [
-        page.index(f'<section id="{name}"')
-        for name in ("verdict", "grounds", "annex", "remarks", "site", "fragility", "bodies", "records")
-    ]
-    places += [
-        page.index(words)
-        for words in ("<h3>Not covered", "<h3>Assumptions", "<h3>Left out", "<h3>Versions", "<h3>Configuration")
-    ]
-    assert places == sorted(places)
+    sections = ("verdict", "grounds", "annex", "remarks", "site", "fragility", "bodies", "records")
+    parts = ("Not covered", "Assumptions", "Left out", "Versions", "Configuration")
+    heads = [f'<section id="{name}"' for name in sections] + [f"<h3>{words}" for words in parts]
+    assert (places := [page.index(words) for words in heads]) == sorted(places)
 
 
 def test_the_verdict_names_what_is_counted(page, results):

@@ -48,11 +48,14 @@ def test_words_bear_the_marks_of_the_answer_and_are_sorted_beside_the_figures():
     assert col.answer_cell(-1, math.nan, 0).marked == "-"
 
 
-def test_a_factor_that_was_not_found_names_how_far_was_searched():
+def test_a_factor_names_how_far_was_searched_and_several_intervals_are_counted():
     found = [col.factor_cell(math.inf, limit).marked for limit in (10.0, 12.37, 0.0, math.nan)]
     assert found == [">10", ">12.3", ">0", "none"]
     cells = [col.factor_cell(math.inf, 10.0), col.factor_cell(1.2, bound=True), col.factor_cell(math.nan, 1.0, True)]
     assert col.marks_of(cells) == {col.NONE_UP_TO, col.NO_ANSWER}
+    summary = summary_of([0.84, 2.0])
+    summary["interval_count"] = summary["outcome"] * 0 + 3
+    assert shown(answers(summary), "safety_intervals", "answer") == [["0.84 (3)", "overturns"], ["2.00 (3)", "0.40"]]
 
 
 def test_the_smallest_of_a_pair_with_a_lost_direction_is_at_most_that():
@@ -61,18 +64,10 @@ def test_the_smallest_of_a_pair_with_a_lost_direction_is_at_most_that():
     smallest, median = col.margin_cells(margin)
     assert (smallest.marked, median.marked) == ("≤0.40!", "2.00")
     assert smallest.marks == (col.AT_MOST, col.NO_ANSWER)
-    assert (col.unexplained(smallest).marked, {mark.note for mark in col.unexplained(smallest).marks}) == (
-        "≤0.40!",
-        {""},
-    )
+    plain = col.unexplained(smallest)
+    assert (plain.marked, {mark.note for mark in plain.marks}) == ("≤0.40!", {""})
     (margin,) = answers(summary_of([math.inf] * 4), of).margins()
     assert col.margin_cells(margin)[0].marked == ">10"
-
-
-def test_several_intervals_are_counted():
-    summary = summary_of([0.84, 2.0])
-    summary["interval_count"] = summary["outcome"] * 0 + 3
-    assert shown(answers(summary), "safety_intervals", "answer") == [["0.84 (3)", "overturns"], ["2.00 (3)", "0.40"]]
 
 
 def test_columns_of_probability_stand_in_place_of_those_of_safety_factors():

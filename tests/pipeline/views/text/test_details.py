@@ -51,15 +51,12 @@ def test_capacities_over_the_demands_are_shown_for_the_record_and_for_the_block(
     ratio = np.full((*summary["safety_factor"].shape, 1), np.inf)
     ratio[0, 0, 2], ratio[0, 1, 2] = 0.84, np.nan
     summary = demanding(summary, {"collapse": 2.94}, capacity_ratio=((*cube, "demand"), ratio))
-    of_record = record_details(summary, RECORDS[0]).partition(
-        "Capacity (safety factor x strength, nonlinear model) over demand"
-    )[2]
+    head = "Capacity (safety factor x strength, nonlinear model) over demand"
+    of_record = record_details(summary, RECORDS[0]).partition(head)[2]
     assert "collapse (PGA 2.94 m/s2)" in of_record
     rows = [line.split() for line in of_record.splitlines()[2:5]]
     assert [cells[-1] for cells in rows] == ["0.84", "-", "none"]
-    of_block = block_details(summary, "boundary wall").partition(
-        "Capacity (safety factor x strength, nonlinear model) over demand"
-    )[2]
+    of_block = block_details(summary, "boundary wall").partition(head)[2]
     assert [line.split()[0] for line in of_block.splitlines()[2:5]] == list(RECORDS)
 
 

@@ -83,28 +83,21 @@ def test_the_target_that_records_are_scaled_to_has_its_unit(tree, scaled):
 
 @pytest.mark.parametrize(
     ("count", "words"),
-    [
-        (np.nan, "main impulses without limit in number within"),
-        (5.0, "5 main impulses within"),
-        (1.0, "1 main impulse within"),
-    ],
+    [(np.nan, "main impulses without limit in number"), (5.0, "5 main impulses"), (1.0, "1 main impulse")],
 )
 def test_the_number_of_main_impulses_of_the_design_is_said_once(tree, count, words):
     site = tree["site"].to_dataset().copy(deep=True)
     site["design"].loc[{"parameter": "main_count"}] = count
-    assert f" s, {words} " in design(site)
+    assert f" s, {words} within " in design(site)
 
 
-def test_the_interval_of_the_design_is_said_in_words(tree):
+def test_the_interval_of_the_design_is_in_words_and_many_blocks_are_told_by_extremes(tree):
     site = tree["site"].to_dataset().copy(deep=True)
     main = {"parameter": "main"}
     site["design"].loc[main], site["design_lower"].loc[main], site["design_upper"].loc[main] = 0.3, 0.2, np.inf
     assert "I = 0.3 m/s (90% confidence: 0.2 m/s to no limit), " in design(site)
     site["design_lower"].loc[main] = site["design_upper"].loc[main] = np.nan
     assert "I = 0.3 m/s (90% confidence: no interval), " in design(site)
-
-
-def test_many_blocks_are_told_by_their_extremes(tree):
     site = tree["site"].to_dataset()
     many = site.isel(block=[0, 1] * 10)
     tree = tree.copy()
