@@ -67,13 +67,8 @@ class Archive:
         entry, name = self._entries[number], self.names[number]
         content = _content(self._archive, entry, name)
         folder = PurePosixPath(entry.filename).parent
-        return SourceFile(
-            name,
-            content[:HEAD],
-            partial(bytes, content),
-            partial(self._station_files, folder),
-            beside=partial(self._beside, folder),
-        )
+        stations, beside = partial(self._station_files, folder), partial(self._beside, folder)
+        return SourceFile(name, content[:HEAD], partial(bytes, content), stations, beside=beside)
 
 
 def _check_entries(path: str, entries: list[zipfile.ZipInfo]) -> None:
@@ -86,9 +81,8 @@ def _check_entries(path: str, entries: list[zipfile.ZipInfo]) -> None:
     by_place = sorted(entries, key=lambda entry: entry.header_offset)
     for entry, following in pairwise(by_place):
         if entry.header_offset + _LOCAL_HEADER + entry.compress_size > following.header_offset:
-            raise RecordRefused(
-                f"{path}: the members {entry.filename} and {following.filename} overlap in the archive; make it anew"
-            )
+            both = f"{entry.filename} and {following.filename}"
+            raise RecordRefused(f"{path}: the members {both} overlap in the archive; make it anew")
 
 
 def _hidden(name: str) -> bool:
@@ -115,14 +109,8 @@ def _content(archive: zipfile.ZipFile, entry: zipfile.ZipInfo, name: str) -> byt
         with archive.open(entry) as stream:
             # The declared size bounds the read, whatever the compressed data would expand to.
             content = stream.read(entry.file_size + 1)
-    except (
-        zipfile.BadZipFile,
-        zlib.error,
-        EOFError,
-        RuntimeError,  # NotImplementedError among them
-        ValueError,
-        lzma.LZMAError,
-    ) as fault:
+    except (zipfile.BadZipFile, zlib.error, EOFError, RuntimeError, ValueError, lzma.LZMAError) as fault:
+        # NotImplementedError is a RuntimeError.
         raise RecordFormatError(
             f"{name}: damaged member, or one packed in an unknown way ({fault}); download the archive again"
         ) from fault
@@ -138,11 +126,8 @@ def _station_files(
     archive: zipfile.ZipFile, entries: list[zipfile.ZipInfo], folder: PurePosixPath
 ) -> list[tuple[str, bytes]]:
     """Name and bytes of each XML member of one folder."""
-    beside = (
-        entry
-        for entry in entries
-        if entry.filename.lower().endswith(".xml") and PurePosixPath(entry.filename).parent == folder
-    )
+    xml = (entry for entry in entries if entry.filename.lower().endswith(".xml"))
+    beside = (entry for entry in xml if PurePosixPath(entry.filename).parent == folder)
     named = ((f"{archive.filename}!{entry.filename}", entry) for entry in beside)
     return [(name, _content(archive, entry, name)) for name, entry in named]
 

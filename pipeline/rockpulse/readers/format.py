@@ -119,10 +119,10 @@ class ReadOptions:
 
     def advice(self, key: str) -> str:
         """The advice where the file itself states something else than a property that was given."""
-        row, value = self._last(key), getattr(self, key)
-        if row is None:
-            return for_other_files(f"--{key} {value:g}" if isinstance(value, float) else f"--{key} {value}")
-        return "correct the wrong one, or the pattern"
+        value = getattr(self, key)
+        if self._last(key) is not None:
+            return "correct the wrong one, or the pattern"
+        return for_other_files(f"--{key} {value:g}" if isinstance(value, float) else f"--{key} {value}")
 
     def check(self, records: Sequence[Record]) -> None:
         """Refuse the records of one file that state another unit or interval than the row that chooses the file."""
@@ -160,11 +160,11 @@ class Format:
     what: str  # the files, in words
     recognised: str  # by which signs the format is known
     unit: str  # unit of the values and where it comes from; "-" where nothing is read
-    processed: str  # "yes" for corrected volumes, "no" for raw ones, "by type", "unknown"; "-" where nothing is read
     example: str  # a typical file name
     detect: Callable[[bytes, str], bool]  # (head, name): cheap, never raises; the head is the beginning of the file
     # channels in the order of the file; raises RockpulseError and nothing else
     parse: Callable[[SourceFile, ReadOptions], list[Record]]
+    processed: str = "no"  # for raw volumes, "yes" for corrected ones, "by type", "unknown"; "-" where nothing is read
     obspy_reads: bool = False  # whether obspy reads these files itself: then they are no plugin of it
     parts: PartRule | None = None  # where the agency cuts long records into files: how these are called
 

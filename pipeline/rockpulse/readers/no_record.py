@@ -76,11 +76,7 @@ def is_quiet(name: str, opened: Callable[[], SourceFile]) -> bool:
 
 
 def may_be_record(file: SourceFile) -> bool:
-    """Whether a sign speaks for a record in a file that no reader has recognised: the suffix, binary data, or numbers.
-
-    Numbers count in rows that have the same words, or none, unlike those of other tables. Such rows are half of all,
-    ten together, or have as many digits as the whole text has letters, and they are no mere handful.
-    """
+    """Whether a sign speaks for a record in a file that no reader recognised: the suffix, binary data, or numbers."""
     if _OTHER.match(file.head) or _METADATA.search(file.head):
         return False
     suffix = file.path.suffix.lower()
@@ -98,7 +94,7 @@ def may_be_record(file: SourceFile) -> bool:
 
 
 def _is_series(lines: Sequence[str]) -> bool:
-    """Whether enough of the lines of a text are rows of numbers that have the same words."""
+    """Whether rows of numbers with the same words are half of the lines, ten together, or most of the letters."""
     words = [_words(line) if _of_numbers(line) else None for line in lines]
     digits: dict[tuple[str, ...], int] = defaultdict(int)
     for line, key in zip(lines, words, strict=True):

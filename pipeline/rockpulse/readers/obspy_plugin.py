@@ -36,7 +36,7 @@ _CODES = ("network", "station", "location", "channel")
 _KEPT = tuple(field for field in fields(Record) if field.name not in {*_CODES, "acceleration", "start_time"})
 #: Methods of a Trace after which its data are no acceleration in the unit they had before.
 _CHANGES_UNIT = {
-    *("integrate", "differentiate", "normalize", "remove_response", "remove_sensitivity", "simulate", "trigger")
+    *["integrate", "differentiate", "normalize", "remove_response", "remove_sensitivity", "simulate", "trigger"]
 }
 #: Largest relative gap between the interval of a Trace, which keeps the rate, and the one it was made with.
 _SAME_STEP = 1e-12
@@ -137,10 +137,8 @@ def from_trace(
     # A line of stats.processing is such as "ObsPy 1.5.1: integrate(...)".
     changed = [step for step in _steps(stats) if {*re.findall(r":\s*(\w+)\(", step)[:1]} & _CHANGES_UNIT]
     if changed and (units is None or units == "counts"):
-        raise UnitError(
-            f"{where}: the values are no longer what they were: {changed[0]}; say which unit of acceleration they "
-            f"have, one of {', '.join(UNITS)}"
-        )
+        asked = f"say which unit of acceleration they have, one of {', '.join(UNITS)}"
+        raise UnitError(f"{where}: the values are no longer what they were: {changed[0]}; {asked}")
     kept = stats.get("rockpulse")
     if kept is None:
         ReadOptions(response=response)  # refuses a way that is none
@@ -282,17 +280,13 @@ class Plugin:
         response: str = "sensitivity",
         **others: Any,
     ) -> obspy.Stream:
-        """Read every channel of a file into an obspy Stream in m/s2; see `rockpulse.to_trace`.
-
-        `headonly` leaves the samples out; obspy itself applies the times afterwards; `units`, `dt` and `response` are
-        those of `rockpulse.read`. Options of other formats are ignored, as obspy's own readers do, and logged.
-        """
+        """Read every channel of a file into an obspy Stream in m/s2, with the options of `rockpulse.read`."""
+        # obspy itself applies the times afterwards; options of other formats are ignored, as its own readers do.
         import obspy
 
         if others:
-            logger.warning(
-                "%s: obspy.read has options that are not of this format: %s", self.row.name, ", ".join(others)
-            )
+            told = "%s: obspy.read has options that are not of this format: %s"
+            logger.warning(told, self.row.name, ", ".join(others))
         options = ReadOptions(units, dt, response)
         source: SourceFile = open_source(Path(file)) if isinstance(file, str | os.PathLike) else open_stream(file)
         if not self.row.detect(source.head, source.name):

@@ -15,8 +15,6 @@ import numpy as np
 
 from rockpulse.readers import kit
 from rockpulse.readers.format import Format, ReadOptions, begins_with
-from rockpulse.readers.source import SourceFile
-from rockpulse.record.record import Record
 
 # The accents come in one byte, in two, or not at all.
 _TITLE = re.compile(r"[^\0]{0,2000}?ARCHIVO EST.{0,2}NDAR DE ACELERACI", re.ASCII | re.IGNORECASE)
@@ -97,7 +95,7 @@ def _consonants(text: str) -> str:
     return re.sub(r"[^B-DF-HJ-NP-TV-Z0-9]", "", text[:80].upper())
 
 
-def read_asa(file: SourceFile, options: ReadOptions) -> list[Record]:
+def read_asa(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
     """Read every channel; the options are not used, because the format states everything."""
     lines = kit.text_lines(file.content)
     header, numbers, words, first = _header(file.name, lines)
@@ -269,7 +267,6 @@ ASA = Format(
     what="ASA 2.0 (Mexico: UNAM, CIRES)",
     recognised="'ARCHIVO ESTANDAR DE ACELERACION' in the header",
     unit="gal, from the header",
-    processed="no",
     example="CUP50401.012",
     detect=begins_with(_TITLE, 2100),
     parse=read_asa,

@@ -1,7 +1,7 @@
 """BHRC volume 1 files of Iran (Building and Housing Research Center), uncorrected.
 
-Each channel has 13 lines of text, 7 of integers, 7 of reals and the accelerations in g/10, 10 fields of 13 characters;
-a line ``/&`` ends it. The azimuths of L and T stand in the line of the station. The time is that of the earthquake.
+Channels are as in `kit.csmip`, with accelerations in g/10, 10 fields of 13 characters. The azimuths of L and T stand in
+the line of the station. The time is that of the earthquake.
 """
 
 import re
@@ -12,8 +12,6 @@ import numpy as np
 from rockpulse.readers import kit
 from rockpulse.readers.format import Format, ReadOptions, begins_with
 from rockpulse.readers.kit.csmip import HEADER_LINES, TEXT_LINES, channels
-from rockpulse.readers.source import SourceFile
-from rockpulse.record.record import Record
 
 _TITLE = re.compile(r"\s*\*\s*vol1\w*\s+file\s*:", re.IGNORECASE)
 _WIDTH, _PER_ROW = 13, 10
@@ -30,7 +28,7 @@ _DURATION_STEPS = 2.0
 _SQUARE = 3.0
 
 
-def read_bhrc(file: SourceFile, options: ReadOptions) -> list[Record]:
+def read_bhrc(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
     """Read every channel; the options are not used, because the format states everything."""
     lines, spans, copies = channels(file, _TITLE, "* VOL1DS FILE:")
     records = [_channel(file, lines, span, number) for number, span in enumerate(spans, start=1)]
@@ -41,13 +39,12 @@ def read_bhrc(file: SourceFile, options: ReadOptions) -> list[Record]:
     azimuths = {record.component: record.azimuth for record in records}
     turn = abs(azimuths.get("T", np.nan) - azimuths.get("L", np.nan)) % 180.0
     if abs(turn - 90.0) > _SQUARE:  # NaN, of an unknown one, is not
-        units.append(
-            f"the azimuths of L and T, {azimuths['L']:g} and {azimuths['T']:g} degrees, are not at right angles"
-        )
+        which = f"{azimuths['L']:g} and {azimuths['T']:g} degrees"
+        units.append(f"the azimuths of L and T, {which}, are not at right angles")
     return kit.with_warnings(records, (*missing, *copies, *units))
 
 
-def _channel(file: SourceFile, lines: Sequence[str], span: kit.Span, number: int) -> Record:
+def _channel(file: kit.SourceFile, lines: Sequence[str], span: kit.Span, number: int) -> kit.Record:
     start, end = span
     kit.check_count(f"{file.name}:{end}", HEADER_LINES, end - start, f"header lines of channel {number}")
     header, first = [line[: kit.LONGEST_LINE] for line in lines[start : start + TEXT_LINES]], start + HEADER_LINES
@@ -100,7 +97,6 @@ BHRC = Format(
     what="BHRC (Iran) volume 1",
     recognised="first line '* VOL1DS FILE:'",
     unit="g/10, from the header",
-    processed="no",
     example="5520-1.V1",
     detect=begins_with(_TITLE),
     parse=read_bhrc,

@@ -1,15 +1,9 @@
 """CSMIP files of the California Geological Survey, and of the networks that write the same layout.
 
-Volume 1, uncorrected: each channel has 13 lines of text, 100 integers (16I5), 50 reals (8F10) and then, on newer files,
-a heading line that names count, rate, unit and Fortran format of the accelerations. Older files have no heading: pairs
-of time [s] and acceleration [g/10] with unequal steps follow.
-
-Volume 2, corrected: a title, the lines of volume 1, 11 more about the correction, integers, reals and up to three
-blocks of acceleration, velocity and displacement, of which the acceleration is read. Each begins with a heading, as in
-``3251 POINTS OF ACCEL DATA EQUALLY SPACED AT .020 SEC.  (UNITS: CM/SEC/SEC)``; newer ones name the Fortran format,
-USC's no unit. Channels differ in length; a line ``/&`` ends one.
-
-Volume 3, spectra, is recognised so that messages name it and no reader takes it.
+Volume 1, uncorrected: channels as in `kit.csmip`, then a heading and the accelerations; older files have no heading,
+but pairs of time [s] and acceleration [g/10] with unequal steps. Volume 2, corrected: of each channel the acceleration
+is read, below ``3251 POINTS OF ACCEL DATA EQUALLY SPACED AT .020 SEC.  (UNITS: CM/SEC/SEC)``; newer headings name the
+Fortran format, USC's no unit. Volume 3, spectra, is recognised so that messages name it and no reader takes it.
 """
 
 import re
@@ -22,8 +16,6 @@ from rockpulse.errors import UnitError
 from rockpulse.readers import kit
 from rockpulse.readers.format import Format, ReadOptions, begins_with
 from rockpulse.readers.kit import csmip
-from rockpulse.readers.source import SourceFile
-from rockpulse.record.record import STANDARD_GRAVITY, Record
 
 UNCORRECTED = re.compile(r"\s?uncorrected accelerogram data\b", re.IGNORECASE)
 _PEAK_1 = re.compile(r"max\s*=\s*(-?\d*\.\d+)\s*g\b(?:\s*,\s*at\s+(\d{0,6}\.\d{1,6})\s*sec)?", re.IGNORECASE)
@@ -67,7 +59,7 @@ def is_uncorrected(head: bytes, name: str, renadic: bool) -> bool:
     return bool(UNCORRECTED.match(opening)) and ("renadic" in opening.lower()) is renadic
 
 
-def read_uncorrected(file: SourceFile, options: ReadOptions) -> list[Record]:
+def read_uncorrected(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
     """Read every channel of a volume 1, whichever network wrote it."""
     lines, spans, copies = csmip.channels(file, UNCORRECTED, "Uncorrected Accelerogram Data")
     headers = []
@@ -75,32 +67,20 @@ def read_uncorrected(file: SourceFile, options: ReadOptions) -> list[Record]:
         kit.check_count(f"{file.name}:{end}", csmip.HEADER_LINES, end - start, f"header lines of channel {number}")
         headers.append(csmip.read_header(lines[start : start + csmip.HEADER_LINES]))
     notes = (*csmip.missing_channels(file.name, lines, spans, headers), *copies)
-    return [
-        _uncorrected_channel(file, lines, span, number, header.noting(*notes))
-        for number, (span, header) in enumerate(zip(spans, headers, strict=True), 1)
-    ]
-
-
-def _uncorrected_channel(
-    file: SourceFile, lines: Sequence[str], span: kit.Span, number: int, header: csmip.Header
-) -> Record:
-    start, end = span
-    match = _PEAK_1.search(lines[start + 11][: kit.LONGEST_LINE])
-    block = _uncorrected_block(file.name, lines, start, end)
-    behind = lines[start + csmip.TEXT_LINES : start + csmip.HEADER_LINES]
-    length = _LENGTH_1.search(lines[start + 10][: kit.LONGEST_LINE])
-    told = _held(length[1] if length else "", csmip.real(behind, 3), round(block.duration / block.dt), block)
-    told += csmip.held_peak_real(behind, 7, block, STANDARD_GRAVITY)
-    times = [(match and match[2]) or "", csmip.real(behind, 8)]
-    told += [note for text in times for note in kit.held_peak_time(text, block.times, block.values)]
-    return header.record(
-        file,
-        number,
-        block.noting(*dict.fromkeys(told)),
-        processed=False,
-        header_peak=kit.printed_number(match[1] if match else ""),
-        peak_factor=STANDARD_GRAVITY,
-    )
+    records = []
+    for number, ((start, end), header) in enumerate(zip(spans, headers, strict=True), 1):
+        match = _PEAK_1.search(lines[start + 11][: kit.LONGEST_LINE])
+        block = _uncorrected_block(file.name, lines, start, end)
+        behind = lines[start + csmip.TEXT_LINES : start + csmip.HEADER_LINES]
+        length = _LENGTH_1.search(lines[start + 10][: kit.LONGEST_LINE])
+        told = _held(length[1] if length else "", csmip.real(behind, 3), round(block.duration / block.dt), block)
+        told += csmip.held_peak_real(behind, 7, block, kit.STANDARD_GRAVITY)
+        times = [(match and match[2]) or "", csmip.real(behind, 8)]
+        told += [note for text in times for note in kit.held_peak_time(text, block.times, block.values)]
+        block, peak = block.noting(*dict.fromkeys(told)), kit.printed_number(match[1] if match else "")
+        stated = {"header_peak": peak, "peak_factor": kit.STANDARD_GRAVITY, "processed": False}
+        records.append(header.record(file, number, block, notes, **stated))
+    return records
 
 
 def _held(length: str, real_length: str, count: int, block: kit.Block) -> list[str]:
@@ -141,8 +121,8 @@ def _check_points(points: re.Match[str] | None, block: kit.Block, where: str) ->
 
 
 def read_corrected(
-    file: SourceFile, options: ReadOptions, header: Callable[[Sequence[str]], csmip.Header] = csmip.read_header
-) -> list[Record]:
+    file: kit.SourceFile, options: ReadOptions, header: Callable[[Sequence[str]], csmip.Header] = csmip.read_header
+) -> list[kit.Record]:
     """Read a volume 2, whichever network wrote it; `header` reads the 13 lines of text of volume 1."""
     lines, spans, copies = csmip.channels(file, _CORRECTED, "Corrected accelerogram")
     records, left_out, headers = [], [], []
@@ -210,9 +190,8 @@ def _acceleration(name: str, lines: Sequence[str], start: int, end: int) -> tupl
         if available < rows:
             kit.check_count(f"{name}:{behind}", rows, available, f"rows of {heading.kind}")
     accelerations = [block for block in blocks if block[0].kind == "acceleration"]
-    distinct, copies = kit.distinct_sections(
-        lines, [(heading.at, behind) for heading, behind in accelerations], "block"
-    )
+    spans = [(heading.at, behind) for heading, behind in accelerations]
+    distinct, copies = kit.distinct_sections(lines, spans, "block")
     if len(distinct) > 1:
         where, found_twice = f"{name}:{accelerations[1][0].at + 1}", "a second block of acceleration"
         raise kit.unexpected(where, f"the end of {channel}", found_twice, kit.FILE_DAMAGED)
@@ -255,7 +234,7 @@ def _held_corrected(text: Sequence[str], behind: Sequence[str], block: kit.Block
     return list(dict.fromkeys(notes)) + (kit.held_lengths_of_units([peak[2], *others]) if peak else [])
 
 
-def refuse_spectra(file: SourceFile, options: ReadOptions) -> NoReturn:
+def refuse_spectra(file: kit.SourceFile, options: ReadOptions) -> NoReturn:
     """Refuse a volume 3 with the reason."""
     station = _STATION.search(file.head[:_SPECTRA_OPENING].decode("latin-1"))
     of = f" of station {station[1]}, {' '.join(station[2].split())}" if station else ""
@@ -268,7 +247,6 @@ CSMIP_V1 = Format(
     what="CSMIP volume 1, both layouts",
     recognised="first line 'Uncorrected Accelerogram Data'",
     unit="g or g/10, from the header",
-    processed="no",
     example="CICLC.v1",
     detect=partial(is_uncorrected, renadic=False),
     parse=read_uncorrected,

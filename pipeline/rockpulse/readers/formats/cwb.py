@@ -13,8 +13,6 @@ import numpy as np
 
 from rockpulse.readers import kit
 from rockpulse.readers.format import Format, ReadOptions, begins_with
-from rockpulse.readers.source import SourceFile
-from rockpulse.record.record import Record
 
 _UNIT_LINE = re.compile(r"#[^\0]{0,2000}?[\r\n]#\s*AmplitudeUnit\s*:", re.ASCII | re.IGNORECASE)
 _ENTRY = re.compile(r"#\s*([^:(]+)(?:\(([^)]*)\))?\s*:(.*)")
@@ -26,7 +24,7 @@ _MOMENT = re.compile(r"(?a)(\d{4})/\s*(\d{1,2})/\s*(\d{1,2})-\s*(\d{1,2}):\s*(\d
 _ZONE = re.compile(r"GMT\s*([+-]\s*\d{1,2})", re.ASCII | re.IGNORECASE)
 
 
-def read_cwb(file: SourceFile, options: ReadOptions) -> list[Record]:
+def read_cwb(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
     """Read every channel; the options are not used, because the format states everything."""
     lines = kit.text_lines(file.content)
     first = next((i for i, line in enumerate(lines) if line.strip() and not line.startswith("#")), len(lines))
@@ -145,7 +143,6 @@ CWB = Format(
     what="CWB or CWA free field (Taiwan)",
     recognised="lines that begin with '#', one of them '#AmplitudeUnit:'",
     unit="gal, from the header",
-    processed="no",
     example="2-EGF.dat",
     detect=begins_with(_UNIT_LINE, 2100),
     parse=read_cwb,

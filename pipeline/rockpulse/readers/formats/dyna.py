@@ -13,8 +13,6 @@ import numpy as np
 
 from rockpulse.readers import kit
 from rockpulse.readers.format import Format, ReadOptions
-from rockpulse.readers.source import SourceFile
-from rockpulse.record.record import Record
 
 _FIRST = "EVENT_NAME"
 _TITLE = re.compile(rf"\ufeff?{_FIRST}:")
@@ -83,8 +81,8 @@ def _keys(lines: Sequence[str], start: int) -> tuple[list[tuple[str, str, int]],
     return found, len(lines)
 
 
-def read_dyna(file: SourceFile, options: ReadOptions) -> list[Record]:
-    """Read the one channel of the file; raises NotAcceleration for velocity, displacement and spectra."""
+def read_dyna(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
+    """Read the one channel of the file; raises kit.NotAcceleration for velocity, displacement and spectra."""
     lines = kit.text_lines(file.content)
     header, header_notes = _header(file.name, lines)
     kind = header.text("DATA_TYPE")

@@ -13,8 +13,6 @@ import numpy as np
 
 from rockpulse.readers import kit
 from rockpulse.readers.format import Format, ReadOptions, begins_with
-from rockpulse.readers.source import SourceFile
-from rockpulse.record.record import Record
 
 _TITLE = re.compile(r"(un)?corrected accelerogram\s+\d{8}_\d{6}_([^\W_]+)(?:_(\w+))?", re.IGNORECASE)
 _TEXT_LINES, _INTEGER_LINES, _REAL_LINES = 16, 4, 6
@@ -32,18 +30,17 @@ _OTHER_PEAKS = re.compile(r"(?:velocity|displacement):\s+peak\s*-?\d{1,9}(?:\.\d
 _DURATION = re.compile(r".{0,60}?\bduration\s+(\d{0,6}\.\d{1,6})\s*s", re.IGNORECASE)
 
 
-def read_geonet(file: SourceFile, options: ReadOptions) -> list[Record]:
+def read_geonet(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
     """Read the accelerations of every component; the options are not used, because the format states everything."""
     lines = kit.text_lines(file.content)
-    components: dict[kit.Span, Record] = {}
+    components: dict[kit.Span, kit.Record] = {}
     notes: list[str] = []
     start = 0
     while start < len(lines):
         if not _TITLE.match(lines[start]):
             expected = f"the title of component {len(components) + 1}, 'Corrected' or 'Uncorrected accelerogram'"
-            raise kit.unexpected(
-                f"{file.name}:{start + 1}", expected, repr(lines[start][:60].strip()), kit.FILE_DAMAGED
-            )
+            found = repr(lines[start][:60].strip())
+            raise kit.unexpected(f"{file.name}:{start + 1}", expected, found, kit.FILE_DAMAGED)
         first, start = start, kit.last_of_equal(lines, start)
         notes += kit.repeated_marker(first, start)
         record, end = _component(file, lines, start, len(components) + 1)
@@ -62,7 +59,7 @@ def read_geonet(file: SourceFile, options: ReadOptions) -> list[Record]:
     return kit.with_warnings(records, notes)
 
 
-def _component(file: SourceFile, lines: Sequence[str], start: int, number: int) -> tuple[Record, int]:
+def _component(file: kit.SourceFile, lines: Sequence[str], start: int, number: int) -> tuple[kit.Record, int]:
     """The component that begins at index `start`, and the index of the line behind its values."""
     end = f"{file.name}:{len(lines)}"
     kit.check_count(end, _HEADER_LINES, len(lines) - start, f"header lines of component {number}")

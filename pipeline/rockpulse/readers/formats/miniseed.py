@@ -17,8 +17,6 @@ from rockpulse.readers.kit.obspy_bridge import (
     utc_time,
 )
 from rockpulse.readers.kit.response import from_counts
-from rockpulse.readers.source import SourceFile
-from rockpulse.record.record import Record
 
 #: Two statements of the sampling rate may differ by this share.
 _RATE_TOLERANCE = 1e-3
@@ -31,7 +29,7 @@ def is_miniseed(head: bytes, name: str) -> bool:
     )
 
 
-def read_miniseed(file: SourceFile, options: ReadOptions) -> list[Record]:
+def read_miniseed(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
     """Read every acceleration channel; the gain comes from a StationXML file in the same folder."""
     stream, notes = obspy_stream(file, "MSEED")
     # Lengths are powers of two, so the shortest divides them all.
@@ -47,7 +45,7 @@ def read_miniseed(file: SourceFile, options: ReadOptions) -> list[Record]:
     return kit.usable_channels((partial(_channel, file, traces, number, options) for number, traces in named), notes)
 
 
-def _channel(file: SourceFile, traces: list[Any], number: int, options: ReadOptions) -> Record:
+def _channel(file: kit.SourceFile, traces: list[Any], number: int, options: ReadOptions) -> kit.Record:
     trace = traces[0]
     stats = trace.stats
     where = f"{file.name}: {trace.id}"
@@ -91,7 +89,6 @@ MINISEED = Format(
     what="miniSEED with StationXML in the same folder",
     recognised="record header",
     unit="counts, gain from StationXML",
-    processed="no",
     example="CI.WCS2..HNE.mseed",
     detect=is_miniseed,
     parse=read_miniseed,

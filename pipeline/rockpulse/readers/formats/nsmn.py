@@ -10,8 +10,6 @@ from datetime import datetime
 
 from rockpulse.readers import kit
 from rockpulse.readers.format import Format, ReadOptions, begins_with
-from rockpulse.readers.source import SourceFile
-from rockpulse.record.record import Record
 
 _TITLE = re.compile(r"\s*STRONG GROUND MOTION RECORDS OF T", re.ASCII | re.IGNORECASE)
 _COLUMNS = re.compile(r"\s*([NSEWUD]-[NSEWUD])\s+([NSEWUD]-[NSEWUD])\s+([NSEWUD]-[NSEWUD])\s*$", re.IGNORECASE)
@@ -25,7 +23,7 @@ _YEAR_FIRST = re.compile(r"(\d{4})[/.](\d{1,2})[/.](\d{1,2})" + _CLOCK, re.ASCII
 _LONGEST_HEADER = 60
 
 
-def read_nsmn(file: SourceFile, options: ReadOptions) -> list[Record]:
+def read_nsmn(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
     """Read the three channels; the options are not used, because the format states everything."""
     lines = kit.text_lines(file.content)
     head = [line[: kit.LONGEST_LINE] for line in lines[:_LONGEST_HEADER]]
@@ -114,7 +112,6 @@ NSMN = Format(
     what="NSMN (Turkey, before AFAD)",
     recognised="first line 'STRONG GROUND MOTION RECORDS OF T...'",
     unit="gal, from the header",
-    processed="no",
     example="20170720223109_0921.txt",
     detect=begins_with(_TITLE),
     parse=read_nsmn,

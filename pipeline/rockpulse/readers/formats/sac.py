@@ -9,8 +9,6 @@ from rockpulse.errors import UnitError
 from rockpulse.readers import kit
 from rockpulse.readers.format import Format, ReadOptions
 from rockpulse.readers.kit.obspy_bridge import codes_of, obspy_stream, seed_direction, utc_time
-from rockpulse.readers.source import NotAcceleration, SourceFile
-from rockpulse.record.record import Record
 
 #: Length of the header and offsets of the words NPTS and NVHDR [bytes].
 _HEADER, _NPTS, _NVHDR = 632, 4 * 79, 4 * 76
@@ -37,7 +35,7 @@ def is_sac(head: bytes, name: str) -> bool:
     return _byte_order(head) is not None
 
 
-def read_sac(file: SourceFile, options: ReadOptions) -> list[Record]:
+def read_sac(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
     """Read the one channel of a SAC file; `options.units` is needed, because the header does not tell the unit."""
     order = _byte_order(file.head)
     if order is None:
@@ -62,7 +60,7 @@ def read_sac(file: SourceFile, options: ReadOptions) -> list[Record]:
         raise kit.unexpected(file.name, expected, found, "export the record again")
     series = _SERIES.get(header.get("idep"))
     if series:
-        raise NotAcceleration(f"{file.name}: expected an acceleration, the header (IDEP) says {series}")
+        raise kit.NotAcceleration(f"{file.name}: expected an acceleration, the header (IDEP) says {series}")
     if options.units is None:
         raise UnitError(
             f"{file.name}: a SAC header does not state the unit of acceleration; give it with the option units, one of "

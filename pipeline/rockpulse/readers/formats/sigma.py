@@ -12,8 +12,6 @@ import numpy as np
 
 from rockpulse.readers import kit
 from rockpulse.readers.format import Format, ReadOptions
-from rockpulse.readers.source import SourceFile
-from rockpulse.record.record import Record
 
 #: Lines in which the header ends; a header has ten.
 _HEADER_LIMIT = 40
@@ -44,8 +42,8 @@ def is_sigma(head: bytes, name: str) -> bool:
     return len(keys.intersection(_KEYS)) >= _FEWEST_KEYS and not keys.isdisjoint(_KEYS[-3:-1])
 
 
-def read_sigma(file: SourceFile, options: ReadOptions) -> list[Record]:
-    """Read the one component of the file; raises NotAcceleration for velocity and displacement."""
+def read_sigma(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
+    """Read the one component of the file; raises kit.NotAcceleration for velocity and displacement."""
     lines = kit.text_lines(file.content)
     header, kind, unit_text, repeated = _header(file.name, lines)
     where = f"{file.name}:{header.end}"

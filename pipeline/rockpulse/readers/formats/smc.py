@@ -14,8 +14,6 @@ import numpy as np
 from rockpulse.errors import RecordFormatError
 from rockpulse.readers import kit
 from rockpulse.readers.format import Format, ReadOptions
-from rockpulse.readers.source import SourceFile
-from rockpulse.record.record import STANDARD_GRAVITY, Record
 
 #: Series of types 1 to 6, in this order.
 _KINDS = (
@@ -49,8 +47,8 @@ def is_smc(head: bytes, name: str) -> bool:
     )
 
 
-def read_smc(file: SourceFile, options: ReadOptions) -> list[Record]:
-    """Read the one channel of the file; raises NotAcceleration for velocity, displacement and spectra."""
+def read_smc(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
+    """Read the one channel of the file; raises kit.NotAcceleration for velocity, displacement and spectra."""
     lines = kit.text_lines(file.content)
     title = _TITLE.match(lines[0])
     if title is None:
@@ -134,7 +132,7 @@ def _block(
             f"{name}:{_TEXT_LINES + 3}: expected an even number of values for (time, acceleration) pairs, found {count}"
         )
     times, samples = values[::2], values[1::2]
-    even, step, notes = kit.make_even(times, samples, name, first + 1, 4, kit.UNITS[_UNIT] / STANDARD_GRAVITY)
+    even, step, notes = kit.make_even(times, samples, name, first + 1, 4, kit.UNITS[_UNIT] / kit.STANDARD_GRAVITY)
     return kit.Block(even, step, _UNIT, times, samples, (*warnings, *notes))
 
 

@@ -1,7 +1,4 @@
-"""A file held against itself: statements of a header against the samples, copies of a part, missing channels, surplus.
-
-A function that returns warnings returns none where all is well or a statement is missing.
-"""
+"""A file held against itself; functions that return warnings return none if all is well or a statement is missing."""
 
 import re
 from collections.abc import Iterable, Sequence
@@ -91,10 +88,9 @@ def surplus(
     title: re.Pattern[str] | None = None,
     used: int | None = None,
 ) -> tuple[str, ...]:
-    """A warning for rows between the declared samples (index `first`) and the end of the channel (index `end`).
+    """Warnings for rows in ``lines[first:end]``, behind the samples, and for numbers behind their `used` characters.
 
-    Numbers behind the `used` characters of the last row of samples are told as well. `title` matches the first line of
-    another record of the file `name`, which formats of one channel refuse.
+    `title` matches the first line of another record of the file `name`, which formats of one channel refuse.
     """
     notes = []
     if used is not None and lines[first - 1][used:].strip():
@@ -155,22 +151,21 @@ def distinct_sections(
 
 
 class Counted(NamedTuple):
-    """The statements of one channel of a file about its recorder, by which channels are counted."""
+    """The first line of a channel, from 1, its recorder and number there, and the channels of the recorder, or 0."""
 
-    line: int  # where the channel begins, from 1
-    recorder: str  # words or number that tell the recorder from others
-    number: str  # tells the channel from others of the recorder; empty where the file does not say
-    counted: int  # channels of the recorder; 0 where the file does not say
+    line: int
+    recorder: str
+    number: str
+    counted: int
     kind: str = ""  # acceleration, velocity, ... where a file may hold each of them as a channel of its own
 
 
 def completeness(
     name: str, channels: Iterable[Counted], whose: str = "the header counts", closed: bool = False
 ) -> tuple[str, ...]:
-    """A warning for each recorder of which the file holds fewer channels than `whose`, in the message, counts.
+    """A warning for each recorder of which the file holds fewer channels than it counts; one twice is refused.
 
-    If the file is `closed`, that is, ends as its format asks for, one channel is enough: agencies cut the records of
-    structures into such files. A channel that is there twice is refused.
+    A file that is `closed` (ends as its format asks) may hold one channel: agencies cut records of structures so.
     """
     first: dict[tuple[str, str, str], int] = {}
     held: dict[str, set[str | int]] = {}

@@ -1,7 +1,4 @@
-"""Start times, and what a header states of earthquake and site, as far as they can be true.
-
-Zeros and -999 stand for "unknown", units are mixed up: a value that cannot be true is left out, never an error.
-"""
+"""Start times, and what a header states of earthquake and site; what cannot be true is left out, never an error."""
 
 import math
 import re
@@ -128,11 +125,8 @@ class Facts(TypedDict, total=False):
 
 def stated(**facts: Unpack[Facts]) -> dict[str, Any]:
     """Fields of a `Record` from the statements of a header that can be true; else NaN, None or empty."""
-    nowhere, time, (size, scale) = (
-        (math.nan, math.nan),
-        facts.get("origin_time"),
-        facts.get("magnitude", (math.nan, "")),
-    )
+    nowhere, time = (math.nan, math.nan), facts.get("origin_time")
+    size, scale = facts.get("magnitude", (math.nan, ""))
     magnitude = _within(size, *_MAGNITUDES, zero=False)
     latitude, longitude = _place(facts.get("hypocentre", nowhere))
     station_latitude, station_longitude = _place(facts.get("station_place", nowhere))
@@ -157,10 +151,9 @@ def coordinates(text: str) -> tuple[float, float]:
     """Latitude and longitude from a line with ``33.929N, 118.260W`` or ``42 30 00S 173 15 00E``; else NaN."""
     found = {"N": math.nan, "E": math.nan}
     named = [(float(degrees), side) for degrees, side in _DECIMAL.findall(text)]
-    named += [
-        (round(float(degrees) + float(minutes) / 60.0 + float(seconds) / 3600.0, 6), side)
-        for degrees, minutes, seconds, side in _SEXAGESIMAL.findall(text)
-    ]
+    for *parts, side in _SEXAGESIMAL.findall(text):
+        degrees, minutes, seconds = map(float, parts)
+        named.append((round(degrees + minutes / 60.0 + seconds / 3600.0, 6), side))
     for value, side in reversed(named):  # the first of several counts
         axis = "N" if side.upper() in "NS" else "E"
         found[axis] = value if side.upper() == axis else -value

@@ -106,10 +106,8 @@ def utc_time(file: SourceFile, moment: Any) -> datetime:
 
 
 def seed_direction(code: str, azimuth: float | None, dip: float | None) -> Direction:
-    """Direction from SEED's azimuth and dip [degrees; -90 is up], else from the channel code.
-
-    Unknown where they contradict; but a code that says vertical counts against a dip of 0, which many a header leaves.
-    """
+    """Direction from SEED's azimuth and dip [degrees; -90 is up], else the channel code; unknown if they contradict."""
+    # But a code that says vertical counts against a dip of 0, which many a header leaves.
     azimuth = None if azimuth is None or not math.isfinite(azimuth) else float(azimuth) % 360.0
     dip = None if dip is None or not math.isfinite(dip) else float(dip)
     named = direction(code)
@@ -121,10 +119,8 @@ def seed_direction(code: str, azimuth: float | None, dip: float | None) -> Direc
             told = f"a dip of {dip:g} degrees (-90 is up, 0 horizontal)"
             return Direction("vertical", note=Remark("vertical_by_code", channel=code, told=told))
         if lies == "unknown" or named.orientation not in (lies, "unknown"):
-            return Direction(
-                note=f"the direction is unknown: the channel code says {code!r}, the dip is {dip:g} degrees "
-                "(-90 is up, 0 horizontal)"
-            )
+            both = f"the channel code says {code!r}, the dip is {dip:g} degrees (-90 is up, 0 horizontal)"
+            return Direction(note=f"the direction is unknown: {both}")
     if lies == "vertical" and dip is not None:
         return Direction("vertical", sign=1.0 if dip < 0.0 else -1.0)
     if lies != "horizontal" or azimuth is None:
@@ -175,8 +171,7 @@ def _channels(
 def station_channel(file: SourceFile, trace: Any, full: bool) -> tuple[Any, str, list[str]]:
     """The one StationXML channel whose epoch holds the whole record, the name of its station, and obspy's warnings.
 
-    A file with the stem of the miniSEED file comes first, and one that rockpulse wrote serves no other. Several
-    channels are one if they tell the same: sensitivity (where `full`, response), direction, raw or corrected.
+    A file with the stem of the miniSEED file comes first, and one that rockpulse wrote serves no other.
     """
     stats = trace.stats
     files = [(name, content) for name, content in file.station_files() if stats.station.encode() in content]
@@ -197,7 +192,9 @@ def station_channel(file: SourceFile, trace: Any, full: bool) -> tuple[Any, str,
             serving = [(channel, site) for channel, site in channels if own or channel.description not in PROCESSED]
             bound = len(serving) < len(channels)
             looked.append(f"{name}, which serves the miniSEED file of its own name only" if bound else name)
-            found += [(channel, site) for channel, site in serving if _holds(channel, stats.starttime, stats.endtime)]
+            for channel, site in serving:
+                begins, ends = channel.start_date or stats.starttime, channel.end_date or stats.endtime
+                found += [(channel, site)] if begins <= stats.starttime and stats.endtime <= ends else []
         if found:
             break
     if not found:
@@ -228,11 +225,6 @@ def told_otherwise(files: Files, network: str, station: str, channel: Any) -> bo
     )
 
 
-def _holds(channel: Any, start: Any, end: Any) -> bool:
-    begins, ends = channel.start_date, channel.end_date
-    return not ((begins and begins > start) or (ends and ends < end))
-
-
 def _overlap(one: Any, other: Any) -> bool:
     """Whether two epochs have a time in common; without a limit they are open."""
     return not any(
@@ -246,21 +238,14 @@ def _gap(one: Any, other: Any, full: bool) -> tuple[str, str] | None:
     if full and one.response != other.response:
         return "responses", ""
     states = {True: "corrected", False: "raw", None: "unknown"}
-    told = [
-        (
-            f"{float(channel.response.instrument_sensitivity.value)!r} per "
-            f"{str(channel.response.instrument_sensitivity.input_units).upper()}",
-            _facing(channel),
-            states[PROCESSED.get(channel.description, False)],
-        )
-        for channel in (one, other)
-    ]
+    told = []
+    for channel in (one, other):
+        sensitivity = channel.response.instrument_sensitivity
+        facing = seed_direction(channel.code, channel.azimuth, channel.dip)
+        words = f"{facing.orientation}, azimuth {facing.azimuth:g}"
+        if facing.orientation == "vertical":
+            words = "up" if facing.sign > 0.0 else "down"
+        per = f"{float(sensitivity.value)!r} per {str(sensitivity.input_units).upper()}"
+        told.append((per, words, states[PROCESSED.get(channel.description, False)]))
     pairs = zip(("sensitivities", "directions", "states of processing"), *told, strict=True)
     return next(((what, f"{mine}; {theirs}") for what, mine, theirs in pairs if mine != theirs), None)
-
-
-def _facing(channel: Any) -> str:
-    facing = seed_direction(channel.code, channel.azimuth, channel.dip)
-    if facing.orientation == "vertical":
-        return "up" if facing.sign > 0.0 else "down"
-    return f"{facing.orientation}, azimuth {facing.azimuth:g}"

@@ -47,9 +47,7 @@ class Removed:
     """Samples without the response of the instrument, or as they are where only its sensitivity is used."""
 
     samples: np.ndarray  # (n,) acceleration over `factor` [counts]
-    factor: (
-        float | None
-    )  # m/s2 per count at the frequency of the sensitivity; the rest of the response is in the samples
+    factor: float | None  # m/s2 per count at the frequency of the sensitivity
     processing: tuple[str, ...]  # the method, for the processing of the record
     warnings: tuple[str, ...]
 
@@ -82,7 +80,7 @@ def sensitivity_factor(where: str, response: Any) -> float:
 
 def sensitivity_notes(response: Any) -> list[str]:
     """Warnings where a sensitivity is negative, or is not the product of the gains of the stages."""
-    notes, value = turned(response.instrument_sensitivity), float(response.instrument_sensitivity.value)
+    notes, value = _turned(response.instrument_sensitivity), float(response.instrument_sensitivity.value)
     gains = [float(stage.stage_gain) for stage in response.response_stages or [] if stage.stage_gain is not None]
     if not gains:
         return notes
@@ -97,8 +95,7 @@ def sensitivity_notes(response: Any) -> list[str]:
     return notes
 
 
-def turned(sensitivity: Any) -> list[str]:
-    """A warning where a sensitivity is negative."""
+def _turned(sensitivity: Any) -> list[str]:
     value = float(sensitivity.value)
     return [f"the sensitivity is negative, {value:g}: a sign is turned"] if value < 0.0 else []
 
@@ -128,11 +125,8 @@ def first_stage(response: Any) -> Any:
 
 
 def without_response(where: str, counts: np.ndarray, dt: float, response: Any) -> Removed:
-    """Remove the full response of an instrument from counts (n,) in the frequency domain, down to acceleration.
-
-    As ``Trace.remove_response(output="ACC")`` with the mean removed before, no taper in time (it would eat a pulse near
-    the ends), no water level (it would distort what `pass_band` lets through), and a cosine taper in frequency.
-    """
+    """Remove the full response of an instrument from counts (n,) in the frequency domain, down to acceleration."""
+    # No taper in time (it would eat a pulse near the ends), no water level (it would distort the pass band).
     import obspy
 
     unit, quantity, scale = _input_unit(where, response)
@@ -205,17 +199,15 @@ def _disagreement(where: str, response: Any, size: float, quantity: str, scale: 
         return [f"the sensitivity is stated for {found}, the stages of the response begin with {quantity}"]
     share = (size / scale) / (abs(float(sensitivity.value)) / per_unit) - 1.0
     if abs(share) <= GAIN_TOLERANCE:
-        return turned(sensitivity)
-    return [*turned(sensitivity), f"the stages of the response differ from its sensitivity by {100.0 * share:.3g} %"]
+        return _turned(sensitivity)
+    return [*_turned(sensitivity), f"the stages of the response differ from its sensitivity by {100.0 * share:.3g} %"]
 
 
 def pass_band(response: Any, dt: float, count: int) -> tuple[float, float, float, float]:
-    """Corners of the cosine taper in frequency [Hz]: zero below the first, one from the second to the third.
+    """Corners of the cosine taper in frequency [Hz]: zero below the first and from the fourth, one between the others.
 
-    Nothing is cut below where the instrument answers at zero frequency. Else the second is one cycle in the record of
-    `count` samples, or where the response falls to `RESPONSE_FLOOR` of its largest value if that is higher, and the
-    first half of it. The others are `UPPER_TAPER` of the Nyquist frequency, or of where the response falls below the
-    same floor.
+    Nothing is cut below if the instrument answers at zero frequency. Else the second is one cycle in the record, or
+    where the response rises above `RESPONSE_FLOOR` of its largest value if that is higher, and the first half of it.
     """
     nyquist, cycle = 0.5 / dt, 1.0 / (count * dt)
     looks = np.concatenate([[0.0], np.geomspace(min(0.1 * cycle, 0.01 * nyquist), nyquist, _LOOKS)])

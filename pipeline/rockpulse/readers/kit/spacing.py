@@ -109,8 +109,7 @@ def make_even(
     """Equally spaced samples, the interval [s] and warnings, from times (n,) and samples (n,) of a digitised trace.
 
     Unequal ones are interpolated linearly at the median interval; times that do not increase, and gaps, are refused.
-    For messages: line `first` of `name`, from 1, holds the first of the pairs, a row `per_row`, and a unit of the file
-    is `gravity_per_unit` g.
+    Messages name a line, of `per_row` pairs from line `first` of `name` on, and peaks of `gravity_per_unit` g a unit.
     """
     if times.size < 2:
         raise unexpected(f"{name}:{first}", "at least 2 samples", str(times.size), "the file may be truncated")

@@ -3,6 +3,7 @@
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -170,21 +171,18 @@ def _numbers(rows: Sequence[str], layout: Layout) -> np.ndarray | None:
         return None
 
 
-@dataclass(frozen=True)
-class Numbered:
-    """The statements of the lines of numbers in front of the samples."""
+class Numbered(NamedTuple):
+    """Index of the first row of samples, and the statements of the lines of numbers in front of it."""
 
-    start: int  # index of the first row of samples
+    start: int
     count: int = 0  # rows, or values of a series in rows; 0 where no line says so
     step: float | None = None  # sampling interval [s]
 
 
 def number_lines(name: str, lines: Sequence[str], layout: Layout, timed: bool) -> Numbered:
-    """Read ``N dt`` on one line (the DEEPSOIL layout) or two, in either order, or ``N`` alone.
-
-    Of one column, the first value is the count if as many rows follow; of two, a line is a heading if the time would
-    run backwards after it. If the first column is headed as time (`timed`), all rows are data.
-    """
+    """Read ``N dt`` on one line (the DEEPSOIL layout) or two, in either order, or ``N`` alone; none of `timed` rows."""
+    # Of one column, the first value is the count if as many rows follow; of two, a line is a heading if the time would
+    # run backwards after it.
     row = layout.start
     if timed:
         return Numbered(row)
@@ -233,9 +231,8 @@ def _first_values(name: str, lines: Sequence[str], layout: Layout) -> Numbered |
 def runs_on(table: np.ndarray) -> bool:
     """Whether the rows (n, columns) are one series in the order of reading, rather than channels side by side.
 
-    For m columns of a common motion with noise of their own, whose steps have mean squares x times those of the noise,
-    the first ratio is (m + x)/(m (1 + x)), below 1/2 only for x > m/(m - 2), and the second 1 + x: both together refuse
-    them.
+    Of m columns of one motion and noise, in mean squares of steps x to 1, the first ratio is (m + x)/(m (1 + x)), below
+    1/2 only for x > m/(m - 2), and the second 1 + x: both together refuse them.
     """
     if table.shape[0] < FEWEST_ROWS or table.shape[1] < 2:
         return False

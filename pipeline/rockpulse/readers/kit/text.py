@@ -69,17 +69,17 @@ def no_acceleration(where: str, expected: str, found: str, advice: str = ACCELER
     return NotAcceleration(f"{where}: expected {expected}, found {found}; {advice}")
 
 
-def matched(pattern: re.Pattern[str], text: str, group: int | str = 1) -> str:
+def matched(pattern: re.Pattern[str], text: str, group: int = 1) -> str:
     """A group of a pattern that a text begins with; empty where the text begins otherwise."""
     match = pattern.match(text)
     return (match[group] or "") if match else ""
 
 
 class Entry(NamedTuple):
-    """The statement of a header about one key."""
+    """The statement of a header about one key, and words in brackets behind the key."""
 
     text: str = ""
-    aside: str = ""  # words in brackets behind the key
+    aside: str = ""
     line: int = 1
 
 
@@ -103,10 +103,7 @@ class Entries(dict[str, Entry]):
 
 
 def text_lines(content: bytes) -> list[str]:
-    """Lines of a text file, at least one, ended by LF, CRLF or a lone CR, without blank ones and Ctrl-Z at the end.
-
-    Text that is no UTF-8 is taken as Latin-1, which maps every byte to a character.
-    """
+    """Lines of a text file, at least one, in UTF-8 or else Latin-1, without blank ones and Ctrl-Z at the end."""
     content = content.rstrip(b"\x1a\x00 \t\r\n").replace(b"\r\n", b"\n")
     if b"\r" in content:
         content = b"\n".join(line.rstrip(b"\r") for line in content.split(b"\n")).replace(b"\r", b"\n")
