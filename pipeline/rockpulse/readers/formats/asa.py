@@ -73,9 +73,8 @@ class _Header:
     def continued(self, key: str, more: int) -> str:
         """The value of a line and of up to `more` lines without a key behind it, in one line."""
         _, value, first = self.entry(key)
-        return " ".join(
-            [value, *(text for blank, text, at in self.entries if first < at <= first + more and not blank)]
-        )
+        further = (text for blank, text, at in self.entries if first < at <= first + more and not blank)
+        return " ".join([value, *further])
 
     def below(self, title: str) -> str:
         """The text under a heading, up to the next rule, in one line."""

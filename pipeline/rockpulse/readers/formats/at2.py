@@ -134,10 +134,8 @@ def _numbers_stop(name: str, lines: Sequence[str], first: int, count: int) -> tu
         return len(lines), []
     behind = lines[stop:]
     if _header_end(behind) is not None:
-        raise RecordFormatError(
-            f"{name}:{stop + 1}: expected the end of the file, found {behind[0][:60].strip()!r}, the beginning of "
-            "another record; write each record into a file of its own"
-        )
+        found, advice = f"{behind[0][:60].strip()!r}, the beginning of another record", kit.OWN_FILE
+        raise kit.unexpected(f"{name}:{stop + 1}", "the end of the file", found, advice)
     rows = sum(bool(_VALUE.match(line)) for line in behind)
     found = f"line {stop + 1}: the numbers stop at {behind[0][:60].strip()!r}; {rows} rows of numbers behind it"
     return stop, [f"{found} were left out"] if rows else []

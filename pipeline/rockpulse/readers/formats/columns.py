@@ -25,16 +25,12 @@ from rockpulse.readers.kit.table import (
 
 #: Rows of the table that decide whether it is one.
 _LOOK_AT = 500
-#: Columns beside the time that pass for the components of a station without headings.
-_COMPONENTS = 3
-#: More columns than a time and the components of a station have.
-_NO_STATION = _COMPONENTS + 1
-#: Characters of a line in a message.
-_SHOWN = 60
+#: Columns beside the time that pass for the components of a station without headings, and one column more.
+_COMPONENTS, _NO_STATION = 3, 4
+#: Characters of a line and of a list in a message.
+_SHOWN, _LISTED = 60, 200
 #: Correlation at which a column is the integral of the one before it, and no other component.
 _INTEGRAL = 0.95
-#: Characters of a list in a message.
-_LISTED = 200
 #: What one series in rows needs, as a message asks for it.
 _UNIT_TOO, _INTERVAL_TOO = "the unit too (option units, --units)", "the interval too (option dt, --dt)"
 _NAME_THEM = "name the columns in the line above the numbers, such as 'time acc_NS acc_EW'"
@@ -81,9 +77,8 @@ def read_columns(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]
     lines = kit.text_lines(file.content)
     layout = find_layout(lines)
     if layout is None:
-        raise RecordFormatError(
-            f"{file.name}: expected rows of numbers, all with the same number of columns, found none"
-        )
+        expected = "rows of numbers, all with the same number of columns"
+        raise RecordFormatError(f"{file.name}: expected {expected}, found none")
     headings, end = column_headings(lines[: layout.start], layout)
     stop = kit.end_of_numbers(lines, layout.start)
     numbered = number_lines(file.name, lines[:stop], layout, names_time(headings))
@@ -261,12 +256,9 @@ def _accelerations(name: str, columns: _Columns, prose: Sequence[str]) -> _Colum
     """The columns that are accelerations, by their headings or else by the prose above the table."""
     headings = columns.headings or (Heading(""),) * columns.width
     named = any(heading.kind == "acceleration" for heading in headings)
-    kept = [
-        index
-        for index, heading in enumerate(headings)
-        if heading.kind == "acceleration" or (not heading.kind and (heading.known or not named))
-    ]
-    left = ", ".join(heading.name for index, heading in enumerate(headings) if index not in kept)[:_LISTED]
+    fits = [one.kind == "acceleration" or (not one.kind and (one.known or not named)) for one in headings]
+    kept = [index for index, fit in enumerate(fits) if fit]
+    left = ", ".join(heading.name for heading, fit in zip(headings, fits, strict=True) if not fit)[:_LISTED]
     if not kept:
         raise kit.no_acceleration(f"{name}:{len(prose) + 1}", "an acceleration column", f"{left} only")
     said = kit.stated_kinds(prose)
@@ -274,9 +266,8 @@ def _accelerations(name: str, columns: _Columns, prose: Sequence[str]) -> _Colum
     if others and not all(headings[index].kind for index in kept):
         where, listed = f"{name}:{said[others[0]]}", " and ".join(others)
         if "acceleration" not in said and "spectrum" not in said:
-            raise kit.NotAcceleration(
-                f"{where}: expected accelerations, the header speaks of {listed} only; {kit.ACCELERATION_FILE}"
-            )
+            found = f"the header speaks of {listed} only; {kit.ACCELERATION_FILE}"
+            raise kit.NotAcceleration(f"{where}: expected accelerations, {found}")
         expected, found = "to know which columns are accelerations", f"a header that speaks of {listed}"
         raise kit.unexpected(where, expected, found, _NAME_THEM)
     return columns.picked(kept, f"columns left out, no acceleration: {left}") if left else columns

@@ -7,8 +7,8 @@ Reference: COSMOS Strong Motion Programs Board (2001), COSMOS Strong Motion Data
 
 import re
 from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from functools import partial
-from typing import NamedTuple
 
 import numpy as np
 
@@ -47,7 +47,8 @@ _LEAST_FACTOR = 1e-9
 _VELOCITY_SENSORS = range(1001, 2000)
 
 
-class _Series(NamedTuple):
+@dataclass(frozen=True)
+class _Series:
     """One series of a channel, by its heading: index of its line, number of samples, motion, unit, code of the unit."""
 
     at: int
@@ -176,7 +177,7 @@ def _acceleration(name: str, lines: Sequence[str], header: Header, end: int) -> 
                 f"that of line {blocks[0][0] + 1}; the file is damaged: download it again"
             )
         series = found[linear[0]]
-        return series._replace(warnings=(*series.warnings, *copies))
+        return replace(series, warnings=(*series.warnings, *copies))
     where, advice = f"{name}:{header.end + 1}", "read the acceleration file"
     raise kit.no_acceleration(where, "acceleration", repr(found[0].kind), advice)
 

@@ -31,12 +31,10 @@ _SITE = re.compile(r"\s*SITE CONDITION\s*:(.*)", re.IGNORECASE)
 _ORIGIN = re.compile(
     r"\s*\d+\s+(\d{4})-(\d{1,2})-(\d{1,2})\s+(\d{1,2}):(\d{1,2}):(\d{1,2}(?:\.\d{0,6})?)\s*([A-Z]*)", re.ASCII
 )
-#: Lines of the header that may hold the time of the earthquake.
-_ORIGIN_LINES = 6
 _NAMED = re.compile(r"(?:^|[._\-\d])(EW|NS|UD)(?=[._\-]|$)", re.IGNORECASE)
 _ROW = re.compile(r"\s*[+-]?(?:\d|\.\d)", re.ASCII)
-#: The header has 16 lines, copies may have a blank one more.
-_LONGEST_HEADER = 30
+#: Lines of the header, 16, of which copies may have a blank one more; those that may hold the time of the earthquake.
+_LONGEST_HEADER, _ORIGIN_LINES = 30, 6
 _BEIJING_HOURS = 8.0
 #: Durations are printed in whole seconds, which may be cut off rather than rounded [s].
 _CUT_OFF = 0.5

@@ -48,15 +48,11 @@ def read_geonet(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
         start = next((at for at in range(end, len(lines)) if lines[at].strip()), len(lines))
     kept, copies = kit.distinct_sections(lines, list(components), "component")
     records = [components[span] for span in kept]
-    counts = (
-        kit.Counted(start + 1, lines[start], record.component, _COMPONENTS)
-        for (start, _), record in zip(kept, records, strict=True)
-    )
+    pairs = zip(kept, records, strict=True)
+    counts = (kit.Counted(start + 1, lines[start], record.component, _COMPONENTS) for (start, _), record in pairs)
     notes += (*copies, *kit.completeness(file.name, counts, "files of this format hold"))
-    notes += kit.held_units(
-        (record.component or str(number), record.source_unit) for number, record in enumerate(records, 1)
-    )
-    return kit.with_warnings(records, notes)
+    units = ((record.component or str(number), record.source_unit) for number, record in enumerate(records, 1))
+    return kit.with_warnings(records, (*notes, *kit.held_units(units)))
 
 
 def _component(file: kit.SourceFile, lines: Sequence[str], start: int, number: int) -> tuple[kit.Record, int]:
@@ -85,9 +81,13 @@ def _component(file: kit.SourceFile, lines: Sequence[str], start: int, number: i
     if not (step > 0.0 and abs(step - stated) <= 1.01 * rounding):
         expected = f"an interval of {step:g} s (real 26 of the header)"
         raise kit.unexpected(f"{file.name}:{start + 11}", expected, repr(text[10].strip()))
-    notes += surplus
-    notes += _held(text, step, step * np.arange(count) - reals[1], samples)
-    component = kit.matched(_COMPONENT, text[12])
+    notes += (*surplus, *kit.held_length(kit.matched(_DURATION, text[9]), count, step))
+    notes += kit.held_peak_time(kit.matched(_PEAK, text[13], 3), step * np.arange(count) - reals[1], samples)
+    others = [match[1] for line in text[14:] if (match := _OTHER_PEAKS.match(line))]
+    notes += kit.held_lengths_of_units([peak[2], *others]) if peak else []
+    component, azimuth = kit.matched(_COMPONENT, text[12]), int(integers[27])
+    told = kit.Direction("horizontal", float(azimuth % 360)) if 0 < azimuth <= 360 else kit.Direction()
+    note = f"the text says {component!r}, integer 28 of the header says {azimuth}: the direction is unknown"
     record = kit.build_record(
         file,
         samples,
@@ -97,7 +97,7 @@ def _component(file: kit.SourceFile, lines: Sequence[str], start: int, number: i
         factor=kit.UNITS[unit] * (float(readings[1]) if readings else 1.0),
         processed=not raw,
         component=component,
-        facing=_facing(component, int(integers[27])),
+        facing=kit.held_direction(kit.direction(component), told, note),
         structural=kit.on_structure(text[2]),
         station=title[2],
         location=title[3] or "",
@@ -128,22 +128,6 @@ def _counts(name: str, line: str, start: int, integers: np.ndarray) -> tuple[int
         expected = "counts of accelerations, velocities and displacements of at least 0"
         raise kit.unexpected(f"{name}:{start + _TEXT_LINES + 4}", expected, str(blocks))
     return blocks[0], sum(-(-block // _PER_ROW) for block in blocks)
-
-
-def _held(text: Sequence[str], step: float, times: np.ndarray, samples: np.ndarray) -> list[str]:
-    """Warnings where duration, time of the peak or units in the text contradict the samples at times (n,) [s]."""
-    notes = kit.held_length(kit.matched(_DURATION, text[9]), samples.size, step)
-    notes += kit.held_peak_time(kit.matched(_PEAK, text[13], 3), times, samples)
-    others = [match[1] for line in text[14:] if (match := _OTHER_PEAKS.match(line))]
-    unit = kit.matched(_PEAK, text[13], 2)
-    return notes + (kit.held_lengths_of_units([unit, *others]) if unit else [])
-
-
-def _facing(component: str, azimuth: int) -> kit.Direction:
-    """The direction of the wording; unknown, with a note, where integer 28, its azimuth if above 0, contradicts it."""
-    told = kit.Direction("horizontal", float(azimuth % 360)) if 0 < azimuth <= 360 else kit.Direction()
-    note = f"the text says {component!r}, integer 28 of the header says {azimuth}: the direction is unknown"
-    return kit.held_direction(kit.direction(component), told, note)
 
 
 def _times(integers: np.ndarray) -> tuple[datetime | None, datetime | None]:

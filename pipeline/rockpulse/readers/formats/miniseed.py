@@ -8,14 +8,7 @@ import numpy as np
 from rockpulse.errors import RecordRefused
 from rockpulse.readers import kit
 from rockpulse.readers.format import Format, ReadOptions
-from rockpulse.readers.kit.obspy_bridge import (
-    PROCESSED,
-    codes_of,
-    obspy_stream,
-    seed_direction,
-    station_channel,
-    utc_time,
-)
+from rockpulse.readers.kit import obspy_bridge as bridge
 from rockpulse.readers.kit.response import from_counts
 
 #: Two statements of the sampling rate may differ by this share.
@@ -24,14 +17,13 @@ _RATE_TOLERANCE = 1e-3
 
 def is_miniseed(head: bytes, name: str) -> bool:
     """Whether the file begins with a data record: six digits, a quality letter, a blank."""
-    return (
-        len(head) >= 48 and head[:6].strip(b"0123456789 \x00") == b"" and head[6:7] in b"DRQM" and head[7:8] in b" \0"
-    )
+    numbered = len(head) >= 48 and head[:6].strip(b"0123456789 \x00") == b""
+    return numbered and head[6:7] in b"DRQM" and head[7:8] in b" \0"
 
 
 def read_miniseed(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
     """Read every acceleration channel; the gain comes from a StationXML file in the same folder."""
-    stream, notes = obspy_stream(file, "MSEED")
+    stream, notes = bridge.obspy_stream(file, "MSEED")
     # Lengths are powers of two, so the shortest divides them all.
     length = min(int(trace.stats.mseed.record_length) for trace in stream)
     if len(file.content) % length:
@@ -54,7 +46,7 @@ def _channel(file: kit.SourceFile, traces: list[Any], number: int, options: Read
             f"{where} has {len(traces) - 1} gaps or overlaps, the first at {stats.endtime}; cut a part without gaps, "
             "or download the record again"
         )
-    channel, site, notes = station_channel(file, trace, full=options.response == "remove")
+    channel, site, notes = bridge.station_channel(file, trace, full=options.response == "remove")
     found = from_counts(where, np.asarray(trace.data), float(stats.delta), channel.response, options.response)
     return kit.build_record(
         file,
@@ -63,12 +55,12 @@ def _channel(file: kit.SourceFile, traces: list[Any], number: int, options: Read
         "counts",
         number=number,
         factor=found.factor,
-        processed=PROCESSED.get(channel.description, False),
+        processed=bridge.PROCESSED.get(channel.description, False),
         component=stats.channel,
-        facing=seed_direction(stats.channel, channel.azimuth, channel.dip),
-        **codes_of(stats),
+        facing=bridge.seed_direction(stats.channel, channel.azimuth, channel.dip),
+        **bridge.codes_of(stats),
         station_name=site,
-        start_time=utc_time(file, stats.starttime),
+        start_time=bridge.utc_time(file, stats.starttime),
         sensor_depth=float("nan") if channel.depth is None else float(channel.depth),
         station_place=(float(channel.latitude), float(channel.longitude)),
         warnings=[*notes, *found.warnings, *_held_rate(float(stats.sampling_rate), channel)],

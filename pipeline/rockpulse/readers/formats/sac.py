@@ -30,11 +30,6 @@ def _byte_order(head: bytes) -> str | None:
     return next(orders, None)
 
 
-def is_sac(head: bytes, name: str) -> bool:
-    """Whether the header version of a binary SAC file stands where it belongs."""
-    return _byte_order(head) is not None
-
-
 def read_sac(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
     """Read the one channel of a SAC file; `options.units` is needed, because the header does not tell the unit."""
     order = _byte_order(file.head)
@@ -127,7 +122,7 @@ SAC = Format(
     unit="asked for (units)",
     processed="unknown",
     example="T001230.HNE.sac",
-    detect=is_sac,
+    detect=lambda head, name: _byte_order(head) is not None,
     parse=read_sac,
     obspy_reads=True,
 )

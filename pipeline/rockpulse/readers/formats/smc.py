@@ -16,15 +16,8 @@ from rockpulse.readers import kit
 from rockpulse.readers.format import Format, ReadOptions
 
 #: Series of types 1 to 6, in this order.
-_KINDS = (
-    "UNCORRECTED ACCELEROGRAM",
-    "CORRECTED ACCELEROGRAM",
-    "VELOCITY",
-    "DISPLACEMENT",
-    "RESPONSE SPECTRA",
-    "FOURIER",
-)
-_TITLE = re.compile(rf"\s?([1-6])\s+({'|'.join(_KINDS)})", re.IGNORECASE)
+_KINDS = "UNCORRECTED ACCELEROGRAM|CORRECTED ACCELEROGRAM|VELOCITY|DISPLACEMENT|RESPONSE SPECTRA|FOURIER"
+_TITLE = re.compile(rf"\s?([1-6])\s+({_KINDS})", re.IGNORECASE)
 #: Lines of text, and indices of the first line of the reals and of the first line behind them.
 _TEXT_LINES, _REALS, _FIRST_COMMENT = 11, 17, 27
 _STATION = re.compile(r"station\s*=\s*(.*?)\s*component\s*=\s*(.*)", re.IGNORECASE)
@@ -144,10 +137,8 @@ def _held_extremes(reals: np.ndarray, block: kit.Block) -> list[str]:
     for number, sign, what in ((29, 1.0, "largest"), (31, -1.0, "least")):
         stated, found = reals[number], sign * float(np.max(sign * block.values))
         if abs(stated - found) > kit.PEAK_TOLERANCE * block.peak:  # NaN, a value that is not stated, is not
-            notes.append(
-                f"real {number + 1} of the header states {stated:g} cm/s2 as the {what} value, the samples have "
-                f"{found:g}"
-            )
+            value = f"{stated:g} cm/s2 as the {what} value"
+            notes.append(f"real {number + 1} of the header states {value}, the samples have {found:g}")
         notes += kit.held_peak_time(f"{reals[number - 1]:.6g}", block.times, np.maximum(sign * block.values, 0.0))
     return notes
 
@@ -175,9 +166,7 @@ def _start_time(integers: np.ndarray, event: re.Match[str] | None) -> tuple[date
     if start is None or start.year != year or not 0 <= millisecond < 1000:
         words = " ".join(f"{value:.0f}" for value in moment)
         return None, [f"{words} (integers 2 to 7: year, day, hour, minute, second, millisecond) is no start time"]
-    if event is None:
-        return start, []
-    return kit.near_event(start, _origin(event))
+    return kit.near_event(start, _origin(event)) if event else (start, [])
 
 
 def _origin(event: re.Match[str]) -> datetime | None:

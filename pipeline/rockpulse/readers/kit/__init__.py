@@ -28,6 +28,7 @@ from rockpulse.readers.kit.text import (
     ACCELERATION_FILE,
     FILE_DAMAGED,
     LONGEST_LINE,
+    OWN_FILE,
     TRUNCATED,
     UNITS,
     Entries,

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from rockpulse.readers.kit.direction import Direction
-from rockpulse.readers.kit.text import FILE_DAMAGED, UNITS, fixed_width, printed_number, unexpected
+from rockpulse.readers.kit.text import FILE_DAMAGED, OWN_FILE, UNITS, fixed_width, printed_number, unexpected
 
 #: A stated length, of the samples or of the steps between them, may be off by this many steps.
 LENGTH_STEPS = 2.0
@@ -43,10 +43,8 @@ def held_peak_time(text: str, times: np.ndarray, values: np.ndarray) -> list[str
     near = np.abs(times - stated) <= (_BESIDE_PEAK + 0.5) * step + rounding
     if np.max(np.abs(values), where=near, initial=0.0) >= _PEAK_SHARE * peak:
         return []
-    found = float(times[np.argmax(np.abs(values))])
-    return [
-        f"the header states the peak at {stated:g} s, at the interval of {step:g} s the samples have it at {found:g} s"
-    ]
+    found = f"at the interval of {step:g} s the samples have it at {float(times[np.argmax(np.abs(values))]):g} s"
+    return [f"the header states the peak at {stated:g} s, {found}"]
 
 
 def held_units(stated: Iterable[tuple[str, str]]) -> list[str]:
@@ -98,8 +96,7 @@ def surplus(
     for at in range(first, end):
         if title and title.match(lines[at][:_LONGEST_LINE]):
             found = f"{lines[at][:60].strip()!r}, the beginning of another record"
-            advice = "write each record into a file of its own"
-            raise unexpected(f"{name}:{at + 1}", "the end of the file", found, advice)
+            raise unexpected(f"{name}:{at + 1}", "the end of the file", found, OWN_FILE)
     rows = sum(bool(line.strip()) for line in lines[first:end])
     return (*notes, *([f"line {first + 1}: {rows} rows beyond the declared count were left out"] if rows else []))
 

@@ -62,10 +62,8 @@ def near_event(start: datetime | None, origin: datetime | None) -> tuple[datetim
     """The start time [UTC], or None and a warning where it is further than `NEAR` from the origin of the earthquake."""
     if start is None or origin is None or abs(start - origin) <= NEAR:
         return start, []
-    return None, [
-        f"the start time {start:%Y-%m-%d %H:%M:%S} lies {abs(start - origin) / timedelta(hours=1):.1f} h from the "
-        f"earthquake of {origin:%Y-%m-%d %H:%M:%S}; it was left out"
-    ]
+    away = f"{abs(start - origin) / timedelta(hours=1):.1f} h from the earthquake of {origin:%Y-%m-%d %H:%M:%S}"
+    return None, [f"the start time {start:%Y-%m-%d %H:%M:%S} lies {away}; it was left out"]
 
 
 def written(text: str) -> datetime | None:

@@ -19,9 +19,7 @@ from rockpulse.record.record import STANDARD_GRAVITY
 _QUANTITIES = {"M": "displacement", "M/S": "velocity", "M/S2": "acceleration"}
 _PREFIXES = {"": 1.0, "C": 1e-2, "M": 1e-3, "U": 1e-6, "N": 1e-9}
 #: Input units that a response may have: spelling without signs of powers, quantity, SI units per unit.
-_MOTION = {
-    prefix + word: (quantity, scale) for word, quantity in _QUANTITIES.items() for prefix, scale in _PREFIXES.items()
-}
+_MOTION = {prefix + word: (name, scale) for word, name in _QUANTITIES.items() for prefix, scale in _PREFIXES.items()}
 _MOTION |= {"G": ("acceleration", STANDARD_GRAVITY), "GAL": ("acceleration", 0.01), "GALS": ("acceleration", 0.01)}
 #: Units of sensors that share a station with accelerometers and record no motion of the ground.
 _NO_MOTION = frozenset({"PA", "HPA", "KPA", "MBAR", "C", "DEGC", "K", "T", "NT", "%", "M/M", "RAD", "RAD/S", "RAD/S2"})
@@ -38,8 +36,7 @@ UPPER_TAPER = (0.8, 0.95)
 LONG_PULSES = 0.05
 #: Half-waves longer than this share of the period at which the pass band begins lose 4 % of their impulse and more.
 _WHOLE_IMPULSE = 0.2
-#: Frequencies at which the response is looked at.
-_LOOKS = 400
+_LOOKS = 400  # frequencies at which the response is looked at
 
 
 @dataclass(frozen=True)
@@ -155,19 +152,16 @@ def without_response(where: str, counts: np.ndarray, dt: float, response: Any) -
     if not np.all(np.isfinite(trace.data)):
         raise RecordFormatError(f"{where}: the response is zero within the pass band; use its sensitivity")
     low = f"from {band[1]:.3g} Hz (nothing below {band[0]:.3g} Hz)" if band[0] > 0.0 else "from 0 Hz"
-    note = (
-        f"instrument response removed, {unit} to m/s2: mean removed, pass band {low} to {band[2]:.3g} Hz "
-        f"(nothing above {band[3]:.3g} Hz)"
-    )
+    passed = f"{low} to {band[2]:.3g} Hz (nothing above {band[3]:.3g} Hz)"
+    note = f"instrument response removed, {unit} to m/s2: mean removed, pass band {passed}"
     # Stages that differ from the sensitivity are reported by `_disagreement`, with the figure.
     warnings = [note for note in notes if not any(words in note for words in ("norm_resp", "Execution continuing"))]
     if quantity != "acceleration":
         warnings.append(f"a sensor of {quantity}, differentiated: check that it was not driven to its limit")
     if band[1] > LONG_PULSES:
-        warnings.append(
-            f"the pass band begins at {band[1]:.3g} Hz: impulses longer than about {_WHOLE_IMPULSE / band[1]:.2g} s "
-            "are damped; use an accelerometer for near-fault pulses"
-        )
+        damped = f"impulses longer than about {_WHOLE_IMPULSE / band[1]:.2g} s are damped"
+        advice = "use an accelerometer for near-fault pulses"
+        warnings.append(f"the pass band begins at {band[1]:.3g} Hz: {damped}; {advice}")
     warnings += _disagreement(where, response, size, quantity, scale)
     return Removed(trace.data * gain, scale / gain, (note,), tuple(warnings))
 
@@ -178,10 +172,8 @@ def _input_unit(where: str, response: Any) -> tuple[str, str, float]:
 
     stages = response.response_stages
     if not stages:
-        raise RecordRefused(
-            f"{where}: the StationXML has no stages of the response; get it with them (level=response), or use the "
-            "sensitivity"
-        )
+        advice = "get it with them (level=response), or use the sensitivity"
+        raise RecordRefused(f"{where}: the StationXML has no stages of the response; {advice}")
     if any(isinstance(stage, PolynomialResponseStage) for stage in stages):
         raise RecordRefused(f"{where}: the response is a polynomial, which is not read; use the sensitivity")
     sensitivity = response.instrument_sensitivity

@@ -3,7 +3,6 @@
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 
@@ -21,14 +20,11 @@ _WORDS = re.compile(r"[\s\"'*#%!/=<>(\[;,:_~-]*+(?!(?:nan|inf)(?![a-z]))[^\W\d_]
 _COMMA_DECIMAL = re.compile(r"[+-]?\d++(?:,\d++)?(?:[eEdD][+-]?\d++)?", re.ASCII)
 _AS_PYTHON = str.maketrans({",": ".", "d": "e", "D": "e"})
 _SHOWN = 80
-#: Rows that are read, and blamed, together.
-_PART = 2000
+_PART = 2000  # rows that are read, and blamed, together
 _COUNT = re.compile(r"\d{1,9}", re.ASCII)
 _STEP = re.compile(r"\d{0,3}[.,]\d{1,12}(?:[eE][+-]?\d{1,2})?", re.ASCII)
-#: Rows that show how samples are written.
-_LOOK_AT = 50
-#: Rows that show how a table runs on.
-FEWEST_ROWS = 20
+#: Rows that show how samples are written, and how a table runs on.
+_LOOK_AT, FEWEST_ROWS = 50, 20
 #: Of a series in rows, the steps from value to value are smaller than those from row to row: their mean squares are
 #: in a ratio below this one, and above 1 for channels that have nothing to do with each other.
 SMOOTHER = 0.5
@@ -171,7 +167,8 @@ def _numbers(rows: Sequence[str], layout: Layout) -> np.ndarray | None:
         return None
 
 
-class Numbered(NamedTuple):
+@dataclass(frozen=True)
+class Numbered:
     """Index of the first row of samples, and the statements of the lines of numbers in front of it."""
 
     start: int

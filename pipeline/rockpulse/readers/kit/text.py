@@ -12,14 +12,8 @@ from rockpulse.readers.source import NotAcceleration
 from rockpulse.record.record import STANDARD_GRAVITY
 
 #: Acceleration in m/s2 = value in the file x factor.
-UNITS: dict[str, float] = {
-    "m/s2": 1.0,
-    "cm/s2": 0.01,
-    "gal": 0.01,
-    "mm/s2": 0.001,
-    "g": STANDARD_GRAVITY,
-    "g/10": STANDARD_GRAVITY / 10.0,
-}
+UNITS: dict[str, float] = {"m/s2": 1.0, "cm/s2": 0.01, "gal": 0.01, "mm/s2": 0.001}
+UNITS |= {"g": STANDARD_GRAVITY, "g/10": STANDARD_GRAVITY / 10.0}
 
 #: No line of a header is longer; a damaged one may be.
 LONGEST_LINE = 200
@@ -28,12 +22,12 @@ HEADER_DAMAGED = "the header is damaged: download the file again"
 FILE_DAMAGED = "the file is damaged: download it again"
 LINE_DAMAGED = "the line is damaged: download the file again"
 TRUNCATED = "the file may be truncated: download it again"
-#: The advice in messages about a file of another motion.
+#: The advice in messages about a file of another motion, or of another record too.
 ACCELERATION_FILE = "read the acceleration file of the same record"
+OWN_FILE = "write each record into a file of its own"
 
 _NUMBER_BYTES = b" \t0123456789+-.eEdD"
-_FORTRAN_EXPONENT = bytes.maketrans(b"dD", b"ee")
-_FORTRAN_EXPONENT_TEXT = str.maketrans("dD", "ee")
+_FORTRAN_EXPONENT, _FORTRAN_EXPONENT_TEXT = bytes.maketrans(b"dD", b"ee"), str.maketrans("dD", "ee")
 #: Characters of the longest exponent of a number, its sign included.
 _EXPONENT_DIGITS = 4
 _NUMBER = re.compile(r"\s*[+-]?(\d+(\.\d*)?|\.\d+)([eEdD][+-]?\d+)?\s*", re.ASCII)
@@ -204,9 +198,8 @@ def canonical_unit(text: str, where: str) -> str:
         of = f" ({quantity})" if quantity else ""
         advice = "" if where.startswith("option") else "; correct the file, or write columns and give their unit"
         near = "".join(f'; did you mean "{close}"?' for close in get_close_matches(unit, UNITS, n=1))
-        raise UnitError(
-            f"{where}: unknown unit of acceleration {text[:40]!r}{of}{near}; expected one of {', '.join(UNITS)}{advice}"
-        )
+        found = f"unknown unit of acceleration {text[:40]!r}{of}{near}"
+        raise UnitError(f"{where}: {found}; expected one of {', '.join(UNITS)}{advice}")
     return unit
 
 

@@ -9,7 +9,7 @@ from record_writers import pulse
 
 from rockpulse.errors import RecordFormatError, UnitError
 from rockpulse.readers import read
-from rockpulse.readers.formats.sac import is_sac
+from rockpulse.readers.formats.sac import SAC
 from rockpulse.readers.source import NotAcceleration
 
 COUNTS = np.round(pulse(1000, peak=500_000.0)).astype(np.int32)
@@ -147,8 +147,8 @@ def test_unequal_steps_and_other_kinds_of_files_are_refused(tmp_path, word, valu
 def test_the_version_of_the_header_tells_the_format(order, version, known):
     head = bytearray(632)
     struct.pack_into(f"{order}i", head, 4 * 76, version)
-    assert is_sac(bytes(head), "x") is known
-    assert not is_sac(bytes(head[:631]), "x")
+    assert SAC.detect(bytes(head), "x") is known
+    assert not SAC.detect(bytes(head[:631]), "x")
 
 
 @pytest.mark.parametrize("known", [{"stdp": 55.0}, {}])

@@ -20,7 +20,6 @@ from rockpulse.readers.kit.response import (
     pass_band,
     sensitivity_factor,
     sensitivity_notes,
-    turned,
     without_response,
 )
 from rockpulse.readers.source import NotAcceleration
@@ -119,8 +118,6 @@ def test_a_sensitivity_against_the_gains_of_the_stages(value, unit, gains, first
 
 def test_the_first_stage_is_that_of_the_lowest_number():
     assert first_stage(response(1.0, gains=(7.0, 8.0, 9.0))).stage_gain == 7.0
-    assert turned(SimpleNamespace(value=-0.5)) == ["the sensitivity is negative, -0.5: a sign is turned"]
-    assert turned(SimpleNamespace(value=0.0)) == turned(SimpleNamespace(value=3.0)) == []
 
 
 pytestmark = pytest.mark.filterwarnings("ignore:ObsPy can not map unit", "ignore:The unit .* is not known to ObsPy")
