@@ -31,18 +31,14 @@ def rows(template):
         "Station X\nUNITS CM/S/S\n" + "-300.12-299.87-411.32\n" * 30,  # columns that run together
         "-300-299-411-123\n" * 30,
         "date,acc\n" + rows("2019-07-06T03:19:{t:05.2f},{a}\n"),
-        rows("{t:.2f} {a}\n").replace("-", "\u2212"),
-        rows("{a}g\n"),
-        rows("t={t:.2f} s a={a} m/s2\n"),
+        *[rows("{t:.2f} {a}\n").replace("-", "\u2212"), rows("{a}g\n"), rows("t={t:.2f} s a={a} m/s2\n")],
         rows('{{"time in seconds": {t:.2f}, "acceleration in gravity": {a}}},\n'),
         rows("{t:.2f} 1,131.57\n"),
         rows("sample {t:.0f} counts 4711\n"),
         "".join(f"{0.01 * k:.2f} {a * 1e-3 ** (k % 3):g} {'NaN' if k % 5 else a}\n" for k, a in enumerate(VALUES)),
         "".join(f"2019-07-06T03:19:{k:02} HN{'NEZ'[k % 3]} {a:.4f} {a:.3f}\n" for k, a in enumerate(VALUES)),
-        "time,record\n" + rows("{t:.2f},{a}\n"),
-        "event,NS,EW\n" + rows("{t:.2f},{a},{a}\n"),
-        "record,a1,a2\n" + rows("{t:.2f},{a},{a}\n"),
-        rows("{a:.5E}{a:.5E}\n").replace("E", "D"),
+        *["time,record\n" + rows("{t:.2f},{a}\n"), "event,NS,EW\n" + rows("{t:.2f},{a},{a}\n")],
+        *["record,a1,a2\n" + rows("{t:.2f},{a},{a}\n"), rows("{a:.5E}{a:.5E}\n").replace("E", "D")],
         PROSE * 200 + "-300.12-299.87\n" * 12,  # a long heading
         PROSE * 15 + "".join(f"{a:9.2f}" for a in VALUES * 3),  # all in one line
         "\u0660\u0661 \u0662\u0663\n" * 50,  # digits of another script

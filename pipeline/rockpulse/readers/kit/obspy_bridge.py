@@ -192,9 +192,7 @@ def station_channel(file: SourceFile, trace: Any, full: bool) -> tuple[Any, str,
             serving = [(channel, site) for channel, site in channels if own or channel.description not in PROCESSED]
             bound = len(serving) < len(channels)
             looked.append(f"{name}, which serves the miniSEED file of its own name only" if bound else name)
-            for channel, site in serving:
-                begins, ends = channel.start_date or stats.starttime, channel.end_date or stats.endtime
-                found += [(channel, site)] if begins <= stats.starttime and stats.endtime <= ends else []
+            found += [(channel, site) for channel, site in serving if _holds(channel, stats.starttime, stats.endtime)]
         if found:
             break
     if not found:
@@ -223,6 +221,11 @@ def told_otherwise(files: Files, network: str, station: str, channel: Any) -> bo
         for name, content in files
         for other, _ in _channels(name, content, network, station, channel.location_code, channel.code)
     )
+
+
+def _holds(channel: Any, start: Any, end: Any) -> bool:
+    begins, ends = channel.start_date, channel.end_date
+    return not ((begins and begins > start) or (ends and ends < end))
 
 
 def _overlap(one: Any, other: Any) -> bool:

@@ -57,9 +57,7 @@ def test_scale_styles(write, scale, factor):
 @pytest.mark.parametrize(
     ("name", "component", "orientation"),
     [
-        ("A.EW", "EW", "horizontal"),
-        ("A.NS2", "NS", "horizontal"),
-        ("A.UD", "UD", "vertical"),
+        *[("A.EW", "EW", "horizontal"), ("A.NS2", "NS", "horizontal"), ("A.UD", "UD", "vertical")],
         ("A.dat", "EW", "horizontal"),
     ],
 )

@@ -1,7 +1,4 @@
-"""The direction of a channel by its SEED code and the angles of its station metadata.
-
-Epochs of the channels of station metadata.
-"""
+"""The direction of a channel by its SEED code and the angles of its station metadata."""
 
 import os
 import sys
@@ -30,12 +27,9 @@ from rockpulse.readers.source import SourceFile
 @pytest.mark.parametrize(
     ("code", "azimuth", "dip", "expected"),
     [
-        ("HNE", None, None, ("horizontal", 90.0)),
-        ("HN1", None, None, ("horizontal", None)),
-        ("HN1", 33.0, None, ("horizontal", 33.0)),
-        ("HNR", None, 0.0, ("horizontal", None)),
-        ("HNR", 210.0, 0.0, ("horizontal", 210.0)),
-        ("HNE", 450.0, 0.0, ("horizontal", 90.0)),
+        *[("HNE", None, None, ("horizontal", 90.0)), ("HN1", None, None, ("horizontal", None))],
+        *[("HN1", 33.0, None, ("horizontal", 33.0)), ("HNR", None, 0.0, ("horizontal", None))],
+        *[("HNR", 210.0, 0.0, ("horizontal", 210.0)), ("HNE", 450.0, 0.0, ("horizontal", 90.0))],
         ("HNE", float("nan"), float("inf"), ("horizontal", 90.0)),
         ("HNZ", 0.0, -90.0, ("vertical", None)),
         ("HNZ", 0.0, None, ("vertical", None)),
@@ -134,13 +128,8 @@ def test_a_file_without_a_waveform_or_of_times_that_cannot_be_printed_is_named(m
 @pytest.mark.parametrize(
     ("one", "other", "expected"),
     [
-        ((1, 3), (2, 4), True),
-        ((1, 2), (3, 4), False),
-        ((1, 2), (2, 4), True),
-        ((1, None), (3, 4), True),
-        ((None, None), (3, None), True),
-        ((None, 2), (3, None), False),
-        ((3, None), (None, 2), False),
+        *[((1, 3), (2, 4), True), ((1, 2), (3, 4), False), ((1, 2), (2, 4), True), ((1, None), (3, 4), True)],
+        *[((None, None), (3, None), True), ((None, 2), (3, None), False), ((3, None), (None, 2), False)],
     ],
 )
 def test_epochs_without_a_limit_are_open(one, other, expected):
@@ -172,9 +161,7 @@ CORRECTED, RAW, EITHER = PROCESSED
 @pytest.mark.parametrize(
     ("one", "other", "gap"),
     [
-        ({}, {"unit": "M/S**2"}, None),
-        ({}, {"azimuth": 420.0}, None),
-        ({}, {"description": RAW}, None),
+        *[({}, {"unit": "M/S**2"}, None), ({}, {"azimuth": 420.0}, None), ({}, {"description": RAW}, None)],
         ({}, {"description": "an accelerometer"}, None),
         ({}, {"value": 3.0}, ("sensitivities", "2.0 per M/S**2; 3.0 per M/S**2")),
         ({}, {"unit": "g"}, ("sensitivities", "2.0 per M/S**2; 2.0 per G")),

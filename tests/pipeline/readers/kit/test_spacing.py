@@ -1,9 +1,4 @@
-"""Equal spacing through the rounding of printed times, and gaps that do not pass for it.
-
-Blocks of (time, acceleration) pairs: how many, how wide, and what stands behind them.
-
-Times in the columns of a table: what counts as time, and what is missing, repeated or rounded in it.
-"""
+"""Equal spacing through the rounding of printed times, and gaps that do not pass for it."""
 
 import re
 
@@ -17,7 +12,6 @@ from rockpulse.errors import RecordFormatError, UnitError
 from rockpulse.readers import read
 from rockpulse.readers.kit.headings import Heading
 from rockpulse.readers.kit.spacing import (
-    _half_digit,
     agreed_step,
     climbs,
     counts_rows,
@@ -77,13 +71,8 @@ def test_a_hole_of_half_a_step_more_is_a_gap_too(length):
 @pytest.mark.parametrize(
     ("begin", "step", "count", "at", "length"),
     [
-        (9e-4, 0.0083, 43, 27, 5),
-        (8e-4, 0.0123, 45, 14, 1),
-        (6e-4, 0.0123, 22, 21, 8),
-        (7e-4, 0.0123, 38, 9, 7),
-        (1e-3, 0.0064, 19, 10, 1),
-        (8e-4, 0.0047, 12, 6, 5),
-        (9e-4, 0.0083, 13, 3, 5),
+        *[(9e-4, 0.0083, 43, 27, 5), (8e-4, 0.0123, 45, 14, 1), (6e-4, 0.0123, 22, 21, 8), (7e-4, 0.0123, 38, 9, 7)],
+        *[(1e-3, 0.0064, 19, 10, 1), (8e-4, 0.0047, 12, 6, 5), (9e-4, 0.0083, 13, 3, 5)],
     ],
 )
 def test_a_gap_in_coarsely_printed_times_has_the_rounding_of_its_ends(begin, step, count, at, length):
@@ -115,22 +104,6 @@ def test_samples_of_a_known_interval_fit_however_coarse_their_times(step, count,
 @pytest.mark.parametrize("times", [[0.0, 0.0, 0.01], [0.0, 0.0, 0.0]])
 def test_no_times_fit_an_interval_that_is_none(dt, times):
     assert not printed_at(np.array(times), dt)
-
-
-@pytest.mark.parametrize(
-    ("times", "half"),
-    [
-        ([0.0, 1.0, 2.0], 0.5),
-        ([0.0, 0.5], 0.05),
-        ([0.25, 0.125], 0.0005),
-        ([0.12345678], 0.5e-8),
-        ([0.1234567815], 0.0),  # off eight decimals by 1.5e-9
-        ([1e-9], 0.0),  # the noise of binary fractions is smaller
-        ([1e6 + 0.0005], 0.5),  # a billionth of a large time is such noise
-    ],
-)
-def test_half_a_unit_of_the_last_decimal(times, half):
-    assert _half_digit(np.array(times)) == pytest.approx(half, rel=1e-12, abs=0.0)
 
 
 def test_times_of_whole_seconds_hide_no_row_of_a_finer_interval():
@@ -276,14 +249,6 @@ def test_what_stands_behind_the_declared_pairs_is_told(margin):
     assert block([first, last + "7", "", "8 9", "10"]).warnings == (*numbers, f"line 5: 2 rows {further} left out")
     assert block([first, last], 5).warnings == (f"line 4: 1 rows {further} left out",)
     assert block([first, last, "of the next"], end=4).warnings == ()
-
-
-def test_uneven_times_are_resampled_and_told_in_g():
-    times = np.array([0.0, 0.02, 0.04, 0.05, 0.07])
-    found = block(rows(times, VALUES[:5]), 5, "g/10")
-    assert found.samples == pytest.approx([0.125, -0.5, 3.25, -0.875], abs=1e-12)
-    assert found.times == pytest.approx(times, abs=1e-12)
-    assert found.warnings[0].endswith("the peak goes from 0.45 to 0.325 g")
 
 
 def test_a_block_that_is_cut_or_damaged_is_named_by_its_line():
