@@ -123,16 +123,6 @@ def test_any_damage_to_an_archive_is_a_row(tmp_path):
         assert records or failures
 
 
-def test_miniseed_in_an_archive_finds_its_station_file(tmp_path, records_folder):
-    beside = records_folder / "mseed_xml"
-    with zipfile.ZipFile(tmp_path / "all.zip", "w", zipfile.ZIP_DEFLATED) as target:
-        target.write(beside / "CI.WCS2..HNE.mseed", "data/CI.WCS2..HNE.mseed")
-        target.write(beside / "CI.WCS2.xml", "data/CI.WCS2.xml")
-    (record,), failures = read_all(tmp_path / "all.zip")
-    assert record.unit_factor == 1.0 / 213757.0
-    assert failures == []
-
-
 def entry(name="a.AT2", offset=0, packed=10, size=10):
     """A row of the directory of an archive."""
     row = zipfile.ZipInfo(name)

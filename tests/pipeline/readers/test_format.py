@@ -175,19 +175,6 @@ def test_a_file_that_states_something_else_than_its_pattern_fails(bare, given, w
     assert "--" not in failures[0].reason
 
 
-def test_a_heading_that_states_something_else_names_the_pattern_and_no_option(tmp_path):
-    table = "time (s),acc (cm/s2)\n" + "".join(f"{0.01 * k:.2f},{v:.6f}\n" for k, v in enumerate(pulse(peak=0.3)))
-    (tmp_path / "a.csv").write_text(table)
-    for given, words in (
-        ({"units": "g"}, 'is headed cm/s2, [[records.file]] match = "*.csv" says g; correct the wrong one, or the pat'),
-        ({"dt": 0.02}, '0.02 s ([[records.file]] match = "*.csv"); correct the wrong one, or the pattern'),
-    ):
-        found, failures = read_in(tmp_path, FileSettings(match="*.csv", **given))
-        assert found == {}
-        assert words in failures[0].reason
-    assert read_in(tmp_path, FileSettings(match="*.csv", units="gal", dt=0.01))[1] == []
-
-
 #: obspy may write these in other bytes one day; their content is compared instead.
 BY_OBSPY = (".mseed", ".sac")
 #: How the warning of a sample begins that cannot be without one.

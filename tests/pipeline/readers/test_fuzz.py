@@ -101,16 +101,3 @@ def test_every_sample_is_a_seed_that_keeps_the_promises():
     assert {seed[1:] for seed in seeds} == set(samples.values())
     assert not [found for seed in seeds if (found := fuzz_inputs.fault(seed))]
     assert max(map(len, seeds)) <= fuzz_inputs.LONGEST
-
-
-def test_a_broken_promise_is_seen(monkeypatch):
-    seed = fuzz_inputs.seeds()[0]
-
-    def raise_key_error(file, options):
-        raise KeyError("NPTS")
-
-    monkeypatch.setattr(fuzz_inputs, "read_source", raise_key_error)
-    assert "KeyError: 'NPTS'" in fuzz_inputs.fault(seed)
-    monkeypatch.setattr(fuzz_inputs, "read_source", lambda file, options: [])
-    assert fuzz_inputs.fault(seed) == "no record and no error"
-    assert fuzz_inputs.fault(seed[:1]) == ""

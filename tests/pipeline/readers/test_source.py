@@ -230,7 +230,5 @@ def test_a_symbolic_link_is_followed_and_one_that_points_nowhere_is_named(tmp_pa
         (tmp_path / f"{name}.link").symlink_to(tmp_path / f"{name}.AT2")
     assert source.open_source(tmp_path / "a.link").content == ONE
     assert not source.open_source(tmp_path / "a.AT2").chosen
-    with pytest.raises(
-        FileNotFoundError, match=r"none.link: the symbolic link points nowhere, .*none.AT2 does not exist"
-    ):
+    with pytest.raises(FileNotFoundError, match=r"none.link: the symbolic link .*none.AT2 does not exist"):
         source.open_source(tmp_path / "none.link")

@@ -33,16 +33,11 @@ RECORDS = st.builds(
     acceleration=st.lists(st.floats(-1e9, 1e9), min_size=120, max_size=140),
     dt=STEPS,
     id=st.just("plain.1"),
-    network=TEXT,
-    station=TEXT,
-    channel=TEXT,
-    component=TEXT,
     azimuth=st.integers(-720, 720).map(float),
     orientation=st.just("horizontal"),
-    station_name=TEXT,
-    event=TEXT,
     start_time=st.none() | st.datetimes(datetime(1934, 1, 1), datetime(2100, 1, 1), timezones=st.just(UTC)),
     processed=st.sampled_from([True, False, None]),
+    **dict.fromkeys(("network", "station", "channel", "component", "station_name", "event"), TEXT),
 )
 
 

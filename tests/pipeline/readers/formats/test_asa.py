@@ -155,10 +155,8 @@ def test_the_facts_of_the_header(write):
 @pytest.mark.parametrize(
     ("before", "after"),
     [
-        (b"HORA EPICENTRO (GMT)", b"HORA EPICENTRO (LOC)"),
-        (b"FECHA DEL SISMO [GMT]", b"FECHA DEL SISMO [LOC]"),
-        (b"23:58:02.7", b"tarde"),
-        (b"2004/01/01", b"enero"),
+        *[(b"HORA EPICENTRO (GMT)", b"HORA EPICENTRO (LOC)"), (b"FECHA DEL SISMO [GMT]", b"FECHA DEL SISMO [LOC]")],
+        *[(b"23:58:02.7", b"tarde"), (b"2004/01/01", b"enero")],
     ],
 )
 def test_an_origin_that_is_not_known_to_be_utc_is_left_out(write, before, after):

@@ -127,10 +127,8 @@ def test_damage_is_named(write, content, message):
         ("PEER NGA STRONG MOTION DATABASE RECORD", True),
         ("PEER STRONG MOTION DATABASE RECORD. PROCESSING BY PACIFIC ENGINEERING.", True),
         ("PACIFIC ENGINEERING AND ANALYSIS STRONG-MOTION DATA", True),
-        ("CORRECTED RECORD, WRITTEN BY ROCKPULSE", True),
-        ("UNCORRECTED RECORD, WRITTEN BY ROCKPULSE", False),
-        ("RECORD, WRITTEN BY ROCKPULSE", None),
-        ("RAW RECORD OF MY OWN LOGGER", None),
+        *[("CORRECTED RECORD, WRITTEN BY ROCKPULSE", True), ("UNCORRECTED RECORD, WRITTEN BY ROCKPULSE", False)],
+        *[("RECORD, WRITTEN BY ROCKPULSE", None), ("RAW RECORD OF MY OWN LOGGER", None)],
     ],
 )
 def test_only_files_of_peer_are_known_to_be_corrected(write, first_line, processed):

@@ -281,15 +281,3 @@ def test_another_null_and_a_null_sample(write):
 def test_damage_is_named(write, content, message):
     with pytest.raises(RecordFormatError, match=message):
         read(write(content))
-
-
-def test_the_real_counts_have_every_factor(records_folder):
-    (record,) = read(records_folder / "cosmos" / "NP8040-n.1000hyfh.HNE.01.V0c")
-    assert (record.npts, record.dt, record.source_unit) == (42000, 0.005, "counts")
-    assert record.unit_factor == pytest.approx(0.298024e-6 / 1.2553 * G, rel=1e-9)
-    # The largest count of the header and the mean of real 66.
-    assert record.pga == pytest.approx(1033406 * record.unit_factor, rel=1e-9)
-    assert float(np.mean(record.acceleration)) == pytest.approx(-160916.794 * record.unit_factor, rel=1e-6)
-    assert record.start_time == datetime(2018, 11, 30, 17, 29, 6, 331590, tzinfo=UTC)
-    assert (record.id, record.orientation, record.azimuth) == ("NP.8040.01.HNE@20181130T172906", "structural", 90.0)
-    assert record.warnings == ()

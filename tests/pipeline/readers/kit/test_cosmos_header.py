@@ -206,9 +206,7 @@ def test_comments_begin_with_a_bar():
     found = read_header("a", lines, 0, len(lines))
     assert (found.end, len(found.comments)) == (46, 3)
     lines[45] = "three"
-    with pytest.raises(
-        RecordFormatError, match=r"a:46: expected comment 3 of 3, a line that begins with '\|', found 't"
-    ):
+    with pytest.raises(RecordFormatError, match=r"a:46: expected comment 3 of 3, .*, found 't"):
         read_header("a", lines, 0, len(lines))
     lines = lines_of(comments=())
     assert read_header("a", lines, 0, len(lines)).end == 43

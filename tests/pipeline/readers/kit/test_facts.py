@@ -203,10 +203,8 @@ def test_a_depth_of_zero_is_one_where_the_place_is_known():
         ("EPICENTER -   34 03 29N, 118 04 30W", (34.058056, -118.075)),
         ("Site HSES      42 31 24S  172 49 50E     Basalt file:  20161113", (-42.523333, 172.830556)),
         ("Hypocenter:  To be determined.               ML:  To be determined.", (NAN, NAN)),
-        ("12.5 NEAR 13.5 WEST", (NAN, NAN)),
-        ("33.5n 118.25w, 40.0S 100.0E", (33.5, -118.25)),
-        ("34 03 36s, 118 04 30e, 12 00 00N", (-34.06, 118.075)),
-        ("33.5N", (33.5, NAN)),
+        *[("12.5 NEAR 13.5 WEST", (NAN, NAN)), ("33.5n 118.25w, 40.0S 100.0E", (33.5, -118.25))],
+        *[("34 03 36s, 118 04 30e, 12 00 00N", (-34.06, 118.075)), ("33.5N", (33.5, NAN))],
     ],
 )
 def test_places_in_headers(text, place):
@@ -258,14 +256,6 @@ REAL = {
     "cwb/2-EGF.dat": (when(2018, 2, 6, 15, 50, 42), 6.0, "ML", 10.0),
     "unam_asa/CUP50401.012": (when(2004, 1, 1, 23, 58, 2, 700000), 5.8, "Ms", 14.0),
 }
-#: The earthquake is not known yet, was never stated, or stands for unknown.
-UNKNOWN = {
-    "cosmos/CE23837.V1C": {"station_latitude", "station_longitude"},
-    "csmip_v2/CE58667.V2": {"station_latitude", "station_longitude"},
-    "renadic/cuya0911131.v1": set(),
-    "renadic/curico1002271parte1.v1": set(),  # an origin of 03:54:54 by its own clock; the earthquake was at 06:34:11
-    "at2/NIS090.AT2": set(),
-}
 
 
 @pytest.mark.parametrize("name", REAL)
@@ -274,8 +264,3 @@ def test_facts_of_real_records(records_folder, name):
     origin, *numbers = REAL[name]
     assert one.origin_time == origin
     np.testing.assert_equal([one.magnitude, one.magnitude_type, one.hypocentre_depth / 1e3], numbers)
-
-
-@pytest.mark.parametrize("name", UNKNOWN)
-def test_what_real_records_do_not_state_is_unknown(records_folder, name):
-    assert {fact for record in read(records_folder / name) for fact in known(record)} == UNKNOWN[name]

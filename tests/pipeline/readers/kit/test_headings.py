@@ -366,10 +366,8 @@ A, V, D, T = "acceleration", "velocity", "displacement", "time"
         (["\tTime\tAcc"], "\t", 3, [("", "", ""), ("Time", T, ""), ("Acc", A, "")], 0),
         (["# Time;Acc"], None, 2, [("Time", T, ""), ("Acc", A, "")], 0),
         # prose
-        (["acc NS (g)"], None, 1, [("acc NS (g)", A, "g")], 0),
-        (["acc of NS"], None, 1, [("acc of NS", A, "")], 0),
-        (["acc of main NS"], None, 1, [], 1),
-        (["motion [g]"], None, 1, [("motion [g]", A, "g")], 0),
+        *[(["acc NS (g)"], None, 1, [("acc NS (g)", A, "g")], 0), (["acc of NS"], None, 1, [("acc of NS", A, "")], 0)],
+        *[(["acc of main NS"], None, 1, [], 1), (["motion [g]"], None, 1, [("motion [g]", A, "g")], 0)],
         *[(["motion [cm/s]"], None, 1, [], 1), (["acc: NS"], None, 1, [], 1), (["dt=0.01"], None, 1, [], 1)],
         (["NPTS=5,acc"], ",", 2, [("NPTS=5", "", ""), ("acc", A, "")], 0),
         (["time NPTS=5"], None, 2, [], 1),

@@ -57,9 +57,7 @@ def test_sensitivities_of_no_acceleration_are_refused():
     with pytest.raises(RecordRefused, match="states no sensitivity"):
         sensitivity_factor("x", SimpleNamespace(instrument_sensitivity=None))
     for value in (float("inf"), float("nan")):
-        with pytest.raises(
-            RecordFormatError, match=rf"^x: expected a finite sensitivity of the instrument, found {value}"
-        ):
+        with pytest.raises(RecordFormatError, match=rf"^x: expected a finite sensitivity .*, found {value}"):
             sensitivity_factor("x", response(value))
     with pytest.raises(NotAcceleration, match=r"^x records CM/S, expected an acceleration"):
         sensitivity_factor("x", response(2.0, "CM/S"))
