@@ -17,8 +17,7 @@ from rockpulse.readers.source import FILE_LIMIT, HEAD, RATIO_LIMIT, SourceFile, 
 MEMBER_LIMIT = 100_000
 #: An archive whose members are larger together is refused [bytes].
 TOTAL_LIMIT = 2 * 1024**3
-#: Bytes of a member's local header before its name.
-_LOCAL_HEADER = 30
+_LOCAL_HEADER = 30  # bytes of a member's local header before its name
 
 _NESTED = (".zip", ".gz", ".tgz", ".tar", ".bz2", ".xz", ".7z", ".rar", ".zst")
 
@@ -101,19 +100,16 @@ def _content(archive: zipfile.ZipFile, entry: zipfile.ZipInfo, name: str) -> byt
     if entry.file_size > FILE_LIMIT:
         raise RecordRefused(f"{name}: {entry.file_size} bytes, the most that is read is {FILE_LIMIT}")
     if entry.file_size > RATIO_LIMIT * entry.compress_size:
-        raise RecordRefused(
-            f"{name}: compressed {entry.file_size / max(entry.compress_size, 1):.0f} times, the limit is "
-            f"{RATIO_LIMIT}; unpack it by hand if it is a record"
-        )
+        times = f"{entry.file_size / max(entry.compress_size, 1):.0f} times, the limit is {RATIO_LIMIT}"
+        raise RecordRefused(f"{name}: compressed {times}; unpack it by hand if it is a record")
     try:
         with archive.open(entry) as stream:
             # The declared size bounds the read, whatever the compressed data would expand to.
             content = stream.read(entry.file_size + 1)
     except (zipfile.BadZipFile, zlib.error, EOFError, RuntimeError, ValueError, lzma.LZMAError) as fault:
         # NotImplementedError is a RuntimeError.
-        raise RecordFormatError(
-            f"{name}: damaged member, or one packed in an unknown way ({fault}); download the archive again"
-        ) from fault
+        found = f"damaged member, or one packed in an unknown way ({fault})"
+        raise RecordFormatError(f"{name}: {found}; download the archive again") from fault
     if not content:
         raise RecordFormatError(f"{name}: the file is empty; download the archive again")
     kind = archive_kind(content)

@@ -22,12 +22,10 @@ from rockpulse.record.record import Record
 
 logger = logging.getLogger("rockpulse")
 
-#: Largest value that a number of few digits may lose near zero [m/s2].
-_UNDERFLOW = 1e-97
+_UNDERFLOW = 1e-97  # largest value that a number of few digits may lose near zero [m/s2]
 #: Largest share by which an interval may come back otherwise: miniSEED keeps the rate in single precision.
 _STEP_TOLERANCE = 1e-7
-#: Degrees by which an azimuth may come back otherwise.
-_AZIMUTH_TOLERANCE = 1e-4
+_AZIMUTH_TOLERANCE = 1e-4  # degrees by which an azimuth may come back otherwise
 
 
 @dataclass(frozen=True)
@@ -82,9 +80,8 @@ def write(
         Records to write, at least one, ids distinct. Samples are written as they are: a raw record stays raw.
     out : path
         A file, whose suffix tells the format, or for AT2 and CSV a folder. AT2 and CSV hold one record: several are
-        written to ``out`` with the channel before the suffix (the id, where channels are not distinct); in a folder
-        the name is the id. miniSEED holds all, with a StationXML of the same name beside it; where another StationXML
-        contradicts it at an overlapping time, a record gets the next free location code.
+        written to ``out`` with the channel (or the id) before the suffix; in a folder the name is the id. miniSEED
+        holds all, with a StationXML of the same name beside it.
     format : {"at2", "csv", "mseed"}, optional
         Needed for a folder; otherwise the suffix tells.
     overwrite : bool
@@ -162,10 +159,8 @@ def _format(out: Path, name: str | None) -> tuple[Writer, bool]:
             f"{', '.join(suffix for row in WRITERS.values() for suffix in row.suffixes)}"
         )
     if told is None and out.suffix and not out.is_dir():
-        raise ConfigError(
-            f"{out}: a file of the format {key} ends in {WRITERS[key].suffix}, found {out.suffix!r}; "
-            "correct the name, or create the folder first if it is to be one"
-        )
+        ends, advice = WRITERS[key].suffix, "correct the name, or create the folder first if it is to be one"
+        raise ConfigError(f"{out}: a file of the format {key} ends in {ends}, found {out.suffix!r}; {advice}")
     if not folder and told != key:
         raise ConfigError(f"{out}: the name says {told}, the format {key}; correct the wrong one")
     if folder and out.exists() and not out.is_dir():
@@ -276,10 +271,8 @@ def _check_comes_back(path: Path, contents: dict[Path, bytes], records: dict[str
         if again.npts != record.npts or np.any(np.abs(again.acceleration - record.acceleration) > tolerance):
             raise RecordRefused(f"{path}: the samples of {record.id} do not come back as written; nothing was kept")
         if abs(again.dt / record.dt - 1.0) > _STEP_TOLERANCE:
-            raise RecordRefused(
-                f"{path}: the interval of {record.id}, {record.dt!r} s, comes back as {again.dt!r} s; use another "
-                "format, or resample the record"
-            )
+            told = f"the interval of {record.id}, {record.dt!r} s, comes back as {again.dt!r} s"
+            raise RecordRefused(f"{path}: {told}; use another format, or resample the record")
         lost = _wrong(record, again, writer.whole)
         if lost:
             raise RecordRefused(f"{path}: {record.id}: {lost}; nothing was kept, use another format")

@@ -72,13 +72,12 @@ def read_all(
     Returns
     -------
     records : list of Record
-        Sorted by path and channel, with distinct ids: the second of two records with one id has ``~2`` appended. A
-        record that its agency cut into files is one.
+        Sorted by path and channel, with distinct ids (``~2`` appended to the second of two). A record that its agency
+        cut into files is one.
     failures : list of Failure
-        Sorted by file. A file that may be a record and cannot be read "failed", and so did an empty one. Velocities,
-        displacements, spectra, and what shows no sign of a record, "failed" if named and are "skipped" otherwise. A
-        record whose samples and interval another file has is a "duplicate", unless the two say that they face different
-        directions; the one stays that knows most of direction, time and event.
+        Sorted by file. A file that may be a record and cannot be read "failed"; so did velocities, displacements,
+        spectra and other files if named, which are "skipped" otherwise. A record whose samples and interval another
+        file has is a "duplicate", unless the two face different directions.
 
     Raises
     ------

@@ -131,15 +131,11 @@ class ReadOptions:
             if units is not None:
                 given = canonical_unit(str(units.units), "option units")
                 if UNITS.get(record.source_unit) != UNITS[given]:
-                    raise UnitError(
-                        f"{record.source}: the file states the unit {record.source_unit}, {units.where} says {given}; "
-                        f"{self.advice('units')}"
-                    )
+                    told = f"the file states the unit {record.source_unit}, {units.where} says {given}"
+                    raise UnitError(f"{record.source}: {told}; {self.advice('units')}")
             if dt is not None and dt.dt is not None and not same_step((record.dt, dt.dt)):
-                raise RecordFormatError(
-                    f"{record.source}: the file states an interval of {record.dt:g} s, {dt.where} says {dt.dt:g} s; "
-                    f"{self.advice('dt')}"
-                )
+                told = f"the file states an interval of {record.dt:g} s, {dt.where} says {dt.dt:g} s"
+                raise RecordFormatError(f"{record.source}: {told}; {self.advice('dt')}")
 
     def _last(self, key: str, name: str | None = None) -> FileSettings | None:
         """The last row that gives a property, of those that choose a file; of all without its name."""

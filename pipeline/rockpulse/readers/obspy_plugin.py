@@ -125,10 +125,8 @@ def from_trace(
         raise ConfigError(f"{where}: expected an azimuth in degrees, found {azimuth!r}; leave it out if it is unknown")
     stats = trace.stats
     if np.ma.is_masked(trace.data):
-        raise RecordRefused(
-            f"{where}: {np.ma.count_masked(trace.data)} samples are masked (a gap); split the trace "
-            "(trace.split()) and take one part"
-        )
+        advice = "split the trace (trace.split()) and take one part"
+        raise RecordRefused(f"{where}: {np.ma.count_masked(trace.data)} samples are masked (a gap); {advice}")
     if stats.calib != 1.0 and factor is None:
         raise RecordRefused(
             f"{where}: stats.calib is {stats.calib:g}, and obspy does not say per what; multiply the data yourself and "
@@ -290,10 +288,8 @@ class Plugin:
         options = ReadOptions(units, dt, response)
         source: SourceFile = open_source(Path(file)) if isinstance(file, str | os.PathLike) else open_stream(file)
         if not self.row.detect(source.head, source.name):
-            raise RecordFormatError(
-                f"{source.name}: expected {self.row.what} (recognised by {self.row.recognised}); "
-                "leave the format out, or name the right one"
-            )
+            expected, advice = f"{self.row.what} (recognised by {self.row.recognised})", "or name the right one"
+            raise RecordFormatError(f"{source.name}: expected {expected}; leave the format out, {advice}")
         traces = [to_trace(record) for record in self.row.read(source, options)]
         return obspy.Stream([obspy.Trace(header=trace.stats) for trace in traces] if headonly else traces)
 

@@ -15,8 +15,7 @@ from rockpulse.readers.source import SourceFile
 from rockpulse.record.record import BETWEEN, Record, distinct_ids, record_id
 from rockpulse.remark import Remark, code_of, find
 
-#: Largest gap or overlap between two parts, in steps; printed times are rounded.
-_STEP_SHARE = 0.25
+_STEP_SHARE = 0.25  # largest gap or overlap between two parts, in steps; printed times are rounded
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,15 +41,15 @@ class PartRule:
         if not name:
             return records
         times, note = self.first_times(file), Remark("part_of_record", part=int(name[2]))
-        return [_part(record, times[record.component], file.path.stem, name).with_warning(note) for record in records]
-
-
-def _part(record: Record, first_time: float, stem: str, name: re.Match[str]) -> Part:
-    start = later(record.start_time, first_time)
-    codes = (record.network, record.station, record.location, record.channel)
-    known = {item.name: getattr(record, item.name) for item in fields(record)}
-    known |= {"start_time": start, "id": record_id(*codes, start, stem, 1)}
-    return Part(**known, whole=name[1], part=int(name[2]), first_time=first_time)
+        parts = []
+        for record in records:
+            first_time = times[record.component]
+            start = later(record.start_time, first_time)
+            codes = (record.network, record.station, record.location, record.channel)
+            known = {item.name: getattr(record, item.name) for item in fields(record)}
+            known |= {"start_time": start, "id": record_id(*codes, start, file.path.stem, 1)}
+            parts.append(Part(**known, whole=name[1], part=int(name[2]), first_time=first_time).with_warning(note))
+        return parts
 
 
 def sample_digest(record: Record) -> str:

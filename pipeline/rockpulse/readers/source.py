@@ -74,8 +74,16 @@ class SourceFile:
 
     @cached_property
     def _coding(self) -> str:
-        """The encoding that a byte-order mark tells, or an empty text."""
-        return _marked_coding(self.head)
+        """The encoding that a byte-order mark tells, or an empty text; binary data that begin like one are no text."""
+        if self.head.startswith(codecs.BOM_UTF8):
+            return "utf-8-sig"
+        if not self.head.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
+            return ""
+        try:
+            text = codecs.getincrementaldecoder("utf-16")().decode(self.head)
+        except UnicodeDecodeError:
+            return ""
+        return "" if "\x00" in text else "utf-16"
 
     @cached_property
     def _bytes(self) -> bytes:
@@ -107,19 +115,6 @@ class SourceFile:
         """The last part of the name as a path, without ``.gz``."""
         path = PurePosixPath(self.name.replace("\\", "/").rpartition("!")[2])
         return path.with_suffix("") if path.suffix.lower() == ".gz" and path.stem else path
-
-
-def _marked_coding(head: bytes) -> str:
-    """The encoding that a byte-order mark at the beginning tells; binary data that begin like one are no text."""
-    if head.startswith(codecs.BOM_UTF8):
-        return "utf-8-sig"
-    if not head.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
-        return ""
-    try:
-        text = codecs.getincrementaldecoder("utf-16")().decode(head)
-    except UnicodeDecodeError:
-        return ""
-    return "" if "\x00" in text else "utf-16"
 
 
 def _plain_text(content: bytes, coding: str) -> bytes:

@@ -25,8 +25,7 @@ _STATE = {True: "CORRECTED", False: "UNCORRECTED", None: "ACCELERATION"}
 #: Smaller values [g] have an exponent of three digits, which no field of 15 characters has room for.
 _SMALLEST = 1e-99
 _SEED_CHANNEL = re.compile(r"[A-Z][HLGMN][A-Z0-9]", re.ASCII)
-#: Degrees by which a sensor called N or E may be off, by the rules of SEED.
-_SEED_OFF = 5.0
+_SEED_OFF = 5.0  # degrees by which a sensor called N or E may be off, by the rules of SEED
 
 
 def _text(words: str) -> str:
@@ -133,10 +132,8 @@ def seed_codes(records: Sequence[Record], beside: Sequence[tuple[str, bytes]] = 
             if not told_otherwise(beside, *free[:2], _station_channel(record, *free[2:])):
                 break
         else:
-            raise RecordRefused(
-                f"{record.id}: more than 100 records share the codes {network}.{station}..{tries[0][3]} of miniSEED; "
-                "convert fewer at a time, or into another folder"
-            )
+            found = f"more than 100 records share the codes {network}.{station}..{tries[0][3]} of miniSEED"
+            raise RecordRefused(f"{record.id}: {found}; convert fewer at a time, or into another folder")
         taken.add(free)
         result.append(free)
     return result

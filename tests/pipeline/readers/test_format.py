@@ -14,7 +14,7 @@ from rockpulse.errors import ConfigError, RockpulseError
 from rockpulse.readers import FORMATS as READERS
 from rockpulse.readers import read
 from rockpulse.readers.folders import read_all
-from rockpulse.readers.format import FileSettings, ReadOptions, same_step
+from rockpulse.readers.format import FileSettings, ReadOptions
 from rockpulse.readers.source import HEAD
 from rockpulse.record.record import STANDARD_GRAVITY, Record
 
@@ -64,10 +64,6 @@ def test_a_row_may_spell_a_unit_otherwise_and_print_fewer_digits(unit, dt, fits)
         return
     with pytest.raises(RockpulseError, match=r"x\.v1: the file states .*correct the wrong one, or the pattern"):
         options.check([record])
-
-
-def test_intervals_of_few_digits_are_one():
-    assert [same_step(steps) for steps in ([1.0, 1.001], [1.0011, 1.0], [0.5])] == [True, False, True]
 
 
 def test_the_options_of_one_file_are_those_of_the_last_row_that_gives_them():

@@ -201,17 +201,6 @@ def test_the_largest_file_is_read_and_a_larger_one_is_refused(tmp_path, monkeypa
     assert [beside(name) for name in ("0.xml", "1.xml", "none.xml", "folder.xml")] == [whole, None, None, None]
 
 
-def test_office_documents_are_no_archives():
-    def packed(name):
-        content = io.BytesIO()
-        with zipfile.ZipFile(content, "w") as target:
-            target.writestr(name, "text")
-        return content.getvalue()
-
-    assert source.archive_kind(packed("mimetype")) == source.archive_kind(packed("[Content_Types].xml")) == ""
-    assert source.archive_kind(packed("a.AT2")) == "a zip archive"
-
-
 def test_the_path_of_a_file_is_its_last_part_without_gz():
     def path(name):
         return str(source.SourceFile(name, b"", bytes).path)

@@ -1,8 +1,7 @@
 """Standard acceleration files of Mexico (ASA: Instituto de Ingeniería UNAM, CIRES, other members of the SMIS).
 
-109 lines of header, ``KEY : value``, in Spanish with or without accents in any encoding; what belongs to channels is a
-list such as ``/V/N90E/N00E``. Then a line of channel numbers, one of directions, and rows of accelerations [gal] in
-fields of 10 characters, without the offset.
+109 lines ``KEY : value`` in any encoding; what belongs to channels is a list such as ``/V/N90E/N00E``. Then numbers and
+directions of the channels, and rows of accelerations [gal] in fields of 10 characters, without the offset.
 """
 
 import re
@@ -28,8 +27,7 @@ _UTC = re.compile(r"GMT|UTC|TMG", re.IGNORECASE)
 _ON_STRUCTURE = re.compile(r"\b(?:azotea|s.{1,2}tano|entrepiso|cortina|corona|piso\s+\d+|nivel\s+\d+)\b", re.IGNORECASE)
 _DOUBTFUL = re.compile(r"incomplet|incorrect|sin tiempo|falla|no\s", re.IGNORECASE)
 _FIELD = 10
-#: Lines of the header.
-_LONGEST_HEADER = 300
+_LONGEST_HEADER = 300  # lines of the header
 
 
 class _Header:
@@ -109,7 +107,12 @@ def read_asa(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
     columns, notes = _columns(file.name, lines, first, width, counts)
     steps = _steps(header, numbers)
     peaks = header.each("ACEL. MAX.(Gal),", numbers)
-    held = _held(header, numbers, columns, steps)
+    lasting, largest = header.each("DURACION DEL REGISTRO (s),", numbers), header.each("ACEL. MAX.,", numbers)
+    held = []
+    for samples, step, duration, at in zip(columns, steps, lasting, largest, strict=True):
+        time = f"{step * (float(at) - 1.0):.10g}" if at else ""
+        found = kit.held_peak_time(time, step * np.arange(samples.size), samples)
+        held.append(kit.held_length(duration, samples.size, step) + found)
     declared = header.text("NUMERO DE CANALES").strip()
     if declared.isdecimal() and int(declared) != len(numbers):
         notes.append(f"the header states {declared[:9]} channels, the file has {len(numbers)} columns")
@@ -202,19 +205,6 @@ def _steps(header: _Header, numbers: Sequence[int]) -> list[float]:
             where, advice = header.where("INTERVALO DE MUESTREO, C1-C6"), "find out which are right and repair the line"
             raise kit.unexpected(where, "intervals [s] that fit the rates [1/s]", " and ".join(map(repr, both)), advice)
     return found
-
-
-def _held(
-    header: _Header, numbers: Sequence[int], columns: Sequence[np.ndarray], steps: Sequence[float]
-) -> list[list[str]]:
-    """Warnings for each channel where its duration, or the number of its largest sample, contradicts the samples."""
-    lasting, largest = header.each("DURACION DEL REGISTRO (s),", numbers), header.each("ACEL. MAX.,", numbers)
-    notes = []
-    for samples, step, duration, at in zip(columns, steps, lasting, largest, strict=True):
-        time = f"{step * (float(at) - 1.0):.10g}" if at else ""
-        found = kit.held_peak_time(time, step * np.arange(samples.size), samples)
-        notes.append(kit.held_length(duration, samples.size, step) + found)
-    return notes
 
 
 def _base(word: str) -> str:

@@ -24,8 +24,7 @@ _DEPTH = re.compile(r".*?\bFD\s*(\d{1,3}(?:\.\d{0,3})?)\s*km", re.ASCII | re.IGN
 _DURATION = re.compile(r".*?duration\s*=\s*(\d{1,6}(?:\.\d{0,9})?)", re.IGNORECASE)
 #: The stated duration, of the samples or of the steps between them, may be off by this many steps.
 _DURATION_STEPS = 2.0
-#: L and T are at right angles, within so many degrees.
-_SQUARE = 3.0
+_SQUARE = 3.0  # L and T are at right angles, within so many degrees
 
 
 def read_bhrc(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
@@ -50,7 +49,12 @@ def _channel(file: kit.SourceFile, lines: Sequence[str], span: kit.Span, number:
     header, first = [line[: kit.LONGEST_LINE] for line in lines[start : start + TEXT_LINES]], start + HEADER_LINES
     count = kit.declared_points(header[10], f"{file.name}:{start + 11}")
     unit = kit.pair_unit(header[11], f"{file.name}:{start + 12}")
-    step = _step(file.name, lines[start + 21], kit.matched(_DURATION, header[10]), start, count)
+    # Real 9, the rate: the rows of eight reals are cut short on paper's width; the ninth begins the second row.
+    rate = float(kit.fixed_width([lines[start + 21][:_WIDTH]], start + 22, _WIDTH, 1, 1, file.name)[0])
+    duration = kit.matched(_DURATION, header[10])
+    if not rate > 0.0 or (duration and abs(float(duration) * rate - count) > _DURATION_STEPS):
+        expected = f"the samples per s of {count} points in {duration or 'an unknown number of'} s"
+        raise kit.unexpected(f"{file.name}:{start + 22}", expected, f"{rate:g}")
     samples, notes = kit.fixed_block(file.name, lines, (first, end), _WIDTH, _PER_ROW, count)
     component = kit.matched(_COMPONENT, header[6]).upper()
     if not component:
@@ -65,7 +69,7 @@ def _channel(file: kit.SourceFile, lines: Sequence[str], span: kit.Span, number:
     return kit.build_record(
         file,
         samples,
-        step,
+        1.0 / rate,
         unit,
         number=number,
         processed=False,
@@ -80,16 +84,6 @@ def _channel(file: kit.SourceFile, lines: Sequence[str], span: kit.Span, number:
         station_place=kit.coordinates(header[7]),
         warnings=notes,
     )
-
-
-def _step(name: str, row: str, duration: str, start: int, count: int) -> float:
-    """Sampling interval [s] from real 9 of the header, the rate; the duration must agree."""
-    # The rows of eight reals are cut short on paper's width; the ninth begins the second row.
-    rate = float(kit.fixed_width([row[:_WIDTH]], start + 22, _WIDTH, 1, 1, name)[0])
-    if not rate > 0.0 or (duration and abs(float(duration) * rate - count) > _DURATION_STEPS):
-        expected = f"the samples per s of {count} points in {duration or 'an unknown number of'} s"
-        raise kit.unexpected(f"{name}:{start + 22}", expected, f"{rate:g}")
-    return 1.0 / rate
 
 
 BHRC = Format(

@@ -23,14 +23,12 @@ from rockpulse.readers.kit.table import (
     row_width,
 )
 
-#: Rows of the table that decide whether it is one.
-_LOOK_AT = 500
+_LOOK_AT = 500  # rows of the table that decide whether it is one
 #: Columns beside the time that pass for the components of a station without headings, and one column more.
 _COMPONENTS, _NO_STATION = 3, 4
 #: Characters of a line and of a list in a message.
 _SHOWN, _LISTED = 60, 200
-#: Correlation at which a column is the integral of the one before it, and no other component.
-_INTEGRAL = 0.95
+_INTEGRAL = 0.95  # correlation at which a column is the integral of the one before it, and no other component
 #: What one series in rows needs, as a message asks for it.
 _UNIT_TOO, _INTERVAL_TOO = "the unit too (option units, --units)", "the interval too (option dt, --dt)"
 _NAME_THEM = "name the columns in the line above the numbers, such as 'time acc_NS acc_EW'"

@@ -38,12 +38,10 @@ _FACTORS = {22: "microvolts per count", 42: "sensor sensitivity, V/g", 47: "sens
 _OTHER_QUANTITIES = {2: "velocity", 3: "displacement", 10: "angular acceleration", 11: "angular velocity"}
 #: Integer 19 of stations whose sensors may lie at depth.
 _DEPTHS = {9: "underground observatory", 14: "tunnel", 50: "geotechnical array"}
-#: The closing line may have lines of blanks behind it.
-_CLOSING = 3
+_CLOSING = 3  # the closing line may have lines of blanks behind it
 #: Nominal and calibrated sensitivities differ by some percent, a wrong factor by 2 or more.
 _SENSITIVITY_TOLERANCE = 0.1
-#: No factor of a gain is smaller, in any of its units.
-_LEAST_FACTOR = 1e-9
+_LEAST_FACTOR = 1e-9  # no factor of a gain is smaller, in any of its units
 _VELOCITY_SENSORS = range(1001, 2000)
 
 
@@ -82,13 +80,12 @@ def read_cosmos(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
 def _channel(file: kit.SourceFile, lines: Sequence[str], header: Header, end: int, number: int) -> kit.Record:
     kind = header.kind.lower()
     code = header.integer(2)
+    where = f"{file.name}:{header.start + 1}"
     if code in _OTHER_QUANTITIES and "accel" in kind:
-        raise RecordFormatError(
-            f"{file.name}:{header.start + 1}: the title says {header.kind!r}, integer header 2 says {code}, "
-            f"{_OTHER_QUANTITIES[code]}; find out which is right and repair the header"
-        )
+        told = f"the title says {header.kind!r}, integer header 2 says {code}, {_OTHER_QUANTITIES[code]}"
+        raise RecordFormatError(f"{where}: {told}; find out which is right and repair the header")
     if "accel" not in kind:
-        raise kit.no_acceleration(f"{file.name}:{header.start + 1}", "acceleration", repr(header.kind))
+        raise kit.no_acceleration(where, "acceleration", repr(header.kind))
     series = _acceleration(file.name, lines, header, end)
     where, first = f"{file.name}:{series.at + 1}", series.at + 1
     unit = _unit(series, where)
@@ -172,10 +169,8 @@ def _acceleration(name: str, lines: Sequence[str], header: Header, end: int) -> 
     if linear:
         blocks, copies = kit.distinct_sections(lines, [(found[at].at, ends[at]) for at in linear], "series")
         if len(blocks) > 1:
-            raise RecordFormatError(
-                f"{name}:{blocks[1][0] + 1}: expected one series of acceleration in the channel, found another than "
-                f"that of line {blocks[0][0] + 1}; the file is damaged: download it again"
-            )
+            where, found = f"{name}:{blocks[1][0] + 1}", f"another than that of line {blocks[0][0] + 1}"
+            raise kit.unexpected(where, "one series of acceleration in the channel", found, kit.FILE_DAMAGED)
         series = found[linear[0]]
         return replace(series, warnings=(*series.warnings, *copies))
     where, advice = f"{name}:{header.end + 1}", "read the acceleration file"
@@ -191,10 +186,8 @@ def _unit(series: _Series, where: str) -> str:
     coded = _CODES.get(series.code)
     if coded is None or (named and (_UNITS[named] != _UNITS[coded] or (named == "counts") != (coded == "counts"))):
         known = ", ".join(f"{unit} ({code:02d})" for code, unit in _CODES.items())
-        raise UnitError(
-            f"{where}: the unit is named {series.unit!r} and coded {series.code}, expected one of {known}; "
-            "find out which is right and repair the line"
-        )
+        found = f"the unit is named {series.unit!r} and coded {series.code}, expected one of {known}"
+        raise UnitError(f"{where}: {found}; find out which is right and repair the line")
     return named or coded
 
 
@@ -256,10 +249,8 @@ def _interval(header: Header, count: int, name: str) -> tuple[float, list[str]]:
             f"{where}: reals 34 and 62 state sampling intervals of {raw:g} and {series:g} s, and the "
             f"length, real 63, {length:g} s for {count} samples, fits not just one; find out which is right"
         )
-    return fitting[0], [
-        f"real headers 34 and 62 state intervals of {raw:g} and {series:g} s (raw record, series); "
-        f"{fitting[0]:g} s is that of the stated length of {length:g} s"
-    ]
+    both = f"real headers 34 and 62 state intervals of {raw:g} and {series:g} s (raw record, series)"
+    return fitting[0], [f"{both}; {fitting[0]:g} s is that of the stated length of {length:g} s"]
 
 
 COSMOS = Format(

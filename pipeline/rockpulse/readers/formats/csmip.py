@@ -25,14 +25,12 @@ _RATE = re.compile(r"\bat\s+(\d{1,6}(?:\.\d{0,6})?)\s*samples/sec", re.IGNORECAS
 _LENGTH_1 = re.compile(r"record length\s*=\s*(\d{0,6}\.\d{1,6})\s*sec", re.IGNORECASE)
 #: A stated length may differ by this share: a trace may end a little earlier or later after its correction.
 _RATE_TOLERANCE, _LENGTH_TOLERANCE = 1e-3, 5e-3
-#: Bytes that hold the 13 lines of text of the first channel.
-_OPENING = 1500
+_OPENING = 1500  # bytes that hold the 13 lines of text of the first channel
 
 _CORRECTED = re.compile(r"\s?corrected accelerogram\b", re.IGNORECASE)
 _BOTH_TITLES = re.compile(rf"(?:{_CORRECTED.pattern}[^\r\n]*[\r\n]+)+{UNCORRECTED.pattern}", re.IGNORECASE)
-#: The title, the lines of volume 1, and those about the correction.
-_CORRECTION = 1 + csmip.TEXT_LINES
-_ALL_TEXT = _CORRECTION + 11
+#: The title and the lines of volume 1; those about the correction too.
+_CORRECTION, _ALL_TEXT = 1 + csmip.TEXT_LINES, 1 + csmip.TEXT_LINES + 11
 _FILTER = re.compile(r"\s*accelerogram\s+(?:is\s+)?(.*\bfiltered\b.*?)[\s.]*$", re.IGNORECASE)
 _DECLARED = re.compile(r"\s*(\d{1,15})\s+(?:points of\s+)?(instrument.*corrected)\b", re.IGNORECASE)
 _INTERVAL = re.compile(r"\s*at equally-spaced intervals of\s+(\d*\.?\d+)\s*sec", re.IGNORECASE)
@@ -49,8 +47,7 @@ _SPECTRA = r"\s?response and fourier|\s?(?:response|fourier)\b[^\r\n]*\bspectr[^
 _SPECTRA_WORDS = "response and Fourier spectra (volume 3 of CSMIP or USC)"
 #: Number of the station, and in the line below its name.
 _STATION = re.compile(r"^\s?station no\.?\s+(\w+)\b[^\r\n]*[\r\n]+(\S[^\r\n]*?)(?:\s\s|[\r\n])", re.I | re.M)
-#: Bytes from the start of a file of spectra that are looked at.
-_SPECTRA_OPENING = 4000
+_SPECTRA_OPENING = 4000  # bytes from the start of a file of spectra that are looked at
 
 
 def is_uncorrected(head: bytes, name: str, renadic: bool) -> bool:
@@ -114,7 +111,6 @@ def _uncorrected_block(name: str, lines: Sequence[str], start: int, end: int) ->
 
 
 def _check_points(points: re.Match[str] | None, block: kit.Block, where: str) -> None:
-    """Check the count in the text of the channel, if there is one, against that of the heading."""
     if points and int(points[1]) != block.samples.size:
         expected, found = f"{int(points[1])} points (text of the channel)", f"a heading with {block.samples.size}"
         raise kit.unexpected(where, expected, found, kit.FILE_DAMAGED)
@@ -213,10 +209,8 @@ def _unit_and_peak(
             stated = kit.canonical_unit(re.sub(r"^cms\b", "cm", match[2], flags=re.IGNORECASE), f"{where}:{at}")
             return heading.unit or stated, kit.printed_number(match[1]), kit.UNITS[stated]
     if not heading.unit:
-        raise UnitError(
-            f"{where}:{heading.at + 1}: expected the unit of acceleration in the heading or behind "
-            "'Peak acceleration = N', found none; repair the header or download the file again"
-        )
+        expected = "expected the unit of acceleration in the heading or behind 'Peak acceleration = N', found none"
+        raise UnitError(f"{where}:{heading.at + 1}: {expected}; repair the header or download the file again")
     return heading.unit, kit.printed_number(""), 1.0
 
 

@@ -36,8 +36,7 @@ _ROW = re.compile(r"\s*[+-]?(?:\d|\.\d)", re.ASCII)
 #: Lines of the header, 16, of which copies may have a blank one more; those that may hold the time of the earthquake.
 _LONGEST_HEADER, _ORIGIN_LINES = 30, 6
 _BEIJING_HOURS = 8.0
-#: Durations are printed in whole seconds, which may be cut off rather than rounded [s].
-_CUT_OFF = 0.5
+_CUT_OFF = 0.5  # durations are printed in whole seconds, which may be cut off rather than rounded [s]
 
 
 def read_csmnc(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
@@ -104,13 +103,10 @@ def _samples(name: str, lines: Sequence[str], first: int, count: int) -> tuple[n
     """Samples in rows of equal length but for the last, which holds the rest, and the index of the line behind them."""
     per_row = len(lines[first].split()) if first < len(lines) else 1
     kit.check_count(f"{name}:{len(lines)}", count, per_row * (len(lines) - first))
-    full, rest = divmod(count, per_row)
-    end = first + full
+    end, rest = first + count // per_row, count % per_row
     samples = kit.free_rows(lines[first:end], first + 1, per_row, name).ravel()
-    if not rest:
-        return samples, end
-    last = kit.free_rows(lines[end : end + 1], end + 1, rest, name)
-    return np.concatenate([samples, last.ravel()]), end + 1
+    last = kit.free_rows(lines[end : end + 1], end + 1, rest, name) if rest else np.empty(0)
+    return np.concatenate([samples, last.ravel()]), end + (rest > 0)
 
 
 def _direction(file: kit.SourceFile, word: str) -> tuple[str, kit.Direction, list[str]]:

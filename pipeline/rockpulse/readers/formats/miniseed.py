@@ -11,8 +11,7 @@ from rockpulse.readers.format import Format, ReadOptions
 from rockpulse.readers.kit import obspy_bridge as bridge
 from rockpulse.readers.kit.response import from_counts
 
-#: Two statements of the sampling rate may differ by this share.
-_RATE_TOLERANCE = 1e-3
+_RATE_TOLERANCE = 1e-3  # two statements of the sampling rate may differ by this share
 
 
 def is_miniseed(head: bytes, name: str) -> bool:
@@ -42,10 +41,8 @@ def _channel(file: kit.SourceFile, traces: list[Any], number: int, options: Read
     stats = trace.stats
     where = f"{file.name}: {trace.id}"
     if len(traces) > 1:
-        raise RecordRefused(
-            f"{where} has {len(traces) - 1} gaps or overlaps, the first at {stats.endtime}; cut a part without gaps, "
-            "or download the record again"
-        )
+        advice = "cut a part without gaps, or download the record again"
+        raise RecordRefused(f"{where} has {len(traces) - 1} gaps or overlaps, the first at {stats.endtime}; {advice}")
     channel, site, notes = bridge.station_channel(file, trace, full=options.response == "remove")
     found = from_counts(where, np.asarray(trace.data), float(stats.delta), channel.response, options.response)
     return kit.build_record(

@@ -1,7 +1,7 @@
 """Files of the Turkish network before AFAD's own format (NSMN, ``kyhdata``).
 
-Lines ``KEY : value`` in ISO-8859-9 (Turkish Latin), a line that names the columns N-S, E-W and U-D, then rows of three
-accelerations [gal] without their mean: the peaks that the header calls raw are those of the columns.
+Lines ``KEY : value`` in ISO-8859-9 (Turkish Latin), a line that names the columns, then rows of three accelerations
+[gal] without their mean, whose peaks the header calls raw.
 """
 
 import re
@@ -19,8 +19,7 @@ _DECIMAL = re.compile(r"\d{0,6}\.?\d{1,9}", re.ASCII)
 _CLOCK = r"\s+(\d{1,2}):(\d{1,2}):(\d{1,2}(?:\.\d{0,9})?)\s*(?:\((\w+)\))?"
 _DAY_FIRST = re.compile(r"(\d{1,2})[/.](\d{1,2})[/.](\d{4})" + _CLOCK, re.ASCII)
 _YEAR_FIRST = re.compile(r"(\d{4})[/.](\d{1,2})[/.](\d{1,2})" + _CLOCK, re.ASCII)
-#: Lines of the header.
-_LONGEST_HEADER = 60
+_LONGEST_HEADER = 60  # lines of the header
 
 
 def read_nsmn(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:

@@ -14,12 +14,10 @@ from rockpulse.readers.kit.obspy_bridge import codes_of, obspy_stream, seed_dire
 _HEADER, _NPTS, _NVHDR = 632, 4 * 79, 4 * 76
 #: Offsets of the words DELTA, DEPMIN, DEPMAX, B, E: interval, extremes, times of the first and the last sample.
 _STATED = {"delta": 0, "depmin": 4, "depmax": 8, "b": 20, "e": 24}
-#: Values of IDEP that exclude acceleration.
 _UNDEFINED = -12345.0
 _COORDINATES = {"STLA": 31, "STLO": 32, "EVLA": 35, "EVLO": 36}
-_SERIES = {6: "displacement", 7: "velocity"}
-#: E may be off by so many steps.
-_LAST_STEPS = 2.0
+_SERIES = {6: "displacement", 7: "velocity"}  # values of IDEP that exclude acceleration
+_LAST_STEPS = 2.0  # E may be off by so many steps
 
 
 def _byte_order(head: bytes) -> str | None:
@@ -75,10 +73,8 @@ def read_sac(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
     last, step = words["b"] + words["delta"] * (declared - 1), words["delta"]
     # E is a float32: of large times it has few digits.
     if abs(words["e"] - last) > _LAST_STEPS * abs(step) + 1e-6 * abs(last):
-        notes.append(
-            f"the header states {words['e']:g} s as the time of the last sample (E), {declared} samples at {step:g} s "
-            f"from {words['b']:g} s (B) end at {last:g} s"
-        )
+        found = f"{declared} samples at {step:g} s from {words['b']:g} s (B) end at {last:g} s"
+        notes.append(f"the header states {words['e']:g} s as the time of the last sample (E), {found}")
 
     def stated(name: str) -> float:
         return float(f"{float(header.get(name, math.nan)):.7g}")  # the header holds float32

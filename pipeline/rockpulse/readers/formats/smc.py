@@ -1,8 +1,7 @@
 """SMC files of the USGS National Strong-Motion Project.
 
 11 lines of text, 48 integers (8I10), 50 reals (5E15.7), comment lines that begin with ``|``, then the values in cm/s2,
-8 fields of 10 characters that touch. The digit in front of the first line tells what the values are.
-Layout: https://escweb.wr.usgs.gov/nsmp-data/smcfmt.html
+8 fields of 10 characters that touch. Layout: https://escweb.wr.usgs.gov/nsmp-data/smcfmt.html
 """
 
 import re
@@ -24,8 +23,7 @@ _STATION = re.compile(r"station\s*=\s*(.*?)\s*component\s*=\s*(.*)", re.IGNORECA
 _PEAK = re.compile(r"pk acc\s*=\s*(-?\d+\.?\d*(?:E[+-]?\d+)?)", re.IGNORECASE)
 _EVENT_ID = re.compile(r"\|\s*EventID:\s*(\w{1,40})\s*$", re.ASCII | re.IGNORECASE)
 _EVENT = re.compile(r"\s*(\d{4})\s+(\d+)\s+(\d+)\s+(\d+)\s+(.*)", re.ASCII)
-#: Some files carry a nonsense rate; no accelerograph reaches this one [1/s].
-_RATE_LIMIT = 10_000.0
+_RATE_LIMIT = 10_000.0  # some files carry a nonsense rate; no accelerograph reaches this one [1/s]
 _UNIT = "cm/s2"
 #: Integer 19: building, bridge, dam, other structures; integers 27 and 28 are 0 on the free field of a bridge or dam.
 _STRUCTURES = (1, 2, 3, 4)

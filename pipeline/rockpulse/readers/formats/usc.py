@@ -17,8 +17,7 @@ from rockpulse.readers.kit.csmip import HEADER_LINES, TEXT_LINES, Header, channe
 
 _TITLE = re.compile(r"\s?file\s+\d+\s+of uncorrected accelerogram data\b", re.IGNORECASE)
 _CORRECTED = re.compile(r"(?:\s?corrected accelerogram\b[^\r\n]*[\r\n]+)+" + _TITLE.pattern, re.IGNORECASE)
-#: Words end here; the number of a punched card follows.
-_WORDS = 72
+_WORDS = 72  # words end here; the number of a punched card follows
 _STATION = re.compile(r"\s*station\s+(?:usc#|no\.?)\s*(\w+)", re.IGNORECASE)
 #: The minute of the earthquake in Greenwich: OCT 01, 1987 -1442 GMT.
 _MINUTE = re.compile(r"(?ai)\s*([A-Z]{3})[A-Z]*\.?\s+(\d{1,2}),\s*(\d{4})\s*-\s*(\d\d)(\d\d)\s+GMT")

@@ -13,12 +13,10 @@ from rockpulse.readers.kit.text import FILE_DAMAGED, OWN_FILE, UNITS, fixed_widt
 LENGTH_STEPS = 2.0
 #: At the time of the peak that a header states, and so many samples beside it, the motion reaches this share of it.
 _BESIDE_PEAK, _PEAK_SHARE = 2, 0.9
-#: Two statements of one azimuth may differ by so much [degrees].
-_TURN = 1.0
+_TURN = 1.0  # two statements of one azimuth may differ by so much [degrees]
 _NUMBER = re.compile(r"\s*[+-]?(?:\d{1,9}\.?\d{0,12}|\.\d{1,12})(?:[eEdD][+-]?\d{1,2})?\s*", re.ASCII)
 _LENGTH = re.compile(r"(mm|cm|m|in|ft)s?(?=/|\s|$)", re.IGNORECASE)
-#: Characters of a line that may hold a title.
-_LONGEST_LINE = 400
+_LONGEST_LINE = 400  # characters of a line that may hold a title
 
 #: Index of the first line of a part of a file, and of the line behind its last.
 Span = tuple[int, int]
@@ -79,19 +77,14 @@ def held_direction(said: Direction, told: Direction, note: str) -> Direction:
 
 
 def surplus(
-    lines: Sequence[str],
-    first: int,
-    end: int,
-    name: str = "",
-    title: re.Pattern[str] | None = None,
-    used: int | None = None,
+    lines: Sequence[str], first: int, end: int, name: str = "", title: re.Pattern[str] | None = None, used: int = 0
 ) -> tuple[str, ...]:
     """Warnings for rows in ``lines[first:end]``, behind the samples, and for numbers behind their `used` characters.
 
     `title` matches the first line of another record of the file `name`, which formats of one channel refuse.
     """
     notes = []
-    if used is not None and lines[first - 1][used:].strip():
+    if used and lines[first - 1][used:].strip():
         notes.append(f"line {first}: numbers beyond the declared count were left out")
     for at in range(first, end):
         if title and title.match(lines[at][:_LONGEST_LINE]):

@@ -173,22 +173,17 @@ def heading_at(lines: Sequence[str], at: int) -> Heading | None:
     return Heading(last, _KINDS[(match[2] or match[3])[0].lower()], int(match[1]), match[4], repeated_marker(at, last))
 
 
-def _interval(heading: Heading, where: str) -> float:
+def equal_block(name: str, lines: Sequence[str], heading: Heading, end: int, unit: str) -> Block:
+    """Read the accelerations below a heading, up to the line at index `end`; `unit` is as the file words it."""
+    where = f"{name}:{heading.at + 1}"
     rate, step = _RATE.search(heading.words), _STEP.search(heading.words)
     try:
         dt = 1.0 / float(rate[1]) if rate else float(step[1]) if step else 0.0
     except (ValueError, ZeroDivisionError):
         dt = 0.0
     if not dt > 0.0:
-        expected, found = "'at N pts/sec' or 'equally spaced at N sec' with N > 0", repr(heading.words.strip())
-        raise unexpected(where, expected, found, "repair the line or download the file again")
-    return dt
-
-
-def equal_block(name: str, lines: Sequence[str], heading: Heading, end: int, unit: str) -> Block:
-    """Read the accelerations below a heading, up to the line at index `end`; `unit` is as the file words it."""
-    where = f"{name}:{heading.at + 1}"
-    dt = _interval(heading, where)
+        expected, words = "'at N pts/sec' or 'equally spaced at N sec' with N > 0", repr(heading.words.strip())
+        raise unexpected(where, expected, words, "repair the line or download the file again")
     found = canonical_unit(unit, where)
     first, count = heading.at + 1, heading.count
     check_count(where, count, count if first < end else 0)

@@ -25,8 +25,7 @@ _DATE = r"(?<!\d)(?:(\d{1,2})/\s?(\d{1,2})/\s?(\d{2}|\d{4})|(\d{4})([/-])\s?(\d{
 _TIME = r"(\d{1,2}):\s?(\d{1,2}):\s?(\d{1,2}(?:\.\d{0,6})?|\.\d{1,6})"
 _ZONE = r"(?:\s{0,4}(Z|[A-Z]{2,4})\b|([+-]\d\d):?(\d\d)(?!\d))?"
 _WRITTEN = re.compile(rf"{_DATE}(?:T|,?\s+){_TIME}{_ZONE}", re.ASCII | re.IGNORECASE)
-#: The century of a year of two digits: accelerographs came in the thirties.
-_CENTURY = 30
+_CENTURY = 30  # first year of two digits that is of 1900: accelerographs came in the thirties
 
 
 def clock_fault(moment: datetime) -> str:
@@ -97,14 +96,12 @@ _SEXAGESIMAL = re.compile(r"(?ai)(?<![\d.])(\d{1,3})\s{1,3}(\d{1,2})\s{1,3}(\d{1
 _MAGNITUDE = re.compile(r"(?<![A-Za-z0-9.])(M[A-Za-z]?)\s{0,10}[=:]?\s{0,10}(\d{1,2}(?:\.\d{0,3})?)(?![\d.])", re.ASCII)
 #: Scales of magnitudes by their letters, in the order in which one is chosen where a header states several.
 _SCALES = {"mw": "Mw", "ms": "Ms", "ml": "ML", "mb": "mb"}
-#: Texts that stand for nothing.
-_NO_TEXT = re.compile(r"[-_.?/\s]*|n/?a|none|null|unknown", re.IGNORECASE)
+_NO_TEXT = re.compile(r"[-_.?/\s]*|n/?a|none|null|unknown", re.IGNORECASE)  # texts that stand for nothing
 
 _MAGNITUDES = (-1.0, 10.0)
 #: Deepest earthquake, and half the way round the Earth [km].
 _DEEPEST, _FARTHEST = 800.0, 20_040.0
-#: Velocities of shear waves in mud and in the hardest rock [m/s].
-_VS30 = (30.0, 5000.0)
+_VS30 = (30.0, 5000.0)  # velocities of shear waves in mud and in the hardest rock [m/s]
 
 
 class Facts(TypedDict, total=False):

@@ -10,8 +10,7 @@ from rockpulse.readers.kit.direction import BRACKET, direction, heading_directio
 from rockpulse.readers.kit.table import LINE_LIMIT, NUMBER, Layout, split_row
 from rockpulse.readers.kit.text import mentioned_units, quantity_of
 
-#: Characters of a header line that are looked at.
-_LINE = 1000
+_LINE = 1000  # characters of a header line that are looked at
 
 #: English, Spanish, Italian, German, French, Portuguese, Turkish, without accents; short forms may end in a direction.
 _AXIS = r"(?:x|y|z|n|e|v|h|ns|ew|ud|up|s)?"

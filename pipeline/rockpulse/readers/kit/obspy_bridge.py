@@ -16,6 +16,7 @@ from typing import Any
 
 from rockpulse.errors import RecordFormatError, RecordRefused
 from rockpulse.readers.kit.direction import Direction, direction, means_vertical
+from rockpulse.readers.kit.text import unexpected
 from rockpulse.readers.source import SourceFile
 from rockpulse.remark import Remark
 
@@ -99,10 +100,8 @@ def utc_time(file: SourceFile, moment: Any) -> datetime:
     try:
         return moment.datetime.replace(tzinfo=UTC)
     except (ValueError, OverflowError) as fault:
-        raise RecordFormatError(
-            f"{file.name}: expected a start time in the years 1 to 9999, found {moment.timestamp} s from 1970; "
-            "the header is damaged: download the file again"
-        ) from fault
+        found = f"{moment.timestamp} s from 1970"
+        raise unexpected(file.name, "a start time in the years 1 to 9999", found) from fault
 
 
 def seed_direction(code: str, azimuth: float | None, dip: float | None) -> Direction:

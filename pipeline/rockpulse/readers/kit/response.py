@@ -93,8 +93,8 @@ def sensitivity_notes(response: Any) -> list[str]:
 
 
 def _turned(sensitivity: Any) -> list[str]:
-    value = float(sensitivity.value)
-    return [f"the sensitivity is negative, {value:g}: a sign is turned"] if value < 0.0 else []
+    told = f"the sensitivity is negative, {float(sensitivity.value):g}: a sign is turned"
+    return [told] if float(sensitivity.value) < 0.0 else []
 
 
 def _spelled(unit: Any) -> str:
@@ -145,9 +145,9 @@ def without_response(where: str, counts: np.ndarray, dt: float, response: Any) -
             f"{where}: obspy cannot evaluate the response: {fault}; get the StationXML again, or use its sensitivity"
         ) from fault
     if not band[1] < band[2]:
+        would = f"the pass band would begin at {band[1]:.3g} Hz and end at {band[2]:.3g} Hz"
         raise RecordRefused(
-            f"{where}: {counts.size} samples are too few to remove the response: the pass band would begin at "
-            f"{band[1]:.3g} Hz and end at {band[2]:.3g} Hz; use a longer record"
+            f"{where}: {counts.size} samples are too few to remove the response: {would}; use a longer record"
         )
     if not np.all(np.isfinite(trace.data)):
         raise RecordFormatError(f"{where}: the response is zero within the pass band; use its sensitivity")
@@ -216,9 +216,9 @@ def _gain(response: Any, band: tuple[float, float, float, float]) -> tuple[float
     sensitivity = response.instrument_sensitivity
     frequency = float(sensitivity.frequency or 0.0) if sensitivity is not None and sensitivity.value else np.inf
     if max(band[1], 0.0) <= frequency <= band[2]:
-        return abs(_at(response, frequency, "ACC")), abs(_at(response, frequency, "DEF"))
-    return abs(_at(response, float(np.sqrt(max(band[1], 0.01 * band[2]) * band[2])), "ACC")), np.nan
+        return _at(response, frequency, "ACC"), _at(response, frequency, "DEF")
+    return _at(response, float(np.sqrt(max(band[1], 0.01 * band[2]) * band[2])), "ACC"), np.nan
 
 
-def _at(response: Any, frequency: float, output: str) -> complex:
-    return complex(response.get_evalresp_response_for_frequencies(np.array([frequency]), output=output)[0])
+def _at(response: Any, frequency: float, output: str) -> float:
+    return abs(complex(response.get_evalresp_response_for_frequencies(np.array([frequency]), output=output)[0]))

@@ -28,8 +28,7 @@ OWN_FILE = "write each record into a file of its own"
 
 _NUMBER_BYTES = b" \t0123456789+-.eEdD"
 _FORTRAN_EXPONENT, _FORTRAN_EXPONENT_TEXT = bytes.maketrans(b"dD", b"ee"), str.maketrans("dD", "ee")
-#: Characters of the longest exponent of a number, its sign included.
-_EXPONENT_DIGITS = 4
+_EXPONENT_DIGITS = 4  # characters of the longest exponent of a number, its sign included
 _NUMBER = re.compile(r"\s*[+-]?(\d+(\.\d*)?|\.\d+)([eEdD][+-]?\d+)?\s*", re.ASCII)
 
 _RAISED = str.maketrans("⁻²¹", "-21")

@@ -236,18 +236,11 @@ def test_a_unit_that_name_and_code_do_not_agree_on(write, unit, code):
         read(write(cosmos(pulse(), unit=unit, code=code)))
 
 
-def channels_of_three(*numbers: int) -> bytes:
-    directions = {1: ("360 deg", 360), 2: ("Up", 400), 3: (" 90 deg", 90)}
-    return b"".join(
-        cosmos(pulse(), number=number, component=directions[number][0], azimuth=directions[number][1])
-        for number in numbers
-    )
-
-
-def test_a_file_of_one_channel_without_its_last_line_says_so(write):
-    content = channels_of_three(1)
+def test_channels_that_the_header_counts_and_the_file_lacks(write):
+    content = cosmos(pulse())
+    assert read(write(content))[0].warnings == ()
     (record,) = read(write(content[: content.index(b"End-of-data")]))
-    assert "the file holds 1; it may be truncated" in record.warnings[0]
+    assert "the header counts 3 channels of this recorder, the file holds 1" in record.warnings[0]
 
 
 @pytest.mark.parametrize(

@@ -100,11 +100,6 @@ def test_times_beyond_the_calendar_are_named():
         utc_time(opened(b""), obspy.UTCDateTime(ns=10**21))
 
 
-def test_a_stream_of_nothing_is_named():
-    with pytest.raises(RecordFormatError, match=r"x.mseed: obspy cannot read it as MSEED"):
-        obspy_stream(opened(b"x"), "MSEED")
-
-
 def test_an_azimuth_is_held_against_the_axis_that_a_number_names():
     assert not seed_direction("060", 60.0, None).note
     assert not seed_direction("060", 255.0, None).note
