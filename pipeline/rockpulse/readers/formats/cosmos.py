@@ -169,8 +169,8 @@ def _acceleration(name: str, lines: Sequence[str], header: Header, end: int) -> 
     if linear:
         blocks, copies = kit.distinct_sections(lines, [(found[at].at, ends[at]) for at in linear], "series")
         if len(blocks) > 1:
-            where, found = f"{name}:{blocks[1][0] + 1}", f"another than that of line {blocks[0][0] + 1}"
-            raise kit.unexpected(where, "one series of acceleration in the channel", found, kit.FILE_DAMAGED)
+            where, other = f"{name}:{blocks[1][0] + 1}", f"another than that of line {blocks[0][0] + 1}"
+            raise kit.unexpected(where, "one series of acceleration in the channel", other, kit.FILE_DAMAGED)
         series = found[linear[0]]
         return replace(series, warnings=(*series.warnings, *copies))
     where, advice = f"{name}:{header.end + 1}", "read the acceleration file"

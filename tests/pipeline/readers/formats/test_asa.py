@@ -12,8 +12,6 @@ from rockpulse.readers import read
 
 TABLE = np.round(np.column_stack([pulse(400, 5.0), pulse(400, -12.0), pulse(400, 9.0)]), 3)
 TITLE = b"ARCHIVO ESTANDAR DE ACELERACION"
-
-
 NAME = "test.012"
 
 

@@ -15,8 +15,6 @@ from rockpulse.record.record import STANDARD_GRAVITY
 
 G = STANDARD_GRAVITY
 CM = {"what": "acceleration", "unit": "cm/sec2", "code": "(04),", "layout": "(8F10.5)", "field": "{:10.5f}"}
-
-
 NAME = "test.V1C"
 
 

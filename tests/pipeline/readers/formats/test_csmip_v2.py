@@ -13,8 +13,6 @@ from rockpulse.readers.folders import read_all
 from rockpulse.readers.source import NotAcceleration
 
 MOTION = np.round(pulse(403, peak=250.0), 3)
-
-
 NAME = "TEST.V2"
 
 

@@ -12,8 +12,6 @@ from rockpulse.readers import read
 from rockpulse.readers.source import NotAcceleration
 
 VALUES = np.round(pulse(403, -950.0), 3)
-
-
 NAME = "test.dat"
 
 

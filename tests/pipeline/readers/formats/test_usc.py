@@ -14,8 +14,6 @@ from rockpulse.record.record import STANDARD_GRAVITY
 TENTH = STANDARD_GRAVITY / 10.0
 TIMES = np.round(0.005 * np.arange(203), 3)
 MOTION = np.round(pulse(203, peak=2.5), 3)
-
-
 NAME = "TEST.USC"
 
 
