@@ -17,11 +17,14 @@ import io
 import math
 import os
 import re
+import shlex
 import subprocess
 import sys
 import tempfile
 from dataclasses import dataclass
 from pathlib import Path
+
+import pytest
 
 __all__ = ["Block", "blocks", "missing_line", "pictures", "run_page"]
 
@@ -128,6 +131,32 @@ def missing_line(shown: str, printed: str, figures: bool = True) -> str | None:
     return None
 
 
+def plain_commands(body: str) -> list[list[str]]:
+    """The words of each command of a block; [] unless all are of rockpulse and need nothing of a shell."""
+    lines = [line for line in body.replace("\\\n", " ").splitlines() if line.strip() and not line.startswith("#")]
+    plain = all(line.startswith("rockpulse ") and not set("|<>*?$&;~").intersection(line) for line in lines)
+    return [shlex.split(line, comments=True)[1:] for line in lines] if plain else []
+
+
+def run_here(commands: list[list[str]], folder: Path, environment: dict[str, str]) -> tuple[str, int]:
+    """What commands of rockpulse print, and the last exit code: in this process, for a new one takes a second."""
+    from rockpulse.cli import main
+
+    code: int = 0
+    output = io.StringIO()
+    with contextlib.chdir(folder), pytest.MonkeyPatch.context() as patch:
+        patch.setenv("COLUMNS", environment["COLUMNS"])
+        with contextlib.redirect_stdout(output), contextlib.redirect_stderr(output):
+            for words in commands:
+                try:
+                    code = main(words)
+                except SystemExit as end:
+                    code = int(end.code or 0)
+                if code:
+                    break
+    return output.getvalue(), code
+
+
 def run_page(page: Path, folder: Path) -> None:
     """Run a page in a folder; AssertionError, or what its Python raises, where it does not do what it says."""
     environment = os.environ | {
@@ -142,6 +171,9 @@ def run_page(page: Path, folder: Path) -> None:
             continue
         if block.kind == "file":
             (folder / block.name).write_text(block.body, encoding="utf-8")
+        elif block.kind == "sh" and (commands := plain_commands(block.body)):
+            printed, code = run_here(commands, folder, environment)
+            assert code == block.exit_code, f"{where}: exit code {code}\n{printed}"
         elif block.kind == "sh":
             done = subprocess.run(
                 ["bash", "-euo", "pipefail", "-c", block.body],

@@ -34,8 +34,7 @@ from rockpulse.models import (
 )
 from rockpulse.record.record import STANDARD_GRAVITY, Record
 from rockpulse.views.plots.style import look
-from rockpulse.views.text.details import record_details
-from rockpulse.views.text.overview import overview
+from rockpulse.views.text.overview import overview, record_details
 
 BLOCKS = Block(half_width=[0.1, 0.2, 0.4], half_height=[1.0, 1.5, 3.0])
 T = np.arange(0.0, 12.0, 0.01)

@@ -4,7 +4,9 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
+from matplotlib import colormaps
 from matplotlib.axes import Axes
+from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 
 from rocking.pictures import thinned
@@ -14,11 +16,11 @@ from rockpulse.views.plots.style import (
     INSTANTS,
     PALE,
     SMALL,
+    Look,
     caption,
     legend,
     looks,
     panel_title,
-    ramp,
     several_axes,
 )
 
@@ -31,6 +33,12 @@ _PAPER = (0.3, 0.7)
 _TOP = 1.1
 
 
+def _ramp(names: list[str]) -> list[Look]:
+    """The looks of the named steps of one quantity, in order: from dark to light, neighbours by other lines too."""
+    shades = colormaps["cividis"](np.linspace(0.0, 0.88, len(names)))
+    return [Look(name, to_hex(shades[place]), *looks(names[:4])[place % 4][2:]) for place, name in enumerate(names)]
+
+
 def draw_figure4(figure: xr.Dataset, spacing: str, count: float = np.inf) -> Figure:
     """Largest rotation against I_s/I: a panel for each restitution, a line for each I/I_1c (first p of the dataset).
 
@@ -39,7 +47,7 @@ def draw_figure4(figure: xr.Dataset, spacing: str, count: float = np.inf) -> Fig
     own = figure.sel(spacing=spacing, intermediate_count=count).isel(p=0)
     cases = own["restitution"].values
     panels = several_axes(None, 1, cases.size, height=3.6, sharex=True, sharey=True)[0]
-    styles = ramp([f"{ratio:g}" for ratio in own["impulse_ratio"].values])
+    styles = _ramp([f"{ratio:g}" for ratio in own["impulse_ratio"].values])
     for ax, c, letter in zip(panels, cases, "abcdefgh", strict=False):
         ax.axvspan(*_PAPER, color=PALE, alpha=0.5, lw=0)
         for style, ratio in zip(styles, own["impulse_ratio"].values, strict=True):

@@ -70,7 +70,7 @@ def _parts(file: ResultsFile, args: argparse.Namespace) -> list[str]:
 def _details(summary: xr.Dataset, args: argparse.Namespace) -> list[str]:
     """Records and blocks one by one; a list of cases where a pattern names several."""
     from rockpulse.storage.export.selection import label_positions
-    from rockpulse.views.text.details import block_details, record_details
+    from rockpulse.views.text.overview import block_details, record_details
 
     pages = []
     for dim, details in (("record", record_details), ("block", block_details)):

@@ -15,8 +15,7 @@ from rockpulse.config.bodies import Place, gather_bodies
 from rockpulse.record.components import Pair
 from rockpulse.record.intensity import pgv
 from rockpulse.views.shared.facts import Known
-from rockpulse.views.text.details import block_details
-from rockpulse.views.text.overview import overview
+from rockpulse.views.text.overview import block_details, overview
 
 T = np.arange(0.0, 4.0, 0.01)
 GROUND = 1.5 * np.sin(2.0 * np.pi * T / 0.7) * np.exp(-(((T - 2.0) / 1.0) ** 2))

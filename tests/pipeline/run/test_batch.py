@@ -14,6 +14,7 @@ from record_writers.geonet import geonet
 
 import rockpulse as rp
 from rockpulse import BlockSettings, CalibrationSettings, ModelSettings, RecordSettings, SearchSettings
+from rockpulse.assessment import assessment
 from rockpulse.errors import ConfigError, RecordRefused, ResultsError, StoppedAtFailure
 from rockpulse.readers.folders import read_all
 from rockpulse.run import batch as run
@@ -238,3 +239,19 @@ def test_what_cannot_be_is_refused_before_anything_is_read(folder, tmp_path, mon
     with pytest.raises(ResultsError, match="the file exists"):
         assess_files(folder, CONFIG, tmp_path / "there.h5")
     assert [path.name for path in tmp_path.iterdir()] == ["there.h5"]
+
+
+def test_a_fault_of_the_program_is_a_row_and_the_rest_goes_on(folder, tmp_path, monkeypatch, caplog):
+    def broken(record, config, vertical):
+        if record.id.startswith("r1"):
+            raise ZeroDivisionError("a fault")
+        return original(record, config, vertical)
+
+    original = assessment.extract
+    monkeypatch.setattr(assessment, "extract", broken)
+    report = assess_files(sorted(folder.glob("r*")), CONFIG, tmp_path / "results.h5", BatchOptions(workers=1))
+    (row,) = report.failures
+    assert report.records == 2
+    assert (row.stage, row.kind) == ("assess", "failed")
+    assert "unexpected ZeroDivisionError: a fault; please report it" in row.reason
+    assert "Traceback" in caplog.text

@@ -1,15 +1,19 @@
 """The crew on a real dask scheduler: the same answers, whichever worker dies; clear words where there is no cluster."""
 
 import os
+import re
 import signal
+import subprocess
 import sys
 import threading
+import time
 
 import crew_functions as toys
 import pytest
 import xarray as xr
 from dask_cluster import dask_cluster, wait_for_workers
 from nominal import Config
+from record_writers import at2, pulse
 
 import rockpulse as rp
 from rockpulse import BlockSettings, ModelSettings, SearchSettings
@@ -127,3 +131,27 @@ def test_an_assessment_on_a_cluster_is_that_of_one_process_also_when_a_worker_is
     here, there = rp.load(tmp_path / "here.h5"), rp.load(tmp_path / "there.h5")
     for group in ("summary", "half_cycles", "overturning_intervals", "failures", "records"):
         xr.testing.assert_identical(here[group].to_dataset(), there[group].to_dataset())
+
+
+@pytest.mark.slow
+@pytest.mark.usefixtures("needs_distributed")
+def test_a_scheduler_that_dies_is_told_in_one_line(tmp_path):
+    (tmp_path / "records").mkdir()
+    for number in range(60):
+        title = f"Event, 1/2/2003, Station {number}, 090"
+        (tmp_path / "records" / f"r{number}.AT2").write_bytes(at2(pulse(4000, 0.2 + 0.01 * number), title=title))
+    target = tmp_path / "results.h5"
+    journal = tmp_path / "results.h5.journal"
+    with dask_cluster(tmp_path, workers=1) as (address, scheduler, _):
+        given = ["assess", tmp_path / "records", "--block", "w=0.4x3", "--scheduler", address, "-o", target]
+        run = subprocess.Popen([sys.executable, "-m", "rockpulse", *given], stderr=subprocess.PIPE, text=True)
+        end = time.monotonic() + 300.0
+        while run.poll() is None and time.monotonic() < end:
+            if journal.exists() and journal.stat().st_size > 20_000:
+                break
+            time.sleep(0.02)
+        scheduler.kill()
+        _, said = run.communicate(timeout=300)
+    assert run.returncode == 2
+    assert re.fullmatch(r"rockpulse: (the dask scheduler at|the work was cancelled) .*\n", said)
+    assert re.search(rf"\d+ finished records? (is|are) kept in {re.escape(str(journal))}: the same command with", said)

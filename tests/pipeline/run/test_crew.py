@@ -276,3 +276,9 @@ def test_workers_do_linear_algebra_on_one_thread_unless_the_user_says_otherwise(
         found = {name: pool.submit(os.getenv, name).result() for name in ALGEBRA}
     assert found == dict.fromkeys(ALGEBRA, "1") | ({} if own is None else {"OPENBLAS_NUM_THREADS": own})
     assert dict(os.environ) == before
+
+
+def test_a_worker_that_is_killed_half_way_through_its_answer_holds_up_nobody(pair):
+    answers = dict(pair.run(toys.killed_while_answering, range(8)))
+    assert isinstance(answers.pop(3), WorkerLost)
+    assert answers == {number: bytes(20_000) for number in range(8) if number != 3}

@@ -199,3 +199,45 @@ def test_a_run_struck_at_a_step_of_input_or_output_resumes_to_the_same_file(
     assert found["steps"] > 100
     assert found["cases"] == 2 * len(range(first, found["steps"] + 1, every))
     assert found["wrong"] == [], done.stderr[-3000:]
+
+
+def is_worker(process):
+    try:
+        return "spawn_main" in Path(f"/proc/{process}/cmdline").read_text()
+    except (FileNotFoundError, ProcessLookupError):
+        return False
+
+
+def spent(process):
+    """Time of the processor that a process has had [s]; none when it has ended."""
+    try:
+        fields = Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()
+    except (FileNotFoundError, ProcessLookupError):
+        return 0.0
+    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+
+
+def kill_a_worker(folder, target, seconds):
+    """Run with two workers, one of which is killed when it has worked so long on records; whether it came to that."""
+    log = target.with_suffix(".log")
+    process = start(folder, target, "record", 1000, "--workers", "2", "--log-file", str(log))
+    while process.poll() is None and not (log.is_file() and "INFO assessing" in log.read_text()):
+        time.sleep(0.01)
+    begun = {one: spent(one) for one in members(process.pid) if is_worker(one)}
+    busy = []
+    while process.poll() is None and not busy:
+        busy = [one for one, before in begun.items() if spent(one) - before >= seconds]
+        time.sleep(0.01)
+    if busy and process.poll() is None:
+        os.kill(busy[0], signal.SIGKILL)
+    code = process.wait(300)
+    process.stderr.close()
+    assert code == 1  # as ever: one file is damaged
+    return bool(busy)
+
+
+@pytest.mark.sweep
+def test_a_worker_that_is_killed_at_work_changes_nothing(folder, tmp_path, undisturbed):
+    target = tmp_path / "results.h5"
+    assert kill_a_worker(folder, target, 0.1)
+    assert_contents(target, undisturbed)

@@ -4,7 +4,7 @@ import re
 import shutil
 
 import pytest
-from batch_runs import command, names, write
+from batch_runs import CONFIGURATION, RECORDS, command, names, write
 from file_contents import assert_contents, contents
 
 from rockpulse.cli import main
@@ -135,3 +135,16 @@ def test_the_lock_is_given_back_when_a_run_fails(folder, tmp_path, monkeypatch):
     assert names(tmp_path) == []
     with Journal.open(tmp_path / "r.h5") as journal:
         assert journal.finished() == {}
+
+
+@pytest.mark.sweep
+def test_resuming_with_other_options_does_all_again_and_says_so(stopped, monkeypatch, capsys):
+    mine, target = stopped
+    (mine / "site.toml").write_text(CONFIGURATION.replace("0.4", "0.5"))
+    keys = redone(monkeypatch)
+    assert command(mine, target, "--resume") == 0
+    changed = "2 are done again, for they, the options or the version of rockpulse have changed\n"
+    assert f"0 of {RECORDS} records were finished before; {changed}" in capsys.readouterr().err
+    assert len(keys) == RECORDS
+    assert command(mine, target.with_name("fresh.h5"), "--quiet") == 0
+    assert_contents(target, contents(target.with_name("fresh.h5")))

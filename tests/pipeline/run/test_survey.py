@@ -240,3 +240,19 @@ def test_a_file_whose_survey_was_lost_is_left_to_its_row(tmp_path):
     located, rows = gather(found, [(found[1], survey_file(found[1], OPTIONS))], [])
     assert [one.record.id for one in located] == ["b.090"]
     assert rows == []
+
+
+def test_a_fault_of_the_program_on_opening_costs_one_file(tmp_path, monkeypatch):
+    path = tmp_path / "a.AT2"
+    path.write_bytes(at2(pulse()))
+
+    def faulty(found, station_files):
+        raise RuntimeError("broken")
+        yield
+
+    monkeypatch.setattr(survey, "open_files", faulty)
+    (found,), _ = find_files(path)
+    result = survey_file(found, OPTIONS)
+    assert [row.reason for row in result.failures] == [
+        f"{path}: unexpected RuntimeError: broken; please report it with this file"
+    ]

@@ -64,11 +64,7 @@ def leading_model(one: xr.Dataset, other: xr.Dataset) -> str:
 def body_changes(
     one: xr.Dataset, other: xr.Dataset, named: Mapping[str, Matched], model: str, ignore: Sequence[str] = ()
 ) -> list[str]:
-    """A line for every body whose margin changed: probability, smallest factor and capacity over demand, overturnings.
-
-    `named` are the rows of both nodes /summary along record and block, `ignore` the variables that are left out. Only
-    records that both files have are counted. A body with several restitutions counts with the worst of them.
-    """
+    """A line for every body whose margin changed, by its worst restitution and the records (`named`) of both files."""
     records, blocks = named["record"], named["block"]
     size = records.first.size
     if not size:

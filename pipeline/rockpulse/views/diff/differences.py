@@ -19,16 +19,13 @@ from rockpulse.views.diff.row_matching import Matched, OnlyIn, RowMatcher, add_o
 
 #: Largest part of a variable that is read at once; larger ones are slower, for their memory is new each time.
 PART = 1_000_000
-
 #: Variables whose changes are named one by one: of the first all, of the others those from one side of 1 to the other.
 OUTCOME = "/summary/outcome"
 SAFETY = "/summary/safety_factor"
 CAPACITY = "/summary/capacity_ratio"
 FACTOR = "/summary/factor_10"
-
 #: Names of variables in a message, where none is close.
 LISTED = 8
-
 #: Root attributes that say where a file comes from; their change alone makes no other results.
 ABOUT = ("title", "site_description")
 APART = ("history", "configuration", "kind", "Conventions", "run_id", "run_digest", *ABOUT)
@@ -49,10 +46,7 @@ class VariableDifference:
 
 @dataclass
 class Differences:
-    """The changes between two files; ``sides`` holds the verdicts and ratios that changed sides, by variable.
-
-    Lines of the configuration stand behind "-" or "+" and the section or the block that they are of.
-    """
+    """The changes between two files; ``sides`` are the verdicts and ratios that changed sides, by variable."""
 
     about: list[tuple[str, str, str]] = field(default_factory=list)  # attributes of the root: name, before, after
     configuration: list[str] = field(default_factory=list)

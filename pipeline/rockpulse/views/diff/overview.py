@@ -12,12 +12,10 @@ from rockpulse.views.shared.terminal import ABSENT, paragraph, shortened
 #: Names that are listed of what only one file has, and half of the lines of the configuration and of bodies; and how
 #: many for one screen, which shows as many variables as lines.
 LISTED, ON_SCREEN = 12, 3
-
 #: Longest place and text in a table, and name in a place.
 PLACE_WIDTH = 44
 TEXT_WIDTH = 20
 NAME_WIDTH = 34
-
 #: What is said of ratios that crossed one.
 CROSSED = {
     FACTOR: "Factors of 10 % that crossed 1 (below it the record as it is overturns with more than 10 % probability)",
@@ -29,16 +27,23 @@ CROSSED = {
 def difference_overview(
     found: Differences, first: ResultsFile, second: ResultsFile, tolerance: str, full: bool = True
 ) -> str:
-    """Files, bodies, verdicts that flipped, ratios that crossed one, what only one file has, all other differences.
-
-    Without `full` a screen of it: the first of every list, and how many more there are.
-    """
+    """The differences as text: bodies, flipped verdicts, crossed ratios and the rest; one screen without `full`."""
     most = LISTED if full else ON_SCREEN
     parts = ["\n".join(map(_file, "-+", (first, second)))]
     if not found.same:
         title = f"Bodies whose margin changed (by the {found.model} model): {len(found.bodies)}"
         parts.append(_list(title, found.bodies, 2 * most))
-    parts += [_flips(found), *(_crossings(found, name, title) for name, title in CROSSED.items())]
+    flips, crossed = found.sides[OUTCOME], {title: found.sides[name] for name, title in CROSSED.items()}
+    if flips.count:
+        by_model = f"{flips.count_by_model} of {flips.compared_by_model}"
+        title = f"Verdicts that flipped: {flips.count} of {flips.compared}"
+        parts.append(_changes(title, by_model, found.model, flips))
+    elif flips.compared:
+        parts.append(f"No verdict of {flips.compared} flipped.")
+    told = {title: one for title, one in crossed.items() if one.count}
+    parts += [
+        _changes(f"{title}: {one.count}", str(one.count_by_model), found.model, one) for title, one in told.items()
+    ]
     parts.append("\n".join(f"  {name}: {old} -> {new}" for name, old, new in found.about))
     changes = [paragraph(line[1:], "      ", f"  {line[0]} ") for line in found.configuration]
     parts.append("\n".join(["Configuration:", *_first(changes, 2 * most, " lines")]) if changes else "")
@@ -77,21 +82,6 @@ def _list(title: str, every: Sequence[str], most: int, indent: str = "      ") -
 def _first(said: list[str], most: int, noun: str = "") -> list[str]:
     """The first lines, and how many more there are."""
     return said if len(said) <= most else [*said[:most], f"  and {len(said) - most} more{noun}"]
-
-
-def _flips(found: Differences) -> str:
-    flips = found.sides[OUTCOME]
-    if not flips.count:
-        return f"No verdict of {flips.compared} flipped." if flips.compared else ""
-    by_model = f"{flips.count_by_model} of {flips.compared_by_model}"
-    return _changes(f"Verdicts that flipped: {flips.count} of {flips.compared}", by_model, found.model, flips)
-
-
-def _crossings(found: Differences, name: str, title: str) -> str:
-    crossed = found.sides[name]
-    if not crossed.count:
-        return ""
-    return _changes(f"{title}: {crossed.count}", str(crossed.count_by_model), found.model, crossed)
 
 
 def _changes(title: str, by_model: str, model: str, changes: Changes) -> str:

@@ -20,15 +20,7 @@ class OnlyIn:
 
 
 def add_only(only: list[OnlyIn], what: str, first: Iterable[Any], second: Iterable[Any]) -> None:
-    """Add to a list what only one of two lists of names has, unless it is said already.
-
-    Examples
-    --------
-    >>> only = []
-    >>> add_only(only, "records", ["a", "b"], ["b", "c"])
-    >>> only
-    [OnlyIn(what='records', first=('a',), second=('c',))]
-    """
+    """Add to a list what only one of two lists of names has, unless it is said already."""
     before, after = dict.fromkeys(map(str, first)), dict.fromkeys(map(str, second))
     gone = tuple(name for name in before if name not in after)
     new = tuple(name for name in after if name not in before)

@@ -20,18 +20,14 @@ from rockpulse.views.shared.words import listed, named, numerals, say
 
 #: A window in which the block stands again: hatched, and light in grey where it is too narrow for that.
 _AGAIN: dict[str, Any] = {"fc": "#BBDDF3", "ec": BLACK, "lw": 0.0, "hatch": "////", "hatch_linewidth": 0.6}
-
 #: An interval of overturning, and one in which the model cannot answer.
 _OVERTURNS: dict[str, Any] = {"fc": RED, "ec": RED}
 _UNKNOWN: dict[str, Any] = {"fc": "white", "ec": GREY, "hatch": "xxxx"}
-
 #: Narrower intervals of overturning are drawn this wide [pt], over the windows beside them, because they matter.
 _THINNEST = 1.0
-
 #: As ratios: the left end of the axis to the smallest factor, and the places of those without a factor, one for each
 #: model, to the end of the search.
 _BELOW, _NONE = 0.7, 1.09
-
 _SEARCH = "assess again with the model in [search] models, and intervals = true for a model that is searched by runs"
 
 

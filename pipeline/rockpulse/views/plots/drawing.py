@@ -23,7 +23,7 @@ from rockpulse.storage.hdf5.atomic import ASSESSMENT, named
 from rockpulse.storage.hdf5.results_file import load
 from rockpulse.storage.variables.fragility import FRAGILITY
 from rockpulse.storage.variables.site import SITE_KIND
-from rockpulse.views.plots import ground_motion, style
+from rockpulse.views.plots import ground_motion, selection, style
 from rockpulse.views.plots.critical_factors import critical_scale, overturning_map
 from rockpulse.views.plots.fragility_curves import fragility_panels
 from rockpulse.views.plots.impulse_sequences import limit_accelerogram
@@ -32,15 +32,6 @@ from rockpulse.views.plots.model_histories import histories
 from rockpulse.views.plots.objects import block_outlines, bodies, half_wave_impulses, response, two_half_cycles
 from rockpulse.views.plots.probability_map import probability_map
 from rockpulse.views.plots.rotation import rotation_history
-from rockpulse.views.plots.selection import (
-    block_of,
-    named_body,
-    one_name,
-    plain_bodies,
-    ragged,
-    sequence_of,
-    settings_of,
-)
 from rockpulse.views.plots.site import calibration
 from rockpulse.views.plots.spectra import overturning_spectra, rocking_spectrum, spectra_of_results
 from rockpulse.views.shared.facts import Known
@@ -49,7 +40,6 @@ from rockpulse.views.shared.words import say
 
 #: Most records whose spectra are marched again for a picture, some seconds in all.
 MARCHED = 12
-
 #: The pictures of results where no kind is asked for, by the kind of their file.
 FIRST = {ASSESSMENT: ("spectrum", "bodies"), FRAGILITY: ("fragility",), SITE_KIND: ("calibration",)}
 
@@ -57,8 +47,8 @@ FIRST = {ASSESSMENT: ("spectrum", "bodies"), FRAGILITY: ("fragility",), SITE_KIN
 def _pair(tree: xr.DataTree, record: str | None, block: str | None, case: int) -> tuple[str, str, str]:
     """A record, a block and their title, with a second line on the earthquake, the station and the direction."""
     summary = tree["summary"].to_dataset()
-    record, block = one_name(summary, "record", record), one_name(summary, "block", block)
-    names = f"{style.plain(record)}, {style.plain(named_body(summary, block, case))}"
+    record, block = selection.one_name(summary, "record", record), selection.one_name(summary, "block", block)
+    names = f"{style.plain(record)}, {style.plain(selection.named_body(summary, block, case))}"
     return record, block, f"{names}\n{style.plain(Known(summary, record=record).described)}".rstrip()
 
 
@@ -66,7 +56,7 @@ def _limit_accelerogram(
     tree: xr.DataTree, record: str | None = None, block: str | None = None, case: int = 1
 ) -> np.ndarray:
     record, block, name = _pair(tree, record, block, case)
-    body, sequence = block_of(tree["summary"].to_dataset(), block, case), sequence_of(tree, record)
+    body, sequence = selection.block_of(tree["summary"].to_dataset(), block, case), selection.sequence_of(tree, record)
     try:
         return limit_accelerogram(body, sequence, name=name)
     except ValueError as error:
@@ -74,22 +64,18 @@ def _limit_accelerogram(
 
 
 def _rotation_history(
-    tree: xr.DataTree,
-    record: str | None = None,
-    block: str | None = None,
-    models: Sequence[str] | None = None,
-    case: int = 1,
-    factor: float = 1.0,
+    tree: xr.DataTree, record: str | None = None, block: str | None = None, **options: Any
 ) -> np.ndarray:
-    record, block, name = _pair(tree, record, block, case)
+    record, block, name = _pair(tree, record, block, options.get("case", 1))
+    factor = options.get("factor", 1.0)
     name = name if factor == 1.0 else say("plot.motion.times", name=name, factor=general(factor))
-    return rotation_history(histories(tree, record, block, models, case, factor), title=name)
+    return rotation_history(histories(tree, record, block, **options), title=name)
 
 
 def _rocking_spectrum(tree: xr.DataTree, record: str | None = None, restitution: float | str = "housner") -> Axes:
     summary = tree["summary"].to_dataset()
-    record = one_name(summary, "record", record)
-    own = {name: summary.sel(block=name) for name in plain_bodies(summary)}
+    record = selection.one_name(summary, "record", record)
+    own = {name: summary.sel(block=name) for name in selection.plain_bodies(summary)}
     marked = {name: (float(one["p"]), float(one["alpha_c"])) for name, one in own.items()}
     p = _reaching(P, [rate for rate, _ in marked.values()])
     alpha = _reaching(ALPHAS, [angle for _, angle in marked.values()])
@@ -111,7 +97,7 @@ def _reaching(values: Sequence[float], marked: Sequence[float]) -> list[float]:
 def _spectrum(tree: xr.DataTree, record: str | None = None, restitution: float | str | None = None) -> Axes:
     summary, spectra = tree["summary"].to_dataset(), tree["spectra"].to_dataset()
     if record is not None:
-        spectra = spectra.sel(record=[one_name(summary, "record", record)])
+        spectra = spectra.sel(record=[selection.one_name(summary, "record", record)])
     if restitution == "housner":
         raise ConfigError("restitution: the spectrum is drawn at one C; expected a number from 0.75 to 1")
     c = float(summary["restitution"].median()) if restitution is None else float(restitution)
@@ -123,10 +109,10 @@ def _whole(tree: xr.DataTree, spectra: xr.Dataset, restitution: float) -> xr.Dat
     records, grid = [str(name) for name in spectra["record"].values], spectra["restitution"].values
     nearest = float(grid[np.argmin(np.abs(grid - restitution))])
     there = np.isfinite(spectra["spectrum"].sel(restitution=nearest).transpose("record", "p").values)
-    samples = [ragged(tree, "row_size", ["acceleration"], record) for record in records]
+    samples = [selection.ragged(tree, "row_size", ["acceleration"], record) for record in records]
     if there.all() or not there.any() or len(records) > MARCHED or None in samples:
         return spectra
-    uncertainty = settings_of(tree, UncertaintySettings).of_draws()
+    uncertainty = selection.settings_of(tree, UncertaintySettings).of_draws()
     whole = [
         overturning_spectrum(ground_motion.stored_record(tree, record), restitution=[nearest], uncertainty=uncertainty)
         for record in records
@@ -145,7 +131,7 @@ def _overturning_map(
 #: By the names of :data:`rockpulse.views.plots.kinds.KINDS`: functions of a tree and what is chosen of it.
 DRAWERS: dict[str, Callable[..., Figure | Axes | np.ndarray]] = {
     "accelerogram": lambda tree, record=None: ground_motion.accelerogram(
-        ground_motion.stored_motion(tree, one_name(tree["summary"].to_dataset(), "record", record))
+        ground_motion.stored_motion(tree, selection.one_name(tree["summary"].to_dataset(), "record", record))
     ),
     "bodies": bodies,
     "limit-accelerogram": _limit_accelerogram,

@@ -18,7 +18,6 @@ from rockpulse.views.shared.words import listed, say
 
 #: Rows on a page, of more the lowest factors are shown; the height of a row [in], and the longest name beside it.
 ROWS, ROW, NAME = 60, 0.155, 34
-
 #: Names that are listed of the rows that are drawn as one.
 LISTED = 3
 
@@ -26,10 +25,7 @@ LISTED = 3
 def shown_rows(
     summary: xr.Dataset, rows: Sequence[tuple[str, str, int]], factors: np.ndarray, most: int = ROWS
 ) -> tuple[np.ndarray, list[np.ndarray], list[str], list[str]]:
-    """The rows that are drawn, those that each of the last ones stands for, the names of all, and sentences on them.
-
-    Two and more rows in which nothing overturns are one row, and so are those in which it is not known.
-    """
+    """The rows that are drawn (those without a factor merged), the rows merged into each last one, names, sentences."""
     groups = [np.flatnonzero(one) for one in (np.isinf(factors), np.isnan(factors))]
     merged = [group for group in groups if group.size > 1]
     lone = np.setdiff1d(np.arange(len(rows)), np.concatenate([[], *merged])).astype(int)
@@ -89,10 +85,7 @@ def legend_once(ax: Axes, columns: int) -> int:
 def factors_to_demands(
     summary: xr.Dataset, records: Sequence[str], blocks: Sequence[str] | str, end: float
 ) -> dict[str, np.ndarray]:
-    """Factors that bring the record of each row to each demand, for the body of the row or of all: (rows,) by demand.
-
-    NaN stands for a factor beyond the end of the search. Empty where the results have no demand.
-    """
+    """(rows,) factors that bring each record to each demand, for its body; NaN beyond the search, empty without one."""
     bodies = [blocks] * len(records) if isinstance(blocks, str) else blocks
     at = {name: xr.DataArray(list(values), dims="row") for name, values in (("record", records), ("block", bodies))}
     found = {}
@@ -131,7 +124,6 @@ def uncertainty_words(tree: xr.DataTree) -> str:
 
 #: Half the height of a bar.
 HALF = 0.33
-
 #: The bars of a probability of overturning from its lower end on, by the keys of their words, and how they look.
 _LEVELS: tuple[tuple[str, dict[str, Any]], ...] = (
     ("below_10", {"fc": "#E8F3EF", "ec": GREEN, "lw": 0.4}),

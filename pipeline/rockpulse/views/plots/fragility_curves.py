@@ -20,14 +20,11 @@ from rockpulse.views.text.fragility import shown_measure, statement
 
 #: Probabilities below this, and above one less it, are not looked at when the range of the axis is chosen.
 _TAIL = 0.002
-
 #: Limit states whose single capacities are drawn beside the curves: more of them hide each other.
 _POINTS = 3
-
 #: A band that is wider than this [-] at most of the levels says nothing; a curve that lies by more than this [-] above
 #: that of a milder limit state is told of.
 _WIDE, _ABOVE = 0.8, 0.01
-
 #: Points of a curve between two levels of the file, and remarks that are given one by one.
 _BETWEEN, _REMARKS = 8, 4
 

@@ -27,10 +27,8 @@ from rockpulse.views.shared.words import say
 
 #: The remedy where the samples of a record are not in the file.
 STORE = 'the file does not hold the accelerograms: assess again with [records] store = "all"'
-
 #: Stored variables that are fields of a record by another name: by it alone no record is counted to an earthquake.
 _FIELDS = {"event_title": "event"}
-
 _ACCELERATION = real("ground acceleration", "m s-2", dims=("sample",))
 _TIME = real("time from the first sample", "s", dims=("sample",))
 

@@ -19,7 +19,6 @@ from rockpulse.views.shared.words import numerals, say
 
 #: Main impulses that are shown at most, and the shortest half-cycle with room for its peak, as a share of the picture.
 _MAIN_SHOWN, _NAMED = 12, 0.07
-
 #: Words beside a half-cycle.
 _BESIDE: dict[str, Any] = {"textcoords": "offset points", "fontsize": SMALL - 0.5}
 

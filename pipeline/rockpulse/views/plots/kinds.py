@@ -19,7 +19,6 @@ class PictureKind:
 
 
 _STORED = 'rockpulse assess with [records] store = "all"'
-
 KINDS = {
     "accelerogram": PictureKind(
         ("record",), "accelerogram, its half-waves as impulses at their centroids, the intense phase", _STORED

@@ -19,23 +19,14 @@ from rockpulse.record.half_wave import HalfWaves
 from rockpulse.record.intensity import IntensePhase
 from rockpulse.record.record import Record
 from rockpulse.selection.directions import FACING_WITHIN
+from rockpulse.views.plots import selection
 from rockpulse.views.plots.ground_motion import STORE, had_vertical, stored_record
 from rockpulse.views.plots.motion_history import HalfCycle, rotation_history
-from rockpulse.views.plots.selection import (
-    block_of,
-    chosen_case,
-    one_name,
-    ragged,
-    sequence_of,
-    settings_of,
-    table_of_pair,
-)
 from rockpulse.views.shared.terminal import figure
 from rockpulse.views.shared.words import say
 
 #: Difference of peaks [-] from which on a history has a remark, and instants of the history of a sequence.
 _SAME, _INSTANTS = 1e-3, 4000
-
 #: Remedies where the file does not hold the motion of a body.
 _AGAIN, _OTHERS = "assess again with [models] histories = true", "draw other models (--model)"
 
@@ -84,11 +75,11 @@ def histories(
     their first main impulse is put at the beginning of the intense phase.
     """
     summary = tree["summary"].to_dataset()
-    record, block = one_name(summary, "record", record), one_name(summary, "block", block)
+    record, block = selection.one_name(summary, "record", record), selection.one_name(summary, "block", block)
     known = [str(name) for name in summary["model"].values]
     if models is None:
         models = [name for name in FOLLOWING if name in known] or [name for name in DRAWN if name in known]
-    models = [one_name(summary, "model", name) for name in models]
+    models = [selection.one_name(summary, "model", name) for name in models]
     for name in models:
         if name not in DRAWN:
             raise ResultsError(f'model "{name}": expected one with a motion in time: {", ".join(DRAWN)}')
@@ -98,21 +89,23 @@ def histories(
             )
     if not (np.isfinite(factor) and factor > 0.0):
         raise ResultsError(f"factor: expected a positive factor on the record, got {factor:g}")
-    if factor != 1.0:
-        return [_scaled(tree, record, block, name, case, factor) for name in models]
-    return [_history(tree, record, block, name, case) for name in models]
+    if factor == 1.0:
+        return [_history(tree, record, block, name, case) for name in models]
+    body = selection.block_of(summary, block, case)
+    scaled = [recomputed(tree, record, block, body, name, [factor])[0] for name in models]
+    return [History(one.model, remark=say("unknown.unresolved")) if np.isnan(one.peak) else one for one in scaled]
 
 
 def _history(tree: xr.DataTree, record: str, block: str, model: str, case: int) -> History:
     summary = tree["summary"].to_dataset()
-    answer = summary.sel(record=record, block=block, model=model).isel(chosen_case(summary, case))
+    answer = summary.sel(record=record, block=block, model=model).isel(selection.chosen_case(summary, case))
     peak, outcome = float(answer["peak_rotation_ratio"]), int(answer["outcome"])
     overturning = float(answer["overturning_time"]) if "overturning_time" in answer else np.nan
     count = int(answer["impacts"]) if "impacts" in answer else -1
     remarks = [] if "applicable" not in answer or int(answer["applicable"]) else [say("unknown.outside")]
     if outcome == Outcome.UNRESOLVED:
         return History(model, remark="; ".join([say("unknown.unresolved"), *remarks]))
-    body = block_of(summary, block, case)
+    body = selection.block_of(summary, block, case)
     if model in SEQUENCE_MODELS:
         # A design sequence stands for no record: its own time is the only one.
         start = float(np.nan_to_num(summary["intense_start"].sel(record=record)))
@@ -122,24 +115,11 @@ def _history(tree: xr.DataTree, record: str, block: str, model: str, case: int) 
         time, rotation = kept
         hits = _impacts(time, rotation, body)
     else:
-        motion = recomputed(tree, record, block, body, model, [1.0])
-        time, rotation, found = motion.time, motion.rotation[0], float(motion.peak[0])
-        hits = _impacts(time, rotation, body)
+        _, time, rotation, hits, *_, found, _ = recomputed(tree, record, block, body, model, [1.0])[0]
         if not (found == peak or abs(found - peak) <= _SAME):
             again, before = (say("limit_state.overturning") if np.isinf(one) else figure(one) for one in (found, peak))
             remarks.append(say("plot.motion.again", again=again, stored=before))
     return History(model, time, rotation, hits, count, overturning, peak, "; ".join(remarks))
-
-
-def _scaled(tree: xr.DataTree, record: str, block: str, model: str, case: int, factor: float) -> History:
-    """The motion under the record times a factor, of which the file holds nothing."""
-    body = block_of(tree["summary"].to_dataset(), block, case)
-    time, rotation, *told = recomputed(tree, record, block, body, model, [factor])
-    peak, outcome, overturning, count = (values[0] for values in told)
-    if outcome == Outcome.UNRESOLVED:
-        return History(model, remark=say("unknown.unresolved"))
-    hits = _impacts(time, rotation[0], body)
-    return History(model, time, rotation[0], hits, int(count), float(overturning), float(peak))
 
 
 def stored_history(
@@ -158,7 +138,7 @@ def stored_history(
     first, last = np.cumsum([0, *kept["history_row_size"].values])[rows[0] : rows[0] + 2]
     rotation = np.asarray(kept["rotation"].values[first:last])
     dt = float(summary["dt"].sel(record=record))
-    return dt * np.arange(rotation.size), block_of(summary, block, case).ratio(rotation)
+    return dt * np.arange(rotation.size), selection.block_of(summary, block, case).ratio(rotation)
 
 
 def _of_sequence(
@@ -166,10 +146,10 @@ def _of_sequence(
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Time from the first main impulse, theta/alpha_c, impacts: from the table of half-cycles."""
     own = tree["summary"].to_dataset().sel(block=block)
-    table = table_of_pair(tree, "half_cycles", record, block, model, case)
+    table = selection.table_of_pair(tree, "half_cycles", record, block, model, case)
     order = np.argsort(table["half_cycle"])
     cycles = [HalfCycle(*one) for one in zip(*(table[name][order].tolist() for name in HalfCycle._fields), strict=True)]
-    p, sequence = float(own["p"]), sequence_of(tree, record)
+    p, sequence = float(own["p"]), selection.sequence_of(tree, record)
     share = 0.0 if MODELS[model].cycles == "main" else float(sequence.secondary) / float(own["critical_impulse"])
     ends = np.cumsum([cycle.duration for cycle in cycles if np.isfinite(cycle.duration)])
     # An overturning half-cycle is followed a while beyond alpha_c, where the history ends by itself.
@@ -191,27 +171,15 @@ def _impacts(time: np.ndarray, rotation: np.ndarray, body: Block) -> np.ndarray:
     return at[crossed & (speed > IMPACT_CUTOFF)]
 
 
-class Recomputed(NamedTuple):
-    """Motions under a record times (q,) factors: ``rotation`` is theta/alpha_c, NaN once the block has overturned."""
-
-    time: np.ndarray  # (n,) from the first sample of the record [s]
-    rotation: np.ndarray  # (q, n)
-    peak: np.ndarray  # (q,) the largest rotation; inf where the block overturns, NaN where the model cannot say
-    outcome: np.ndarray  # (q,) rocking.Outcome
-    overturning: np.ndarray  # (q,) time from which overturning is certain [s]; NaN without
-    impacts: np.ndarray  # (q,) -1 where they never end or are not known
-
-
 def recomputed(
     tree: xr.DataTree, record: str, block: str, body: Block, model: str, factors: Sequence[float]
-) -> Recomputed:
-    """Motions of a block, which is `body`, under a record times some factors, by a model that follows the record.
-
-    A ResultsError where the file does not hold the ground motion that acts on the block.
-    """
+) -> list[History]:
+    """Motions of a block, `body`, under a record times factors; ResultsError without the motion that acts on it."""
     summary, row = tree["summary"].to_dataset(), MODELS[model]
     floors = floors_from_text(str(summary["floors"].sel(block=block).values))
-    if not _in_direction(summary, record, block, tree):
+    azimuth, own = float(summary["azimuth"].sel(record=record)), float(summary["body_azimuth"].sel(block=block))
+    turned = selection.settings_of(tree, RecordSettings).components != "horizontal"
+    if turned and np.isfinite(own) and not abs(math.remainder(own - azimuth, 180.0)) <= FACING_WITHIN:
         raise ResultsError(
             f"{block}: it is shaken in a direction of its own, whose motion is not in the file: {_AGAIN}, or with its "
             "direction as that of [records]"
@@ -219,27 +187,25 @@ def recomputed(
     if floors and row.takes == "half-waves":
         raise ResultsError(f"{block}: the half-waves of its floor are not in the file: {_AGAIN}, or {_OTHERS}")
     if row.takes == "half-waves":
-        return _worse(body, [row.respond(body, _of_half_waves(tree, record, model), np.asarray(factors))])
+        return _worse(model, body, [row.respond(body, _of_half_waves(tree, record, model), np.asarray(factors))])
     if row.vertical and had_vertical(summary, record):
         raise ResultsError(f"{record}: the vertical channel acted and is not in the file: {_AGAIN}, or {_OTHERS}")
-    if ragged(tree, "row_size", ["acceleration"], record) is None:
+    if selection.ragged(tree, "row_size", ["acceleration"], record) is None:
         raise ResultsError(f"{record}: {STORE}, or with [models] histories = true")
     motion = stored_record(tree, record)
     motion = floor_record(motion, floors) if floors else motion
     # What is stored of a body before a wall is the worse of those senses of the record that may act.
     facing = float(summary["facing"].sel(block=block))
-    azimuth = float(summary["azimuth"].sel(record=record))
     scene = _scene(tree, motion, {"impulse": np.zeros(0), "centroid": np.zeros(0)})
     senses = acting(azimuth, facing) if body.side else (1,)
-    return _worse(
-        body, [row.respond(body if sense > 0 else body.mirrored(), scene, np.asarray(factors)) for sense in senses]
-    )
+    bodies = [body if sense > 0 else body.mirrored() for sense in senses]
+    return _worse(model, body, [row.respond(one, scene, np.asarray(factors)) for one in bodies])
 
 
 def _of_half_waves(tree: xr.DataTree, record: str, model: str) -> Scene:
     """The half-waves of a record, which need no accelerogram."""
     summary = tree["summary"].to_dataset().sel(record=record)
-    waves = ragged(tree, "half_wave_row_size", ["half_wave_centroid", "half_wave_impulse"], record)
+    waves = selection.ragged(tree, "half_wave_row_size", ["half_wave_centroid", "half_wave_impulse"], record)
     if waves is None:
         raise ResultsError(
             f"{record}: the file does not hold the half-waves, nor histories of {model}: assess again with "
@@ -258,23 +224,17 @@ def _scene(tree: xr.DataTree, record: Record, waves: dict[str, np.ndarray]) -> S
         waves=HalfWaves(**waves, **others, dt=record.dt, record_id=record.id),
         phase=IntensePhase(0.0, record.duration),
         sequence=None,
-        gain=settings_of(tree, ModelSettings).gain,
+        gain=selection.settings_of(tree, ModelSettings).gain,
     )
 
 
-def _worse(body: Block, found: Sequence[Response]) -> Recomputed:
+def _worse(model: str, body: Block, found: Sequence[Response]) -> list[History]:
     """Of each factor the response with the larger peak, one that cannot say counting as the largest."""
     rank = [np.nan_to_num(one.peak_rotation_ratio, nan=np.finfo(float).max) for one in found]
-    worse = np.argmax(rank, axis=0)
-    names = ("rotation", "peak_rotation_ratio", "outcome", "overturning_time", "impacts")
-    every = (np.stack([getattr(one, name) for one in found]) for name in names)
-    rotation, *others = (values[worse, np.arange(worse.size)] for values in every)
-    return Recomputed(np.asarray(found[0].time), body.ratio(rotation), *others)
-
-
-def _in_direction(summary: xr.Dataset, record: str, block: str, tree: xr.DataTree) -> bool:
-    """Whether a record is what shakes a block, which may have a direction of its own."""
-    own = float(summary["body_azimuth"].sel(block=block))
-    turned = settings_of(tree, RecordSettings).components != "horizontal"
-    apart = abs(math.remainder(own - float(summary["azimuth"].sel(record=record)), 180.0)) if np.isfinite(own) else 0.0
-    return not turned or apart <= FACING_WITHIN
+    names = ("impacts", "overturning_time", "peak_rotation_ratio")
+    time, histories = np.asarray(found[0].time), []
+    for lane, worse in enumerate(np.argmax(rank, axis=0)):
+        rotation = body.ratio(np.asarray(found[worse].rotation)[lane])
+        told = (getattr(found[worse], name)[lane].item() for name in names)
+        histories.append(History(model, time, rotation, _impacts(time, rotation, body), *told))
+    return histories

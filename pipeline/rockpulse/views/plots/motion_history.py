@@ -1,8 +1,6 @@
 """The motion under the limit accelerogram instant by instant, from the table of its half-cycles.
 
-.. note:: Rotations are in units of alpha_c and velocities u = theta'/(p alpha_c). Each half-cycle starts from its own
-   row of the table. The first main impulse is positive: the block starts to rock about its left-hand corner, theta < 0,
-   as in :func:`~rocking.impulses.sequence.impulse_train`.
+Rotations are in units of alpha_c, velocities u = theta'/(p alpha_c); the first main impulse is positive: theta < 0.
 """
 
 import math
@@ -26,10 +24,7 @@ class HalfCycle(NamedTuple):
 
 
 def secondary_impulses(cycle: HalfCycle, secondary: float, spacing: str) -> tuple[np.ndarray, np.ndarray]:
-    """Times after the main impulse [s] and velocity changes [-] of the secondary impulses in a half-cycle that returns.
-
-    One changes the velocity away from the ground by a = u_1 I_s/I, `secondary`; the first change is negative.
-    """
+    """Times [s] and velocity changes [-] (`secondary` is u_1 I_s/I) in a half-cycle that returns."""
     if secondary == 0.0:
         return np.zeros(0), np.zeros(0)
     if spacing == "continuous":  # infinitely many act like half of one at the start and half of one at the end

@@ -27,7 +27,6 @@ from rockpulse.views.shared.words import say
 #: Colours of the outcomes, and lanes of a response whose histories are drawn.
 COLOURS = {Outcome.AT_REST: GREY, Outcome.ROCKS: BLUE, Outcome.OVERTURNS: RED, Outcome.UNRESOLVED: BLACK}
 LANES = 6
-
 #: Bodies in a picture, and in a row of it; the height of the bar of one that overturns, where alpha_c is 1 [-].
 MOST, IN_ROW, TOP = 8, 4, 1.2
 

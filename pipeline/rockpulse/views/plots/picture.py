@@ -10,7 +10,6 @@ from matplotlib.figure import Figure
 
 #: Dots per inch of a PNG: 300 and more is for photographs.
 RESOLUTION = 200
-
 #: Metadata left out of a file: the time of the run, and what takes room and says nothing.
 _UNDATED: dict[str, dict[str, None]] = {
     "svg": dict.fromkeys(("Date", "Creator", "Format", "Type")),
@@ -21,15 +20,12 @@ _UNDATED: dict[str, dict[str, None]] = {
 #: A tag, and in it an id or a reference to one.
 _TAG = re.compile(r"<[a-zA-Z][^>]*>")
 _ID = re.compile(r'(\bid="|\bhref="#|url\(#)')
-
 #: Coordinates of a path, which are written to 1e-6 pt.
 _PATH = re.compile(r'\bd="[^"]*"')
 _LONG = re.compile(r"-?\d+\.\d{3,}")
-
 #: A rule for the whole page, which the element can carry itself; and the list of fonts at every text.
 _RULE = '<style type="text/css">*{stroke-linejoin: round; stroke-linecap: butt}</style>'
 _FONTS = re.compile(r"font-family: 'DejaVu Sans',[^;\"]*")
-
 #: matplotlib's settings, and its reader of mathematics, are the same for all threads.
 _WRITING = threading.Lock()
 
@@ -71,13 +67,13 @@ def svg(figure: Figure, name: str | None = None) -> str:
         name = "p" + hashlib.sha256(element.encode("utf-8")).hexdigest()[:12]
     if not re.fullmatch(r"[A-Za-z][\w-]*", name, flags=re.ASCII):
         raise ValueError(f"name: expected a letter, then letters, digits, '-' and '_', got {name!r}")
+
+    def rounded(number: re.Match[str]) -> str:
+        return f"{float(number.group()):.2f}".rstrip("0").rstrip(".")
+
     # A hundredth of a point is a tenth of the thinnest line: half the size, the same picture.
-    element = _PATH.sub(lambda path: _LONG.sub(_rounded, path.group()), element)
+    element = _PATH.sub(lambda path: _LONG.sub(rounded, path.group()), element)
     return _TAG.sub(lambda tag: _ID.sub(rf"\g<1>{name}-", tag.group()), element)
-
-
-def _rounded(number: re.Match[str]) -> str:
-    return f"{float(number.group()):.2f}".rstrip("0").rstrip(".")
 
 
 class NotebookFigure(Figure):

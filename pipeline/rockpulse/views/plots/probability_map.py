@@ -22,7 +22,6 @@ from rockpulse.views.shared.words import say
 
 #: Records and bodies on a page, of more the likeliest to overturn; bodies with upright names, and with written values.
 ROWS, COLUMNS, UPRIGHT, WRITTEN = 50, 30, 5, 10
-
 #: Steps of the colours, among them those at which a body may overturn and overturns.
 LEVELS = np.array([0.0, 0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0])
 

@@ -17,7 +17,6 @@ from rockpulse.views.shared.words import named, say
 
 #: The shown time is that of rotations above this share of the largest, and this share of it before and after.
 _MOVES, _AROUND = 0.02, 0.06
-
 #: Largest rotation that is shown: beyond it the block has fallen.
 _TOP = 1.5
 

@@ -18,16 +18,12 @@ from rockpulse.storage.hdf5.netcdf4 import flag_words
 from rockpulse.views.shared.terminal import restitution
 
 _Section = TypeVar("_Section", bound=Section)
-
 #: Names listed in a message.
 LISTED = 20
 
 
 def one_name(dataset: xr.Dataset, dimension: str, name: str | None) -> str:
-    """The name along a dimension that was asked for, in full or by a pattern that only one name meets, or the only one.
-
-    A ResultsError for any other, with the nearest names.
-    """
+    """The only name along a dimension, or the given one, in full or by a pattern; ResultsError for any other."""
     known = [str(item) for item in dataset[dimension].values]
     if name is None and len(known) == 1:
         return known[0]

@@ -21,7 +21,6 @@ from rockpulse.views.text.site import site_remarks
 
 #: Largest ratio to the range of the records up to which the axis follows the design; the longest remark [characters].
 _NEAR, _REMARK = 3.0, 230
-
 #: Letters of the parameters that have one.
 _SYMBOLS = {"main": "$I$", "ratio": "$I_s/I$", "interval": r"$\Delta T$"}
 

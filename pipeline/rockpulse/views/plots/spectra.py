@@ -23,10 +23,8 @@ from rockpulse.views.shared.words import counted, say
 
 #: Sizes whose p is marked along the top [m].
 _RADII = (0.2, 0.3, 0.5, 1.0, 2.0, 4.0, 8.0)
-
 #: Blocks that overturn.
 _FALLEN: dict[str, Any] = {"fc": RED, "ec": BLACK, "hatch": "/////", "hatch_linewidth": 0.25}
-
 #: Bodies that are named one by one.
 _NAMED = 12
 
@@ -140,7 +138,6 @@ def size_scale(ax: Axes, gravity: float) -> None:
 
 #: Spectra of single records that are drawn, and the share of the lowest body down to which they are.
 _DRAWN, _DEEPEST = 200, 0.1
-
 #: Frequency parameters that are written along p [1/s], and the room beside what is drawn, as a ratio of p.
 _TICKS, _ROOM = (0.5, 0.7, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0), 1.6
 
@@ -217,10 +214,7 @@ def overturning_spectra(
 
 
 def spectra_of_results(tree: xr.DataTree, spectra: xr.Dataset, restitution: float | None = None) -> Axes:
-    """Draw spectra of an assessment, with its bodies, its earthquakes and what its demands ask of the records.
-
-    Without a `restitution` at the median one: half of the bodies have a larger C than the curve, half a smaller one.
-    """
+    """Draw spectra of an assessment with its bodies, earthquakes, demands; by default at the median C of the bodies."""
     summary = tree["summary"].to_dataset()
     own, names = summary.sel(record=spectra["record"].values), plain_bodies(summary)
     plain = summary.sel(block=names)
@@ -253,10 +247,7 @@ def below_the_picture(ax: Axes, curves: np.ndarray) -> list[str]:
 def spectrum_axes(
     ax: Axes, p: xr.DataArray, points: Mapping[str, tuple[float, float]], gravity: float, columns: int
 ) -> int:
-    """Dress the Axes of spectra over p, mark the bodies at their p and g tan(alpha)/p, and put the legend above.
-
-    Returns the rows that a title has to leave for the legend.
-    """
+    """Dress Axes over p, mark bodies at p and g tan(alpha)/p, and return the rows of the legend that is put above."""
     handles = [*ax.get_legend_handles_labels()[0], *body_marks(ax, dict(points))]
     ax.set_xscale("log")
     ax.set_yscale("log")

@@ -12,11 +12,9 @@ from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 import xarray as xr
-from matplotlib import colormaps
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis
 from matplotlib.collections import QuadMesh
-from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter, ScalarFormatter
 from matplotlib.transforms import ScaledTranslation, blended_transform_factory
@@ -29,7 +27,6 @@ from rockpulse.views.shared.words import counted, in_numerals, language, named, 
 
 #: Width of a picture [in], that of the text on a page of A4 with margins of 25 mm; sizes of text at that width [pt].
 WIDTH, FONT, SMALL = 6.3, 8.5, 7.5
-
 #: Colours of Okabe & Ito (2008), told apart by colour-blind eyes, and a grey.
 PALETTE = {
     "black": "#000000",
@@ -43,13 +40,10 @@ PALETTE = {
 }
 BLACK, BLUE, ORANGE, GREEN, RED, SKY, PURPLE, GREY = PALETTE.values()
 PALE = "#DDDDDD"
-
 #: Dashes: of a line to compare with, and dots.
 DASHED, DOTTED = (0, (6, 3)), (0, (1.2, 1.2))
-
 #: Label of the figures that are made here; columns by which a long history is drawn: more cannot be told apart.
 _OURS, INSTANTS = "rockpulse", 700
-
 #: The Axes of a user for a picture of several panels: one, several, or those of ``plt.subplots``.
 Panels: TypeAlias = "Axes | Sequence[Axes] | np.ndarray"
 
@@ -91,12 +85,6 @@ def looks(names: Sequence[str]) -> list[Look]:
     return [Look(name, _CYCLE[at][0], *one[1:]) for name, (_, at), one in zip(names, turns, other, strict=True)]
 
 
-def ramp(names: Sequence[str]) -> list[Look]:
-    """The looks of the named steps of one quantity, in order: from dark to light, neighbours by other lines too."""
-    shades = colormaps["cividis"](np.linspace(0.0, 0.88, len(names)))
-    return [Look(name, to_hex(shades[place]), *_CYCLE[place % 4][1:]) for place, name in enumerate(names)]
-
-
 def figure_of(width: float = WIDTH, height: float = 3.4) -> Figure:
     """A figure of some size [in] that belongs to no window and no global list."""
     figure = NotebookFigure(figsize=(width, height), layout="constrained")
@@ -123,10 +111,7 @@ def one_axes(ax: Axes | None, height: float = 3.4) -> Axes:
 
 
 def several_axes(axes: Panels | None, rows: int, columns: int = 1, height: float = 5.0, **options: Any) -> np.ndarray:
-    """As :func:`one_axes` for rows x columns of panels, with options of :meth:`matplotlib.figure.Figure.subplots`.
-
-    A ValueError for another number of Axes.
-    """
+    """As :func:`one_axes` for rows x columns of panels, with options of `Figure.subplots`."""
     if axes is None:
         panels = figure_of(height=height).subplots(rows, columns, squeeze=False, **options)
     else:
@@ -177,10 +162,7 @@ def legend(ax: Axes, **options: Any) -> None:
 
 
 def legend_above(ax: Axes, ncols: int, across: bool = False, lift: float = 0.0, **options: Any) -> None:
-    """The legend in rows of `ncols` entries above the Axes, `lift` further up [pt].
-
-    With `across` it begins at the left edge of a figure of our own, beside long names.
-    """
+    """The legend in rows of `ncols` above the Axes, `lift` [pt] further up, or `across` from the edge of our figure."""
     figure, beside = whole_figure(ax), across and _ours(ax)
     above = blended_transform_factory(figure.transFigure if beside else ax.transAxes, ax.transAxes)
     place = above + ScaledTranslation(0.0, lift / 72.0, figure.dpi_scale_trans)
@@ -190,10 +172,7 @@ def legend_above(ax: Axes, ncols: int, across: bool = False, lift: float = 0.0, 
 
 
 def title(ax: Axes, words: str, rows: int = 0, width: int = 74) -> None:
-    """The title of a picture: above a figure of our own, else above its uppermost Axes and their own title.
-
-    `rows` is the number of rows of a legend above the Axes, `width` the longest line; names in it are :func:`plain`.
-    """
+    """The title of a figure of our own, else of its uppermost Axes over `rows` of a legend; names are :func:`plain`."""
     if words and _ours(ax):
         whole_figure(ax).suptitle(wrapped(words, width), x=0.01, ha="left", fontsize=FONT)
     else:
@@ -231,7 +210,6 @@ def plain_ticks(axis: Axis, wide: float = 200.0) -> None:
 
 #: CF units of the results as an engineer writes them.
 _UNITS = {"m s-2": "m/s²", "m s-1": "m/s", "s-1": "1/s", "rad s-1": "rad/s", "degree": "°", "1": "-"}
-
 #: Symbols of the long names as mathematics; of those that begin alike the longer one first.
 _SYMBOLS = {
     "theta_max/alpha_c": r"$\theta_{max}/\alpha_c$",
@@ -245,7 +223,6 @@ _SYMBOLS = {
     "dT": r"$\Delta T$",
 }
 _SYMBOL = re.compile(rf"\b({'|'.join(map(re.escape, _SYMBOLS))})\b")
-
 #: Mathematics of matplotlib: between dollars that are not escaped. The first of the letters that no text has.
 _MATHEMATICS, _PRIVATE = re.compile(r"(?<!\\)\$[^$]+(?<!\\)\$"), 0xE000
 
@@ -272,10 +249,7 @@ def plain(name: object) -> str:
 
 
 def wrapped(words: str, width: int) -> str:
-    """Text broken into lines of `width` characters: mathematics counts as long as it is drawn, and is never broken.
-
-    Longer words are cut, so that no id leaves the picture. Line breaks in the text stay.
-    """
+    """Text in lines of `width` characters: mathematics counts as drawn and is not broken, longer words are cut."""
     pieces = _MATHEMATICS.findall(words)
     # Each piece is replaced by as many letters of its own as it shows.
     for place, piece in enumerate(pieces):

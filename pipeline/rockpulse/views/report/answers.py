@@ -10,23 +10,7 @@ from rockpulse.assessment.verdict import BodyVerdict, Standing, standings, why_u
 from rockpulse.config.study_settings import UncertaintySettings
 from rockpulse.model_table import is_upper_bound
 from rockpulse.views.report.records import record_label
-from rockpulse.views.shared.columns import (
-    AT_MOST,
-    NO_ANSWER,
-    OUTSIDE,
-    AnswerRows,
-    Column,
-    answer_columns,
-    columns,
-    doubt_notes,
-    factor_cell,
-    filled,
-    headed,
-    margin_cells,
-    marks_of,
-    record_cells,
-    unexplained,
-)
+from rockpulse.views.shared import columns as col
 from rockpulse.views.shared.notes import beyond_critical, factor_name, missed_step, none_found
 from rockpulse.views.shared.table import Cell, Heading, Mark, Table
 from rockpulse.views.shared.terminal import ratio, share
@@ -53,11 +37,11 @@ class AnswerCells:
         self.answers = answers
         self.standing = standings(answers)
         self._why = why_unknown(answers)
-        self.every = AnswerRows.every(answers)
-        self.of_models = answer_columns(answers)
-        factors = columns("factor_10" if answers.probable else "safety_factor")
-        self._factors = [row[0] for row in filled(factors, self.every)]
-        names = record_cells(answers.summary)
+        self.every = col.AnswerRows.every(answers)
+        self.of_models = col.answer_columns(answers)
+        factors = col.columns("factor_10" if answers.probable else "safety_factor")
+        self._factors = [row[0] for row in col.filled(factors, self.every)]
+        names = col.record_cells(answers.summary)
         self.names = [cell._replace(text=record_label(cell.text)) for cell in names]
         peak = f"θ_max/α_c, {say(f'models.{answers.model}')}"
         self._peak = Heading(say("head.peak"), note=peak)
@@ -65,11 +49,11 @@ class AnswerCells:
     @property
     def marks(self) -> set[Mark]:
         """The marks of the answers of all models, and of the factors of the one that is counted."""
-        return marks_of(cell for table in (*self.of_models.values(), self._factors) for cell in table)
+        return col.marks_of(cell for table in (*self.of_models.values(), self._factors) for cell in table)
 
     def record(self, record: int) -> Cell:
         """The id of a record, which leads to its part of the page."""
-        return unexplained(self.names[record])._replace(link=f"record-{record}")
+        return col.unexplained(self.names[record])._replace(link=f"record-{record}")
 
     def body(self, lane: int) -> Cell:
         """The name of a body, which leads to its part of the page."""
@@ -79,7 +63,7 @@ class AnswerCells:
     def verdict(self, record: int, lane: int) -> Cell:
         """The probability of overturning under a record, else the answer in words, sorted from best to worst."""
         if self.answers.probable:
-            (cell,) = self.cells(columns("overturning_probability"), [record], [lane])[0]
+            (cell,) = self.cells(col.columns("overturning_probability"), [record], [lane])[0]
             return cell
         kind = Standing(int(self.standing[record, lane]))
         resting = kind == Standing.STANDS and self.answers["outcome"][record, lane] == Outcome.AT_REST
@@ -92,62 +76,63 @@ class AnswerCells:
         table = self.answers["overturning_probability"] if self.answers.probable else self.standing
         return int(np.argmax(np.nan_to_num(table[record])))
 
-    def cells(self, selected: Sequence[Column], records: Sequence[int], lanes: Sequence[int]) -> list[tuple[Cell, ...]]:
+    def cells(self, of: Sequence[col.Column], records: Sequence[int], lanes: Sequence[int]) -> list[tuple[Cell, ...]]:
         """The cells of some columns for bodies under records."""
-        return filled(selected, AnswerRows(self.answers, np.array(records, dtype=int), np.array(lanes, dtype=int)))
+        places = (np.array(one, dtype=int) for one in (records, lanes))
+        return col.filled(of, col.AnswerRows(self.answers, *places))
 
     @property
     def short(self) -> tuple[Heading, ...]:
         """The headings of :meth:`of`."""
-        return (*headed(columns("uplift_ratio")), self._peak, *self.decisive)
+        return (*col.headed(col.columns("uplift_ratio")), self._peak, *self.decisive)
 
     def of(self, record: int, lane: int) -> tuple[Cell, ...]:
         """A body under a record in short: demand, peak, answer and factor."""
-        (demand,) = self.cells(columns("uplift_ratio"), [record], [lane])[0]
+        (demand,) = self.cells(col.columns("uplift_ratio"), [record], [lane])[0]
         return demand, self.answer(record, lane), self.verdict(record, lane), self.factor(record, lane)
 
     @property
     def decisive(self) -> tuple[Heading, Heading]:
         """The headings of :meth:`verdict` and :meth:`factor`."""
         probable, factor = self.answers.probable, self.answers.factor
-        (last,) = headed(columns(factor))
+        (last,) = col.headed(col.columns(factor))
         if probable:
-            return headed(columns("overturning_probability"))[0], last._replace(note=say("head.of_record"))
+            return col.headed(col.columns("overturning_probability"))[0], last._replace(note=say("head.of_record"))
         first = Heading(say("head.answer"), note=say(f"models.{self.answers.model}"))
         return first, last._replace(note=factor_name(factor))
 
     def factor(self, record: int, lane: int) -> Cell:
         """The factor, marked where it is a lower bound."""
-        return unexplained(self._factors[record * len(self.answers.bodies) + lane])
+        return col.unexplained(self._factors[record * len(self.answers.bodies) + lane])
 
     def answer(self, record: int, lane: int, model: str = "") -> Cell:
         """The answer of a model, the counted one unless named: the largest rotation over alpha_c, or a word."""
         own = self.of_models[model or self.answers.model]
-        return unexplained(own[record * len(self.answers.bodies) + lane])._replace(grade="")
+        return col.unexplained(own[record * len(self.answers.bodies) + lane])._replace(grade="")
 
 
 def answer_table(cells: AnswerCells) -> Table:
     """Every record, body and model in one table."""
     answers = cells.answers
-    first, last = columns("restitution"), columns("uplift_ratio", "velocity_ratio", "impulse_ratio")
+    first, last = col.columns("restitution"), col.columns("uplift_ratio", "velocity_ratio", "impulse_ratio")
     headings = (
         *(Heading(say(f"head.{name}")) for name in ("record", "body")),
-        *(heading._replace(note="") for heading in headed(first)),
+        *(heading._replace(note="") for heading in col.headed(first)),
         *cells.decisive,
         *(Heading(say("head.capacity"), note=name) for name in answers.demands),
-        *headed(last),
+        *col.headed(last),
         *map(model_heading, answers.models),
     )
     capacities = [(answers.ratios(name), answers.proven(name)) for name in answers.demands]
     places = zip(cells.every.records.tolist(), cells.every.lanes.tolist(), strict=True)
     rows = []
-    for at, own, asked in zip(places, filled(first, cells.every), filled(last, cells.every), strict=True):
+    for at, own, asked in zip(places, col.filled(first, cells.every), col.filled(last, cells.every), strict=True):
         bound = bool(answers.bound[at])
-        over = (factor_cell(float(values[at]), float(proven[at]), bound) for values, proven in capacities)
+        over = (col.factor_cell(float(values[at]), float(proven[at]), bound) for values, proven in capacities)
         of_models = (cells.answer(*at, model) for model in answers.models)
         decisive = (cells.verdict(*at), cells.factor(*at))
         names = (cells.record(at[0]), cells.body(at[1]))
-        rows.append((*names, *own, *decisive, *map(unexplained, over), *asked, *of_models))
+        rows.append((*names, *own, *decisive, *map(col.unexplained, over), *asked, *of_models))
     return Table("answers", say("caption.answers"), headings, tuple(rows), searched=0)
 
 
@@ -155,15 +140,12 @@ def count_table(answers: Answers) -> Table:
     """Numbers of motions that overturn every body, by every model, as they are, in one of their directions."""
     total = len(answers.motions.names)
     counts = [(one.overturnings(), one.unresolved) for one in answers.of_models.values()]
-    rows = tuple(
-        (
-            Cell(body.name, link=f"body-{body.place}"),
-            *(_count(fallen[k], total, silent[k]) for fallen, silent in counts),
-        )
-        for k, body in enumerate(answers.bodies)
-    )
+    rows = []
+    for k, body in enumerate(answers.bodies):
+        cells = (_count(fallen[k], total, silent[k]) for fallen, silent in counts)
+        rows.append((Cell(body.name, link=f"body-{body.place}"), *cells))
     headings = (Heading(say("head.body")), *map(model_heading, answers.models))
-    return Table("counts", say("caption.counts"), headings, rows)
+    return Table("counts", say("caption.counts"), headings, tuple(rows))
 
 
 def _count(fallen: int, total: int, silent: int) -> Cell:
@@ -173,10 +155,10 @@ def _count(fallen: int, total: int, silent: int) -> Cell:
 
 def record_table(cells: AnswerCells, record: int) -> Table:
     """Every body under one record, a row of /summary, by the model that is counted."""
-    lanes, c = range(len(cells.answers.bodies)), columns("restitution")
+    lanes, c = range(len(cells.answers.bodies)), col.columns("restitution")
     own = cells.cells(c, [record] * len(lanes), lanes)
     rows = tuple((cells.body(lane), *own[lane], *cells.of(record, lane)) for lane in lanes)
-    headings = (Heading(say("head.body")), *headed(c), *cells.short)
+    headings = (Heading(say("head.body")), *col.headed(c), *cells.short)
     return Table(f"record-{record}-bodies", say("caption.of_record"), headings, rows)
 
 
@@ -184,12 +166,12 @@ def table_notes(cells: AnswerCells, found: Sequence[BodyVerdict], uncertainty: U
     """A line for everything in the tables that does not speak for itself."""
     answers = cells.answers
     notes = [say("note.figures"), *([say("note.beyond_critical")] if beyond_critical(answers) else [])]
-    notes += [*_of_factors(answers, uncertainty), *doubt_notes(cells.names)]
+    notes += [*_of_factors(answers, uncertainty), *col.doubt_notes(cells.names)]
     bounds = (name for name in answers.models if is_upper_bound(name))
     notes += [say("note.upper_bound", model=say(f"models.{name}")) for name in bounds]
     margins = [margin for one in found for margin in (one.margin, *(demand.margin for demand in one.demands))]
-    marks = cells.marks | marks_of(margin_cells(margin)[0] for margin in margins)
-    told = [mark.note for mark in (OUTSIDE, AT_MOST, NO_ANSWER) if mark in marks]
+    marks = cells.marks | col.marks_of(col.margin_cells(margin)[0] for margin in margins)
+    told = [mark.note for mark in (col.OUTSIDE, col.AT_MOST, col.NO_ANSWER) if mark in marks]
     notes += dict.fromkeys(told)
     if answers.motions.kind == "pair":
         notes.append(say("note.pair_mean" if answers.motions.any_azimuth else "note.pair_worst"))

@@ -20,25 +20,15 @@ from rockpulse.views.shared.files_used import files_used
 from rockpulse.views.shared.table import Cell, Heading, Table, number
 from rockpulse.views.shared.terminal import share
 from rockpulse.views.shared.words import counted, listed, say
-from rockpulse.views.text.fragility import (
-    median_table,
-    records_words,
-    shown_measure,
-    state_words,
-    statement,
-    sufficiency_tables,
-)
+from rockpulse.views.text import fragility as curves_text
 from rockpulse.views.text.site import about_records, coverage, design, site_remarks, site_tables
 
 #: The same configuration gives the same numbers to the last digit; a body written down with other digits is another.
 TOLERANCE = 1e-6
-
 #: What each kind of file is called, and the command that makes it again.
 _MADE_BY = {FRAGILITY: ("fragility file", "rockpulse fragility"), SITE_KIND: ("site file", "rockpulse calibrate")}
-
 #: How a body with several restitutions is called there.
 _WITH_RESTITUTION = re.compile(r"(?P<block>.+) C [0-9.e+-]+")
-
 #: Settings by which the same channel is another motion.
 _OF_THE_MOTION = {
     "records": ("components", "azimuth", "azimuth_step", "units", "dt", "response", "include_vertical"),
@@ -46,7 +36,6 @@ _OF_THE_MOTION = {
 }
 
 _ASSESS_AGAIN = "run 'rockpulse assess --sequence' with this site file, or give the one that it was run with"
-
 #: Names that are given one by one in a sentence.
 NAMED = 6
 
@@ -280,24 +269,20 @@ def describe_fragility(of: Paired, assessed: int, model: str) -> Part:
     """The section on fragility beside a verdict by a model; no record is assessed where a sequence stands for them."""
     tree = of.tree
     curves = tree["fragility"].to_dataset()
-    own = curves.sel(measure=shown_measure(curves))
+    own = curves.sel(measure=curves_text.shown_measure(curves))
     common = say("fragility.common" if assessed else "fragility.sequence", same=of.same, assessed=assessed)
     data = say(f"fragility.{tree.attrs['data']}")
-    said = say("fragility.from", records=records_words(tree), common=common, data=data)
+    said = say("fragility.from", records=curves_text.records_words(tree), common=common, data=data)
     remarks = [*_not_used(of), *of.other_motions("fragility", assessed)]
     equation = stored_sections(str(tree.attrs.get("configuration", ""))).get("fragility", {}).get("equation", model)
     if equation != model and model not in SEQUENCE_MODELS:
         remarks.append(say("fragility.equation", equation=say(f"models.{equation}"), model=say(f"models.{model}")))
     named = {"missing": of.missing, "foreign": of.foreign}
     remarks += [say(f"fragility.{key}", names=listed(names)) for key, names in named.items() if names]
-    tables = [median_table(tree), _remark_table(own), *sufficiency_tables(tree["efficiency"].to_dataset())]
-    return Part(
-        tuple(remarks),
-        (said,),
-        tuple(table for table in tables if table.rows),
-        tuple(own["block"].values.tolist()),
-        bool(own["median_low"].notnull().any()),
-    )
+    of_measures = curves_text.sufficiency_tables(tree["efficiency"].to_dataset())
+    tables = tuple(one for one in (curves_text.median_table(tree), _remark_table(own), *of_measures) if one.rows)
+    banded = bool(own["median_low"].notnull().any())
+    return Part(tuple(remarks), (said,), tables, tuple(own["block"].values.tolist()), banded)
 
 
 def _remark_table(own: xr.Dataset) -> Table:
@@ -306,8 +291,8 @@ def _remark_table(own: xr.Dataset) -> Table:
     for block in own["block"].values.tolist():
         found: dict[str, list[str]] = {}
         for state in own["limit_state"].values.tolist():
-            if said := statement(own.sel(block=block, limit_state=state)):
-                found.setdefault(said, []).append(state_words(state))
+            if said := curves_text.statement(own.sel(block=block, limit_state=state)):
+                found.setdefault(said, []).append(curves_text.state_words(state))
         rows += [(Cell(block), Cell(", ".join(states)), Cell(said)) for said, states in found.items()]
     headings = tuple(Heading(say(key)) for key in ("head.body", "fragility.limit_states", "fragility.remark"))
     return Table("fragility-remarks", say("fragility.remarks"), headings, tuple(rows))

@@ -1,33 +1,30 @@
 """Everything that the page shows, gathered from the results as plain data; the templates only lay it out."""
 
 import base64
-from dataclasses import dataclass
+import math
+from types import SimpleNamespace
 
+import numpy as np
 import xarray as xr
 
-from rockpulse.assessment.answers import Motions, answers_of
+from rockpulse.assessment.answers import Answers, answers_of
 from rockpulse.assessment.verdict import BodyVerdict, verdicts
 from rockpulse.config.configuration import Config, config_from_text, stored_sections
 from rockpulse.config.study_settings import PNG, UncertaintySettings, logo_bytes
 from rockpulse.errors import ResultsError
 from rockpulse.model_table import MODELS
+from rockpulse.record.measures import PGA
 from rockpulse.storage.hdf5.results_file import WRITTEN_BY
-from rockpulse.views.report.answers import AnswerCells, answer_table, count_table, table_notes
-from rockpulse.views.report.beside import Paired, Part, describe_fragility, describe_site
-from rockpulse.views.report.pages import BodyPage, RecordPage, body_pages, record_pages
-from rockpulse.views.report.records import (
-    event_table,
-    failure_table,
-    input_table,
-    left_out_table,
-    used_table,
-    versions,
-    warning_table,
-)
-from rockpulse.views.report.remarks import Limit, limits, remarks
-from rockpulse.views.report.verdict import MOST, Card, Drawing, basis, body_table, cards, counted_by, drawings, legend
+from rockpulse.views.report import records
+from rockpulse.views.report.answers import AnswerCells, answer_table, count_table, record_table, table_notes
+from rockpulse.views.report.beside import Paired, describe_fragility, describe_site
+from rockpulse.views.report.remarks import limits, remarks
+from rockpulse.views.report.verdict import MOST, acceleration, basis, body_table, cards, counted_by, drawings, legend
+from rockpulse.views.shared.columns import columns, grade_cell, headed
+from rockpulse.views.shared.facts import Known
 from rockpulse.views.shared.files_used import files_used
-from rockpulse.views.shared.table import Fact, Table
+from rockpulse.views.shared.table import Cell, Fact, Heading, Table
+from rockpulse.views.shared.terminal import ABSENT, figure, restitution
 from rockpulse.views.shared.words import named, say
 
 REFERENCE = (
@@ -35,55 +32,14 @@ REFERENCE = (
     "intense phase of an earthquake, COMPDYN 2017, doi:10.7712/120117.5612.17190"
 )
 
+#: Records that are listed under a body.
+GOVERNING = 10
 _ASSUMPTIONS = ("body", "impact", "motion", "uplift", "strength")
 _NOT_COVERED = ("sliding", "flexible", "walls", "floors", "space", "soil", "hazard")
 
 
-@dataclass(frozen=True)
-class Content:
+def gather(tree: xr.DataTree, site: Paired | None = None, fragility: Paired | None = None) -> SimpleNamespace:
     """The page in data; ``found`` are the verdicts on all bodies, ``counted_by`` explains its words."""
-
-    title: str
-    description: str
-    history: tuple[str, ...]
-    motions: Motions
-    found: tuple[BodyVerdict, ...]
-    basis: str
-    cards: tuple[Card, ...]
-    drawings: tuple[Drawing, ...]
-    limits: tuple[str, ...]
-    verdict: Table
-    legend: str
-    used: Table
-    left_out: Table
-    counted_by: str
-    remarks: tuple[Limit, ...]
-    counts: Table
-    answers: Table
-    earthquakes: Table
-    notes: tuple[str, ...]
-    site: Part | None
-    fragility: Part | None
-    bodies: tuple[BodyPage, ...]
-    records: tuple[RecordPage, ...]
-    reference: str
-    models: tuple[Fact, ...]
-    assumptions: tuple[Fact, ...]
-    not_covered: tuple[Fact, ...]
-    versions: tuple[Fact, ...]
-    inputs: Table
-    failures: Table
-    warnings: Table
-    configuration: str
-
-    @property
-    def more(self) -> int:
-        """The number of blocks that have no card on the first page."""
-        return max(len(self.bodies) - MOST, 0)
-
-
-def gather(tree: xr.DataTree, site: Paired | None = None, fragility: Paired | None = None) -> Content:
-    """The content of the report on an assessment, with a site calibration and fragility curves where they are given."""
     answers = answers_of(tree)
     summary, motions, model = answers.summary, answers.motions, answers.model
     found = verdicts(answers)
@@ -96,48 +52,48 @@ def gather(tree: xr.DataTree, site: Paired | None = None, fragility: Paired | No
     calibrated = None if site is None else site.tree["site"].to_dataset()
     said = remarks(answers, found, files, calibrated, str(sections.get("records", {}).get("components", "")))
     title = str(tree.attrs.get("title", ""))
+    history = (line.partition(WRITTEN_BY) for line in str(tree.attrs.get("history", "")).splitlines())
     if configuration and not sections.get("site", {}).get("name"):
         title = say(f"page.title_by_{'sequence' if by_sequence else 'records'}")
-    return Content(
+    return SimpleNamespace(
         title=title,
         description=str(tree.attrs.get("site_description", "")),
-        history=tuple(map(_written, str(tree.attrs.get("history", "")).splitlines())),
+        history=[say("page.written_by", when=when, version=version) if by else when for when, by, version in history],
         motions=motions,
-        found=tuple(found),
+        found=found,
         basis=basis(answers, files.counted),
-        cards=tuple(cards(answers, found, drawn)),
-        drawings=tuple(drawn),
-        limits=tuple(limits(said, found, motions)),
+        cards=cards(answers, found, drawn),
+        drawings=drawn,
+        limits=limits(said, found, motions),
         verdict=body_table(answers, found),
         legend=legend(answers),
-        used=used_table(answers),
-        left_out=left_out_table(site.tree if by_sequence and site else tree),
+        used=records.used_table(answers),
+        left_out=records.left_out_table(site.tree if by_sequence and site else tree),
         counted_by=counted_by(answers),
-        remarks=tuple(said),
+        remarks=said,
         counts=count_table(answers),
         answers=answer_table(cells),
-        earthquakes=event_table(answers),
+        earthquakes=records.event_table(answers),
         notes=tuple(table_notes(cells, found, UncertaintySettings(**sections.get("uncertainty", {})))),
         site=None if site is None else describe_site(site, assessed),
         fragility=None if fragility is None else describe_fragility(fragility, assessed, model),
-        bodies=tuple(body_pages(cells, found)),
-        records=tuple(record_pages(cells)),
+        bodies=body_pages(cells, found),
+        more=max(len(answers.blocks) - MOST, 0),  # blocks without a card on the first page
+        records=record_pages(cells),
         reference=f"{REFERENCE} ({say('method.corrected')})",
         models=tuple(_model(name, name == model) for name in answers.models),
         assumptions=_assumptions(summary, sections.get("conditioning", {})),
         not_covered=tuple(_fact(f"not_covered.{name}") for name in _NOT_COVERED),
-        versions=versions(tree),
-        inputs=input_table(summary),
-        failures=failure_table(tree),
-        warnings=warning_table(summary),
+        versions=records.versions(tree),
+        inputs=records.input_table(summary),
+        failures=records.failure_table(tree),
+        warnings=records.warning_table(summary),
         configuration=configuration,
     )
 
 
-def _written(line: str) -> str:
-    """A line of the history of a file."""
-    when, by, version = line.partition(WRITTEN_BY)
-    return say("page.written_by", when=when, version=version) if by else line
+def _fact(key: str) -> Fact:
+    return Fact(say(f"{key}.head"), (say(f"{key}.text"),))
 
 
 def _model(name: str, judging: bool) -> Fact:
@@ -162,10 +118,6 @@ def _assumptions(summary: xr.Dataset, conditioning: dict[str, object]) -> tuple[
     return tuple(facts)
 
 
-def _fact(key: str) -> Fact:
-    return Fact(say(f"{key}.head"), (say(f"{key}.text"),))
-
-
 def parties(tree: xr.DataTree, config: Config | None = None) -> tuple[Fact, ...]:
     """Project, client and author, those that are given: by a configuration, else by the one in the results."""
     chosen = config_from_text(str(tree.attrs.get("configuration", ""))) if config is None else config
@@ -180,8 +132,129 @@ def logo(tree: xr.DataTree, config: Config | None = None) -> str:
     stored = str(tree.attrs.get("report_logo", ""))
     try:
         content = base64.b64decode(stored, validate=True)
-    except ValueError as error:
-        raise ResultsError("report_logo: expected a PNG in base64, found something else in the results") from error
+    except ValueError:
+        content = b""
     if stored and not content.startswith(PNG):
         raise ResultsError("report_logo: expected a PNG in base64, found something else in the results")
     return stored
+
+
+def body_pages(cells: AnswerCells, found: list[BodyVerdict]) -> list[SimpleNamespace]:
+    """A page for every block: a verdict for each restitution, facts, the records nearest to overturning it."""
+    answers = cells.answers
+    pages = []
+    for place, block in enumerate(answers.blocks):
+        own = [lane for lane, body in enumerate(answers.bodies) if body.place == place]
+        cases = [f"C = {restitution(answers.bodies[lane].restitution)}: " if len(own) > 1 else "" for lane in own]
+        pages.append(
+            SimpleNamespace(
+                key=f"body-{place}",
+                name=block,
+                verdicts=tuple(grade_cell(found[lane], case) for lane, case in zip(own, cases, strict=True)),
+                facts=_of_block(answers, block, [answers.bodies[lane].restitution for lane in own]),
+                governing=_governing(cells, own, place),
+            )
+        )
+    return pages
+
+
+def record_pages(cells: AnswerCells) -> list[SimpleNamespace]:
+    """A page for every record: its facts, the worst answer, and every body under it."""
+    answers = cells.answers
+    pages = []
+    for place, (record, event) in enumerate(zip(answers.records, answers["event"], strict=True)):
+        worst = cells.verdict(place, cells.worst(place)) if answers.bodies else Cell(ABSENT)
+        one = Known(answers.summary, record=record)
+        impulse = f"I {figure(one.value('main_impulse'), 'm/s')}"
+        brief = impulse if math.isnan(one.value(PGA)) else ", ".join(one.strength)
+        pages.append(
+            SimpleNamespace(
+                key=f"record-{place}",
+                name=cells.names[place].marked,
+                place=place,
+                words=", ".join(filter(None, (records.record_words(one), one.magnitude))),
+                brief=brief,
+                worst=worst._replace(text=say("worst", answer=f"{'P ' if answers.probable else ''}{worst.text}")),
+                facts=_of_record(one, str(event)),
+                bodies=record_table(cells, place),
+            )
+        )
+    return pages
+
+
+def _of_block(answers: Answers, block: str, restitutions: list[float]) -> tuple[Fact, ...]:
+    one = Known(answers.summary, block=block)
+    known = one.number
+    size = f"{known('width', 'm')} × {known('height', 'm')}"
+    facts = {
+        "size": say("fact.by_numbers") if math.isnan(one.value("width")) else size,
+        "beside": one.support,
+        "radius": one.radius,
+        "alpha_c": known("alpha_c", "rad"),
+        "p": known("p", "1/s"),
+        "slenderness": known("slenderness"),
+        "rebound" if one.value("one_sided") else "restitution": ", ".join(map(restitution, restitutions)),
+        "critical_impulse": known("critical_impulse", "m/s"),
+    }
+    lists = {name: (value,) for name, value in facts.items() if value} | {"warnings": one.lines("block_warnings")}
+    return tuple(Fact(say(f"fact.{name}"), lines) for name, lines in lists.items() if lines)
+
+
+def _governing(cells: AnswerCells, own: list[int], place: int) -> Table:
+    """The records that overturn the body at the smallest factors, then those without one that are worst."""
+    answers = cells.answers
+    pairs = [(record, lane) for record in range(len(answers.records)) for lane in own]
+    factor = np.where(np.isnan(answers[answers.factor]), np.inf, answers[answers.factor])
+    order = sorted(pairs, key=lambda at: (factor[at], -cells.standing[at]))[:GOVERNING]
+    selected = columns(*(["restitution"] if len(own) > 1 else []), PGA)
+    shown = cells.cells(selected, *zip(*order, strict=True)) if order else []
+    rows = tuple((_by_name(cells, at[0]), *told, *cells.of(*at)) for at, told in zip(order, shown, strict=True))
+    headings = (Heading(say("head.record")), *headed(selected), *cells.short)
+    caption = say("caption.governing" if len(pairs) > GOVERNING else "caption.each_record")
+    return Table(f"body-{place}-records", caption, headings, rows)
+
+
+def _by_name(cells: AnswerCells, record: int) -> Cell:
+    """A record by its earthquake, station and direction, else by its id."""
+    known, cell = Known(cells.answers.summary, record=cells.answers.records[record]), cells.record(record)
+    return cell._replace(text=records.record_named(known, cell.text))
+
+
+def _of_record(one: Known, event: str) -> tuple[Fact, ...]:
+    known, own = one.number, one.words
+    names = {name: say(f"fact.{name}") for name in ("source", "sha256")}
+    told = {names["source"]: own("source"), names["sha256"]: own("source_sha256")}
+    if one.value("npts") >= 0:
+        start, end = (known(f"intense_{side}", "s") for side in ("start", "end"))
+        facts = {
+            "component": f"{own('station')}, {one.component} ({known('azimuth', '°')})",
+            "station_name": own("station_name"),
+            "start": own("start_time"),
+            "samples": say("fact.at_interval", count=one.value("npts"), interval=known("dt", "s")),
+            "pga": acceleration(one.value(PGA)),
+            "pgv": one.peak_velocity,
+            "arias": known("arias_intensity", "m/s"),
+            "intense": say("between", low=start, high=end),
+        }
+        told |= {say("fact.earthquake"): records.event_name(event), **dict(one.stated)}
+        told |= {say(f"fact.{name}"): value for name, value in facts.items()}
+    told[say("fact.sequence")] = _sequence(one)
+    lists = {name: one.lines(name) for name in ("processing", "warnings")}
+    return (
+        *(Fact(name, (value,)) for name, value in told.items()),
+        *(Fact(say(f"fact.{name}"), every) for name, every in lists.items() if every),
+    )
+
+
+def _sequence(one: Known) -> str:
+    """The impulse sequence of a record in a line."""
+    if math.isnan(one.value("main_impulse")):
+        return say("fact.no_sequence")
+    return say(
+        "fact.sequence_of",
+        main=one.number("main_impulse", "m/s"),
+        secondary=one.number("secondary_impulse", "m/s"),
+        interval=one.number("secondary_interval", "s"),
+        duration=one.number("sequence_duration", "s"),
+        count=one.main_count,
+    )

@@ -15,24 +15,17 @@ from rockpulse.views.shared.words import say
 
 #: Size of the drawing, and the room around the body for its sizes and for what holds it.
 SIDE, MARGIN = 150.0, 28.0
-
 #: Where the middle of the body is drawn: left of that of the drawing, for its height is written on its right.
 MIDDLE = 66.0
-
 #: Size of a strip in its own units, about the pixels that it is shown in.
 WIDTH, HEIGHT = 700, 110
-
 #: Room for the numbers below and beside a strip.
 LEFT, BOTTOM, TOP = 52, 20, 8
 
 
 @dataclass(frozen=True)
 class Support:
-    """What a body stands on: a floor of a building, and pedestals.
-
-    `pedestals` are widths and heights [m] from the foot of the body downwards, of which the first `joined` rock with it
-    as one body.
-    """
+    """The floor of a building, and pedestals [m] from the foot down, the first `joined` of which rock with the body."""
 
     floor: bool = False
     pedestals: Sequence[tuple[float, float]] = ()
@@ -40,10 +33,7 @@ class Support:
 
 
 def drawing(body: Outline, support: Support, label: str, length: Callable[[float], str]) -> str:
-    """An element `<svg>` of a body, with a label for those who do not see it; `length` words a length [m].
-
-    The texts are without markup.
-    """
+    """An element `<svg>` of a body with a label, texts without markup; `length` words a length [m]."""
     below, top = sum(height for _, height in support.pedestals), body.top
     width = max(body.width, *(one for one, _ in support.pedestals), 0.25 * (top + below))
     scale = (SIDE - 2 * MARGIN) / max(width, top + below)

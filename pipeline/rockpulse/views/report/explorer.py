@@ -1,8 +1,10 @@
 """The part of the page to explore: bodies that rock in time under a few records, at five factors on each."""
 
+import base64
 import json
 import math
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -10,34 +12,53 @@ import xarray as xr
 
 from rocking.body.block import Block
 from rocking.body.outline import Outline
+from rocking.spectrum.probability import factor_at
 from rockpulse.assessment.answers import Answers, Body
 from rockpulse.assessment.spectra import overturning_curve
 from rockpulse.errors import ResultsError
 from rockpulse.model_table import FOLLOWING
 from rockpulse.views.plots.ground_motion import stored_record
-from rockpulse.views.plots.model_histories import histories, recomputed
+from rockpulse.views.plots.model_histories import History, histories, recomputed
 from rockpulse.views.plots.selection import block_of, plain_bodies
-from rockpulse.views.report.explorer_choice import (
-    COLUMNS,
-    SHARES,
-    Columns,
-    chosen,
-    known,
-    laid_through,
-    packed,
-    points_of,
-    probability_at,
-    steps_on,
-)
 from rockpulse.views.report.records import record_words
 from rockpulse.views.shared.facts import Known
 from rockpulse.views.shared.words import say, section
 
+#: Factors on each record.
+STEPS = 5
+#: Factors beside those that have a meaning, and how near to each other two may be.
+OTHERS, APART = (0.5, 0.7, 1.4, 2.0, 3.0, 5.0), 0.03
+#: Probabilities whose factors the results hold, by the variables that hold them.
+SHARES = {0.1: "factor_10", 0.5: "factor_50"}
+#: The smallest and the largest factor that is shown.
+SHOWN = (0.05, 20.0)
+#: Columns of a stretch of time, more than a screen shows.
+COLUMNS = 1500
+#: The largest 16-bit number, and the one that stands for no value.
+LARGEST, NONE = 32767, -32768
 #: Bodies with motions on the page, those of the smallest factors first.
 MOST_BODIES = 20
-
 #: Time before and after the motion that is shown [s]; a rotation below this share of alpha_c counts as none.
 BEFORE, AFTER, NO_MOTION = 1.0, 2.0, 1e-4
+
+
+@dataclass(frozen=True)
+class Columns:
+    """A stretch of time from `start` to `end` [s], divided into `count` columns of one width."""
+
+    start: float
+    end: float
+    count: int
+
+    def extremes(self, time: np.ndarray, values: np.ndarray) -> np.ndarray:
+        """(2, count) smallest and largest value of each column, without a sample the value before it; NaN outside."""
+        edges = np.linspace(self.start, self.end, self.count + 1)
+        first = np.searchsorted(time, edges - 1e-9 * self.end)
+        inside = values[: max(int(first[-1]), 1)]
+        places = np.minimum(first[:-1], inside.size - 1)
+        found = np.stack([one.reduceat(inside, places) for one in (np.fmin, np.fmax)])
+        found[:, edges[:-1] > time[-1]] = np.nan
+        return found
 
 
 class Explorer(NamedTuple):
@@ -45,15 +66,6 @@ class Explorer(NamedTuple):
 
     data: str
     model: str
-
-
-class _Motion(NamedTuple):
-    """A rotation in time at one factor: theta/alpha_c, empty where the model cannot say."""
-
-    time: np.ndarray
-    rotation: np.ndarray
-    peak: float
-    overturning: float
 
 
 def explorer(tree: xr.DataTree, file: str = "results.h5") -> Explorer | None:
@@ -112,13 +124,12 @@ class _Scenes:
         curve, points = self._curve(row, lane, block), points_of(self._answers, row, lane)
         steps = steps_on(self._answers, row, lane, self._words)
         as_it_is = histories(self._tree, record, body.block, [self._answers.model], body.case + 1)[0]
-        motions = {1.0: _Motion(as_it_is.time, as_it_is.rotation, as_it_is.peak, as_it_is.overturning)}
+        motions = {1.0: as_it_is}
         why_not = ""
         others = [factor for factor in steps if factor != 1.0]
         try:
             again = recomputed(self._tree, record, body.block, block, self._answers.model, others)
-            rows = zip(others, again.rotation, again.peak, again.overturning, strict=True)
-            motions |= {at: _Motion(again.time, one, float(top), float(end)) for at, one, top, end in rows}
+            motions |= dict(zip(others, again, strict=True))
         except ResultsError as reason:
             why_not = str(reason)
         if block.side:
@@ -164,7 +175,7 @@ class _Scenes:
         return laid_through(factors, probability, stored)
 
 
-def _window(time: np.ndarray, motions: list[_Motion]) -> Columns:
+def _window(time: np.ndarray, motions: list[History]) -> Columns:
     """The stretch of a record in which the body moves at one of the factors, with some time around it."""
     moving = [one.time[np.abs(one.rotation) > NO_MOTION] for one in motions if one.time.size]
     instants = np.concatenate([*moving, np.zeros(0)])
@@ -175,7 +186,7 @@ def _window(time: np.ndarray, motions: list[_Motion]) -> Columns:
     return Columns(start, end, max(min(COLUMNS, samples - 1), 1))
 
 
-def _told(motion: _Motion, columns: Columns) -> dict[str, Any]:
+def _told(motion: History, columns: Columns) -> dict[str, Any]:
     """How a motion ends, its largest rotation and the time of overturning, and the rotation where the body moves."""
     ends = "unresolved" if math.isnan(motion.peak) else "overturns" if math.isinf(motion.peak) else "rocks"
     found: dict[str, Any] = {"ends": "rest" if motion.peak == 0.0 else ends}
@@ -198,3 +209,93 @@ def _outline(block: Block) -> dict[str, Any]:
         "wall": bool(body.side),
         "held": block.restraints is not None,
     }
+
+
+def chosen(answers: Answers, lane: int) -> dict[int, list[str]]:
+    """Rows of the records that are shown of a body, and why: the worst, that of f_50 nearest to 1, the median.
+
+    Among factors that are not known, or not reached, the record that shakes the body more strongly is the worse.
+    """
+    factor, strength = known(answers[answers.factor][:, lane]), answers["uplift_ratio"][:, lane]
+    order = np.lexsort((-np.nan_to_num(strength), factor))
+    half = answers["factor_50" if answers.probable else "safety_factor"][:, lane]
+    found: dict[int, list[str]] = {int(order[0]): ["worst"]}
+    if np.isfinite(half).any():
+        apart = np.where(np.isfinite(half), np.abs(np.log(np.where(half > 0.0, half, np.inf))), np.inf)
+        found.setdefault(int(np.argmin(apart)), []).append("nearest" if answers.probable else "nearest_factor")
+    found.setdefault(int(order[(order.size - 1) // 2]), []).append("median")
+    return found
+
+
+def steps_on(answers: Answers, row: int, lane: int, words: Mapping[str, str]) -> dict[float, str]:
+    """The factors on a record in their order, with what those that have a meaning stand for."""
+    meaning = tuple(SHARES.values()) if answers.probable else ("safety_factor",)
+    named = [(1.0, words["as_recorded"])]
+    named += [(float(answers[name][row, lane]), words[name]) for name in meaning]
+    for name in answers.demands:
+        named.append((float(answers.to_demand(name)[row, lane]), words["demand"].format(name=name)))
+    found: dict[float, str] = {}
+    for value, label in named:
+        factor = float(f"{value:.3g}")
+        if SHOWN[0] <= factor <= SHOWN[1] and len(found) < STEPS and _distance(factor, found) > APART:
+            found[factor] = label
+    low, high = 0.5 * min(found), 2.0 * max(found)
+    while len(found) < STEPS:
+        found[max((one for one in OTHERS if low <= one <= high), key=lambda one: _distance(one, found))] = ""
+    return dict(sorted(found.items()))
+
+
+def _distance(factor: float, others: Mapping[float, str]) -> float:
+    """How far a factor is from the nearest of others, as a logarithm."""
+    return min((abs(math.log(factor / one)) for one in others), default=math.inf)
+
+
+def points_of(answers: Answers, row: int, lane: int) -> list[list[float]]:
+    """Factors on a record and probabilities of overturning there, as far as the results hold them one by one."""
+    if not answers.probable:
+        return []
+    found = [(float(answers[name][row, lane]), share) for share, name in SHARES.items()]
+    found.append((1.0, float(answers["overturning_probability"][row, lane])))
+    for name in answers.demands:
+        found.append((float(answers.to_demand(name)[row, lane]), float(answers.at_demand(name)[row, lane])))
+    told = [pair for pair in found if all(map(math.isfinite, pair)) and pair[0] > 0.0]
+    return [[round(factor, 4), round(probability, 4)] for factor, probability in sorted(told)]
+
+
+def laid_through(
+    factors: np.ndarray, probability: np.ndarray, stored: Mapping[float, float]
+) -> tuple[np.ndarray, np.ndarray]:
+    """A curve of the probability with its factors moved, linearly in the logarithm, onto stored ones of some shares.
+
+    What is read between the numbers of a stored spectrum differs by some percent from what the body was given there.
+    """
+    pairs = [(float(factor_at(share, factors, probability)), factor) for share, factor in stored.items()]
+    logs = np.log([pair for pair in pairs if all(map(math.isfinite, pair))]).reshape(-1, 2)
+    if not len(logs):
+        return factors, probability
+    (read, moved), (last_read, last_moved) = logs[0], logs[-1]
+    slope = (last_moved - moved) / (last_read - read) if last_read > read else 1.0
+    return np.exp(moved + slope * (np.log(factors) - read)), probability
+
+
+def probability_at(
+    factor: float, curve: tuple[np.ndarray, np.ndarray] | None, points: list[list[float]]
+) -> float | None:
+    """The probability at a factor: where the results hold that factor itself, else from the curve."""
+    for at, probability in points:
+        if math.isclose(at, factor, rel_tol=0.005):
+            return probability
+    return None if curve is None else round(float(np.interp(math.log(factor), np.log(curve[0]), curve[1])), 4)
+
+
+def known(factor: np.ndarray) -> np.ndarray:
+    """Factors, inf where one is not known."""
+    return np.where(np.isnan(factor), np.inf, factor)
+
+
+def packed(extremes: np.ndarray) -> dict[str, float | str]:
+    """Extremes as JSON: base64 of int16, all minima before all maxima, and the value of one unit."""
+    largest = float(np.nanmax(np.abs(extremes), initial=0.0))
+    scale = largest / LARGEST or 1.0
+    whole = np.where(np.isnan(extremes), NONE, np.rint(extremes / scale))
+    return {"scale": scale, "data": base64.b64encode(whole.astype("<i2").tobytes()).decode("ascii")}

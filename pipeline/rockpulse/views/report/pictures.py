@@ -10,18 +10,17 @@ from markupsafe import Markup
 from matplotlib.axes import Axes
 
 from rockpulse.assessment.answers import Answers, answers_of, fullest_model
+from rockpulse.assessment.verdict import BodyVerdict
 from rockpulse.errors import ResultsError
 from rockpulse.model_table import DRAWN
 from rockpulse.views.plots.selection import plain_bodies
 from rockpulse.views.report.beside import Paired
-from rockpulse.views.report.content import Content
 from rockpulse.views.report.drawings import strip
 from rockpulse.views.shared.terminal import figure
 from rockpulse.views.shared.words import say
 
 #: Records that are drawn with their half-waves and impulses: all, or of more those that govern a body.
 IN_FULL = 20
-
 #: Records in the map of a body: those of the smallest factors.
 IN_A_MAP = 20
 
@@ -37,7 +36,9 @@ class Picture:
 class Pictures:
     """The pictures of one report, by row of /summary and place of the block."""
 
-    def __init__(self, tree: xr.DataTree, site: Paired | None, fragility: Paired | None, content: Content) -> None:
+    def __init__(
+        self, tree: xr.DataTree, site: Paired | None, fragility: Paired | None, found: list[BodyVerdict]
+    ) -> None:
         self._tree = tree
         self._site, self._fragility = (None if other is None else other.tree for other in (site, fragility))
         self._summary = tree["summary"].to_dataset()
@@ -45,8 +46,8 @@ class Pictures:
         self._records, self._blocks = ([str(name) for name in self._summary[axis].values] for axis in axes)
         stored = tree["records"].to_dataset() if "records" in tree.children else None
         self._stored = None if stored is None or "acceleration" not in stored else stored
-        self._found = content.found
-        governing = {one.governing for one in content.found if one.governing >= 0}
+        self._found = found
+        governing = {one.governing for one in found if one.governing >= 0}
         few = len(self._records) <= IN_FULL
         self._in_full = set(range(len(self._records))) if few else set(sorted(governing)[:IN_FULL])
 
@@ -85,11 +86,7 @@ class Pictures:
         return self._drawn(draw, f"{name}{block}", say("picture.map"))
 
     def motion(self, block: int) -> Picture | None:
-        """The rotation of a body in time under the record that comes nearest to overturning it, or beyond it.
-
-        By the model of the verdict alone: another one that overturns would hide it. None where the accelerograms are
-        not stored, for many bodies, where no record stands out, and where the model has no motion in time.
-        """
+        """The rotation of a body, by the model of the verdict, under its worst record; None where it is unknown."""
         own = [one for one in self._found if one.body.place == block and one.governing >= 0]
         from rockpulse.views.plots.model_histories import histories
 
@@ -112,11 +109,7 @@ class Pictures:
         return self._drawn(draw, f"motion{block}", caption)
 
     def explaining(self) -> list[Picture]:
-        """The pictures that explain the verdict: the overturning spectra of the records with the bodies as points.
-
-        Of bodies that no spectrum stands for, as one that is tied, the factors that overturn the one of the worst
-        verdict; of a design sequence the spectrum of its site.
-        """
+        """The spectra with bodies as points, factors of the worst body without a spectrum; of a sequence its site."""
         if answers_of(self._tree).motions.kind == "sequence":
             return [] if self._site is None else [self.site()]
         found, plain = [], []

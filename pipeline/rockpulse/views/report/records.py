@@ -24,10 +24,8 @@ from rockpulse.views.text.left_out import apart, by_kind
 
 #: Rows of the table of records, directions that are named in a row, and reasons of one kind.
 ROWS, DIRECTIONS, REASONS = 10, 3, 2
-
 #: Letters of a reason; the annex has all of them.
 LONGEST = 90
-
 #: Kinds whose reasons are told; those of the others are one for the kind.
 _TOLD = ("failed", "skipped")
 

@@ -45,9 +45,20 @@ def remarks(
     summary, motions = answers.summary, answers.motions
     said = [_doubtful(summary), *_few(found), *_of_model(answers), _unknown(answers, found)]
     if motions.kind == "sequence":
-        said += [_not_compared(summary), *([] if site is None else _of_design(site, found))]
-    said += [_confidence(motions, site), _at_rest(found, motions), _of_files(files)]
-    said += [*_of_bodies(answers, found), _drift(answers), _several_restitutions(found)]
+        if any(remarked(str(codes), "demand_not_compared") for codes in summary["warning_codes"].values):
+            said.append(_limit("decides", "not_compared"))  # a sequence has no PGA
+        said += [] if site is None else _of_design(site, found)
+    said += [_confidence(motions, site), _at_rest(found, motions)]
+    if files.line:
+        told = files.counted or say("remark.files.none")
+        said.append(_limit("limits", "files", counted=told, reasons=files.reasons))
+    said += _of_bodies(answers, found)
+    if drifting := int(answers["pgv_drift"].sum()):
+        said.append(_limit("limits", "drift", count=counted(drifting, "record")))
+    blocks = {one.body.block for one in found}
+    if len(blocks) < len(found):
+        words = {"blocks": counted(len(blocks), "block"), "bodies": counted(len(found), "body")}
+        said.append(_limit("notes", "restitutions", **words))
     if components == "horizontal" and motions.kind == "record":
         said.append(_limit("notes", "as_recorded"))
     return sorted((one for one in said if one is not None), key=lambda one: GRADES.index(one.grade))
@@ -56,7 +67,8 @@ def remarks(
 def limits(said: Sequence[Limit], found: Sequence[BodyVerdict], motions: Motions) -> list[str]:
     """What limits the verdict, in three lines at most: what decides, how few the earthquakes are, what is left out."""
     grave = [one.head for one in said if one.grade == "decides"]
-    lines = [say("limits.decides", heads="; ".join(grave[:2]), more=_more(grave[2:]))] if grave else []
+    more = say("limits.more", count=len(grave) - 2) if len(grave) > 2 else ""
+    lines = [say("limits.decides", heads="; ".join(grave[:2]), more=more)] if grave else []
     if motions.kind == "sequence":
         lines += [one.text for one in said if one.head == say("remark.site_confidence.head")]
     else:
@@ -65,10 +77,6 @@ def limits(said: Sequence[Limit], found: Sequence[BodyVerdict], motions: Motions
         most = ratio(float(probability_interval(0.0, fewest)[1]))
         lines.append(say("limits.earthquakes", events=counted(fewest, "earthquake"), most=most))
     return [*lines, say("limits.not_covered")]
-
-
-def _more(rest: Sequence[str]) -> str:
-    return say("limits.more", count=len(rest)) if rest else ""
 
 
 def _limit(grade: Literal["decides", "limits", "notes"], key: str, **fields: object) -> Limit:
@@ -98,13 +106,6 @@ def _few(found: Sequence[BodyVerdict]) -> list[Limit]:
     ]
 
 
-def _of_files(files: FilesUsed) -> Limit | None:
-    if not files.line:
-        return None
-    counted = files.counted or say("remark.files.none")
-    return _limit("limits", "files", counted=counted, reasons=files.reasons)
-
-
 def _confidence(motions: Motions, site: xr.Dataset | None) -> Limit:
     if motions.kind == "sequence":
         told = say("remark.site_confidence.ask") if site is None else coverage(site)
@@ -120,12 +121,6 @@ def _confidence(motions: Motions, site: xr.Dataset | None) -> Limit:
         few=few if motions.event_count < FEWEST_EVENTS else "",
         unknown=of_unknown_event(motions),
     )
-
-
-def _not_compared(summary: xr.Dataset) -> Limit | None:
-    """The remark that the demand of the site was not asked for: a sequence has no PGA."""
-    compared = not any(remarked(str(codes), "demand_not_compared") for codes in summary["warning_codes"].values)
-    return None if compared else _limit("decides", "not_compared")
 
 
 def _of_design(site: xr.Dataset, found: Sequence[BodyVerdict]) -> list[Limit]:
@@ -204,15 +199,3 @@ def _doubtful(summary: xr.Dataset) -> Limit | None:
     notes = " ".join(doubt_notes(named))
     records = listed([cell.marked for cell in named])
     return _limit("decides", "doubtful", count=counted(len(named), "record"), records=records, notes=notes)
-
-
-def _drift(answers: Answers) -> Limit | None:
-    count = int(answers["pgv_drift"].sum())
-    return _limit("limits", "drift", count=counted(count, "record")) if count else None
-
-
-def _several_restitutions(found: Sequence[BodyVerdict]) -> Limit | None:
-    blocks = {one.body.block for one in found}
-    if len(blocks) == len(found):
-        return None
-    return _limit("notes", "restitutions", blocks=counted(len(blocks), "block"), bodies=counted(len(found), "body"))

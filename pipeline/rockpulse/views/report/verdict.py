@@ -31,7 +31,6 @@ from rockpulse.views.shared.words import counted, in_numerals, say
 
 #: Between the ends of an interval, where no line breaks.
 TO = "\N{WORD JOINER}–\N{WORD JOINER}"
-
 #: Rows of a table that need no filter, and bodies that have a card on the first page.
 FEW, MOST = 8, 6
 
@@ -196,10 +195,7 @@ def body_table(answers: Answers, found: Sequence[BodyVerdict]) -> Table:
             (Heading(say("head.at", what=of, name=name), note=say("head.interval")), partial(_at_demand, place))
             for place, name in enumerate(answers.demands)
         ),
-        (
-            Heading(say("head.as_recorded", what=of), note=say("head.interval")),
-            lambda one: _share_cell(one.share),
-        ),
+        (Heading(say("head.as_recorded", what=of), note=say("head.interval")), lambda one: _share_cell(one.share)),
         (Heading(say("head.smallest", factor=factor)), lambda one: unexplained(margin_cells(one.margin)[0])),
         (Heading(say("head.under")), lambda one: _governing(answers, one)),
         (Heading(say("head.median", factor=factor)), lambda one: unexplained(margin_cells(one.margin)[1])),

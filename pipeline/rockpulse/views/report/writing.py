@@ -24,7 +24,7 @@ from rockpulse.storage.variables.fragility import FRAGILITY
 from rockpulse.storage.variables.site import SITE_KIND
 from rockpulse.version import __version__
 from rockpulse.views.report.beside import paired
-from rockpulse.views.report.content import Content, gather, logo, parties
+from rockpulse.views.report.content import gather, logo, parties
 from rockpulse.views.report.explorer import explorer
 from rockpulse.views.report.pictures import Pictures
 from rockpulse.views.report.records import hash_of
@@ -33,32 +33,21 @@ from rockpulse.views.shared.words import say, writing
 
 #: What the head of every report holds; a file without it is never replaced.
 MARK = '<meta name="generator" content="rockpulse report'
-
 #: The last line of every PDF of ours, which readers of PDF pass over; the same holds for it.
 PDF_MARK = b"\n% rockpulse report\n"
-
 #: Bytes at the head of a page that are searched for its mark.
 HEAD = 4096
-
 #: The kinds of files, by which words name them.
 _FILES = {ASSESSMENT: "assessment", SITE_KIND: "site", FRAGILITY: "fragility"}
-
 #: The parts of the annex, by their ids; one that the results have nothing for is left out.
 ANNEXES = ("remarks", "site", "fragility", "all-answers", "bodies", "records", "method", "sources")
-
 #: The letters and powers of a page for words of the terminal.
 LETTERS = {"theta_max": "θ_max", "alpha_c": "α_c", "theta": "θ", "alpha": "α", "beta": "β", "dT": "ΔT", "m/s2": "m/s²"}
-
 #: Names of these browsers on PATH.
-BROWSERS = [
-    "chromium",
-    "chromium-browser",
-    "google-chrome",
-    "google-chrome-stable",
-    "chrome",
-    "microsoft-edge",
-    "msedge",
-]
+BROWSERS = (
+    *("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome"),
+    *("microsoft-edge", "msedge"),
+)
 
 #: Their places on Windows, below the folders of programs, and on macOS, among the applications.
 PROGRAMS = ("ProgramFiles", "ProgramFiles(x86)", "LocalAppData")
@@ -67,13 +56,10 @@ WINDOWS = tuple(
     for name in ("Google/Chrome/Application/chrome", "Chromium/Application/chrome", "Microsoft/Edge/Application/msedge")
 )
 MACOS = tuple(f"{name}.app/Contents/MacOS/{name}" for name in ("Google Chrome", "Chromium", "Microsoft Edge"))
-
 #: Seconds that printing may take; a report of 200 records and 20 bodies takes some ten.
 LONGEST = 180.0
-
 #: What to do without it.
 INSTEAD = "write the report as .html and print it from a browser"
-
 PRINTING = (
     *("--headless", "--disable-gpu", "--no-first-run", "--disable-extensions"),
     *("--disable-background-networking", "--no-pdf-header-footer"),
@@ -89,7 +75,7 @@ def write_report(
     language: str = "en",
     config: Config | None = None,
 ) -> Path:
-    """Write the results of an assessment as one file to hand over: HTML, or PDF by the name.
+    """Write the results of an assessment as one file to hand over: HTML, which asks nothing of a network, or PDF.
 
     Parameters
     ----------
@@ -122,10 +108,6 @@ def write_report(
         a browser that prints it.
     OSError
         Where a file cannot be read or written.
-
-    Notes
-    -----
-    The page holds its style, its script and its pictures, and a policy that forbids every request.
     """
     target = check_report_target(path, overwrite)
     as_pdf = target.suffix.lower() == ".pdf"
@@ -192,6 +174,9 @@ def report_page(
     script = "".join(map(_text, ("report.js", "explorer_drawing.js", "explorer.js")))
     with writing(language):
         content = gather(tree, *beside)
+        curves = content.fragility.blocks if content.fragility else ()
+        gravest = sorted(content.found, key=lambda one: (one.overall, one.decides.value), reverse=True)
+        worst = [one.body.block for one in gravest]
         return environment.get_template("report.html").render(
             say=say,
             language=language,
@@ -199,8 +184,8 @@ def report_page(
             logo=logo(tree, config),
             content=content,
             annexes=[one for one in ANNEXES if getattr(content, one, True)],
-            worst_curve=_worst_curve(content),
-            pictures=Pictures(tree, *beside, content),
+            worst_curve=next((name for name in worst if name in curves), curves[0] if curves else ""),
+            pictures=Pictures(tree, *beside, content.found),
             files=[Fact(say(f"page.file.{_FILES[kind]}"), _described(given[kind])) for kind in given if kind in trees],
             explorer=explorer(tree, str(results) if isinstance(results, str | Path) else "results.h5"),
             style=Markup(_text("report.css") + _text("explorer.css")),
@@ -211,21 +196,8 @@ def report_page(
         )
 
 
-def _worst_curve(content: Content) -> str:
-    """The body of the worst verdict among those that have curves, which the second page shows; empty without curves."""
-    curves = content.fragility.blocks if content.fragility else ()
-    worst = sorted(content.found, key=lambda one: (one.overall, one.decides.value), reverse=True)
-    return next((one.body.block for one in worst if one.body.block in curves), curves[0] if curves else "")
-
-
 def typeset(words: str) -> str:
-    """Words of the terminal with the Greek letters and the powers that a page can show.
-
-    Examples
-    --------
-    >>> typeset("theta_max/alpha_c, PGA [m/s2], dT [s]")
-    'θ_max/α_c, PGA [m/s²], ΔT [s]'
-    """
+    """Words of the terminal with the Greek letters and the powers that a page can show."""
     return re.sub(rf"\b({'|'.join(LETTERS)})\b", lambda found: LETTERS[found[0]], words)
 
 

@@ -1,8 +1,4 @@
-"""The columns of all tables, each declared once: its heading, the variables that it shows, and the form of its cells.
-
-The headings and their small print stand in the table of words, section [column]; a `--where` knows a column by its
-heading (:data:`rockpulse.storage.export.selection.SHOWN`).
-"""
+"""The columns of all tables, each declared once: its heading (section [column] of the words), variables and cells."""
 
 from __future__ import annotations
 
@@ -27,13 +23,11 @@ from rockpulse.views.shared.words import say
 
 #: Longest id of a record and name of a block in a table.
 ID_WIDTH, NAME_WIDTH = 36, 29
-
 #: Marks at a peak, at a factor or a capacity, and beside the name of a record whose peak may not be what it seems.
 OUTSIDE, NO_ANSWER = Mark("outside", "*"), Mark("no_answer", "!")
 NONE_UP_TO, AT_MOST = Mark("none_up_to", ">", before=True), Mark("at_most", "≤", before=True)
 DRIFT = Mark("drift", "~", before=True)
 PEAK, CLIPPED = Mark("peak"), Mark("clipped")
-
 #: Larger than any rotation: overturned sorts above it, unresolved at the end.
 _SORTED = {Outcome.AT_REST: 0.0, Outcome.OVERTURNS: math.inf, Outcome.UNRESOLVED: math.nan}
 
@@ -119,10 +113,7 @@ def answer_cell(outcome: int, peak: float, applicable: int) -> Cell:
 
 
 def factor_cell(factor: float, limit: float = math.nan, bound: bool = False, intervals: int = 1) -> Cell:
-    """A factor, or a capacity over demand: marked if it is a lower bound, and with the number of intervals above one.
-
-    `limit` is the end of the search in which no factor was found.
-    """
+    """A factor (none up to `limit`) with its marks: of a lower bound, and the number of intervals above one."""
     marks = ([NO_ANSWER] if bound else []) + ([Mark(sign=f" ({intervals})")] if intervals > 1 else [])
     if math.isnan(factor):
         return Cell(ABSENT, factor)
@@ -231,7 +222,6 @@ def _of_measure(row: Measure) -> Column:
 _RECORD = ("record", PGA, "warning_codes")
 _SEARCHED = ("safety_factor", "safe_up_to", "factor_resolved")
 _PROBABILITY = tuple(f"overturning_probability{end}" for end in ("", "_low", "_high"))
-
 #: Every column by its name; that of one variable has the name of the variable.
 COLUMNS = {
     column.name: column

@@ -118,10 +118,7 @@ def _named(row: Failure) -> list[str]:
 
 
 def _apart(source: str) -> list[str]:
-    """The files of a record without their checksums; a name that holds the sign between two is told by its parts.
-
-    Of several files all or none stand in a folder or an archive, and all or none have an ending.
-    """
+    """The files of a record by name alone; one name where only some parts have a folder or an ending."""
     names = source.split(BETWEEN)
     inside = {any(sign in name for sign in "/\\!") for name in names}
     ending = {"." in last_part(name) for name in names}

@@ -11,10 +11,7 @@ from rockpulse.views.shared.words import say
 
 
 class Mark(NamedTuple):
-    """A sign behind the text of a cell or before it, and the key of its note below the table; empty without a note.
-
-    A sign that is a word stands in the table of words by its key.
-    """
+    """A sign behind or before the text of a cell, and the key of its note and of a sign that is a word."""
 
     key: str = ""
     sign: str = ""
@@ -76,10 +73,7 @@ class Heading(NamedTuple):
 
 @dataclass(frozen=True)
 class Table:
-    """Headings, rows of as many cells, and notes; ``key`` is the id of the table in the report.
-
-    A table of more than ``searched`` rows has a field in the report to filter them.
-    """
+    """Headings, rows and notes; ``key`` is its id in the report, where more than ``searched`` rows have a filter."""
 
     key: str
     caption: str

@@ -9,7 +9,6 @@ from rockpulse.views.shared.words import numerals, say
 
 #: Stands for what is absent or not computed.
 ABSENT = "-"
-
 #: Columns of running text.
 WIDTH = 110
 

@@ -18,12 +18,9 @@ from rockpulse.option import hint
 from rockpulse.remark import Remark, restored
 
 _FOLDER = files("rockpulse.views").joinpath("words")
-
 #: Codes of the languages that there is a file of.
 LANGUAGES = tuple(sorted(one.name.removesuffix(".toml") for one in _FOLDER.iterdir() if one.name.endswith(".toml")))
-
 _LANGUAGE = ContextVar("language", default="en")
-
 #: The point of a number; that of an id or a version stands beside letters or a second point.
 _POINT = re.compile(r"(?<![\w.])([-−+~<>≤]?\d+)\.(\d+)(?![\w.]*\.\d)(?![A-Za-z_]*@)")
 

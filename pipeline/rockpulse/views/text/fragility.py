@@ -18,10 +18,8 @@ from rockpulse.views.text.site import explained
 
 #: At a median that no record was looked at.
 BEYOND = Mark("beyond", "!")
-
 #: At the smallest dispersion of a limit state.
 SMALLEST = Mark("smallest", "*")
-
 #: Level of the tests of sufficiency.
 LEVEL = 0.05
 
@@ -56,13 +54,7 @@ def records_words(tree: xr.DataTree) -> str:
 
 
 def state_words(name: str) -> str:
-    """The name of a limit state, or the rotation that it is.
-
-    Examples
-    --------
-    >>> state_words("uplift"), state_words("0.4")
-    ('uplift', 'θ_max/α_c ≥ 0.4')
-    """
+    """The name of a limit state, or the rotation that it is: "uplift", "θ_max/α_c ≥ 0.4"."""
     return say(f"limit_state.{name}") if name.isalpha() else f"θ_max/α_c ≥ {numerals(name)}"
 
 

@@ -13,13 +13,10 @@ from rockpulse.views.shared.terminal import WIDTH, paragraph
 
 #: Rows of a kind other than "failed" in the overview, those of one reason as one; and in a brief one.
 LISTED, FEW = 12, 3
-
 #: Kinds whose rows of one reason are shown once; the reasons of the others name other records.
 _SHOWN_ONCE = frozenset({"failed", "skipped"})
-
 #: Words of a warning without a code, numbers aside, that tell its kind.
 _TELLING_WORDS = 4
-
 _KINDS = {
     "failed": "failed",
     "vertical": "read, not assessed (vertical)",

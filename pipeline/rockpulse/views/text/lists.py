@@ -12,21 +12,7 @@ from rockpulse.assessment.answers import Answers, Of, bodies_of, fullest_model
 from rockpulse.record.measures import PGA, STORED
 from rockpulse.storage.export.selection import Selection, rows
 from rockpulse.storage.hdf5.netcdf4 import flag_words, pointwise
-from rockpulse.views.shared.columns import (
-    DRIFT,
-    ID_WIDTH,
-    NAME_WIDTH,
-    NO_ANSWER,
-    NONE_UP_TO,
-    OUTSIDE,
-    Column,
-    columns,
-    doubt_notes,
-    filled,
-    headed,
-    marks_of,
-    smallest_of,
-)
+from rockpulse.views.shared import columns as col
 from rockpulse.views.shared.notes import factor_name, factor_title
 from rockpulse.views.shared.table import Cell, Heading, Table, lines, number
 from rockpulse.views.shared.terminal import paragraph, several, shortened
@@ -88,23 +74,23 @@ def case_list(summary: xr.Dataset, selection: Selection) -> str:
     factors = [factor for factor, of in OF_FACTOR.items() if not np.isnan(points[of[factor == "factor_10"]]).all()]
     names = [name for name in CASE if name != "model" or not single]
     names += [name for factor in factors for name in OF_FACTOR[factor]]
-    selected = columns(*names, answer=say(f"models.{models[0]}") if single else "")
+    selected = col.columns(*names, answer=say(f"models.{models[0]}") if single else "")
     selected += _of_interest(summary, selection, selected)
-    table = filled(selected, points)
+    table = col.filled(selected, points)
     rotations = zip(points["outcome"], points["peak_rotation_ratio"], strict=True)
     beyond = any(outcome == Outcome.ROCKS and peak > 1.0 for outcome, peak in rotations)
-    marks = marks_of(cell for row in table for cell in row)
+    marks = col.marks_of(cell for row in table for cell in row)
     notes = [
         "Figures: theta_max/alpha_c. a/a_up: PGA over the acceleration of uplift. I/I_1c: main impulse over the one "
         "that overturns alone.",
         *(_MEANING[factor] for factor in factors),
         *([say("note.beyond_critical")] if beyond else []),
-        *([NONE_UP_TO.note] if NONE_UP_TO in marks else []),
-        *doubt_notes(row[0] for row in table),
-        *(["*: outside the range of this model."] if OUTSIDE in marks else []),
-        *(["!: a lower bound, from this factor on the model cannot answer."] if NO_ANSWER in marks else []),
+        *([col.NONE_UP_TO.note] if col.NONE_UP_TO in marks else []),
+        *col.doubt_notes(row[0] for row in table),
+        *(["*: outside the range of this model."] if col.OUTSIDE in marks else []),
+        *(["!: a lower bound, from this factor on the model cannot answer."] if col.NO_ANSWER in marks else []),
     ]
-    return _listed(heading, headed(selected), table, notes)
+    return _listed(heading, col.headed(selected), table, notes)
 
 
 def record_list(summary: xr.Dataset, selection: Selection) -> str:
@@ -136,19 +122,21 @@ def _of_motions(answers: Answers, selection: Selection, dim: str, names: Sequenc
         total=[len(opposite)] * len(at),
         restitutions=[] if of_records else [own[place] for place in at],
     )
-    selected = columns(*names)
+    selected = col.columns(*names)
     if of_records:
-        selected += _of_interest(summary, selection, selected, "record") + columns("overturns")
-    smallest = [smallest_of(margins[place], opposite, NAME_WIDTH if of_records else ID_WIDTH) for place in at]
-    table = [(*cells, *more) for cells, more in zip(filled(selected, points), smallest, strict=True)]
-    headings = (*headed(selected), Heading(factor_title(answers.factor)), Heading("of" if of_records else "under"))
-    marks = marks_of(cell for row in table for cell in row)
+        selected += _of_interest(summary, selection, selected, "record") + col.columns("overturns")
+    smallest = [
+        col.smallest_of(margins[place], opposite, col.NAME_WIDTH if of_records else col.ID_WIDTH) for place in at
+    ]
+    table = [(*cells, *more) for cells, more in zip(col.filled(selected, points), smallest, strict=True)]
+    headings = (*col.headed(selected), Heading(factor_title(answers.factor)), Heading("of" if of_records else "under"))
+    marks = col.marks_of(cell for row in table for cell in row)
     what = ("overturns: blocks", "of which block") if of_records else ("overturned by: records", "under which record")
     notes = [
         f"{what[0]} that do, by the {answers.model} model; {factor_title(answers.factor)}: smallest known "
         f"{factor_name(answers.factor)}, and {what[1]}.",
-        *(mark.note for mark in (DRIFT, NONE_UP_TO) if mark in marks),
-        *(doubt_notes(row[0] for row in table) if of_records else ()),
+        *(mark.note for mark in (col.DRIFT, col.NONE_UP_TO) if mark in marks),
+        *(col.doubt_notes(row[0] for row in table) if of_records else ()),
     ]
     shown = f"{len(table)} of " if len(table) < found else ""
     return _listed(f"{shown}{several(found, dim)}{_order(selection)}", headings, table, notes)
@@ -173,13 +161,13 @@ def _distinct(summary: xr.Dataset) -> np.ndarray:
 
 
 def _of_interest(
-    summary: xr.Dataset, selection: Selection, shown: Sequence[Column], dim: str = ""
-) -> tuple[Column, ...]:
+    summary: xr.Dataset, selection: Selection, shown: Sequence[col.Column], dim: str = ""
+) -> tuple[col.Column, ...]:
     """A column for each variable that a selection is about and that has none yet; of records alone, along `dim`."""
     told = {name for column in shown for name in column.of} | {"factor_resolved"}
     names = [item.name for item in selection.conditions] + ([selection.sort] if selection.sort else [])
     return tuple(
-        Column(name, (name,), _plain(summary[name].variable), title=name)
+        col.Column(name, (name,), _plain(summary[name].variable), title=name)
         for name in dict.fromkeys(names)
         if name not in told and (not dim or summary[name].dims == (dim,))
     )
@@ -189,7 +177,7 @@ def _plain(variable: xr.Variable) -> Any:
     """How a value of a variable that has no column of its own is shown."""
     if words := flag_words(variable):
         return lambda code: Cell(words[code])
-    return number if variable.dtype.kind == "f" else lambda one: Cell(shortened(str(one), NAME_WIDTH))
+    return number if variable.dtype.kind == "f" else lambda one: Cell(shortened(str(one), col.NAME_WIDTH))
 
 
 def _order(selection: Selection) -> str:

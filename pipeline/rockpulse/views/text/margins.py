@@ -9,28 +9,14 @@ import xarray as xr
 from rocking.response import Outcome
 from rockpulse.assessment.answers import Answers, Margin, lanes, swept_answers
 from rockpulse.record.record import STANDARD_GRAVITY
-from rockpulse.views.shared.columns import (
-    AT_MOST,
-    COLUMNS,
-    NAME_WIDTH,
-    NO_ANSWER,
-    NONE_UP_TO,
-    doubt,
-    doubt_notes,
-    factor_cell,
-    margin_cells,
-    marks_of,
-)
+from rockpulse.views.shared import columns as col
 from rockpulse.views.shared.notes import cautions, factor_name, factor_notes, factor_title
 from rockpulse.views.shared.table import Cell, Heading, Table, lines, number
 from rockpulse.views.shared.terminal import ABSENT, figure, paragraph, ratio, shortened
 
 
 def smallest_capacities(answers: Answers, blocks: Collection[int] | None = None) -> str:
-    """Of every body, or of the blocks at some places, the smallest and the median capacity over each demand.
-
-    Empty without a demand or a motion.
-    """
+    """Smallest and median capacity of every body, or some blocks, over each demand; empty without a demand."""
     motions = answers.motions
     if not answers.demands or not motions.names:
         return ""
@@ -43,24 +29,24 @@ def smallest_capacities(answers: Answers, blocks: Collection[int] | None = None)
     ]
     each = "the pairs" if motions.kind == "pair" else "the records"
     of = f"{each}, each in its worst direction" if motions.kind == "pair" else each
-    marks = marks_of(cell for margin in every for cell in margin_cells(margin))
+    marks = col.marks_of(cell for margin in every for cell in col.margin_cells(margin))
     note = "Below 1: the record overturns the block before it is as strong as the demand."
     if answers.probable:
         note = "Below 1: brought to the demand, the record overturns the block with more than 10 % probability."
-    if NONE_UP_TO in marks:
-        note += f" {NONE_UP_TO.note}"
+    if col.NONE_UP_TO in marks:
+        note += f" {col.NONE_UP_TO.note}"
     elif any(math.isinf(margin.smallest) or math.isinf(margin.median) for margin in every):
         note += " none: no overturning found."
-    if NO_ANSWER in marks:
+    if col.NO_ANSWER in marks:
         note += " !: a lower bound, from there on the model cannot answer."
     if unknown := max(margin.unknown for margin in every):
         note += f" -: not known; left out where others are ({unknown} of {each})."
     if partial := max(margin.partial for margin in every):
-        note += f" {AT_MOST.note[:-1]} (up to {partial} of {each})."
+        note += f" {col.AT_MOST.note[:-1]} (up to {partial} of {each})."
     if weak := max(margin.weak for margin in every):
         note += f" Left out: those too weak for the search to reach the demand (up to {weak} of {each})."
     heading = f"Capacity ({_capacity(answers)}) over demand: smallest and median of {of}"
-    return "\n".join([paragraph(heading), "", *_lines(answers, rows, NAME_WIDTH), "", paragraph(note, "  ")])
+    return "\n".join([paragraph(heading), "", *_lines(answers, rows, col.NAME_WIDTH), "", paragraph(note, "  ")])
 
 
 def capacities(answers: Answers, of: str) -> list[str]:
@@ -72,11 +58,11 @@ def capacities(answers: Answers, of: str) -> list[str]:
     for row, record in enumerate(answers.records):
         for lane, body in enumerate(answers.bodies):
             at, bound = (row, lane), bool(answers.bound[row, lane])
-            cells = [factor_cell(float(ratio[at]), float(limit[at]), bound) for ratio, limit in of_demands]
+            cells = [col.factor_cell(float(ratio[at]), float(limit[at]), bound) for ratio, limit in of_demands]
             rows.append((record if of == "record" else body.block, body.restitution, cells))
-    marks = marks_of(cell for *_, cells in rows for cell in cells)
-    notes = [paragraph(NONE_UP_TO.note, "  ")] if NONE_UP_TO in marks else []
-    table = _lines(answers, rows, None if of == "record" else NAME_WIDTH)
+    marks = col.marks_of(cell for *_, cells in rows for cell in cells)
+    notes = [paragraph(col.NONE_UP_TO.note, "  ")] if col.NONE_UP_TO in marks else []
+    table = _lines(answers, rows, None if of == "record" else col.NAME_WIDTH)
     return [f"Capacity ({_capacity(answers)}) over demand:", *table, *notes, ""]
 
 
@@ -87,7 +73,7 @@ def _capacity(answers: Answers) -> str:
 def _lines(answers: Answers, rows: Sequence[tuple[str, float, list[Cell]]], width: int | None) -> list[str]:
     """A table with a column for every demand."""
     titles = [Heading(f"{name} ({demand.words})") for name, demand in answers.demands.items()]
-    c = COLUMNS["restitution"]
+    c = col.COLUMNS["restitution"]
     cells = tuple((Cell(name), c.cell(value), *more) for name, value, more in rows)
     return ["  " + line for line in lines(Table("", "", (Heading("", width=width), c.heading, *titles), cells))]
 
@@ -96,7 +82,7 @@ def _both(margin: Margin) -> Cell:
     """The smallest and the median in one cell."""
     if math.isnan(margin.smallest):
         return Cell(ABSENT, math.nan)
-    return Cell(", ".join(cell.marked for cell in margin_cells(margin)), margin.smallest)
+    return Cell(", ".join(cell.marked for cell in col.margin_cells(margin)), margin.smallest)
 
 
 def direction_table(summary: xr.Dataset, directions: xr.Dataset) -> str:
@@ -116,8 +102,8 @@ def direction_table(summary: xr.Dataset, directions: xr.Dataset) -> str:
     names = [_name(answers, directions.isel(pair=pair)) for pair in pairs]
     rows = [
         (
-            Cell("  " + shortened(body.block, NAME_WIDTH)),
-            COLUMNS["restitution"].cell(body.restitution),
+            Cell("  " + shortened(body.block, col.NAME_WIDTH)),
+            col.COLUMNS["restitution"].cell(body.restitution),
             *(number(float(peaks[pair, lane]), _peak) for peaks in (median, largest)),
             number(largest_at[pair, lane], _degrees),
             *(_smallest(answers, directions, pair, lane) if titles else ()),
@@ -140,7 +126,7 @@ def direction_table(summary: xr.Dataset, directions: xr.Dataset) -> str:
         f"{smallest_of} Then, by model, how many directions overturn; +1?: one more has no "
         "answer. -: not known without it.",
         *of_factors,
-        *doubt_notes(names),
+        *col.doubt_notes(names),
         "The directions are records: rockpulse inspect RESULTS --record ID shows one, --block NAME all of them.",
         *cautions(answers.models),
     ]
@@ -154,14 +140,14 @@ def _smallest(answers: Answers, directions: xr.Dataset, pair: int, lane: int) ->
     azimuth = float(directions["direction_azimuth"].values[index == row][0]) if row >= 0 else math.nan
     limit = float(np.min(answers.proven()[index[index >= 0], lane], initial=math.inf))
     bound = row >= 0 and bool(answers.bound[row, lane])
-    return factor_cell(float(factor), limit, bound), number(azimuth, _degrees)
+    return col.factor_cell(float(factor), limit, bound), number(azimuth, _degrees)
 
 
 def _name(answers: Answers, pair: xr.Dataset) -> Cell:
     """The name of one pair, marked where the records that it is turned to are doubtful."""
     index = pair["record_index"].values
     codes = " ".join(map(str, answers["warning_codes"][index[index >= 0]]))
-    return Cell(str(pair["pair"].item()), marks=doubt(pair["pga_largest"].item(), codes))
+    return Cell(str(pair["pair"].item()), marks=col.doubt(pair["pga_largest"].item(), codes))
 
 
 def _strength(pair: xr.Dataset) -> list[str]:

@@ -1,53 +1,55 @@
-"""The overview of an assessment as text: one screen with the verdict on the bodies, or everything."""
+"""An assessment as text: one screen with the verdict on the bodies, or everything, or one record or block."""
+
+import math
 
 import numpy as np
 import xarray as xr
 
+from rocking.response import Outcome
 from rockpulse.assessment.answers import Answers, answers_of, lanes
 from rockpulse.record.measures import STORED
-from rockpulse.storage.export.selection import Selection
-from rockpulse.views.shared.columns import doubt_notes, record_cells
+from rockpulse.record.record import STANDARD_GRAVITY
+from rockpulse.storage.export.selection import Selection, unknown
+from rockpulse.views.shared.columns import doubt, doubt_notes, record_cells
+from rockpulse.views.shared.facts import Known
 from rockpulse.views.shared.files_used import files_used
 from rockpulse.views.shared.notes import cautions
 from rockpulse.views.shared.table import Cell, Heading, Table, number, text
-from rockpulse.views.shared.terminal import ABSENT, fixed, paragraph, several
+from rockpulse.views.shared.terminal import ABSENT, figure, fixed, paragraph, restitution, several
+from rockpulse.views.text import verdicts
 from rockpulse.views.text.left_out import left_out, left_out_in_short, unused
 from rockpulse.views.text.lists import case_list, worst_first
-from rockpulse.views.text.margins import direction_table, smallest_capacities
-from rockpulse.views.text.verdicts import body_verdicts, governing, overturned, verdict_table, worst_motions
+from rockpulse.views.text.margins import capacities, direction_table, smallest_capacities
 
 #: Bodies and motions that one screen holds.
 BODIES, MOTIONS = 12, 10
-
 #: Most verdicts of a model that are shown one by one.
 WHOLE = 200
-
 #: Worst cases and blocks that are shown, and worst pairs of channels of a sweep.
 WORST, PAIRS = 12, 3
+#: Cases of a record or block that are shown where there are too many for all.
+CASES = 20
 
 
 def overview(tree: xr.DataTree, whole: bool = False) -> str:
-    """One screen: the verdict on every body, the worst motions, how much was left out.
-
-    The `whole` adds every model's verdict for every record and block, what overturns and why the rest was left out; of
-    a sweep over direction the median and largest instead, and of more verdicts than a table holds counts and the worst.
-    """
+    """One screen: verdicts, worst motions, what was left out; `whole`: all answers, or counts and the worst of many."""
     files, answers = files_used(tree).line, answers_of(tree)
     parts = [headline(tree), unused(files)]
     directions = tree["directions"].to_dataset() if "directions" in tree.children else None
     if not whole and answers.motions.kind != "sequence":
-        bodies = body_verdicts(answers, BODIES if len(answers.bodies) > BODIES else None)
-        parts += [bodies, worst_motions(answers, MOTIONS), left_out_in_short(tree)]
+        bodies = verdicts.body_verdicts(answers, BODIES if len(answers.bodies) > BODIES else None)
+        parts += [bodies, verdicts.worst_motions(answers, MOTIONS), left_out_in_short(tree)]
         parts.append("All of it, every record, body and model: rockpulse inspect RESULTS --all")
     elif is_large(answers):
         parts += [_large(answers, directions), left_out(tree, brief=True), HINTS]
     else:
         summary = answers.summary.load()  # all of it is shown: read at once, not value by value
         if directions is None:
-            parts[1:] = [verdict_table(summary), body_verdicts(answers), overturned(answers, files)]
+            tables = [verdicts.verdict_table(summary), verdicts.body_verdicts(answers)]
+            parts[1:] = [*tables, verdicts.overturned(answers, files)]
         else:
-            parts[1:] = [direction_table(summary, directions.load()), body_verdicts(answers), unused(files)]
-        parts += [governing(answers), smallest_capacities(answers), left_out(tree)]
+            parts[1:] = [direction_table(summary, directions.load()), verdicts.body_verdicts(answers), unused(files)]
+        parts += [verdicts.governing(answers), smallest_capacities(answers), left_out(tree)]
     return "\n\n".join(filter(None, parts))
 
 
@@ -78,12 +80,12 @@ def is_large(answers: Answers) -> bool:
 
 def _large(answers: Answers, directions: xr.Dataset | None) -> str:
     """Strength of the records, verdicts by model, the worst blocks, and the worst cases or pairs of a sweep."""
-    parts = [_strength(answers), _verdicts(answers), body_verdicts(answers, WORST)]
+    parts = [_strength(answers), _verdicts(answers), verdicts.body_verdicts(answers, WORST)]
     if directions is None:
         parts.append(case_list(answers.summary, worst_first(answers, Selection(limit=WORST))))
     else:
         parts.append(_pairs(answers, directions))
-    parts.append(governing(answers))
+    parts.append(verdicts.governing(answers))
     if answers.demands:
         smallest = [margin.smallest for margin in answers.margins("block")]
         parts.append(smallest_capacities(answers, np.argsort(smallest, kind="stable")[:WORST].tolist()))
@@ -148,3 +150,80 @@ def _pairs(answers: Answers, directions: xr.Dataset) -> str:
     if blocks.size < directions.sizes["block"]:
         heading += f", the {blocks.size} worst of {directions.sizes['block']} blocks"
     return f"{heading}:\n\n{direction_table(few, part)}"
+
+
+def record_details(summary: xr.Dataset, record: str) -> str:
+    """All that is known of one record; a ResultsError for an id that is not in the results."""
+    answers = _only(summary, "record", record)
+    one = Known(answers.summary, record=record)
+    number, words, pga = one.number, one.words, one.value("pga")
+    marks = doubt(pga, one.value("warning_codes"))
+    strength = Cell(f"{figure(pga, 'm/s2')} ({figure(pga / STANDARD_GRAVITY, 'g')})", marks=marks).marked
+    rows = [
+        *(("in words", told) for told in (one.described,) if told),
+        ("source", words("source")),
+        ("sha256 of the source", words("source_sha256")),
+        ("station, component", f"{words('station')}, {words('component')} (azimuth {number('azimuth', 'degrees')})"),
+        ("name of the station", words("station_name")),
+        ("earthquake", words("event")),
+        *one.stated,
+        ("start", words("start_time")),
+        ("samples", f"{one.value('npts')} at {number('dt', 's')}"),
+        ("PGA", strength),
+        ("PGV", one.peak_velocity),
+        ("Arias intensity", number("arias_intensity", "m/s")),
+        ("intense phase", f"{number('intense_start', 's')} to {number('intense_end', 's')}"),
+        ("half-waves in all", str(one.value("half_wave_count"))),
+        ("main impulse I", number("main_impulse", "m/s")),
+        ("secondary impulse I_s", number("secondary_impulse", "m/s")),
+        ("interval dT", number("secondary_interval", "s")),
+        ("duration of the sequence", number("sequence_duration", "s")),
+        ("main impulses", ABSENT if math.isnan(one.value("main_impulse")) else one.main_count),
+        *(("processing", step) for step in one.lines("processing")),
+        *(("warning", warning) for warning in one.lines("warnings")),
+    ]
+    return _page(record, rows, answers, "block")
+
+
+def block_details(summary: xr.Dataset, block: str) -> str:
+    """All that is known of one block; a ResultsError for a name that is not in the results."""
+    answers = _only(summary, "block", block)
+    one = Known(answers.summary, block=block)
+    number, restitutions = one.number, [body.restitution for body in answers.bodies]
+    asked = [one.impact_friction(c) for c in restitutions]
+    friction = f"{', '.join(map(figure, asked))} in its instant, for information"
+    rows = [
+        ("width, height", f"{number('width', 'm')}, {number('height', 'm')}"),
+        ("half the diagonal R", one.radius),
+        ("critical angle alpha_c", number("alpha_c", "rad")),
+        ("frequency parameter p", number("p", "1/s")),
+        ("slenderness", number("slenderness")),
+        *((("beside", one.support),) if one.support else ()),
+        *([("friction of an impact", friction)] if asked[0] else []),
+        ("rebound e" if one.value("one_sided") else "restitution C", ", ".join(map(restitution, restitutions))),
+        ("critical impulse I_1c", number("critical_impulse", "m/s")),
+        *(("warning", warning) for warning in one.lines("block_warnings")),
+    ]
+    return _page(block, rows, answers, "record")
+
+
+def _page(title: str, rows: list[tuple[str, str]], answers: Answers, of: str) -> str:
+    """The facts, then the answers: their lines are named by record or by block as `of` says."""
+    width = max(len(name) for name, _ in rows)
+    head = [title, *(paragraph(text, " " * (width + 4), f"  {name.ljust(width)}  ") for name, text in rows), ""]
+    if is_large(answers):
+        words = (outcome.name.lower().replace("_", " ") for outcome in Outcome)
+        told = ", ".join(f"{count} {word}" for count, word in zip(answers.counts, words, strict=True))
+        heading = f"{sum(answers.counts)} verdicts by the {answers.model} model: {told}."
+        worst = case_list(answers.summary, worst_first(answers, Selection(limit=CASES)))
+        return "\n".join([*head, heading, "", worst])
+    factors = verdicts.probability_table(answers) + verdicts.factor_table(answers)
+    return "\n".join([*head, verdicts.verdict_table(answers.summary), "", *capacities(answers, of), factors])
+
+
+def _only(summary: xr.Dataset, dimension: str, label: str) -> Answers:
+    """The answers of one record or block, read."""
+    known = [str(item) for item in summary[dimension].values]
+    if label not in known:
+        raise unknown(label, known, dimension)
+    return Answers(summary.isel({dimension: [known.index(label)]}).load())

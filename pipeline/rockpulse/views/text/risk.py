@@ -16,10 +16,8 @@ from rockpulse.views.shared.terminal import ABSENT, figure, paragraph, several
 
 #: Bodies of an inventory that are shown.
 SHOWN = 10
-
 #: Shares of a frequency between which levels are shown.
 ENDS = (0.05, 0.95)
-
 #: Where the levels or factors lie that no record covers.
 SIDES = ("below", "above", "far")
 

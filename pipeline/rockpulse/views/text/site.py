@@ -27,10 +27,8 @@ from rockpulse.views.text.left_out import rows_not_used, unused
 
 #: Rows of a table of blocks, and names of events, that are listed one by one.
 LISTED = 12
-
 #: Restitution of the blocks of the table of the spectrum, and the step of its rows along p.
 SHOWN_RESTITUTION, STEP = 0.9, 3
-
 _UNITS = {"m s-1": "m/s", "s": "s", "1": ""}
 
 

@@ -13,27 +13,7 @@ from rockpulse.assessment.verdict import FEWEST_AT_DEMAND, MAY_OVERTURN, OVERTUR
 from rockpulse.earthquakes import FEWEST_EVENTS
 from rockpulse.errors import some
 from rockpulse.record.measures import PGA, PGV
-from rockpulse.views.shared.columns import (
-    COLUMNS,
-    NAME_WIDTH,
-    NO_ANSWER,
-    NONE_UP_TO,
-    AnswerRows,
-    answer_columns,
-    columns,
-    count_of,
-    factor_cell,
-    factor_columns,
-    filled,
-    grade_cell,
-    headed,
-    margin_cells,
-    marks_of,
-    record_cells,
-    shown,
-    titled,
-    unexplained,
-)
+from rockpulse.views.shared import columns as col
 from rockpulse.views.shared.facts import Known
 from rockpulse.views.shared.notes import (
     body_notes,
@@ -50,7 +30,6 @@ from rockpulse.views.shared.terminal import ABSENT, figure, paragraph, ratio, se
 #: Columns of every table below a record, and of the probability.
 DEMAND = ("block", "restitution", "uplift_ratio", "impulse_ratio")
 PROBABILITY = ("probability_interval", "factor_10", "factor_50", "capacity_mean", "source")
-
 #: Records that govern, and bodies that each of them governs, which are named.
 NAMED = 3
 
@@ -58,28 +37,28 @@ NAMED = 3
 def verdict_table(summary: xr.Dataset) -> str:
     """The verdict of every model, a line per block under a heading per record, with footnotes."""
     answers = Answers(summary)
-    of_models = answer_columns(answers)
-    marks = marks_of(cell for column in of_models.values() for cell in column)
-    factors = factor_columns(answers)
-    more = zip(*of_models.values(), *zip(*filled(factors, AnswerRows.every(answers)), strict=True), strict=True)
+    of_models = col.answer_columns(answers)
+    marks = col.marks_of(cell for column in of_models.values() for cell in column)
+    factors = col.factor_columns(answers)
+    more = zip(*of_models.values(), *zip(*col.filled(factors, col.AnswerRows.every(answers)), strict=True), strict=True)
     notes = verdict_notes(answers, factor_notes(answers), marks)
-    return _below_records("", answers, (*map(Heading, of_models), *headed(factors)), list(more), notes)
+    return _below_records("", answers, (*map(Heading, of_models), *col.headed(factors)), list(more), notes)
 
 
 def probability_table(answers: Answers) -> str:
     """The probability of overturning and the factors that it grows with, laid out as the verdicts; empty without."""
     if not answers.probable:
         return ""
-    selected = columns(*PROBABILITY)
-    table = filled(selected, AnswerRows.every(answers))
+    selected = col.columns(*PROBABILITY)
+    table = col.filled(selected, col.AnswerRows.every(answers))
     notes = [
         "P: probability of overturning under the record as it is, in brackets its interval of 90 %; factor of 10 %, of "
         f"50 %: factors on the record at which it is that; mean capacity: exp of the mean logarithm of the factor that "
         f"overturns; {uncertainty_words(answers)}."
     ]
-    notes += [NONE_UP_TO.note] if NONE_UP_TO in marks_of(cell for row in table for cell in row) else []
+    notes += [col.NONE_UP_TO.note] if col.NONE_UP_TO in col.marks_of(cell for row in table for cell in row) else []
     title = "Probability of overturning, and the factors on the record that it grows with"
-    return _below_records(title, answers, headed(selected), table, notes) + "\n\n"
+    return _below_records(title, answers, col.headed(selected), table, notes) + "\n\n"
 
 
 def factor_table(answers: Answers) -> str:
@@ -87,18 +66,18 @@ def factor_table(answers: Answers) -> str:
     searched = {name: one for name, one in answers.of_models.items() if one.searched}
     if not searched:
         return ""
-    selected = columns("safety_intervals")
-    own = [[row[0] for row in filled(selected, AnswerRows.every(one))] for one in searched.values()]
-    marks = marks_of(cell for column in own for cell in column)
+    selected = col.columns("safety_intervals")
+    own = [[row[0] for row in col.filled(selected, col.AnswerRows.every(one))] for one in searched.values()]
+    marks = col.marks_of(cell for column in own for cell in column)
     notes = [
         "-: not computed. (2): in two intervals of the factor; between them the block stands (group "
         "overturning_intervals)."
     ]
-    if NONE_UP_TO in marks:
-        notes.insert(0, NONE_UP_TO.note)
+    if col.NONE_UP_TO in marks:
+        notes.insert(0, col.NONE_UP_TO.note)
     elif any(np.isinf(one["safety_factor"]).any() for one in answers.of_models.values()):
         notes.insert(0, "none: not found up to the end of the search.")
-    notes += ["!: a lower bound, from this factor on the model cannot answer."] if NO_ANSWER in marks else []
+    notes += ["!: a lower bound, from this factor on the model cannot answer."] if col.NO_ANSWER in marks else []
     title = "Safety factors: the smallest factor on the input of the model at which the block overturns"
     return _below_records(title, answers, tuple(map(Heading, searched)), list(zip(*own, strict=True)), notes)
 
@@ -107,15 +86,15 @@ def _below_records(
     title: str, answers: Answers, headings: Iterable[Heading], table: Sequence[tuple[Cell, ...]], notes: Sequence[str]
 ) -> str:
     """A line for every body under a heading for every record: what is asked of it, and a row of the table; notes."""
-    demands = filled(columns(*DEMAND), AnswerRows.every(answers))
+    demands = col.filled(col.columns(*DEMAND), col.AnswerRows.every(answers))
     rows = [
-        (Cell("  " + shortened(body.text, NAME_WIDTH)), *demand, *more)
+        (Cell("  " + shortened(body.text, col.NAME_WIDTH)), *demand, *more)
         for (body, *demand), more in zip(demands, table, strict=True)
     ]
-    demanded = (Heading(""), *headed(columns(*DEMAND[1:])))
+    demanded = (Heading(""), *col.headed(col.columns(*DEMAND[1:])))
     head, *laid = lines(Table("", "", (*demanded, *headings), tuple(rows)))
     found, size = [], len(answers.bodies)
-    for place, cell in enumerate(record_cells(answers.summary)):
+    for place, cell in enumerate(col.record_cells(answers.summary)):
         record = Known(answers.summary, record=cell.text)
         impulse = record.value("main_impulse")
         told = [*record.strength, *([] if math.isnan(impulse) else [f"I {figure(impulse, 'm/s')}"])]
@@ -125,12 +104,8 @@ def _below_records(
 
 
 def overturned(answers: Answers, files: str = "") -> str:
-    """The records that overturn each block by the fullest model, and the counts of every model.
-
-    Before them stand the `files` that are not among these records, behind them the pairs in which a block rocks under
-    a record but is overturned by a weaker copy of it, which is no safer.
-    """
-    names = [cell.marked for cell in record_cells(answers.summary)]
+    """The records that overturn each block, or a weaker copy of which does; counts of every model; `files` first."""
+    names = [cell.marked for cell in col.record_cells(answers.summary)]
     fallen = answers.by_block(np.logical_or, answers.overturned)
     # A probability already counts what rocks by luck alone.
     factor = np.full(fallen.shape, np.inf) if answers.probable else answers.by_block(np.fmin, answers["safety_factor"])
@@ -144,8 +119,8 @@ def overturned(answers: Answers, files: str = "") -> str:
         named = ", ".join(names[row] for row in np.flatnonzero(fallen[:, place]))
         told.append(paragraph(named or nothing, "      ", f"  {block}: "))
         by_weaker += [paragraph(", ".join(weaker), "      ", f"  {block}: ")] if weaker else []
-        rows.append((Cell(block), *(count_of(own[place], len(names)) for own in counts)))
-    headings = (Heading("records that overturn", width=NAME_WIDTH), *map(Heading, answers.models))
+        rows.append((Cell(block), *(col.count_of(own[place], len(names)) for own in counts)))
+    headings = (Heading("records that overturn", width=col.NAME_WIDTH), *map(Heading, answers.models))
     told += ["", *("  " + line for line in lines(Table("", "", headings, tuple(rows))))]
     if by_weaker:
         told += ["", "What rocks, but a weaker copy of the record overturns it (SF in brackets):", *by_weaker]
@@ -158,11 +133,12 @@ def body_verdicts(answers: Answers, most: int | None = None) -> str:
     places = np.argsort([-one.decides.value for one in found], kind="stable")[:most]
     lanes = (np.sort(places) if most is None else places).tolist()
     kept = [found[lane] for lane in lanes]
-    names = [cell.marked for cell in record_cells(summary)]
+    names = [cell.marked for cell in col.record_cells(summary)]
     (top, turn), factors = _largest_survived(answers), _middle_factors(answers)
     demands = [[demand.share for demand in one.demands] or [one.share] for one in kept]
     of = "P" if answers.probable else "share"
     likely = {f"{of} at {name}": place for place, name in enumerate(answers.demands)} or {of: 0}
+    middle = f"median_{'factor_50' if answers.probable else 'safety_factor'}"
     values = {
         "name": [f"  {one.body.name}" for one in kept],
         "found": kept,
@@ -175,16 +151,16 @@ def body_verdicts(answers: Answers, most: int | None = None) -> str:
         **{title: [shares[place].value for shares in demands] for title, place in likely.items()},
     }
     selected = (
-        titled("", Cell, "name", width=NAME_WIDTH),
-        titled(COLUMNS["verdict"].heading.title, lambda one: Cell(grade_cell(one).text), "found"),
-        *(titled(title, shown(ratio), title) for title in likely),
-        *columns("up_to", "uplift", f"median_{'factor_50' if answers.probable else 'safety_factor'}", "top", "turn"),
-        *columns("worst", worst=f"worst {answers.motions.kind}"),
+        col.titled("", Cell, "name", width=col.NAME_WIDTH),
+        col.titled(col.COLUMNS["verdict"].heading.title, lambda one: Cell(col.grade_cell(one).text), "found"),
+        *(col.titled(title, col.shown(ratio), title) for title in likely),
+        *col.columns("up_to", "uplift", middle, "top", "turn"),
+        *col.columns("worst", worst=f"worst {answers.motions.kind}"),
     )
     which = f"the {len(kept)} most likely to overturn of {len(found)} bodies" if len(kept) < len(found) else "each body"
     title = f"Verdict on {which}, {_under(answers, found)} ({answers.model} model):"
     notes = [*_legend(answers), *body_notes(answers, found)]
-    table = lines(Table("", "", headed(selected), tuple(filled(selected, values))))
+    table = lines(Table("", "", col.headed(selected), tuple(col.filled(selected, values))))
     return "\n".join([paragraph(title), *table, *(paragraph(note, "  ") for note in notes)])
 
 
@@ -221,12 +197,12 @@ def _legend(answers: Answers) -> list[str]:
 def _middle_factors(answers: Answers) -> list[Cell]:
     """The median over the motions of the factor of 50 % probability, else of the safety factor, of every body."""
     if not answers.probable:
-        return [margin_cells(margin)[1] for margin in answers.margins()]
+        return [col.margin_cells(margin)[1] for margin in answers.margins()]
     least = np.fmin.reduce(answers.motions.over(answers["factor_50"], np.nan), axis=1)
     known = np.where(np.isnan(least), np.inf, least)
     middle = np.sort(known, axis=0)[(len(known) - 1) // 2] if len(known) else np.full(len(answers.bodies), np.nan)
     limit = searched_up_to(answers["factor_50"], answers["factor_50_low"])
-    return [factor_cell(float(value), limit) for value in middle]
+    return [col.factor_cell(float(value), limit) for value in middle]
 
 
 def _largest_survived(answers: Answers) -> tuple[np.ndarray, np.ndarray]:
@@ -250,26 +226,27 @@ def worst_motions(answers: Answers, most: int) -> str:
     body = np.array([np.lexsort((own, -every))[0] for own, every in zip(near, likely, strict=True)])
     at = np.arange(len(body)), body
     order = np.lexsort((near[at], -likely[at]))[:most]
-    marked = dict(zip(answers.records, (cell.marked for cell in record_cells(answers.summary)), strict=True))
+    marked = dict(zip(answers.records, (cell.marked for cell in col.record_cells(answers.summary)), strict=True))
     strength = {name: np.fmax.reduce(motions.over(answers[name], np.nan), axis=1)[order] for name in (PGA, PGV)}
     values = {name: column.tolist() for name, column in strength.items()} | {
         "name": [f"  {marked.get(motions.names[row], motions.names[row])}" for row in order],
         "pgv_drift": [0] * len(order),
-        "worst_for": [shortened(answers.bodies[lane].name, NAME_WIDTH) for lane in body[order]],
+        "worst_for": [shortened(answers.bodies[lane].name, col.NAME_WIDTH) for lane in body[order]],
         "overturning_probability": chance[at][order].tolist(),
         "near": factor[at][order].tolist(),
         "fallen": answers.overturned.sum(axis=1)[order].tolist(),
     }
     limit, bodies = searched_up_to(answers[answers.factor], answers.proven()), len(answers.bodies)
+    title = col.COLUMNS["overturns"].heading.title
     selected = (
-        titled("", Cell, "name"),
-        *columns(PGA, PGV, "worst_for", *(["overturning_probability"] if answers.probable else [])),
-        titled(factor_title(answers.factor), lambda value: unexplained(factor_cell(value, limit)), "near"),
-        titled(COLUMNS["overturns"].heading.title, lambda count: Cell(count_of(count, bodies).text), "fallen"),
+        col.titled("", Cell, "name"),
+        *col.columns(PGA, PGV, "worst_for", *(["overturning_probability"] if answers.probable else [])),
+        col.titled(factor_title(answers.factor), lambda value: col.unexplained(col.factor_cell(value, limit)), "near"),
+        col.titled(title, lambda count: Cell(col.count_of(count, bodies).text), "fallen"),
     )
     which = f"The {len(order)} worst of {len(motions.names)}" if len(order) < len(motions.names) else "All"
     what = {"record": "records", "pair": "pairs of channels", "sequence": "sequences"}[motions.kind]
-    table = lines(Table("", "", headed(selected), tuple(filled(selected, values))))
+    table = lines(Table("", "", col.headed(selected), tuple(col.filled(selected, values))))
     return "\n".join([f"{which} {what}, as recorded:", *table])
 
 

@@ -70,11 +70,8 @@ def reordered(made, order):
     records = made["records"].to_dataset()
     ends = np.cumsum(records["half_wave_row_size"].values)
     waves = np.concatenate([np.arange(ends[k] - records["half_wave_row_size"].values[k], ends[k]) for k in order])
-    for name, dataset in (
-        ("summary", summary),
-        ("half_cycles", half),
-        ("records", records.isel(record=order, wave=waves)),
-    ):
+    records = records.isel(record=order, wave=waves)
+    for name, dataset in (("summary", summary), ("half_cycles", half), ("records", records)):
         made[name] = xr.DataTree(dataset)
     return made
 
@@ -86,12 +83,6 @@ def test_the_same_results_are_the_same(cases):
     assert found.sides[OUTCOME].compared == 27 * (cases or 1)
     assert text.endswith(f"The results are the same: {found.compared} values within rtol 1e-09.")
     assert "No verdict of" in text
-
-
-def test_the_order_of_the_records_does_not_matter():
-    found, text = compare(tree(), reordered(tree(), [2, 0, 1]))
-    assert found.same, text
-    assert found.compared == compare(tree(), tree())[0].compared
 
 
 @pytest.mark.parametrize("order", [[0, 1, 2], [2, 0, 1]])
@@ -119,16 +110,7 @@ def test_a_changed_value_is_found_and_its_place_is_named(order, group, name, pla
     assert np.isnan(one.largest) != number
 
 
-@pytest.mark.sweep
-def test_files_are_compared_as_trees_are(compare_files):
-    changed = reordered(tree(), [1, 2, 0])
-    changed["summary"]["pga"].values[0] *= 1.0 + 1e-6
-    changed["half_cycles"]["peak"].values[3] *= 2.0
-    assert compare_files(tree(), changed)[0].variables == compare(tree(), changed)[0].variables
-    assert compare_files(tree(), tree())[0].same
-
-
-def test_tolerances_are_relative_to_the_larger_plus_absolute():
+def test_tolerances_are_relative_to_the_larger_plus_absolute_and_an_infinity_is_beyond_them():
     changed = tree()
     changed["summary"]["pga"].values[0] *= 1.0 + 1e-6
     found, _ = compare(tree(), changed)
@@ -138,9 +120,6 @@ def test_tolerances_are_relative_to_the_larger_plus_absolute():
     assert compare(tree(), changed, rtol=0.0, atol=6e-6)[0].same
     assert not compare(tree(), changed, rtol=0.0, atol=5e-6)[0].same
     assert compare(tree(), changed, ignore=["pga"])[0].same
-
-
-def test_an_infinity_is_beyond_any_tolerance():
     changed = tree()
     changed["summary"]["safety_factor"].values[0, 0, 0] = np.inf
     found, _ = compare(tree(), changed, rtol=1e9, atol=1e9)
@@ -161,6 +140,11 @@ def test_verdicts_that_flipped_are_named():
     found, text = compare(tree(), changed, listed=1)
     assert (found.sides[OUTCOME].count, found.sides[OUTCOME].named) == (2, flips.named[:1])
     assert "and 1 more (--limit)" in text
+    changed = tree()
+    changed["summary"]["safety_factor"].values[0, 0, 1] = 0.6
+    (line,) = [line for line in compare(tree(), changed)[1].splitlines() if "/summary/safety_factor" in line]
+    for told in ("CI.CCC..HNE@…", "953, ", "boundary wall, sequence"):
+        assert told in line
 
 
 def test_safety_factors_that_crossed_one_are_a_group_above_all_other_differences():
@@ -168,10 +152,9 @@ def test_safety_factors_that_crossed_one_are_a_group_above_all_other_differences
     factors = changed["summary"]["safety_factor"].values
     factors[0, 1, 1], factors[1, 0, 1], factors[0, 2, 1] = 0.98, np.inf, 1.6  # of 1.7, 0.5 and 1.7
     found, text = compare(tree(), changed)
-    assert [(flip.place, flip.before, flip.after) for flip in found.sides[SAFETY].named] == [
-        ((RECORDS[0], "column", "sequence"), "1.7", "0.98"),
-        ((RECORDS[1], "boundary wall", "sequence"), "0.5", "inf"),
-    ]
+    one, other = found.sides[SAFETY].named
+    assert one == ((RECORDS[0], "column", "sequence"), "1.7", "0.98")
+    assert other == ((RECORDS[1], "boundary wall", "sequence"), "0.5", "inf")
     assert text.index("Safety factors that crossed 1 (below it a weaker copy") < text.index("Variables beyond")
     found, text = compare(tree(), changed, listed=1)
     assert (found.sides[SAFETY].count, len(found.sides[SAFETY].named)) == (2, 1)
@@ -188,14 +171,6 @@ def test_without_the_nonlinear_model_in_both_the_last_common_model_leads():
     assert found.model == "sequence"
     assert "Verdicts that flipped: 2 of 18 (1 of 9 by the sequence model)" in text
     assert [flip.place[2] for flip in found.sides[OUTCOME].named] == ["sequence", "resonance"]
-
-
-def test_a_long_place_keeps_what_tells_record_block_and_model():
-    changed = tree()
-    changed["summary"]["safety_factor"].values[0, 0, 1] = 0.6
-    (line,) = [line for line in compare(tree(), changed)[1].splitlines() if "/summary/safety_factor" in line]
-    for told in ("CI.CCC..HNE@…", "953, ", "boundary wall, sequence"):
-        assert told in line
 
 
 def without_a_record(made, gone):
@@ -255,7 +230,7 @@ def test_another_number_of_rows_is_told_and_the_rest_compared():
     assert [one.name for one in found.variables] == ["/records/half_wave_peak"]
 
 
-def test_units_flags_dimensions_and_attributes_that_differ_are_told():
+def test_units_and_attributes_that_differ_are_told_and_versions_do_not_count():
     other = tree()
     other["summary"]["pga"].attrs["units"] = "g"
     other["summary"]["outcome"].attrs["flag_meanings"] = "at_rest rocks falls unresolved"
@@ -269,11 +244,8 @@ def test_units_flags_dimensions_and_attributes_that_differ_are_told():
         "/summary/outcome: flag_meanings 'at_rest rocks overturns unresolved', then 'at_rest rocks falls unresolved'",
     ]
     found, _ = compare(tree(), tree(2))
-    assert any(line.startswith("/summary/outcome: record x block x model int8, then record x block x") for line in
-               found.others)  # fmt: skip
-
-
-def test_versions_and_configuration_are_told_and_do_not_count():
+    told = "/summary/outcome: record x block x model int8, then record x block x"
+    assert any(line.startswith(told) for line in found.others)
     other = tree()
     block = '[[block]]\nname = "wall"\nwidth = 0.4\n'
     other.attrs.update(numpy_version="1.0", configuration=f'[site]\nname = "Borgo"\n[run]\nworkers = 2\n{block}')
@@ -294,9 +266,6 @@ def test_values_that_another_program_has_changed_are_found_though_the_checksums_
         found = compare_results(one, other)
     assert {one.name: one.differing for one in found.variables} == {f"/{path}": 1 for path in places}
     assert found.sides[OUTCOME].compared == 27
-
-
-def test_a_pointer_that_another_program_has_changed_is_found(saved, tmp_path):
     shutil.copy(saved, tmp_path / "b.h5")
     with h5py.File(tmp_path / "b.h5", "a") as file:
         file["half_cycles/record_index"][0] = 2
@@ -331,13 +300,8 @@ def test_files_of_different_kinds_are_refused(saved, tmp_path):
     other = xr.DataTree.from_dict({"/site": xr.Dataset()})
     other.attrs["kind"] = "site calibration"
     save(other, tmp_path / "b.h5")
-    with (
-        open_results(saved) as one,
-        open_results(tmp_path / "b.h5") as two,
-        pytest.raises(
-            ResultsError, match=r"two files of one kind, found .*results\.h5 \(assessment\) and .*b\.h5 \(site"
-        ),
-    ):
+    told = r"two files of one kind, found .*results\.h5 \(assessment\) and .*b\.h5 \(site"
+    with open_results(saved) as one, open_results(tmp_path / "b.h5") as two, pytest.raises(ResultsError, match=told):
         compare_results(one, two)
 
 
@@ -351,6 +315,5 @@ def test_failures_are_counted_whatever_the_rows_of_their_group_are_called(compar
     assert (same.same, same.compared) == (True, 3)
     assert "The results are the same: 3 values" in text
     assert compare_files(none, none)[0].same
-    assert [(one.what, len(one.first), one.second) for one in compare_files(made, none)[0].only] == [
-        ("failures", 3, ())
-    ]
+    (one,) = compare_files(made, none)[0].only
+    assert (one.what, len(one.first), one.second) == ("failures", 3, ())

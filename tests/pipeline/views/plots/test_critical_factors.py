@@ -31,7 +31,7 @@ def intervals(tree, record, block):
     return table["lower"], table["upper"]
 
 
-def test_a_map_shows_the_stored_intervals_and_the_windows_between(assessed, first):
+def test_a_map_shows_the_stored_intervals_and_the_windows_between(assessed, first, changed):
     ax = overturning_map(assessed, record=first)
     for place, block in enumerate(assessed["summary"]["block"].values):
         lower, upper = intervals(assessed, first, block)
@@ -45,22 +45,6 @@ def test_a_map_shows_the_stored_intervals_and_the_windows_between(assessed, firs
     factor = assessed["summary"]["safety_factor"].sel(record=first, model="nonlinear").values
     assert ax.get_xlim() == pytest.approx((0.7 * min(1.0, factor.min()), 10.0))
     assert ax.get_ylim() == pytest.approx((1.6, -0.6))  # the first on top
-
-
-def test_the_narrowest_interval_is_seen(assessed, changed, first):
-    table = assessed["overturning_intervals"].to_dataset()
-    thin = table.assign(upper=table["upper"].copy(data=table["lower"].values * (1.0 + 1e-7)))
-    ax = overturning_map(changed({"/overturning_intervals": thin}), record=first)
-    for place, block in enumerate(assessed["summary"]["block"].values):
-        lower, _ = intervals(assessed, first, block)
-        lines = [c for c in ax.collections if len(c.get_segments()) and round(c.get_segments()[0].mean(0)[1]) == place]
-        assert sorted(segment[0, 0] for line in lines for segment in line.get_segments()) == pytest.approx(lower)
-        assert {float(width) for line in lines for width in line.get_linewidths()} == {1.0}
-        assert all(same_color(line.get_colors()[0], RED) for line in lines)
-    assert "at least 1 pt wide" in small_print(ax)
-
-
-def test_a_dot_stands_at_the_smallest_factor(assessed, changed, first):
     factor = assessed["summary"]["safety_factor"].sel(record=first, model="nonlinear").values
     (dots,) = (line for line in overturning_map(assessed, record=first).lines if line.get_label() == "smallest factor")
     assert dots.get_xydata().tolist() == [[value, place] for place, value in enumerate(factor)]
@@ -87,14 +71,31 @@ def test_what_the_model_cannot_answer_is_not_drawn_as_overturning(assessed, chan
     assert len(bars(ax, "cannot answer: counts as overturning")) > 1
     doubts = [bar for one in ax.containers if one.get_label().startswith("cannot answer") for bar in one]
     assert {(bar.get_facecolor(), bar.get_hatch()) for bar in doubts} == {((1.0, 1.0, 1.0, 1.0), "xxxx")}
+    factor = assessed["summary"]["safety_factor"].values.copy()
+    factor[:, 1] = np.nan
+    applicable = np.ones(factor.shape, np.int8)
+    applicable[:, 0] = 0
+    ax = overturning_map(changed(safety_factor=factor, applicable=applicable), record=first)
+    assert [(text.get_text().strip(), text.get_position()[1]) for text in ax.texts] == [("not known", 1)]
+    assert "Outside the range of the model: wall." in small_print(ax)
 
 
-def test_resonance_is_named_an_upper_bound_type_input(assessed):
+def test_resonance_is_named_an_upper_bound_and_the_narrowest_interval_is_seen(assessed, changed, first):
     ax = overturning_map(assessed, block="wall", model="resonance")
     assert "upper-bound type input" in ax.figure.get_suptitle()
     assert "not a prediction" in small_print(ax)
     assert ax.get_xlabel() == "factor on the impulses of the sequence [-]"
     assert "not a prediction" in small_print(critical_scale(assessed, block="wall", models=["resonance"]))
+    table = assessed["overturning_intervals"].to_dataset()
+    thin = table.assign(upper=table["upper"].copy(data=table["lower"].values * (1.0 + 1e-7)))
+    ax = overturning_map(changed({"/overturning_intervals": thin}), record=first)
+    for place, block in enumerate(assessed["summary"]["block"].values):
+        lower, _ = intervals(assessed, first, block)
+        lines = [c for c in ax.collections if len(c.get_segments()) and round(c.get_segments()[0].mean(0)[1]) == place]
+        assert sorted(segment[0, 0] for line in lines for segment in line.get_segments()) == pytest.approx(lower)
+        assert {float(width) for line in lines for width in line.get_linewidths()} == {1.0}
+        assert all(same_color(line.get_colors()[0], RED) for line in lines)
+    assert "at least 1 pt wide" in small_print(ax)
 
 
 def test_nothing_that_overturns_stands_to_the_end_of_the_search(assessed, changed, first):
@@ -114,16 +115,6 @@ def test_nothing_that_overturns_stands_to_the_end_of_the_search(assessed, change
     assert ">10: none found up to there." in small_print(ax)
 
 
-def test_a_body_that_was_not_searched_or_is_outside_the_range_is_named(assessed, changed, first):
-    factor = assessed["summary"]["safety_factor"].values.copy()
-    factor[:, 1] = np.nan
-    applicable = np.ones(factor.shape, np.int8)
-    applicable[:, 0] = 0
-    ax = overturning_map(changed(safety_factor=factor, applicable=applicable), record=first)
-    assert [(text.get_text().strip(), text.get_position()[1]) for text in ax.texts] == [("not known", 1)]
-    assert "Outside the range of the model: wall." in small_print(ax)
-
-
 @pytest.mark.parametrize("draw", [overturning_map, critical_scale])
 def test_what_was_not_searched_is_refused(assessed, changed, draw):
     unknown = np.full(assessed["summary"]["safety_factor"].shape, np.nan)
@@ -137,7 +128,7 @@ def marks(ax, label):
     return [line for line in ax.lines if line.get_color() == color and len(line.get_xdata())]
 
 
-def test_critical_scales_are_those_of_the_results(assessed):
+def test_critical_scales_are_those_of_the_results(assessed, changed):
     ax = critical_scale(assessed, block="wall")
     summary = assessed["summary"].to_dataset()
     factor = summary["safety_factor"].sel(block="wall", model="nonlinear").values
@@ -146,9 +137,6 @@ def test_critical_scales_are_those_of_the_results(assessed):
     words = in_legend(ax)
     assert words == ["resonance (upper-bound type input)", "sequence", "impulsive", "linear", "nonlinear"]
     assert len({line.get_marker() for line in ax.lines if line.get_label() in words}) == 5
-
-
-def test_bounds_and_models_outside_their_range_are_marked(assessed, changed):
     shape = assessed["summary"]["safety_factor"].shape
     applicable, resolved = np.ones(shape, np.int8), np.ones(shape, np.int8)
     applicable[..., 3] = 0
@@ -266,9 +254,6 @@ def test_a_map_of_probability_has_bars_up_to_ten_and_fifty_percent_and_beyond(li
     assert dots.get_xdata() == pytest.approx([0.5, 2.0])
     assert "  none up to 10  " in [text.get_text() for text in ax.texts]
     assert not bars(ax, "overturns")
-
-
-def test_the_critical_scale_of_the_nonlinear_model_is_its_factor_of_ten_percent(likely):
     ax = critical_scale(likely)
     (dots,) = (line for line in ax.lines if len(line.get_xdata()) == 2 and line.get_marker() == "o")
     assert dots.get_xdata() == pytest.approx([0.5, 2.0])

@@ -23,24 +23,18 @@ def test_every_public_object_has_a_picture(record):
     assert panels == [3, 1, 1, 1, 4]
 
 
-def test_a_block_gives_a_sequence_its_times():
+def test_a_block_gives_a_sequence_its_times_and_spectra_are_drawn(record):
     figure = rp.plot(SEQUENCE, block=BLOCK)
     assert [ax.get_xlabel() for ax in figure.axes] == ["", "time from the first main impulse [s]"]
-
-
-def test_datasets_of_spectra_are_drawn(record):
     spectrum = rp.overturning_spectrum(record, restitution=[0.9])
     assert rp.plot(spectrum).axes[0].get_ylabel().startswith("effective impulse")
     with pytest.raises(TypeError, match=r"expected a dataset of rockpulse\.overturning_spectrum .* found one with pga"):
         rp.plot(xr.Dataset({"pga": 1.0}))
 
 
-def test_results_are_drawn_by_their_kind(assessed, fragility_tree):
+def test_results_are_drawn_by_their_kind(assessed, fragility_tree, tmp_path):
     assert rp.plot(assessed).axes[0].get_title() == "wall"  # without spectra its bodies
     assert rp.plot(fragility_tree).axes[0].get_ylabel().startswith("probability")
-
-
-def test_a_file_is_drawn_like_its_tree(tmp_path):
     path = tmp_path / "results.h5"
     path.write_bytes(results_bytes())
     assert rp.plot(path).axes[0].get_title() == "boundary wall"

@@ -39,9 +39,15 @@ def test_every_limit_state_has_its_curve(fragility_tree):
     assert ax.get_xlim() == pytest.approx((level[rising].min(), level[rising].max()))
     assert ax.figure.get_suptitle() == "wall"
     assert "2 records of 1 earthquake" in small_print(ax)
+    ax = fragility(fragility_tree, block="wall", measure="pga", limit_states=["uplift"])
+    own = fragility_tree["fragility"].to_dataset().sel(block="wall", measure="pga", limit_state="uplift")
+    assert float(own["beta"]) == 0.0
+    (line,) = (line for line in ax.lines if line.get_label().startswith("uplift"))
+    assert line.get_xdata()[1:3].tolist() == [float(own["median"])] * 2
+    assert line.get_ydata().tolist() == [0.0, 0.0, 1.0, 1.0]
 
 
-def test_the_records_stand_beside_the_curve(fragility_tree):
+def test_the_records_and_the_acceleration_that_lifts_stand_beside_the_curve(fragility_tree):
     ax = fragility(fragility_tree, block="wall", limit_states=["overturning"])
     capacities = fragility_tree["capacities"].to_dataset().sel(block="wall")
     measure = capacities["measure_value"].sel(measure="velocity_ratio")
@@ -53,6 +59,12 @@ def test_the_records_stand_beside_the_curve(fragility_tree):
     tree["capacities"]["factor"].values[0] = np.inf  # never reaches the state
     ax = fragility(tree, block="wall", limit_states=["overturning"])
     assert [len(line.get_xdata()) for line in ax.lines if line.get_linestyle() == "None"] == [1]
+    tree = fragility_tree.copy(deep=True)
+    tree["fragility"]["uplift_acceleration"].values[:] = 3.0
+    assert labelled(fragility(tree, measure="pga"))["lifts from here on"].get_xdata()[0] == 3.0
+    assert "lifts from here on" not in labelled(fragility(tree))
+    tree["fragility"]["uplift_acceleration"].values[:] = np.nan  # on a floor
+    assert "lifted" not in small_print(fragility(tree, measure="pga"))
 
 
 def test_what_holds_for_all_limit_states_is_said_once(fragility_tree):
@@ -60,6 +72,12 @@ def test_what_holds_for_all_limit_states_is_said_once(fragility_tree):
     assert not ax.collections
     assert small_print(ax).count("no band") == 1
     assert "All: no band" in small_print(ax)
+    tree = banded(fragility_tree)
+    tree["fragility"]["probability_low"].values[:] = 0.02
+    tree["fragility"]["probability_high"].values[:] = 0.99
+    ax = fragility(tree, block="wall")
+    assert not ax.collections
+    assert "Band of the curve of overturning: nearly 0 to 1 at most levels, not drawn (1 earth" in small_print(ax)
 
 
 @pytest.mark.parametrize(
@@ -80,15 +98,6 @@ def test_one_band_is_filled_and_said(fragility_tree, asked, expected):
     assert same_color(band.get_facecolor()[0][:3], color)
 
 
-def test_a_band_from_0_to_1_is_not_drawn_and_said(fragility_tree):
-    tree = banded(fragility_tree)
-    tree["fragility"]["probability_low"].values[:] = 0.02
-    tree["fragility"]["probability_high"].values[:] = 0.99
-    ax = fragility(tree, block="wall")
-    assert not ax.collections
-    assert "Band of the curve of overturning: nearly 0 to 1 at most levels, not drawn (1 earth" in small_print(ax)
-
-
 def test_a_curve_above_that_of_a_milder_state_is_said(fragility_tree):
     words = "Fitted one by one: where a curve lies above that of a milder limit state it says nothing."
 
@@ -103,15 +112,6 @@ def test_a_curve_above_that_of_a_milder_state_is_said(fragility_tree):
     assert said(0.02, ["overturning", "uplift"])
     assert not said(0.009)
     assert not said(0.02, ["uplift", "0.4"])
-
-
-def test_equal_capacities_are_a_step_at_the_median(fragility_tree):
-    ax = fragility(fragility_tree, block="wall", measure="pga", limit_states=["uplift"])
-    own = fragility_tree["fragility"].to_dataset().sel(block="wall", measure="pga", limit_state="uplift")
-    assert float(own["beta"]) == 0.0
-    (line,) = (line for line in ax.lines if line.get_label().startswith("uplift"))
-    assert line.get_xdata()[1:3].tolist() == [float(own["median"])] * 2
-    assert line.get_ydata().tolist() == [0.0, 0.0, 1.0, 1.0]
 
 
 def test_a_dozen_limit_states_are_told_apart_without_colour_alone():
@@ -138,15 +138,6 @@ def test_pga_stands_beside_the_measure_that_is_shown(fragility_tree):
     assert "In PGA: The body is never lifted by less" in words
 
 
-def test_the_grey_line_is_the_acceleration_that_lifts(fragility_tree):
-    tree = fragility_tree.copy(deep=True)
-    tree["fragility"]["uplift_acceleration"].values[:] = 3.0
-    assert labelled(fragility(tree, measure="pga"))["lifts from here on"].get_xdata()[0] == 3.0
-    assert "lifts from here on" not in labelled(fragility(tree))
-    tree["fragility"]["uplift_acceleration"].values[:] = np.nan  # on a floor
-    assert "lifted" not in small_print(fragility(tree, measure="pga"))
-
-
 @pytest.mark.parametrize(
     ("hazard", "expected"),
     [("", ["velocity_ratio", "pga"]), ('[hazard]\nk0 = 1e-4\nk = 2.5\nmeasure = "pgv"\n', ["velocity_ratio"])],
@@ -167,10 +158,6 @@ def test_what_a_curve_lacks_is_said_in_the_legend(fragility_tree):
     assert all(words.endswith("(extrapolated)") for words in labelled(fragility(tree)))
     tree["fragility"]["probability"].values[:] = np.nan
     assert next(iter(labelled(fragility(tree)))) == "uplift: no curve"
-
-
-def test_a_measure_without_a_level_is_a_picture_without_a_curve(fragility_tree):
-    """Where no record reaches any limit state there is no level to draw over."""
     copy = fragility_tree.copy(deep=True)
     curves = copy["fragility"].to_dataset()
     copy["fragility"] = type(copy)(curves.assign({name: np.nan * curves[name] for name in ("level", "probability")}))

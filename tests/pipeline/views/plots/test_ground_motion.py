@@ -20,7 +20,7 @@ def panels(motion):
     return accelerogram(motion)
 
 
-def test_the_intense_phase_is_shaded_in_every_panel(motion, panels):
+def test_the_intense_phase_is_shaded_in_every_panel_and_the_units_are_readable(motion, panels):
     phase = float(motion["intense_start"]), float(motion["intense_end"])
     for ax in panels:
         box = labelled(ax)["intense phase"].get_bbox()
@@ -28,15 +28,12 @@ def test_the_intense_phase_is_shaded_in_every_panel(motion, panels):
     low, high = panels[1].get_xlim()
     assert low < phase[0] < phase[1] < high
     assert panels[2].get_xlim() == (low, high)
-
-
-def test_labels_have_readable_units(panels):
     words = [ax.get_ylabel().replace("\n", " ") for ax in panels]
     assert words == ["[m/s²]", "conditioned ground acceleration [m/s²]", "signed impulse of the half-wave [m/s]"]
     assert panels[2].get_xlabel() == "time from the first sample [s]"
 
 
-def test_the_peak_of_the_whole_record_is_drawn(motion, panels):
+def test_the_peak_of_the_record_and_the_strong_half_waves_of_its_phase_are_drawn(motion, panels):
     drawn = panels[0].lines[1].get_ydata()  # after the zero line
     acceleration = motion["acceleration"].values
     strongest = int(np.argmax(np.abs(acceleration)))
@@ -45,9 +42,6 @@ def test_the_peak_of_the_whole_record_is_drawn(motion, panels):
     (words,) = (text.get_text() for text in panels[0].texts)
     assert words == f"PGA {abs(acceleration[strongest]):.3g} m/s² at {motion['time'].values[strongest]:.2f} s"
     assert panels[0].get_xlim() == (0.0, motion["time"].values[-1])
-
-
-def test_the_phase_is_that_of_the_record_with_its_half_waves_above_half_the_largest_filled(motion, panels):
     time, acceleration = panels[1].lines[1].get_data()
     assert np.interp(time, motion["time"].values, motion["acceleration"].values) == pytest.approx(acceleration)
     assert (time[0], time[-1]) == pytest.approx(panels[1].get_xlim(), abs=0.1)
@@ -71,11 +65,14 @@ def test_impulses_stand_at_their_centroids(motion, panels):
     assert {main, -main} <= {line.get_ydata()[0] for line in panels[2].lines}
 
 
-def test_a_record_without_a_sequence_says_so():
+def test_a_record_without_a_sequence_and_results_without_samples_say_so(changed, assessed):
     record = Record(np.sin(np.linspace(0.0, np.pi, 50)), dt=0.02, id="one half-wave")
     drawn = accelerogram(motion_of_record(record))
     assert "No impulse sequence" in drawn[0].figure.get_supxlabel()
     assert not any("pm I" in words for words in labelled(drawn[2]))
+    records = assessed["records"].to_dataset().drop_vars(["acceleration", "row_size"])
+    with pytest.raises(ResultsError, match=r'\[records\] store = "all"'):
+        stored_motion(changed({"/records": records}), str(assessed["summary"]["record"].values[0]))
 
 
 def test_a_record_gives_the_motion_that_the_results_store(clc, motion):
@@ -83,12 +80,6 @@ def test_a_record_gives_the_motion_that_the_results_store(clc, motion):
     for name in ("acceleration", "impulse", "centroid", "main_impulse", "intense_end"):
         assert np.array_equal(fresh[name].values, motion[name].values)
         assert fresh[name].attrs["units"] == motion[name].attrs["units"]
-
-
-def test_results_without_samples_say_what_to_switch_on(changed, assessed):
-    records = assessed["records"].to_dataset().drop_vars(["acceleration", "row_size"])
-    with pytest.raises(ResultsError, match=r'\[records\] store = "all"'):
-        stored_motion(changed({"/records": records}), str(assessed["summary"]["record"].values[0]))
 
 
 def test_axes_that_are_given_are_used(motion):

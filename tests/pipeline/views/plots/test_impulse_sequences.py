@@ -37,18 +37,13 @@ def test_every_impulse_is_an_arrow(spacing):
     assert set(np.abs(marks(alone)[:, 1])) == {own.main}
 
 
-def test_main_impulses_come_with_the_half_cycles():
+def test_main_impulses_come_with_the_half_cycles_which_are_bars_with_their_peaks():
     alone, _ = limit_accelerogram(BLOCK, sequence())
     assert "upper-bound type input" in alone.get_title(loc="left")
     times = np.sort(marks(alone)[:, 0])
     duration = models.sequence_response(BLOCK, sequence(secondary=0.0)).half_cycles.duration
     assert np.allclose(np.diff(times), duration[: times.size - 1])
     assert np.all(np.diff(duration[:3]) > 0.0)  # the critical timing increases
-
-
-def test_half_cycles_are_bars_from_impulse_to_impulse_with_their_peaks():
-    alone, _ = limit_accelerogram(BLOCK, sequence())
-    times = np.sort(marks(alone)[:, 0])
     table = models.sequence_response(BLOCK, sequence(secondary=0.0)).half_cycles
     bars = [line.get_xdata() for line in alone.lines if line.get_marker() == "|"]
     assert np.allclose(bars, np.stack([times, times + table.duration[: times.size]], axis=1))
@@ -58,14 +53,11 @@ def test_half_cycles_are_bars_from_impulse_to_impulse_with_their_peaks():
     assert peaks == pytest.approx(table.peak[places], abs=0.0051)
 
 
-def test_equal_impulses_are_told_apart_by_their_place():
+def test_equal_impulses_are_told_apart_and_an_overturning_half_cycle_is_marked():
     _, both = limit_accelerogram(BLOCK, sequence(secondary=0.3))
     legend = in_legend(both)
     assert any(words.startswith("main") for words in legend)
     assert any(words.startswith("secondary") for words in legend)
-
-
-def test_an_overturning_half_cycle_is_marked():
     panels = limit_accelerogram(BLOCK, sequence(main=2.0 * BLOCK.critical_impulse, secondary=0.0))
     assert [line.get_marker() for line in panels[0].lines if line.get_label() == "overturning"] == ["x"]
     assert marks(panels[0])[:, 0].tolist() == [0.0]

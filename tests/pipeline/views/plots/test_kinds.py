@@ -138,15 +138,12 @@ def test_what_does_not_fit_is_refused_with_what_would(assessed, kind, options, m
         draw(assessed, kind, **options)
 
 
-def test_a_pattern_does_that_one_name_meets(assessed):
+def test_a_pattern_does_that_one_name_meets_and_of_many_the_nearest_are_named(assessed):
     summary = assessed["summary"].to_dataset()
     second = str(summary["record"].values[1])
     assert one_name(summary, "record", f"?{second[1:-7]}*") == second
     figure = draw(assessed, "critical-scale", block="wal?", models=["nonl*"])
     assert in_legend(figure.axes[0]) == ["nonlinear"]
-
-
-def test_of_many_names_the_nearest_are_named_and_where_the_others_are(assessed):
     summary = assessed["summary"].to_dataset()
     many = summary.isel(record=np.zeros(30, dtype=int)).assign_coords(record=[f"record {k}" for k in range(30)])
     with pytest.raises(ResultsError, match=r"nearest: record 17.*; there are 30 \(rockpulse inspect --records\)"):

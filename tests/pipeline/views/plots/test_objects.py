@@ -34,22 +34,16 @@ def test_half_waves_are_lines_at_their_centroids():
 def test_a_sequence_is_drawn_with_its_sizes():
     drawn = lines(two_half_cycles(ImpulseSequence(0.8, 0.2, 0.1, 20.0, intermediate_count=2)))
     assert drawn.tolist() == [[0.0, 0.8], [2.0, -0.8], [1.0, -0.2], [2.0, 0.2], [3.0, 0.2], [4.0, -0.2]]
-
-
-def test_a_continuous_sequence_is_an_area_and_the_block_decides_a_number_that_is_not_given():
     ax = two_half_cycles(ImpulseSequence(0.8, 0.2, np.nan, 20.0, spacing="continuous"))
     assert len(ax.collections) == 2
     assert ax.collections[1].get_paths()[0].get_extents().height == pytest.approx(0.4)
     assert "depends on the block" in small_print(ax)
 
 
-def test_blocks_are_drawn_side_by_side():
+def test_blocks_are_drawn_side_by_side_and_peaks_are_bars():
     figure = block_outlines(Block(width=np.linspace(0.2, 0.5, 12), height=2.0))
     assert len([ax for ax in figure.axes if ax.get_visible()]) == 8
     assert [text.get_text() for text in figure.axes[0].texts] == ["2 m", "0.2 m"]
-
-
-def test_peaks_are_bars_named_by_their_outcome():
     ax = response(of(np.arange(4), np.array([0.0, 0.4, np.inf, np.nan])))
     heights = {bars.get_label(): [bar.get_height() for bar in bars] for bars in ax.containers}
     assert heights == {"at rest": [0.01], "rocks": [0.4], "overturns": [1.2], "unresolved": [0.01]}
@@ -60,9 +54,6 @@ def test_of_many_histories_six_are_drawn():
     ax = response(of(np.ones((2, 4), dtype=int), np.full((2, 4), 0.3), time=time, rotation=rotation, velocity=rotation))
     assert [line.get_ydata().tolist() for line in ax.lines[1:]] == [row.tolist() for row in rotation.reshape(8, 5)[:6]]
     assert "first 6 of 8 lanes" in small_print(ax)
-
-
-def test_of_a_long_history_the_motion_is_shown():
     time = np.linspace(0.0, 300.0, 3001)
     rotation = np.where((time > 200.0) & (time < 210.0), 0.05 * np.sin(time), 0.0)
     ax = response(of(np.array(1), np.array(0.3), time=time, rotation=rotation, velocity=rotation))

@@ -58,16 +58,16 @@ def test_any_number_of_svgs_stand_in_a_page():
     references = re.findall(r'(?:href="#|url\(#)([^")]*)', re.sub(r">[^<]*<", "><", page))
     assert len(references) > 5
     assert set(references) <= set(ids)
-
-
-def test_a_name_that_cannot_begin_an_id_is_refused():
     with pytest.raises(ValueError, match="expected a letter"):
         svg(figure_of(height=0.5), "1 x")
 
 
-def test_no_window_and_no_list_of_figures_is_touched():
+def test_no_window_is_touched_and_nothing_is_kept_of_a_picture():
     sources = Path(style.__file__).parent.glob("*.py")
     assert [path.name for path in sources if re.search(r"^\s*(import|from) .*pyplot", path.read_text(), re.M)] == []
+    gone = weakref.ref(figure())
+    gc.collect()
+    assert gone() is None
 
 
 def test_titles_and_small_print_of_somebody_elses_figure_stay():
@@ -82,12 +82,6 @@ def test_titles_and_small_print_of_somebody_elses_figure_stay():
     assert [text.get_text() for text in ax.texts] == ["small"]
 
 
-def test_nothing_is_kept_of_a_picture():
-    gone = weakref.ref(figure())
-    gc.collect()
-    assert gone() is None
-
-
 def test_a_notebook_is_given_the_picture_and_its_width():
     data, told = figure_of(height=0.5)._repr_png_()
     assert Image.open(io.BytesIO(data)).width == 1260  # 200 dots per inch
@@ -95,11 +89,8 @@ def test_a_notebook_is_given_the_picture_and_its_width():
     assert figure_of(width=2.0, height=0.5)._repr_png_()[1]["width"] == 200
 
 
-def test_mathematics_is_not_broken_and_counts_as_it_is_drawn():
+def test_mathematics_is_not_broken_and_ticks_have_the_decimal_sign_of_the_language():
     assert wrapped("a row of $\\alpha_c$ and so on", 13) == "a row of $\\alpha_c$\nand so on"
-
-
-def test_ticks_have_the_decimal_sign_of_the_language():
     with writing("it"):
         ax = one_axes(None)
         ax.set_xticks([0.0, 0.5])

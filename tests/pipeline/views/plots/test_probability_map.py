@@ -40,9 +40,6 @@ def test_every_record_has_the_stored_probability_of_every_body():
     mesh = ax.collections[0]
     shades = mesh.cmap(mesh.norm(np.array([0.04, 0.06, 0.49, 0.51, 0.95])))[:, :3].sum(axis=1)
     assert np.all(np.diff(shades) < 0.0)  # the verdicts change at 0.05 and 0.5
-
-
-def test_what_is_not_known_is_white_and_named():
     ax = probability_map(tree_of(probable([0.9, np.nan])))
     names, values = drawn(ax)
     assert names == ["r0", "r1"]

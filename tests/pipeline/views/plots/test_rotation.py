@@ -59,23 +59,17 @@ def test_the_curves_are_the_histories(drawn):
     assert all(abs(line.get_ydata()[0]) <= 1.5 for line in crosses)
 
 
-def test_the_legend_says_how_each_ends(drawn, assessed, first):
-    words = [line.get_label() for line in curves(drawn[1][0])]
-    assert words[3].startswith("sequence: overturns by")
-    assert words[4].startswith("resonance (upper-bound type input): overturns by")
-    peak = float(assessed["summary"]["peak_rotation_ratio"].sel(record=first, block="wall", model="linear"))
-    assert words[1] == f"linear: peak {peak:.3g}"
-    start = float(assessed["summary"]["intense_start"].sel(record=first))
-    assert drawn[0][3].time[0] == drawn[0][4].time[0] == start  # of the sequences
-
-
-def test_the_computed_history_reaches_the_stored_peak(assessed, first):
+def test_the_computed_history_reaches_the_stored_peak(assessed, first, changed):
     for history in histories(assessed, first, COLUMN, ["nonlinear", "linear", "impulsive"]):
         assert np.nanmax(np.abs(history.rotation)) == pytest.approx(history.peak, rel=0.02)
         assert history.remark == ""
+    peak = assessed["summary"]["peak_rotation_ratio"].values.copy()
+    peak[..., 3] = 0.9
+    (found,) = histories(changed(peak_rotation_ratio=peak), first, COLUMN, ["linear"])
+    assert "stored is 0.9" in found.remark
 
 
-def test_impacts_are_ticks_in_a_row_of_each_model(drawn):
+def test_impacts_are_ticks_in_a_row_of_each_model_and_the_legend_says_how_it_ends(drawn, assessed, first):
     found, (_, below) = drawn
     assert [line.get_xdata().tolist() for line in below.lines] == [history.impacts.tolist() for history in found]
     assert [set(line.get_ydata()) <= {place} for place, line in enumerate(below.lines)] == [True] * 5
@@ -85,6 +79,13 @@ def test_impacts_are_ticks_in_a_row_of_each_model(drawn):
     assert all(line.get_marker() == "|" for line in below.lines)
     assert [tick.get_text().split(" ")[0] for tick in below.get_yticklabels()] == [h.model for h in found]
     assert found[1].impacts.size > 10
+    words = [line.get_label() for line in curves(drawn[1][0])]
+    assert words[3].startswith("sequence: overturns by")
+    assert words[4].startswith("resonance (upper-bound type input): overturns by")
+    peak = float(assessed["summary"]["peak_rotation_ratio"].sel(record=first, block="wall", model="linear"))
+    assert words[1] == f"linear: peak {peak:.3g}"
+    start = float(assessed["summary"]["intense_start"].sel(record=first))
+    assert drawn[0][3].time[0] == drawn[0][4].time[0] == start  # of the sequences
 
 
 def test_stored_histories_are_those_computed_again(assessed, with_histories, first):
@@ -93,26 +94,16 @@ def test_stored_histories_are_those_computed_again(assessed, with_histories, fir
         assert np.array_equal(stored.rotation, computed.rotation)
 
 
-def test_what_the_model_could_not_say_is_in_the_legend(changed, assessed, first):
+def test_what_the_model_could_not_say_and_a_vertical_that_is_not_stored_are_told(changed, assessed, first):
     outcome = assessed["summary"]["outcome"].values.copy()
     outcome[..., 3] = 3
     found = histories(changed(outcome=outcome), first, "wall", ["nonlinear", "linear"])
     moving, _ = rotation_history(found)
     assert "linear: unresolved" in [line.get_label() for line in curves(moving)]
-
-
-def test_a_vertical_channel_that_is_not_stored_is_no_silent_change(changed, assessed, first):
     tree = changed(vertical_channel=["CI.CLC..Up"] * 2)
     with pytest.raises(ResultsError, match=r"\[models\] histories = true"):
         histories(tree, first, "wall", ["nonlinear"])
     assert len(histories(tree, first, "wall", ["linear"])) == 1
-
-
-def test_a_peak_that_comes_out_otherwise_is_said(changed, assessed, first):
-    peak = assessed["summary"]["peak_rotation_ratio"].values.copy()
-    peak[..., 3] = 0.9
-    (found,) = histories(changed(peak_rotation_ratio=peak), first, COLUMN, ["linear"])
-    assert "stored is 0.9" in found.remark
 
 
 def test_a_design_sequence_has_its_own_time_and_no_accelerogram():
@@ -131,15 +122,12 @@ def test_a_design_sequence_has_its_own_time_and_no_accelerogram():
         draw(tree, "accelerogram")
 
 
-def test_a_motion_far_below_alpha_c_is_shown_large():
+def test_a_motion_far_below_alpha_c_is_shown_large_and_rest_is_drawn_too():
     time = np.arange(0.0, 5.0, 0.1)
     moving, _ = rotation_history([History("linear", time, 1e-5 * np.cos(time), peak=1e-5)])
     moving.figure.draw_without_rendering()
     assert moving.get_ylim() == pytest.approx((-1.3e-5, 1.3e-5))
     assert "1e-05" in named_rows(moving)
-
-
-def test_nothing_that_moves_is_drawn_too():
     time = np.arange(5.0)
     still = [History(model, time, 0.0 * time, peak=0.0) for model in ("nonlinear", "linear")]
     moving, below = rotation_history(still)

@@ -24,12 +24,14 @@ def panels(tree):
     return calibration(tree)
 
 
-def test_every_parameter_has_a_panel_with_its_unit(panels):
+def test_every_parameter_has_a_panel_with_its_unit_and_few_earthquakes_are_said(panels):
     labels = ["$I$ [m/s]", "$I_s/I$ [-]", r"$\Delta T$ [s]", "number [-]", "time [s]"]
     assert [ax.get_xlabel() for ax in panels[:5]] == labels
     assert panels[0].get_title(loc="left") == "main impulse I"
     assert not panels[5].axison
     assert [ax.get_ylabel() for ax in panels[:5]] == ["share of the records [-]", ""] * 2 + ["share of the records [-]"]
+    assert "ONE EVENT" in small_print(panels[0])
+    assert "6 records of 1 earthquake" in panels[0].figure.get_suptitle()
 
 
 def test_each_step_is_a_record_and_the_design_sequence_a_line(tree, panels):
@@ -66,18 +68,16 @@ def test_the_fit_and_the_intervals_are_those_of_the_file(tree):
     assert ax.get_xscale() == "log"
 
 
-def test_few_earthquakes_are_said(panels):
-    assert "ONE EVENT" in small_print(panels[0])
-    assert "6 records of 1 earthquake" in panels[0].figure.get_suptitle()
-
-
-def test_records_without_a_limit_are_counted(tree):
+def test_records_without_a_limit_are_counted_and_too_few_earthquakes_are_said(tree):
     copy = tree.copy(deep=True)
     copy["site"]["value"].values[:2, 3] = np.nan
     copy["site"]["value"].values[:, 4] = np.nan
     panels = calibration(copy)
     assert [text.get_text() for text in panels[3].texts] == ["2 without a limit"]
     assert [text.get_text() for text in panels[4].texts] == ["no record has a value"]
+    ax = calibration(site_of(np.ones(3)))[0]
+    assert "median over earthquakes" not in labelled(ax)
+    assert "Not enough earthquakes (3; at least 7" in small_print(ax)
 
 
 @pytest.fixture(scope="module")
@@ -105,9 +105,3 @@ def test_every_body_is_a_point_at_its_speed_beside_its_own_effective_impulse(spe
     middle = bars.lines[0].get_xydata()
     expected = [(block.p, 1.3 * base_at(block)) for block in (BLOCKS["wall"], BLOCKS["pier"])]
     np.testing.assert_allclose(middle, expected, rtol=1e-12)
-
-
-def test_a_site_of_too_few_earthquakes_says_so():
-    ax = calibration(site_of(np.ones(3)))[0]
-    assert "median over earthquakes" not in labelled(ax)
-    assert "Not enough earthquakes (3; at least 7" in small_print(ax)

@@ -28,15 +28,11 @@ def lines(ax):
     return {line.get_label(): line.get_ydata() for line in ax.lines}
 
 
-def test_one_record_has_its_curve_at_the_nearest_restitution():
+def test_one_record_has_its_curve_and_the_median_counts_every_earthquake_once():
     ax = overturning_spectra(spectra(1.0), restitution=0.86)
     assert lines(ax)["spectrum of the record"] == pytest.approx([0.2, 0.5, 0.4])
     assert "0.85" in ax.figure.get_suptitle()
     assert ax.get_xscale() == ax.get_yscale() == "log"
-
-
-def test_the_median_counts_every_earthquake_once():
-    """Nine records of one earthquake do not outvote two others."""
     many = spectra(*[1.0] * 9, 2.0, 3.0)
     ax = overturning_spectra(many, restitution=0.85, events=["a"] * 9 + ["b", "c"])
     assert lines(ax)["median"] == pytest.approx(2.0 * np.array([0.2, 0.5, 0.4]))
@@ -44,20 +40,17 @@ def test_the_median_counts_every_earthquake_once():
     assert lines(overturning_spectra(many, restitution=0.85))["median"] == pytest.approx([0.2, 0.5, 0.4])
 
 
-def test_a_body_stands_at_its_speed_and_is_named():
+def test_a_body_stands_at_its_speed_and_the_median_at_a_demand_is_that_of_scaled_records():
     ax = overturning_spectra(spectra(1.0, 2.0), bodies={"a $wall$": (2.0, 0.2)})
     ax.figure.draw_without_rendering()
     places = [line.get_xydata()[0] for line in ax.lines if len(line.get_xydata()) == 1]
     assert any(place == pytest.approx([2.0, 9.80665 * math.tan(0.2) / 2.0]) for place in places)
     assert r"a \$wall\$" in in_legend(ax)
-
-
-def test_the_median_at_a_demand_is_that_of_the_scaled_records():
     ax = overturning_spectra(spectra(1.0, 2.0, 4.0), restitution=0.85, demands={"code": np.array([3.0, 1.5, 0.75])})
     assert lines(ax)["median at the demand code"] == pytest.approx(3.0 * np.array([0.2, 0.5, 0.4]))
 
 
-def test_where_no_body_lies_the_curve_is_straight():
+def test_where_no_body_lies_the_curve_is_straight_and_a_record_without_one_is_left_out():
     some = spectra(1.0, 2.0)
     some["spectrum"].values[:, 1] = np.nan
     ax = overturning_spectra(some, restitution=0.85, bodies={"wall": (1.0, 0.2)})
@@ -67,6 +60,12 @@ def test_where_no_body_lies_the_curve_is_straight():
     some["spectrum"].values[:, 2] = np.nan
     # Nothing is drawn beyond.
     assert overturning_spectra(some, restitution=0.85).get_xlim() == pytest.approx((1.0, 1.6))
+    some = spectra(1.0, 2.0)
+    some["spectrum"].values[0] = np.nan
+    ax = overturning_spectra(some, restitution=0.85)
+    assert lines(ax)["spectrum of the record"] == pytest.approx([0.4, 1.0, 0.8])
+    some["spectrum"].values[:] = np.nan
+    assert "No spectrum" in overturning_spectra(some).figure.get_supxlabel()
 
 
 def test_records_far_below_every_body_are_counted_and_not_shown():
@@ -77,15 +76,6 @@ def test_records_far_below_every_body_are_counted_and_not_shown():
     alone = overturning_spectra(many, restitution=0.85)
     assert alone.get_ylim()[0] < 2e-4
     assert "Below the picture" not in small_print(alone)
-
-
-def test_a_record_without_a_spectrum_is_left_out():
-    some = spectra(1.0, 2.0)
-    some["spectrum"].values[0] = np.nan
-    ax = overturning_spectra(some, restitution=0.85)
-    assert lines(ax)["spectrum of the record"] == pytest.approx([0.4, 1.0, 0.8])
-    some["spectrum"].values[:] = np.nan
-    assert "No spectrum" in overturning_spectra(some).figure.get_supxlabel()
 
 
 @pytest.fixture(scope="module")
@@ -155,6 +145,8 @@ def test_labels_and_legend(spectrum):
     assert in_legend(ax) == ["overturns", "at rest", r"a \$wall\$"]
     assert [2.0, 0.2] in [line.get_xydata()[0].tolist() for line in ax.lines]
     assert "Housner" in small_print(ax)
+    ax = rocking_spectrum(spectrum, bodies={f"body {k}": (1.0 + 0.1 * k, 0.3) for k in range(20)})
+    assert in_legend(ax)[-1] == "8 more bodies"
 
 
 def test_nothing_overturns_and_an_unresolved_block_is_crossed_out(spectrum):
@@ -168,8 +160,3 @@ def test_nothing_overturns_and_an_unresolved_block_is_crossed_out(spectrum):
     (line,) = (line for line in ax.lines if line.get_label() == "unresolved")
     assert line.get_xydata().tolist() == [[1.0, 0.1]]
     assert "Every block" not in small_print(ax)
-
-
-def test_many_bodies_are_counted_and_not_named(spectrum):
-    ax = rocking_spectrum(spectrum, bodies={f"body {k}": (1.0 + 0.1 * k, 0.3) for k in range(20)})
-    assert in_legend(ax)[-1] == "8 more bodies"

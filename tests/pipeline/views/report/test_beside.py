@@ -51,9 +51,8 @@ def site_of(results, site):
 @pytest.mark.parametrize("number", ["p", "alpha_c", "restitution"])
 def test_a_curve_of_another_body_of_the_same_name_is_refused(results, fragility, number):
     other = changed(fragility, "fragility", **{number: 1.00001})
-    with pytest.raises(
-        ResultsError, match=r'another body of the name "stele": p .*; in the results it has p '
-    ) as caught:
+    told = r'another body of the name "stele": p .*; in the results it has p '
+    with pytest.raises(ResultsError, match=told) as caught:
         report_page(results, fragility=other)
     summary = results["summary"].sel(block="stele")
     for tree in (summary, other["fragility"].sel(block="stele")):
@@ -62,12 +61,9 @@ def test_a_curve_of_another_body_of_the_same_name_is_refused(results, fragility,
     assert paired(results, changed(fragility, "fragility", **{number: 1.0 + 1e-9}), "fragility", "it").missing == ()
 
 
-def test_a_site_judged_on_another_body_of_the_same_name_is_refused(results, site):
+def test_a_site_of_another_body_is_refused_and_a_file_is_named(results, site, tmp_path, fragility):
     with pytest.raises(ResultsError, match=r'this site file has another body of the name "stele"'):
         report_page(results, changed(site, "site", alpha_c=1.01))
-
-
-def test_a_file_is_named_in_the_refusal(tmp_path, results, fragility):
     path = tmp_path / "curves.h5"
     rp.save(changed(fragility, "fragility", p=2.0), path)
     with pytest.raises(ResultsError, match=r"curves\.h5: this fragility file has another body"):
@@ -109,9 +105,8 @@ def test_curves_of_other_ground_motions_say_so(results, bursts, bodies, fragilit
     stronger = changed(results, "summary", pga=1.1)
     found = paired(stronger, fragility, "fragility", "it")
     assert (found.same, found.changed) == (3, ("burst0",))
-    assert found.other_motions("fragility", 4) == [
-        "Another motion here than there, by its PGA, under the same name: burst0."
-    ]
+    told = "Another motion here than there, by its PGA, under the same name: burst0."
+    assert found.other_motions("fragility", 4) == [told]
 
 
 def test_records_that_are_compared_by_name_only_say_so(results, bursts, bodies, fragility):
@@ -121,22 +116,16 @@ def test_records_that_are_compared_by_name_only_say_so(results, bursts, bodies, 
     assert by_name not in curves_of(results, fragility).remarks
 
 
-def test_other_settings_of_the_motions_are_told(results, bursts, bodies):
+def test_other_settings_another_gravity_and_another_equation_are_told(results, bursts, bodies, fragility):
     fragility = rp.fragility_curves(bursts, replace(CURVES, conditioning=ConditioningSettings(order=4)), bodies)
     assert curves_of(results, fragility).remarks == (
         "The motions were made with other settings: [conditioning] order = 4, here 2.",
     )
-
-
-def test_another_gravity_is_told(results, fragility):
     here, there = results.copy(), fragility.copy()
     here.attrs["configuration"], there.attrs["configuration"] = (
         f'[[block]]\nname = "stele"\ngravity = {gravity}' for gravity in (9.80665, 9.81)
     )
     assert paired(here, there, "fragility", "it").settings == ("[[block]] gravity = 9.81, here 9.80665",)
-
-
-def test_curves_by_another_equation_say_so(results, bursts, bodies):
     linear = replace(CURVES, fragility=replace(CURVES.fragility, equation="linear"))
     assert curves_of(results, rp.fragility_curves(bursts, linear, bodies)).remarks == (
         "The curves are by the linear equation of motion, the verdict is by the nonlinear model.",
@@ -197,10 +186,7 @@ def test_the_page_and_the_terminal_show_the_same_tables(results, site, fragility
     beside = site_of(results, site), curves_of(results, fragility)
     shown = (
         (site_overview(site), site_tables(site["site"].to_dataset())),
-        (
-            fragility_overview(fragility),
-            [median_table(fragility)],
-        ),
+        (fragility_overview(fragility), [median_table(fragility)]),
     )
     for part, (told, tables) in zip(beside, shown, strict=True):
         for table, own in zip(tables, part.tables, strict=False):
@@ -226,14 +212,11 @@ def test_a_median_beyond_every_level_is_marked_and_explained_only_where_there_is
     assert table.notes[-1] == BEYOND.note
 
 
-def test_a_band_is_shown_with_both_ends(fragility, curves):
+def test_a_band_is_shown_with_both_ends_and_a_rotation_is_named_in_both_tables(fragility, curves):
     curves["median_low"][:], curves["median_high"][:] = 0.3, np.inf
     table = median_table(with_curves(fragility, curves))
     assert {(row[3].text, row[4].text) for row in table.rows} == {("0.30", "no limit")}
     assert [(one.title, one.note) for one in table.headings[3:5]] == [("low", "90 %"), ("high", "90 %")]
-
-
-def test_a_limit_state_of_rotation_is_named_in_both_tables(fragility, curves):
     curves = curves.assign_coords(limit_state=["0.4", "overturning"])
     curves["statement_values"][:] = as_stored([Remark("no_maximum")])
     of = Paired(with_curves(fragility, curves), (), (), 0, 0, (), ())

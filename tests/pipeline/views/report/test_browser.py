@@ -83,14 +83,6 @@ def test_the_policy_stops_what_the_page_does_not_hold(page):
     assert said.count("Content Security Policy") == 2
 
 
-def test_names_with_html_are_text(page):
-    assert page.execute_script("return document.scripts.length") == 1
-    assert page.execute_script("return document.images.length") == 0
-    shown = page.find_element("tag name", "body").text
-    assert '<script>alert("1")</script>' in shown
-    assert "pier <img src=x onerror=alert(2)> $\\frac{" in shown
-
-
 def test_every_figure_is_visible_with_everything_open(page):
     page.execute_script("document.querySelector('[data-open=all]').click()")
     sizes = page.execute_script(

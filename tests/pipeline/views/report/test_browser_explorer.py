@@ -99,7 +99,7 @@ def test_it_moves_and_stops(page):
     assert (part(page, "time").get_attribute("value"), angle(page), part(page, "state").text) == still
 
 
-def test_it_ends_by_itself_and_begins_again(page):
+def test_it_ends_by_itself_begins_again_and_is_not_printed(page):
     last = int(part(page, "time").get_attribute("max"))
     put(page, "time", last - 5)
     part(page, "play").click()
@@ -107,6 +107,11 @@ def test_it_ends_by_itself_and_begins_again(page):
     assert float(part(page, "time").get_attribute("value")) == last
     part(page, "play").click()
     assert waited(lambda: 0 < float(part(page, "time").get_attribute("value")) < last)
+    page.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": "print"})
+    try:
+        assert not page.find_element("id", "explore").is_displayed()
+    finally:
+        page.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": ""})
 
 
 def test_the_factor_changes_motion_verdict_and_probability(page):
@@ -126,7 +131,7 @@ def test_the_factor_changes_motion_verdict_and_probability(page):
     assert len(set(seen)) == 5
 
 
-def test_the_drawn_rotation_is_the_stored_one(page):
+def test_the_drawn_rotation_is_the_stored_one_and_a_click_on_its_curve_moves_the_cursor(page):
     body = data(page)["bodies"][0]
     stored = rotation_of(next(step for step in body["scenes"][0]["steps"] if step["factor"] == 1.0))
     place = int(np.argmax(np.where(np.abs(stored) < 0.95, np.abs(stored), 0.0)))
@@ -134,9 +139,14 @@ def test_the_drawn_rotation_is_the_stored_one(page):
     assert angle(page) == pytest.approx(np.degrees(stored[place] * body["alpha"][0]), abs=0.01)
     assert abs(angle(page)) > 1.0
     assert "rocking" in part(page, "state").text
+    from selenium.webdriver.common.action_chains import ActionChains
+
+    ActionChains(page).move_to_element(part(page, "rotation")).click().perform()
+    place, last = (float(part(page, "time").get_attribute(name)) for name in ("value", "max"))
+    assert place == pytest.approx(0.48 * last, rel=0.1)
 
 
-def test_the_keyboard_is_enough(page):
+def test_the_keyboard_is_enough_and_every_control_has_a_name(page):
     from selenium.webdriver.common.keys import Keys
 
     before = part(page, "state").text
@@ -154,9 +164,6 @@ def test_the_keyboard_is_enough(page):
     assert part(page, "play").text == "Play"
     part(page, "body").send_keys(Keys.ARROW_DOWN)
     assert part(page, "stage").get_attribute("aria-label").startswith("pier <img src=x onerror=alert(2)> $\\frac{,")
-
-
-def test_every_control_has_a_name(page):
     nameless = page.execute_script(
         "return Array.from(document.querySelectorAll('#explorer input, #explorer select, #explorer button'))"
         ".filter((one) => !(one.getAttribute('aria-label') || one.textContent && one.matches('button') ||"
@@ -180,14 +187,6 @@ def test_a_motion_that_is_not_stored_has_the_command_that_draws_it(page, folder,
     assert (folder / "rotation.png").stat().st_size > 10_000
     put(page, "record", rows[0])
     assert part(page, "scene").is_displayed()
-
-
-def test_a_click_on_a_curve_moves_the_cursor(page):
-    from selenium.webdriver.common.action_chains import ActionChains
-
-    ActionChains(page).move_to_element(part(page, "rotation")).click().perform()
-    place, last = (float(part(page, "time").get_attribute(name)) for name in ("value", "max"))
-    assert place == pytest.approx(0.48 * last, rel=0.1)
 
 
 def test_less_motion_is_respected(page):
@@ -223,14 +222,6 @@ def test_a_phone_needs_no_sideways_scrolling(page):
         assert float(viewed[2]) == pytest.approx(part(page, "rotation").size["width"], abs=1)
     finally:
         page.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
-
-
-def test_it_is_not_printed(page):
-    page.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": "print"})
-    try:
-        assert not page.find_element("id", "explore").is_displayed()
-    finally:
-        page.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": ""})
 
 
 @pytest.mark.slow

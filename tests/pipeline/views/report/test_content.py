@@ -29,7 +29,10 @@ def given(tmp_path, config):
     return replace(config, report=report, folder=tmp_path)
 
 
-def test_they_are_stored_in_the_results(given, bursts, bodies, tmp_path):
+def test_they_are_stored_in_the_results_and_a_configuration_takes_their_place(given, bursts, bodies, tmp_path):
+    page = report_page(results_tree(), config=given)
+    for words in ("A. Rossi", "Comune di &lt;Vasto&gt;", "Torre", base64.b64encode(PIXEL).decode()):
+        assert words in page
     rp.save(rp.assess(bursts[:1], given, {"stele": bodies["stele"]}), tmp_path / "results.h5")
     (tmp_path / "logo.png").unlink()
     tree = load(tmp_path / "results.h5")
@@ -38,12 +41,6 @@ def test_they_are_stored_in_the_results(given, bursts, bodies, tmp_path):
     tree.attrs["report_logo"] = base64.b64encode(b"GIF89a").decode()
     with pytest.raises(ResultsError, match="report_logo: expected a PNG"):
         logo(tree)
-
-
-def test_a_configuration_takes_their_place(given):
-    page = report_page(results_tree(), config=given)
-    for words in ("A. Rossi", "Comune di &lt;Vasto&gt;", "Torre", base64.b64encode(PIXEL).decode()):
-        assert words in page
 
 
 @pytest.mark.parametrize(

@@ -92,8 +92,5 @@ def test_long_records_keep_their_extremes_in_few_points():
     lowest = found[np.argmax(found[:, 1])]
     assert np.isclose(lowest[1], middle + half * 2.5 / 3.0, atol=0.2)
     assert np.isclose(lowest[0], LEFT + (WIDTH - LEFT) * 0.75, atol=1.5)
-
-
-def test_short_and_still_records_are_drawn():
     assert len(points(strip(np.array([0.0, 1.0, -1.0]), 0.01, (0.0, 0.02)))) == 3
     assert "nan" not in strip(np.zeros(50), 0.01, (np.nan, np.nan)).lower()

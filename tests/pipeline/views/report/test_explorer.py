@@ -11,8 +11,8 @@ from report_cases import probable
 import rockpulse as rp
 from rockpulse.assessment.answers import Answers
 from rockpulse.models import Block, recorded_response
-from rockpulse.views.report.explorer import explorer
-from rockpulse.views.report.explorer_choice import NONE, Columns, chosen, laid_through, packed, probability_at, steps_on
+from rockpulse.views.report import explorer as part
+from rockpulse.views.report.explorer import Columns, chosen, explorer, packed, steps_on
 from rockpulse.views.report.writing import report_page
 from rockpulse.views.shared.words import section
 
@@ -22,7 +22,7 @@ CONTROLS = section("explorer")
 def unpacked(one):
     """(2, count) as the script of the page reads it."""
     whole = np.frombuffer(base64.b64decode(one["data"]), dtype="<i2").reshape(2, -1)
-    return np.where(whole == NONE, np.nan, whole * one["scale"])
+    return np.where(whole == part.NONE, np.nan, whole * one["scale"])
 
 
 @pytest.fixture(scope="module")
@@ -38,7 +38,7 @@ def with_summary(tree, **values):
     return other
 
 
-def test_extremes_are_those_of_the_samples_in_each_column():
+def test_extremes_are_those_of_the_samples_in_each_column_and_keep_sixteen_bits():
     time, values = 0.01 * np.arange(1000), np.sin(np.arange(1000.0))
     values[900:] = np.nan
     found = Columns(1.0, 9.99, 100).extremes(time, values)
@@ -48,9 +48,6 @@ def test_extremes_are_those_of_the_samples_in_each_column():
     assert np.nanmax(found) == values[100:900].max()
     assert np.isnan(found[:, 89:]).all()
     assert np.isfinite(found[:, :88]).all()
-
-
-def test_packing_keeps_sixteen_bits():
     extremes = np.array([[-3.0, np.nan, 0.1], [1.0, np.nan, 0.2]])
     one = packed(extremes)
     np.testing.assert_allclose(unpacked(one), extremes, atol=3.0 / 32767)
@@ -86,9 +83,6 @@ def test_the_motions_on_the_page_are_those_of_the_model(shown, results, bursts):
                 assert (ratio[inside] <= highest + margin).all()
                 assert max(np.nanmax(high), -np.nanmin(low)) == pytest.approx(np.nanmax(np.abs(ratio)), abs=margin)
     assert at_end >= {"overturns", "rocks"}
-
-
-def test_the_ground_is_that_of_the_record(shown, bursts):
     scene = shown["bodies"][0]["scenes"][0]
     record = bursts[scene["record"]]
     low, high = unpacked(scene["ground"])
@@ -110,13 +104,10 @@ def test_the_slider_has_the_record_as_it_is_and_the_factors_of_ten_and_fifty_per
             assert steps["as recorded"]["probability"] == pytest.approx(float(own["overturning_probability"]), abs=1e-3)
 
 
-def test_factors_that_are_too_near_to_each_other_are_one():
+def test_factors_too_near_to_each_other_are_one_and_the_demand_is_its_own():
     answers = Answers(probable([0.5], factor_10=[1.01]))  # f_50 is 1.313
     steps = steps_on(answers, 0, 0, CONTROLS)
     assert steps == {0.5: "", 0.7: "", 1.0: "as recorded", 1.31: "f_50", 2.0: ""}
-
-
-def test_the_demand_is_a_factor_of_its_own():
     answers = Answers(probable([0.0], factor_10=[np.inf], demand=2.5, at_demand=[0.07]))
     steps = steps_on(answers, 0, 0, CONTROLS)
     assert steps[2.5] == "demand ULS"
@@ -127,28 +118,22 @@ def test_three_records_are_chosen_and_each_says_why():
     summary = probable([0.9, 0.4, 0.2, 0.0, 0.0], factor_10=[0.4, 0.8, 1.1, 2.0, np.inf])
     answers = Answers(summary.assign(uplift_ratio=(("record", "block"), np.arange(5.0)[:, None])))
     assert chosen(answers, 0) == {0: ["worst"], 1: ["nearest"], 2: ["median"]}
-
-
-def test_without_a_finite_factor_the_strongest_record_is_the_worst():
     summary = probable([0.0, 0.0, 0.0], factor_10=[np.inf] * 3)
     answers = Answers(summary.assign(uplift_ratio=(("record", "block"), np.array([[0.3], [0.9], [0.6]]))))
     assert chosen(answers, 0) == {1: ["worst"], 2: ["median"]}
 
 
-def test_a_curve_is_laid_through_what_is_stored():
+def test_a_curve_is_laid_through_what_is_stored_which_is_the_probability_where_it_is_known():
     factors, probability = np.array([0.5, 1.0, 2.0, 4.0]), np.array([0.0, 0.1, 0.5, 1.0])
-    moved, same = laid_through(factors, probability, {0.1: 1.1, 0.5: 2.0})
+    moved, same = part.laid_through(factors, probability, {0.1: 1.1, 0.5: 2.0})
     assert moved[[1, 2]] == pytest.approx([1.1, 2.0])
     assert np.array_equal(same, probability)
-    assert laid_through(factors, probability, {0.1: 1.1, 0.5: np.inf})[0] == pytest.approx(1.1 * factors)
-    assert laid_through(factors, probability, {0.1: np.nan})[0] is factors
-
-
-def test_the_probability_is_the_stored_one_where_there_is_one():
+    assert part.laid_through(factors, probability, {0.1: 1.1, 0.5: np.inf})[0] == pytest.approx(1.1 * factors)
+    assert part.laid_through(factors, probability, {0.1: np.nan})[0] is factors
     curve = np.array([0.5, 2.0]), np.array([0.0, 0.8])
-    assert probability_at(1.0, curve, [[1.002, 0.3]]) == 0.3
-    assert probability_at(1.0, curve, []) == pytest.approx(0.4)
-    assert probability_at(1.0, None, [[2.0, 0.3]]) is None
+    assert part.probability_at(1.0, curve, [[1.002, 0.3]]) == 0.3
+    assert part.probability_at(1.0, curve, []) == pytest.approx(0.4)
+    assert part.probability_at(1.0, None, [[2.0, 0.3]]) is None
 
 
 def test_the_curve_has_the_stored_probability_of_the_record_as_it_is(shown, results):
@@ -187,9 +172,7 @@ def test_a_vertical_that_is_not_stored_leaves_the_stored_history_alone(bursts, b
 
 def test_a_body_before_a_wall_turns_away_from_it(bursts, config):
     wanted = replace(
-        config,
-        models=rp.ModelSettings(use=("nonlinear",)),
-        uncertainty=replace(config.uncertainty, probability=False),
+        config, models=rp.ModelSettings(use=("nonlinear",)), uncertainty=replace(config.uncertainty, probability=False)
     )
     tree = rp.assess(bursts[:1], wanted, {"parapet": Block(0.1, 1.5, one_sided=True)})
     (body,) = json.loads(explorer(tree).data)["bodies"]
@@ -200,14 +183,11 @@ def test_a_body_before_a_wall_turns_away_from_it(bursts, config):
                 assert np.nanmin(unpacked(step["rotation"])) >= 0.0
 
 
-def test_a_body_is_outlined_about_its_centre_of_mass(shown):
+def test_a_body_is_outlined_and_nothing_moves_under_a_design_sequence(shown, results):
     stele = shown["bodies"][0]
     assert stele["outline"] == [[-0.1, 0.0], [0.1, 0.0], [0.1, 3.0], [-0.1, 3.0]]
     assert stele["centre"] == 1.5
     assert stele["alpha"] == pytest.approx([np.arctan(0.1 / 1.5)] * 2, abs=1e-6)
-
-
-def test_nothing_moves_under_a_design_sequence_or_by_a_model_without_time(results):
     assert explorer(with_summary(results, npts=-1)) is None
     by_rule = results.copy(deep=True)
     names = [str(name).replace("nonlinear", "balanced") for name in results["summary"]["model"].values]

@@ -8,7 +8,7 @@ from rockpulse.views.report.pictures import Pictures
 
 
 def motion(tree, place=0):
-    return Pictures(tree, None, None, gather(tree)).motion(place)
+    return Pictures(tree, None, None, gather(tree).found).motion(place)
 
 
 def labels(picture):
@@ -16,21 +16,18 @@ def labels(picture):
     return re.findall(r">(\w+) \(\d+\)<", picture.svg)
 
 
-def test_a_motion_is_that_of_the_model_of_the_verdict(results):
+def test_a_motion_is_that_of_the_model_of_the_verdict_where_it_has_one(results):
     found = motion(results)
     assert labels(found) == ["nonlinear"]
     assert found.words.endswith("the record of its smallest factor; nonlinear model.")
     assert ">at rest<" not in found.svg
-
-
-def test_a_model_without_a_motion_has_no_picture(results):
     by_rule = results.copy(deep=True)
     names = [str(name).replace("nonlinear", "balanced") for name in results["summary"]["model"].values]
     by_rule["summary"] = type(results)(by_rule["summary"].to_dataset().assign_coords(model=names))
     assert motion(by_rule) is None
 
 
-def test_a_body_at_rest_is_said_to_be(results):
+def test_a_body_at_rest_is_said_to_be_and_a_motion_that_is_not_known_is_no_picture(results):
     still = results.copy(deep=True)
     still["records"]["acceleration"].values[:] *= 1e-3
     for name, value in (("outcome", Outcome.AT_REST), ("peak_rotation_ratio", 0.0), ("impacts", 0)):
@@ -38,9 +35,6 @@ def test_a_body_at_rest_is_said_to_be(results):
     found = motion(still)
     assert ">at rest<" in found.svg
     assert "nonlinear: at rest" in found.svg
-
-
-def test_a_motion_that_the_model_could_not_follow_is_no_picture(results):
     unresolved = results.copy(deep=True)
     unresolved["summary"]["outcome"].values[:] = Outcome.UNRESOLVED
     found = motion(unresolved)

@@ -20,14 +20,11 @@ def table(summary, **stated):
     return [dict(zip(titles, (cell.text for cell in row), strict=True)) for row in found.rows]
 
 
-def test_without_stated_facts_there_are_date_and_motions(summary):
+def test_magnitude_and_distances_have_columns_only_where_they_are_stated(summary):
     ridgecrest, other = table(summary)
     assert list(ridgecrest) == ["earthquake", "date", "motions", "which"]
     assert (ridgecrest["date"], ridgecrest["motions"], other["date"]) == ("2019-07-06", "2", "")
     assert list(table(summary, start_time=[""] * 3)[0]) == ["earthquake", "motions", "which"]
-
-
-def test_magnitude_and_distances_have_columns_where_they_are_stated(summary):
     stated = {"magnitude": [7.1, 7.1, np.nan], "magnitude_type": ["Mw", "Mw", ""]}
     ridgecrest, other = table(summary, **stated, epicentral_distance=[30500.0, 4000.0, np.nan])
     assert (ridgecrest["magnitude"], ridgecrest["distance [km]"]) == ("Mw 7.1", "4 to 30.5")
@@ -51,8 +48,5 @@ def test_a_file_is_told_with_the_earthquake_and_station_of_its_channels():
     assert table.headings[-1].title == "earthquake, station"
     assert [row[-1].text for row in table.rows] == ["Ridgecrest 2019-07-06, CCC", ""]
     assert [row[3].text for row in table.rows] == ["2", "1"]
-
-
-def test_files_of_which_nothing_is_known_have_no_such_column():
     summary = results_tree()["summary"].to_dataset().isel(record=[2])
     assert [heading.title for heading in input_table(summary).headings] == ["file", "SHA-256", "format", "records"]

@@ -55,12 +55,15 @@ def with_codes(factors, *codes, **options):
     return summary.assign(warning_codes=(("record",), list(codes))) if codes else summary
 
 
-def test_a_demand_that_a_sequence_cannot_be_held_against_is_said_loudly():
+def test_a_demand_without_a_check_and_records_of_the_site_that_overturn_are_said_loudly():
     found = heads(with_codes([1.6], "plain demand_not_compared"))
     told = found["the demand of the site is not checked"]
     assert told.grade == "decides"
     assert told.text.startswith("A sequence has no PGA, nor any other strength to bring to the demand of the site")
     assert "the demand of the site is not checked" not in heads(with_codes([1.6]))
+    found = heads(with_codes([1.6]), site=site([0.1, np.inf, np.inf]))
+    assert found["records of the site, scaled as they were calibrated, overturn b (2 of 3)"].grade == "decides"
+    assert not [head for head in heads(with_codes([1.6]), site=site([0.1])) if "overturn" in head]
 
 
 @pytest.mark.parametrize(("factor", "told"), [(1.4, True), (1.6, False)])
@@ -69,12 +72,6 @@ def test_a_body_that_overturns_within_the_interval_of_the_design(factor, told):
     words = [head for head in found if head.startswith("within the 90 % interval")]
     assert bool(words) == told
     assert all("b (SF 1.40)" in word for word in words)
-
-
-def test_records_of_the_site_that_overturn_a_body_which_stands_under_its_design():
-    found = heads(with_codes([1.6]), site=site([0.1, np.inf, np.inf]))
-    assert found["records of the site, scaled as they were calibrated, overturn b (2 of 3)"].grade == "decides"
-    assert not [head for head in heads(with_codes([1.6]), site=site([0.1])) if "overturn" in head]
 
 
 def test_what_is_not_known_of_some_motions_is_said_loudly():
@@ -95,16 +92,13 @@ def test_the_earthquakes_that_can_be_brought_to_the_demand_limit_the_verdict():
     assert [line for line in told if line.startswith("The verdict rests on 2 earthquakes: ") and "0.78" in line]
 
 
-def test_few_earthquakes_cannot_tell_a_small_probability():
+def test_few_earthquakes_tell_no_small_probability_and_motions_that_lift_nothing_count():
     said = heads(probable([0.0, 0.0]), "record")["the verdict rests on 2 earthquakes"]
     assert said.grade == "limits"
     assert "2 earthquakes cannot tell a probability of 0.05" in said.text
     assert "by up to 0.78 of the motions" in said.text  # 1 - 0.05^(1/2)
     said = heads(probable([0.0] * 12), "record")["the verdict rests on 12 earthquakes"]
     assert "cannot tell" not in said.text
-
-
-def test_motions_that_do_not_lift_a_body_count_with_probability_zero():
     rest = [Outcome.AT_REST, Outcome.ROCKS]
     found = heads(probable([0.0, 0.2], outcomes=rest), "record")
     assert "count with probability 0" in found["in 1 of 2 cases (motion and body) the body is not lifted"].text

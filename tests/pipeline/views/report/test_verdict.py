@@ -13,15 +13,7 @@ from rockpulse.assessment.verdict import Grade
 from rockpulse.errors import ResultsError
 from rockpulse.selection.events import UNKNOWN
 from rockpulse.storage.variables.summary import SUMMARY
-from rockpulse.views.report.verdict import (
-    TO,
-    basis,
-    body_table,
-    counted_by,
-    motions_words,
-    of_unknown_event,
-    sentence,
-)
+from rockpulse.views.report.verdict import TO, basis, body_table, counted_by, motions_words, of_unknown_event, sentence
 from rockpulse.views.report.writing import report_page
 from rockpulse.views.shared.columns import grade_cell
 
@@ -45,7 +37,7 @@ def test_a_body_in_a_word_and_in_a_sentence(probability, words, grade, value):
     assert told.endswith("(end of the 90 % interval), under 2 records of 2 earthquakes, as they were recorded.")
 
 
-def test_the_demand_of_the_site_decides():
+def test_the_demand_of_the_site_decides_from_five_earthquakes_on():
     """Its probability at the demand, whatever the records do as they are."""
     summary = probable([0.9] * 5, at_demand=[0.0, 0.2, 0.1, 0.1, 0.0], demand=0.5)
     summary = summary.assign(limit_state=(("demand",), ["collapse"]))
@@ -60,9 +52,6 @@ def test_the_demand_of_the_site_decides():
     shown = {heading.title: cell.marked for heading, cell in zip(table.headings, table.rows[0], strict=True)}
     assert shown["P at “ULS”"].startswith("0.080 (")
     assert shown["P as recorded"].startswith("0.90 (")
-
-
-def test_fewer_than_five_earthquakes_at_the_demand_are_no_verdict():
     summary = probable(
         [0.0] * 6, at_demand=[0.9, 0.9, 0.9, 0.9, math.nan, math.nan], demand=1.0, to_demand=[1, 2, 3, 4, 5, 0.2]
     )
@@ -78,22 +67,20 @@ def test_under_a_design_sequence_there_is_no_probability():
     found = verdict(summary, of)
     assert (found.grade, grade_cell(found).text) == (Grade.ROCKS, "rocks")
     told = sentence(answers(summary, of), found)
-    assert told == (
-        "Neither the design sequence nor a weaker one overturns it; smallest factor on its main impulse at which it "
-        "overturns: 1.60."
-    )
+    assert told.startswith("Neither the design sequence nor a weaker one overturns it; smallest factor on its main")
+    assert told.endswith("impulse at which it overturns: 1.60.")
     assert "That is not called safe" in counted_by(answers(summary, of))
     titles = [heading.title for heading in body_table(answers(summary, of), [found]).headings]
     assert not {"P", "share", "interval"} & set(titles)
     assert verdict(summary_of([0.9]), motions(1, kind="sequence")).grade == Grade.OVERTURNS
-
-
-def test_what_the_words_mean_is_said_with_their_limits():
-    words = counted_by(answers(probable([0.1, 0.2], demand=2.0)))
-    assert "Overturns: 0.5 or more. May overturn: 0.05 or more." in words
-    assert "each by one factor, a pair by the geometric mean of both; factors outside 0.25 to 4 are left out" in words
-    words = counted_by(answers(summary_of([2.0])))
-    assert words.startswith("The share of earthquakes")
+    of = motions(1, kind="sequence")
+    for factors, outcome, words in (
+        ([0.9], Outcome.OVERTURNS, "The design sequence, or a weaker one, overturns it; smallest factor on its main"),
+        ([math.nan], Outcome.OVERTURNS, "The design sequence, or a weaker one, overturns it."),
+        ([math.nan], Outcome.ROCKS, "Neither the design sequence nor a weaker one overturns it."),
+    ):
+        summary = summary_of(factors, outcomes=[outcome])
+        assert sentence(answers(summary, of), verdict(summary, of)).startswith(words)
 
 
 def test_a_direction_that_overturns_is_told_though_another_is_missing():
@@ -112,12 +99,16 @@ def test_a_direction_that_overturns_is_told_though_another_is_missing():
     assert (whole.margin.smallest, whole.margin.open, whole.margin.median) == (0.4, False, pytest.approx(1.2))
 
 
-def test_the_table_of_bodies_has_the_probability_with_its_interval():
+def test_a_body_that_nothing_overturns_has_its_interval_and_one_that_nothing_lifts_stays():
     summary = probable([0.0] * 10, factor_10=np.full(10, math.inf))
     table = body_table(answers(summary), [verdict(summary)])
     shown = {heading.title: cell.marked for heading, cell in zip(table.headings, table.rows[0], strict=True)}
     assert shown["verdict"] == "rocks"
     assert (shown["P as recorded"], shown["smallest factor of 10 %"]) == (f"0 (0{TO}0.26)", ">10")
+    summary = probable([0.0, 0.0], uplift=0.0, factor_10=[math.inf] * 2, outcomes=[Outcome.AT_REST] * 2)
+    told = sentence(answers(summary), verdict(summary))
+    assert told == "Not one of 2 records of 2 earthquakes lifts it; they say nothing of stronger ones."
+    assert grade_cell(verdict(summary)).text == "stays"
 
 
 def test_motions_of_unknown_earthquake_make_no_earthquake_more():
@@ -131,34 +122,13 @@ def test_motions_of_unknown_earthquake_make_no_earthquake_more():
     assert "As one earthquake counts" in of_unknown_event(of)
 
 
-def test_what_an_upper_bound_overturns_is_not_shown_to_fail_the_demand():
+def test_of_the_demand_an_upper_bound_proves_nothing_and_without_a_search_nothing_is_known():
     summary = summary_of([0.9] * 5, demand=2.0).assign_coords(model=["resonance"])
     found = verdict(summary, model="resonance")
     assert grade_cell(found).text == "may overturn"
-
-
-def test_without_a_search_nothing_is_known_of_the_demand():
     summary = summary_of([math.nan] * 5, outcomes=[Outcome.ROCKS] * 5, demand=2.0)
     found = verdict(summary)
     assert (found.overall, found.word) == (Grade.NOT_KNOWN, "not known")
-
-
-def test_a_body_that_nothing_lifts_stays_and_nothing_is_said_of_stronger_motions():
-    summary = probable([0.0, 0.0], uplift=0.0, factor_10=[math.inf] * 2, outcomes=[Outcome.AT_REST] * 2)
-    told = sentence(answers(summary), verdict(summary))
-    assert told == "Not one of 2 records of 2 earthquakes lifts it; they say nothing of stronger ones."
-    assert grade_cell(verdict(summary)).text == "stays"
-
-
-def test_a_sequence_that_overturns_is_said_to_and_an_unknown_factor_is_not_told():
-    of = motions(1, kind="sequence")
-    for factors, outcome, words in (
-        ([0.9], Outcome.OVERTURNS, "The design sequence, or a weaker one, overturns it; smallest factor on its main"),
-        ([math.nan], Outcome.OVERTURNS, "The design sequence, or a weaker one, overturns it."),
-        ([math.nan], Outcome.ROCKS, "Neither the design sequence nor a weaker one overturns it."),
-    ):
-        summary = summary_of(factors, outcomes=[outcome])
-        assert sentence(answers(summary, of), verdict(summary, of)).startswith(words)
 
 
 def test_the_motions_are_counted_by_their_kind():
@@ -172,7 +142,7 @@ def test_the_motions_are_counted_by_their_kind():
     assert sequence == "one design sequence, which stands for the records of its site calibration"
 
 
-def test_what_the_verdicts_rest_on_names_model_motions_files_and_demands():
+def test_what_the_verdicts_rest_on_and_what_their_words_mean_is_said():
     summary = probable([0.1, 0.2], demand=2.0)
     plain = basis(answers(summary), "")
     assert plain.startswith("By the nonlinear model, under 2 records of 2 earthquakes. The demand “ULS”: ")
@@ -183,6 +153,11 @@ def test_what_the_verdicts_rest_on_names_model_motions_files_and_demands():
     stated = summary.assign(limit_state=(("demand",), ["collapse"]))
     assert basis(answers(stated), "") == plain.removesuffix(".") + ", collapse."
     assert basis(answers(probable([0.1, 0.2])), "") == "By the nonlinear model, under 2 records of 2 earthquakes."
+    words = counted_by(answers(probable([0.1, 0.2], demand=2.0)))
+    assert "Overturns: 0.5 or more. May overturn: 0.05 or more." in words
+    assert "each by one factor, a pair by the geometric mean of both; factors outside 0.25 to 4 are left out" in words
+    words = counted_by(answers(summary_of([2.0])))
+    assert words.startswith("The share of earthquakes")
 
 
 def test_a_pedestal_of_a_body_that_is_not_there_is_an_error_in_words():

@@ -55,7 +55,7 @@ def known():
     return report_page(results_tree())
 
 
-def test_nothing_in_the_page_asks_for_anything(page):
+def test_nothing_in_the_page_asks_for_anything_and_links_lead_to_unique_ids(page):
     found = Page(page)
     for tag, attrs in found.tags:
         assert tag not in ("img", "link", "iframe", "object", "embed", "base", "form", "audio", "video", "source"), tag
@@ -68,17 +68,13 @@ def test_nothing_in_the_page_asks_for_anything(page):
     assert policy.startswith("default-src 'none';")
     script = re.search(r"<script>(.*?)</script>", page, re.S).group(1)
     assert base64.b64encode(hashlib.sha256(script.encode()).digest()).decode() in policy
-
-
-def test_ids_are_unique_and_links_lead_somewhere(page):
-    found = Page(page)
     ids = [attrs["id"] for _, attrs in found.tags if "id" in attrs]
     assert len(ids) == len(set(ids))
     links = {attrs[name][1:] for _, attrs in found.tags for name in ("href", "xlink:href") if name in attrs}
     assert links <= set(ids)
 
 
-def test_names_with_html_or_mathematics_are_text(page, results):
+def test_names_with_html_or_mathematics_are_text_and_the_parts_come_in_order(page, results):
     from rocking.response import Outcome
 
     found = Page(page)
@@ -86,18 +82,10 @@ def test_names_with_html_or_mathematics_are_text(page, results):
     for words in ('Quake <script>alert("1")</script>', 'why <script>alert("1")</script>', "$\\frac{"):
         assert words in found.text, words
     assert int(results["summary"]["outcome"].max()) == Outcome.OVERTURNS
-
-
-def test_the_parts_come_in_their_order(page):
-    places = [
-        page.index(f'<section id="{name}"')
-        for name in ("verdict", "grounds", "annex", "remarks", "site", "fragility", "bodies", "records")
-    ]
-    places += [
-        page.index(words)
-        for words in ("<h3>Not covered", "<h3>Assumptions", "<h3>Left out", "<h3>Versions", "<h3>Configuration")
-    ]
-    assert places == sorted(places)
+    sections = ("verdict", "grounds", "annex", "remarks", "site", "fragility", "bodies", "records")
+    parts = ("Not covered", "Assumptions", "Left out", "Versions", "Configuration")
+    heads = [f'<section id="{name}"' for name in sections] + [f"<h3>{words}" for words in parts]
+    assert (places := [page.index(words) for words in heads]) == sorted(places)
 
 
 def test_the_verdict_names_what_is_counted(page, results):
@@ -123,20 +111,21 @@ def test_a_record_is_named_by_its_earthquake_on_the_first_two_pages(known):
     front = Page(known.split('id="annex"')[0]).text
     assert "Ridgecrest 2019-07-06" in front
     assert "CI.CCC" not in front
-
-
-def test_two_earthquakes_say_on_the_first_page_that_little_is_said_of_others(known):
     words = Page(known).text
     assert "cannot tell a probability of 0.05" in words
     assert "The verdict rests on 2 earthquakes: a body that none of them overturns" in known.split('id="grounds"')[0]
 
 
-def test_without_factors_or_answers_a_body_is_not_called_safe(known):
+def test_without_factors_answers_or_records_a_body_is_not_called_safe(known, results):
     words = Page(known).text
     assert "safe under these" not in words.split("Verdict on each body")[0]
     assert "free flight" in words
     assert "stands in for a probability of overturning" in words
     assert "cut.AT2:4 expected 100 samples, found 3" in words
+    tree = results.copy()
+    tree["summary"] = xr.DataTree(tree["summary"].to_dataset().isel(record=[]))
+    found = gather(tree)
+    assert [card.verdict.text for card in found.cards] == ["not known"] * 3
 
 
 def test_the_resonance_model_is_named_for_what_it_is_where_it_judges():
@@ -198,13 +187,6 @@ def test_where_nothing_was_found_the_page_says_up_to_where(results):
     assert any(">10: none found up to there, where the search ends" in note for note in found.notes)
     assert "at rest" in cells(found.answers)
     assert any("1 of 3 bodies lifted by none of these motions" in one.head for one in found.remarks)
-
-
-def test_results_without_a_record_call_nothing_safe(results):
-    tree = results.copy()
-    tree["summary"] = xr.DataTree(tree["summary"].to_dataset().isel(record=[]))
-    found = gather(tree)
-    assert [card.verdict.text for card in found.cards] == ["not known"] * 3
 
 
 def test_the_file_is_written_and_only_a_report_is_replaced(tmp_path, monkeypatch, known):

@@ -13,31 +13,13 @@ from rockpulse.readers.kit.channel import build_record
 from rockpulse.readers.source import SourceFile
 from rockpulse.remark import with_codes
 from rockpulse.storage.export.selection import SHOWN
-from rockpulse.views.shared.columns import (
-    AT_MOST,
-    COLUMNS,
-    NO_ANSWER,
-    NONE_UP_TO,
-    OUTSIDE,
-    AnswerRows,
-    answer_cell,
-    columns,
-    doubt,
-    doubt_notes,
-    factor_cell,
-    factor_columns,
-    filled,
-    headed,
-    margin_cells,
-    marks_of,
-    unexplained,
-)
+from rockpulse.views.shared import columns as col
 from rockpulse.views.shared.table import Cell, Mark
 
 
 def shown(of, *names):
     """The cells of some columns, as text with their marks, of every answer."""
-    return [[cell.marked for cell in row] for row in filled(columns(*names), AnswerRows.every(of))]
+    return [[cell.marked for cell in row] for row in col.filled(col.columns(*names), col.AnswerRows.every(of))]
 
 
 def test_no_column_is_declared_twice():
@@ -45,62 +27,60 @@ def test_no_column_is_declared_twice():
     source = Path(rockpulse.__file__).parent / "views" / "shared" / "columns.py"
     declared = re.findall(r'\bColumn\(\s*"(\w+)"', source.read_text(encoding="utf-8"))
     assert len(declared) == len(set(declared)) > 20
-    assert set(declared) <= set(COLUMNS)
-    told = {(column.heading.label, column.of) for column in COLUMNS.values()}
-    assert len(told) == len(COLUMNS)
+    assert set(declared) <= set(col.COLUMNS)
+    told = {(column.heading.label, column.of) for column in col.COLUMNS.values()}
+    assert len(told) == len(col.COLUMNS)
 
 
 def test_a_condition_knows_a_column_by_its_heading():
-    stored = [column for column in COLUMNS.values() if column.name in SHOWN.values()]
+    stored = [column for column in col.COLUMNS.values() if column.name in SHOWN.values()]
     assert len(stored) > 8
     known = {column.name: SHOWN.get(column.heading.title, column.name) for column in stored}
     assert {name: of for name, of in known.items() if name != of} == {}
 
 
 def test_words_bear_the_marks_of_the_answer_and_are_sorted_beside_the_figures():
-    cell = answer_cell(Outcome.OVERTURNS, math.inf, applicable=0)
+    cell = col.answer_cell(Outcome.OVERTURNS, math.inf, applicable=0)
     assert (cell.text, cell.value, cell.grade) == ("overturns", math.inf, "bad")
-    assert cell.marks == (OUTSIDE,)
-    assert answer_cell(Outcome.AT_REST, 0.0, 1).value == 0.0
-    assert math.isnan(answer_cell(Outcome.UNRESOLVED, math.nan, 1).value)
-    assert answer_cell(-1, math.nan, 0).marked == "-"
+    assert cell.marks == (col.OUTSIDE,)
+    assert col.answer_cell(Outcome.AT_REST, 0.0, 1).value == 0.0
+    assert math.isnan(col.answer_cell(Outcome.UNRESOLVED, math.nan, 1).value)
+    assert col.answer_cell(-1, math.nan, 0).marked == "-"
 
 
-def test_a_factor_that_was_not_found_names_how_far_was_searched():
-    found = [factor_cell(math.inf, limit).marked for limit in (10.0, 12.37, 0.0, math.nan)]
+def test_a_factor_names_how_far_was_searched_and_several_intervals_are_counted():
+    found = [col.factor_cell(math.inf, limit).marked for limit in (10.0, 12.37, 0.0, math.nan)]
     assert found == [">10", ">12.3", ">0", "none"]
-    cells = [factor_cell(math.inf, 10.0), factor_cell(1.2, bound=True), factor_cell(math.nan, 1.0, True)]
-    assert marks_of(cells) == {NONE_UP_TO, NO_ANSWER}
-
-
-def test_the_smallest_of_a_pair_with_a_lost_direction_is_at_most_that():
-    of = motions(4, rows=[[0, 1], [2, 3]], missing=[True, False], kind="pair")
-    (margin,) = answers(summary_of([0.4, 0.9, 2.0, 3.0], resolved=[0, 1, 1, 1]), of).margins()
-    smallest, median = margin_cells(margin)
-    assert (smallest.marked, median.marked) == ("≤0.40!", "2.00")
-    assert smallest.marks == (AT_MOST, NO_ANSWER)
-    assert (unexplained(smallest).marked, {mark.note for mark in unexplained(smallest).marks}) == ("≤0.40!", {""})
-    (margin,) = answers(summary_of([math.inf] * 4), of).margins()
-    assert margin_cells(margin)[0].marked == ">10"
-
-
-def test_several_intervals_are_counted():
+    cells = [col.factor_cell(math.inf, 10.0), col.factor_cell(1.2, bound=True), col.factor_cell(math.nan, 1.0, True)]
+    assert col.marks_of(cells) == {col.NONE_UP_TO, col.NO_ANSWER}
     summary = summary_of([0.84, 2.0])
     summary["interval_count"] = summary["outcome"] * 0 + 3
     assert shown(answers(summary), "safety_intervals", "answer") == [["0.84 (3)", "overturns"], ["2.00 (3)", "0.40"]]
 
 
+def test_the_smallest_of_a_pair_with_a_lost_direction_is_at_most_that():
+    of = motions(4, rows=[[0, 1], [2, 3]], missing=[True, False], kind="pair")
+    (margin,) = answers(summary_of([0.4, 0.9, 2.0, 3.0], resolved=[0, 1, 1, 1]), of).margins()
+    smallest, median = col.margin_cells(margin)
+    assert (smallest.marked, median.marked) == ("≤0.40!", "2.00")
+    assert smallest.marks == (col.AT_MOST, col.NO_ANSWER)
+    plain = col.unexplained(smallest)
+    assert (plain.marked, {mark.note for mark in plain.marks}) == ("≤0.40!", {""})
+    (margin,) = answers(summary_of([math.inf] * 4), of).margins()
+    assert col.margin_cells(margin)[0].marked == ">10"
+
+
 def test_columns_of_probability_stand_in_place_of_those_of_safety_factors():
     of = answers(probable([0.0, 0.0004, 0.412], factor_10=[math.inf, 2.0, math.nan]))
-    selected = factor_columns(of)
-    assert [heading.title for heading in headed(selected)] == ["P", "factor of 10 %"]
+    selected = col.factor_columns(of)
+    assert [heading.title for heading in col.headed(selected)] == ["P", "factor of 10 %"]
     assert shown(of, *(one.name for one in selected)) == [["0", ">10"], ["<0.001", "2.00"], ["0.41", "-"]]
-    assert [one.name for one in factor_columns(answers(summary_of([2.0])))] == ["safety_factor"]
-    assert factor_columns(answers(summary_of([math.nan]))) == ()
+    assert [one.name for one in col.factor_columns(answers(summary_of([2.0])))] == ["safety_factor"]
+    assert col.factor_columns(answers(summary_of([math.nan]))) == ()
 
 
 def signs(pga, codes):
-    return Cell("", marks=doubt(pga, codes)).marked
+    return Cell("", marks=col.doubt(pga, codes)).marked
 
 
 def test_the_remarks_of_the_readers_are_marked():
@@ -123,6 +103,6 @@ def test_peaks_out_of_all_bounds_are_marked_and_explained_once():
     assert found == [" (peak?)", " (peak?)", "", "", " (peak?)", ""]
     assert signs(60.0, "plain clipped") == " (peak?) (clipped?)"
     assert signs(6.0, "of_vertical/full_scale of_channel/header_peak") == " (peak?) (clipped?)"
-    doubtful = [Cell(name, marks=doubt(60.0, "")) for name in "ab"]
-    assert [note[:8] for note in doubt_notes(doubtful)] == ["(peak?):"]
-    assert doubt_notes([Cell("a"), Cell("b (peak?)", marks=(Mark("outside", "?"),))]) == []
+    doubtful = [Cell(name, marks=col.doubt(60.0, "")) for name in "ab"]
+    assert [note[:8] for note in col.doubt_notes(doubtful)] == ["(peak?):"]
+    assert col.doubt_notes([Cell("a"), Cell("b (peak?)", marks=(Mark("outside", "?"),))]) == []

@@ -87,13 +87,10 @@ def test_a_magnitude_keeps_the_digits_it_has():
     assert [RecordFacts(one.get).magnitude for one in values] == ["M 7.0", "M 6.61", "M 5.9"]
 
 
-def test_results_of_files_that_state_nothing_have_no_stated_facts():
+def test_what_a_file_states_is_told_in_units_of_maps_and_nothing_else():
     summary = results_tree()["summary"].to_dataset()
     assert Known(summary, record=RECORDS[0]).stated == []
     assert Known(summary, record=RECORDS[2]).described == ""
-
-
-def test_what_a_file_states_is_told_in_units_of_maps():
     summary = results_tree()["summary"].to_dataset()
     stated = {
         "event_id": "us6000jllz",

@@ -69,9 +69,6 @@ def test_a_rotated_pair_has_the_files_of_both_channels():
     assert found.counted == "3 of 5 files used, 2 not"
     assert [one.file for one in found.unused] == ["n", "c; d.txt"]
     assert files_used(results("capacities", ["e; f"], [row("c")])).counted == "2 of 3 files used, 1 not"
-
-
-def test_without_any_record_the_count_is_of_what_failed():
     assert count_files((), [row("a"), row("b")]).sentence == "0 of 2 files used, 2 not: damaged (a, b)."
 
 
@@ -84,9 +81,6 @@ def test_the_commonest_reasons_come_first_each_with_two_files_and_the_rest_as_a_
         "1 of 14 files used, 13 not: cut (9: m0.asc, m1.asc, ...); odd 0 (odd0); odd 1 (odd1); "
         "2 more for other reasons."
     )
-
-
-def test_a_reason_is_one_short_line_without_the_advice():
     long = f"b: {'many words ' * 40}\nin lines; do this"
     assert "\n" not in (said := count_files((), [row("b", reason=long)]).sentence)
     assert said.endswith(" ... (b).")

@@ -40,9 +40,6 @@ def test_an_absent_number_bears_no_mark_and_is_sorted_last():
     absent = number(None, ratio, (FAR,))
     assert (absent.text, absent.marks) == ("-", ())
     assert math.isnan(absent.value)
-
-
-def test_columns_are_sorted_by_their_values_and_flush_right_without_grades():
     made = table((Cell("a"), number(1.0), Cell("safe", 0.0, grade="good")))
     assert made.numeric == (False, True, True)
     assert made.flush_right == (False, True, False)
@@ -50,8 +47,5 @@ def test_columns_are_sorted_by_their_values_and_flush_right_without_grades():
 
 def test_a_table_without_rows_shows_its_headings():
     assert lines(table()) == ["wall  median [m/s]  verdict"]
-
-
-def test_rows_of_another_length_are_refused():
     with pytest.raises(ValueError, match="table walls: row 1 has not 3 cells"):
         table((Cell("a"), Cell("b"), Cell("c")), (Cell("a"),))

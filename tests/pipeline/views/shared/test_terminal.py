@@ -8,9 +8,10 @@ from hypothesis import strategies as st
 from rockpulse.views.shared.terminal import WIDTH, between, figure, lower_bound, paragraph, ratio, several, shortened
 
 
-def test_a_ratio_has_two_or_three_digits():
+def test_a_ratio_has_two_or_three_digits_and_what_is_absent_is_a_dash():
     values = (0.0, 9.99e-4, 0.0999, 0.1, 9.99, 10.04, -0.5, math.inf)
     assert list(map(ratio, values)) == ["0", "<0.001", "0.100", "0.10", "9.99", "10.0", "-0.50", "inf"]
+    assert ratio(math.nan) == figure(math.nan, "m/s") == between(math.nan, math.nan) == "-"
 
 
 def test_intervals_and_counts_are_words():
@@ -26,10 +27,6 @@ def test_a_lower_bound_is_never_above_the_value_and_an_estimate_has_one_digit(va
     assert shown[0] == ">"
     step = 0.001 if value < 0.1 else 0.01 if value < 10.0 else 0.1
     assert value - 1.001 * step <= float(shown[1:]) <= value
-
-
-def test_what_is_absent_is_a_dash_without_a_unit():
-    assert ratio(math.nan) == figure(math.nan, "m/s") == between(math.nan, math.nan) == "-"
 
 
 @settings(derandomize=True, deadline=None, max_examples=50)

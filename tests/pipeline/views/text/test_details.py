@@ -5,7 +5,7 @@ import pytest
 from results_tree import RECORDS, demanding, results_tree
 
 from rockpulse.errors import ResultsError
-from rockpulse.views.text.details import block_details, record_details
+from rockpulse.views.text.overview import block_details, record_details
 
 
 @pytest.fixture
@@ -19,7 +19,7 @@ def entries(text):
     return [tuple(part.strip() for part in line.strip().split("  ", 1)) for line in lines]
 
 
-def test_a_record_shows_its_measures_and_its_sequence(summary):
+def test_a_record_shows_its_measures_its_sequence_and_every_warning(summary):
     shown = dict(entries(record_details(summary, RECORDS[0])))
     assert shown.items() >= {
         ("PGA", "5.56 m/s2 (0.567 g)"),
@@ -33,29 +33,16 @@ def test_a_record_shows_its_measures_and_its_sequence(summary):
         ("samples", "35430 at 0.01 s"),
         ("processing", "baseline: mean"),
     }
-
-
-def test_every_warning_has_a_line(summary):
     warnings = [words for name, words in entries(record_details(summary, RECORDS[0])) if name == "warning"]
     assert warnings == ["mean removed", "direction unknown; check it"]
 
 
-def test_an_unlimited_number_of_main_impulses_is_no_minus_one(summary):
+def test_what_a_record_lacks_or_has_without_a_limit_is_told_in_words(summary):
     assert "as many as fit" in record_details(summary, RECORDS[1])
     assert "-1" not in record_details(summary, RECORDS[1])
-
-
-def test_what_a_record_lacks_is_a_dash(summary):
     text = record_details(summary, RECORDS[2])
     assert "nan" not in text.replace("resonance", "")
     assert {("secondary impulse I_s", "-"), ("main impulses", "-")} <= set(entries(text))
-
-
-def test_a_record_shows_its_verdicts_and_safety_factors_only(summary):
-    text = record_details(summary, RECORDS[0])
-    assert text.count("boundary wall") == 2
-    assert RECORDS[1] not in text
-    assert "smallest factor" in text
 
 
 def test_capacities_over_the_demands_are_shown_for_the_record_and_for_the_block(summary):
@@ -64,19 +51,16 @@ def test_capacities_over_the_demands_are_shown_for_the_record_and_for_the_block(
     ratio = np.full((*summary["safety_factor"].shape, 1), np.inf)
     ratio[0, 0, 2], ratio[0, 1, 2] = 0.84, np.nan
     summary = demanding(summary, {"collapse": 2.94}, capacity_ratio=((*cube, "demand"), ratio))
-    of_record = record_details(summary, RECORDS[0]).partition(
-        "Capacity (safety factor x strength, nonlinear model) over demand"
-    )[2]
+    head = "Capacity (safety factor x strength, nonlinear model) over demand"
+    of_record = record_details(summary, RECORDS[0]).partition(head)[2]
     assert "collapse (PGA 2.94 m/s2)" in of_record
     rows = [line.split() for line in of_record.splitlines()[2:5]]
     assert [cells[-1] for cells in rows] == ["0.84", "-", "none"]
-    of_block = block_details(summary, "boundary wall").partition(
-        "Capacity (safety factor x strength, nonlinear model) over demand"
-    )[2]
+    of_block = block_details(summary, "boundary wall").partition(head)[2]
     assert [line.split()[0] for line in of_block.splitlines()[2:5]] == list(RECORDS)
 
 
-def test_a_block_shows_its_parameters_and_verdicts_only(summary):
+def test_a_block_and_a_record_show_their_own_verdicts_only(summary):
     text = block_details(summary, "boundary wall")
     shown = dict(entries(text))
     assert shown["width, height"] == "0.25 m, 2.2 m"
@@ -88,6 +72,10 @@ def test_a_block_shows_its_parameters_and_verdicts_only(summary):
     assert shown["critical impulse I_1c"] == "0.43 m/s"
     assert "column" not in text
     assert all(record in text for record in RECORDS)
+    text = record_details(summary, RECORDS[0])
+    assert text.count("boundary wall") == 2
+    assert RECORDS[1] not in text
+    assert "smallest factor" in text
 
 
 def test_a_block_lists_its_restitutions_and_warnings():

@@ -26,7 +26,7 @@ def efficiency():
     )
 
 
-def test_a_quality_that_files_state_has_a_column_where_it_was_tested(efficiency):
+def test_a_quality_that_files_state_has_a_column_and_it_is_said_how_many_state_it(efficiency):
     (table,) = sufficiency_tables(efficiency)
     assert [heading.title for heading in table.headings] == ["", "duration", "strength", "magnitude"]
     assert [[cell.text for cell in row] for row in table.rows] == [
@@ -34,9 +34,6 @@ def test_a_quality_that_files_state_has_a_column_where_it_was_tested(efficiency)
         ["impulse_ratio", "0 of 2", "0 of 2", "0 of 2"],
     ]
     assert table.notes[0].startswith("12 tests: about 1 of them")
-
-
-def test_it_is_said_how_many_records_state_a_quality_and_whether_they_are_enough(efficiency):
     (table,) = sufficiency_tables(efficiency)
     assert table.notes[1:] == (
         "magnitude: stated for 8 of 10 records, of 4 earthquakes.",
@@ -49,8 +46,5 @@ def test_what_no_file_states_is_not_shown(efficiency):
     nothing["pooled_p_value"][..., 2:] = np.nan
     nothing["quality_records"][2:] = 0
     assert sufficiency_tables(nothing) == sufficiency_tables(efficiency.isel(quality=[0, 1]))
-
-
-def test_without_a_test_there_is_no_table(efficiency):
     efficiency["pooled_p_value"][:] = np.nan
     assert sufficiency_tables(efficiency) == []

@@ -32,11 +32,8 @@ def names(tmp_path_factory):
     outcome[::100, 7, -1] = 2 - outcome[::100, 7, -1]
     save(tree, folder / "b.h5")
     record, block = (str(tree["summary"][dim].values[7]) for dim in ("record", "block"))
-    return {name: str(folder / f"{name}.h5") for name in "ab"} | {
-        "table": str(folder / "table.csv"),
-        "record": record,
-        "block": block,
-    }
+    others = {"table": str(folder / "table.csv"), "record": record, "block": block}
+    return {name: str(folder / f"{name}.h5") for name in "ab"} | others
 
 
 @pytest.mark.slow

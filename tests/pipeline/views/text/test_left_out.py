@@ -12,13 +12,14 @@ from rockpulse.views.shared.files_used import failure_rows
 from rockpulse.views.text.left_out import failure_list, left_out, rows_not_used
 
 
-def test_left_out_lists_by_kind_with_the_failed_first():
+def test_left_out_lists_by_kind_with_the_failed_first_and_warnings_with_their_block():
     lines = left_out(results_tree()).splitlines()
     assert lines[0] == "failed: 1"
     assert lines[1] == "  cut.AT2:4: expected 100 samples, found 3"
     assert "read, not assessed (vertical): 1" in lines
     assert "  CCC.RAW: vertical channel 2" in lines
     assert [line for line in lines if line.startswith("records with warnings: 1 ")]
+    assert "cabinet: slenderness 2.5 is below 3" in left_out(results_tree())
 
 
 def test_a_long_list_of_what_is_no_failure_is_cut_and_says_so():
@@ -62,17 +63,6 @@ def test_files_that_are_no_records_are_one_line_and_data_that_cannot_be_used_one
     assert len(failure_list(told).splitlines()) == 22
 
 
-def test_block_warnings_are_shown_with_their_block():
-    assert "cabinet: slenderness 2.5 is below 3" in left_out(results_tree())
-
-
-def test_failures_can_be_narrowed_to_a_kind():
-    tree = results_tree()
-    assert failure_list(tree, kinds=("failed",)) == "failed (read) cut.AT2:4: expected 100 samples, found 3"
-    assert failure_list(tree, kinds=("duplicate",)) == ""
-    assert len(failure_list(tree).splitlines()) == 3
-
-
 def warned(*remarks):
     """The tree with these remarks on its three records."""
     tree = results_tree()
@@ -91,6 +81,7 @@ def test_one_warning_of_each_kind_is_shown_and_the_others_are_counted():
     assert f"CI.CCC..HNE@20190706T031953: {peak.format(338, 0.344)}, and 1 more like it" in flat
     assert "415" not in flat
     assert "CI.CCC..HNN@20190706T031953: clipped for 7 samples" in flat
+    assert "warnings" not in left_out(warned([], [], []))
 
 
 def test_remarks_of_one_code_are_alike_whatever_they_name():
@@ -101,10 +92,6 @@ def test_remarks_of_one_code_are_alike_whatever_they_name():
     assert reasons[1] not in flat
     assert ": another, and 1 more like it" in flat
     assert ": vertical channel: another" in flat
-
-
-def test_without_warnings_there_is_no_line_of_them():
-    assert "warnings" not in left_out(warned([], [], []))
 
 
 @pytest.mark.parametrize(
@@ -118,9 +105,13 @@ def test_a_vertical_channel_that_acted_is_told(name, title):
     assert title in left_out(acted).splitlines()
 
 
-def test_what_was_not_used_is_listed_by_kind():
+def test_what_was_not_used_is_listed_by_kind_and_narrowed_to_one():
     rows = [Failure("up", "assess", "vertical channel", "vertical"), Failure("bad", "read", "truncated", "failed")]
     text = rows_not_used([*rows, *(Failure(f"note {k}", "read", "no reader", "skipped") for k in range(15))])
     assert text.splitlines()[0] == "failed (read) bad: truncated"
     assert "skipped (read) 15 files (note 0, note 1 and 13 more): no reader" in text
     assert "vertical" not in text
+    tree = results_tree()
+    assert failure_list(tree, kinds=("failed",)) == "failed (read) cut.AT2:4: expected 100 samples, found 3"
+    assert failure_list(tree, kinds=("duplicate",)) == ""
+    assert len(failure_list(tree).splitlines()) == 3

@@ -10,10 +10,9 @@ from rockpulse.errors import Failure
 from rockpulse.storage.export.selection import Condition, Selection
 from rockpulse.storage.variables import failure_table
 from rockpulse.views.text import overview as overviews
-from rockpulse.views.text.details import block_details, record_details
 from rockpulse.views.text.left_out import left_out
 from rockpulse.views.text.lists import block_list, case_list, record_list, worst_first
-from rockpulse.views.text.overview import overview
+from rockpulse.views.text.overview import block_details, overview, record_details
 
 
 @pytest.fixture
@@ -42,7 +41,7 @@ def worst(summary, **options):
     return case_list(summary, worst_first(Answers(summary), Selection(**options)))
 
 
-def test_cases_are_listed_worst_first_by_the_fullest_model(summary):
+def test_cases_are_listed_worst_first_by_the_fullest_model_and_equal_ones_once(summary):
     text = worst(summary, limit=3)
     assert text.startswith("9 cases with model nonlinear, smallest safety_factor first; 3 shown (--limit shows more)")
     head, *lines = listed(text)
@@ -51,16 +50,20 @@ def test_cases_are_listed_worst_first_by_the_fullest_model(summary):
     assert " ".join(lines[0]) == f"{RECORDS[0]} boundary wall 0.985 0.57 2.50 1.44 OVERTURNS 0.42 0.24"
     assert " ".join(lines[1]) == f"{RECORDS[1]} cabinet 0.790 0.47 2.50 0.40 0.41 0.84 0.40"
     assert len(lines) == 3
+    summary = results_tree(2)["summary"].to_dataset()
+    assert worst(summary).startswith("15 cases")
 
 
-def test_what_a_condition_is_about_has_a_column(summary):
+def test_what_a_condition_is_about_has_a_column_and_nothing_found_no_table(summary):
     selection = Selection(conditions=(Condition.parse("arias_intensity > 4"),), sort="intense_end")
     head, first, *_ = listed(case_list(summary, selection))
     assert head[-2:] == ["arias_intensity", "intense_end"]
     assert first[-2:] == ["5.2", "22"]
+    text = case_list(summary, Selection(conditions=(Condition.parse("pga > 100"),)))
+    assert text == "0 cases with model nonlinear; pga > 100"
 
 
-def test_several_models_have_a_column(summary):
+def test_several_models_have_a_column_and_without_a_search_the_worst_rotate_most(summary):
     text = case_list(summary, Selection({"model": ("*",), "record": (RECORDS[0],), "block": ("cabinet",)}))
     head, *lines = listed(text)
     assert head[:3] == ["record", "block", "model"]
@@ -69,14 +72,6 @@ def test_several_models_have_a_column(summary):
     assert lines[2][-3:] == ["unresolved", "-", "-"]
     assert "*: outside the range" in text
     assert "?" not in text
-
-
-def test_nothing_found_is_said_without_a_table(summary):
-    text = case_list(summary, Selection(conditions=(Condition.parse("pga > 100"),)))
-    assert text == "0 cases with model nonlinear; pga > 100"
-
-
-def test_without_a_search_the_worst_are_those_of_the_largest_rotation(summary):
     summary["safety_factor"][:] = np.nan
     text = worst(summary, limit=2)
     assert "largest peak_rotation_ratio first" in text
@@ -84,12 +79,7 @@ def test_without_a_search_the_worst_are_those_of_the_largest_rotation(summary):
     assert "OVERTURNS" in listed(text)[1]
 
 
-def test_cases_that_are_all_the_same_are_listed_once():
-    summary = results_tree(2)["summary"].to_dataset()
-    assert worst(summary).startswith("15 cases")
-
-
-def test_records_say_what_they_overturn_and_their_worst_block(summary):
+def test_records_and_blocks_say_what_overturns_and_their_worst(summary):
     head, *lines = listed(record_list(summary, Selection()))
     assert " ".join(lines[0]) == f"{RECORDS[0]} 0.57 0.71 5.20 0.62 2 1 of 3 0.42 boundary wall"
     assert " ".join(lines[1]) == f"{RECORDS[1]} 0.47 ~0.43 3.10 0.35 0 of 3 0.84 cabinet"
@@ -103,9 +93,6 @@ def test_records_say_what_they_overturn_and_their_worst_block(summary):
     every = Selection({"model": ("resonance",)}, falls.conditions)
     assert record_list(summary, every).startswith("2 records\n")
     assert "by the resonance model" in record_list(summary, every)
-
-
-def test_blocks_say_which_records_overturn_them(summary):
     _, *lines = listed(block_list(summary, Selection()))
     assert lines[0] == f"boundary wall 0.25 2.20 0.11 2.58 0.43 0.985 1 of 3 0.42 {RECORDS[0]}".split()
     assert lines[2] == f"cabinet - - 0.38 2.60 1.54 0.790 0 of 3 0.84 {RECORDS[1]}".split()
