@@ -17,7 +17,6 @@ def _csmip_header(
     unit_line: str,
     start: str,
     note: str,
-    recorder: str,
     peak: float,
     at: float,
 ) -> list[str]:
@@ -27,7 +26,7 @@ def _csmip_header(
         note,
         "JANUARY 17, 1994 04:31 PST",
         f"14403-S3492-94021.02               TRIGGER TIME: {start}",
-        f"STATION NO. 14403   33.929N, 118.260W     {recorder}",
+        "STATION NO. 14403   33.929N, 118.260W     SMA-1  S/N 3492",
         "TEST STATION",
         f"CHAN {number:2d}: {component}{location}",
         "TEST EARTHQUAKE     JANUARY 17, 1994 04:31 PST",
@@ -53,19 +52,17 @@ def csmip_pairs(
     component: str = " 90 DEG",
     place: str = "",
     unit: str = "SEC AND G/10",
-    peak_g: float | None = None,
     start: str = "01/17/94, 12:31:04.1 UTC",
     end: str = "\r\n",
     note: str = "TEST EARTHQUAKE",
-    recorder: str = "SMA-1  S/N 3492",
 ) -> bytes:
     """One channel in the old layout: (time, acceleration in g/10) pairs of width 7."""
-    peak = np.max(np.abs(values)) / 10.0 if peak_g is None else peak_g
+    peak = np.max(np.abs(values)) / 10.0
     at = times[int(peak_time(values))] if len(times) else 0.0
     unit_line = f"UNITS OF UNCOR ACCEL ARE {unit}.     MAX  =  {peak:5.3f} G, AT {at:7.3f} SEC."
     fields = [f"{number:7.3f}" for pair in zip(times, values, strict=True) for number in pair]
     length = times[-1] if len(times) else 0.0
-    header = _csmip_header(number, component, place, len(values), length, unit_line, start, note, recorder, peak, at)
+    header = _csmip_header(number, component, place, len(values), length, unit_line, start, note, peak, at)
     lines = header + rows(fields, 10)
     lines.append(f"/&  ----------  END OF DATA FOR CHANNEL {number:2d}  ----------")
     return (end.join(lines) + end).encode("latin-1")
@@ -78,19 +75,17 @@ def csmip_equal(
     number: int = 1,
     component: str = " 90 DEG",
     place: str = "",
-    peak_g: float | None = None,
     dt: float = 0.01,
     start: str = "7/06/19, 03:16: 8.5 UTC (GPS)",
     end: str = "\r\n",
     note: str = "TEST EARTHQUAKE",
-    recorder: str = "SMA-1  S/N 3492",
 ) -> bytes:
     """One channel in the new layout: equal steps, in g unless the heading says otherwise."""
-    peak = np.max(np.abs(values)) if peak_g is None else peak_g
+    peak = np.max(np.abs(values))
     at = peak_time(values, dt)
     unit_line = f"UNITS OF UNCOR DATA ARE SEC AND G.         MAX  = {peak:6.3f} G, AT {at:7.3f} SEC."
     length = dt * len(values)
-    lines = _csmip_header(number, component, place, len(values), length, unit_line, start, note, recorder, peak, at)
+    lines = _csmip_header(number, component, place, len(values), length, unit_line, start, note, peak, at)
     lines += [heading.format(n=len(values)), *rows([field.format(value) for value in values], 8)]
     lines.append(f"/&  ----------  END OF DATA FOR CHANNEL {number:2d}  ----------")
     return (end.join(lines) + end).encode("latin-1")

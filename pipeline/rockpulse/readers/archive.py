@@ -17,8 +17,7 @@ from rockpulse.readers.source import FILE_LIMIT, HEAD, RATIO_LIMIT, SourceFile, 
 MEMBER_LIMIT = 100_000
 #: An archive whose members are larger together is refused [bytes].
 TOTAL_LIMIT = 2 * 1024**3
-#: Bytes of a member's local header before its name.
-_LOCAL_HEADER = 30
+_LOCAL_HEADER = 30  # bytes of a member's local header before its name
 
 _NESTED = (".zip", ".gz", ".tgz", ".tar", ".bz2", ".xz", ".7z", ".rar", ".zst")
 
@@ -67,13 +66,8 @@ class Archive:
         entry, name = self._entries[number], self.names[number]
         content = _content(self._archive, entry, name)
         folder = PurePosixPath(entry.filename).parent
-        return SourceFile(
-            name,
-            content[:HEAD],
-            partial(bytes, content),
-            partial(self._station_files, folder),
-            beside=partial(self._beside, folder),
-        )
+        stations, beside = partial(self._station_files, folder), partial(self._beside, folder)
+        return SourceFile(name, content[:HEAD], partial(bytes, content), stations, beside=beside)
 
 
 def _check_entries(path: str, entries: list[zipfile.ZipInfo]) -> None:
@@ -86,9 +80,8 @@ def _check_entries(path: str, entries: list[zipfile.ZipInfo]) -> None:
     by_place = sorted(entries, key=lambda entry: entry.header_offset)
     for entry, following in pairwise(by_place):
         if entry.header_offset + _LOCAL_HEADER + entry.compress_size > following.header_offset:
-            raise RecordRefused(
-                f"{path}: the members {entry.filename} and {following.filename} overlap in the archive; make it anew"
-            )
+            both = f"{entry.filename} and {following.filename}"
+            raise RecordRefused(f"{path}: the members {both} overlap in the archive; make it anew")
 
 
 def _hidden(name: str) -> bool:
@@ -107,25 +100,16 @@ def _content(archive: zipfile.ZipFile, entry: zipfile.ZipInfo, name: str) -> byt
     if entry.file_size > FILE_LIMIT:
         raise RecordRefused(f"{name}: {entry.file_size} bytes, the most that is read is {FILE_LIMIT}")
     if entry.file_size > RATIO_LIMIT * entry.compress_size:
-        raise RecordRefused(
-            f"{name}: compressed {entry.file_size / max(entry.compress_size, 1):.0f} times, the limit is "
-            f"{RATIO_LIMIT}; unpack it by hand if it is a record"
-        )
+        times = f"{entry.file_size / max(entry.compress_size, 1):.0f} times, the limit is {RATIO_LIMIT}"
+        raise RecordRefused(f"{name}: compressed {times}; unpack it by hand if it is a record")
     try:
         with archive.open(entry) as stream:
             # The declared size bounds the read, whatever the compressed data would expand to.
             content = stream.read(entry.file_size + 1)
-    except (
-        zipfile.BadZipFile,
-        zlib.error,
-        EOFError,
-        RuntimeError,  # NotImplementedError among them
-        ValueError,
-        lzma.LZMAError,
-    ) as fault:
-        raise RecordFormatError(
-            f"{name}: damaged member, or one packed in an unknown way ({fault}); download the archive again"
-        ) from fault
+    except (zipfile.BadZipFile, zlib.error, EOFError, RuntimeError, ValueError, lzma.LZMAError) as fault:
+        # NotImplementedError is a RuntimeError.
+        found = f"damaged member, or one packed in an unknown way ({fault})"
+        raise RecordFormatError(f"{name}: {found}; download the archive again") from fault
     if not content:
         raise RecordFormatError(f"{name}: the file is empty; download the archive again")
     kind = archive_kind(content)
@@ -138,11 +122,8 @@ def _station_files(
     archive: zipfile.ZipFile, entries: list[zipfile.ZipInfo], folder: PurePosixPath
 ) -> list[tuple[str, bytes]]:
     """Name and bytes of each XML member of one folder."""
-    beside = (
-        entry
-        for entry in entries
-        if entry.filename.lower().endswith(".xml") and PurePosixPath(entry.filename).parent == folder
-    )
+    xml = (entry for entry in entries if entry.filename.lower().endswith(".xml"))
+    beside = (entry for entry in xml if PurePosixPath(entry.filename).parent == folder)
     named = ((f"{archive.filename}!{entry.filename}", entry) for entry in beside)
     return [(name, _content(archive, entry, name)) for name, entry in named]
 

@@ -8,6 +8,7 @@ from contextlib import ExitStack
 from dataclasses import dataclass
 from itertools import combinations
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
@@ -21,12 +22,10 @@ from rockpulse.record.record import Record
 
 logger = logging.getLogger("rockpulse")
 
-#: Largest value that a number of few digits may lose near zero [m/s2].
-_UNDERFLOW = 1e-97
+_UNDERFLOW = 1e-97  # largest value that a number of few digits may lose near zero [m/s2]
 #: Largest share by which an interval may come back otherwise: miniSEED keeps the rate in single precision.
 _STEP_TOLERANCE = 1e-7
-#: Degrees by which an azimuth may come back otherwise.
-_AZIMUTH_TOLERANCE = 1e-4
+_AZIMUTH_TOLERANCE = 1e-4  # degrees by which an azimuth may come back otherwise
 
 
 @dataclass(frozen=True)
@@ -34,55 +33,39 @@ class Writer:
     """A format in which records are written."""
 
     suffix: str  # of the files that it writes
-    suffixes: tuple[str, ...]  # lower-case suffixes by which it is recognised
     lost: str  # words for the properties of a record that the files cannot hold
-    digits: float  # half a unit of the last digit over the value, at most; 0 where samples come back bit by bit
-    whole: bool  # whether every azimuth and state of processing comes back; elsewhere they may be missing, never wrong
-    structure: bool  # whether a file says that its channel is on a structure
     # from a record to the content of its own file; None where all records go into one file
-    one: Callable[[Record], bytes] | None
+    one: Callable[[Record], bytes] | None = None
+    digits: float = 0.0  # half a unit of the last digit over the value, at most; 0 where samples come back bit by bit
+    whole: bool = (
+        True  # whether every azimuth and state of processing comes back; else they may be missing, never wrong
+    )
+    structure: bool = False  # whether a file says that its channel is on a structure
+    others: tuple[str, ...] = ()  # lower-case suffixes by which it is recognised too
+
+    @property
+    def suffixes(self) -> tuple[str, ...]:
+        """Lower-case suffixes by which the format is recognised."""
+        return (self.suffix.lower(), *self.others)
 
 
+_AT2 = "AT2 keeps 8 digits in g, event, date, station and direction; not the start time, the codes, "
+_AT2 += "the processing and the warnings"
+_CSV = "CSV keeps every digit in m/s2, the interval and a direction in whole degrees; nothing else"
+_MSEED = "miniSEED keeps every digit in m/s2, start times and codes as far as SEED has room; its StationXML, of the "
+_MSEED += "same name, the directions and whether a record is raw; not the event, the processing and the warnings"
 #: By the name that ``rockpulse convert --format`` takes.
 WRITERS = {
-    "at2": Writer(
-        ".AT2",
-        (".at2",),
-        "AT2 keeps 8 digits in g, event, date, station and direction; not the start time, the codes, "
-        "the processing and the warnings",
-        0.51e-7,
-        True,
-        True,
-        at2_bytes,
-    ),
-    "csv": Writer(
-        ".csv",
-        (".csv",),
-        "CSV keeps every digit in m/s2, the interval and a direction in whole degrees; nothing else",
-        0.0,
-        False,
-        False,
-        csv_bytes,
-    ),
-    "mseed": Writer(
-        ".mseed",
-        (".mseed", ".miniseed", ".ms"),
-        "miniSEED keeps every digit in m/s2, start times and codes as far as SEED has room; its StationXML, of the "
-        "same name, the directions and whether a record is raw; not the event, the processing and the warnings",
-        0.0,
-        True,
-        False,
-        None,
-    ),
+    "at2": Writer(".AT2", _AT2, at2_bytes, digits=0.51e-7, structure=True),
+    "csv": Writer(".csv", _CSV, csv_bytes, whole=False),
+    "mseed": Writer(".mseed", _MSEED, others=(".miniseed", ".ms")),
 }
 
 
-@dataclass(frozen=True)
-class Written:
-    """A file that was written."""
+class Written(NamedTuple):
+    """A file that was written, id of each record in it, and its name there (empty where it is that of the file)."""
 
-    path: Path  # of the file
-    # id of each record in it, and its name there (empty where it is that of the file)
+    path: Path
     records: tuple[tuple[str, str], ...]
 
 
@@ -97,9 +80,8 @@ def write(
         Records to write, at least one, ids distinct. Samples are written as they are: a raw record stays raw.
     out : path
         A file, whose suffix tells the format, or for AT2 and CSV a folder. AT2 and CSV hold one record: several are
-        written to ``out`` with the channel before the suffix (the id, where channels are not distinct); in a folder
-        the name is the id. miniSEED holds all, with a StationXML of the same name beside it; where another StationXML
-        contradicts it at an overlapping time, a record gets the next free location code.
+        written to ``out`` with the channel (or the id) before the suffix; in a folder the name is the id. miniSEED
+        holds all, with a StationXML of the same name beside it.
     format : {"at2", "csv", "mseed"}, optional
         Needed for a folder; otherwise the suffix tells.
     overwrite : bool
@@ -177,10 +159,8 @@ def _format(out: Path, name: str | None) -> tuple[Writer, bool]:
             f"{', '.join(suffix for row in WRITERS.values() for suffix in row.suffixes)}"
         )
     if told is None and out.suffix and not out.is_dir():
-        raise ConfigError(
-            f"{out}: a file of the format {key} ends in {WRITERS[key].suffix}, found {out.suffix!r}; "
-            "correct the name, or create the folder first if it is to be one"
-        )
+        ends, advice = WRITERS[key].suffix, "correct the name, or create the folder first if it is to be one"
+        raise ConfigError(f"{out}: a file of the format {key} ends in {ends}, found {out.suffix!r}; {advice}")
     if not folder and told != key:
         raise ConfigError(f"{out}: the name says {told}, the format {key}; correct the wrong one")
     if folder and out.exists() and not out.is_dir():
@@ -204,10 +184,8 @@ def _targets(records: Sequence[Record], out: Path, writer: Writer, folder: bool)
     channels = [re.sub(r"[^A-Za-z0-9_~-]+", "_", record.channel) for record in records]
     distinct = len({channel.lower() for channel in channels}) == len(records) and all(channels)
     labels = channels if distinct else ids
-    return {
-        out.with_name(f"{out.stem}.{label}{out.suffix}"): [record]
-        for label, record in zip(labels, records, strict=True)
-    }
+    named = zip(labels, records, strict=True)
+    return {out.with_name(f"{out.stem}.{label}{out.suffix}"): [record] for label, record in named}
 
 
 def _companions(targets: dict[Path, list[Record]], writer: Writer) -> Iterator[Path]:
@@ -215,13 +193,13 @@ def _companions(targets: dict[Path, list[Record]], writer: Writer) -> Iterator[P
     if writer.one is not None:
         return
     for path in targets:
+        own = path.with_suffix(".xml")
         twin = next((other for other in path.parent.iterdir() if _shares_station_file(other, path)), None)
         if twin is not None:
             raise ConfigError(
-                f"{path}: its StationXML, {path.with_suffix('.xml').name}, would serve {twin.name} as well; "
-                "choose another name"
+                f"{path}: its StationXML, {own.name}, would serve {twin.name} as well; choose another name"
             )
-        yield path.with_suffix(".xml")
+        yield own
 
 
 def _shares_station_file(other: Path, path: Path) -> bool:
@@ -281,9 +259,8 @@ def _check_comes_back(path: Path, contents: dict[Path, bytes], records: dict[str
     try:
         back = read_source(SourceFile(str(path), content[:HEAD], lambda: content, station_files), ReadOptions("m/s2"))
     except RockpulseError as fault:
-        raise RecordRefused(
-            f"{path}: would not be read again ({fault}); nothing was kept, write into another folder"
-        ) from fault
+        found = f"would not be read again ({fault}); nothing was kept, write into another folder"
+        raise RecordRefused(f"{path}: {found}") from fault
     if len(back) != len(records):
         raise RecordRefused(f"{path}: {len(records)} records were written, {len(back)} come back; nothing was kept")
     for again in back:
@@ -294,10 +271,8 @@ def _check_comes_back(path: Path, contents: dict[Path, bytes], records: dict[str
         if again.npts != record.npts or np.any(np.abs(again.acceleration - record.acceleration) > tolerance):
             raise RecordRefused(f"{path}: the samples of {record.id} do not come back as written; nothing was kept")
         if abs(again.dt / record.dt - 1.0) > _STEP_TOLERANCE:
-            raise RecordRefused(
-                f"{path}: the interval of {record.id}, {record.dt!r} s, comes back as {again.dt!r} s; use another "
-                "format, or resample the record"
-            )
+            told = f"the interval of {record.id}, {record.dt!r} s, comes back as {again.dt!r} s"
+            raise RecordRefused(f"{path}: {told}; use another format, or resample the record")
         lost = _wrong(record, again, writer.whole)
         if lost:
             raise RecordRefused(f"{path}: {record.id}: {lost}; nothing was kept, use another format")

@@ -3,7 +3,6 @@
 import glob
 import os
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass
 from functools import lru_cache, partial
 from pathlib import Path
 from typing import NamedTuple
@@ -28,8 +27,7 @@ from rockpulse.record.record import Record
 PathLike = str | os.PathLike[str]
 
 
-@dataclass(frozen=True)
-class Found:
+class Found(NamedTuple):
     """A file or a zip archive to read; `named` tells that the user gave its very name."""
 
     path: Path
@@ -74,13 +72,12 @@ def read_all(
     Returns
     -------
     records : list of Record
-        Sorted by path and channel, with distinct ids: the second of two records with one id has ``~2`` appended. A
-        record that its agency cut into files is one.
+        Sorted by path and channel, with distinct ids (``~2`` appended to the second of two). A record that its agency
+        cut into files is one.
     failures : list of Failure
-        Sorted by file. A file that may be a record and cannot be read "failed", and so did an empty one. Velocities,
-        displacements, spectra, and what shows no sign of a record, "failed" if named and are "skipped" otherwise. A
-        record whose samples and interval another file has is a "duplicate", unless the two say that they face different
-        directions; the one stays that knows most of direction, time and event.
+        Sorted by file. A file that may be a record and cannot be read "failed"; so did velocities, displacements,
+        spectra and other files if named, which are "skipped" otherwise. A record whose samples and interval another
+        file has is a "duplicate", unless the two face different directions.
 
     Raises
     ------
@@ -115,11 +112,9 @@ def in_order(row: Failure) -> tuple[str, str]:
 def find_files(
     paths: PathLike | Iterable[PathLike], passed_over: Iterable[PathLike] = ()
 ) -> tuple[list[Found], list[Failure]]:
-    """Files behind the paths of :func:`read_all`, each once, sorted, and rows for paths without one.
-
-    `passed_over` are files that the run writes, under any link or name: to open and close one that this process has
-    locked would give up the lock. Only XML is opened, to pass over metadata of stations and earthquakes.
-    """
+    """Files behind the paths of `read_all`, each once, sorted, but `passed_over`, and rows for paths without one."""
+    # The run writes the files that are passed over: to open and close one that this process has locked would give up
+    # the lock. Only XML is opened, to pass over metadata of stations and earthquakes.
     found: dict[str, Found] = {}
     failures: list[Failure] = []
     for given in [paths] if isinstance(paths, str | os.PathLike) else paths:

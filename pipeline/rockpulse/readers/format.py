@@ -119,10 +119,10 @@ class ReadOptions:
 
     def advice(self, key: str) -> str:
         """The advice where the file itself states something else than a property that was given."""
-        row, value = self._last(key), getattr(self, key)
-        if row is None:
-            return for_other_files(f"--{key} {value:g}" if isinstance(value, float) else f"--{key} {value}")
-        return "correct the wrong one, or the pattern"
+        value = getattr(self, key)
+        if self._last(key) is not None:
+            return "correct the wrong one, or the pattern"
+        return for_other_files(f"--{key} {value:g}" if isinstance(value, float) else f"--{key} {value}")
 
     def check(self, records: Sequence[Record]) -> None:
         """Refuse the records of one file that state another unit or interval than the row that chooses the file."""
@@ -131,15 +131,11 @@ class ReadOptions:
             if units is not None:
                 given = canonical_unit(str(units.units), "option units")
                 if UNITS.get(record.source_unit) != UNITS[given]:
-                    raise UnitError(
-                        f"{record.source}: the file states the unit {record.source_unit}, {units.where} says {given}; "
-                        f"{self.advice('units')}"
-                    )
+                    told = f"the file states the unit {record.source_unit}, {units.where} says {given}"
+                    raise UnitError(f"{record.source}: {told}; {self.advice('units')}")
             if dt is not None and dt.dt is not None and not same_step((record.dt, dt.dt)):
-                raise RecordFormatError(
-                    f"{record.source}: the file states an interval of {record.dt:g} s, {dt.where} says {dt.dt:g} s; "
-                    f"{self.advice('dt')}"
-                )
+                told = f"the file states an interval of {record.dt:g} s, {dt.where} says {dt.dt:g} s"
+                raise RecordFormatError(f"{record.source}: {told}; {self.advice('dt')}")
 
     def _last(self, key: str, name: str | None = None) -> FileSettings | None:
         """The last row that gives a property, of those that choose a file; of all without its name."""
@@ -160,11 +156,11 @@ class Format:
     what: str  # the files, in words
     recognised: str  # by which signs the format is known
     unit: str  # unit of the values and where it comes from; "-" where nothing is read
-    processed: str  # "yes" for corrected volumes, "no" for raw ones, "by type", "unknown"; "-" where nothing is read
     example: str  # a typical file name
     detect: Callable[[bytes, str], bool]  # (head, name): cheap, never raises; the head is the beginning of the file
     # channels in the order of the file; raises RockpulseError and nothing else
     parse: Callable[[SourceFile, ReadOptions], list[Record]]
+    processed: str = "no"  # for raw volumes, "yes" for corrected ones, "by type", "unknown"; "-" where nothing is read
     obspy_reads: bool = False  # whether obspy reads these files itself: then they are no plugin of it
     parts: PartRule | None = None  # where the agency cuts long records into files: how these are called
 

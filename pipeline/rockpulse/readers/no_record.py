@@ -55,13 +55,10 @@ _DIGITS = re.compile(r"\d+")
 _LETTERS = re.compile(r"[^\W\d_]+")
 #: Letters that are part of a number, or stand for one.
 _OF_NUMBERS = re.compile(r"(?<=[\d.])[ed](?=[+-]?\d)|(?<![^\W\d_])(?:nan|inf|null|none|na)(?![^\W\d_])", re.IGNORECASE)
-#: No series has less groups of digits than 20 samples with a point have.
-_FEWEST = 40
+_FEWEST = 40  # no series has less groups of digits than 20 samples with a point have
 #: So many rows of numbers, one after the other, may be the beginning of data whatever stands before them.
 _RUN = 10
-
-#: Rows with the codes of so many channels in turn are still one series.
-_COMPONENTS = 4
+_COMPONENTS = 4  # rows with the codes of so many channels in turn are still one series
 
 
 def is_quiet(name: str, opened: Callable[[], SourceFile]) -> bool:
@@ -76,11 +73,7 @@ def is_quiet(name: str, opened: Callable[[], SourceFile]) -> bool:
 
 
 def may_be_record(file: SourceFile) -> bool:
-    """Whether a sign speaks for a record in a file that no reader has recognised: the suffix, binary data, or numbers.
-
-    Numbers count in rows that have the same words, or none, unlike those of other tables. Such rows are half of all,
-    ten together, or have as many digits as the whole text has letters, and they are no mere handful.
-    """
+    """Whether a sign speaks for a record in a file that no reader recognised: the suffix, binary data, or numbers."""
     if _OTHER.match(file.head) or _METADATA.search(file.head):
         return False
     suffix = file.path.suffix.lower()
@@ -98,8 +91,8 @@ def may_be_record(file: SourceFile) -> bool:
 
 
 def _is_series(lines: Sequence[str]) -> bool:
-    """Whether enough of the lines of a text are rows of numbers that have the same words."""
-    words = [_words(line) if _of_numbers(line) else None for line in lines]
+    """Whether rows of numbers with the same words are half of the lines, ten together, or most of the letters."""
+    words = [_words(line) for line in lines]
     digits: dict[tuple[str, ...], int] = defaultdict(int)
     for line, key in zip(lines, words, strict=True):
         if key is not None:
@@ -114,13 +107,10 @@ def _is_series(lines: Sequence[str]) -> bool:
     return digits[common] >= letters and _COMPONENTS * digits[common] >= sum(digits.values())
 
 
-def _of_numbers(line: str) -> bool:
-    """Whether a line has a decimal, or as many numbers as words: columns without a gap, dates, labels, units too."""
-    return bool(_DECIMAL.search(line)) or len(_DIGITS.findall(line)) >= len(_LETTERS.findall(line))
-
-
-def _words(line: str) -> tuple[str, ...]:
-    """The words of a row, but for those that belong to its numbers."""
+def _words(line: str) -> tuple[str, ...] | None:
+    """The words of a row of numbers, but for those that belong to them; None of a line with more words than numbers."""
+    if not _DECIMAL.search(line) and len(_DIGITS.findall(line)) < len(_LETTERS.findall(line)):
+        return None
     return tuple(_LETTERS.findall(_OF_NUMBERS.sub(" ", line)))
 
 

@@ -36,7 +36,7 @@ _CODES = ("network", "station", "location", "channel")
 _KEPT = tuple(field for field in fields(Record) if field.name not in {*_CODES, "acceleration", "start_time"})
 #: Methods of a Trace after which its data are no acceleration in the unit they had before.
 _CHANGES_UNIT = {
-    *("integrate", "differentiate", "normalize", "remove_response", "remove_sensitivity", "simulate", "trigger")
+    *["integrate", "differentiate", "normalize", "remove_response", "remove_sensitivity", "simulate", "trigger"]
 }
 #: Largest relative gap between the interval of a Trace, which keeps the rate, and the one it was made with.
 _SAME_STEP = 1e-12
@@ -125,10 +125,8 @@ def from_trace(
         raise ConfigError(f"{where}: expected an azimuth in degrees, found {azimuth!r}; leave it out if it is unknown")
     stats = trace.stats
     if np.ma.is_masked(trace.data):
-        raise RecordRefused(
-            f"{where}: {np.ma.count_masked(trace.data)} samples are masked (a gap); split the trace "
-            "(trace.split()) and take one part"
-        )
+        advice = "split the trace (trace.split()) and take one part"
+        raise RecordRefused(f"{where}: {np.ma.count_masked(trace.data)} samples are masked (a gap); {advice}")
     if stats.calib != 1.0 and factor is None:
         raise RecordRefused(
             f"{where}: stats.calib is {stats.calib:g}, and obspy does not say per what; multiply the data yourself and "
@@ -137,10 +135,8 @@ def from_trace(
     # A line of stats.processing is such as "ObsPy 1.5.1: integrate(...)".
     changed = [step for step in _steps(stats) if {*re.findall(r":\s*(\w+)\(", step)[:1]} & _CHANGES_UNIT]
     if changed and (units is None or units == "counts"):
-        raise UnitError(
-            f"{where}: the values are no longer what they were: {changed[0]}; say which unit of acceleration they "
-            f"have, one of {', '.join(UNITS)}"
-        )
+        asked = f"say which unit of acceleration they have, one of {', '.join(UNITS)}"
+        raise UnitError(f"{where}: the values are no longer what they were: {changed[0]}; {asked}")
     kept = stats.get("rockpulse")
     if kept is None:
         ReadOptions(response=response)  # refuses a way that is none
@@ -282,24 +278,18 @@ class Plugin:
         response: str = "sensitivity",
         **others: Any,
     ) -> obspy.Stream:
-        """Read every channel of a file into an obspy Stream in m/s2; see `rockpulse.to_trace`.
-
-        `headonly` leaves the samples out; obspy itself applies the times afterwards; `units`, `dt` and `response` are
-        those of `rockpulse.read`. Options of other formats are ignored, as obspy's own readers do, and logged.
-        """
+        """Read every channel of a file into an obspy Stream in m/s2, with the options of `rockpulse.read`."""
+        # obspy itself applies the times afterwards; options of other formats are ignored, as its own readers do.
         import obspy
 
         if others:
-            logger.warning(
-                "%s: obspy.read has options that are not of this format: %s", self.row.name, ", ".join(others)
-            )
+            told = "%s: obspy.read has options that are not of this format: %s"
+            logger.warning(told, self.row.name, ", ".join(others))
         options = ReadOptions(units, dt, response)
         source: SourceFile = open_source(Path(file)) if isinstance(file, str | os.PathLike) else open_stream(file)
         if not self.row.detect(source.head, source.name):
-            raise RecordFormatError(
-                f"{source.name}: expected {self.row.what} (recognised by {self.row.recognised}); "
-                "leave the format out, or name the right one"
-            )
+            expected, advice = f"{self.row.what} (recognised by {self.row.recognised})", "or name the right one"
+            raise RecordFormatError(f"{source.name}: expected {expected}; leave the format out, {advice}")
         traces = [to_trace(record) for record in self.row.read(source, options)]
         return obspy.Stream([obspy.Trace(header=trace.stats) for trace in traces] if headonly else traces)
 

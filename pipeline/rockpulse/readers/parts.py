@@ -15,8 +15,7 @@ from rockpulse.readers.source import SourceFile
 from rockpulse.record.record import BETWEEN, Record, distinct_ids, record_id
 from rockpulse.remark import Remark, code_of, find
 
-#: Largest gap or overlap between two parts, in steps; printed times are rounded.
-_STEP_SHARE = 0.25
+_STEP_SHARE = 0.25  # largest gap or overlap between two parts, in steps; printed times are rounded
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,15 +41,15 @@ class PartRule:
         if not name:
             return records
         times, note = self.first_times(file), Remark("part_of_record", part=int(name[2]))
-        return [_part(record, times[record.component], file.path.stem, name).with_warning(note) for record in records]
-
-
-def _part(record: Record, first_time: float, stem: str, name: re.Match[str]) -> Part:
-    start = later(record.start_time, first_time)
-    codes = (record.network, record.station, record.location, record.channel)
-    known = {item.name: getattr(record, item.name) for item in fields(record)}
-    known |= {"start_time": start, "id": record_id(*codes, start, stem, 1)}
-    return Part(**known, whole=name[1], part=int(name[2]), first_time=first_time)
+        parts = []
+        for record in records:
+            first_time = times[record.component]
+            start = later(record.start_time, first_time)
+            codes = (record.network, record.station, record.location, record.channel)
+            known = {item.name: getattr(record, item.name) for item in fields(record)}
+            known |= {"start_time": start, "id": record_id(*codes, start, file.path.stem, 1)}
+            parts.append(Part(**known, whole=name[1], part=int(name[2]), first_time=first_time).with_warning(note))
+        return parts
 
 
 def sample_digest(record: Record) -> str:
@@ -63,10 +62,7 @@ def sample_digest(record: Record) -> str:
 def settled(
     records: Sequence[Record], digest: Callable[[Record], str]
 ) -> tuple[list[tuple[Record, tuple[Record, ...]]], list[Failure]]:
-    """Each content once, cut records joined, sorted by path and channel, with the given records that each is made of.
-
-    `digest` gives equal texts for records of equal samples; records whose content another one has are returned as rows.
-    """
+    """Each content once, as `digest` tells, cut records joined, sorted, with the records each is made of; copies."""
     kept, duplicates = _without_duplicates(sorted(records, key=_place), digest)
     whole = sorted(whole_records(kept), key=lambda item: _place(item[0]))
     named = distinct_ids([record for record, _ in whole])
@@ -84,7 +80,7 @@ def _without_duplicates(
     alike: dict[str, list[Record]] = defaultdict(list)
     for record in records:
         alike[digest(record)].append(record)
-    first_of: dict[int, Record] = {}
+    copies: dict[int, Failure] = {}
     for group in alike.values():
         kept: list[Record] = []
         group.sort(key=lambda one: (one.orientation == "unknown", one.start_time is None, not one.event))
@@ -92,19 +88,11 @@ def _without_duplicates(
             first = next((one for one in kept if _same_motion(one, record)), None)
             if first is None:
                 kept.append(record)
-            else:
-                first_of[id(record)] = first
-    failures = [
-        Failure(
-            record.source,
-            "read",
-            f"channel {record.channel}: same samples and interval as {first.id} of {first.source}",
-            "duplicate",
-        )
-        for record in records
-        if (first := first_of.get(id(record))) is not None
-    ]
-    return [record for record in records if id(record) not in first_of], failures
+                continue
+            told = f"channel {record.channel}: same samples and interval as {first.id} of {first.source}"
+            copies[id(record)] = Failure(record.source, "read", told, "duplicate")
+    failures = [copies[id(record)] for record in records if id(record) in copies]
+    return [record for record in records if id(record) not in copies], failures
 
 
 def _same_motion(one: Record, other: Record) -> bool:
@@ -122,18 +110,17 @@ def _same_motion(one: Record, other: Record) -> bool:
 def whole_records(records: Sequence[Record]) -> list[tuple[Record, tuple[Record, ...]]]:
     """Join the parts of records that were cut into files; each record beside those that it is made of, in their order.
 
-    The others come first, then the parts: joined where parts 1, 2, ... of one file name and station hold the same
-    channels and each begins one step behind the last sample of the one before, by the columns of times or by the
-    clocks. Else they stay apart, with a warning. Only the number of samples is used.
+    Parts 1, 2, ... of one file name and station, which come last, are joined if they hold the same channels and each
+    begins one step behind the one before, by the columns of times or by the clocks. Else they get a warning.
     """
-    result: list[tuple[Record, tuple[Record, ...]]] = [
-        (record, (record,)) for record in records if not isinstance(record, Part)
-    ]
+    result: list[tuple[Record, tuple[Record, ...]]] = []
     groups: dict[tuple[str, str], dict[str, list[Part]]] = {}
     for record in records:
         if isinstance(record, Part):
             files = groups.setdefault((record.whole.lower(), record.station_name), {})
             files.setdefault(record.source, []).append(record)
+        else:
+            result.append((record, (record,)))
     for files in groups.values():
         parts = sorted(files.values(), key=lambda part: part[0].part)
         fault = _fault(parts)
@@ -160,10 +147,8 @@ def _fault(parts: Sequence[Sequence[Part]]) -> str:
             if one.start_time and other.start_time:
                 clock = (other.start_time - one.start_time).total_seconds()
             if min(abs(offset - expected), abs(clock - expected)) > _STEP_SHARE * one.dt:
-                return (
-                    f"not joined: part {other.part} begins {offset:g} s after part {one.part} (channel {one.channel}), "
-                    f"expected {expected:g} s"
-                )
+                found = f"part {other.part} begins {offset:g} s after part {one.part} (channel {one.channel})"
+                return f"not joined: {found}, expected {expected:g} s"
     return ""
 
 

@@ -74,8 +74,16 @@ class SourceFile:
 
     @cached_property
     def _coding(self) -> str:
-        """The encoding that a byte-order mark tells, or an empty text."""
-        return _marked_coding(self.head)
+        """The encoding that a byte-order mark tells, or an empty text; binary data that begin like one are no text."""
+        if self.head.startswith(codecs.BOM_UTF8):
+            return "utf-8-sig"
+        if not self.head.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
+            return ""
+        try:
+            text = codecs.getincrementaldecoder("utf-16")().decode(self.head)
+        except UnicodeDecodeError:
+            return ""
+        return "" if "\x00" in text else "utf-16"
 
     @cached_property
     def _bytes(self) -> bytes:
@@ -109,19 +117,6 @@ class SourceFile:
         return path.with_suffix("") if path.suffix.lower() == ".gz" and path.stem else path
 
 
-def _marked_coding(head: bytes) -> str:
-    """The encoding that a byte-order mark at the beginning tells; binary data that begin like one are no text."""
-    if head.startswith(codecs.BOM_UTF8):
-        return "utf-8-sig"
-    if not head.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
-        return ""
-    try:
-        text = codecs.getincrementaldecoder("utf-16")().decode(head)
-    except UnicodeDecodeError:
-        return ""
-    return "" if "\x00" in text else "utf-16"
-
-
 def _plain_text(content: bytes, coding: str) -> bytes:
     return content.decode(coding, errors="replace").encode() if coding else content
 
@@ -138,10 +133,8 @@ def archive_kind(head: bytes) -> str:
 def _refuse_archive(name: str, head: bytes, inside: str = "") -> None:
     kind = archive_kind(head)
     if kind == "a zip archive" and not inside:
-        raise RecordRefused(
-            f"{name}: a zip archive may hold many records; read it with rockpulse.read_all, or give it to "
-            "'rockpulse assess' or 'rockpulse convert'"
-        )
+        advice = "read it with rockpulse.read_all, or give it to 'rockpulse assess' or 'rockpulse convert'"
+        raise RecordRefused(f"{name}: a zip archive may hold many records; {advice}")
     if kind:
         raise RecordRefused(f"{name}: {kind}{inside}; unpack it first")
 
@@ -186,9 +179,8 @@ def _folder_file(folder: Path) -> Neighbour:
 def check_link(path: Path) -> None:
     """Raise FileNotFoundError with the missing target of a symbolic link; the system would only name the link."""
     if path.is_symlink() and not path.exists():
-        raise FileNotFoundError(
-            f"{path}: the symbolic link points nowhere, {path.readlink()} does not exist; mend the link or remove it"
-        )
+        found = f"the symbolic link points nowhere, {path.readlink()} does not exist"
+        raise FileNotFoundError(f"{path}: {found}; mend the link or remove it")
 
 
 def open_source(path: Path, station_files: StationFiles | None = None) -> SourceFile:
@@ -196,9 +188,8 @@ def open_source(path: Path, station_files: StationFiles | None = None) -> Source
     name = str(path)
     check_link(path)
     if path.is_dir():
-        raise IsADirectoryError(
-            f"{name}: a folder; read it with rockpulse.readers.folders.read_all, or name a file in it"
-        )
+        advice = "read it with rockpulse.readers.folders.read_all, or name a file in it"
+        raise IsADirectoryError(f"{name}: a folder; {advice}")
     check_regular(path, RecordRefused)
     with path.open("rb") as stream:
         compressed = stream.read(len(_GZIP)) == _GZIP
@@ -211,13 +202,8 @@ def open_source(path: Path, station_files: StationFiles | None = None) -> Source
     if not head:
         raise RecordFormatError(f"{name}: the file is empty; download it again")
     _refuse_archive(name, head, " in a gzip file" if compressed else "")
-    return SourceFile(
-        name,
-        head,
-        lambda: _check_size(name, take(FILE_LIMIT + 1)),
-        station_files or (lambda: folder_station_files(path.parent)),
-        beside=_folder_file(path.parent),
-    )
+    stations, beside = station_files or (lambda: folder_station_files(path.parent)), _folder_file(path.parent)
+    return SourceFile(name, head, lambda: _check_size(name, take(FILE_LIMIT + 1)), stations, beside=beside)
 
 
 def open_stream(stream: BinaryIO) -> SourceFile:
@@ -230,10 +216,8 @@ def open_stream(stream: BinaryIO) -> SourceFile:
     while len(content) <= FILE_LIMIT:  # a pipe gives what it has
         part = stream.read(FILE_LIMIT + 1 - len(content))
         if not isinstance(part, bytes):
-            raise TypeError(
-                f"{name}: expected a file opened in binary mode, open(path, 'rb'), found one that gives "
-                f"{type(part).__name__}"
-            )
+            found = f"found one that gives {type(part).__name__}"
+            raise TypeError(f"{name}: expected a file opened in binary mode, open(path, 'rb'), {found}")
         if not part:
             break
         content += part
@@ -245,7 +229,5 @@ def open_stream(stream: BinaryIO) -> SourceFile:
     _refuse_archive(name, content[:HEAD], " in a gzip file" if compressed else "")
     if not Path(name).is_file():
         return SourceFile(name, content[:HEAD], lambda: content)
-    folder = Path(name).parent
-    return SourceFile(
-        name, content[:HEAD], lambda: content, lambda: folder_station_files(folder), beside=_folder_file(folder)
-    )
+    folder, head = Path(name).parent, content[:HEAD]
+    return SourceFile(name, head, lambda: content, lambda: folder_station_files(folder), beside=_folder_file(folder))

@@ -25,8 +25,7 @@ _STATE = {True: "CORRECTED", False: "UNCORRECTED", None: "ACCELERATION"}
 #: Smaller values [g] have an exponent of three digits, which no field of 15 characters has room for.
 _SMALLEST = 1e-99
 _SEED_CHANNEL = re.compile(r"[A-Z][HLGMN][A-Z0-9]", re.ASCII)
-#: Degrees by which a sensor called N or E may be off, by the rules of SEED.
-_SEED_OFF = 5.0
+_SEED_OFF = 5.0  # degrees by which a sensor called N or E may be off, by the rules of SEED
 
 
 def _text(words: str) -> str:
@@ -63,10 +62,8 @@ def _facing(record: Record) -> str:
 
 
 def at2_bytes(record: Record) -> bytes:
-    """One record as PEER AT2, in g, five numbers of eight digits in a row, under ``event, date, station, component``.
-
-    The date is that of the event, by its name or its origin time, or of the first sample where neither is known.
-    """
+    """One record as PEER AT2, in g, five numbers of eight digits a row, under ``event, date, station, component``."""
+    # The date is that of the event, by its name or its origin time, or else of the first sample.
     event = _text(record.event)
     if not _DATED.fullmatch(event):
         event = event.replace(",", ";")
@@ -121,9 +118,7 @@ def miniseed_bytes(
 def seed_codes(records: Sequence[Record], beside: Sequence[tuple[str, bytes]] = ()) -> list[tuple[str, str, str, str]]:
     """Network, station, location and channel codes as SEED has room for, each set of four once.
 
-    A channel without a code of SEED, or with one of another direction, gets one by its rate and direction. Where codes
-    meet, in the file or in a StationXML `beside` it that contradicts them at an overlapping time, the location counts
-    up.
+    The location counts up if codes meet, in the file or in a StationXML that contradicts them at an overlapping time.
     """
     taken: set[tuple[str, str, str, str]] = set()
     result = []
@@ -133,19 +128,12 @@ def seed_codes(records: Sequence[Record], beside: Sequence[tuple[str, bytes]] = 
         network, location = (code if len(code) <= 2 else "" for code in (network, location))
         tries = [(network, station, location, channel) for channel in _channel_codes(record)]
         tries += [(network, station, f"{number:02d}", tries[0][3]) for number in range(100)]
-        free = next(
-            (
-                code
-                for code in tries
-                if code not in taken and not told_otherwise(beside, *code[:2], _station_channel(record, *code[2:]))
-            ),
-            None,
-        )
-        if free is None:
-            raise RecordRefused(
-                f"{record.id}: more than 100 records share the codes {network}.{station}..{tries[0][3]} of miniSEED; "
-                "convert fewer at a time, or into another folder"
-            )
+        for free in (code for code in tries if code not in taken):
+            if not told_otherwise(beside, *free[:2], _station_channel(record, *free[2:])):
+                break
+        else:
+            found = f"more than 100 records share the codes {network}.{station}..{tries[0][3]} of miniSEED"
+            raise RecordRefused(f"{record.id}: {found}; convert fewer at a time, or into another folder")
         taken.add(free)
         result.append(free)
     return result
@@ -165,9 +153,8 @@ def _channel_codes(record: Record) -> list[str]:
         if named.orientation == "unknown" or (named.orientation == lies and told):
             return [record.channel]
     rate = 1.0 / record.dt
-    band = next(
-        letter for letter, least in (("C", 250.0), ("H", 80.0), ("B", 10.0), ("M", 1.0), ("L", 0.0)) if rate >= least
-    )
+    bands = (("C", 250.0), ("H", 80.0), ("B", 10.0), ("M", 1.0), ("L", 0.0))
+    band = next(letter for letter, least in bands if rate >= least)
     if lies == "vertical":
         return [f"{band}NZ"]
     for letter, axis in (("N", 0.0), ("E", 90.0)):
@@ -209,11 +196,9 @@ def _inventory(records: Sequence[Record], codes: Sequence[tuple[str, str, str, s
     networks: dict[str, dict[str, Any]] = {}
     for record, (network, station, location, channel) in zip(records, codes, strict=True):
         stations = networks.setdefault(network, {})
-        if station not in stations:
-            stations[station] = Station(
-                station, **_place(record), site=Site(_printable(record.station_name) or station)
-            )
-        stations[station].channels.append(_station_channel(record, location, channel))
+        site = Site(_printable(record.station_name) or station)
+        place = stations.setdefault(station, Station(station, **_place(record), site=site))
+        place.channels.append(_station_channel(record, location, channel))
     return Inventory(
         [Network(code, stations=list(stations.values())) for code, stations in networks.items()],
         source=f"rockpulse {__version__}; unknown coordinates, and all elevations, are written as 0",

@@ -74,17 +74,6 @@ def test_a_member_or_file_beyond_the_size_limit_is_refused(tmp_path, monkeypatch
     assert all(f"{limit}" in failure.reason for failure in failures)
 
 
-def test_an_archive_beyond_its_total_size_or_number_of_members_is_refused(tmp_path, monkeypatch):
-    path = make_zip(tmp_path / "all.zip", **{"a.AT2": ONE, "b.AT2": TWO})
-    for limit, value, words in [("TOTAL_LIMIT", len(ONE), f"is {len(ONE)}; split"), ("MEMBER_LIMIT", 1, "is 1; split")]:
-        with monkeypatch.context() as patch:
-            patch.setattr(archive, limit, value)
-            records, (failure,) = read_all(path)
-        assert records == []
-        assert (failure.file, failure.kind) == (str(path), "failed")
-        assert words in failure.reason
-
-
 def test_members_that_share_their_bytes_are_refused(tmp_path):
     path = make_zip(tmp_path / "all.zip", **{"a.AT2": ONE, "b.AT2": TWO})
     with zipfile.ZipFile(path) as source:
@@ -110,19 +99,6 @@ def test_an_archive_in_an_archive_is_known_whatever_its_name(tmp_path, content):
     assert "inside the archive; unpack the outer one first" in failure.reason
 
 
-def test_a_damaged_archive_and_a_damaged_member_are_rows(tmp_path):
-    (tmp_path / "bad.zip").write_bytes(b"PK\x03\x04 and no more")
-    path = make_zip(tmp_path / "half.zip", **{"a.AT2": ONE, "b.AT2": TWO})
-    content = bytearray(path.read_bytes())
-    content[200:210] = bytes(10)
-    path.write_bytes(content)
-    records, failures = read_all(tmp_path)
-    assert ids(records) == ["b.090"]
-    assert [failure.kind for failure in failures] == ["failed"] * 2
-    assert "damaged zip archive" in failures[0].reason
-    assert "half.zip!a.AT2" in failures[1].reason
-
-
 def test_an_encrypted_member_is_refused(tmp_path):
     path = make_zip(tmp_path / "all.zip", **{"a.AT2": ONE})
     content = path.read_bytes()
@@ -145,16 +121,6 @@ def test_any_damage_to_an_archive_is_a_row(tmp_path):
         (tmp_path / "all.zip").write_bytes(damaged)
         records, failures = read_all(tmp_path)
         assert records or failures
-
-
-def test_miniseed_in_an_archive_finds_its_station_file(tmp_path, records_folder):
-    beside = records_folder / "mseed_xml"
-    with zipfile.ZipFile(tmp_path / "all.zip", "w", zipfile.ZIP_DEFLATED) as target:
-        target.write(beside / "CI.WCS2..HNE.mseed", "data/CI.WCS2..HNE.mseed")
-        target.write(beside / "CI.WCS2.xml", "data/CI.WCS2.xml")
-    (record,), failures = read_all(tmp_path / "all.zip")
-    assert record.unit_factor == 1.0 / 213757.0
-    assert failures == []
 
 
 def entry(name="a.AT2", offset=0, packed=10, size=10):

@@ -1,9 +1,4 @@
-"""Which files a pattern of the options of reading chooses.
-
-Unit and interval of some files, by patterns of their paths.
-
-The format samples that come with the project: what the generator writes, and what the readers find in them.
-"""
+"""Which files a pattern of the options of reading chooses."""
 
 import gzip
 import io
@@ -19,7 +14,7 @@ from rockpulse.errors import ConfigError, RockpulseError
 from rockpulse.readers import FORMATS as READERS
 from rockpulse.readers import read
 from rockpulse.readers.folders import read_all
-from rockpulse.readers.format import FileSettings, ReadOptions, same_step
+from rockpulse.readers.format import FileSettings, ReadOptions
 from rockpulse.readers.source import HEAD
 from rockpulse.record.record import STANDARD_GRAVITY, Record
 
@@ -54,22 +49,10 @@ def test_an_interval_that_is_none_is_refused(dt):
         ReadOptions(dt=dt)
 
 
-def test_a_row_is_held_against_what_the_file_says_of_that_property_alone():
-    record = Record([0.0, 1.0, 0.0], dt=0.01, id="x", source="x.v1", source_unit="g")
-    ReadOptions(files=(FileSettings(match="*", dt=0.01),)).check([record])
-    ReadOptions(files=(FileSettings(match="*", units="g"),)).check([record])
-    for row in (FileSettings(match="*", dt=0.02), FileSettings(match="*", units="cm/s2")):
-        with pytest.raises(RockpulseError, match=r"x\.v1: "):
-            ReadOptions(files=(row,)).check([record])
-
-
 @pytest.mark.parametrize(
     ("unit", "dt", "fits"),
     [
-        ("gal", None, True),
-        ("mm/s2", None, False),
-        (None, 0.01001, True),
-        (None, 0.0100101, False),
+        *[("gal", None, True), ("mm/s2", None, False), (None, 0.01001, True), (None, 0.0100101, False)],
         (None, 0.0099, False),
     ],
 )
@@ -81,10 +64,6 @@ def test_a_row_may_spell_a_unit_otherwise_and_print_fewer_digits(unit, dt, fits)
         return
     with pytest.raises(RockpulseError, match=r"x\.v1: the file states .*correct the wrong one, or the pattern"):
         options.check([record])
-
-
-def test_intervals_of_few_digits_are_one():
-    assert [same_step(steps) for steps in ([1.0, 1.001], [1.0011, 1.0], [0.5])] == [True, False, True]
 
 
 def test_the_options_of_one_file_are_those_of_the_last_row_that_gives_them():
@@ -190,19 +169,6 @@ def test_a_file_that_states_something_else_than_its_pattern_fails(bare, given, w
     assert [row.kind for row in failures] == ["failed"]
     assert words in failures[0].reason
     assert "--" not in failures[0].reason
-
-
-def test_a_heading_that_states_something_else_names_the_pattern_and_no_option(tmp_path):
-    table = "time (s),acc (cm/s2)\n" + "".join(f"{0.01 * k:.2f},{v:.6f}\n" for k, v in enumerate(pulse(peak=0.3)))
-    (tmp_path / "a.csv").write_text(table)
-    for given, words in (
-        ({"units": "g"}, 'is headed cm/s2, [[records.file]] match = "*.csv" says g; correct the wrong one, or the pat'),
-        ({"dt": 0.02}, '0.02 s ([[records.file]] match = "*.csv"); correct the wrong one, or the pattern'),
-    ):
-        found, failures = read_in(tmp_path, FileSettings(match="*.csv", **given))
-        assert found == {}
-        assert words in failures[0].reason
-    assert read_in(tmp_path, FileSettings(match="*.csv", units="gal", dt=0.01))[1] == []
 
 
 #: obspy may write these in other bytes one day; their content is compared instead.

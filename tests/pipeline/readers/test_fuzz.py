@@ -1,7 +1,4 @@
-"""A short run of the fuzzer, always the same; `make fuzz` is the long one.
-
-The kept inputs of the coverage-guided fuzzer on the readers; `make fuzz` makes more where atheris is installed.
-"""
+"""A short run of the fuzzer, always the same; `make fuzz` is the long one."""
 
 from collections import Counter
 from dataclasses import replace
@@ -65,10 +62,8 @@ def say_nothing(file, options):
 @pytest.mark.parametrize(
     ("reader", "words"),
     [
-        (break_promises, "expected a positive interval"),
-        (raise_key_error, "KeyError: 'NPTS'"),
-        (divide, "RuntimeWarning: divide by zero"),
-        (never_end, "more than 0.05 s"),
+        *[(break_promises, "expected a positive interval"), (raise_key_error, "KeyError: 'NPTS'")],
+        *[(divide, "RuntimeWarning: divide by zero"), (never_end, "more than 0.05 s")],
         (say_nothing, "an error that does not name the file: RecordFormatError()"),
         (lambda file, options: [], "no record and no error"),
     ],
@@ -106,16 +101,3 @@ def test_every_sample_is_a_seed_that_keeps_the_promises():
     assert {seed[1:] for seed in seeds} == set(samples.values())
     assert not [found for seed in seeds if (found := fuzz_inputs.fault(seed))]
     assert max(map(len, seeds)) <= fuzz_inputs.LONGEST
-
-
-def test_a_broken_promise_is_seen(monkeypatch):
-    seed = fuzz_inputs.seeds()[0]
-
-    def raise_key_error(file, options):
-        raise KeyError("NPTS")
-
-    monkeypatch.setattr(fuzz_inputs, "read_source", raise_key_error)
-    assert "KeyError: 'NPTS'" in fuzz_inputs.fault(seed)
-    monkeypatch.setattr(fuzz_inputs, "read_source", lambda file, options: [])
-    assert fuzz_inputs.fault(seed) == "no record and no error"
-    assert fuzz_inputs.fault(seed[:1]) == ""

@@ -201,17 +201,6 @@ def test_the_largest_file_is_read_and_a_larger_one_is_refused(tmp_path, monkeypa
     assert [beside(name) for name in ("0.xml", "1.xml", "none.xml", "folder.xml")] == [whole, None, None, None]
 
 
-def test_office_documents_are_no_archives():
-    def packed(name):
-        content = io.BytesIO()
-        with zipfile.ZipFile(content, "w") as target:
-            target.writestr(name, "text")
-        return content.getvalue()
-
-    assert source.archive_kind(packed("mimetype")) == source.archive_kind(packed("[Content_Types].xml")) == ""
-    assert source.archive_kind(packed("a.AT2")) == "a zip archive"
-
-
 def test_the_path_of_a_file_is_its_last_part_without_gz():
     def path(name):
         return str(source.SourceFile(name, b"", bytes).path)
@@ -230,7 +219,5 @@ def test_a_symbolic_link_is_followed_and_one_that_points_nowhere_is_named(tmp_pa
         (tmp_path / f"{name}.link").symlink_to(tmp_path / f"{name}.AT2")
     assert source.open_source(tmp_path / "a.link").content == ONE
     assert not source.open_source(tmp_path / "a.AT2").chosen
-    with pytest.raises(
-        FileNotFoundError, match=r"none.link: the symbolic link points nowhere, .*none.AT2 does not exist"
-    ):
+    with pytest.raises(FileNotFoundError, match=r"none.link: the symbolic link .*none.AT2 does not exist"):
         source.open_source(tmp_path / "none.link")

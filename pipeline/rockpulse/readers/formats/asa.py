@@ -1,8 +1,7 @@
 """Standard acceleration files of Mexico (ASA: Instituto de Ingeniería UNAM, CIRES, other members of the SMIS).
 
-109 lines of header, ``KEY : value``, in Spanish with or without accents in any encoding; what belongs to channels is a
-list such as ``/V/N90E/N00E``. Then a line of channel numbers, one of directions, and rows of accelerations [gal] in
-fields of 10 characters, without the offset.
+109 lines ``KEY : value`` in any encoding; what belongs to channels is a list such as ``/V/N90E/N00E``. Then numbers and
+directions of the channels, and rows of accelerations [gal] in fields of 10 characters, without the offset.
 """
 
 import re
@@ -15,8 +14,6 @@ import numpy as np
 
 from rockpulse.readers import kit
 from rockpulse.readers.format import Format, ReadOptions, begins_with
-from rockpulse.readers.source import SourceFile
-from rockpulse.record.record import Record
 
 # The accents come in one byte, in two, or not at all.
 _TITLE = re.compile(r"[^\0]{0,2000}?ARCHIVO EST.{0,2}NDAR DE ACELERACI", re.ASCII | re.IGNORECASE)
@@ -30,8 +27,7 @@ _UTC = re.compile(r"GMT|UTC|TMG", re.IGNORECASE)
 _ON_STRUCTURE = re.compile(r"\b(?:azotea|s.{1,2}tano|entrepiso|cortina|corona|piso\s+\d+|nivel\s+\d+)\b", re.IGNORECASE)
 _DOUBTFUL = re.compile(r"incomplet|incorrect|sin tiempo|falla|no\s", re.IGNORECASE)
 _FIELD = 10
-#: Lines of the header.
-_LONGEST_HEADER = 300
+_LONGEST_HEADER = 300  # lines of the header
 
 
 class _Header:
@@ -75,9 +71,8 @@ class _Header:
     def continued(self, key: str, more: int) -> str:
         """The value of a line and of up to `more` lines without a key behind it, in one line."""
         _, value, first = self.entry(key)
-        return " ".join(
-            [value, *(text for blank, text, at in self.entries if first < at <= first + more and not blank)]
-        )
+        further = (text for blank, text, at in self.entries if first < at <= first + more and not blank)
+        return " ".join([value, *further])
 
     def below(self, title: str) -> str:
         """The text under a heading, up to the next rule, in one line."""
@@ -97,7 +92,7 @@ def _consonants(text: str) -> str:
     return re.sub(r"[^B-DF-HJ-NP-TV-Z0-9]", "", text[:80].upper())
 
 
-def read_asa(file: SourceFile, options: ReadOptions) -> list[Record]:
+def read_asa(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
     """Read every channel; the options are not used, because the format states everything."""
     lines = kit.text_lines(file.content)
     header, numbers, words, first = _header(file.name, lines)
@@ -112,7 +107,12 @@ def read_asa(file: SourceFile, options: ReadOptions) -> list[Record]:
     columns, notes = _columns(file.name, lines, first, width, counts)
     steps = _steps(header, numbers)
     peaks = header.each("ACEL. MAX.(Gal),", numbers)
-    held = _held(header, numbers, columns, steps)
+    lasting, largest = header.each("DURACION DEL REGISTRO (s),", numbers), header.each("ACEL. MAX.,", numbers)
+    held = []
+    for samples, step, duration, at in zip(columns, steps, lasting, largest, strict=True):
+        time = f"{step * (float(at) - 1.0):.10g}" if at else ""
+        found = kit.held_peak_time(time, step * np.arange(samples.size), samples)
+        held.append(kit.held_length(duration, samples.size, step) + found)
     declared = header.text("NUMERO DE CANALES").strip()
     if declared.isdecimal() and int(declared) != len(numbers):
         notes.append(f"the header states {declared[:9]} channels, the file has {len(numbers)} columns")
@@ -207,19 +207,6 @@ def _steps(header: _Header, numbers: Sequence[int]) -> list[float]:
     return found
 
 
-def _held(
-    header: _Header, numbers: Sequence[int], columns: Sequence[np.ndarray], steps: Sequence[float]
-) -> list[list[str]]:
-    """Warnings for each channel where its duration, or the number of its largest sample, contradicts the samples."""
-    lasting, largest = header.each("DURACION DEL REGISTRO (s),", numbers), header.each("ACEL. MAX.,", numbers)
-    notes = []
-    for samples, step, duration, at in zip(columns, steps, lasting, largest, strict=True):
-        time = f"{step * (float(at) - 1.0):.10g}" if at else ""
-        found = kit.held_peak_time(time, step * np.arange(samples.size), samples)
-        notes.append(kit.held_length(duration, samples.size, step) + found)
-    return notes
-
-
 def _base(word: str) -> str:
     """A direction without its sense, which follows a semicolon."""
     return word.partition(";")[0].strip().upper()
@@ -269,7 +256,6 @@ ASA = Format(
     what="ASA 2.0 (Mexico: UNAM, CIRES)",
     recognised="'ARCHIVO ESTANDAR DE ACELERACION' in the header",
     unit="gal, from the header",
-    processed="no",
     example="CUP50401.012",
     detect=begins_with(_TITLE, 2100),
     parse=read_asa,

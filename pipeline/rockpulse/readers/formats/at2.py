@@ -1,23 +1,19 @@
 """PEER AT2 files: a few header lines, then the acceleration in g, equally spaced.
 
-The database puts a list beside the files, ``_SearchResults.csv``: a row of headings, then one row for each record with
-the names of its files. Rjb and Rrup in it are distances to the rupture, not to the epicentre, and are not used.
+The database puts a list beside the files, ``_SearchResults.csv``, with the names of the files of each record; its Rjb
+and Rrup are distances to the rupture, not to the epicentre, and are not used.
 """
 
 import csv
 import re
 from collections.abc import Sequence
 from functools import lru_cache
-from typing import NamedTuple
 
 import numpy as np
 
 from rockpulse.errors import RecordFormatError, RockpulseError, UnitError
 from rockpulse.readers import kit
 from rockpulse.readers.format import Format, ReadOptions
-from rockpulse.readers.kit.table import end_of_numbers
-from rockpulse.readers.source import SourceFile
-from rockpulse.record.record import Record
 
 _HEADER_LIMIT = 10
 # 5,000 is five thousand; 1/200 is no number.
@@ -51,18 +47,16 @@ _WRITTEN = re.compile(r"(\w+) RECORD( ON A STRUCTURE)?, WRITTEN BY ROCKPULSE")
 _PEER = re.compile(r"\bPEER\b|\bNGA\b|\bSTRONG[\s-]MOTION DATA(?:BASE)?\b", re.IGNORECASE)
 _VALUE = re.compile(r"\s*[+-]?\.?\d")
 _WIDTHS = (15, 10, 16, 12, 8)
-_LIST, _LIST_BEGINS = "_SearchResults.csv", "record sequence number"
+_LIST, _LIST_BEGINS, _UNLISTED = "_SearchResults.csv", "record sequence number", ("", "", "", "")
 
 
 def _header_end(lines: Sequence[str]) -> int | None:
     """Index of the line that holds the number of points and the interval."""
-    for index, line in enumerate(lines[:_HEADER_LIMIT]):
-        line = line[: kit.LONGEST_LINE]
-        if _NAMES_BOTH[0].search(line):
+    above = ""
+    for index, line in enumerate(text[: kit.LONGEST_LINE] for text in lines[:_HEADER_LIMIT]):
+        if _NAMES_BOTH[0].search(line) or (_BARE.fullmatch(line) and _SERIES.search(above) and _UNIT.search(above)):
             return index
-        above = lines[index - 1][: kit.LONGEST_LINE] if index else ""
-        if _BARE.fullmatch(line) and _SERIES.search(above) and _UNIT.search(above):
-            return index
+        above = line
     return None
 
 
@@ -80,7 +74,7 @@ def is_at2(head: bytes, name: str) -> bool:
     return _names_both(kit.text_lines(head[:2000])) is not None
 
 
-def read_at2(file: SourceFile, options: ReadOptions) -> list[Record]:
+def read_at2(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
     """Read the one channel of the file; the unit of `options` is used only if the header states none."""
     lines = kit.text_lines(file.content)
     end = _names_both(lines)
@@ -112,7 +106,7 @@ def read_at2(file: SourceFile, options: ReadOptions) -> list[Record]:
     processed = True if _PEER.search(header[0]) else None
     if written:
         processed = {"CORRECTED": True, "UNCORRECTED": False}.get(written[1])
-    found, notes = listed(file)
+    (listed_event, listed_station, magnitude, vs30), notes = _listed(file)
     return [
         kit.build_record(
             file,
@@ -124,10 +118,10 @@ def read_at2(file: SourceFile, options: ReadOptions) -> list[Record]:
             component=component,
             # PEER drops leading zeros: 9 is an azimuth here, elsewhere the number of a channel.
             facing=kit.direction(component.zfill(3)) if component.isdecimal() else None,
-            station_name=station or found.station_name,
-            event=", ".join(title[:event]) or found.event,
-            magnitude=(found.magnitude, ""),
-            vs30=found.vs30,
+            station_name=station or listed_station,
+            event=", ".join(title[:event]) or listed_event,
+            magnitude=(magnitude, ""),
+            vs30=vs30,
             warnings=[*warnings, *behind, *notes],
         )
     ]
@@ -135,15 +129,13 @@ def read_at2(file: SourceFile, options: ReadOptions) -> list[Record]:
 
 def _numbers_stop(name: str, lines: Sequence[str], first: int, count: int) -> tuple[int, list[str]]:
     """Index of the line behind the numbers, and a warning for numbers behind words; a second header is refused."""
-    stop = end_of_numbers(lines, first)
+    stop = kit.end_of_numbers(lines, first)
     if stop == len(lines) or sum(len(line.split()) for line in lines[first:stop]) < count:
         return len(lines), []
     behind = lines[stop:]
     if _header_end(behind) is not None:
-        raise RecordFormatError(
-            f"{name}:{stop + 1}: expected the end of the file, found {behind[0][:60].strip()!r}, the beginning of "
-            "another record; write each record into a file of its own"
-        )
+        found, advice = f"{behind[0][:60].strip()!r}, the beginning of another record", kit.OWN_FILE
+        raise kit.unexpected(f"{name}:{stop + 1}", "the end of the file", found, advice)
     rows = sum(bool(_VALUE.match(line)) for line in behind)
     found = f"line {stop + 1}: the numbers stop at {behind[0][:60].strip()!r}; {rows} rows of numbers behind it"
     return stop, [f"{found} were left out"] if rows else []
@@ -213,29 +205,20 @@ def _by_width(name: str, block: Sequence[str], first: int, count: int) -> np.nda
     return None
 
 
-class Listed(NamedTuple):
-    """What PEER's list says of a record; fields as of `Record`."""
-
-    event: str = ""
-    station_name: str = ""
-    magnitude: str = ""
-    vs30: str = ""
-
-
-def listed(file: SourceFile) -> tuple[Listed, list[str]]:
-    """The row of a file in the list beside it, by its name, and a warning where there is a list that cannot be read."""
+def _listed(file: kit.SourceFile) -> tuple[tuple[str, str, str, str], list[str]]:
+    """The row of a file in the list beside it, see `_rows`, and a warning if there is a list that cannot be read."""
     try:
         content = file.beside(_LIST)
         rows = {} if content is None else _rows(content)
     except (RockpulseError, OSError) as fault:
-        return Listed(), [f"{_LIST} beside the file cannot be read, magnitude and Vs30 stay unknown: {fault}"]
-    return rows.get(file.path.name.lower(), Listed()), []
+        return _UNLISTED, [f"{_LIST} beside the file cannot be read, magnitude and Vs30 stay unknown: {fault}"]
+    return rows.get(file.path.name.lower(), _UNLISTED), []
 
 
 @lru_cache(maxsize=4)
-def _rows(content: bytes) -> dict[str, Listed]:
-    """The rows of the list by the names of their files, in lower letters; one list serves all files of a folder."""
-    found: dict[str, Listed] = {}
+def _rows(content: bytes) -> dict[str, tuple[str, str, str, str]]:
+    """Event, name of the station, magnitude, Vs30 by the names of the files, in lower letters, for all of a folder."""
+    found: dict[str, tuple[str, str, str, str]] = {}
     heads: list[str] = []
     try:
         for values in csv.reader(kit.text_lines(content), skipinitialspace=True):
@@ -249,7 +232,7 @@ def _rows(content: bytes) -> dict[str, Listed]:
             names = [value for head, value in entries.items() if "filename" in head.replace(" ", "")]
             vs30 = next((value for head, value in entries.items() if head.startswith("vs30")), "")
             event = " ".join(filter(None, (entries.get("earthquake name"), entries.get("year"))))
-            row = Listed(event, entries.get("station name", ""), entries.get("magnitude", ""), vs30)
+            row = (event, entries.get("station name", ""), entries.get("magnitude", ""), vs30)
             found |= {name.replace("\\", "/").rpartition("/")[2].lower(): row for name in names}
     except csv.Error as fault:
         raise RecordFormatError(f"{_LIST}: cannot be read as CSV: {fault}; download it again") from fault

@@ -1,7 +1,7 @@
 """BHRC volume 1 files of Iran (Building and Housing Research Center), uncorrected.
 
-Each channel has 13 lines of text, 7 of integers, 7 of reals and the accelerations in g/10, 10 fields of 13 characters;
-a line ``/&`` ends it. The azimuths of L and T stand in the line of the station. The time is that of the earthquake.
+Channels are as in `kit.csmip`, with accelerations in g/10, 10 fields of 13 characters. The azimuths of L and T stand in
+the line of the station. The time is that of the earthquake.
 """
 
 import re
@@ -12,8 +12,6 @@ import numpy as np
 from rockpulse.readers import kit
 from rockpulse.readers.format import Format, ReadOptions, begins_with
 from rockpulse.readers.kit.csmip import HEADER_LINES, TEXT_LINES, channels
-from rockpulse.readers.source import SourceFile
-from rockpulse.record.record import Record
 
 _TITLE = re.compile(r"\s*\*\s*vol1\w*\s+file\s*:", re.IGNORECASE)
 _WIDTH, _PER_ROW = 13, 10
@@ -26,11 +24,10 @@ _DEPTH = re.compile(r".*?\bFD\s*(\d{1,3}(?:\.\d{0,3})?)\s*km", re.ASCII | re.IGN
 _DURATION = re.compile(r".*?duration\s*=\s*(\d{1,6}(?:\.\d{0,9})?)", re.IGNORECASE)
 #: The stated duration, of the samples or of the steps between them, may be off by this many steps.
 _DURATION_STEPS = 2.0
-#: L and T are at right angles, within so many degrees.
-_SQUARE = 3.0
+_SQUARE = 3.0  # L and T are at right angles, within so many degrees
 
 
-def read_bhrc(file: SourceFile, options: ReadOptions) -> list[Record]:
+def read_bhrc(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
     """Read every channel; the options are not used, because the format states everything."""
     lines, spans, copies = channels(file, _TITLE, "* VOL1DS FILE:")
     records = [_channel(file, lines, span, number) for number, span in enumerate(spans, start=1)]
@@ -41,19 +38,23 @@ def read_bhrc(file: SourceFile, options: ReadOptions) -> list[Record]:
     azimuths = {record.component: record.azimuth for record in records}
     turn = abs(azimuths.get("T", np.nan) - azimuths.get("L", np.nan)) % 180.0
     if abs(turn - 90.0) > _SQUARE:  # NaN, of an unknown one, is not
-        units.append(
-            f"the azimuths of L and T, {azimuths['L']:g} and {azimuths['T']:g} degrees, are not at right angles"
-        )
+        which = f"{azimuths['L']:g} and {azimuths['T']:g} degrees"
+        units.append(f"the azimuths of L and T, {which}, are not at right angles")
     return kit.with_warnings(records, (*missing, *copies, *units))
 
 
-def _channel(file: SourceFile, lines: Sequence[str], span: kit.Span, number: int) -> Record:
+def _channel(file: kit.SourceFile, lines: Sequence[str], span: kit.Span, number: int) -> kit.Record:
     start, end = span
     kit.check_count(f"{file.name}:{end}", HEADER_LINES, end - start, f"header lines of channel {number}")
     header, first = [line[: kit.LONGEST_LINE] for line in lines[start : start + TEXT_LINES]], start + HEADER_LINES
     count = kit.declared_points(header[10], f"{file.name}:{start + 11}")
     unit = kit.pair_unit(header[11], f"{file.name}:{start + 12}")
-    step = _step(file.name, lines[start + 21], kit.matched(_DURATION, header[10]), start, count)
+    # Real 9, the rate: the rows of eight reals are cut short on paper's width; the ninth begins the second row.
+    rate = float(kit.fixed_width([lines[start + 21][:_WIDTH]], start + 22, _WIDTH, 1, 1, file.name)[0])
+    duration = kit.matched(_DURATION, header[10])
+    if not rate > 0.0 or (duration and abs(float(duration) * rate - count) > _DURATION_STEPS):
+        expected = f"the samples per s of {count} points in {duration or 'an unknown number of'} s"
+        raise kit.unexpected(f"{file.name}:{start + 22}", expected, f"{rate:g}")
     samples, notes = kit.fixed_block(file.name, lines, (first, end), _WIDTH, _PER_ROW, count)
     component = kit.matched(_COMPONENT, header[6]).upper()
     if not component:
@@ -68,7 +69,7 @@ def _channel(file: SourceFile, lines: Sequence[str], span: kit.Span, number: int
     return kit.build_record(
         file,
         samples,
-        step,
+        1.0 / rate,
         unit,
         number=number,
         processed=False,
@@ -85,22 +86,11 @@ def _channel(file: SourceFile, lines: Sequence[str], span: kit.Span, number: int
     )
 
 
-def _step(name: str, row: str, duration: str, start: int, count: int) -> float:
-    """Sampling interval [s] from real 9 of the header, the rate; the duration must agree."""
-    # The rows of eight reals are cut short on paper's width; the ninth begins the second row.
-    rate = float(kit.fixed_width([row[:_WIDTH]], start + 22, _WIDTH, 1, 1, name)[0])
-    if not rate > 0.0 or (duration and abs(float(duration) * rate - count) > _DURATION_STEPS):
-        expected = f"the samples per s of {count} points in {duration or 'an unknown number of'} s"
-        raise kit.unexpected(f"{name}:{start + 22}", expected, f"{rate:g}")
-    return 1.0 / rate
-
-
 BHRC = Format(
     name="bhrc",
     what="BHRC (Iran) volume 1",
     recognised="first line '* VOL1DS FILE:'",
     unit="g/10, from the header",
-    processed="no",
     example="5520-1.V1",
     detect=begins_with(_TITLE),
     parse=read_bhrc,

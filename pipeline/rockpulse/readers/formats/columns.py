@@ -1,7 +1,4 @@
-"""Plain columns of numbers (CSV, TXT): one or more accelerations, with or without a time column.
-
-Nothing is guessed: statements of header and caller must agree, and columns that cannot be told apart are refused.
-"""
+"""Plain columns of numbers (CSV, TXT), with or without times: statements must agree, and nothing is guessed."""
 
 from __future__ import annotations
 
@@ -11,55 +8,27 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from rockpulse.errors import RecordFormatError, UnitError
+from rockpulse.readers import kit
 from rockpulse.readers.format import Format, ReadOptions
-from rockpulse.readers.kit.channel import build_record
-from rockpulse.readers.kit.checks import held_units
 from rockpulse.readers.kit.direction import BRACKET, heading_direction
-from rockpulse.readers.kit.headings import (
-    Heading,
-    column_headings,
-    stated_counts,
-    stated_kinds,
-    stated_steps,
-    stated_units,
-)
+from rockpulse.readers.kit.headings import Heading, column_headings
 from rockpulse.readers.kit.spacing import agreed_step, climbs, counts_rows, names_time, time_column_step
 from rockpulse.readers.kit.table import (
     Layout,
     Numbered,
     check_decimals,
-    end_of_numbers,
     find_layout,
     number_lines,
     read_table,
     row_width,
-    runs_on,
-    split_row,
 )
-from rockpulse.readers.kit.text import (
-    ACCELERATION_FILE,
-    UNITS,
-    canonical_unit,
-    check_count,
-    no_acceleration,
-    text_lines,
-    unexpected,
-)
-from rockpulse.readers.source import NotAcceleration, SourceFile
-from rockpulse.record.record import Record
 
-#: Rows of the table that decide whether it is one.
-_LOOK_AT = 500
-#: Columns beside the time that pass for the components of a station without headings.
-_COMPONENTS = 3
-#: More columns than a time and the components of a station have.
-_NO_STATION = _COMPONENTS + 1
-#: Characters of a line in a message.
-_SHOWN = 60
-#: Correlation at which a column is the integral of the one before it, and no other component.
-_INTEGRAL = 0.95
-#: Characters of a list in a message.
-_LISTED = 200
+_LOOK_AT = 500  # rows of the table that decide whether it is one
+#: Columns beside the time that pass for the components of a station without headings, and one column more.
+_COMPONENTS, _NO_STATION = 3, 4
+#: Characters of a line and of a list in a message.
+_SHOWN, _LISTED = 60, 200
+_INTEGRAL = 0.95  # correlation at which a column is the integral of the one before it, and no other component
 #: What one series in rows needs, as a message asks for it.
 _UNIT_TOO, _INTERVAL_TOO = "the unit too (option units, --units)", "the interval too (option dt, --dt)"
 _NAME_THEM = "name the columns in the line above the numbers, such as 'time acc_NS acc_EW'"
@@ -88,7 +57,7 @@ def is_columns(head: bytes, name: str) -> bool:
     """Whether rows of numbers, all with the same number of columns, follow a short header."""
     if b"\x00" in head:
         return False
-    lines = text_lines(head)
+    lines = kit.text_lines(head)
     layout = find_layout(lines)
     if layout is None:
         return False
@@ -97,24 +66,22 @@ def is_columns(head: bytes, name: str) -> bool:
     return 2 * sum(row_width(row, layout.delimiter) == layout.width for row in rows) >= len(rows)
 
 
-def read_columns(file: SourceFile, options: ReadOptions) -> list[Record]:
-    """Read every column of accelerations.
+def read_columns(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
+    """Read every column of accelerations: without headings one, or up to three beside a column of times.
 
-    Without headings, one column is read, or up to three beside a time column. A series that is wrapped into rows is
-    read if the header states its number of values, or, with a warning, if unit and interval are known and the values
-    run on from row to row (`runs_on`). The prose of a header, which may speak of something else, only has to agree.
+    A series that is wrapped into rows is read if the header states its number of values, or, with a warning, if unit
+    and interval are known and the values run on from row to row. The prose of a header only has to agree.
     """
-    lines = text_lines(file.content)
+    lines = kit.text_lines(file.content)
     layout = find_layout(lines)
     if layout is None:
-        raise RecordFormatError(
-            f"{file.name}: expected rows of numbers, all with the same number of columns, found none"
-        )
+        expected = "rows of numbers, all with the same number of columns"
+        raise RecordFormatError(f"{file.name}: expected {expected}, found none")
     headings, end = column_headings(lines[: layout.start], layout)
-    stop = end_of_numbers(lines, layout.start)
+    stop = kit.end_of_numbers(lines, layout.start)
     numbered = number_lines(file.name, lines[:stop], layout, names_time(headings))
     where = f"{file.name}:{numbered.start + 1}"
-    steps = {f"line {said.line}: {said.wording!r}": said.value for said in stated_steps(lines[: layout.start])}
+    steps = {f"line {said.line}: {said.wording!r}": said.value for said in kit.stated_steps(lines[: layout.start])}
     declared = next((step for step in (options.dt, numbered.step, *steps.values()) if step is not None), None)
     lacking = [_UNIT_TOO] * (options.units is None) + [_INTERVAL_TOO] * (declared is None)
     prose = lines[:end]
@@ -131,15 +98,15 @@ def read_columns(file: SourceFile, options: ReadOptions) -> list[Record]:
     first = columns.headings[0] if columns.headings else Heading("")
     climb = np.diff(columns.table[:, 0])
     if first.kind == "spectrum" and columns.width > 1 and (np.all(climb > 0.0) or np.all(climb < 0.0)):
-        raise no_acceleration(where, "accelerations over time", f"columns over {first.name!r}, a spectrum")
+        raise kit.no_acceleration(where, "accelerations over time", f"columns over {first.name!r}, a spectrum")
     step = time_column_step(file.name, columns.table, columns.headings, numbered.start, declared)
     if step is not None:
         if first.kind in ("acceleration", "velocity", "displacement"):
             expected = f"{first.kind} in the column {first.name!r}"
-            raise unexpected(where, expected, "that it runs like time", _NAME_THEM)
+            raise kit.unexpected(where, expected, "that it runs like time", _NAME_THEM)
         columns = columns.picked(range(1, columns.width))
     wide = step is None and not columns.headings and columns.width > _NO_STATION
-    if not lacking and wide and runs_on(columns.table):
+    if not lacking and wide and kit.runs_on(columns.table):
         columns = _in_reading_order(columns, np.empty(0), guessed=True)
     _check_apart(where, columns, step is not None, lacking)
     columns = _accelerations(file.name, columns, prose)
@@ -148,9 +115,9 @@ def read_columns(file: SourceFile, options: ReadOptions) -> list[Record]:
     sources = {"time column": step, "first line": numbered.step, **steps}
     sources |= {options.said_by("dt").removeprefix("the "): options.dt}
     dt = agreed_step(file.name, sources, "correct the wrong one" if options.dt is None else options.advice("dt"))
-    notes = (*columns.warnings, *held_units(zip((heading.name for heading in headings), units, strict=True)))
+    notes = (*columns.warnings, *kit.held_units(zip((heading.name for heading in headings), units, strict=True)))
     return [
-        build_record(
+        kit.build_record(
             file,
             samples,
             dt,
@@ -181,9 +148,9 @@ def _columns(
     rows = lines[numbered.start :]
     check_decimals(name, rows, layout, first, bool(headings))
     filled = [index for index, row in enumerate(rows) if row.strip()]
-    last = split_row(rows[filled[-1]], layout.delimiter)
+    last = kit.split_row(rows[filled[-1]], layout.delimiter)
     values = (len(filled) - 1) * layout.width + len(last)
-    said = {round(count.value) for count in stated_counts(prose)}
+    said = {round(count.value) for count in kit.stated_counts(prose)}
     counts = {numbered.count, *said}
     warnings = _behind(name, len(lines) + 1, behind, layout, complete=not counts.isdisjoint({values, len(filled)}))
     is_series = layout.width > 1 and values in counts and len(filled) not in counts
@@ -195,16 +162,16 @@ def _columns(
             return _in_reading_order(body, end)
     if numbered.count > values:
         available, unit = (values, "values") if layout.width > 2 else (len(filled), "rows")
-        check_count(f"{name}:{len(lines)}", numbered.count, available, unit)
+        kit.check_count(f"{name}:{len(lines)}", numbered.count, available, unit)
     if is_short:
-        if not lacking and runs_on(body.table):
+        if not lacking and kit.runs_on(body.table):
             other = (_other_count(said, values, "numbers"),) if said else ()
             return _in_reading_order(replace(body, warnings=(*body.warnings, *other)), end, guessed=True)
         found = f"a last row of {len(last)} below rows of {layout.width}"
         raise _wrapped(f"{name}:{first + filled[-1]}", layout.width, found, lacking)
     table = read_table(name, rows, layout, first)
     if numbered.step is not None:
-        check_count(f"{name}:{len(lines)}", numbered.count, len(table), "rows")
+        kit.check_count(f"{name}:{len(lines)}", numbered.count, len(table), "rows")
         if len(table) > numbered.count:
             left = len(table) - numbered.count
             warnings += (f"{left} rows beyond the {numbered.count} of the first line were left out",)
@@ -215,18 +182,14 @@ def _columns(
 
 
 def _behind(name: str, line: int, behind: Sequence[str], layout: Layout, complete: bool) -> tuple[str, ...]:
-    """A warning about the lines from number `line` on, behind the numbers; none for words behind a `complete` series.
-
-    Rows of numbers that the words name as another quantity are left out; others, which may go on with the record,
-    refused.
-    """
+    """A warning about the lines behind the numbers, but for words behind a `complete` series; more data are refused."""
     rows = [row_width(text, layout.delimiter) == layout.width for text in behind]
     if not any(map(str.strip, behind)) or (complete and not any(rows)):
         return ()
     stop = f"the numbers stop at {behind[0].strip()[:_SHOWN]!r}"
     if not any(rows):
         return (f"line {line}: {stop}, and the header does not state how many there are; is the file whole?",)
-    kinds = stated_kinds(behind[: rows.index(True)])
+    kinds = kit.stated_kinds(behind[: rows.index(True)])
     if complete or (kinds and "acceleration" not in kinds):
         return (f"line {line}: {stop}; {sum(rows)} rows of numbers behind it were left out",)
     raise RecordFormatError(
@@ -270,12 +233,12 @@ def _check_apart(where: str, columns: _Columns, timed: bool, lacking: Sequence[s
     late = next((index for index in range(width) if climbs(columns.table[:, index])), None)
     if late is not None:
         found, advice = f"that column {late + 1 + timed} runs like time", "write the times as the first column"
-        raise unexpected(where, "accelerations", found, advice)
+        raise kit.unexpected(where, "accelerations", found, advice)
     if columns.headings or width == 1:
         return
     if timed and width > _COMPONENTS:
         expected = f"headings, or at most {_COMPONENTS} columns beside the times"
-        raise unexpected(where, expected, f"{width} columns of numbers and no headings", _NAME_THEM)
+        raise kit.unexpected(where, expected, f"{width} columns of numbers and no headings", _NAME_THEM)
     if not timed:
         raise _wrapped(where, width, f"{width} columns of numbers", lacking)
     for before in range(width - 1):
@@ -284,52 +247,48 @@ def _check_apart(where: str, columns: _Columns, timed: bool, lacking: Sequence[s
             alike = growth.size > 2 and abs(np.corrcoef(growth, rate[1:] + rate[:-1])[0, 1])
         if alike > _INTEGRAL:
             found = f"that column {before + 3} is the integral of column {before + 2}, like velocity after acceleration"
-            raise unexpected(where, "accelerations in all columns", found, _NAME_THEM)
+            raise kit.unexpected(where, "accelerations in all columns", found, _NAME_THEM)
 
 
 def _accelerations(name: str, columns: _Columns, prose: Sequence[str]) -> _Columns:
     """The columns that are accelerations, by their headings or else by the prose above the table."""
     headings = columns.headings or (Heading(""),) * columns.width
     named = any(heading.kind == "acceleration" for heading in headings)
-    kept = [
-        index
-        for index, heading in enumerate(headings)
-        if heading.kind == "acceleration" or (not heading.kind and (heading.known or not named))
-    ]
-    left = ", ".join(heading.name for index, heading in enumerate(headings) if index not in kept)[:_LISTED]
+    fits = [one.kind == "acceleration" or (not one.kind and (one.known or not named)) for one in headings]
+    kept = [index for index, fit in enumerate(fits) if fit]
+    left = ", ".join(heading.name for heading, fit in zip(headings, fits, strict=True) if not fit)[:_LISTED]
     if not kept:
-        raise no_acceleration(f"{name}:{len(prose) + 1}", "an acceleration column", f"{left} only")
-    said = stated_kinds(prose)
+        raise kit.no_acceleration(f"{name}:{len(prose) + 1}", "an acceleration column", f"{left} only")
+    said = kit.stated_kinds(prose)
     others = [kind for kind in said if kind != "acceleration"]
     if others and not all(headings[index].kind for index in kept):
         where, listed = f"{name}:{said[others[0]]}", " and ".join(others)
         if "acceleration" not in said and "spectrum" not in said:
-            raise NotAcceleration(
-                f"{where}: expected accelerations, the header speaks of {listed} only; {ACCELERATION_FILE}"
-            )
+            found = f"the header speaks of {listed} only; {kit.ACCELERATION_FILE}"
+            raise kit.NotAcceleration(f"{where}: expected accelerations, {found}")
         expected, found = "to know which columns are accelerations", f"a header that speaks of {listed}"
-        raise unexpected(where, expected, found, _NAME_THEM)
+        raise kit.unexpected(where, expected, found, _NAME_THEM)
     return columns.picked(kept, f"columns left out, no acceleration: {left}") if left else columns
 
 
 def _units(name: str, headings: Sequence[Heading], prose: Sequence[str], options: ReadOptions) -> list[str]:
     """The unit of each column: the one that the caller gives, checked against the header, or the one in the heading."""
     units = []
-    said = [(canonical_unit(unit.wording, f"{name}:{unit.line}"), unit) for unit in stated_units(prose)]
-    asked = None if options.units is None else canonical_unit(options.units, "option units")
+    said = [(kit.canonical_unit(unit.wording, f"{name}:{unit.line}"), unit) for unit in kit.stated_units(prose)]
+    asked = None if options.units is None else kit.canonical_unit(options.units, "option units")
     says = f"{options.said_by('units')} says {asked}; {options.advice('units')}" if asked else ""
     for heading in headings:
-        stated = canonical_unit(heading.unit, f"{name}: column {heading.name!r}") if heading.unit else None
+        stated = kit.canonical_unit(heading.unit, f"{name}: column {heading.name!r}") if heading.unit else None
         if stated is None and asked is None:
             found = f"; line {said[0][1].line} of its header speaks of {said[0][1].wording!r}" if said else ""
             raise UnitError(
-                f"{name}: plain columns do not state their unit{found}; give it "
-                f"with the option units, one of {', '.join(UNITS)}: --units g on the command line, units = 'g' under "
-                "[records] of the configuration, or read(path, units='g')"
+                f"{name}: plain columns do not state their unit{found}; give it with the option units, one of "
+                f"{', '.join(kit.UNITS)}: --units g on the command line, units = 'g' under [records] of the "
+                "configuration, or read(path, units='g')"
             )
-        if stated and asked and UNITS[stated] != UNITS[asked]:
+        if stated and asked and kit.UNITS[stated] != kit.UNITS[asked]:
             raise UnitError(f"{name}: the column {heading.name!r} is headed {stated}, {says}")
-        if asked and not stated and said and all(UNITS[unit] != UNITS[asked] for unit, _ in said):
+        if asked and not stated and said and all(kit.UNITS[unit] != kit.UNITS[asked] for unit, _ in said):
             raise UnitError(f"{name}:{said[0][1].line}: the header says {said[0][1].wording!r}, {says}")
         units.append(asked or stated or "")
     return units

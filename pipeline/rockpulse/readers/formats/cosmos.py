@@ -2,17 +2,6 @@
 
 Each channel has 13 lines of text, integers, reals and comments, then one or more series, each behind a line such as
 ``13400 acceleration pts, approx  67 secs, units=g.     (02)Format=(8f9.6)``. A line ``End-of-data`` or ``/&`` ends it.
-
-Of the integers are used 2 (quantity), 8 (station), 19 (station type), 40 to 46 (start of the record, quality of the
-clock), 52 (sensor) and 54 (azimuth); of the reals 22, 42, 43, 44 and 47 (gain), 30 (seconds of the start), 34 and 62
-(interval of the raw record [s] and of the series [ms]), 63 (length of the series [s]) and 64 (peak). Reals 1 and 2 are
-the place of the station, 10 to 12 that of the hypocentre, 13 to 16 magnitudes and 17 the epicentral distance [km].
-
-.. note:: Counts become m/s2 only where the header states every factor: one count is real 22 [microvolts], the sensor
-   gives real 42 [V/g] times its gain, real 47, hence 1e-6 r22 / (r42 r47) g per count. Full-scale output and range of
-   the sensor, reals 43 [V] and 44 [g], must confirm r42 r47 where they are stated, and always where r47 is not 1,
-   because programs differ in whether it is part of r42.
-
 Reference: COSMOS Strong Motion Programs Board (2001), COSMOS Strong Motion Data Format, version 1.20.
 """
 
@@ -27,8 +16,6 @@ from rockpulse.errors import RecordFormatError, RecordRefused, UnitError
 from rockpulse.readers import kit
 from rockpulse.readers.format import Format, ReadOptions, begins_with
 from rockpulse.readers.kit.cosmos_header import TITLE, Header, fortran_layout, held_series, read_header
-from rockpulse.readers.source import NotAcceleration, SourceFile
-from rockpulse.record.record import STANDARD_GRAVITY, Record
 
 _SERIES = re.compile(
     r"\s*(\d{1,9})\s+(\D{0,40}?)\s*pts\b.{0,60}?units\s*=\s*([^\s(,]{0,20}?)\s*(?=[\s(,]|Format)(?:\(\s*(\d{1,3})\s*\))?",
@@ -39,44 +26,45 @@ _GEOLOGY = re.compile(r"site geology:\s*(.*?)\s*$", re.IGNORECASE)
 _EVENT_ID = re.compile(r"\s*\|\s*RcrdId:\s*(\w{2}\.\w+)\.\w{2}\.\w+\.\w{3}\.", re.ASCII | re.IGNORECASE)
 _END = re.compile(r"\s*(?:end-of-data|/&)", re.IGNORECASE)
 #: Units that only this format has [m/s2].
-_UNITS = kit.UNITS | {"in/s2": 0.0254, "mg": 1e-3 * STANDARD_GRAVITY, "ug": 1e-6 * STANDARD_GRAVITY, "counts": 1.0}
+_UNITS = kit.UNITS | {
+    "in/s2": 0.0254,
+    "mg": 1e-3 * kit.STANDARD_GRAVITY,
+    "ug": 1e-6 * kit.STANDARD_GRAVITY,
+    "counts": 1.0,
+}
 _CODES: dict[int | None, str] = {2: "g", 4: "cm/s2", 7: "in/s2", 10: "gal", 11: "mg", 12: "ug", 50: "counts"}
 _FACTORS = {22: "microvolts per count", 42: "sensor sensitivity, V/g", 47: "sensor gain"}
 #: Integer 2 of quantities other than an acceleration along a line.
 _OTHER_QUANTITIES = {2: "velocity", 3: "displacement", 10: "angular acceleration", 11: "angular velocity"}
 #: Integer 19 of stations whose sensors may lie at depth.
 _DEPTHS = {9: "underground observatory", 14: "tunnel", 50: "geotechnical array"}
-#: The closing line may have lines of blanks behind it.
-_CLOSING = 3
+_CLOSING = 3  # the closing line may have lines of blanks behind it
 #: Nominal and calibrated sensitivities differ by some percent, a wrong factor by 2 or more.
 _SENSITIVITY_TOLERANCE = 0.1
-#: No factor of a gain is smaller, in any of its units.
-_LEAST_FACTOR = 1e-9
+_LEAST_FACTOR = 1e-9  # no factor of a gain is smaller, in any of its units
 _VELOCITY_SENSORS = range(1001, 2000)
 
 
 @dataclass(frozen=True)
 class _Series:
-    """One series of a channel, by its heading."""
+    """One series of a channel, by its heading: index of its line, number of samples, motion, unit, code of the unit."""
 
-    at: int  # index of the line of the heading
-    count: int  # number of samples
-    kind: str  # of motion, in the words of the heading
-    unit: str  # in the words of the heading
-    code: int | None  # of the unit
+    at: int
+    count: int
+    kind: str
+    unit: str
+    code: int | None
     warnings: tuple[str, ...] = ()
 
 
-def read_cosmos(file: SourceFile, options: ReadOptions) -> list[Record]:
+def read_cosmos(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
     """Read the acceleration of every channel; velocity and displacement beside it are passed over."""
     lines = kit.text_lines(file.content)
-    starts = [
-        index for index, line in enumerate(lines) if " text lines)" in line and TITLE.match(line[: kit.LONGEST_LINE])
-    ]
+    titles = (at for at, line in enumerate(lines) if " text lines)" in line and TITLE.match(line[: kit.LONGEST_LINE]))
+    starts = list(titles)
     if not starts or starts[0] != 0:
-        raise RecordFormatError(
-            f"{file.name}:1: expected '(Format v01.20 with 13 text lines)', found {lines[0][:60]!r}"
-        )
+        found = f"found {lines[0][:60]!r}"
+        raise RecordFormatError(f"{file.name}:1: expected '(Format v01.20 with 13 text lines)', {found}")
     last = [kit.last_of_equal(lines, start) for start in starts]
     notes = [note for first, at in zip(starts, last, strict=True) for note in kit.repeated_marker(first, at)]
     starts = sorted(set(last))
@@ -89,16 +77,15 @@ def read_cosmos(file: SourceFile, options: ReadOptions) -> list[Record]:
     return kit.usable_channels(channels, (*missing, *notes, *copies))
 
 
-def _channel(file: SourceFile, lines: Sequence[str], header: Header, end: int, number: int) -> Record:
+def _channel(file: kit.SourceFile, lines: Sequence[str], header: Header, end: int, number: int) -> kit.Record:
     kind = header.kind.lower()
     code = header.integer(2)
+    where = f"{file.name}:{header.start + 1}"
     if code in _OTHER_QUANTITIES and "accel" in kind:
-        raise RecordFormatError(
-            f"{file.name}:{header.start + 1}: the title says {header.kind!r}, integer header 2 says {code}, "
-            f"{_OTHER_QUANTITIES[code]}; find out which is right and repair the header"
-        )
+        told = f"the title says {header.kind!r}, integer header 2 says {code}, {_OTHER_QUANTITIES[code]}"
+        raise RecordFormatError(f"{where}: {told}; find out which is right and repair the header")
     if "accel" not in kind:
-        raise kit.no_acceleration(f"{file.name}:{header.start + 1}", "acceleration", repr(header.kind))
+        raise kit.no_acceleration(where, "acceleration", repr(header.kind))
     series = _acceleration(file.name, lines, header, end)
     where, first = f"{file.name}:{series.at + 1}", series.at + 1
     unit = _unit(series, where)
@@ -182,10 +169,8 @@ def _acceleration(name: str, lines: Sequence[str], header: Header, end: int) -> 
     if linear:
         blocks, copies = kit.distinct_sections(lines, [(found[at].at, ends[at]) for at in linear], "series")
         if len(blocks) > 1:
-            raise RecordFormatError(
-                f"{name}:{blocks[1][0] + 1}: expected one series of acceleration in the channel, found another than "
-                f"that of line {blocks[0][0] + 1}; the file is damaged: download it again"
-            )
+            where, other = f"{name}:{blocks[1][0] + 1}", f"another than that of line {blocks[0][0] + 1}"
+            raise kit.unexpected(where, "one series of acceleration in the channel", other, kit.FILE_DAMAGED)
         series = found[linear[0]]
         return replace(series, warnings=(*series.warnings, *copies))
     where, advice = f"{name}:{header.end + 1}", "read the acceleration file"
@@ -201,10 +186,8 @@ def _unit(series: _Series, where: str) -> str:
     coded = _CODES.get(series.code)
     if coded is None or (named and (_UNITS[named] != _UNITS[coded] or (named == "counts") != (coded == "counts"))):
         known = ", ".join(f"{unit} ({code:02d})" for code, unit in _CODES.items())
-        raise UnitError(
-            f"{where}: the unit is named {series.unit!r} and coded {series.code}, expected one of {known}; "
-            "find out which is right and repair the line"
-        )
+        found = f"the unit is named {series.unit!r} and coded {series.code}, expected one of {known}"
+        raise UnitError(f"{where}: {found}; find out which is right and repair the line")
     return named or coded
 
 
@@ -219,15 +202,19 @@ def _peak(header: Header, factor: float) -> tuple[tuple[float, float], list[str]
     gap = abs(abs(value) - abs(coded))
     if gap <= max(1.01 * rounding, kit.PEAK_TOLERANCE * abs(coded)):
         return (coded, 0.0), []
-    said, told = (abs(one) / STANDARD_GRAVITY for one in (value, coded))
+    said, told = (abs(one) / kit.STANDARD_GRAVITY for one in (value, coded))
     notes = [] if np.isnan(coded) else [f"the header states peaks of {said:.4g} g (text) and {told:.4g} g (real 64)"]
     return (value, rounding), notes
 
 
 def _per_count(header: Header, where: str) -> float:
-    """m/s2 of one count, from the header; see the note of the module."""
+    """m/s2 of one count: 1e-6 r22 / (r42 r47) g, of reals 22 [microvolts], 42 [V/g], sensitivity, and 47, its gain.
+
+    Full-scale output and range of the sensor, reals 43 [V] and 44 [g], must confirm r42 r47 where they are stated, and
+    always where r47 is not 1, because programs differ in whether it is part of r42.
+    """
     if header.integer(52) in _VELOCITY_SENSORS:
-        raise NotAcceleration(f"{where}: counts of a velocity sensor (integer header 52 is {header.integer(52)})")
+        raise kit.NotAcceleration(f"{where}: counts of a velocity sensor (integer header 52 is {header.integer(52)})")
     missing = [f"{number} ({what})" for number, what in _FACTORS.items() if not header.real(number) >= _LEAST_FACTOR]
     advice = "read the V1 or V2 file of the record, or fill in the header"
     if missing:
@@ -240,34 +227,30 @@ def _per_count(header: Header, where: str) -> float:
             f"{where}: counts without a sure gain: sensitivity times gain (reals 42, 47) is {sensitivity:g} V/g, range "
             f"and output of the sensor (reals 43, 44) give {nominal:g} V/g; {advice}"
         )
-    return 1e-6 * header.real(22) / sensitivity * STANDARD_GRAVITY
+    return 1e-6 * header.real(22) / sensitivity * kit.STANDARD_GRAVITY
 
 
 def _interval(header: Header, count: int, name: str) -> tuple[float, list[str]]:
     """Sampling interval of the series [s]: real 62, else real 34; where they differ, the stated length decides."""
     raw, series, length = header.real(34), 1e-3 * header.real(62), header.real(63)
     stated = [step for step in (series, raw) if step > 0.0]
+    where = f"{name}:{header.start + 1}"
     if not stated:
-        raise kit.unexpected(
-            f"{name}:{header.start + 1}", "a sampling interval above 0 (real 34 [s] or 62 [ms])", "none"
-        )
+        raise kit.unexpected(where, "a sampling interval above 0 (real 34 [s] or 62 [ms])", "none")
     # Some agencies count the steps between the samples, some the samples.
     fitting = [step for step in stated if abs(count * step - length) <= 0.005 * length + 1.5 * step]
     if max(stated) - min(stated) <= 1e-3 * max(stated):
         if np.isnan(length) or fitting:
             return stated[0], []
-        return stated[0], [
-            f"the header states {length:g} s, {count} samples at {stated[0]:g} s last {count * stated[0]:g} s"
-        ]
+        lasting = f"{count} samples at {stated[0]:g} s last {count * stated[0]:g} s"
+        return stated[0], [f"the header states {length:g} s, {lasting}"]
     if len(fitting) != 1:
         raise RecordFormatError(
-            f"{name}:{header.start + 1}: reals 34 and 62 state sampling intervals of {raw:g} and {series:g} s, and the "
+            f"{where}: reals 34 and 62 state sampling intervals of {raw:g} and {series:g} s, and the "
             f"length, real 63, {length:g} s for {count} samples, fits not just one; find out which is right"
         )
-    return fitting[0], [
-        f"real headers 34 and 62 state intervals of {raw:g} and {series:g} s (raw record, series); "
-        f"{fitting[0]:g} s is that of the stated length of {length:g} s"
-    ]
+    both = f"real headers 34 and 62 state intervals of {raw:g} and {series:g} s (raw record, series)"
+    return fitting[0], [f"{both}; {fitting[0]:g} s is that of the stated length of {length:g} s"]
 
 
 COSMOS = Format(

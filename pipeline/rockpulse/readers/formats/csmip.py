@@ -1,15 +1,9 @@
 """CSMIP files of the California Geological Survey, and of the networks that write the same layout.
 
-Volume 1, uncorrected: each channel has 13 lines of text, 100 integers (16I5), 50 reals (8F10) and then, on newer files,
-a heading line that names count, rate, unit and Fortran format of the accelerations. Older files have no heading: pairs
-of time [s] and acceleration [g/10] with unequal steps follow.
-
-Volume 2, corrected: a title, the lines of volume 1, 11 more about the correction, integers, reals and up to three
-blocks of acceleration, velocity and displacement, of which the acceleration is read. Each begins with a heading, as in
-``3251 POINTS OF ACCEL DATA EQUALLY SPACED AT .020 SEC.  (UNITS: CM/SEC/SEC)``; newer ones name the Fortran format,
-USC's no unit. Channels differ in length; a line ``/&`` ends one.
-
-Volume 3, spectra, is recognised so that messages name it and no reader takes it.
+Volume 1, uncorrected: channels as in `kit.csmip`, then a heading and the accelerations; older files have no heading,
+but pairs of time [s] and acceleration [g/10] with unequal steps. Volume 2, corrected: of each channel the acceleration
+is read, below ``3251 POINTS OF ACCEL DATA EQUALLY SPACED AT .020 SEC.  (UNITS: CM/SEC/SEC)``; newer headings name the
+Fortran format, USC's no unit. Volume 3, spectra, is recognised so that messages name it and no reader takes it.
 """
 
 import re
@@ -22,8 +16,6 @@ from rockpulse.errors import UnitError
 from rockpulse.readers import kit
 from rockpulse.readers.format import Format, ReadOptions, begins_with
 from rockpulse.readers.kit import csmip
-from rockpulse.readers.source import SourceFile
-from rockpulse.record.record import STANDARD_GRAVITY, Record
 
 UNCORRECTED = re.compile(r"\s?uncorrected accelerogram data\b", re.IGNORECASE)
 _PEAK_1 = re.compile(r"max\s*=\s*(-?\d*\.\d+)\s*g\b(?:\s*,\s*at\s+(\d{0,6}\.\d{1,6})\s*sec)?", re.IGNORECASE)
@@ -33,14 +25,12 @@ _RATE = re.compile(r"\bat\s+(\d{1,6}(?:\.\d{0,6})?)\s*samples/sec", re.IGNORECAS
 _LENGTH_1 = re.compile(r"record length\s*=\s*(\d{0,6}\.\d{1,6})\s*sec", re.IGNORECASE)
 #: A stated length may differ by this share: a trace may end a little earlier or later after its correction.
 _RATE_TOLERANCE, _LENGTH_TOLERANCE = 1e-3, 5e-3
-#: Bytes that hold the 13 lines of text of the first channel.
-_OPENING = 1500
+_OPENING = 1500  # bytes that hold the 13 lines of text of the first channel
 
 _CORRECTED = re.compile(r"\s?corrected accelerogram\b", re.IGNORECASE)
 _BOTH_TITLES = re.compile(rf"(?:{_CORRECTED.pattern}[^\r\n]*[\r\n]+)+{UNCORRECTED.pattern}", re.IGNORECASE)
-#: The title, the lines of volume 1, and those about the correction.
-_CORRECTION = 1 + csmip.TEXT_LINES
-_ALL_TEXT = _CORRECTION + 11
+#: The title and the lines of volume 1; those about the correction too.
+_CORRECTION, _ALL_TEXT = 1 + csmip.TEXT_LINES, 1 + csmip.TEXT_LINES + 11
 _FILTER = re.compile(r"\s*accelerogram\s+(?:is\s+)?(.*\bfiltered\b.*?)[\s.]*$", re.IGNORECASE)
 _DECLARED = re.compile(r"\s*(\d{1,15})\s+(?:points of\s+)?(instrument.*corrected)\b", re.IGNORECASE)
 _INTERVAL = re.compile(r"\s*at equally-spaced intervals of\s+(\d*\.?\d+)\s*sec", re.IGNORECASE)
@@ -57,8 +47,7 @@ _SPECTRA = r"\s?response and fourier|\s?(?:response|fourier)\b[^\r\n]*\bspectr[^
 _SPECTRA_WORDS = "response and Fourier spectra (volume 3 of CSMIP or USC)"
 #: Number of the station, and in the line below its name.
 _STATION = re.compile(r"^\s?station no\.?\s+(\w+)\b[^\r\n]*[\r\n]+(\S[^\r\n]*?)(?:\s\s|[\r\n])", re.I | re.M)
-#: Bytes from the start of a file of spectra that are looked at.
-_SPECTRA_OPENING = 4000
+_SPECTRA_OPENING = 4000  # bytes from the start of a file of spectra that are looked at
 
 
 def is_uncorrected(head: bytes, name: str, renadic: bool) -> bool:
@@ -67,7 +56,7 @@ def is_uncorrected(head: bytes, name: str, renadic: bool) -> bool:
     return bool(UNCORRECTED.match(opening)) and ("renadic" in opening.lower()) is renadic
 
 
-def read_uncorrected(file: SourceFile, options: ReadOptions) -> list[Record]:
+def read_uncorrected(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
     """Read every channel of a volume 1, whichever network wrote it."""
     lines, spans, copies = csmip.channels(file, UNCORRECTED, "Uncorrected Accelerogram Data")
     headers = []
@@ -75,32 +64,20 @@ def read_uncorrected(file: SourceFile, options: ReadOptions) -> list[Record]:
         kit.check_count(f"{file.name}:{end}", csmip.HEADER_LINES, end - start, f"header lines of channel {number}")
         headers.append(csmip.read_header(lines[start : start + csmip.HEADER_LINES]))
     notes = (*csmip.missing_channels(file.name, lines, spans, headers), *copies)
-    return [
-        _uncorrected_channel(file, lines, span, number, header.noting(*notes))
-        for number, (span, header) in enumerate(zip(spans, headers, strict=True), 1)
-    ]
-
-
-def _uncorrected_channel(
-    file: SourceFile, lines: Sequence[str], span: kit.Span, number: int, header: csmip.Header
-) -> Record:
-    start, end = span
-    match = _PEAK_1.search(lines[start + 11][: kit.LONGEST_LINE])
-    block = _uncorrected_block(file.name, lines, start, end)
-    behind = lines[start + csmip.TEXT_LINES : start + csmip.HEADER_LINES]
-    length = _LENGTH_1.search(lines[start + 10][: kit.LONGEST_LINE])
-    told = _held(length[1] if length else "", csmip.real(behind, 3), round(block.duration / block.dt), block)
-    told += csmip.held_peak_real(behind, 7, block, STANDARD_GRAVITY)
-    times = [(match and match[2]) or "", csmip.real(behind, 8)]
-    told += [note for text in times for note in kit.held_peak_time(text, block.times, block.values)]
-    return header.record(
-        file,
-        number,
-        block.noting(*dict.fromkeys(told)),
-        processed=False,
-        header_peak=kit.printed_number(match[1] if match else ""),
-        peak_factor=STANDARD_GRAVITY,
-    )
+    records = []
+    for number, ((start, end), header) in enumerate(zip(spans, headers, strict=True), 1):
+        match = _PEAK_1.search(lines[start + 11][: kit.LONGEST_LINE])
+        block = _uncorrected_block(file.name, lines, start, end)
+        behind = lines[start + csmip.TEXT_LINES : start + csmip.HEADER_LINES]
+        length = _LENGTH_1.search(lines[start + 10][: kit.LONGEST_LINE])
+        told = _held(length[1] if length else "", csmip.real(behind, 3), round(block.duration / block.dt), block)
+        told += csmip.held_peak_real(behind, 7, block, kit.STANDARD_GRAVITY)
+        times = [(match and match[2]) or "", csmip.real(behind, 8)]
+        told += [note for text in times for note in kit.held_peak_time(text, block.times, block.values)]
+        block, peak = block.noting(*dict.fromkeys(told)), kit.printed_number(match[1] if match else "")
+        stated = {"header_peak": peak, "peak_factor": kit.STANDARD_GRAVITY, "processed": False}
+        records.append(header.record(file, number, block, notes, **stated))
+    return records
 
 
 def _held(length: str, real_length: str, count: int, block: kit.Block) -> list[str]:
@@ -134,15 +111,14 @@ def _uncorrected_block(name: str, lines: Sequence[str], start: int, end: int) ->
 
 
 def _check_points(points: re.Match[str] | None, block: kit.Block, where: str) -> None:
-    """Check the count in the text of the channel, if there is one, against that of the heading."""
     if points and int(points[1]) != block.samples.size:
         expected, found = f"{int(points[1])} points (text of the channel)", f"a heading with {block.samples.size}"
         raise kit.unexpected(where, expected, found, kit.FILE_DAMAGED)
 
 
 def read_corrected(
-    file: SourceFile, options: ReadOptions, header: Callable[[Sequence[str]], csmip.Header] = csmip.read_header
-) -> list[Record]:
+    file: kit.SourceFile, options: ReadOptions, header: Callable[[Sequence[str]], csmip.Header] = csmip.read_header
+) -> list[kit.Record]:
     """Read a volume 2, whichever network wrote it; `header` reads the 13 lines of text of volume 1."""
     lines, spans, copies = csmip.channels(file, _CORRECTED, "Corrected accelerogram")
     records, left_out, headers = [], [], []
@@ -210,9 +186,8 @@ def _acceleration(name: str, lines: Sequence[str], start: int, end: int) -> tupl
         if available < rows:
             kit.check_count(f"{name}:{behind}", rows, available, f"rows of {heading.kind}")
     accelerations = [block for block in blocks if block[0].kind == "acceleration"]
-    distinct, copies = kit.distinct_sections(
-        lines, [(heading.at, behind) for heading, behind in accelerations], "block"
-    )
+    spans = [(heading.at, behind) for heading, behind in accelerations]
+    distinct, copies = kit.distinct_sections(lines, spans, "block")
     if len(distinct) > 1:
         where, found_twice = f"{name}:{accelerations[1][0].at + 1}", "a second block of acceleration"
         raise kit.unexpected(where, f"the end of {channel}", found_twice, kit.FILE_DAMAGED)
@@ -234,10 +209,8 @@ def _unit_and_peak(
             stated = kit.canonical_unit(re.sub(r"^cms\b", "cm", match[2], flags=re.IGNORECASE), f"{where}:{at}")
             return heading.unit or stated, kit.printed_number(match[1]), kit.UNITS[stated]
     if not heading.unit:
-        raise UnitError(
-            f"{where}:{heading.at + 1}: expected the unit of acceleration in the heading or behind "
-            "'Peak acceleration = N', found none; repair the header or download the file again"
-        )
+        expected = "expected the unit of acceleration in the heading or behind 'Peak acceleration = N', found none"
+        raise UnitError(f"{where}:{heading.at + 1}: {expected}; repair the header or download the file again")
     return heading.unit, kit.printed_number(""), 1.0
 
 
@@ -255,7 +228,7 @@ def _held_corrected(text: Sequence[str], behind: Sequence[str], block: kit.Block
     return list(dict.fromkeys(notes)) + (kit.held_lengths_of_units([peak[2], *others]) if peak else [])
 
 
-def refuse_spectra(file: SourceFile, options: ReadOptions) -> NoReturn:
+def refuse_spectra(file: kit.SourceFile, options: ReadOptions) -> NoReturn:
     """Refuse a volume 3 with the reason."""
     station = _STATION.search(file.head[:_SPECTRA_OPENING].decode("latin-1"))
     of = f" of station {station[1]}, {' '.join(station[2].split())}" if station else ""
@@ -268,7 +241,6 @@ CSMIP_V1 = Format(
     what="CSMIP volume 1, both layouts",
     recognised="first line 'Uncorrected Accelerogram Data'",
     unit="g or g/10, from the header",
-    processed="no",
     example="CICLC.v1",
     detect=partial(is_uncorrected, renadic=False),
     parse=read_uncorrected,

@@ -1,9 +1,7 @@
 """Files of the China Strong Motion Network Centre (CSMNC): one component.
 
-16 lines of header, the last one blank, then accelerations, 8 in a row; some copies end every line with ``$``. Lines are
-``EPICENTER 30.300N 103.000E DEPTH 13 KM``, ``COMP. EW``, ``UNCORRECTED ACCELERATION UNIT: CM/SEC/SEC``, ``NO. OF
-POINTS: 12000 EQUALLY SPACED INTERVALS OF: 0.005 SEC``, ``PEAK VALUE: -100.350 AT 26.35 SEC`` ... The second one has the
-time of the earthquake in Beijing (UTC+8): that of the first sample is not known.
+16 lines of header, the last one blank, then accelerations, 8 in a row; some copies end every line with ``$``. The
+second line has the time of the earthquake in Beijing (UTC+8): that of the first sample is not known.
 """
 
 import re
@@ -14,8 +12,6 @@ import numpy as np
 
 from rockpulse.readers import kit
 from rockpulse.readers.format import Format, ReadOptions, begins_with
-from rockpulse.readers.source import SourceFile
-from rockpulse.record.record import Record
 
 _STEP = re.compile(r"EQUALLY SPACED INTERVALS? OF\s*:\s*(\d{0,3}\.?\d{1,9})\s*SEC", re.ASCII | re.IGNORECASE)
 _COUNT = re.compile(r"NO\. OF POINTS\s*:\s*(\d{1,9})\b", re.ASCII | re.IGNORECASE)
@@ -35,19 +31,16 @@ _SITE = re.compile(r"\s*SITE CONDITION\s*:(.*)", re.IGNORECASE)
 _ORIGIN = re.compile(
     r"\s*\d+\s+(\d{4})-(\d{1,2})-(\d{1,2})\s+(\d{1,2}):(\d{1,2}):(\d{1,2}(?:\.\d{0,6})?)\s*([A-Z]*)", re.ASCII
 )
-#: Lines of the header that may hold the time of the earthquake.
-_ORIGIN_LINES = 6
 _NAMED = re.compile(r"(?:^|[._\-\d])(EW|NS|UD)(?=[._\-]|$)", re.IGNORECASE)
 _ROW = re.compile(r"\s*[+-]?(?:\d|\.\d)", re.ASCII)
-#: The header has 16 lines, copies may have a blank one more.
-_LONGEST_HEADER = 30
+#: Lines of the header, 16, of which copies may have a blank one more; those that may hold the time of the earthquake.
+_LONGEST_HEADER, _ORIGIN_LINES = 30, 6
 _BEIJING_HOURS = 8.0
-#: Durations are printed in whole seconds, which may be cut off rather than rounded [s].
-_CUT_OFF = 0.5
+_CUT_OFF = 0.5  # durations are printed in whole seconds, which may be cut off rather than rounded [s]
 
 
-def read_csmnc(file: SourceFile, options: ReadOptions) -> list[Record]:
-    """Read the one channel of the file; raises NotAcceleration for velocity and displacement."""
+def read_csmnc(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
+    """Read the one channel of the file; raises kit.NotAcceleration for velocity and displacement."""
     lines = [line.rstrip().rstrip("$") for line in kit.text_lines(file.content)]
     head = lines[:_LONGEST_HEADER]
     kind_at, kind = _find(file.name, head, _KIND, "UNCORRECTED ACCELERATION  UNIT: CM/SEC/SEC")
@@ -110,16 +103,13 @@ def _samples(name: str, lines: Sequence[str], first: int, count: int) -> tuple[n
     """Samples in rows of equal length but for the last, which holds the rest, and the index of the line behind them."""
     per_row = len(lines[first].split()) if first < len(lines) else 1
     kit.check_count(f"{name}:{len(lines)}", count, per_row * (len(lines) - first))
-    full, rest = divmod(count, per_row)
-    end = first + full
+    end, rest = first + count // per_row, count % per_row
     samples = kit.free_rows(lines[first:end], first + 1, per_row, name).ravel()
-    if not rest:
-        return samples, end
-    last = kit.free_rows(lines[end : end + 1], end + 1, rest, name)
-    return np.concatenate([samples, last.ravel()]), end + 1
+    last = kit.free_rows(lines[end : end + 1], end + 1, rest, name) if rest else np.empty(0)
+    return np.concatenate([samples, last.ravel()]), end + (rest > 0)
 
 
-def _direction(file: SourceFile, word: str) -> tuple[str, kit.Direction, list[str]]:
+def _direction(file: kit.SourceFile, word: str) -> tuple[str, kit.Direction, list[str]]:
     """Component, direction and warnings from the header, or from the name of the file where the header has none."""
     named = _NAMED.search(file.path.name)
     if not word:
@@ -127,9 +117,8 @@ def _direction(file: SourceFile, word: str) -> tuple[str, kit.Direction, list[st
         return word, kit.direction(word), ["the component is that of the file name"] if word else []
     facing = kit.direction(word)
     if named and kit.contradictory(kit.direction(named[1]), facing):
-        facing = kit.Direction(
-            note=f"the header says {word}, the file name {named[1].upper()}: the direction is unknown"
-        )
+        note = f"the header says {word}, the file name {named[1].upper()}: the direction is unknown"
+        facing = kit.Direction(note=note)
     return word, facing, []
 
 

@@ -5,7 +5,6 @@ may touch. Clocks are local time (GMT+08). The files are raw but for the offset.
 """
 
 import re
-from collections.abc import Sequence
 from dataclasses import replace
 from datetime import datetime
 
@@ -13,8 +12,6 @@ import numpy as np
 
 from rockpulse.readers import kit
 from rockpulse.readers.format import Format, ReadOptions, begins_with
-from rockpulse.readers.source import SourceFile
-from rockpulse.record.record import Record
 
 _UNIT_LINE = re.compile(r"#[^\0]{0,2000}?[\r\n]#\s*AmplitudeUnit\s*:", re.ASCII | re.IGNORECASE)
 _ENTRY = re.compile(r"#\s*([^:(]+)(?:\(([^)]*)\))?\s*:(.*)")
@@ -26,11 +23,14 @@ _MOMENT = re.compile(r"(?a)(\d{4})/\s*(\d{1,2})/\s*(\d{1,2})-\s*(\d{1,2}):\s*(\d
 _ZONE = re.compile(r"GMT\s*([+-]\s*\d{1,2})", re.ASCII | re.IGNORECASE)
 
 
-def read_cwb(file: SourceFile, options: ReadOptions) -> list[Record]:
+def read_cwb(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
     """Read every channel; the options are not used, because the format states everything."""
     lines = kit.text_lines(file.content)
     first = next((i for i, line in enumerate(lines) if line.strip() and not line.startswith("#")), len(lines))
-    header = _header(file.name, lines[:first])
+    header = kit.Entries(file.name)
+    for line, text in enumerate(lines[:first], start=1):
+        if match := _ENTRY.match(text[: kit.LONGEST_LINE]):
+            header[re.sub(r"[\W_]", "", match[1]).lower()] = kit.Entry(match[3].strip(), match[2] or "", line)
     unit = kit.canonical_unit(header.text("amplitudeunit").partition(".")[0], header.where("amplitudeunit"))
     rate, _ = _positive(header, "samplerate", "a line '#SampleRate(Hz)' with a number of samples per s")
     length, rounding = _positive(header, "recordlength", "a line '#RecordLength(sec)' with a duration")
@@ -82,15 +82,6 @@ def read_cwb(file: SourceFile, options: ReadOptions) -> list[Record]:
         )
         for number, (letter, sign) in enumerate(channels, start=1)
     ]
-
-
-def _header(name: str, lines: Sequence[str]) -> kit.Entries:
-    """The statements by the letters of their keys, lower case, without the text in parentheses."""
-    header = kit.Entries(name)
-    for line, text in enumerate(lines, start=1):
-        if match := _ENTRY.match(text[: kit.LONGEST_LINE]):
-            header[re.sub(r"[\W_]", "", match[1]).lower()] = kit.Entry(match[3].strip(), match[2] or "", line)
-    return header
 
 
 def _positive(header: kit.Entries, key: str, what: str) -> tuple[float, float]:
@@ -145,7 +136,6 @@ CWB = Format(
     what="CWB or CWA free field (Taiwan)",
     recognised="lines that begin with '#', one of them '#AmplitudeUnit:'",
     unit="gal, from the header",
-    processed="no",
     example="2-EGF.dat",
     detect=begins_with(_UNIT_LINE, 2100),
     parse=read_cwb,

@@ -1,8 +1,7 @@
 """DYNA 1.x text files of ESM, ITACA and AFAD.
 
-Lines ``KEY: value`` from ``EVENT_NAME:`` up to the first line that is none, 64 or more of them, then one number in
-cm/s2 on each line. Agencies write dates in three styles and leave most keys blank. Other lines may stand before
-``EVENT_NAME:``; AFAD (TADAS) writes there, in lines that begin with ``AAD_``, how the record was filtered.
+64 or more lines ``KEY: value`` from ``EVENT_NAME:`` on, then one number in cm/s2 on each line. Agencies write dates in
+three styles; AFAD (TADAS) writes before the title, in lines that begin with ``AAD_``, how the record was filtered.
 """
 
 import re
@@ -13,8 +12,6 @@ import numpy as np
 
 from rockpulse.readers import kit
 from rockpulse.readers.format import Format, ReadOptions
-from rockpulse.readers.source import SourceFile
-from rockpulse.record.record import Record
 
 _FIRST = "EVENT_NAME"
 _TITLE = re.compile(rf"\ufeff?{_FIRST}:")
@@ -83,8 +80,8 @@ def _keys(lines: Sequence[str], start: int) -> tuple[list[tuple[str, str, int]],
     return found, len(lines)
 
 
-def read_dyna(file: SourceFile, options: ReadOptions) -> list[Record]:
-    """Read the one channel of the file; raises NotAcceleration for velocity, displacement and spectra."""
+def read_dyna(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
+    """Read the one channel of the file; raises kit.NotAcceleration for velocity, displacement and spectra."""
     lines = kit.text_lines(file.content)
     header, header_notes = _header(file.name, lines)
     kind = header.text("DATA_TYPE")
@@ -108,7 +105,8 @@ def read_dyna(file: SourceFile, options: ReadOptions) -> list[Record]:
         found, advice = repr(lines[row][:40]), "the line is damaged: download the file again"
         raise kit.unexpected(f"{file.name}:{row + 1}", "one number on the line", found, advice)
     processed, processing, notes = _processed(header)
-    start_time, time_notes = _start_time(header)
+    origin = _moment(f"{header.text('EVENT_DATE_YYYYMMDD')} {header.text('EVENT_TIME_HHMMSS')}")
+    start_time, time_notes = _start_time(header, origin)
     peak = header.text("PGA_CM/S^2")
     location = header.text("LOCATION").strip("-")
     is_code = bool(re.fullmatch(r"\w{0,2}", location))
@@ -132,7 +130,7 @@ def read_dyna(file: SourceFile, options: ReadOptions) -> list[Record]:
             start_time=start_time,
             sensor_depth=header.number("SENSOR_DEPTH_M"),
             event_id=header.text("EVENT_ID"),
-            origin_time=_origin(header),
+            origin_time=origin,
             magnitude=kit.preferred([(header.text("MAGNITUDE_W"), "Mw"), (header.text("MAGNITUDE_L"), "ML")]),
             hypocentre=(header.text("EVENT_LATITUDE_DEGREE"), header.text("EVENT_LONGITUDE_DEGREE")),
             depth_km=header.text("EVENT_DEPTH_KM"),
@@ -233,30 +231,22 @@ def _remarks(header: _Header, step: float, samples: np.ndarray) -> list[str]:
 def _facing(stream: str, stem: str) -> kit.Direction:
     """The direction of the stream; unknown, with a note, where the name of the file (ESM, AFAD) has another."""
     named = _NAMED.search(stem)
-    if not named:
-        return kit.direction(stream)
-    word = named[1] or named[2]
+    word = (named[1] or named[2]) if named else ""
     note = f"the header says {stream}, the file name {word}: the direction is unknown"
     return kit.held_direction(kit.direction(stream), kit.direction(word), note)
 
 
-def _start_time(header: _Header) -> tuple[datetime | None, list[str]]:
+def _start_time(header: _Header, origin: datetime | None) -> tuple[datetime | None, list[str]]:
     """UTC time of the first sample, and warnings about it."""
     written = header.text("DATE_TIME_FIRST_SAMPLE_YYYYMMDD_HHMMSS")
-    if not written:
-        return None, []
     start = _moment(written)
     if start is None:
-        return None, [f"the start time {written!r} cannot be read"]
-    start, notes = kit.near_event(start, _origin(header))
+        return None, [f"the start time {written!r} cannot be read"] if written else []
+    start, notes = kit.near_event(start, origin)
     precision = header.text("DATE_TIME_FIRST_SAMPLE_PRECISION")
     if precision and start is not None and not _PRECISION.fullmatch(precision):
         notes.append(f"the start time is known to the {precision} only (header)")
     return start, notes
-
-
-def _origin(header: _Header) -> datetime | None:
-    return _moment(f"{header.text('EVENT_DATE_YYYYMMDD')} {header.text('EVENT_TIME_HHMMSS')}")
 
 
 def _moment(text: str) -> datetime | None:

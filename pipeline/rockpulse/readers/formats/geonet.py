@@ -1,8 +1,7 @@
 """GeoNet volume 1 and 2 files of New Zealand (V1A uncorrected, V2A corrected).
 
-Each component has 16 lines of text, 40 integers (10I8), 60 reals (10F8) and the accelerations, 10 fields of 8
-characters in mm/s2; in a V2A file velocities and displacements of the same count follow, which are passed over.
-Layout: https://www.geonet.org.nz/data/types/strong_motion
+Each component has 16 lines of text, 40 integers (10I8), 60 reals (10F8) and the accelerations [mm/s2] (10F8), in a V2A
+file followed by velocities and displacements. Layout: https://www.geonet.org.nz/data/types/strong_motion
 """
 
 import re
@@ -13,8 +12,6 @@ import numpy as np
 
 from rockpulse.readers import kit
 from rockpulse.readers.format import Format, ReadOptions, begins_with
-from rockpulse.readers.source import SourceFile
-from rockpulse.record.record import Record
 
 _TITLE = re.compile(r"(un)?corrected accelerogram\s+\d{8}_\d{6}_([^\W_]+)(?:_(\w+))?", re.IGNORECASE)
 _TEXT_LINES, _INTEGER_LINES, _REAL_LINES = 16, 4, 6
@@ -32,18 +29,17 @@ _OTHER_PEAKS = re.compile(r"(?:velocity|displacement):\s+peak\s*-?\d{1,9}(?:\.\d
 _DURATION = re.compile(r".{0,60}?\bduration\s+(\d{0,6}\.\d{1,6})\s*s", re.IGNORECASE)
 
 
-def read_geonet(file: SourceFile, options: ReadOptions) -> list[Record]:
+def read_geonet(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
     """Read the accelerations of every component; the options are not used, because the format states everything."""
     lines = kit.text_lines(file.content)
-    components: dict[kit.Span, Record] = {}
+    components: dict[kit.Span, kit.Record] = {}
     notes: list[str] = []
     start = 0
     while start < len(lines):
         if not _TITLE.match(lines[start]):
             expected = f"the title of component {len(components) + 1}, 'Corrected' or 'Uncorrected accelerogram'"
-            raise kit.unexpected(
-                f"{file.name}:{start + 1}", expected, repr(lines[start][:60].strip()), kit.FILE_DAMAGED
-            )
+            found = repr(lines[start][:60].strip())
+            raise kit.unexpected(f"{file.name}:{start + 1}", expected, found, kit.FILE_DAMAGED)
         first, start = start, kit.last_of_equal(lines, start)
         notes += kit.repeated_marker(first, start)
         record, end = _component(file, lines, start, len(components) + 1)
@@ -51,18 +47,14 @@ def read_geonet(file: SourceFile, options: ReadOptions) -> list[Record]:
         start = next((at for at in range(end, len(lines)) if lines[at].strip()), len(lines))
     kept, copies = kit.distinct_sections(lines, list(components), "component")
     records = [components[span] for span in kept]
-    counts = (
-        kit.Counted(start + 1, lines[start], record.component, _COMPONENTS)
-        for (start, _), record in zip(kept, records, strict=True)
-    )
+    pairs = zip(kept, records, strict=True)
+    counts = (kit.Counted(start + 1, lines[start], record.component, _COMPONENTS) for (start, _), record in pairs)
     notes += (*copies, *kit.completeness(file.name, counts, "files of this format hold"))
-    notes += kit.held_units(
-        (record.component or str(number), record.source_unit) for number, record in enumerate(records, 1)
-    )
-    return kit.with_warnings(records, notes)
+    units = ((record.component or str(number), record.source_unit) for number, record in enumerate(records, 1))
+    return kit.with_warnings(records, (*notes, *kit.held_units(units)))
 
 
-def _component(file: SourceFile, lines: Sequence[str], start: int, number: int) -> tuple[Record, int]:
+def _component(file: kit.SourceFile, lines: Sequence[str], start: int, number: int) -> tuple[kit.Record, int]:
     """The component that begins at index `start`, and the index of the line behind its values."""
     end = f"{file.name}:{len(lines)}"
     kit.check_count(end, _HEADER_LINES, len(lines) - start, f"header lines of component {number}")
@@ -88,9 +80,13 @@ def _component(file: SourceFile, lines: Sequence[str], start: int, number: int) 
     if not (step > 0.0 and abs(step - stated) <= 1.01 * rounding):
         expected = f"an interval of {step:g} s (real 26 of the header)"
         raise kit.unexpected(f"{file.name}:{start + 11}", expected, repr(text[10].strip()))
-    notes += surplus
-    notes += _held(text, step, step * np.arange(count) - reals[1], samples)
-    component = kit.matched(_COMPONENT, text[12])
+    notes += (*surplus, *kit.held_length(kit.matched(_DURATION, text[9]), count, step))
+    notes += kit.held_peak_time(kit.matched(_PEAK, text[13], 3), step * np.arange(count) - reals[1], samples)
+    others = [match[1] for line in text[14:] if (match := _OTHER_PEAKS.match(line))]
+    notes += kit.held_lengths_of_units([peak[2], *others]) if peak else []
+    component, azimuth = kit.matched(_COMPONENT, text[12]), int(integers[27])
+    told = kit.Direction("horizontal", float(azimuth % 360)) if 0 < azimuth <= 360 else kit.Direction()
+    note = f"the text says {component!r}, integer 28 of the header says {azimuth}: the direction is unknown"
     record = kit.build_record(
         file,
         samples,
@@ -100,7 +96,7 @@ def _component(file: SourceFile, lines: Sequence[str], start: int, number: int) 
         factor=kit.UNITS[unit] * (float(readings[1]) if readings else 1.0),
         processed=not raw,
         component=component,
-        facing=_facing(component, int(integers[27])),
+        facing=kit.held_direction(kit.direction(component), told, note),
         structural=kit.on_structure(text[2]),
         station=title[2],
         location=title[3] or "",
@@ -131,22 +127,6 @@ def _counts(name: str, line: str, start: int, integers: np.ndarray) -> tuple[int
         expected = "counts of accelerations, velocities and displacements of at least 0"
         raise kit.unexpected(f"{name}:{start + _TEXT_LINES + 4}", expected, str(blocks))
     return blocks[0], sum(-(-block // _PER_ROW) for block in blocks)
-
-
-def _held(text: Sequence[str], step: float, times: np.ndarray, samples: np.ndarray) -> list[str]:
-    """Warnings where duration, time of the peak or units in the text contradict the samples at times (n,) [s]."""
-    notes = kit.held_length(kit.matched(_DURATION, text[9]), samples.size, step)
-    notes += kit.held_peak_time(kit.matched(_PEAK, text[13], 3), times, samples)
-    others = [match[1] for line in text[14:] if (match := _OTHER_PEAKS.match(line))]
-    unit = kit.matched(_PEAK, text[13], 2)
-    return notes + (kit.held_lengths_of_units([unit, *others]) if unit else [])
-
-
-def _facing(component: str, azimuth: int) -> kit.Direction:
-    """The direction of the wording; unknown, with a note, where integer 28, its azimuth if above 0, contradicts it."""
-    told = kit.Direction("horizontal", float(azimuth % 360)) if 0 < azimuth <= 360 else kit.Direction()
-    note = f"the text says {component!r}, integer 28 of the header says {azimuth}: the direction is unknown"
-    return kit.held_direction(kit.direction(component), told, note)
 
 
 def _times(integers: np.ndarray) -> tuple[datetime | None, datetime | None]:

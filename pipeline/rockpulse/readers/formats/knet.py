@@ -1,7 +1,7 @@
 """K-NET and KiK-net ASCII files of NIED (Japan), through obspy.
 
-obspy gives counts with an offset and the factor in ``stats.calib``, and has already turned Japanese time into UTC and
-taken off the 15 s that the logger adds to the record time. Scale and offset are applied here, once.
+obspy gives counts with an offset, and has already turned Japanese time into UTC and taken off the 15 s that the logger
+adds to the record time. Scale and offset are applied here, once.
 """
 
 import re
@@ -11,8 +11,6 @@ import numpy as np
 from rockpulse.readers import kit
 from rockpulse.readers.format import Format, ReadOptions, begins_with
 from rockpulse.readers.kit.obspy_bridge import codes_of, obspy_stream, utc_time
-from rockpulse.readers.source import SourceFile
-from rockpulse.record.record import Record
 
 _SCALE = re.compile(r"Scale Factor\s+(\d+\.?\d*)\s*\(gal\)\s*/\s*(\d+\.?\d*)", re.IGNORECASE)
 _PEAK = re.compile(r"Max\. Acc\. \(gal\)\s+(-?\d+\.?\d*)", re.IGNORECASE)
@@ -20,7 +18,7 @@ _HEADER_LINES = 17
 _DIRECTIONS = re.compile(r"\.(EW|NS|UD)([12]?)$", re.IGNORECASE)
 
 
-def read_knet(file: SourceFile, options: ReadOptions) -> list[Record]:
+def read_knet(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
     """Read the one channel of the file; its mean over the whole record is the offset."""
     lines = kit.text_lines(file.content)
     kit.check_count(f"{file.name}:{len(lines)}", _HEADER_LINES, len(lines), "header lines")
@@ -42,10 +40,8 @@ def read_knet(file: SourceFile, options: ReadOptions) -> list[Record]:
     kit.check_count(f"{file.name}:{len(lines)}", declared, int(stats.npts))
     component, warnings = _component(file, stats.channel)
     if declared < stats.npts <= expected + stats.sampling_rate:
-        notes.append(
-            f"duration and sampling frequency of the header make {declared} samples, the file has {stats.npts}; all "
-            "are kept: does a line stand in it twice?"
-        )
+        told = f"duration and sampling frequency of the header make {declared} samples, the file has {stats.npts}"
+        notes.append(f"{told}; all are kept: does a line stand in it twice?")
     elif stats.npts > expected:
         wanted, advice = f"{declared} samples (duration and sampling frequency)", "the file holds more than one record"
         raise kit.unexpected(f"{file.name}:{len(lines)}", wanted, str(stats.npts), f"{advice}: download it again")
@@ -77,7 +73,7 @@ def read_knet(file: SourceFile, options: ReadOptions) -> list[Record]:
     ]
 
 
-def _component(file: SourceFile, channel: str) -> tuple[str, list[str]]:
+def _component(file: kit.SourceFile, channel: str) -> tuple[str, list[str]]:
     """Channel code and warnings; the extension of the file is safer than the header's direction."""
     named = _DIRECTIONS.search(file.path.name)
     component = named[1].upper() + named[2] if named else channel
@@ -93,7 +89,6 @@ KNET = Format(
     what="K-NET, KiK-net ASCII",
     recognised="first words 'Origin Time'",
     unit="counts, scale in the header",
-    processed="no",
     example="AKT0139608110312.EW",
     detect=begins_with(re.compile("Origin Time")),
     parse=read_knet,

@@ -8,32 +8,21 @@ import numpy as np
 from rockpulse.errors import RecordRefused
 from rockpulse.readers import kit
 from rockpulse.readers.format import Format, ReadOptions
-from rockpulse.readers.kit.obspy_bridge import (
-    PROCESSED,
-    codes_of,
-    obspy_stream,
-    seed_direction,
-    station_channel,
-    utc_time,
-)
+from rockpulse.readers.kit import obspy_bridge as bridge
 from rockpulse.readers.kit.response import from_counts
-from rockpulse.readers.source import SourceFile
-from rockpulse.record.record import Record
 
-#: Two statements of the sampling rate may differ by this share.
-_RATE_TOLERANCE = 1e-3
+_RATE_TOLERANCE = 1e-3  # two statements of the sampling rate may differ by this share
 
 
 def is_miniseed(head: bytes, name: str) -> bool:
     """Whether the file begins with a data record: six digits, a quality letter, a blank."""
-    return (
-        len(head) >= 48 and head[:6].strip(b"0123456789 \x00") == b"" and head[6:7] in b"DRQM" and head[7:8] in b" \0"
-    )
+    numbered = len(head) >= 48 and head[:6].strip(b"0123456789 \x00") == b""
+    return numbered and head[6:7] in b"DRQM" and head[7:8] in b" \0"
 
 
-def read_miniseed(file: SourceFile, options: ReadOptions) -> list[Record]:
+def read_miniseed(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
     """Read every acceleration channel; the gain comes from a StationXML file in the same folder."""
-    stream, notes = obspy_stream(file, "MSEED")
+    stream, notes = bridge.obspy_stream(file, "MSEED")
     # Lengths are powers of two, so the shortest divides them all.
     length = min(int(trace.stats.mseed.record_length) for trace in stream)
     if len(file.content) % length:
@@ -47,16 +36,14 @@ def read_miniseed(file: SourceFile, options: ReadOptions) -> list[Record]:
     return kit.usable_channels((partial(_channel, file, traces, number, options) for number, traces in named), notes)
 
 
-def _channel(file: SourceFile, traces: list[Any], number: int, options: ReadOptions) -> Record:
+def _channel(file: kit.SourceFile, traces: list[Any], number: int, options: ReadOptions) -> kit.Record:
     trace = traces[0]
     stats = trace.stats
     where = f"{file.name}: {trace.id}"
     if len(traces) > 1:
-        raise RecordRefused(
-            f"{where} has {len(traces) - 1} gaps or overlaps, the first at {stats.endtime}; cut a part without gaps, "
-            "or download the record again"
-        )
-    channel, site, notes = station_channel(file, trace, full=options.response == "remove")
+        advice = "cut a part without gaps, or download the record again"
+        raise RecordRefused(f"{where} has {len(traces) - 1} gaps or overlaps, the first at {stats.endtime}; {advice}")
+    channel, site, notes = bridge.station_channel(file, trace, full=options.response == "remove")
     found = from_counts(where, np.asarray(trace.data), float(stats.delta), channel.response, options.response)
     return kit.build_record(
         file,
@@ -65,12 +52,12 @@ def _channel(file: SourceFile, traces: list[Any], number: int, options: ReadOpti
         "counts",
         number=number,
         factor=found.factor,
-        processed=PROCESSED.get(channel.description, False),
+        processed=bridge.PROCESSED.get(channel.description, False),
         component=stats.channel,
-        facing=seed_direction(stats.channel, channel.azimuth, channel.dip),
-        **codes_of(stats),
+        facing=bridge.seed_direction(stats.channel, channel.azimuth, channel.dip),
+        **bridge.codes_of(stats),
         station_name=site,
-        start_time=utc_time(file, stats.starttime),
+        start_time=bridge.utc_time(file, stats.starttime),
         sensor_depth=float("nan") if channel.depth is None else float(channel.depth),
         station_place=(float(channel.latitude), float(channel.longitude)),
         warnings=[*notes, *found.warnings, *_held_rate(float(stats.sampling_rate), channel)],
@@ -91,7 +78,6 @@ MINISEED = Format(
     what="miniSEED with StationXML in the same folder",
     recognised="record header",
     unit="counts, gain from StationXML",
-    processed="no",
     example="CI.WCS2..HNE.mseed",
     detect=is_miniseed,
     parse=read_miniseed,

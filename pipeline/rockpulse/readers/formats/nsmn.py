@@ -1,7 +1,7 @@
 """Files of the Turkish network before AFAD's own format (NSMN, ``kyhdata``).
 
-Lines ``KEY : value`` in ISO-8859-9 (Turkish Latin), a line that names the columns N-S, E-W and U-D, then rows of three
-accelerations [gal] without their mean: the peaks that the header calls raw are those of the columns.
+Lines ``KEY : value`` in ISO-8859-9 (Turkish Latin), a line that names the columns, then rows of three accelerations
+[gal] without their mean, whose peaks the header calls raw.
 """
 
 import re
@@ -10,8 +10,6 @@ from datetime import datetime
 
 from rockpulse.readers import kit
 from rockpulse.readers.format import Format, ReadOptions, begins_with
-from rockpulse.readers.source import SourceFile
-from rockpulse.record.record import Record
 
 _TITLE = re.compile(r"\s*STRONG GROUND MOTION RECORDS OF T", re.ASCII | re.IGNORECASE)
 _COLUMNS = re.compile(r"\s*([NSEWUD]-[NSEWUD])\s+([NSEWUD]-[NSEWUD])\s+([NSEWUD]-[NSEWUD])\s*$", re.IGNORECASE)
@@ -21,11 +19,10 @@ _DECIMAL = re.compile(r"\d{0,6}\.?\d{1,9}", re.ASCII)
 _CLOCK = r"\s+(\d{1,2}):(\d{1,2}):(\d{1,2}(?:\.\d{0,9})?)\s*(?:\((\w+)\))?"
 _DAY_FIRST = re.compile(r"(\d{1,2})[/.](\d{1,2})[/.](\d{4})" + _CLOCK, re.ASCII)
 _YEAR_FIRST = re.compile(r"(\d{4})[/.](\d{1,2})[/.](\d{1,2})" + _CLOCK, re.ASCII)
-#: Lines of the header.
-_LONGEST_HEADER = 60
+_LONGEST_HEADER = 60  # lines of the header
 
 
-def read_nsmn(file: SourceFile, options: ReadOptions) -> list[Record]:
+def read_nsmn(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
     """Read the three channels; the options are not used, because the format states everything."""
     lines = kit.text_lines(file.content)
     head = [line[: kit.LONGEST_LINE] for line in lines[:_LONGEST_HEADER]]
@@ -114,7 +111,6 @@ NSMN = Format(
     what="NSMN (Turkey, before AFAD)",
     recognised="first line 'STRONG GROUND MOTION RECORDS OF T...'",
     unit="gal, from the header",
-    processed="no",
     example="20170720223109_0921.txt",
     detect=begins_with(_TITLE),
     parse=read_nsmn,

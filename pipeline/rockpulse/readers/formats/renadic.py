@@ -14,13 +14,11 @@ from rockpulse.readers.format import Format, ReadOptions
 from rockpulse.readers.formats.csmip import UNCORRECTED, is_uncorrected, read_uncorrected
 from rockpulse.readers.kit.csmip import HEADER_LINES, channels, read_header
 from rockpulse.readers.parts import PartRule
-from rockpulse.readers.source import SourceFile
-from rockpulse.record.record import Record
 
 _FIRST_TIME = re.compile(r"\s*(-?\d{0,6}\.\d{1,9})", re.ASCII)
 
 
-def read_renadic(file: SourceFile, options: ReadOptions) -> list[Record]:
+def read_renadic(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
     """Read every channel but dead ones; raises RecordRefused if all are dead."""
     records = [replace(record, origin_time=None) for record in read_uncorrected(file, options)]
     kept = [record for record in records if record.acceleration.any()]
@@ -34,7 +32,7 @@ def read_renadic(file: SourceFile, options: ReadOptions) -> list[Record]:
     return kit.with_warnings(kept, notes)
 
 
-def _first_times(file: SourceFile) -> dict[str, float]:
+def _first_times(file: kit.SourceFile) -> dict[str, float]:
     """The time of the first pair of each channel, by its component; the first channel of a component counts."""
     lines, spans, _ = channels(file, UNCORRECTED, "Uncorrected Accelerogram Data")
     times: dict[str, float] = {}
@@ -49,7 +47,6 @@ RENADIC = Format(
     what="RENADIC (Chile) volume 1, parts joined",
     recognised="first line 'Uncorrected Accelerogram Data', RENADIC in the header",
     unit="g/10, from the header",
-    processed="no",
     example="curico1002271parte1.v1",
     detect=partial(is_uncorrected, renadic=True),
     parse=read_renadic,

@@ -9,19 +9,15 @@ from rockpulse.errors import UnitError
 from rockpulse.readers import kit
 from rockpulse.readers.format import Format, ReadOptions
 from rockpulse.readers.kit.obspy_bridge import codes_of, obspy_stream, seed_direction, utc_time
-from rockpulse.readers.source import NotAcceleration, SourceFile
-from rockpulse.record.record import Record
 
 #: Length of the header and offsets of the words NPTS and NVHDR [bytes].
 _HEADER, _NPTS, _NVHDR = 632, 4 * 79, 4 * 76
 #: Offsets of the words DELTA, DEPMIN, DEPMAX, B, E: interval, extremes, times of the first and the last sample.
 _STATED = {"delta": 0, "depmin": 4, "depmax": 8, "b": 20, "e": 24}
-#: Values of IDEP that exclude acceleration.
 _UNDEFINED = -12345.0
 _COORDINATES = {"STLA": 31, "STLO": 32, "EVLA": 35, "EVLO": 36}
-_SERIES = {6: "displacement", 7: "velocity"}
-#: E may be off by so many steps.
-_LAST_STEPS = 2.0
+_SERIES = {6: "displacement", 7: "velocity"}  # values of IDEP that exclude acceleration
+_LAST_STEPS = 2.0  # E may be off by so many steps
 
 
 def _byte_order(head: bytes) -> str | None:
@@ -32,12 +28,7 @@ def _byte_order(head: bytes) -> str | None:
     return next(orders, None)
 
 
-def is_sac(head: bytes, name: str) -> bool:
-    """Whether the header version of a binary SAC file stands where it belongs."""
-    return _byte_order(head) is not None
-
-
-def read_sac(file: SourceFile, options: ReadOptions) -> list[Record]:
+def read_sac(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
     """Read the one channel of a SAC file; `options.units` is needed, because the header does not tell the unit."""
     order = _byte_order(file.head)
     if order is None:
@@ -62,7 +53,7 @@ def read_sac(file: SourceFile, options: ReadOptions) -> list[Record]:
         raise kit.unexpected(file.name, expected, found, "export the record again")
     series = _SERIES.get(header.get("idep"))
     if series:
-        raise NotAcceleration(f"{file.name}: expected an acceleration, the header (IDEP) says {series}")
+        raise kit.NotAcceleration(f"{file.name}: expected an acceleration, the header (IDEP) says {series}")
     if options.units is None:
         raise UnitError(
             f"{file.name}: a SAC header does not state the unit of acceleration; give it with the option units, one of "
@@ -82,10 +73,8 @@ def read_sac(file: SourceFile, options: ReadOptions) -> list[Record]:
     last, step = words["b"] + words["delta"] * (declared - 1), words["delta"]
     # E is a float32: of large times it has few digits.
     if abs(words["e"] - last) > _LAST_STEPS * abs(step) + 1e-6 * abs(last):
-        notes.append(
-            f"the header states {words['e']:g} s as the time of the last sample (E), {declared} samples at {step:g} s "
-            f"from {words['b']:g} s (B) end at {last:g} s"
-        )
+        found = f"{declared} samples at {step:g} s from {words['b']:g} s (B) end at {last:g} s"
+        notes.append(f"the header states {words['e']:g} s as the time of the last sample (E), {found}")
 
     def stated(name: str) -> float:
         return float(f"{float(header.get(name, math.nan)):.7g}")  # the header holds float32
@@ -129,7 +118,7 @@ SAC = Format(
     unit="asked for (units)",
     processed="unknown",
     example="T001230.HNE.sac",
-    detect=is_sac,
+    detect=lambda head, name: _byte_order(head) is not None,
     parse=read_sac,
     obspy_reads=True,
 )

@@ -1,7 +1,7 @@
 """SIGMA and ITACA ``.acc`` text files (Italy, France): one corrected component with a header of ``key : value`` lines.
 
-``Accelaration time series in m/s/s``, as the files spell it, ends the header; the samples follow, five in a row in
-fields of 14 characters that may touch. The time in the header is that of the earthquake.
+``Accelaration time series in m/s/s``, as the files spell it, ends the header; the samples follow in fields of 14
+characters that may touch. The time in the header is that of the earthquake.
 """
 
 import re
@@ -12,18 +12,14 @@ import numpy as np
 
 from rockpulse.readers import kit
 from rockpulse.readers.format import Format, ReadOptions
-from rockpulse.readers.source import SourceFile
-from rockpulse.record.record import Record
 
-#: Lines in which the header ends; a header has ten.
-_HEADER_LIMIT = 40
+_HEADER_LIMIT = 40  # lines in which the header ends; a header has ten
 _LONGEST_LINE = 400
 _KEYS = (
     *("event date & time", "station code / name", "network", "orientation", "processing info"),
     *("filter cut-off frequency", "time increment", "number of data", "pga"),
 )
-#: A text with fewer of the keys is another one.
-_FEWEST_KEYS = 4
+_FEWEST_KEYS = 4  # a text with fewer of the keys is another one
 _LINE = re.compile(r"\s*([A-Za-z][^:(]{0,40}?)\s*(?:\(([^()]{0,20})\)\s*)?:\s*(.*)")
 _SERIES = re.compile(r"\s*(acc\w*|vel\w*|disp\w*)\s+time\s+(?:series|history)\s+in\s+(\S+)\s*", re.IGNORECASE)
 _OTHERS = {"v": "velocity", "d": "displacement"}
@@ -31,8 +27,7 @@ _COUNT = re.compile(r"\d{1,9}", re.ASCII)
 _DECIMAL = re.compile(r"[+-]?(?:\d{1,9}\.?\d{0,12}|\.\d{1,12})(?:[eEdD][+-]?\d{1,2})?", re.ASCII)
 _CORNERS = re.compile(r"(\d{1,6}\.?\d{0,6})\s*-\s*(\d{1,6}\.?\d{0,6})", re.ASCII)
 _WIDTH = 14
-#: Rows that show how the fields are written.
-_LOOK_AT = 50
+_LOOK_AT = 50  # rows that show how the fields are written
 #: The components that run from the first letter to the second, under their usual names.
 _OTHER_WAY_ROUND = {"WE": "EW", "W-E": "EW", "SN": "NS", "S-N": "NS"}
 
@@ -44,8 +39,8 @@ def is_sigma(head: bytes, name: str) -> bool:
     return len(keys.intersection(_KEYS)) >= _FEWEST_KEYS and not keys.isdisjoint(_KEYS[-3:-1])
 
 
-def read_sigma(file: SourceFile, options: ReadOptions) -> list[Record]:
-    """Read the one component of the file; raises NotAcceleration for velocity and displacement."""
+def read_sigma(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
+    """Read the one component of the file; raises kit.NotAcceleration for velocity and displacement."""
     lines = kit.text_lines(file.content)
     header, kind, unit_text, repeated = _header(file.name, lines)
     where = f"{file.name}:{header.end}"

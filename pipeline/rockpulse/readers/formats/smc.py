@@ -1,8 +1,7 @@
 """SMC files of the USGS National Strong-Motion Project.
 
 11 lines of text, 48 integers (8I10), 50 reals (5E15.7), comment lines that begin with ``|``, then the values in cm/s2,
-8 fields of 10 characters that touch. The digit in front of the first line tells what the values are.
-Layout: https://escweb.wr.usgs.gov/nsmp-data/smcfmt.html
+8 fields of 10 characters that touch. Layout: https://escweb.wr.usgs.gov/nsmp-data/smcfmt.html
 """
 
 import re
@@ -14,27 +13,17 @@ import numpy as np
 from rockpulse.errors import RecordFormatError
 from rockpulse.readers import kit
 from rockpulse.readers.format import Format, ReadOptions
-from rockpulse.readers.source import SourceFile
-from rockpulse.record.record import STANDARD_GRAVITY, Record
 
 #: Series of types 1 to 6, in this order.
-_KINDS = (
-    "UNCORRECTED ACCELEROGRAM",
-    "CORRECTED ACCELEROGRAM",
-    "VELOCITY",
-    "DISPLACEMENT",
-    "RESPONSE SPECTRA",
-    "FOURIER",
-)
-_TITLE = re.compile(rf"\s?([1-6])\s+({'|'.join(_KINDS)})", re.IGNORECASE)
+_KINDS = "UNCORRECTED ACCELEROGRAM|CORRECTED ACCELEROGRAM|VELOCITY|DISPLACEMENT|RESPONSE SPECTRA|FOURIER"
+_TITLE = re.compile(rf"\s?([1-6])\s+({_KINDS})", re.IGNORECASE)
 #: Lines of text, and indices of the first line of the reals and of the first line behind them.
 _TEXT_LINES, _REALS, _FIRST_COMMENT = 11, 17, 27
 _STATION = re.compile(r"station\s*=\s*(.*?)\s*component\s*=\s*(.*)", re.IGNORECASE)
 _PEAK = re.compile(r"pk acc\s*=\s*(-?\d+\.?\d*(?:E[+-]?\d+)?)", re.IGNORECASE)
 _EVENT_ID = re.compile(r"\|\s*EventID:\s*(\w{1,40})\s*$", re.ASCII | re.IGNORECASE)
 _EVENT = re.compile(r"\s*(\d{4})\s+(\d+)\s+(\d+)\s+(\d+)\s+(.*)", re.ASCII)
-#: Some files carry a nonsense rate; no accelerograph reaches this one [1/s].
-_RATE_LIMIT = 10_000.0
+_RATE_LIMIT = 10_000.0  # some files carry a nonsense rate; no accelerograph reaches this one [1/s]
 _UNIT = "cm/s2"
 #: Integer 19: building, bridge, dam, other structures; integers 27 and 28 are 0 on the free field of a bridge or dam.
 _STRUCTURES = (1, 2, 3, 4)
@@ -49,8 +38,8 @@ def is_smc(head: bytes, name: str) -> bool:
     )
 
 
-def read_smc(file: SourceFile, options: ReadOptions) -> list[Record]:
-    """Read the one channel of the file; raises NotAcceleration for velocity, displacement and spectra."""
+def read_smc(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
+    """Read the one channel of the file; raises kit.NotAcceleration for velocity, displacement and spectra."""
     lines = kit.text_lines(file.content)
     title = _TITLE.match(lines[0])
     if title is None:
@@ -134,7 +123,7 @@ def _block(
             f"{name}:{_TEXT_LINES + 3}: expected an even number of values for (time, acceleration) pairs, found {count}"
         )
     times, samples = values[::2], values[1::2]
-    even, step, notes = kit.make_even(times, samples, name, first + 1, 4, kit.UNITS[_UNIT] / STANDARD_GRAVITY)
+    even, step, notes = kit.make_even(times, samples, name, first + 1, 4, kit.UNITS[_UNIT] / kit.STANDARD_GRAVITY)
     return kit.Block(even, step, _UNIT, times, samples, (*warnings, *notes))
 
 
@@ -146,10 +135,8 @@ def _held_extremes(reals: np.ndarray, block: kit.Block) -> list[str]:
     for number, sign, what in ((29, 1.0, "largest"), (31, -1.0, "least")):
         stated, found = reals[number], sign * float(np.max(sign * block.values))
         if abs(stated - found) > kit.PEAK_TOLERANCE * block.peak:  # NaN, a value that is not stated, is not
-            notes.append(
-                f"real {number + 1} of the header states {stated:g} cm/s2 as the {what} value, the samples have "
-                f"{found:g}"
-            )
+            value = f"{stated:g} cm/s2 as the {what} value"
+            notes.append(f"real {number + 1} of the header states {value}, the samples have {found:g}")
         notes += kit.held_peak_time(f"{reals[number - 1]:.6g}", block.times, np.maximum(sign * block.values, 0.0))
     return notes
 
@@ -177,9 +164,7 @@ def _start_time(integers: np.ndarray, event: re.Match[str] | None) -> tuple[date
     if start is None or start.year != year or not 0 <= millisecond < 1000:
         words = " ".join(f"{value:.0f}" for value in moment)
         return None, [f"{words} (integers 2 to 7: year, day, hour, minute, second, millisecond) is no start time"]
-    if event is None:
-        return start, []
-    return kit.near_event(start, _origin(event))
+    return kit.near_event(start, _origin(event)) if event else (start, [])
 
 
 def _origin(event: re.Match[str]) -> datetime | None:

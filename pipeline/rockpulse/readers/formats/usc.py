@@ -14,13 +14,10 @@ from rockpulse.readers import kit
 from rockpulse.readers.format import Format, ReadOptions, begins_with
 from rockpulse.readers.formats.csmip import read_corrected
 from rockpulse.readers.kit.csmip import HEADER_LINES, TEXT_LINES, Header, channels, direction_code, held_count, real
-from rockpulse.readers.source import SourceFile
-from rockpulse.record.record import Record
 
 _TITLE = re.compile(r"\s?file\s+\d+\s+of uncorrected accelerogram data\b", re.IGNORECASE)
 _CORRECTED = re.compile(r"(?:\s?corrected accelerogram\b[^\r\n]*[\r\n]+)+" + _TITLE.pattern, re.IGNORECASE)
-#: Words end here; the number of a punched card follows.
-_WORDS = 72
+_WORDS = 72  # words end here; the number of a punched card follows
 _STATION = re.compile(r"\s*station\s+(?:usc#|no\.?)\s*(\w+)", re.IGNORECASE)
 #: The minute of the earthquake in Greenwich: OCT 01, 1987 -1442 GMT.
 _MINUTE = re.compile(r"(?ai)\s*([A-Z]{3})[A-Z]*\.?\s+(\d{1,2}),\s*(\d{4})\s*-\s*(\d\d)(\d\d)\s+GMT")
@@ -39,7 +36,7 @@ _MEAN_SQUARE = re.compile(
 _MEAN_SQUARE_FACTOR = 1.2
 
 
-def read_usc_v1(file: SourceFile, options: ReadOptions) -> list[Record]:
+def read_usc_v1(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
     """Read every channel; the options are not used, because the format states everything."""
     lines, spans, copies = channels(file, _TITLE, "FILE N OF UNCORRECTED ACCELEROGRAM DATA")
     records = []
@@ -49,8 +46,8 @@ def read_usc_v1(file: SourceFile, options: ReadOptions) -> list[Record]:
         unit = kit.pair_unit(lines[start + 11], f"{file.name}:{start + 12}")
         block = kit.pair_block(file.name, lines, start + HEADER_LINES, end, count, unit)
         head = lines[start : start + HEADER_LINES]
-        header = _header(head).noting(*copies, *_held(head, count, block))
-        records.append(header.record(file, number, block, processed=False))
+        notes = (*copies, *_held(head, count, block))
+        records.append(_header(head).record(file, number, block, notes, processed=False))
     return records
 
 
@@ -106,7 +103,6 @@ USC_V1 = Format(
     what="USC volume 1 (pairs of a digitised trace)",
     recognised="first line 'FILE N OF UNCORRECTED ACCELEROGRAM DATA'",
     unit="g/10, from the header",
-    processed="no",
     example="017m30lw.e0a",
     detect=begins_with(_TITLE),
     parse=read_usc_v1,

@@ -20,19 +20,15 @@ from rockpulse.readers.kit.checks import (
     surplus,
 )
 from rockpulse.readers.kit.direction import Direction, direction, on_structure
-from rockpulse.readers.kit.facts import (
-    coordinates,
-    instant,
-    later,
-    magnitudes,
-    near_event,
-    preferred,
-    written,
-)
+from rockpulse.readers.kit.facts import coordinates, instant, later, magnitudes, near_event, preferred, written
+from rockpulse.readers.kit.headings import stated_counts, stated_kinds, stated_steps, stated_units
 from rockpulse.readers.kit.spacing import Block, declared_points, make_even, pair_block, pair_unit, printed_at
+from rockpulse.readers.kit.table import end_of_numbers, runs_on, split_row
 from rockpulse.readers.kit.text import (
+    ACCELERATION_FILE,
     FILE_DAMAGED,
     LONGEST_LINE,
+    OWN_FILE,
     TRUNCATED,
     UNITS,
     Entries,
@@ -48,3 +44,5 @@ from rockpulse.readers.kit.text import (
     text_lines,
     unexpected,
 )
+from rockpulse.readers.source import NotAcceleration, SourceFile
+from rockpulse.record.record import STANDARD_GRAVITY, Record

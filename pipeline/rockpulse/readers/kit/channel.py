@@ -44,10 +44,7 @@ FULL_SCALE, NEAR_FULL_SCALE = 2**23, 0.99
 
 
 def odd_peak(peak: float, unit: str, factor: float) -> Remark:
-    """The remark on a peak [m/s2] that is hardly an earthquake's, with the readings in units other than the file's.
-
-    `factor` are the m/s2 of one unit of the file; without a unit the samples came in m/s2.
-    """
+    """The remark on a peak [m/s2] that is hardly an earthquake's; `factor` are the m/s2 of the unit, empty for m/s2."""
     unit, factor = (unit, UNITS.get(unit, abs(factor))) if unit else ("m/s2", 1.0)
     named = unit if unit in UNITS else f"{unit} x {factor:.4g} m/s2"
     readings = other_readings(peak / factor, unit)
@@ -102,10 +99,9 @@ def build_record(
 ) -> Record:
     """The record of one channel, the file's `number` from 1, in m/s2 and checked; vertical motion is positive up.
 
-    `samples` are in the file's `unit`: a key of `UNITS`, or "counts" with a `factor` [m/s2 per count]. `facing` is
-    given where the format knows more than the wording of `component`. `header_peak` is the stated peak with half a unit
-    of its last digit (`printed_number`), in units of `peak_factor` m/s2, else those of the samples; the header
-    describes `original_peak`, the largest absolute value before resampling [unit], where that is given.
+    `unit` is a key of `UNITS`, or "counts" with a `factor` [m/s2 per count]. `header_peak` is the stated peak with half
+    a unit of its last digit (`printed_number`), in units of `peak_factor` m/s2, else those of the samples; it is that
+    of `original_peak`, the largest absolute value before resampling [unit], where that is given.
     """
     code = channel or _DEGREES.sub("", component.strip())
     facing = vertical_if_so(facing or direction(component), code)

@@ -1,7 +1,4 @@
-"""A file held against itself: statements of a header against the samples, copies of a part, missing channels, surplus.
-
-A function that returns warnings returns none where all is well or a statement is missing.
-"""
+"""A file held against itself; functions that return warnings return none if all is well or a statement is missing."""
 
 import re
 from collections.abc import Iterable, Sequence
@@ -10,18 +7,16 @@ from typing import NamedTuple
 import numpy as np
 
 from rockpulse.readers.kit.direction import Direction
-from rockpulse.readers.kit.text import FILE_DAMAGED, UNITS, fixed_width, printed_number, unexpected
+from rockpulse.readers.kit.text import FILE_DAMAGED, OWN_FILE, UNITS, fixed_width, printed_number, unexpected
 
 #: A stated length, of the samples or of the steps between them, may be off by this many steps.
 LENGTH_STEPS = 2.0
 #: At the time of the peak that a header states, and so many samples beside it, the motion reaches this share of it.
 _BESIDE_PEAK, _PEAK_SHARE = 2, 0.9
-#: Two statements of one azimuth may differ by so much [degrees].
-_TURN = 1.0
+_TURN = 1.0  # two statements of one azimuth may differ by so much [degrees]
 _NUMBER = re.compile(r"\s*[+-]?(?:\d{1,9}\.?\d{0,12}|\.\d{1,12})(?:[eEdD][+-]?\d{1,2})?\s*", re.ASCII)
 _LENGTH = re.compile(r"(mm|cm|m|in|ft)s?(?=/|\s|$)", re.IGNORECASE)
-#: Characters of a line that may hold a title.
-_LONGEST_LINE = 400
+_LONGEST_LINE = 400  # characters of a line that may hold a title
 
 #: Index of the first line of a part of a file, and of the line behind its last.
 Span = tuple[int, int]
@@ -46,10 +41,8 @@ def held_peak_time(text: str, times: np.ndarray, values: np.ndarray) -> list[str
     near = np.abs(times - stated) <= (_BESIDE_PEAK + 0.5) * step + rounding
     if np.max(np.abs(values), where=near, initial=0.0) >= _PEAK_SHARE * peak:
         return []
-    found = float(times[np.argmax(np.abs(values))])
-    return [
-        f"the header states the peak at {stated:g} s, at the interval of {step:g} s the samples have it at {found:g} s"
-    ]
+    found = f"at the interval of {step:g} s the samples have it at {float(times[np.argmax(np.abs(values))]):g} s"
+    return [f"the header states the peak at {stated:g} s, {found}"]
 
 
 def held_units(stated: Iterable[tuple[str, str]]) -> list[str]:
@@ -84,26 +77,19 @@ def held_direction(said: Direction, told: Direction, note: str) -> Direction:
 
 
 def surplus(
-    lines: Sequence[str],
-    first: int,
-    end: int,
-    name: str = "",
-    title: re.Pattern[str] | None = None,
-    used: int | None = None,
+    lines: Sequence[str], first: int, end: int, name: str = "", title: re.Pattern[str] | None = None, used: int = 0
 ) -> tuple[str, ...]:
-    """A warning for rows between the declared samples (index `first`) and the end of the channel (index `end`).
+    """Warnings for rows in ``lines[first:end]``, behind the samples, and for numbers behind their `used` characters.
 
-    Numbers behind the `used` characters of the last row of samples are told as well. `title` matches the first line of
-    another record of the file `name`, which formats of one channel refuse.
+    `title` matches the first line of another record of the file `name`, which formats of one channel refuse.
     """
     notes = []
-    if used is not None and lines[first - 1][used:].strip():
+    if used and lines[first - 1][used:].strip():
         notes.append(f"line {first}: numbers beyond the declared count were left out")
     for at in range(first, end):
         if title and title.match(lines[at][:_LONGEST_LINE]):
             found = f"{lines[at][:60].strip()!r}, the beginning of another record"
-            advice = "write each record into a file of its own"
-            raise unexpected(f"{name}:{at + 1}", "the end of the file", found, advice)
+            raise unexpected(f"{name}:{at + 1}", "the end of the file", found, OWN_FILE)
     rows = sum(bool(line.strip()) for line in lines[first:end])
     return (*notes, *([f"line {first + 1}: {rows} rows beyond the declared count were left out"] if rows else []))
 
@@ -155,22 +141,21 @@ def distinct_sections(
 
 
 class Counted(NamedTuple):
-    """The statements of one channel of a file about its recorder, by which channels are counted."""
+    """The first line of a channel, from 1, its recorder and number there, and the channels of the recorder, or 0."""
 
-    line: int  # where the channel begins, from 1
-    recorder: str  # words or number that tell the recorder from others
-    number: str  # tells the channel from others of the recorder; empty where the file does not say
-    counted: int  # channels of the recorder; 0 where the file does not say
+    line: int
+    recorder: str
+    number: str
+    counted: int
     kind: str = ""  # acceleration, velocity, ... where a file may hold each of them as a channel of its own
 
 
 def completeness(
     name: str, channels: Iterable[Counted], whose: str = "the header counts", closed: bool = False
 ) -> tuple[str, ...]:
-    """A warning for each recorder of which the file holds fewer channels than `whose`, in the message, counts.
+    """A warning for each recorder of which the file holds fewer channels than it counts; one twice is refused.
 
-    If the file is `closed`, that is, ends as its format asks for, one channel is enough: agencies cut the records of
-    structures into such files. A channel that is there twice is refused.
+    A file that is `closed` (ends as its format asks) may hold one channel: agencies cut records of structures so.
     """
     first: dict[tuple[str, str, str], int] = {}
     held: dict[str, set[str | int]] = {}

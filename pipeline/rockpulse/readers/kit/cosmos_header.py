@@ -28,8 +28,7 @@ _COUNTED = re.compile(r"\(\s*(\d{1,3})\s*chns?\s+of\s+\d{1,3}", re.ASCII | re.IG
 _PEAK_TIME = re.compile(r"\bmax\s*=.{0,60}?\bat\s+(\d{0,6}\.\d{0,6})\s*sec", re.ASCII | re.IGNORECASE)
 _RAW_LENGTH = re.compile(r"\s*raw record length\s*=\s*(\d{0,6}\.\d{0,6})\s*sec", re.ASCII | re.IGNORECASE)
 _ABOUT = re.compile(r".{0,80}?\bapprox\.?\s+(\d{1,6}(?:\.\d{0,6})?)\s*secs?\b", re.ASCII | re.IGNORECASE)
-#: A stated length may be off by this share.
-_LENGTH_SHARE = 5e-3
+_LENGTH_SHARE = 5e-3  # a stated length may be off by this share
 _ORIENTATIONS = {
     400: Direction("vertical"),
     401: Direction("vertical", sign=-1.0),

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from datetime import UTC, datetime, timedelta
 from typing import Any
 
@@ -96,11 +96,9 @@ class Header:
         """Direction and place of the sensor, as the record has them."""
         return f"{self.component} ({self.place})" if self.place else self.component
 
-    def noting(self, *warnings: str) -> Header:
-        """The same header with further warnings."""
-        return replace(self, warnings=(*self.warnings, *warnings))
-
-    def record(self, file: SourceFile, number: int, block: Block, **further: Any) -> Record:
+    def record(
+        self, file: SourceFile, number: int, block: Block, warnings: Sequence[str] = (), **further: Any
+    ) -> Record:
         """The record of this channel with the samples of `block`; `further` are arguments of `build_record`."""
         return build_record(
             file,
@@ -111,7 +109,7 @@ class Header:
             component=self.full_component,
             facing=one_direction(self.component, self.code, self.repeated),
             original_peak=block.peak,
-            warnings=(*block.warnings, *self.warnings),
+            warnings=(*block.warnings, *self.warnings, *warnings),
             **self.about,
             **further,
         )
@@ -140,10 +138,9 @@ class Heading:
 
 
 def channels(file: SourceFile, title: re.Pattern[str], wording: str) -> tuple[list[str], list[Span], tuple[str, ...]]:
-    """The lines of a file without the carriage control of a line printer, the span of each channel in them, warnings.
+    """Lines of a file, without the carriage control of a line printer, spans of the channels in them, and warnings.
 
-    The first line of each channel must match `title`, which `wording` describes in messages. A title or an end that
-    stands there twice, and a channel that is a copy of another one, count once, with a warning.
+    Each channel begins with `title`, or `wording` in messages; copies of a channel, a title, an end count once.
     """
     lines = text_lines(file.content)
     if all(line.startswith(" ") for line in lines if line):
@@ -176,22 +173,17 @@ def heading_at(lines: Sequence[str], at: int) -> Heading | None:
     return Heading(last, _KINDS[(match[2] or match[3])[0].lower()], int(match[1]), match[4], repeated_marker(at, last))
 
 
-def _interval(heading: Heading, where: str) -> float:
+def equal_block(name: str, lines: Sequence[str], heading: Heading, end: int, unit: str) -> Block:
+    """Read the accelerations below a heading, up to the line at index `end`; `unit` is as the file words it."""
+    where = f"{name}:{heading.at + 1}"
     rate, step = _RATE.search(heading.words), _STEP.search(heading.words)
     try:
         dt = 1.0 / float(rate[1]) if rate else float(step[1]) if step else 0.0
     except (ValueError, ZeroDivisionError):
         dt = 0.0
     if not dt > 0.0:
-        expected, found = "'at N pts/sec' or 'equally spaced at N sec' with N > 0", repr(heading.words.strip())
-        raise unexpected(where, expected, found, "repair the line or download the file again")
-    return dt
-
-
-def equal_block(name: str, lines: Sequence[str], heading: Heading, end: int, unit: str) -> Block:
-    """Read the accelerations below a heading, up to the line at index `end`; `unit` is as the file words it."""
-    where = f"{name}:{heading.at + 1}"
-    dt = _interval(heading, where)
+        expected, words = "'at N pts/sec' or 'equally spaced at N sec' with N > 0", repr(heading.words.strip())
+        raise unexpected(where, expected, words, "repair the line or download the file again")
     found = canonical_unit(unit, where)
     first, count = heading.at + 1, heading.count
     check_count(where, count, count if first < end else 0)
@@ -309,10 +301,8 @@ def held_peak_real(behind: Sequence[str], number: int, block: Block, per_unit: f
 
 
 def one_direction(component: str, code: int, repeated: Sequence[str] = ()) -> Direction:
-    """The direction of the wording; unknown, with a note, where the code or a line that repeats it tells another one.
-
-    Codes of sensors without an azimuth, 0, 1100 and 1200, tell none.
-    """
+    """The direction of the wording; unknown, with a note, if the code or a line that repeats it tells another one."""
+    # Codes of sensors without an azimuth, 0, 1100 and 1200, tell none.
     told = Direction("horizontal", float(code % 360)) if 1 <= code <= 360 else Direction()
     if code in (_UP, _DOWN):
         told = Direction("vertical", sign=1.0 if code == _UP else -1.0)

@@ -47,19 +47,16 @@ _FREE_FIELD = re.compile(
 
 @dataclass(frozen=True)
 class Direction:
-    """The direction that the words for a component mean."""
+    """The direction that the words for a component mean, and a doubt about it, for the warnings of the record."""
 
-    orientation: Orientation = "unknown"  # as in `Record`
+    orientation: Orientation = "unknown"
     azimuth: float = float("nan")  # clockwise from north [degrees]; NaN where unknown or not horizontal
     sign: float = 1.0  # -1 for a channel that is positive downwards, else 1
-    note: str = ""  # a doubt about the direction, for the warnings of the record
+    note: str = ""
 
 
 def direction(wording: str) -> Direction:
-    """Read a component such as ``90 Deg``, ``S05W``, ``UP``, ``N-S``, ``HNE``.
-
-    A bare digit is the number of a channel, no azimuth; ``5 Deg`` and ``005`` are azimuths.
-    """
+    """Read ``90 Deg``, ``S05W``, ``UP``, ``N-S``, ``HNE``, ``005``; a bare digit is the number of a channel."""
     word = " ".join(wording.upper().split()).strip(" .")
     seed = _SEED.fullmatch(word)
     if seed:

@@ -1,7 +1,4 @@
-"""Start times, and what a header states of earthquake and site, as far as they can be true.
-
-Zeros and -999 stand for "unknown", units are mixed up: a value that cannot be true is left out, never an error.
-"""
+"""Start times, and what a header states of earthquake and site; what cannot be true is left out, never an error."""
 
 import math
 import re
@@ -28,8 +25,7 @@ _DATE = r"(?<!\d)(?:(\d{1,2})/\s?(\d{1,2})/\s?(\d{2}|\d{4})|(\d{4})([/-])\s?(\d{
 _TIME = r"(\d{1,2}):\s?(\d{1,2}):\s?(\d{1,2}(?:\.\d{0,6})?|\.\d{1,6})"
 _ZONE = r"(?:\s{0,4}(Z|[A-Z]{2,4})\b|([+-]\d\d):?(\d\d)(?!\d))?"
 _WRITTEN = re.compile(rf"{_DATE}(?:T|,?\s+){_TIME}{_ZONE}", re.ASCII | re.IGNORECASE)
-#: The century of a year of two digits: accelerographs came in the thirties.
-_CENTURY = 30
+_CENTURY = 30  # first year of two digits that is of 1900: accelerographs came in the thirties
 
 
 def clock_fault(moment: datetime) -> str:
@@ -65,10 +61,8 @@ def near_event(start: datetime | None, origin: datetime | None) -> tuple[datetim
     """The start time [UTC], or None and a warning where it is further than `NEAR` from the origin of the earthquake."""
     if start is None or origin is None or abs(start - origin) <= NEAR:
         return start, []
-    return None, [
-        f"the start time {start:%Y-%m-%d %H:%M:%S} lies {abs(start - origin) / timedelta(hours=1):.1f} h from the "
-        f"earthquake of {origin:%Y-%m-%d %H:%M:%S}; it was left out"
-    ]
+    away = f"{abs(start - origin) / timedelta(hours=1):.1f} h from the earthquake of {origin:%Y-%m-%d %H:%M:%S}"
+    return None, [f"the start time {start:%Y-%m-%d %H:%M:%S} lies {away}; it was left out"]
 
 
 def written(text: str) -> datetime | None:
@@ -102,14 +96,12 @@ _SEXAGESIMAL = re.compile(r"(?ai)(?<![\d.])(\d{1,3})\s{1,3}(\d{1,2})\s{1,3}(\d{1
 _MAGNITUDE = re.compile(r"(?<![A-Za-z0-9.])(M[A-Za-z]?)\s{0,10}[=:]?\s{0,10}(\d{1,2}(?:\.\d{0,3})?)(?![\d.])", re.ASCII)
 #: Scales of magnitudes by their letters, in the order in which one is chosen where a header states several.
 _SCALES = {"mw": "Mw", "ms": "Ms", "ml": "ML", "mb": "mb"}
-#: Texts that stand for nothing.
-_NO_TEXT = re.compile(r"[-_.?/\s]*|n/?a|none|null|unknown", re.IGNORECASE)
+_NO_TEXT = re.compile(r"[-_.?/\s]*|n/?a|none|null|unknown", re.IGNORECASE)  # texts that stand for nothing
 
 _MAGNITUDES = (-1.0, 10.0)
 #: Deepest earthquake, and half the way round the Earth [km].
 _DEEPEST, _FARTHEST = 800.0, 20_040.0
-#: Velocities of shear waves in mud and in the hardest rock [m/s].
-_VS30 = (30.0, 5000.0)
+_VS30 = (30.0, 5000.0)  # velocities of shear waves in mud and in the hardest rock [m/s]
 
 
 class Facts(TypedDict, total=False):
@@ -128,11 +120,8 @@ class Facts(TypedDict, total=False):
 
 def stated(**facts: Unpack[Facts]) -> dict[str, Any]:
     """Fields of a `Record` from the statements of a header that can be true; else NaN, None or empty."""
-    nowhere, time, (size, scale) = (
-        (math.nan, math.nan),
-        facts.get("origin_time"),
-        facts.get("magnitude", (math.nan, "")),
-    )
+    nowhere, time = (math.nan, math.nan), facts.get("origin_time")
+    size, scale = facts.get("magnitude", (math.nan, ""))
     magnitude = _within(size, *_MAGNITUDES, zero=False)
     latitude, longitude = _place(facts.get("hypocentre", nowhere))
     station_latitude, station_longitude = _place(facts.get("station_place", nowhere))
@@ -157,10 +146,9 @@ def coordinates(text: str) -> tuple[float, float]:
     """Latitude and longitude from a line with ``33.929N, 118.260W`` or ``42 30 00S 173 15 00E``; else NaN."""
     found = {"N": math.nan, "E": math.nan}
     named = [(float(degrees), side) for degrees, side in _DECIMAL.findall(text)]
-    named += [
-        (round(float(degrees) + float(minutes) / 60.0 + float(seconds) / 3600.0, 6), side)
-        for degrees, minutes, seconds, side in _SEXAGESIMAL.findall(text)
-    ]
+    for *parts, side in _SEXAGESIMAL.findall(text):
+        degrees, minutes, seconds = map(float, parts)
+        named.append((round(degrees + minutes / 60.0 + seconds / 3600.0, 6), side))
     for value, side in reversed(named):  # the first of several counts
         axis = "N" if side.upper() in "NS" else "E"
         found[axis] = value if side.upper() == axis else -value

@@ -4,13 +4,13 @@ import re
 import unicodedata
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 from rockpulse.readers.kit.direction import BRACKET, direction, heading_direction
 from rockpulse.readers.kit.table import LINE_LIMIT, NUMBER, Layout, split_row
 from rockpulse.readers.kit.text import mentioned_units, quantity_of
 
-#: Characters of a header line that are looked at.
-_LINE = 1000
+_LINE = 1000  # characters of a header line that are looked at
 
 #: English, Spanish, Italian, German, French, Portuguese, Turkish, without accents; short forms may end in a direction.
 _AXIS = r"(?:x|y|z|n|e|v|h|ns|ew|ud|up|s)?"
@@ -68,13 +68,12 @@ _BRACKET = re.compile(r"[\[(]([^\[\]()]{1,20})[\])]")
 _ONE_UNIT = re.compile(r"[^\s,;)\]]{1,12}")
 
 
-@dataclass(frozen=True)
-class Statement:
-    """A statement in a line of the header."""
+class Statement(NamedTuple):
+    """A statement in a line of the header, from 1, as worded: an interval [s], a count, or 0 for a unit."""
 
-    line: int  # number of the line, from 1
-    wording: str  # as written
-    value: float = 0.0  # interval [s] or count; 0 for a unit
+    line: int
+    wording: str
+    value: float = 0.0
 
 
 def _plain(text: str) -> str:
@@ -111,11 +110,8 @@ def _units(line: str) -> list[tuple[str, str]]:
     text = _plain(line)
     if _PEAK.search(text) or _PAST.search(text):
         return []
-    found = [
-        (quantity, wording)
-        for quantity, wording, at in mentioned_units(line)
-        if not line[max(at - 2, 0) : at].strip(" ([").isdecimal()
-    ]
+    named = ((unit[:2], line[max(unit[2] - 2, 0) : unit[2]]) for unit in mentioned_units(line))
+    found = [unit for unit, before in named if not before.strip(" ([").isdecimal()]
     alone = line.strip(" \t#%!*/")
     words = [(alone, True), *((match[1], False) for match in _BRACKET.finditer(line))]
     for match in _UNIT.finditer(text):
@@ -130,12 +126,8 @@ def _units(line: str) -> list[tuple[str, str]]:
 
 def stated_units(header: Sequence[str]) -> list[Statement]:
     """Units of acceleration that the prose of a header states."""
-    return [
-        Statement(number, wording)
-        for number, line in enumerate(header, 1)
-        for quantity, wording in _units(line)
-        if quantity == "acceleration"
-    ]
+    units = ((number, *unit) for number, line in enumerate(header, 1) for unit in _units(line))
+    return [Statement(number, wording) for number, quantity, wording in units if quantity == "acceleration"]
 
 
 def stated_steps(header: Sequence[str]) -> list[Statement]:
@@ -165,17 +157,12 @@ def _step_of_rate(match: re.Match[str]) -> float:
 
 def stated_counts(header: Sequence[str]) -> list[Statement]:
     """Numbers of samples that the prose of a header states."""
-    return [
-        Statement(number, match[0], float(match[1] or match[2]))
-        for number, line in enumerate(header, 1)
-        for match in _COUNT.finditer(_plain(line))
-    ]
+    counts = ((number, match) for number, line in enumerate(header, 1) for match in _COUNT.finditer(_plain(line)))
+    return [Statement(number, match[0], float(match[1] or match[2])) for number, match in counts]
 
 
-#: Characters of a heading that are looked at.
-_NAME = 80
-#: A heading has few words, a unit few letters.
-_SHORT = 3
+#: Characters of a heading that are looked at; words of a short one, letters of a unit.
+_NAME, _SHORT = 80, 3
 _COMMENT = " \t#%!*/"
 _IN_G = re.compile(r"(?<![a-z])g$", re.IGNORECASE)
 _TIME_UNIT = re.compile(r"(?:^|[\W_])(m(?:illi)?s(?:ec\w*)?|us|µs|min(?:s|ut\w*)?)(?=$|[\W_])", re.IGNORECASE)

@@ -16,6 +16,7 @@ from typing import Any
 
 from rockpulse.errors import RecordFormatError, RecordRefused
 from rockpulse.readers.kit.direction import Direction, direction, means_vertical
+from rockpulse.readers.kit.text import unexpected
 from rockpulse.readers.source import SourceFile
 from rockpulse.remark import Remark
 
@@ -99,17 +100,13 @@ def utc_time(file: SourceFile, moment: Any) -> datetime:
     try:
         return moment.datetime.replace(tzinfo=UTC)
     except (ValueError, OverflowError) as fault:
-        raise RecordFormatError(
-            f"{file.name}: expected a start time in the years 1 to 9999, found {moment.timestamp} s from 1970; "
-            "the header is damaged: download the file again"
-        ) from fault
+        found = f"{moment.timestamp} s from 1970"
+        raise unexpected(file.name, "a start time in the years 1 to 9999", found) from fault
 
 
 def seed_direction(code: str, azimuth: float | None, dip: float | None) -> Direction:
-    """Direction from SEED's azimuth and dip [degrees; -90 is up], else from the channel code.
-
-    Unknown where they contradict; but a code that says vertical counts against a dip of 0, which many a header leaves.
-    """
+    """Direction from SEED's azimuth and dip [degrees; -90 is up], else the channel code; unknown if they contradict."""
+    # But a code that says vertical counts against a dip of 0, which many a header leaves.
     azimuth = None if azimuth is None or not math.isfinite(azimuth) else float(azimuth) % 360.0
     dip = None if dip is None or not math.isfinite(dip) else float(dip)
     named = direction(code)
@@ -121,10 +118,8 @@ def seed_direction(code: str, azimuth: float | None, dip: float | None) -> Direc
             told = f"a dip of {dip:g} degrees (-90 is up, 0 horizontal)"
             return Direction("vertical", note=Remark("vertical_by_code", channel=code, told=told))
         if lies == "unknown" or named.orientation not in (lies, "unknown"):
-            return Direction(
-                note=f"the direction is unknown: the channel code says {code!r}, the dip is {dip:g} degrees "
-                "(-90 is up, 0 horizontal)"
-            )
+            both = f"the channel code says {code!r}, the dip is {dip:g} degrees (-90 is up, 0 horizontal)"
+            return Direction(note=f"the direction is unknown: {both}")
     if lies == "vertical" and dip is not None:
         return Direction("vertical", sign=1.0 if dip < 0.0 else -1.0)
     if lies != "horizontal" or azimuth is None:
@@ -175,8 +170,7 @@ def _channels(
 def station_channel(file: SourceFile, trace: Any, full: bool) -> tuple[Any, str, list[str]]:
     """The one StationXML channel whose epoch holds the whole record, the name of its station, and obspy's warnings.
 
-    A file with the stem of the miniSEED file comes first, and one that rockpulse wrote serves no other. Several
-    channels are one if they tell the same: sensitivity (where `full`, response), direction, raw or corrected.
+    A file with the stem of the miniSEED file comes first, and one that rockpulse wrote serves no other.
     """
     stats = trace.stats
     files = [(name, content) for name, content in file.station_files() if stats.station.encode() in content]
@@ -246,21 +240,14 @@ def _gap(one: Any, other: Any, full: bool) -> tuple[str, str] | None:
     if full and one.response != other.response:
         return "responses", ""
     states = {True: "corrected", False: "raw", None: "unknown"}
-    told = [
-        (
-            f"{float(channel.response.instrument_sensitivity.value)!r} per "
-            f"{str(channel.response.instrument_sensitivity.input_units).upper()}",
-            _facing(channel),
-            states[PROCESSED.get(channel.description, False)],
-        )
-        for channel in (one, other)
-    ]
+    told = []
+    for channel in (one, other):
+        sensitivity = channel.response.instrument_sensitivity
+        facing = seed_direction(channel.code, channel.azimuth, channel.dip)
+        words = f"{facing.orientation}, azimuth {facing.azimuth:g}"
+        if facing.orientation == "vertical":
+            words = "up" if facing.sign > 0.0 else "down"
+        per = f"{float(sensitivity.value)!r} per {str(sensitivity.input_units).upper()}"
+        told.append((per, words, states[PROCESSED.get(channel.description, False)]))
     pairs = zip(("sensitivities", "directions", "states of processing"), *told, strict=True)
     return next(((what, f"{mine}; {theirs}") for what, mine, theirs in pairs if mine != theirs), None)
-
-
-def _facing(channel: Any) -> str:
-    facing = seed_direction(channel.code, channel.azimuth, channel.dip)
-    if facing.orientation == "vertical":
-        return "up" if facing.sign > 0.0 else "down"
-    return f"{facing.orientation}, azimuth {facing.azimuth:g}"

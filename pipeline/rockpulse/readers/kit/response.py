@@ -19,9 +19,7 @@ from rockpulse.record.record import STANDARD_GRAVITY
 _QUANTITIES = {"M": "displacement", "M/S": "velocity", "M/S2": "acceleration"}
 _PREFIXES = {"": 1.0, "C": 1e-2, "M": 1e-3, "U": 1e-6, "N": 1e-9}
 #: Input units that a response may have: spelling without signs of powers, quantity, SI units per unit.
-_MOTION = {
-    prefix + word: (quantity, scale) for word, quantity in _QUANTITIES.items() for prefix, scale in _PREFIXES.items()
-}
+_MOTION = {prefix + word: (name, scale) for word, name in _QUANTITIES.items() for prefix, scale in _PREFIXES.items()}
 _MOTION |= {"G": ("acceleration", STANDARD_GRAVITY), "GAL": ("acceleration", 0.01), "GALS": ("acceleration", 0.01)}
 #: Units of sensors that share a station with accelerometers and record no motion of the ground.
 _NO_MOTION = frozenset({"PA", "HPA", "KPA", "MBAR", "C", "DEGC", "K", "T", "NT", "%", "M/M", "RAD", "RAD/S", "RAD/S2"})
@@ -38,8 +36,7 @@ UPPER_TAPER = (0.8, 0.95)
 LONG_PULSES = 0.05
 #: Half-waves longer than this share of the period at which the pass band begins lose 4 % of their impulse and more.
 _WHOLE_IMPULSE = 0.2
-#: Frequencies at which the response is looked at.
-_LOOKS = 400
+_LOOKS = 400  # frequencies at which the response is looked at
 
 
 @dataclass(frozen=True)
@@ -47,9 +44,7 @@ class Removed:
     """Samples without the response of the instrument, or as they are where only its sensitivity is used."""
 
     samples: np.ndarray  # (n,) acceleration over `factor` [counts]
-    factor: (
-        float | None
-    )  # m/s2 per count at the frequency of the sensitivity; the rest of the response is in the samples
+    factor: float | None  # m/s2 per count at the frequency of the sensitivity
     processing: tuple[str, ...]  # the method, for the processing of the record
     warnings: tuple[str, ...]
 
@@ -82,7 +77,7 @@ def sensitivity_factor(where: str, response: Any) -> float:
 
 def sensitivity_notes(response: Any) -> list[str]:
     """Warnings where a sensitivity is negative, or is not the product of the gains of the stages."""
-    notes, value = turned(response.instrument_sensitivity), float(response.instrument_sensitivity.value)
+    notes, value = _turned(response.instrument_sensitivity), float(response.instrument_sensitivity.value)
     gains = [float(stage.stage_gain) for stage in response.response_stages or [] if stage.stage_gain is not None]
     if not gains:
         return notes
@@ -97,10 +92,9 @@ def sensitivity_notes(response: Any) -> list[str]:
     return notes
 
 
-def turned(sensitivity: Any) -> list[str]:
-    """A warning where a sensitivity is negative."""
-    value = float(sensitivity.value)
-    return [f"the sensitivity is negative, {value:g}: a sign is turned"] if value < 0.0 else []
+def _turned(sensitivity: Any) -> list[str]:
+    told = f"the sensitivity is negative, {float(sensitivity.value):g}: a sign is turned"
+    return [told] if float(sensitivity.value) < 0.0 else []
 
 
 def _spelled(unit: Any) -> str:
@@ -128,11 +122,8 @@ def first_stage(response: Any) -> Any:
 
 
 def without_response(where: str, counts: np.ndarray, dt: float, response: Any) -> Removed:
-    """Remove the full response of an instrument from counts (n,) in the frequency domain, down to acceleration.
-
-    As ``Trace.remove_response(output="ACC")`` with the mean removed before, no taper in time (it would eat a pulse near
-    the ends), no water level (it would distort what `pass_band` lets through), and a cosine taper in frequency.
-    """
+    """Remove the full response of an instrument from counts (n,) in the frequency domain, down to acceleration."""
+    # No taper in time (it would eat a pulse near the ends), no water level (it would distort the pass band).
     import obspy
 
     unit, quantity, scale = _input_unit(where, response)
@@ -154,26 +145,23 @@ def without_response(where: str, counts: np.ndarray, dt: float, response: Any) -
             f"{where}: obspy cannot evaluate the response: {fault}; get the StationXML again, or use its sensitivity"
         ) from fault
     if not band[1] < band[2]:
+        would = f"the pass band would begin at {band[1]:.3g} Hz and end at {band[2]:.3g} Hz"
         raise RecordRefused(
-            f"{where}: {counts.size} samples are too few to remove the response: the pass band would begin at "
-            f"{band[1]:.3g} Hz and end at {band[2]:.3g} Hz; use a longer record"
+            f"{where}: {counts.size} samples are too few to remove the response: {would}; use a longer record"
         )
     if not np.all(np.isfinite(trace.data)):
         raise RecordFormatError(f"{where}: the response is zero within the pass band; use its sensitivity")
     low = f"from {band[1]:.3g} Hz (nothing below {band[0]:.3g} Hz)" if band[0] > 0.0 else "from 0 Hz"
-    note = (
-        f"instrument response removed, {unit} to m/s2: mean removed, pass band {low} to {band[2]:.3g} Hz "
-        f"(nothing above {band[3]:.3g} Hz)"
-    )
+    passed = f"{low} to {band[2]:.3g} Hz (nothing above {band[3]:.3g} Hz)"
+    note = f"instrument response removed, {unit} to m/s2: mean removed, pass band {passed}"
     # Stages that differ from the sensitivity are reported by `_disagreement`, with the figure.
     warnings = [note for note in notes if not any(words in note for words in ("norm_resp", "Execution continuing"))]
     if quantity != "acceleration":
         warnings.append(f"a sensor of {quantity}, differentiated: check that it was not driven to its limit")
     if band[1] > LONG_PULSES:
-        warnings.append(
-            f"the pass band begins at {band[1]:.3g} Hz: impulses longer than about {_WHOLE_IMPULSE / band[1]:.2g} s "
-            "are damped; use an accelerometer for near-fault pulses"
-        )
+        damped = f"impulses longer than about {_WHOLE_IMPULSE / band[1]:.2g} s are damped"
+        advice = "use an accelerometer for near-fault pulses"
+        warnings.append(f"the pass band begins at {band[1]:.3g} Hz: {damped}; {advice}")
     warnings += _disagreement(where, response, size, quantity, scale)
     return Removed(trace.data * gain, scale / gain, (note,), tuple(warnings))
 
@@ -184,10 +172,8 @@ def _input_unit(where: str, response: Any) -> tuple[str, str, float]:
 
     stages = response.response_stages
     if not stages:
-        raise RecordRefused(
-            f"{where}: the StationXML has no stages of the response; get it with them (level=response), or use the "
-            "sensitivity"
-        )
+        advice = "get it with them (level=response), or use the sensitivity"
+        raise RecordRefused(f"{where}: the StationXML has no stages of the response; {advice}")
     if any(isinstance(stage, PolynomialResponseStage) for stage in stages):
         raise RecordRefused(f"{where}: the response is a polynomial, which is not read; use the sensitivity")
     sensitivity = response.instrument_sensitivity
@@ -205,17 +191,15 @@ def _disagreement(where: str, response: Any, size: float, quantity: str, scale: 
         return [f"the sensitivity is stated for {found}, the stages of the response begin with {quantity}"]
     share = (size / scale) / (abs(float(sensitivity.value)) / per_unit) - 1.0
     if abs(share) <= GAIN_TOLERANCE:
-        return turned(sensitivity)
-    return [*turned(sensitivity), f"the stages of the response differ from its sensitivity by {100.0 * share:.3g} %"]
+        return _turned(sensitivity)
+    return [*_turned(sensitivity), f"the stages of the response differ from its sensitivity by {100.0 * share:.3g} %"]
 
 
 def pass_band(response: Any, dt: float, count: int) -> tuple[float, float, float, float]:
-    """Corners of the cosine taper in frequency [Hz]: zero below the first, one from the second to the third.
+    """Corners of the cosine taper in frequency [Hz]: zero below the first and from the fourth, one between the others.
 
-    Nothing is cut below where the instrument answers at zero frequency. Else the second is one cycle in the record of
-    `count` samples, or where the response falls to `RESPONSE_FLOOR` of its largest value if that is higher, and the
-    first half of it. The others are `UPPER_TAPER` of the Nyquist frequency, or of where the response falls below the
-    same floor.
+    Nothing is cut below if the instrument answers at zero frequency. Else the second is one cycle in the record, or
+    where the response rises above `RESPONSE_FLOOR` of its largest value if that is higher, and the first half of it.
     """
     nyquist, cycle = 0.5 / dt, 1.0 / (count * dt)
     looks = np.concatenate([[0.0], np.geomspace(min(0.1 * cycle, 0.01 * nyquist), nyquist, _LOOKS)])
@@ -232,9 +216,9 @@ def _gain(response: Any, band: tuple[float, float, float, float]) -> tuple[float
     sensitivity = response.instrument_sensitivity
     frequency = float(sensitivity.frequency or 0.0) if sensitivity is not None and sensitivity.value else np.inf
     if max(band[1], 0.0) <= frequency <= band[2]:
-        return abs(_at(response, frequency, "ACC")), abs(_at(response, frequency, "DEF"))
-    return abs(_at(response, float(np.sqrt(max(band[1], 0.01 * band[2]) * band[2])), "ACC")), np.nan
+        return _at(response, frequency, "ACC"), _at(response, frequency, "DEF")
+    return _at(response, float(np.sqrt(max(band[1], 0.01 * band[2]) * band[2])), "ACC"), np.nan
 
 
-def _at(response: Any, frequency: float, output: str) -> complex:
-    return complex(response.get_evalresp_response_for_frequencies(np.array([frequency]), output=output)[0])
+def _at(response: Any, frequency: float, output: str) -> float:
+    return abs(complex(response.get_evalresp_response_for_frequencies(np.array([frequency]), output=output)[0]))

@@ -20,22 +20,19 @@ GROWTH_LIMIT = 10
 ROUNDING_SHARE = 0.2
 #: A step above this many medians is a gap if all others are equal.
 LONG_STEP = 1.5
-#: Two statements of one sampling interval differ by no more than this ratio.
-_SAME_STEP = 1.001
+_SAME_STEP = 1.001  # two statements of one sampling interval differ by no more than this ratio
 #: No times are beyond this, Unix time in ms included [s]; larger ones may overflow.
 LATEST = 1e13
 
 #: Seconds in the units that may head a column of times.
 _SECONDS = {"ms": 1e-3, "mi": 1e-3, "us": 1e-6, "µs": 1e-6}
 _MINUTES = 60.0
-#: Rows that no acceleration climbs without a fall, at equal steps.
-_CLIMB = 20
+_CLIMB = 20  # rows that no acceleration climbs without a fall, at equal steps
 #: A first column whose values fall at a smaller share of its changes than this can be no acceleration.
 TIME_FALLS = 0.05
 
 PAIRS_PER_ROW = 5
-#: Characters of what stands for a unit.
-_LONGEST_LINE = 400
+_LONGEST_LINE = 400  # characters of what stands for a unit
 _POINTS = re.compile(r"no\. of points\s*=\s*(\d{1,15})\b", re.IGNORECASE)
 _UNIT = re.compile(r"units (?:of uncor (?:accel|data) )?(?:is|are)\s+(?:sec(?:onds)?\s+and\s+)?(\S+)", re.IGNORECASE)
 
@@ -109,8 +106,7 @@ def make_even(
     """Equally spaced samples, the interval [s] and warnings, from times (n,) and samples (n,) of a digitised trace.
 
     Unequal ones are interpolated linearly at the median interval; times that do not increase, and gaps, are refused.
-    For messages: line `first` of `name`, from 1, holds the first of the pairs, a row `per_row`, and a unit of the file
-    is `gravity_per_unit` g.
+    Messages name a line, of `per_row` pairs from line `first` of `name` on, and peaks of `gravity_per_unit` g a unit.
     """
     if times.size < 2:
         raise unexpected(f"{name}:{first}", "at least 2 samples", str(times.size), "the file may be truncated")

@@ -20,14 +20,11 @@ _WORDS = re.compile(r"[\s\"'*#%!/=<>(\[;,:_~-]*+(?!(?:nan|inf)(?![a-z]))[^\W\d_]
 _COMMA_DECIMAL = re.compile(r"[+-]?\d++(?:,\d++)?(?:[eEdD][+-]?\d++)?", re.ASCII)
 _AS_PYTHON = str.maketrans({",": ".", "d": "e", "D": "e"})
 _SHOWN = 80
-#: Rows that are read, and blamed, together.
-_PART = 2000
+_PART = 2000  # rows that are read, and blamed, together
 _COUNT = re.compile(r"\d{1,9}", re.ASCII)
 _STEP = re.compile(r"\d{0,3}[.,]\d{1,12}(?:[eE][+-]?\d{1,2})?", re.ASCII)
-#: Rows that show how samples are written.
-_LOOK_AT = 50
-#: Rows that show how a table runs on.
-FEWEST_ROWS = 20
+#: Rows that show how samples are written, and how a table runs on.
+_LOOK_AT, FEWEST_ROWS = 50, 20
 #: Of a series in rows, the steps from value to value are smaller than those from row to row: their mean squares are
 #: in a ratio below this one, and above 1 for channels that have nothing to do with each other.
 SMOOTHER = 0.5
@@ -172,19 +169,17 @@ def _numbers(rows: Sequence[str], layout: Layout) -> np.ndarray | None:
 
 @dataclass(frozen=True)
 class Numbered:
-    """The statements of the lines of numbers in front of the samples."""
+    """Index of the first row of samples, and the statements of the lines of numbers in front of it."""
 
-    start: int  # index of the first row of samples
+    start: int
     count: int = 0  # rows, or values of a series in rows; 0 where no line says so
     step: float | None = None  # sampling interval [s]
 
 
 def number_lines(name: str, lines: Sequence[str], layout: Layout, timed: bool) -> Numbered:
-    """Read ``N dt`` on one line (the DEEPSOIL layout) or two, in either order, or ``N`` alone.
-
-    Of one column, the first value is the count if as many rows follow; of two, a line is a heading if the time would
-    run backwards after it. If the first column is headed as time (`timed`), all rows are data.
-    """
+    """Read ``N dt`` on one line (the DEEPSOIL layout) or two, in either order, or ``N`` alone; none of `timed` rows."""
+    # Of one column, the first value is the count if as many rows follow; of two, a line is a heading if the time would
+    # run backwards after it.
     row = layout.start
     if timed:
         return Numbered(row)
@@ -233,9 +228,8 @@ def _first_values(name: str, lines: Sequence[str], layout: Layout) -> Numbered |
 def runs_on(table: np.ndarray) -> bool:
     """Whether the rows (n, columns) are one series in the order of reading, rather than channels side by side.
 
-    For m columns of a common motion with noise of their own, whose steps have mean squares x times those of the noise,
-    the first ratio is (m + x)/(m (1 + x)), below 1/2 only for x > m/(m - 2), and the second 1 + x: both together refuse
-    them.
+    Of m columns of one motion and noise, in mean squares of steps x to 1, the first ratio is (m + x)/(m (1 + x)), below
+    1/2 only for x > m/(m - 2), and the second 1 + x: both together refuse them.
     """
     if table.shape[0] < FEWEST_ROWS or table.shape[1] < 2:
         return False

@@ -12,14 +12,8 @@ from rockpulse.readers.source import NotAcceleration
 from rockpulse.record.record import STANDARD_GRAVITY
 
 #: Acceleration in m/s2 = value in the file x factor.
-UNITS: dict[str, float] = {
-    "m/s2": 1.0,
-    "cm/s2": 0.01,
-    "gal": 0.01,
-    "mm/s2": 0.001,
-    "g": STANDARD_GRAVITY,
-    "g/10": STANDARD_GRAVITY / 10.0,
-}
+UNITS: dict[str, float] = {"m/s2": 1.0, "cm/s2": 0.01, "gal": 0.01, "mm/s2": 0.001}
+UNITS |= {"g": STANDARD_GRAVITY, "g/10": STANDARD_GRAVITY / 10.0}
 
 #: No line of a header is longer; a damaged one may be.
 LONGEST_LINE = 200
@@ -28,14 +22,13 @@ HEADER_DAMAGED = "the header is damaged: download the file again"
 FILE_DAMAGED = "the file is damaged: download it again"
 LINE_DAMAGED = "the line is damaged: download the file again"
 TRUNCATED = "the file may be truncated: download it again"
-#: The advice in messages about a file of another motion.
+#: The advice in messages about a file of another motion, or of another record too.
 ACCELERATION_FILE = "read the acceleration file of the same record"
+OWN_FILE = "write each record into a file of its own"
 
 _NUMBER_BYTES = b" \t0123456789+-.eEdD"
-_FORTRAN_EXPONENT = bytes.maketrans(b"dD", b"ee")
-_FORTRAN_EXPONENT_TEXT = str.maketrans("dD", "ee")
-#: Characters of the longest exponent of a number, its sign included.
-_EXPONENT_DIGITS = 4
+_FORTRAN_EXPONENT, _FORTRAN_EXPONENT_TEXT = bytes.maketrans(b"dD", b"ee"), str.maketrans("dD", "ee")
+_EXPONENT_DIGITS = 4  # characters of the longest exponent of a number, its sign included
 _NUMBER = re.compile(r"\s*[+-]?(\d+(\.\d*)?|\.\d+)([eEdD][+-]?\d+)?\s*", re.ASCII)
 
 _RAISED = str.maketrans("⁻²¹", "-21")
@@ -69,17 +62,17 @@ def no_acceleration(where: str, expected: str, found: str, advice: str = ACCELER
     return NotAcceleration(f"{where}: expected {expected}, found {found}; {advice}")
 
 
-def matched(pattern: re.Pattern[str], text: str, group: int | str = 1) -> str:
+def matched(pattern: re.Pattern[str], text: str, group: int = 1) -> str:
     """A group of a pattern that a text begins with; empty where the text begins otherwise."""
     match = pattern.match(text)
     return (match[group] or "") if match else ""
 
 
 class Entry(NamedTuple):
-    """The statement of a header about one key."""
+    """The statement of a header about one key, and words in brackets behind the key."""
 
     text: str = ""
-    aside: str = ""  # words in brackets behind the key
+    aside: str = ""
     line: int = 1
 
 
@@ -103,10 +96,7 @@ class Entries(dict[str, Entry]):
 
 
 def text_lines(content: bytes) -> list[str]:
-    """Lines of a text file, at least one, ended by LF, CRLF or a lone CR, without blank ones and Ctrl-Z at the end.
-
-    Text that is no UTF-8 is taken as Latin-1, which maps every byte to a character.
-    """
+    """Lines of a text file, at least one, in UTF-8 or else Latin-1, without blank ones and Ctrl-Z at the end."""
     content = content.rstrip(b"\x1a\x00 \t\r\n").replace(b"\r\n", b"\n")
     if b"\r" in content:
         content = b"\n".join(line.rstrip(b"\r") for line in content.split(b"\n")).replace(b"\r", b"\n")
@@ -207,9 +197,8 @@ def canonical_unit(text: str, where: str) -> str:
         of = f" ({quantity})" if quantity else ""
         advice = "" if where.startswith("option") else "; correct the file, or write columns and give their unit"
         near = "".join(f'; did you mean "{close}"?' for close in get_close_matches(unit, UNITS, n=1))
-        raise UnitError(
-            f"{where}: unknown unit of acceleration {text[:40]!r}{of}{near}; expected one of {', '.join(UNITS)}{advice}"
-        )
+        found = f"unknown unit of acceleration {text[:40]!r}{of}{near}"
+        raise UnitError(f"{where}: {found}; expected one of {', '.join(UNITS)}{advice}")
     return unit
 
 

@@ -9,9 +9,8 @@ from record_writers.bhrc import bhrc
 
 from rockpulse.errors import RockpulseError
 from rockpulse.readers import read
-from rockpulse.record.record import STANDARD_GRAVITY, Record
+from rockpulse.record.record import Record
 
-TENTH = STANDARD_GRAVITY / 10.0
 THREE = tuple(pulse(403, peak, dt=0.005) for peak in (1.9, 1.0, 2.6))
 
 
@@ -22,13 +21,9 @@ def got(content: bytes) -> list[Record]:
 @pytest.mark.parametrize(
     ("azimuths", "expected"),
     [
-        ("Azimuth L 352   T 82 ", (352.0, 82.0)),
-        ("Azimuth L 0     T 90", (0.0, 90.0)),
-        ("Azimuth L       T   ", (np.nan, np.nan)),
-        ("Azimuth L 999   T 82", (np.nan, 82.0)),
-        ("Azimuth L 360   T 90", (0.0, 90.0)),
-        ("Azimuth L 361   T 90", (np.nan, 90.0)),
-        ("", (np.nan, np.nan)),
+        *[("Azimuth L 352   T 82 ", (352.0, 82.0)), ("Azimuth L 0     T 90", (0.0, 90.0))],
+        *[("Azimuth L       T   ", (np.nan, np.nan)), ("Azimuth L 999   T 82", (np.nan, 82.0))],
+        *[("Azimuth L 360   T 90", (0.0, 90.0)), ("Azimuth L 361   T 90", (np.nan, 90.0)), ("", (np.nan, np.nan))],
     ],
 )
 def test_azimuths(azimuths, expected):

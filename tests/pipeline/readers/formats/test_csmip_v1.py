@@ -18,8 +18,6 @@ SAMPLES = {
     "CICLC.v1": ((31932, 32080, 32190), (0.3443, 0.5108, 0.3471)),
     "CITOW2.RAW": ((35562, 35540, 35710), (0.4373, 0.3863, 0.3599)),
 }
-
-
 NAME = "TEST.RAW"
 
 
@@ -70,43 +68,11 @@ def test_equally_spaced_pairs_in_tenths_of_g_keep_their_samples(write):
     assert record.warnings == ()
 
 
-def test_a_printer_blank_in_front_of_the_rows_of_pairs_only_is_dropped(write):
-    values = np.round(pulse(301, peak=2.5), 3)  # a last row of one pair
-    lines = csmip_pairs(np.arange(301) * 0.005, values, end="\n").split(b"\n")
-    shifted = b"\n".join([*lines[:27], *(b" " + line for line in lines[27:-2]), *lines[-2:]])
-    (record,) = read(write(shifted))
-    assert record.acceleration == pytest.approx(values * STANDARD_GRAVITY / 10.0, rel=1e-12)
-
-
-def test_unequal_pairs_are_interpolated_at_the_median_step_with_a_warning(write):
-    times = np.array([0.0, 0.005, 0.010, 0.016, 0.020, 0.025, 0.030, 0.036, 0.040])
-    (record,) = read(write(csmip_pairs(times, 20.0 * times)))  # a straight line survives linear interpolation
-    assert record.dt == 0.005
-    assert record.acceleration == pytest.approx(20.0 * record.time * STANDARD_GRAVITY / 10.0, abs=1e-3)
-    assert len(record.warnings) == 1
-    assert "resampled by linear interpolation" in record.warnings[0]
-
-
-@pytest.mark.parametrize(("dt", "row"), [(0.005, 100), (0.01, 7), (1 / 300, 150)])
-def test_a_gap_in_equal_pairs_is_refused_with_its_line(write, dt, row):
-    times = np.delete(np.arange(301) * dt, row)
-    with pytest.raises(RecordFormatError, match=rf"TEST.RAW:{28 + row // 5}: a step of .* samples are missing"):
-        read(write(csmip_pairs(times, np.round(pulse(300), 3))))
-
-
 def test_renadic_files_in_the_same_layout_are_left_to_their_own_reader():
     content = csmip_pairs([0.0, 0.01, 0.02], [0.1, 0.2, 0.3])
     chilean = content.replace(b"TEST EARTHQUAKE     JANUARY", b"UNIVERSIDAD DE CHILE - RENADIC")
     assert CSMIP_V1.detect(content, "x.v1")
     assert not CSMIP_V1.detect(chilean, "x.v1")
-
-
-def test_a_channel_that_points_down_changes_its_sign(write):
-    values = np.round(pulse(), 6)
-    (record,) = read(write(csmip_equal(values, component="DOWN")))
-    assert record.acceleration == pytest.approx(-values * STANDARD_GRAVITY, rel=1e-12)
-    assert record.unit_factor == -STANDARD_GRAVITY
-    assert "sign is changed" in record.warnings[0]
 
 
 def test_points_of_velocity_are_no_acceleration(write):

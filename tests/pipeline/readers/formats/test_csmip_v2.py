@@ -13,8 +13,6 @@ from rockpulse.readers.folders import read_all
 from rockpulse.readers.source import NotAcceleration
 
 MOTION = np.round(pulse(403, peak=250.0), 3)
-
-
 NAME = "TEST.V2"
 
 
@@ -52,22 +50,6 @@ def test_both_layouts_give_back_the_acceleration(write, heading, end, tail):
     assert record.warnings == ()
 
 
-@pytest.mark.parametrize(
-    ("words", "dt"),
-    [
-        ("equally spaced at  .005 sec, in cm/sec2. (8f10.5)", 0.005),
-        ("at 200 pts/sec, in cm/sec2. Format: (8f10.5)", 0.005),
-        ("at 200 points/sec in units of cm/sec2.  Format: (8f10.5)", 0.005),
-        ("EQUALLY SPACED AT  .005 SEC.  (UNITS: CM/SEC/SEC)", 0.005),
-        ("equally spaced at  .005 sec, in gal. (8f10.5)", 0.005),
-    ],
-)
-def test_spellings_of_the_heading(write, words, dt):
-    (record,) = read(write(csmip_v2(MOTION, dt, " points of {kind} data " + words)))
-    assert record.acceleration == pytest.approx(MOTION / 100.0, abs=1e-12)
-    assert record.dt == pytest.approx(dt, rel=1e-12)
-
-
 def test_a_rate_that_the_text_rounds_is_taken_from_the_heading(write):
     content = csmip_v2(MOTION, 1 / 300, " points of {kind} data at 300 pts/sec, in cm/sec2. (8f10.5)")
     assert b"INTERVALS OF    .003  SEC" in content
@@ -79,12 +61,6 @@ def test_a_rate_that_the_text_rounds_is_taken_from_the_heading(write):
 def test_a_file_without_acceleration_is_refused(write, blocks, found):
     with pytest.raises(NotAcceleration, match=rf"TEST.V2:46: expected points of acceleration, found {found}"):
         read(write(csmip_v2(MOTION, blocks=blocks)))
-
-
-def test_the_first_channel_without_acceleration_is_named(write):
-    content = csmip_v2(MOTION, number=1, blocks="vd") + csmip_v2(MOTION, number=2, blocks="d")
-    with pytest.raises(NotAcceleration, match=r"TEST.V2:46: expected points of acceleration, found velocity"):
-        read(write(content))
 
 
 def with_real(content: bytes, number: int, text: str) -> bytes:

@@ -11,8 +11,6 @@ from rockpulse.errors import RecordFormatError, RockpulseError
 from rockpulse.readers import read
 
 TABLE = np.round(np.column_stack([pulse(400, 13.0), pulse(400, -12.0), pulse(400, 9.0)]), 6)
-
-
 NAME = "test.txt"
 
 

@@ -7,11 +7,10 @@ from datetime import UTC, datetime
 
 import numpy as np
 import pytest
-from make_format_samples import source_channels
 from record_writers._shared import pulse
-from record_writers.renadic import renadic, samples
+from record_writers.renadic import renadic
 
-from rockpulse.errors import RecordFormatError, RecordRefused
+from rockpulse.errors import RecordRefused
 from rockpulse.readers import read
 from rockpulse.readers.folders import read_all
 from rockpulse.readers.parts import Part
@@ -39,33 +38,6 @@ def put(folder, **files: bytes):
     return folder
 
 
-# npts, dt, PGA [g] of the three live channels.
-REAL = {
-    "cuya0911131.v1": (5652, 0.005, (0.1319, 0.0638, 0.1293)),
-    "curico1002271parte1.v1": (10000, 0.01, (0.471, 0.1984, 0.4099)),
-}
-
-
-@pytest.mark.parametrize("name", REAL)
-def test_real_files(records_folder, name):
-    records = read(records_folder / "renadic" / name)
-    count, dt, peaks = REAL[name]
-    assert [(record.npts, record.format, record.processed) for record in records] == [(count, "renadic", False)] * 3
-    assert [record.dt for record in records] == pytest.approx([dt] * 3, rel=1e-12)
-    assert [record.pga / STANDARD_GRAVITY for record in records] == pytest.approx(peaks, rel=5e-4)
-    assert [record.orientation for record in records] == ["horizontal", "vertical", "horizontal"]
-    # The headers round to 0.001 g.
-    assert [record.header_peak for record in records] == pytest.approx([record.pga for record in records], abs=0.005)
-
-
-def test_the_clocks_of_the_real_files(records_folder):
-    never_set, own_clock = (read(records_folder / "renadic" / name) for name in REAL)
-    assert [record.start_time for record in never_set] == [None] * 3
-    assert all("never set" in record.warnings[0] for record in never_set)
-    # As the file states it; the earthquake was at 06:34.
-    assert {record.start_time for record in own_clock} == {datetime(2010, 2, 27, 3, 55, 14, tzinfo=UTC)}
-
-
 def test_a_real_part_alone_says_so_and_names_its_dead_channel(records_folder):
     records, failures = read_all(records_folder / "renadic" / "curico1002271parte1.v1")
     assert failures == []
@@ -78,15 +50,6 @@ def test_a_real_part_alone_says_so_and_names_its_dead_channel(records_folder):
             "channel 4 (INTC) is dead, all samples are zero; it was left out",
             "part 1 of a record that is cut into files: give all of them together",
         )
-
-
-def test_the_format_sample_gives_back_the_channels():
-    east, north, up = source_channels()
-    for record, channel in zip(got(samples([east, north, up])["clc_renadic.v1"]), (north, up, east), strict=True):
-        assert record.acceleration == pytest.approx(channel.acceleration, abs=0.51e-3 * TENTH)
-        assert (record.dt, record.start_time) == (channel.dt, channel.start_time)
-        assert record.azimuth == pytest.approx(channel.azimuth, nan_ok=True)
-        assert record.orientation == channel.orientation
 
 
 @pytest.mark.parametrize("end", ["\n", "\r\n", "\r"])
@@ -104,21 +67,6 @@ def test_channels_l_v_t(end):
 def test_a_file_without_any_sensor_is_refused():
     with pytest.raises(RecordRefused, match="stream: all samples of all channels are zero"):
         got(renadic([np.zeros(50)] * 3))
-
-
-@pytest.mark.parametrize(
-    ("content", "message"),
-    [
-        (renadic(THREE)[:5000], "stream:73: expected 400 pairs .* found 230"),
-        (renadic(THREE, count=999999999), r"stream:107: expected 999999999 pairs .* found 400"),
-        (renadic(THREE).replace(b"NO. OF POINTS =", b"NO POINTS"), "stream:11: expected 'No. of Points = N'"),
-        (renadic(THREE).replace(b"  0.030", b"  0.00x"), "stream:28: expected a finite number"),
-        (renadic(THREE).replace(b"  0.030", b"  0.010"), "stream:28: expected increasing times"),
-    ],
-)
-def test_damage_is_named(content, message):
-    with pytest.raises(RecordFormatError, match=message):
-        got(content)
 
 
 @pytest.mark.parametrize("trigger", ["2/27/2010 3:55:14.000 GMT", NEVER_SET])

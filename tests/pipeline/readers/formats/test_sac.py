@@ -9,7 +9,7 @@ from record_writers import pulse
 
 from rockpulse.errors import RecordFormatError, UnitError
 from rockpulse.readers import read
-from rockpulse.readers.formats.sac import is_sac
+from rockpulse.readers.formats.sac import SAC
 from rockpulse.readers.source import NotAcceleration
 
 COUNTS = np.round(pulse(1000, peak=500_000.0)).astype(np.int32)
@@ -57,20 +57,6 @@ def test_sac_of_another_motion_is_refused(tmp_path, idep, series):
         read(write_sac(tmp_path, idep=idep), units="g")
 
 
-def test_a_sac_code_that_says_vertical_outweighs_a_sensor_that_lies(tmp_path):
-    (record,) = read(write_sac(tmp_path, channel="BNZ", cmpinc=90.0), units="m/s2")
-    assert record.orientation == "vertical"
-    assert "the channel code BNZ says vertical, the header a dip of 0 degrees" in " ".join(record.warnings)
-
-
-@pytest.mark.parametrize(("channel", "inclination"), [("HNE", 0.0), ("HNE", 180.0), ("HNZ", 45.0), ("HNE", 45.0)])
-def test_sac_whose_angles_contradict_its_channel_code_has_no_direction(tmp_path, channel, inclination):
-    (record,) = read(write_sac(tmp_path, channel=channel, cmpinc=inclination), units="m/s2")
-    assert (record.orientation, np.isnan(record.azimuth)) == ("unknown", True)
-    assert any(f"the channel code says '{channel}', the dip is" in warning for warning in record.warnings)
-    assert np.sign(record.acceleration[10]) == np.sign(COUNTS[10])
-
-
 def test_truncated_sac(tmp_path):
     path = write_sac(tmp_path)
     path.write_bytes(path.read_bytes()[:-99])
@@ -96,12 +82,8 @@ def test_sac_with_a_longitude_that_is_none_is_refused_at_once(tmp_path, name, wo
 @pytest.mark.parametrize(
     ("start", "end", "told"),
     [
-        (10.0, 20.009, False),
-        (10.0, 19.971, False),
-        (10.0, 20.011, True),
-        (10.0, 19.969, True),
-        (5000.0, 5010.014, False),
-        (5000.0, 5010.017, True),
+        *[(10.0, 20.009, False), (10.0, 19.971, False), (10.0, 20.011, True), (10.0, 19.969, True)],
+        *[(5000.0, 5010.014, False), (5000.0, 5010.017, True)],
     ],
 )
 def test_the_last_sample_may_be_off_by_two_steps_and_a_millionth(tmp_path, start, end, told):
@@ -147,8 +129,8 @@ def test_unequal_steps_and_other_kinds_of_files_are_refused(tmp_path, word, valu
 def test_the_version_of_the_header_tells_the_format(order, version, known):
     head = bytearray(632)
     struct.pack_into(f"{order}i", head, 4 * 76, version)
-    assert is_sac(bytes(head), "x") is known
-    assert not is_sac(bytes(head[:631]), "x")
+    assert SAC.detect(bytes(head), "x") is known
+    assert not SAC.detect(bytes(head[:631]), "x")
 
 
 @pytest.mark.parametrize("known", [{"stdp": 55.0}, {}])
@@ -158,9 +140,5 @@ def test_the_depth_of_the_sensor_is_that_of_the_header(tmp_path, known):
 
 
 def test_a_header_of_no_samples_is_refused(tmp_path):
-    path = write_sac(tmp_path)
-    content = bytearray(path.read_bytes())
-    struct.pack_into("<i", content, 4 * 79, 0)  # NPTS, the 80th word of the header
-    path.write_bytes(content)
     with pytest.raises(RecordFormatError, match=r"expected 0 samples \(header NPTS\), found room for 1000"):
-        read(path, units="g")
+        read(changed(write_sac(tmp_path), 79, 0, "i"), units="g")  # NPTS

@@ -1,7 +1,4 @@
-"""The header of a COSMOS channel, line by line and number by number.
-
-COSMOS: what the header states twice is held against each other, and against the channels of the file.
-"""
+"""The header of a COSMOS channel, line by line and number by number."""
 
 from datetime import UTC, datetime
 
@@ -13,7 +10,6 @@ from record_writers.cosmos import cosmos
 from rockpulse.errors import RecordFormatError, UnitError
 from rockpulse.readers import read
 from rockpulse.readers.kit.cosmos_header import Header, fortran_layout, held_series, read_header
-from rockpulse.record.record import STANDARD_GRAVITY
 
 TEXT = [f"line {number}" for number in range(1, 14)]
 
@@ -84,21 +80,11 @@ def test_the_peak_of_a_channel(kind, found):
 @pytest.mark.parametrize(
     ("words", "code", "orientation", "azimuth"),
     [
-        ("?", None, "unknown", np.nan),
-        ("?", 0, "horizontal", 0.0),
-        ("?", 1, "horizontal", 1.0),
-        ("?", 300, "horizontal", 300.0),
-        ("?", 360, "horizontal", 0.0),
-        ("?", 361, "unknown", np.nan),
-        ("?", -1, "unknown", np.nan),
-        ("90 deg", None, "horizontal", 90.0),
-        ("90 deg", 91, "horizontal", 90.0),
-        ("90 deg", 92, "unknown", np.nan),
-        ("0.5 deg", 359, "unknown", np.nan),
-        ("359.5 deg", 1, "unknown", np.nan),
-        ("Long", 45, "horizontal", 45.0),
-        ("Long", 600, "horizontal", np.nan),
-        ("Up", 401, "unknown", np.nan),
+        *[("?", None, "unknown", np.nan), ("?", 0, "horizontal", 0.0), ("?", 1, "horizontal", 1.0)],
+        *[("?", 300, "horizontal", 300.0), ("?", 360, "horizontal", 0.0), ("?", 361, "unknown", np.nan)],
+        *[("?", -1, "unknown", np.nan), ("90 deg", None, "horizontal", 90.0), ("90 deg", 91, "horizontal", 90.0)],
+        *[("90 deg", 92, "unknown", np.nan), ("0.5 deg", 359, "unknown", np.nan), ("359.5 deg", 1, "unknown", np.nan)],
+        *[("Long", 45, "horizontal", 45.0), ("Long", 600, "horizontal", np.nan), ("Up", 401, "unknown", np.nan)],
         ("Up", 90, "unknown", np.nan),
     ],
 )
@@ -138,18 +124,14 @@ CLOCK = "Rcrd start time: 8/29/2018, 02:33: 9.75"
 @pytest.mark.parametrize(
     ("integers", "second", "line", "found"),
     [
-        ({}, 7.5, f"{CLOCK} UTC (Q=5)", 7.5),
-        ({}, 7.5, "Rcrd start time: unknown", 7.5),
-        ({}, 7.5, f"{CLOCK} gmt", 7.5),
-        ({}, np.nan, f"{CLOCK} (RcrdId)", 9.75),
+        *[({}, 7.5, f"{CLOCK} UTC (Q=5)", 7.5), ({}, 7.5, "Rcrd start time: unknown", 7.5)],
+        *[({}, 7.5, f"{CLOCK} gmt", 7.5), ({}, np.nan, f"{CLOCK} (RcrdId)", 9.75)],
         ({}, np.nan, "rcrd start time: 8/29/2018, 02:33: 9.75", 9.75),
         ({}, np.nan, "Rcrd start time: 8/29/2018, 02:33: . UTC", "the start time has no seconds"),
         ({}, np.nan, "Rcrd start time: 8/29/2018, 02:33:  UTC", "the start time has no seconds"),
         ({}, np.nan, "Rcrd start time: unknown", "the start time has no seconds"),
         ({}, 7.5, f"{CLOCK} PDT", "in PDT, the format asks for UTC"),
-        ({46: 0}, 7.5, CLOCK, "quality 0"),
-        ({46: 1}, 7.5, CLOCK, 7.5),
-        ({46: np.nan}, 7.5, CLOCK, 7.5),
+        *[({46: 0}, 7.5, CLOCK, "quality 0"), ({46: 1}, 7.5, CLOCK, 7.5), ({46: np.nan}, 7.5, CLOCK, 7.5)],
         ({44: 24}, 7.5, CLOCK, "2018-8-29 24:33:7.5 (integers 40 to 45) is no start time"),
         *[({number: np.nan}, 7.5, CLOCK, "") for number in (40, 42, 43, 44, 45)],
         ({41: np.nan}, 7.5, CLOCK, 7.5),
@@ -168,15 +150,10 @@ def test_the_start_of_a_channel(integers, second, line, found):
 @pytest.mark.parametrize(
     ("line", "layout"),
     [
-        ("Format=(8F9.6)", (8, 9)),
-        ("format = ( 1P,5E15.7)", (5, 15)),
-        ("FORMAT= (1I1)", (1, 1)),
+        *[("Format=(8F9.6)", (8, 9)), ("format = ( 1P,5E15.7)", (5, 15)), ("FORMAT= (1I1)", (1, 1))],
         ("x" * 189 + "Format=(8F12.6)", (8, 1)),  # of a line 200 letters are looked at
-        ("x" * 190 + "Format=(8F12.6)", None),
-        ("x" * 188 + "Format=(8F12.6)", (8, 12)),
-        ("Format=(0F9.6)", None),
-        ("Format=(8F0.6)", None),
-        ("8F9.6", None),
+        *[("x" * 190 + "Format=(8F12.6)", None), ("x" * 188 + "Format=(8F12.6)", (8, 12)), ("Format=(0F9.6)", None)],
+        *[("Format=(8F0.6)", None), ("8F9.6", None)],
     ],
 )
 def test_the_layout_of_a_table(line, layout):
@@ -229,9 +206,7 @@ def test_comments_begin_with_a_bar():
     found = read_header("a", lines, 0, len(lines))
     assert (found.end, len(found.comments)) == (46, 3)
     lines[45] = "three"
-    with pytest.raises(
-        RecordFormatError, match=r"a:46: expected comment 3 of 3, a line that begins with '\|', found 't"
-    ):
+    with pytest.raises(RecordFormatError, match=r"a:46: expected comment 3 of 3, .*, found 't"):
         read_header("a", lines, 0, len(lines))
     lines = lines_of(comments=())
     assert read_header("a", lines, 0, len(lines)).end == 43
@@ -253,9 +228,6 @@ def test_a_damaged_number_of_a_header_is_named_with_its_line(row):
         read_header("a", [*["before"] * 3, *lines], 3, 3 + len(lines))
 
 
-G = STANDARD_GRAVITY
-
-
 @pytest.mark.parametrize(
     ("unit", "code"), [("g.", "(04)"), ("counts", "(02)"), ("volts", "(51)"), ("g.", "(99)"), ("furlong", "")]
 )
@@ -264,39 +236,11 @@ def test_a_unit_that_name_and_code_do_not_agree_on(write, unit, code):
         read(write(cosmos(pulse(), unit=unit, code=code)))
 
 
-def channels_of_three(*numbers: int) -> bytes:
-    directions = {1: ("360 deg", 360), 2: ("Up", 400), 3: (" 90 deg", 90)}
-    return b"".join(
-        cosmos(pulse(), number=number, component=directions[number][0], azimuth=directions[number][1])
-        for number in numbers
-    )
-
-
-@pytest.mark.parametrize(("numbers", "lacking"), [((1, 2, 3), False), ((1, 2), True), ((1, 3), True), ((2,), False)])
-def test_channels_that_the_header_counts_and_the_file_lacks(write, numbers, lacking):
-    for record in read(write(channels_of_three(*numbers))):
-        assert any("the header counts 3 channels of this recorder" in note for note in record.warnings) is lacking
-
-
-def test_a_file_of_one_channel_without_its_last_line_says_so(write):
-    content = channels_of_three(1)
-    (record,) = read(write(content[: content.index(b"End-of-data")]))
-    assert "the file holds 1; it may be truncated" in record.warnings[0]
-
-
-@pytest.mark.parametrize(
-    ("old", "new", "warned"),
-    [
-        (b"units=g.     (02)", b"units=cm/s2. (04)", True),
-        (b"units=g.     (02)", b"units=mg.    (11)", True),
-        (b"units=g.     (02)", b"units=g.     (02)", False),
-    ],
-)
-def test_the_peak_of_the_text_has_a_unit_of_its_own(write, old, new, warned):
+def test_channels_that_the_header_counts_and_the_file_lacks(write):
     content = cosmos(pulse())
-    assert old in content
-    (record,) = read(write(content.replace(old, new)))
-    assert any("the header states a peak of 0.3 g" in note for note in record.warnings) is warned
+    assert read(write(content))[0].warnings == ()
+    (record,) = read(write(content[: content.index(b"End-of-data")]))
+    assert "the header counts 3 channels of this recorder, the file holds 1" in record.warnings[0]
 
 
 @pytest.mark.parametrize(
@@ -337,14 +281,9 @@ PEAK = "Processed: CGS . Max = 0.3 g at {:8.3f} sec"
 @pytest.mark.parametrize(
     ("about", "length", "uncorrected", "peak", "real", "raw", "corrected"),
     [
-        ("10", 10.0, 5.0, 5.0, 5.0, 0, 0),
-        ("10.1", 10.06, 5.02, 4.98, 5.01, 0, 0),
-        ("10.5", 10.0, 5.0, 5.0, 5.0, 1, 1),
-        ("11", 10.0, 5.0, 5.0, 5.0, 1, 1),
-        ("9", 10.0, 5.0, 5.0, np.nan, 1, 1),
-        ("10", 10.5, 5.0, 5.0, 5.0, 1, 0),
-        ("10", 10.0, 8.0, 5.0, 5.0, 1, 0),
-        ("10", 10.0, 5.0, 8.0, 5.0, 1, 1),
+        *[("10", 10.0, 5.0, 5.0, 5.0, 0, 0), ("10.1", 10.06, 5.02, 4.98, 5.01, 0, 0)],
+        *[("10.5", 10.0, 5.0, 5.0, 5.0, 1, 1), ("11", 10.0, 5.0, 5.0, 5.0, 1, 1), ("9", 10.0, 5.0, 5.0, np.nan, 1, 1)],
+        *[("10", 10.5, 5.0, 5.0, 5.0, 1, 0), ("10", 10.0, 8.0, 5.0, 5.0, 1, 0), ("10", 10.0, 5.0, 8.0, 5.0, 1, 1)],
         ("10", 10.0, 5.0, 5.0, 8.0, 1, 1),
         ("10", 10.0, 5.0, 8.0, 8.0, 1, 1),  # told once
         ("10", 10.0, 5.0, 7.0, 8.0, 2, 2),

@@ -1,7 +1,4 @@
-"""The sensitivity of an instrument: its unit, its sign, and the gains of the stages.
-
-Removal of an instrument's response against answers that are known without it.
-"""
+"""The sensitivity of an instrument: its unit, its sign, and the gains of the stages."""
 
 from types import SimpleNamespace
 
@@ -20,7 +17,6 @@ from rockpulse.readers.kit.response import (
     pass_band,
     sensitivity_factor,
     sensitivity_notes,
-    turned,
     without_response,
 )
 from rockpulse.readers.source import NotAcceleration
@@ -40,20 +36,11 @@ def response(value, unit="M/S**2", gains=(), first="M/S**2"):
 @pytest.mark.parametrize(
     ("unit", "expected"),
     [
-        ("M", ("displacement", 1.0)),
-        ("cm", ("displacement", 0.01)),
-        ("MM", ("displacement", 0.001)),
-        ("UM/S", ("velocity", 1e-6)),
-        ("nm/sec", ("velocity", 1e-9)),
-        ("M/SECOND", ("velocity", 1.0)),
-        ("m s-1", ("velocity", 1.0)),
-        ("MM/S**2", ("acceleration", 0.001)),
-        ("M/S/S", ("acceleration", 1.0)),
-        ("cm s-2", ("acceleration", 0.01)),
-        ("(M/S^2)", ("acceleration", 1.0)),
-        ("g", ("acceleration", STANDARD_GRAVITY)),
-        ("Gal", ("acceleration", 0.01)),
-        ("gals", ("acceleration", 0.01)),
+        *[("M", ("displacement", 1.0)), ("cm", ("displacement", 0.01)), ("MM", ("displacement", 0.001))],
+        *[("UM/S", ("velocity", 1e-6)), ("nm/sec", ("velocity", 1e-9)), ("M/SECOND", ("velocity", 1.0))],
+        *[("m s-1", ("velocity", 1.0)), ("MM/S**2", ("acceleration", 0.001)), ("M/S/S", ("acceleration", 1.0))],
+        *[("cm s-2", ("acceleration", 0.01)), ("(M/S^2)", ("acceleration", 1.0))],
+        *[("g", ("acceleration", STANDARD_GRAVITY)), ("Gal", ("acceleration", 0.01)), ("gals", ("acceleration", 0.01))],
     ],
 )
 def test_units_of_motion_in_any_spelling(unit, expected):
@@ -70,9 +57,7 @@ def test_sensitivities_of_no_acceleration_are_refused():
     with pytest.raises(RecordRefused, match="states no sensitivity"):
         sensitivity_factor("x", SimpleNamespace(instrument_sensitivity=None))
     for value in (float("inf"), float("nan")):
-        with pytest.raises(
-            RecordFormatError, match=rf"^x: expected a finite sensitivity of the instrument, found {value}"
-        ):
+        with pytest.raises(RecordFormatError, match=rf"^x: expected a finite sensitivity .*, found {value}"):
             sensitivity_factor("x", response(value))
     with pytest.raises(NotAcceleration, match=r"^x records CM/S, expected an acceleration"):
         sensitivity_factor("x", response(2.0, "CM/S"))
@@ -119,8 +104,6 @@ def test_a_sensitivity_against_the_gains_of_the_stages(value, unit, gains, first
 
 def test_the_first_stage_is_that_of_the_lowest_number():
     assert first_stage(response(1.0, gains=(7.0, 8.0, 9.0))).stage_gain == 7.0
-    assert turned(SimpleNamespace(value=-0.5)) == ["the sensitivity is negative, -0.5: a sign is turned"]
-    assert turned(SimpleNamespace(value=0.0)) == turned(SimpleNamespace(value=3.0)) == []
 
 
 pytestmark = pytest.mark.filterwarnings("ignore:ObsPy can not map unit", "ignore:The unit .* is not known to ObsPy")
@@ -191,14 +174,8 @@ def test_the_impulses_that_a_geophone_damps_are_those_the_warning_names():
 @pytest.mark.parametrize(
     ("unit", "scale"),
     [
-        ("CM/S**2", 0.01),
-        ("MM/S**2", 1e-3),
-        ("NM/S**2", 1e-9),
-        ("CM/SEC**2", 0.01),
-        ("M/S^2", 1.0),
-        ("M/S2", 1.0),
-        ("GAL", 0.01),
-        ("G", STANDARD_GRAVITY),
+        *[("CM/S**2", 0.01), ("MM/S**2", 1e-3), ("NM/S**2", 1e-9), ("CM/SEC**2", 0.01), ("M/S^2", 1.0), ("M/S2", 1.0)],
+        *[("GAL", 0.01), ("G", STANDARD_GRAVITY)],
     ],
 )
 def test_a_response_in_any_unit_of_acceleration_is_removed_without_a_false_warning(unit, scale):
@@ -210,17 +187,6 @@ def test_a_response_in_any_unit_of_acceleration_is_removed_without_a_false_warni
     assert removed.samples * removed.factor == pytest.approx(wavelet(TIME, 1.0, 20.0), abs=2e-3)
     assert removed.factor == pytest.approx(scale / GAIN, rel=1e-3)
     assert f"{unit} to m/s2" in removed.processing[0]
-
-
-@pytest.mark.parametrize(("unit", "scale"), [("CM/S", 0.01), ("MM/S", 1e-3), ("NM/S", 1e-9), ("NM", 1e-9)])
-def test_a_sensor_of_velocity_or_displacement_in_any_unit(unit, scale):
-    zeros = [0.0, 0.0] if unit.endswith("/S") else [0.0, 0.0, 0.0]
-    plain, scaled = (
-        without_response("test", 1e4 * wavelet(TIME, 2.0, 15.0), DT, paz(zeros, POLES, word))
-        for word in (unit[1:], unit)
-    )
-    assert scaled.samples * scaled.factor == pytest.approx(scale * plain.samples * plain.factor, rel=1e-9)
-    assert not any("differ" in warning and "stages" in warning for warning in (*plain.warnings, *scaled.warnings))
 
 
 def test_the_response_that_was_given_stays_as_it_is():

@@ -1,9 +1,4 @@
-"""Equal spacing through the rounding of printed times, and gaps that do not pass for it.
-
-Blocks of (time, acceleration) pairs: how many, how wide, and what stands behind them.
-
-Times in the columns of a table: what counts as time, and what is missing, repeated or rounded in it.
-"""
+"""Equal spacing through the rounding of printed times, and gaps that do not pass for it."""
 
 import re
 
@@ -17,7 +12,6 @@ from rockpulse.errors import RecordFormatError, UnitError
 from rockpulse.readers import read
 from rockpulse.readers.kit.headings import Heading
 from rockpulse.readers.kit.spacing import (
-    _half_digit,
     agreed_step,
     climbs,
     counts_rows,
@@ -77,13 +71,8 @@ def test_a_hole_of_half_a_step_more_is_a_gap_too(length):
 @pytest.mark.parametrize(
     ("begin", "step", "count", "at", "length"),
     [
-        (9e-4, 0.0083, 43, 27, 5),
-        (8e-4, 0.0123, 45, 14, 1),
-        (6e-4, 0.0123, 22, 21, 8),
-        (7e-4, 0.0123, 38, 9, 7),
-        (1e-3, 0.0064, 19, 10, 1),
-        (8e-4, 0.0047, 12, 6, 5),
-        (9e-4, 0.0083, 13, 3, 5),
+        *[(9e-4, 0.0083, 43, 27, 5), (8e-4, 0.0123, 45, 14, 1), (6e-4, 0.0123, 22, 21, 8), (7e-4, 0.0123, 38, 9, 7)],
+        *[(1e-3, 0.0064, 19, 10, 1), (8e-4, 0.0047, 12, 6, 5), (9e-4, 0.0083, 13, 3, 5)],
     ],
 )
 def test_a_gap_in_coarsely_printed_times_has_the_rounding_of_its_ends(begin, step, count, at, length):
@@ -115,22 +104,6 @@ def test_samples_of_a_known_interval_fit_however_coarse_their_times(step, count,
 @pytest.mark.parametrize("times", [[0.0, 0.0, 0.01], [0.0, 0.0, 0.0]])
 def test_no_times_fit_an_interval_that_is_none(dt, times):
     assert not printed_at(np.array(times), dt)
-
-
-@pytest.mark.parametrize(
-    ("times", "half"),
-    [
-        ([0.0, 1.0, 2.0], 0.5),
-        ([0.0, 0.5], 0.05),
-        ([0.25, 0.125], 0.0005),
-        ([0.12345678], 0.5e-8),
-        ([0.1234567815], 0.0),  # off eight decimals by 1.5e-9
-        ([1e-9], 0.0),  # the noise of binary fractions is smaller
-        ([1e6 + 0.0005], 0.5),  # a billionth of a large time is such noise
-    ],
-)
-def test_half_a_unit_of_the_last_decimal(times, half):
-    assert _half_digit(np.array(times)) == pytest.approx(half, rel=1e-12, abs=0.0)
 
 
 def test_times_of_whole_seconds_hide_no_row_of_a_finer_interval():
@@ -278,14 +251,6 @@ def test_what_stands_behind_the_declared_pairs_is_told(margin):
     assert block([first, last, "of the next"], end=4).warnings == ()
 
 
-def test_uneven_times_are_resampled_and_told_in_g():
-    times = np.array([0.0, 0.02, 0.04, 0.05, 0.07])
-    found = block(rows(times, VALUES[:5]), 5, "g/10")
-    assert found.samples == pytest.approx([0.125, -0.5, 3.25, -0.875], abs=1e-12)
-    assert found.times == pytest.approx(times, abs=1e-12)
-    assert found.warnings[0].endswith("the peak goes from 0.45 to 0.325 g")
-
-
 def test_a_block_that_is_cut_or_damaged_is_named_by_its_line():
     first, last = rows()
     for end in (1, 2):
@@ -345,15 +310,6 @@ def test_a_column_that_counts_the_rows_is_no_time(write, header, begin):
     with pytest.raises(RecordFormatError, match="option dt for the sampling interval"):
         read(path, units="m/s2")
     assert read(path, units="m/s2", dt=0.02)[0].dt == 0.02
-
-
-@pytest.mark.parametrize("row", [1, 57, 100, 198])
-@pytest.mark.parametrize(("step", "number"), [(0.01, "{:.2f}"), (0.005, "{:.3f}"), (1 / 128, "{:.6f}"), (1.0, "{:g}")])
-def test_a_missing_row_is_named_whatever_the_digits(write, row, step, number):
-    times = np.delete(np.arange(200) * step, row)
-    rows = [f"{number.format(time)} {value:.6f}" for time, value in zip(times, VALUES_TIME_COLUMN[1:], strict=True)]
-    with pytest.raises(RecordFormatError, match=rf"record.txt:{row + 1}: expected equally spaced .* rows are missing"):
-        read(write("\n".join(rows)), units="g")
 
 
 @pytest.mark.parametrize("begin", [0.0, 0.005, 12.345])
@@ -423,9 +379,7 @@ def test_a_column_that_falls_at_a_twentieth_of_its_changes_is_no_time(still):
         if changes == 20:
             assert step_of(times) is None
             continue
-        with pytest.raises(
-            RecordFormatError, match=r"^x.txt:15: expected increasing times in the first column, .* 8.5"
-        ):
+        with pytest.raises(RecordFormatError, match=r"^x.txt:15: expected increasing times in the first .* 8.5"):
             step_of(times)
     with pytest.raises(RecordFormatError, match="in the column 't'"):
         step_of(times[:15], headings=[Heading("t", "time")])
@@ -448,9 +402,7 @@ def test_another_column_that_runs_like_time_is_named():
 def test_the_step_that_differs_most_is_named_though_it_is_short():
     times = TIMES_TIME_COLUMN.copy()
     times[10:] -= 0.006
-    with pytest.raises(
-        RecordFormatError, match=r"^x.txt:15: expected equally .* a step of 0.004 s among steps of 0.01"
-    ):
+    with pytest.raises(RecordFormatError, match=r"^x.txt:15: expected equally .* step of 0.004 s among .* 0.01"):
         step_of(times)
     with pytest.raises(RecordFormatError, match=r"^x.txt:15: .* at the declared interval of 0.01 s, found a step of"):
         step_of(times, declared=0.01)
