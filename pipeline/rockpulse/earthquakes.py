@@ -16,10 +16,8 @@ import numpy as np
 #: others.
 CONFIDENCE = 0.9
 FEWEST_EVENTS = 3
-
 #: Sums of weights are rounded: a share of 0.84 may come out as a bit less.
 ROUNDING = 1e-9
-
 #: Largest share of the draws of a bootstrap-t that may have no value.
 LOST = 0.1
 

@@ -53,9 +53,7 @@ class StoppedAtFailure(RockpulseError):
 
 #: Why a text, a table or a picture that lies beside records was passed over.
 NO_RECORD = "no record"
-
 FailureKind = Literal["failed", "skipped", "duplicate", "depth", "vertical", "structural"]
-
 #: What a reason may begin with behind the name of its file: the line in it.
 _LINE = re.compile(r":\d+(?=: )")
 #: The id of a record in front of a reason; an id has a point and no blank.

@@ -28,7 +28,6 @@ if TYPE_CHECKING:
 TABLE_LIMIT, TOML_LIMIT = 64 * 1024**2, 1024**2
 #: How deep the sections and arrays of a TOML file may be nested, and how large its integers may be.
 DEEPEST, LARGEST = 8, 2**63
-
 _KINDS = {stat.S_ISFIFO: "a pipe", stat.S_ISSOCK: "a socket", stat.S_ISCHR: "a device", stat.S_ISBLK: "a device"}
 
 

@@ -5,10 +5,8 @@ import re
 #: Control characters (C0 less tab and the end of a line, C1), ends of lines that only some programs know, marks that
 #: turn the direction of writing, and halves of surrogate pairs, which no encoding has.
 _UNSAFE = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\u061c\u200e\u200f\u2028-\u202e\u2066-\u2069\ufeff\ud800-\udfff]")
-
 #: Beginnings of what a spreadsheet computes, and numbers, which it may read as such.
 _FORMULA, _NUMBER = re.compile(r"[=+\-@\t]."), re.compile(r"[+-]?\d+\.?\d*(?:[eE][+-]?\d+)?")
-
 #: The longest part of a foreign message that is shown.
 _LONGEST = 300
 

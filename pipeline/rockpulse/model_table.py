@@ -200,17 +200,13 @@ _ROWS = (
 #: Every model by its name, and their names.
 MODELS = {row.name: row for row in _ROWS}
 NAMES = tuple(MODELS)
-
 #: The models that answer unless others are asked for, and those that stand side by side where all are.
 DEFAULT_MODELS = tuple(row.name for row in _ROWS if row.default)
 ALL_MODELS = tuple(row.name for row in _ROWS if not row.fitted)
-
 #: The working point of the rule by which the paired models answer with `[sequence] method = "rule"`.
 RULE_POINT = "conservative"
-
 #: The models whose input is a sequence; the others need the accelerogram or its half-waves.
 SEQUENCE_MODELS = tuple(row.name for row in _ROWS if row.takes == "sequence")
-
 #: The fullest first: those with a motion in time, those that follow the record to a factor on it, and those that are an
 #: equation of motion under the accelerogram.
 DRAWN = tuple(row.name for row in reversed(_ROWS) if row.follows or row.cycles)

@@ -140,7 +140,6 @@ STATEMENTS = {
 }
 
 TEMPLATES = WARNINGS | STATEMENTS
-
 #: In place of a code, of a text that is none of these.
 PLAIN = "plain"
 

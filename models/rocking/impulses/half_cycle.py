@@ -140,7 +140,6 @@ def impacts_above(speed, restitution, cutoff):
 
 
 END, MIDDLE, START, OPEN, CONTINUOUS = range(5)
-
 _NEWTON_LIMIT = 200
 
 

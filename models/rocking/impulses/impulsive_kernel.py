@@ -20,7 +20,6 @@ IMPACT_LIMIT = 100_000
 #: rounded by 1e-13 s and the instability of the motion multiplies that by up to 1e3; moving an impact by 1e-9/p moves
 #: the motion by no more than 1e-9.
 COINCIDENCE = 1e-9
-
 _AT_REST, _ROCKS, _OVERTURNS, _UNRESOLVED = (int(outcome) for outcome in Outcome)
 _IMPACT_LIMIT_REASON = int(Reason.IMPACT_LIMIT)
 #: Longest time counted in the growth factor of a wait, times p [-]; exp of more than about 709 overflows.

@@ -21,7 +21,6 @@ from rocking.response import IMPACT_CUTOFF, Outcome, Reason, Response
 HALVINGS = 60
 #: Half-cycles whose durations are added up before a lane is UNRESOLVED.
 _HALF_CYCLE_LIMIT = 10_000_000
-
 _AT_REST, _ROCKS, _OVERTURNS, _UNRESOLVED = (int(outcome) for outcome in Outcome)
 _HALF_CYCLE_LIMIT_REASON = int(Reason.HALF_CYCLE_LIMIT)
 

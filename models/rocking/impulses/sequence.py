@@ -31,7 +31,6 @@ _SHORTEST_INTERVAL = 1e-4
 _LARGEST_COUNT = 1_000_000
 #: Largest number of impulses in a train.
 _TRAIN_LIMIT = 2_000_000
-
 logger = logging.getLogger("rockpulse")
 
 

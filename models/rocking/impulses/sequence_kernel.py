@@ -18,7 +18,6 @@ HALF_CYCLE_LIMIT = 50_000
 CYCLE_TOLERANCE = 1e-13
 #: Columns of the table, in the order of :class:`rocking.response.HalfCycles`: u_i, peak, duration, n_i, dT_i, u_r.
 COLUMNS = 6
-
 _AT_REST, _ROCKS, _OVERTURNS, _UNRESOLVED = (int(outcome) for outcome in Outcome)
 _HALF_CYCLE_LIMIT_REASON = int(Reason.HALF_CYCLE_LIMIT)
 

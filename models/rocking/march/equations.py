@@ -88,7 +88,6 @@ def linear_after(phi, speed, alpha, restitution):
 # Coefficients of sin and cos.
 S3, S5, S7, S9, S11, S13, S15, S17, S19 = ((-1) ** k / math.factorial(2 * k + 1) for k in range(1, 10))
 C2, C4, C6, C8, C10, C12, C14, C16, C18, C20 = ((-1) ** k / math.factorial(2 * k) for k in range(1, 11))
-
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(10)
 
 

@@ -11,7 +11,6 @@ from rocking.march.steps import HALVED, IMPACT, NOTHING, OVER, REMNANT, enter_ve
 from rocking.response import IMPACT_CUTOFF
 
 LINEAR, NONLINEAR = 0, 1
-
 # States of a slot after a step.
 MOVING, RESTING, OVERTURNED, IMPACT_LIMITED, FLYING, CALM = range(6)
 #: A chatter is cut short only where its hops are below this share of the peak so far.

@@ -11,7 +11,6 @@ from numba import njit
 ORDER = 10
 #: Orders of derivative. Numpy's integers: a plain one would have the functions below compiled for each value.
 ROTATION, SPEED, PULL = np.int64(0), np.int64(1), np.int64(2)
-
 MAX_ITERATIONS = 100
 #: A Newton step below this share of the way is the last one: the error after it is the square of it.
 CONVERGED = 1e-9

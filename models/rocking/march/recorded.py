@@ -19,7 +19,6 @@ from rocking.response import Response
 
 #: Largest acceleration over gravity that is taken for a record [-].
 STRONGEST = 1e7
-
 EQUATIONS = {"linear": LINEAR, "nonlinear": NONLINEAR}
 #: Largest last term of the Taylor series of a step, over alpha_c [-]; a longer step is halved.
 LAST_TERM = 1e-14

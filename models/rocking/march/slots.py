@@ -17,7 +17,6 @@ from rocking.march.polynomial import ORDER
 #: Samples in a block, a power of two.
 BLOCK_BITS = 5
 BLOCK = 1 << BLOCK_BITS
-
 # Rows of the extremes.
 LARGEST = 0  #: largest abs(a_g) among the samples of the block and the first of the next one [m/s2]
 STEEPEST = 1  #: largest step of a_g from one of its samples to the next [m/s2]

@@ -17,7 +17,6 @@ NEAR = (0.2, 0.45, 0.7, 0.95, 1.2, 1.45)
 TOGETHER = 4
 #: Tells of lanes (n,) and factors (q, n) which exceed a limit.
 Exceeds = Callable[[np.ndarray, np.ndarray], np.ndarray]
-
 #: Factors times lanes of one call of the scan: it bounds the memory of a call.
 CASES_AT_ONCE = 16384
 #: The fields of :class:`ScaleIntervals` with one value for each interval.

@@ -46,7 +46,6 @@ SLOPE, MIDDLE = 1.3, 0.85
 NEIGHBOURS, FLOOR = 0.12, 0.08
 #: Points on which the density of the second part is worked out.
 POINTS = 161
-
 _GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
 
 

@@ -18,16 +18,12 @@ if TYPE_CHECKING:
 
 #: Files of other verbs by their characteristic group: words for the file, and the module of its text.
 SHOWN_WHOLE = {"site": ("this is a site file", "site"), "fragility": ("this is a fragility file", "fragility")}
-
 #: Options that ask for a list of cases.
 OF_CASES = ("model", "outcome", "where", "sort", "limit", "worst")
-
 #: Options that say in another way which cases come first, or how many, or ask for another list.
 BESIDE_WORST = ("sort", "limit", "records", "blocks")
-
 #: Cases in a list unless more are asked for.
 CASES = 20
-
 NOTHING = "nothing failed and nothing was skipped"
 
 

@@ -79,13 +79,10 @@ MISSING = {
 
 #: Arguments that name results to read.
 RESULTS = ("results", "first", "second", "fragility", "site", "sequence")
-
 #: Differences of a results file that a message names.
 SAID = 3
-
 #: Arguments that name a file to write.
 WRITTEN = ("output", "log_file")
-
 #: Arguments whose name is left out where a message begins with the file.
 BARE = ("results", "first", "second")
 

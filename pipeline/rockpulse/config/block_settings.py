@@ -20,7 +20,6 @@ if TYPE_CHECKING:
     from rockpulse.config.settings import RecordSettings
 
 logger = logging.getLogger("rockpulse")
-
 #: Full sizes above the largest one that is not doubted are taken for millimetres from here on, below for centimetres.
 _MILLIMETRES = 500.0
 

@@ -18,7 +18,6 @@ MEMBER_LIMIT = 100_000
 #: An archive whose members are larger together is refused [bytes].
 TOTAL_LIMIT = 2 * 1024**3
 _LOCAL_HEADER = 30  # bytes of a member's local header before its name
-
 _NESTED = (".zip", ".gz", ".tgz", ".tar", ".bz2", ".xz", ".7z", ".rar", ".zst")
 
 

@@ -21,7 +21,6 @@ from rockpulse.readers.writers import at2_bytes, azimuth_of, csv_bytes, miniseed
 from rockpulse.record.record import Record
 
 logger = logging.getLogger("rockpulse")
-
 _UNDERFLOW = 1e-97  # largest value that a number of few digits may lose near zero [m/s2]
 #: Largest share by which an interval may come back otherwise: miniSEED keeps the rate in single precision.
 _STEP_TOLERANCE = 1e-7

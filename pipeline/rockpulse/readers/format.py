@@ -20,7 +20,6 @@ from rockpulse.readers.source import SourceFile
 from rockpulse.record.record import Record, distinct_ids
 
 RESPONSES = ("sensitivity", "remove")
-
 _PATTERN = KeyType("a pattern that is not empty", lambda value: isinstance(value, str) and bool(value.strip()), str)
 
 

@@ -13,7 +13,6 @@ from rockpulse.readers.source import SourceFile
 _QUIET = frozenset({".md", ".toml", ".h5", ".journal", ".journal-journal", ".part", ".html", ".pdf", ".png"})
 #: First element of XML files of a station or an earthquake; other XML files may hold samples.
 _METADATA = re.compile(rb"<(?:\w+:)?(?:FDSNStationXML|quakeml)\b", re.IGNORECASE)
-
 #: Names of files that agencies put beside their records, in lower letters and without suffix.
 _BESIDE = frozenset({"readme", "disclaimer", "license", "licence", "copyright", "citation"})
 #: Beginning of the name of PEER's list of what was found, which holds spectra, and so rows of numbers.

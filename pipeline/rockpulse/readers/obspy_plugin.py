@@ -30,7 +30,6 @@ if TYPE_CHECKING:
     import obspy
 
 logger = logging.getLogger("rockpulse")
-
 _CODES = ("network", "station", "location", "channel")
 #: Fields that travel in ``stats.rockpulse``: all of a Record for which a Trace has no place of its own.
 _KEPT = tuple(field for field in fields(Record) if field.name not in {*_CODES, "acceleration", "start_time"})

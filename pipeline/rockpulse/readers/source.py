@@ -23,7 +23,6 @@ HEAD = 65536
 FILE_LIMIT = 256 * 1024**2
 #: Files compressed by more than this ratio are refused; text of numbers reaches 10, a silent channel 100.
 RATIO_LIMIT = 500
-
 _GZIP = b"\x1f\x8b\x08"
 #: First bytes of files that hold other files.
 _ARCHIVES = {
@@ -41,7 +40,6 @@ _WORD, _TOP = re.compile(rb"[A-Za-z]{3}"), 1000
 #: First members of office documents, which are zip archives of no records.
 _DOCUMENTS = (b"[Content_Types].xml", b"mimetype")
 _FIRST_NAME = 30
-
 StationFiles = Callable[[], list[tuple[str, bytes]]]
 Neighbour = Callable[[str], bytes | None]
 

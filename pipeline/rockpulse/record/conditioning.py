@@ -33,7 +33,6 @@ RESAMPLING_ATTENUATION = 100.0
 RESAMPLING_TRANSITION = 0.2
 #: Largest numerator and denominator of a resampling ratio.
 RESAMPLING_LIMIT = 1000
-
 logger = logging.getLogger("rockpulse")
 
 

@@ -31,15 +31,11 @@ from rockpulse.selection.events import event_table, events_by_id
 from rockpulse.selection.votes import one_vote_each, unmatched_patterns
 
 __all__ = ["Analysis", "Blocks", "Part", "Prepared", "Watch", "Work", "joined", "run", "worked"]
-
 logger = logging.getLogger("rockpulse")
-
 #: The arrays that one motion adds to the results, by variable; the first dimension is the one that grows.
 Part = Mapping[str, np.ndarray]
-
 #: Measures the time of a step, by its name: ``with watch("solve"): ...``
 Watch = Callable[[str], AbstractContextManager[Any]]
-
 #: From a motion to its part; a ValueError that it raises becomes a row of /failures.
 Work = Callable[[Motion, Watch], Part]
 

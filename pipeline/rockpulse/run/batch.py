@@ -24,10 +24,8 @@ from rockpulse.run.tasks import Task, carry_out, digest_of, read_options, tasks_
 from rockpulse.storage.hdf5.atomic import check_target, remove_parts
 
 logger = logging.getLogger("rockpulse")
-
 PathLike = str | os.PathLike[str]
 Paths = PathLike | Iterable[PathLike]
-
 #: Files or records for which one more process is started; below, threads of this process share the bodies of each.
 ITEMS_PER_WORKER = 8
 

@@ -19,10 +19,8 @@ from rockpulse.run.processes import WorkerDied, WorkerProcesses, call
 from rockpulse.version import __version__
 
 logger = logging.getLogger("rockpulse")
-
 Item = TypeVar("Item")
 Result = TypeVar("Result")
-
 #: An address of a dask scheduler.
 ADDRESS = re.compile(r"[a-z]+://\S+:\d+|inproc://\S+")
 #: Items submitted per worker, so that none is idle while the parent writes; on a cluster the transfer takes longer than

@@ -24,7 +24,6 @@ from rockpulse.run.frames import MARK, Frame, append, frames_of
 from rockpulse.storage.hdf5.atomic import flush, journal_path
 
 __all__ = ["UNFINISHED", "Done", "Journal", "JournalError", "holder", "journal_path", "open_locked"]
-
 #: Fingerprint of a task that broke off for lack of its file or of memory, or by a fault of the program: a resumed run
 #: tries it again.
 UNFINISHED = ""

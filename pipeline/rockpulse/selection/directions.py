@@ -18,7 +18,6 @@ from rockpulse.record.rotation import condition_pair, pair_id, rotate, rotated_i
 from rockpulse.remark import Remark
 
 logger = logging.getLogger("rockpulse")
-
 #: No larger peak counts before it is confirmed [m/s2].
 LARGEST = CREDIBLE_PEAK_G[1] * STANDARD_GRAVITY
 #: A channel that faces the direction asked for within this stands for it without a partner [degrees].

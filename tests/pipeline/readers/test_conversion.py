@@ -26,8 +26,10 @@ def names(folder):
 @pytest.mark.parametrize(
     ("channels", "labels"),
     [
-        *[(("90", "Up"), ["90", "Up"]), (("hne", "HNE"), ["CI.CLC..90", "CI.CLC..Up"])],
-        *[(("90", ""), ["CI.CLC..90", "CI.CLC..Up"]), (("9 0 (x)", "~a-B_/1"), ["9_0_x_", "~a-B__1"])],
+        (("90", "Up"), ["90", "Up"]),
+        (("hne", "HNE"), ["CI.CLC..90", "CI.CLC..Up"]),
+        (("90", ""), ["CI.CLC..90", "CI.CLC..Up"]),
+        (("9 0 (x)", "~a-B_/1"), ["9_0_x_", "~a-B__1"]),
     ],
 )
 def test_channels_tell_files_apart_where_they_are_distinct(tmp_path, channels, labels):
@@ -360,7 +362,9 @@ NO_AZIMUTH = replace(EAST, azimuth=float("nan"))
         (NO_AZIMUTH, NO_AZIMUTH, "", ""),
         (NO_AZIMUTH, EAST, "azimuth", "azimuth"),
         (EAST, replace(EAST, orientation="unknown"), "", ""),
-        *[(EAST, UP, "orientation", "orientation"), (UP, UP, "", ""), (UP, EAST, "orientation", "orientation")],
+        (EAST, UP, "orientation", "orientation"),
+        (UP, UP, "", ""),
+        (UP, EAST, "orientation", "orientation"),
         (replace(UP, azimuth=90.0), UP, "", ""),
         (replace(EAST, orientation="structural"), EAST, "", ""),
         (replace(EAST, orientation="structural"), replace(EAST, orientation="structural"), "", ""),

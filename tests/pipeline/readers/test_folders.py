@@ -73,11 +73,16 @@ UNEVEN = b"somebody's recorder, m/s2\n" + b"0.01 0.5 0.6\n0.02 0.7\n0.03\n" * 9 
 @pytest.mark.parametrize(
     ("name", "content", "may_be"),
     [
-        *[("DISCLAIMER.TXT", PROSE, False), ("readme.txt", SPECTRA, False), ("_SearchResults.csv", SPECTRA, False)],
+        ("DISCLAIMER.TXT", PROSE, False),
+        ("readme.txt", SPECTRA, False),
+        ("_SearchResults.csv", SPECTRA, False),
         ("map.jpg", b"\xff\xd8\x00\x01", False),
         ("list.csv", b"station,latitude,event\nA,40.1,Kobe\nB,40.2,Kobe\n", False),
-        *[("motion.txt", UNEVEN, True), ("motion.v2", PROSE, True), ("CHAN1.DAT", PROSE, True)],
-        *[("record.012", PROSE, True), ("record.bin", b"\x00\x01\x02\x03" * 99, True)],
+        ("motion.txt", UNEVEN, True),
+        ("motion.v2", PROSE, True),
+        ("CHAN1.DAT", PROSE, True),
+        ("record.012", PROSE, True),
+        ("record.bin", b"\x00\x01\x02\x03" * 99, True),
     ],
 )
 def test_what_may_be_a_record_in_an_unknown_format_is_told_apart_from_texts_beside_records(
@@ -240,9 +245,12 @@ def columns(*headings, scale=1.0, dead=False):
 @pytest.mark.parametrize(
     ("first", "second", "kept"),
     [
-        *[("acc [g]", "Acceleration (g)", ["a.acc"]), ("acc [g]", "acc N [g]", ["b.acc_N"])],
-        *[("acc N [g]", "acc [g]", ["a.acc_N"]), ("acc N [g]", "NS acc (g)", ["a.acc_N"])],
-        *[("acc Up [g]", "Z acc (g)", ["a.acc_Up"]), ("acc N [g]", "acc E [g]", ["a.acc_N", "b.acc_E"])],
+        ("acc [g]", "Acceleration (g)", ["a.acc"]),
+        ("acc [g]", "acc N [g]", ["b.acc_N"]),
+        ("acc N [g]", "acc [g]", ["a.acc_N"]),
+        ("acc N [g]", "NS acc (g)", ["a.acc_N"]),
+        ("acc Up [g]", "Z acc (g)", ["a.acc_Up"]),
+        ("acc N [g]", "acc E [g]", ["a.acc_N", "b.acc_E"]),
         ("acc N [g]", "acc Up [g]", ["a.acc_N", "b.acc_Up"]),
     ],
 )
@@ -336,7 +344,9 @@ def test_of_equal_motions_the_one_stays_that_knows_most(known):
 @pytest.mark.parametrize(
     ("one", "other", "kept"),
     [
-        *[({}, {}, 1), ({}, {"source": "m"}, 1), ({}, {"component": "y"}, 1)],
+        ({}, {}, 1),
+        ({}, {"source": "m"}, 1),
+        ({}, {"component": "y"}, 1),
         ({}, {"component": "y", "source": "m"}, 2),
         ({}, {"component": "y", "orientation": "horizontal", "azimuth": 90.0}, 1),
         ({"orientation": "vertical"}, {"component": "y", "orientation": "vertical"}, 1),

@@ -52,7 +52,10 @@ def test_an_interval_that_is_none_is_refused(dt):
 @pytest.mark.parametrize(
     ("unit", "dt", "fits"),
     [
-        *[("gal", None, True), ("mm/s2", None, False), (None, 0.01001, True), (None, 0.0100101, False)],
+        ("gal", None, True),
+        ("mm/s2", None, False),
+        (None, 0.01001, True),
+        (None, 0.0100101, False),
         (None, 0.0099, False),
     ],
 )

@@ -62,8 +62,10 @@ def say_nothing(file, options):
 @pytest.mark.parametrize(
     ("reader", "words"),
     [
-        *[(break_promises, "expected a positive interval"), (raise_key_error, "KeyError: 'NPTS'")],
-        *[(divide, "RuntimeWarning: divide by zero"), (never_end, "more than 0.05 s")],
+        (break_promises, "expected a positive interval"),
+        (raise_key_error, "KeyError: 'NPTS'"),
+        (divide, "RuntimeWarning: divide by zero"),
+        (never_end, "more than 0.05 s"),
         (say_nothing, "an error that does not name the file: RecordFormatError()"),
         (lambda file, options: [], "no record and no error"),
     ],

@@ -31,14 +31,18 @@ def rows(template):
         "Station X\nUNITS CM/S/S\n" + "-300.12-299.87-411.32\n" * 30,  # columns that run together
         "-300-299-411-123\n" * 30,
         "date,acc\n" + rows("2019-07-06T03:19:{t:05.2f},{a}\n"),
-        *[rows("{t:.2f} {a}\n").replace("-", "\u2212"), rows("{a}g\n"), rows("t={t:.2f} s a={a} m/s2\n")],
+        rows("{t:.2f} {a}\n").replace("-", "\u2212"),
+        rows("{a}g\n"),
+        rows("t={t:.2f} s a={a} m/s2\n"),
         rows('{{"time in seconds": {t:.2f}, "acceleration in gravity": {a}}},\n'),
         rows("{t:.2f} 1,131.57\n"),
         rows("sample {t:.0f} counts 4711\n"),
         "".join(f"{0.01 * k:.2f} {a * 1e-3 ** (k % 3):g} {'NaN' if k % 5 else a}\n" for k, a in enumerate(VALUES)),
         "".join(f"2019-07-06T03:19:{k:02} HN{'NEZ'[k % 3]} {a:.4f} {a:.3f}\n" for k, a in enumerate(VALUES)),
-        *["time,record\n" + rows("{t:.2f},{a}\n"), "event,NS,EW\n" + rows("{t:.2f},{a},{a}\n")],
-        *["record,a1,a2\n" + rows("{t:.2f},{a},{a}\n"), rows("{a:.5E}{a:.5E}\n").replace("E", "D")],
+        "time,record\n" + rows("{t:.2f},{a}\n"),
+        "event,NS,EW\n" + rows("{t:.2f},{a},{a}\n"),
+        "record,a1,a2\n" + rows("{t:.2f},{a},{a}\n"),
+        rows("{a:.5E}{a:.5E}\n").replace("E", "D"),
         PROSE * 200 + "-300.12-299.87\n" * 12,  # a long heading
         PROSE * 15 + "".join(f"{a:9.2f}" for a in VALUES * 3),  # all in one line
         "\u0660\u0661 \u0662\u0663\n" * 50,  # digits of another script
@@ -78,9 +82,12 @@ def test_numbers_and_binary_data_may_be_a_record_whatever_they_are_called(conten
         ("run.txt", "2026-11-22 10:00:00,123 ERROR m01.asc: cut\n" * 40),
         ("CI.CCC.stationxml", "<?xml version='1.0'?>\n<FDSNStationXML>\n" + "<Value>1.25</Value>\n" * 40),
         ("RESP.CI.CCC..HNE", "# response\nB050F03     Station:     CCC\n" + "B053F09  0  1.2E+00  2.3E-01\n" * 40),
-        *[("study.ipynb", rows('"{t:.2f} {a}",\n')), ("plan.dat", b"%PDF-1.4\x00\x01")],
-        *[("map.bin", b"\x89PNG\r\n\x1a\n" + bytes(range(256))), ("guide.pdf", b"%PDF-1.4\x00\x01")],
-        *[("plot.png", b"\x89PNG\r\n\x1a\n\x00\x00\x00\rIHDR"), ("station.xml", "<a>\n<b>text</b>\n</a>\n")],
+        ("study.ipynb", rows('"{t:.2f} {a}",\n')),
+        ("plan.dat", b"%PDF-1.4\x00\x01"),
+        ("map.bin", b"\x89PNG\r\n\x1a\n" + bytes(range(256))),
+        ("guide.pdf", b"%PDF-1.4\x00\x01"),
+        ("plot.png", b"\x89PNG\r\n\x1a\n\x00\x00\x00\rIHDR"),
+        ("station.xml", "<a>\n<b>text</b>\n</a>\n"),
     ],
 )
 def test_texts_tables_and_pictures_are_no_records(name, content):

@@ -40,8 +40,10 @@ def test_every_format_has_a_row_with_a_name_of_its_own():
 @pytest.mark.parametrize(
     ("content", "name"),
     [
-        *[(b"Dear reader,\nthis is no record.\n", "notes.txt"), (bytes(range(256)) * 20, "noise.bin")],
-        *[(b"\x89PNG\r\n\x1a\n\x00\x00\x00\rIHDR", "plot.png"), (b"<?xml version='1.0'?><a>1</a>\n", "a.xml")],
+        (b"Dear reader,\nthis is no record.\n", "notes.txt"),
+        (bytes(range(256)) * 20, "noise.bin"),
+        (b"\x89PNG\r\n\x1a\n\x00\x00\x00\rIHDR", "plot.png"),
+        (b"<?xml version='1.0'?><a>1</a>\n", "a.xml"),
         (b"In the end the answer was\n42\nand nobody asked\nfor a unit\n", "prose.txt"),
     ],
 )

@@ -26,7 +26,6 @@ _LENGTH_1 = re.compile(r"record length\s*=\s*(\d{0,6}\.\d{1,6})\s*sec", re.IGNOR
 #: A stated length may differ by this share: a trace may end a little earlier or later after its correction.
 _RATE_TOLERANCE, _LENGTH_TOLERANCE = 1e-3, 5e-3
 _OPENING = 1500  # bytes that hold the 13 lines of text of the first channel
-
 _CORRECTED = re.compile(r"\s?corrected accelerogram\b", re.IGNORECASE)
 _BOTH_TITLES = re.compile(rf"(?:{_CORRECTED.pattern}[^\r\n]*[\r\n]+)+{UNCORRECTED.pattern}", re.IGNORECASE)
 #: The title and the lines of volume 1; those about the correction too.
@@ -42,7 +41,6 @@ _OTHER_PEAKS = re.compile(r"(?i)\s*peak\s+(?:velocity|displacement)\s*=\s*-?\d*\
 _LENGTH_2 = re.compile(r".{0,40}?\b(?:record length|duration)\s*=\s*(\d{0,6}\.\d{1,6})\s*sec", re.IGNORECASE)
 #: The component in the title and in the last line of the text.
 _COMPONENT = re.compile(r"\b(?:chan\s*\d{1,4}\s*:|comp)\s+(\S.{0,30}?)(?=\s{2}|\s+from\b|\s*$)", re.IGNORECASE)
-
 _SPECTRA = r"\s?response and fourier|\s?(?:response|fourier)\b[^\r\n]*\bspectr[^\r\n]*[\r\n]+\s?corrected accelerogram"
 _SPECTRA_WORDS = "response and Fourier spectra (volume 3 of CSMIP or USC)"
 #: Number of the station, and in the line below its name.

@@ -30,7 +30,6 @@ CREDIBLE_INTERVAL = 0.1
 _DEEPEST_SENSOR = 10e3
 # From the first of the blanks on only, or a line of blanks would cost the square of its length.
 _DEGREES = re.compile(r"(?<!\s)\s*DEG(?:REES)?$", re.IGNORECASE)
-
 #: Equal samples in a row at the extreme that are taken for the end of a range.
 RUN = 5
 #: The extreme lies this many of the smallest steps from the middle of the trace, or rounding makes equal samples.

@@ -17,7 +17,6 @@ _TURN = 1.0  # two statements of one azimuth may differ by so much [degrees]
 _NUMBER = re.compile(r"\s*[+-]?(?:\d{1,9}\.?\d{0,12}|\.\d{1,12})(?:[eEdD][+-]?\d{1,2})?\s*", re.ASCII)
 _LENGTH = re.compile(r"(mm|cm|m|in|ft)s?(?=/|\s|$)", re.IGNORECASE)
 _LONGEST_LINE = 400  # characters of a line that may hold a title
-
 #: Index of the first line of a part of a file, and of the line behind its last.
 Span = tuple[int, int]
 

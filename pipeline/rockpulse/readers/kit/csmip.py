@@ -45,7 +45,6 @@ from rockpulse.record.record import STANDARD_GRAVITY, Record
 
 #: Lines of text, and all lines in front of the samples, of a channel of volume 1.
 TEXT_LINES, HEADER_LINES = 13, 13 + 7 + 7
-
 _HEADING = re.compile(r"(?i)\s*(\d{1,15})\s+(?:(accel)erogram points|points of (acc|vel|disp)\w* data)\b(.*)")
 _KINDS = {"a": "acceleration", "v": "velocity", "d": "displacement"}
 _RATE = re.compile(r"\bat\s+([\d.]+)\s*(?:pts|points|samples)/sec", re.IGNORECASE)
@@ -53,7 +52,6 @@ _STEP = re.compile(r"\bspaced at\s+([\d.]+)\s*sec", re.IGNORECASE)
 _UNIT = re.compile(r".*?(?:\bunits\s*(?:of|:)|,\s*in)\s*([^\s)]+)", re.IGNORECASE)
 _FORMAT = re.compile(r"\((\d{1,3})[fe](\d{1,3})\.\d+\)", re.IGNORECASE)
 _ROW = 8
-
 _CHANNEL = re.compile(r"(?i)\s*chan\s*(\d+)\s*:\s*(.*?)\s*(?:\(sta chn:\s*(\d*)[^)]*\)\s*)?(?:location:\s*(.*?)\s*)?$")
 _PLACE_AFTER = re.compile(r"(\d{1,3}\s*deg|up|down)\b[\s,:-]+(.*)", re.IGNORECASE)
 _STATION = re.compile(r"\s*station (?:id|no)\.\s+(\w+)\s+\d+\.\d*\s*[NS]", re.IGNORECASE)
@@ -64,7 +62,6 @@ _START = re.compile(r"(?i)(?:start|trigger) time:\s*(\d+)/\s*(\d+)/\s*(\d+),?\s+
 # Hesperia, 1992, the P wave arrives when it must), and film recorders have no memory of what was before.
 _ORIGIN = re.compile(r"\(origin(?:\([^)]{0,20}\))?:(.{0,40})", re.IGNORECASE)
 _DEPTH = re.compile(r"\bH\s*=\s*(\d{1,3}(?:\.\d{0,6})?)\s*KM", re.ASCII | re.IGNORECASE)
-
 #: The first row of integers; the fourth of them counts the channels of the recorder.
 _FIRST_ROW = re.compile(r"[ \d-]{15} *(\d{1,3})(?=[ \d-]{60}$)", re.ASCII)
 #: Integer 27, in the second row: the azimuth of the channel, or a code.

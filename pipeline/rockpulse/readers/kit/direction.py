@@ -30,7 +30,6 @@ _DEGREES = re.compile(r"(\d{1,3}(?:\.\d*)?)\s*(?:DEG(?:REES)?|°)?", re.ASCII)
 _QUADRANT = re.compile(r"([NS])\s*(\d{1,2}(?:\.\d*)?)\s*([EW])", re.ASCII)
 # SEED: band (not any letter, or the compass words NNE and WNW would count), instrument, direction.
 _SEED = re.compile(r"[FGDCESHBMLV][HLMGN]([ENZ123])")
-
 # Names of streets; a pier without a number may be a place on the ground too.
 _NO_STREET = r"(?!\s+(?:st|street|dr|drive|rd|road|ave|avenue|ln|lane|blvd|way|ct|court|pl|place|school|park)\b)"
 _ON_STRUCTURE = re.compile(

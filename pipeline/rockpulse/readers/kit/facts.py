@@ -8,14 +8,12 @@ from typing import Any, TypedDict, Unpack
 
 #: A record starts at most this long before or after its earthquake; the waves cross the Earth in a third of it.
 NEAR = timedelta(hours=1)
-
 # Earlier than the first accelerogram of a strong earthquake (Long Beach, 11 March 1933 UTC) only a clock is wrong.
 _FIRST_YEAR = 1933
 # Times from which clocks start that nobody set (Unix, PC, GPS). The first hour only: on 1 January 1980, 16:42 UTC, the
 # Azores had a strong earthquake.
 _CLOCK_ORIGINS = tuple(datetime(*day, tzinfo=UTC) for day in ((1970, 1, 1), (1980, 1, 1), (1980, 1, 6)))
 _CLOCK_RUN = timedelta(hours=1)
-
 #: Hours by which the clocks of a zone are ahead of UTC.
 ZONES = {"UTC": 0.0, "GMT": 0.0, "UT": 0.0, "Z": 0.0, "PST": -8.0, "PDT": -7.0}
 #: Letters behind a time that tell of another, unknown clock: zones (JST, LT), halves of the day.
@@ -88,7 +86,6 @@ def written(text: str) -> datetime | None:
 Number = float | str
 #: Latitude and longitude [degrees north, degrees east].
 Place = tuple[Number, Number]
-
 _NUMBER = re.compile(r"[+-]?(?:\d{1,9}\.?\d{0,15}|\.\d{1,15})(?:[eE][+-]?\d{1,3})?", re.ASCII)
 #: Decimal degrees ("35.525N", "19.33 LAT. N") or degrees, minutes and seconds ("34 06 52N") with the side of the globe.
 _DECIMAL = re.compile(r"(?<![\d.])(\d{1,3}\.\d{0,9})\s*(?:LAT\.|LONG\.)?\s*([NSEW])(?![A-Z])", re.ASCII | re.IGNORECASE)
@@ -97,7 +94,6 @@ _MAGNITUDE = re.compile(r"(?<![A-Za-z0-9.])(M[A-Za-z]?)\s{0,10}[=:]?\s{0,10}(\d{
 #: Scales of magnitudes by their letters, in the order in which one is chosen where a header states several.
 _SCALES = {"mw": "Mw", "ms": "Ms", "ml": "ML", "mb": "mb"}
 _NO_TEXT = re.compile(r"[-_.?/\s]*|n/?a|none|null|unknown", re.IGNORECASE)  # texts that stand for nothing
-
 _MAGNITUDES = (-1.0, 10.0)
 #: Deepest earthquake, and half the way round the Earth [km].
 _DEEPEST, _FARTHEST = 800.0, 20_040.0

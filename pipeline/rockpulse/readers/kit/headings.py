@@ -11,7 +11,6 @@ from rockpulse.readers.kit.table import LINE_LIMIT, NUMBER, Layout, split_row
 from rockpulse.readers.kit.text import mentioned_units, quantity_of
 
 _LINE = 1000  # characters of a header line that are looked at
-
 #: English, Spanish, Italian, German, French, Portuguese, Turkish, without accents; short forms may end in a direction.
 _AXIS = r"(?:x|y|z|n|e|v|h|ns|ew|ud|up|s)?"
 _KINDS = {
@@ -35,7 +34,6 @@ _MATCHED = re.compile(
 _PAST = re.compile(r"\b(?:convert|resampl|original|decimat|interpolat)")
 _SHEAR_WAVES = re.compile(r"wave[s ]{1,2}velocit\w{1,3}|velocity[- ]pulses?\b|\bvs_?30\b")
 _PEAK = re.compile(r"\b(?:pg[avd]|peaks?|max\w{0,6}|pic[co]o?)\b")
-
 _NUMBER = r"(?P<value>\d{1,9}(?:[.,]\d{1,12})?|[.,]\d{1,12})(?:e(?P<power>[+-]?\d{1,2}))?(?![.,]?\d|e[+-]?\d)"
 _STEP = re.compile(
     r"(?<![a-z])(?:dt|delta ?t|δt|delta|time ?step|time interval|sampl(?:e|ing) (?:interval|period|time|step)|"

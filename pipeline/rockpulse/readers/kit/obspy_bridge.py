@@ -137,7 +137,6 @@ PROCESSED = {
 }
 
 _NO_FILE = "no StationXML file of the station"
-
 Files = Sequence[tuple[str, bytes]]
 
 

@@ -27,7 +27,6 @@ _NO_MOTION = frozenset({"PA", "HPA", "KPA", "MBAR", "C", "DEGC", "K", "T", "NT",
 GAIN_TOLERANCE = 0.05
 #: SI units as obspy spells them; it scales the others under some of their spellings only.
 _OBSPY_UNITS = {"displacement": "M", "velocity": "M/S", "acceleration": "M/S**2"}
-
 #: The response is removed where it is above this share of its largest value: noise grows at most by its inverse.
 RESPONSE_FLOOR = 0.01
 #: Begin and end of the upper taper, as shares of the highest frequency of the pass band.

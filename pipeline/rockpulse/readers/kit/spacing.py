@@ -23,14 +23,12 @@ LONG_STEP = 1.5
 _SAME_STEP = 1.001  # two statements of one sampling interval differ by no more than this ratio
 #: No times are beyond this, Unix time in ms included [s]; larger ones may overflow.
 LATEST = 1e13
-
 #: Seconds in the units that may head a column of times.
 _SECONDS = {"ms": 1e-3, "mi": 1e-3, "us": 1e-6, "µs": 1e-6}
 _MINUTES = 60.0
 _CLIMB = 20  # rows that no acceleration climbs without a fall, at equal steps
 #: A first column whose values fall at a smaller share of its changes than this can be no acceleration.
 TIME_FALLS = 0.05
-
 PAIRS_PER_ROW = 5
 _LONGEST_LINE = 400  # characters of what stands for a unit
 _POINTS = re.compile(r"no\. of points\s*=\s*(\d{1,15})\b", re.IGNORECASE)

@@ -25,12 +25,10 @@ TRUNCATED = "the file may be truncated: download it again"
 #: The advice in messages about a file of another motion, or of another record too.
 ACCELERATION_FILE = "read the acceleration file of the same record"
 OWN_FILE = "write each record into a file of its own"
-
 _NUMBER_BYTES = b" \t0123456789+-.eEdD"
 _FORTRAN_EXPONENT, _FORTRAN_EXPONENT_TEXT = bytes.maketrans(b"dD", b"ee"), str.maketrans("dD", "ee")
 _EXPONENT_DIGITS = 4  # characters of the longest exponent of a number, its sign included
 _NUMBER = re.compile(r"\s*[+-]?(\d+(\.\d*)?|\.\d+)([eEdD][+-]?\d+)?\s*", re.ASCII)
-
 _RAISED = str.maketrans("⁻²¹", "-21")
 _SECOND = r"s(?:ec(?:ond)?s?)?"
 #: Units of acceleration and velocity that are known wherever they stand; ``g`` and ``cm`` need a bracket.

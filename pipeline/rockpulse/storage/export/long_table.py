@@ -21,13 +21,10 @@ if TYPE_CHECKING:
 
 #: Dimensions that become columns, one for each label, where they are the only one beyond those of the table.
 SPREAD = ("demand", "parameter")
-
 #: What an index of a table points at.
 POINTS_AT = {"record_index": "record", "block_index": "block", "case_index": "case", "model_index": "model"}
-
 #: Coordinates of /summary that an index may point at.
 LABELLED = ("record", "block", "model")
-
 #: Rows that are made at once.
 CHUNK = 50_000
 

@@ -19,7 +19,6 @@ if TYPE_CHECKING:
 
 #: Rows of a sheet, the headings among them.
 SHEET_ROWS = 1_048_576
-
 #: The library that writes each kind of file, in the extra "tables".
 TYPED = {".xlsx": "openpyxl", ".parquet": "pyarrow"}
 
@@ -53,7 +52,6 @@ def write_typed(table: LongTable, part: Path, kind: str, seen: Callable[[pd.Data
 
 #: Suffixes of tables; the second is compressed.
 SUFFIXES = (".csv", ".csv.gz", *TYPED)
-
 #: What stands for the end of a line inside a text, and every way in which one ends.
 LINE = " | "
 LINE_ENDS = "\r\n|[\n\r\v\f\x1c-\x1e\x85\u2028\u2029]"

@@ -13,7 +13,6 @@ from rockpulse.errors import ResultsError
 
 #: Root attribute `kind` of the results of an assessment; files without it are assessments.
 ASSESSMENT = "assessment"
-
 #: What a file takes beyond its values, names and attributes mostly, at most [bytes].
 LAYOUT = 1024**2
 
@@ -26,7 +25,6 @@ OTHERS = {
 
 #: Suffixes of other files that a slip of the pen would name.
 TEXTS = (".toml", ".json", ".md", ".parquet")
-
 DAMAGED = "damaged file"
 SIGNATURE = b"\x89HDF\r\n\x1a\n"
 

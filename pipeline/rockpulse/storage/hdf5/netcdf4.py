@@ -74,7 +74,6 @@ HIDDEN = {
 
 #: Beginning of the name of a scale that is a dimension and no variable; the size follows in ten columns.
 NO_VARIABLE = "This is a netCDF dimension but not a netCDF variable."
-
 #: What precedes the name of a variable that is that of a dimension which it does not go along.
 NOT_A_COORDINATE = "_nc4_non_coord_"
 

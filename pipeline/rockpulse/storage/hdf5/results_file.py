@@ -30,13 +30,10 @@ if TYPE_CHECKING:
 
 #: Of the layout described in docs/schema.md; files of any other are refused.
 SCHEMA_VERSION = "2.0"
-
 #: Kinds of files that are read back, and the group that each of them has.
 KINDS = {ASSESSMENT: "summary", SITE_KIND: "site", FRAGILITY: "fragility"}
-
 #: The verb that makes each kind of file.
 VERBS = {ASSESSMENT: "assess", SITE_KIND: "calibrate", FRAGILITY: "fragility"}
-
 PACKAGES = ("numpy", "numba", "scipy", "xarray", "h5netcdf", "h5py", "obspy")
 
 

@@ -17,7 +17,6 @@ if TYPE_CHECKING:
 
 #: Value of a flag that is not known.
 NOT_KNOWN = -1
-
 NO_YES = ("no", "yes")
 
 

@@ -8,19 +8,14 @@ from rockpulse.storage.variables.summary import FACTS, RECORD
 
 #: Root attribute `kind` of a fragility file, and its first group.
 FRAGILITY = "fragility"
-
 #: Unit of what is in that of the measure.
 OWN = "see measure_units"
-
 #: The quality that every measure has of its own: how far a record had to be scaled to a level of the measure.
 STRENGTH = "strength"
-
 #: The qualities that the files of some records state, by the names of the facts.
 STATED = ("magnitude", "epicentral_distance", "vs30")
-
 #: The qualities of a record beside its intensity, which every record has.
 QUALITIES = ("duration", "period", "strong_half_waves")
-
 #: All that capacity is tested to depend on, in the order of the results.
 TESTED = (*QUALITIES, STRENGTH, *STATED)
 

@@ -12,7 +12,6 @@ from rockpulse.storage.variables import Declared, StoredVariable, along, flag, r
 
 #: The mean over direction of the probability of overturning: that of a body whose direction is not known.
 MEAN = "overturning_probability_mean"
-
 #: What gave the probability, in the order of the flag.
 SOURCES = ("none", "spectrum", "own_lanes")
 
@@ -114,10 +113,8 @@ AT_DEMAND: Declared = {
 
 #: Nominal restitutions of a stored spectrum [-].
 RESTITUTIONS = np.linspace(0.75, 1.0, 6)
-
 #: Factors over the mean capacity at which the probability is stored [-], from 0.2 to 5.
 LEVELS = np.exp(np.linspace(-1.6, 1.6, 65))
-
 #: Limit states of rotation that have spectra of their own, as theta/alpha_c [-].
 ROTATIONS = np.array([0.1, 0.4, 0.6, 1.0])
 

@@ -36,7 +36,6 @@ from rockpulse.studies.check.spectra import (
 ULTIMATE, SECANT = 0.4, 0.4
 #: Circolare 7/2019 by limit state: d over d_0 [-], the factor of T [pi], and the damping of the mechanism [-].
 STATES = {"slv": (0.4, 1.68, 0.08), "slc": (0.6, 1.56, 0.1)}
-
 #: a and b of Circolare 7/2019, C7.2.6: the periods over T_k between which the floor spectrum has its plateau.
 PLATEAU = (0.8, 1.1)
 

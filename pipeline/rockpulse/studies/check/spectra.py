@@ -49,7 +49,6 @@ NTC = {
 
 #: S_T of the topographies of NTC 2018 (Table 3.2.V), at the top of the slope.
 TOPOGRAPHY = {"T1": 1.0, "T2": 1.2, "T3": 1.2, "T4": 1.4}
-
 #: Number of periods at which the largest displacement of a table is searched.
 PERIODS = 401
 

@@ -12,7 +12,6 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 __all__ = ["Baseline", "response"]
-
 MOST_HOPS = 100_000
 
 

@@ -23,7 +23,6 @@ from rocking.response import Outcome
 from rockpulse.studies.selftest.baseline import response as by_solve_ivp
 
 __all__ = ["COLUMNS", "TABLE", "Case", "Stored", "Tried", "stored_cases", "tried"]
-
 TABLE = Path(__file__).with_name("cases.csv")
 #: Scale factors of a case that are solved in one call to measure its cost.
 FACTORS = np.linspace(0.9, 1.1, 64)

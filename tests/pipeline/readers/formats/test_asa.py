@@ -44,8 +44,10 @@ def test_accents_in_any_encoding(write, encoding):
         ("2004/01/02", "00:00:12.0", "23:59:58.5", datetime(2004, 1, 1, 23, 59, 58, 500000, tzinfo=UTC)),
         ("1985/09/19", "13:17:47,4", "13:18:30,25", datetime(1985, 9, 19, 13, 18, 30, 250000, tzinfo=UTC)),
         ("1985/09/19", "", "13:18:30", datetime(1985, 9, 19, 13, 18, 30, tzinfo=UTC)),
-        *[("1985/09/19", "13:17:47", "", None), ("", "13:17:47", "13:18:30", None)],
-        *[("1985/09/19", "13:17:47", "17:18:30", None), ("1985/09/19", "13:17:47", "13:78:30", None)],
+        ("1985/09/19", "13:17:47", "", None),
+        ("", "13:17:47", "13:18:30", None),
+        ("1985/09/19", "13:17:47", "17:18:30", None),
+        ("1985/09/19", "13:17:47", "13:78:30", None),
     ],
 )
 def test_the_first_sample_is_on_the_day_nearest_to_the_earthquake(write, date, origin, start, expected):
@@ -116,7 +118,10 @@ def test_rows_beyond_the_count_are_kept_with_a_warning(write):
 @pytest.mark.parametrize(
     ("before", "after"),
     [
-        *[(b"CANAL-", b"canal-"), (b"3F10.3", b"3f10.3"), (b": 3F10.3", b":"), (b"ORIENTACION C1-C6", b"O")],
+        (b"CANAL-", b"canal-"),
+        (b"3F10.3", b"3f10.3"),
+        (b": 3F10.3", b":"),
+        (b"ORIENTACION C1-C6", b"O"),
         (b"DATOS DE ACELERACION:\r\n" + b"---------+" * 8 + b"\r\n", b"DATOS DE ACELERACION:\r\n"),
         (b"   CANAL-1", b"-----\r\n   CANAL-1"),
         (b"N00E\r\n" + b"---------+" * 8 + b"\r\n", b"N00E\r\n"),
@@ -153,8 +158,10 @@ def test_the_facts_of_the_header(write):
 @pytest.mark.parametrize(
     ("before", "after"),
     [
-        *[(b"HORA EPICENTRO (GMT)", b"HORA EPICENTRO (LOC)"), (b"FECHA DEL SISMO [GMT]", b"FECHA DEL SISMO [LOC]")],
-        *[(b"23:58:02.7", b"tarde"), (b"2004/01/01", b"enero")],
+        (b"HORA EPICENTRO (GMT)", b"HORA EPICENTRO (LOC)"),
+        (b"FECHA DEL SISMO [GMT]", b"FECHA DEL SISMO [LOC]"),
+        (b"23:58:02.7", b"tarde"),
+        (b"2004/01/01", b"enero"),
     ],
 )
 def test_an_origin_that_is_not_known_to_be_utc_is_left_out(write, before, after):

@@ -22,14 +22,29 @@ NAME = "RSN1.AT2"
 @pytest.mark.parametrize(
     "line",
     [
-        *["NPTS= {n:6d}, DT= {dt:.4f} SEC,", "NPTS=  {n}, DT= .01000 SEC", "{n}    {dt:.4f}    NPTS, DT"],
-        *["{n}  .01000 SEC  NPTS,DT", "NUMBER OF POINTS= {n}, TIME STEP= .01", "NO. OF POINTS: {n}   DT: .01 SEC"],
-        *["  {n}   {dt:.5f}", "{n}, .01 SEC", "DT= {dt:.3f}, NPTS= {n}", "NPTS, DT = {n}, {dt}"],
+        "NPTS= {n:6d}, DT= {dt:.4f} SEC,",
+        "NPTS=  {n}, DT= .01000 SEC",
+        "{n}    {dt:.4f}    NPTS, DT",
+        "{n}  .01000 SEC  NPTS,DT",
+        "NUMBER OF POINTS= {n}, TIME STEP= .01",
+        "NO. OF POINTS: {n}   DT: .01 SEC",
+        "  {n}   {dt:.5f}",
+        "{n}, .01 SEC",
+        "DT= {dt:.3f}, NPTS= {n}",
+        "NPTS, DT = {n}, {dt}",
         "npts: {n}  dt: 1.0E-2",
         "NPTS= {n}, DT= 1.E-2 SEC,   0 POLE @    30.00000 HZ,  -5 POLE @      .12000",
-        *["NPTS= {n}, DT= 0.1D-01 SEC", "NPTS={n},DT=.01SEC", "NPTS, DT (SEC): {n}, 0.01", "{n}, .010, NPTS,DT"],
-        *["NPTS= {n}, DT(s)= 0.01", "{n}    0.01000 NPTS, DT\n(5E15.7)", "dt= {dt}, npts= {n}", "{n} .01 npts, dt"],
-        *["npts, dt = {n}, .01", "{n}, .01 sec", "NPTS= {n}, DT= .01 SEC" + "\nwords" * 9],
+        "NPTS= {n}, DT= 0.1D-01 SEC",
+        "NPTS={n},DT=.01SEC",
+        "NPTS, DT (SEC): {n}, 0.01",
+        "{n}, .010, NPTS,DT",
+        "NPTS= {n}, DT(s)= 0.01",
+        "{n}    0.01000 NPTS, DT\n(5E15.7)",
+        "dt= {dt}, npts= {n}",
+        "{n} .01 npts, dt",
+        "npts, dt = {n}, .01",
+        "{n}, .01 sec",
+        "NPTS= {n}, DT= .01 SEC" + "\nwords" * 9,
     ],
 )
 @pytest.mark.parametrize("end", ["\n", "\r\n"])
@@ -43,9 +58,15 @@ def test_spellings_of_count_and_step(write, line, end):
 @pytest.mark.parametrize(
     ("field", "per_row", "digits"),
     [
-        *[("{:15.7E}", 5, 1e-8), ("{:10.5f}", 8, 1e-5), (" {:.8f}", 1, 1e-8), ("{:16.8E}", 5, 1e-8)],
+        ("{:15.7E}", 5, 1e-8),
+        ("{:10.5f}", 8, 1e-5),
+        (" {:.8f}", 1, 1e-8),
+        ("{:16.8E}", 5, 1e-8),
         # Fields that touch: "-0.12345" fills 8 characters.
-        *[("{:8.5f}", 10, 1e-5), ("{:10.7f}", 8, 1e-7), ("{:12.9f}", 6, 1e-9), ("{:15.8E}", 5, 1e-9)],
+        ("{:8.5f}", 10, 1e-5),
+        ("{:10.7f}", 8, 1e-7),
+        ("{:12.9f}", 6, 1e-9),
+        ("{:15.8E}", 5, 1e-9),
         ("{:16.9E}", 5, 1e-9),
     ],
 )
@@ -127,8 +148,10 @@ def test_damage_is_named(write, content, message):
         ("PEER NGA STRONG MOTION DATABASE RECORD", True),
         ("PEER STRONG MOTION DATABASE RECORD. PROCESSING BY PACIFIC ENGINEERING.", True),
         ("PACIFIC ENGINEERING AND ANALYSIS STRONG-MOTION DATA", True),
-        *[("CORRECTED RECORD, WRITTEN BY ROCKPULSE", True), ("UNCORRECTED RECORD, WRITTEN BY ROCKPULSE", False)],
-        *[("RECORD, WRITTEN BY ROCKPULSE", None), ("RAW RECORD OF MY OWN LOGGER", None)],
+        ("CORRECTED RECORD, WRITTEN BY ROCKPULSE", True),
+        ("UNCORRECTED RECORD, WRITTEN BY ROCKPULSE", False),
+        ("RECORD, WRITTEN BY ROCKPULSE", None),
+        ("RAW RECORD OF MY OWN LOGGER", None),
     ],
 )
 def test_only_files_of_peer_are_known_to_be_corrected(write, first_line, processed):
@@ -139,10 +162,14 @@ def test_only_files_of_peer_are_known_to_be_corrected(write, first_line, process
 @pytest.mark.parametrize(
     ("series", "unit"),
     [
-        *[("ACCELERATION TIME SERIES (CM/SEC/SEC)", "cm/s2"), ("ACCELERATION (CM/S2)", "cm/s2")],
-        *[("ACCELERATION [ cm s-2 ]", "cm/s2"), ("Acceleration time history, gal (GAL)", "gal")],
+        ("ACCELERATION TIME SERIES (CM/SEC/SEC)", "cm/s2"),
+        ("ACCELERATION (CM/S2)", "cm/s2"),
+        ("ACCELERATION [ cm s-2 ]", "cm/s2"),
+        ("Acceleration time history, gal (GAL)", "gal"),
         ("ACCELERATION TIME HISTORY IN CM/SEC**2", "cm/s2"),
-        *[("ACCELERATION CM/SEC/SEC", "cm/s2"), ("ACC. TIME HISTORY (GALS)", "gal"), ("ACCELERATION IN G", "g")],
+        ("ACCELERATION CM/SEC/SEC", "cm/s2"),
+        ("ACC. TIME HISTORY (GALS)", "gal"),
+        ("ACCELERATION IN G", "g"),
         ("ACCELERATION TIME SERIES (CORRECTED)", "mm/s2"),
     ],
 )
@@ -308,7 +335,10 @@ def test_the_list_is_found_in_archives_and_beside_open_files(tmp_path):
 @pytest.mark.parametrize(
     "content",
     [
-        *[b"", b"no list at all", table(*ROWS, heads="Result ID, Year"), table(ROWS[0].rpartition(",")[0])],
+        b"",
+        b"no list at all",
+        table(*ROWS, heads="Result ID, Year"),
+        table(ROWS[0].rpartition(",")[0]),
         table(ROWS[1]) + ROWS[0].encode(),
     ],
 )

@@ -21,9 +21,13 @@ def got(content: bytes) -> list[Record]:
 @pytest.mark.parametrize(
     ("azimuths", "expected"),
     [
-        *[("Azimuth L 352   T 82 ", (352.0, 82.0)), ("Azimuth L 0     T 90", (0.0, 90.0))],
-        *[("Azimuth L       T   ", (np.nan, np.nan)), ("Azimuth L 999   T 82", (np.nan, 82.0))],
-        *[("Azimuth L 360   T 90", (0.0, 90.0)), ("Azimuth L 361   T 90", (np.nan, 90.0)), ("", (np.nan, np.nan))],
+        ("Azimuth L 352   T 82 ", (352.0, 82.0)),
+        ("Azimuth L 0     T 90", (0.0, 90.0)),
+        ("Azimuth L       T   ", (np.nan, np.nan)),
+        ("Azimuth L 999   T 82", (np.nan, 82.0)),
+        ("Azimuth L 360   T 90", (0.0, 90.0)),
+        ("Azimuth L 361   T 90", (np.nan, 90.0)),
+        ("", (np.nan, np.nan)),
     ],
 )
 def test_azimuths(azimuths, expected):

@@ -51,8 +51,10 @@ def test_other_series_are_refused(write, kind):
 @pytest.mark.parametrize(
     ("component", "name", "orientation", "azimuth", "noted"),
     [
-        *[("NS", "a.dat", "horizontal", 0.0, False), ("UD", "a.dat", "vertical", np.nan, False)],
-        *[("N45E", "a.dat", "horizontal", 45.0, False), ("", "051WCW080512142801.UD.dat", "vertical", np.nan, True)],
+        ("NS", "a.dat", "horizontal", 0.0, False),
+        ("UD", "a.dat", "vertical", np.nan, False),
+        ("N45E", "a.dat", "horizontal", 45.0, False),
+        ("", "051WCW080512142801.UD.dat", "vertical", np.nan, True),
         ("", "20080512142804_051WCW_ORIG_NS.dat", "horizontal", 0.0, True),
         ("", "051NSW080512142801.dat", "unknown", np.nan, False),
         ("EW", "051WCW080512142801.UD.dat", "unknown", np.nan, True),

@@ -36,7 +36,10 @@ def test_values_are_read_from_the_first_line_that_is_no_key(end):
 @pytest.mark.parametrize(
     "stated",
     [
-        *["20190728_160919.870", "2019/07/28 16:09:19.870", "2019-07-28T16:09:19.870", "28/07/2019 16:09:19.870"],
+        "20190728_160919.870",
+        "2019/07/28 16:09:19.870",
+        "2019-07-28T16:09:19.870",
+        "28/07/2019 16:09:19.870",
         "28/7/2019 16:09:19.87",
     ],
 )
@@ -48,8 +51,10 @@ def test_styles_of_dates(stated):
     ("changes", "reason"),
     [
         ({START: "20190728_190919.870"}, "lies 3.0 h from the earthquake of 2019-07-28 16:09:08"),
-        *[({START: "07/28/2019 16:09:19"}, "cannot be read"), ({START: "20190728_2509"}, "cannot be read")],
-        *[({START: "20190728_160961.000"}, "cannot be read"), ({START: "20190728_166019.000"}, "cannot be read")],
+        ({START: "07/28/2019 16:09:19"}, "cannot be read"),
+        ({START: "20190728_2509"}, "cannot be read"),
+        ({START: "20190728_160961.000"}, "cannot be read"),
+        ({START: "20190728_166019.000"}, "cannot be read"),
         ({START: "19800101_000012.000", "EVENT_DATE_YYYYMMDD": ""}, "never set"),
     ],
 )
@@ -69,7 +74,10 @@ def test_no_start_is_no_news_and_a_rough_one_is():
 @pytest.mark.parametrize(
     ("changes", "processed"),
     [
-        *[({}, False), ({"PROCESSING": "None"}, False), ({"PROCESSING": ""}, None), (CORRECTED, True)],
+        ({}, False),
+        ({"PROCESSING": "None"}, False),
+        ({"PROCESSING": ""}, None),
+        (CORRECTED, True),
         (CORRECTED | {"LOW_CUT_FREQUENCY_HZ": ""}, True),
         (CORRECTED | {"LOW_CUT_FREQUENCY_HZ": "", "HIGH_CUT_FREQUENCY_HZ": ""}, None),
     ],
@@ -191,8 +199,12 @@ def test_a_key_with_two_values_that_decides_is_refused(key, other):
 @pytest.mark.parametrize(
     ("low", "high", "processing"),
     [
-        *[("0.1", "0.5", ("file: filtered, 0.1-0.5 Hz",)), ("0.1", "0", ("file: filtered, above 0.1 Hz",))],
-        *[("0", "0.5", ("file: filtered, below 0.5 Hz",)), ("0", "0", ()), ("-1", "", ()), ("", "-1", ())],
+        ("0.1", "0.5", ("file: filtered, 0.1-0.5 Hz",)),
+        ("0.1", "0", ("file: filtered, above 0.1 Hz",)),
+        ("0", "0.5", ("file: filtered, below 0.5 Hz",)),
+        ("0", "0", ()),
+        ("-1", "", ()),
+        ("", "-1", ()),
     ],
 )
 def test_the_corners_that_count(low, high, processing):
@@ -215,8 +227,11 @@ def test_the_facts_of_the_header():
 @pytest.mark.parametrize(
     ("name", "azimuth"),
     [
-        *[("HI.ARS1..HNE.D.20190728.ASC", 90.0), ("HI.ARS1..HNN.D.20190728.ASC", None)],
-        *[("20190728_3104_ap_RawAcc_E.asc", 90.0), ("20190728_3104_ap_Acc_N.asc", None), ("record.asc", 90.0)],
+        ("HI.ARS1..HNE.D.20190728.ASC", 90.0),
+        ("HI.ARS1..HNN.D.20190728.ASC", None),
+        ("20190728_3104_ap_RawAcc_E.asc", 90.0),
+        ("20190728_3104_ap_Acc_N.asc", None),
+        ("record.asc", 90.0),
     ],
 )
 def test_the_name_of_the_file_has_the_component_too(tmp_path, name, azimuth):

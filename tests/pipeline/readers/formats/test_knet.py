@@ -48,7 +48,9 @@ def test_scale_styles(write, full, counts):
 @pytest.mark.parametrize(
     ("name", "component", "orientation"),
     [
-        *[("A.EW", "EW", "horizontal"), ("A.NS2", "NS", "horizontal"), ("A.UD", "UD", "vertical")],
+        ("A.EW", "EW", "horizontal"),
+        ("A.NS2", "NS", "horizontal"),
+        ("A.UD", "UD", "vertical"),
         ("A.dat", "EW", "horizontal"),
     ],
 )

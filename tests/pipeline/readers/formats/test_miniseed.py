@@ -77,8 +77,12 @@ def epoch(code="HNE", value=2.0e5, unit="M/S**2", azimuth=90.0, dip=0.0, first="
 @pytest.mark.parametrize(
     ("head", "known"),
     [
-        *[(b"000001D " + 40 * b"x", True), (b"000001D " + 39 * b"x", False), (b" 0\x00123M\x00" + 40 * b"x", True)],
-        *[(b"00000XD " + 40 * b"x", False), (b"X00001D " + 40 * b"x", False), (b"000001X " + 40 * b"x", False)],
+        (b"000001D " + 40 * b"x", True),
+        (b"000001D " + 39 * b"x", False),
+        (b" 0\x00123M\x00" + 40 * b"x", True),
+        (b"00000XD " + 40 * b"x", False),
+        (b"X00001D " + 40 * b"x", False),
+        (b"000001X " + 40 * b"x", False),
         (b"000001Dx" + 40 * b"x", False),
     ],
 )
@@ -194,8 +198,10 @@ def test_two_responses_for_one_time_are_refused_where_they_matter(tmp_path):
 @pytest.mark.parametrize(
     ("other", "what"),
     [
-        *[(epoch(value=3.0), "sensitivities"), (epoch(azimuth=270.0), "directions")],
-        *[(epoch(azimuth=None, dip=None), "directions"), (epoch(dip=-90.0), "directions")],
+        (epoch(value=3.0), "sensitivities"),
+        (epoch(azimuth=270.0), "directions"),
+        (epoch(azimuth=None, dip=None), "directions"),
+        (epoch(dip=-90.0), "directions"),
     ],
 )
 def test_station_files_that_tell_different_things_are_refused_unless_one_has_the_name_of_the_record(

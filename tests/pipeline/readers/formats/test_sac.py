@@ -82,8 +82,12 @@ def test_sac_with_a_longitude_that_is_none_is_refused_at_once(tmp_path, name, wo
 @pytest.mark.parametrize(
     ("start", "end", "told"),
     [
-        *[(10.0, 20.009, False), (10.0, 19.971, False), (10.0, 20.011, True), (10.0, 19.969, True)],
-        *[(5000.0, 5010.014, False), (5000.0, 5010.017, True)],
+        (10.0, 20.009, False),
+        (10.0, 19.971, False),
+        (10.0, 20.011, True),
+        (10.0, 19.969, True),
+        (5000.0, 5010.014, False),
+        (5000.0, 5010.017, True),
     ],
 )
 def test_the_last_sample_may_be_off_by_two_steps_and_a_millionth(tmp_path, start, end, told):

@@ -41,7 +41,10 @@ def test_rows_whose_first_blank_was_cut_off_are_read_at_the_blanks():
 @pytest.mark.parametrize(
     ("words", "orientation", "azimuth"),
     [
-        *[("WE", "horizontal", 90.0), ("NS", "horizontal", 0.0), ("SN", "horizontal", 0.0), ("UP", "vertical", np.nan)],
+        ("WE", "horizontal", 90.0),
+        ("NS", "horizontal", 0.0),
+        ("SN", "horizontal", 0.0),
+        ("UP", "vertical", np.nan),
         *[
             ("Z", "vertical", np.nan),
             ("H1", "horizontal", np.nan),
@@ -59,8 +62,10 @@ def test_directions(words, orientation, azimuth):
 @pytest.mark.parametrize(
     ("series", "factor"),
     [
-        *[("Acceleration time series in m/s/s", 1.0), ("Accelaration time history in cm/s/s", 0.01)],
-        *[("ACCELERATION TIME SERIES IN CM/S**2", 0.01), ("Acceleration time series in g", STANDARD_GRAVITY)],
+        ("Acceleration time series in m/s/s", 1.0),
+        ("Accelaration time history in cm/s/s", 0.01),
+        ("ACCELERATION TIME SERIES IN CM/S**2", 0.01),
+        ("Acceleration time series in g", STANDARD_GRAVITY),
     ],
 )
 def test_the_unit_is_that_of_the_line_above_the_samples(series, factor):

@@ -120,8 +120,10 @@ def test_the_largest_and_the_least_value_are_held_against_the_samples(write, fac
 @pytest.mark.parametrize(
     ("sizes", "magnitude"),
     [
-        *[({6: 5.8, 7: 5.6, 8: 5.5, 9: 5.4}, (5.8, "Mw")), ({7: 5.6, 8: 5.5, 9: 5.4}, (5.6, "Ms"))],
-        *[({8: 5.5, 9: 5.4}, (5.5, "ML")), ({9: 5.4}, (5.4, ""))],
+        ({6: 5.8, 7: 5.6, 8: 5.5, 9: 5.4}, (5.8, "Mw")),
+        ({7: 5.6, 8: 5.5, 9: 5.4}, (5.6, "Ms")),
+        ({8: 5.5, 9: 5.4}, (5.5, "ML")),
+        ({9: 5.4}, (5.4, "")),
     ],
 )
 def test_the_facts_of_the_header(write, sizes, magnitude):
@@ -195,9 +197,19 @@ def test_damage_is_named(write, content, message):
 @pytest.mark.parametrize(
     ("codes", "structural"),
     [
-        *[({}, False), ({19: 0}, False), ({19: 5}, False), ({19: 2, 27: 1}, True), ({19: 1}, True)],
-        *[({19: 1, 25: 12}, True), ({25: 12}, True), ({19: 2, 27: 3}, True), ({19: 2, 27: 0}, False)],
-        *[({19: 3, 28: 2}, True), ({19: 3, 28: 0}, False), ({19: 3}, True), ({19: 4}, True)],
+        ({}, False),
+        ({19: 0}, False),
+        ({19: 5}, False),
+        ({19: 2, 27: 1}, True),
+        ({19: 1}, True),
+        ({19: 1, 25: 12}, True),
+        ({25: 12}, True),
+        ({19: 2, 27: 3}, True),
+        ({19: 2, 27: 0}, False),
+        ({19: 3, 28: 2}, True),
+        ({19: 3, 28: 0}, False),
+        ({19: 3}, True),
+        ({19: 4}, True),
     ],
 )
 def test_the_integers_know_structures_that_the_name_does_not(write, codes, structural):
@@ -217,8 +229,10 @@ def test_a_problem_that_the_agency_flags_is_passed_on(write, flag, warned):
         ((2011, 235, 17, 50, 56, 9_999_999_999), "is no start time"),
         ((2011, 235, 17, 50, 56, -1), "is no start time"),
         ((2011, 235, 17, 50, 56, 1000), "is no start time"),
-        *[((2011, 366, 17, 50, 56, 0), "is no start time"), ((2011, 0, 17, 50, 56, 0), "is no start time")],
-        *[((2011, 235, 24, 50, 56, 0), "is no start time"), ((9999, 365, 23, 59, 60, 999), "is no start time")],
+        ((2011, 366, 17, 50, 56, 0), "is no start time"),
+        ((2011, 0, 17, 50, 56, 0), "is no start time"),
+        ((2011, 235, 24, 50, 56, 0), "is no start time"),
+        ((9999, 365, 23, 59, 60, 999), "is no start time"),
         ((2011, 235, 5, 50, 56, 0), "lies 12.0 h from the earthquake of 2011-08-23 17:51:00"),
     ],
 )

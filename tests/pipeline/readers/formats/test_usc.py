@@ -104,10 +104,14 @@ def ones(count: int) -> np.ndarray:
 @pytest.mark.parametrize(
     ("values", "square", "told"),
     [
-        *[(1000.0 * ones(203), "1.199", False), (1000.0 * ones(203), "1.202", True)],
-        *[(1000.0 * ones(203), " .834", False), (1000.0 * ones(203), " .832", True)],
+        (1000.0 * ones(203), "1.199", False),
+        (1000.0 * ones(203), "1.202", True),
+        (1000.0 * ones(203), " .834", False),
+        (1000.0 * ones(203), " .832", True),
         # Of small ones the rounding counts: 0.0005, 0.0003, 0.0004 and 0.0007.
-        *[(ones(51), " .001", False), (ones(18), " .001", True), (ones(32), " .000", False)],
+        (ones(51), " .001", False),
+        (ones(18), " .001", True),
+        (ones(32), " .000", False),
         (ones(100), " .000", True),
     ],
 )

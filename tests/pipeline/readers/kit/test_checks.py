@@ -35,10 +35,18 @@ PEAK = 4.0 * np.exp(-(((TIMES - 5.0) / 0.02) ** 2)) - 1.0 * np.exp(-(((TIMES - 8
     [
         ("10.00", 0.0, False),
         ("9.99", 0.0, False),  # of the steps between the samples
-        *[("10.02", 0.0, False), ("10.020000000000", 0.0, False), ("10.03", 0.0, True), ("10.04", 0.0, True)],
-        *[("9.96", 0.0, True), ("10.04", 0.02, False), ("10", 0.0, False), ("11", 0.0, True)],
+        ("10.02", 0.0, False),
+        ("10.020000000000", 0.0, False),
+        ("10.03", 0.0, True),
+        ("10.04", 0.0, True),
+        ("9.96", 0.0, True),
+        ("10.04", 0.02, False),
+        ("10", 0.0, False),
+        ("11", 0.0, True),
         ("10.1", 0.0, True),  # of half a unit of the last digit
-        *[("", 0.0, False), ("none", 0.0, False), ("1e400", 0.0, False)],
+        ("", 0.0, False),
+        ("none", 0.0, False),
+        ("1e400", 0.0, False),
     ],
 )
 def test_a_length_may_be_off_by_two_steps_and_its_rounding(text, spare, told):
@@ -50,8 +58,14 @@ def test_a_length_may_be_off_by_two_steps_and_its_rounding(text, spare, told):
 @pytest.mark.parametrize(
     ("text", "told"),
     [
-        *[("5.00", False), ("5.025", False), ("5.026", True), ("4.97", True), ("5.0", False), ("8.00", True)],
-        *[("99", True), ("-5", True)],
+        ("5.00", False),
+        ("5.025", False),
+        ("5.026", True),
+        ("4.97", True),
+        ("5.0", False),
+        ("8.00", True),
+        ("99", True),
+        ("-5", True),
     ],
 )
 def test_the_time_of_the_peak_is_where_nine_tenths_of_it_are(text, told):
@@ -89,14 +103,22 @@ def test_one_length_in_several_spellings_is_one():
 @pytest.mark.parametrize(
     ("said", "told", "found"),
     [
-        *[("N90E", "90", ("horizontal", 90.0, False)), ("N90E", "91", ("horizontal", 90.0, False))],
-        *[("N90E", "92", ("horizontal", np.nan, True)), ("N", "359.5", ("horizontal", 0.0, False))],
-        *[("N", "359", ("horizontal", 0.0, False)), ("N", "358.5", ("horizontal", np.nan, True))],
-        *[("358.5", "N", ("horizontal", np.nan, True)), ("E", "W", ("horizontal", np.nan, True))],
-        *[("H1", "?", ("horizontal", np.nan, False)), ("H1", "H2", ("horizontal", np.nan, False))],
-        *[("UP", "90", ("unknown", np.nan, True)), ("UP", "DOWN", ("unknown", np.nan, True))],
-        *[("?", "45", ("horizontal", 45.0, False)), ("45", "?", ("horizontal", 45.0, False))],
-        *[("H1", "45", ("horizontal", 45.0, False)), ("?", "?", ("unknown", np.nan, False))],
+        ("N90E", "90", ("horizontal", 90.0, False)),
+        ("N90E", "91", ("horizontal", 90.0, False)),
+        ("N90E", "92", ("horizontal", np.nan, True)),
+        ("N", "359.5", ("horizontal", 0.0, False)),
+        ("N", "359", ("horizontal", 0.0, False)),
+        ("N", "358.5", ("horizontal", np.nan, True)),
+        ("358.5", "N", ("horizontal", np.nan, True)),
+        ("E", "W", ("horizontal", np.nan, True)),
+        ("H1", "?", ("horizontal", np.nan, False)),
+        ("H1", "H2", ("horizontal", np.nan, False)),
+        ("UP", "90", ("unknown", np.nan, True)),
+        ("UP", "DOWN", ("unknown", np.nan, True)),
+        ("?", "45", ("horizontal", 45.0, False)),
+        ("45", "?", ("horizontal", 45.0, False)),
+        ("H1", "45", ("horizontal", 45.0, False)),
+        ("?", "?", ("unknown", np.nan, False)),
     ],
 )
 def test_two_statements_of_a_direction(said, told, found):
@@ -122,12 +144,24 @@ def test_the_direction_among_the_integers_of_a_channel():
 @pytest.mark.parametrize(
     ("component", "code", "orientation", "azimuth"),
     [
-        *[("90 Deg", 90, "horizontal", 90.0), ("360 Deg", 360, "horizontal", 0.0), ("0 Deg", 0, "horizontal", 0.0)],
-        *[("?", 1, "horizontal", 1.0), ("?", 359, "horizontal", 359.0), ("?", 360, "horizontal", 0.0)],
-        *[("?", 361, "unknown", np.nan), ("?", 0, "unknown", np.nan), ("Up", 500, "vertical", np.nan)],
-        *[("Down", 600, "vertical", np.nan), ("?", 500, "vertical", np.nan), ("?", 600, "vertical", np.nan)],
-        *[("Up", 600, "unknown", np.nan), ("Up", 90, "unknown", np.nan), ("H1", 45, "horizontal", 45.0)],
-        *[("H1", 0, "horizontal", np.nan), ("L", 0, "horizontal", np.nan), ("90 Deg", 45, "horizontal", np.nan)],
+        ("90 Deg", 90, "horizontal", 90.0),
+        ("360 Deg", 360, "horizontal", 0.0),
+        ("0 Deg", 0, "horizontal", 0.0),
+        ("?", 1, "horizontal", 1.0),
+        ("?", 359, "horizontal", 359.0),
+        ("?", 360, "horizontal", 0.0),
+        ("?", 361, "unknown", np.nan),
+        ("?", 0, "unknown", np.nan),
+        ("Up", 500, "vertical", np.nan),
+        ("Down", 600, "vertical", np.nan),
+        ("?", 500, "vertical", np.nan),
+        ("?", 600, "vertical", np.nan),
+        ("Up", 600, "unknown", np.nan),
+        ("Up", 90, "unknown", np.nan),
+        ("H1", 45, "horizontal", 45.0),
+        ("H1", 0, "horizontal", np.nan),
+        ("L", 0, "horizontal", np.nan),
+        ("90 Deg", 45, "horizontal", np.nan),
     ],
 )
 def test_a_direction_in_words_and_as_an_integer(component, code, orientation, azimuth):
@@ -323,8 +357,13 @@ def channels(numbers: str, counted: int, recorder: str = "A") -> list[Counted]:
 @pytest.mark.parametrize(
     ("numbers", "counted", "closed", "warned"),
     [
-        *[("12", 3, True, True), ("1", 3, False, True), ("1", 3, True, False), ("123", 3, False, False)],
-        *[("1234", 3, False, False), ("1", 0, False, False), ("12", 0, False, False)],
+        ("12", 3, True, True),
+        ("1", 3, False, True),
+        ("1", 3, True, False),
+        ("123", 3, False, False),
+        ("1234", 3, False, False),
+        ("1", 0, False, False),
+        ("12", 0, False, False),
     ],
 )
 def test_fewer_channels_than_are_counted(numbers, counted, closed, warned):

@@ -80,11 +80,21 @@ def test_the_peak_of_a_channel(kind, found):
 @pytest.mark.parametrize(
     ("words", "code", "orientation", "azimuth"),
     [
-        *[("?", None, "unknown", np.nan), ("?", 0, "horizontal", 0.0), ("?", 1, "horizontal", 1.0)],
-        *[("?", 300, "horizontal", 300.0), ("?", 360, "horizontal", 0.0), ("?", 361, "unknown", np.nan)],
-        *[("?", -1, "unknown", np.nan), ("90 deg", None, "horizontal", 90.0), ("90 deg", 91, "horizontal", 90.0)],
-        *[("90 deg", 92, "unknown", np.nan), ("0.5 deg", 359, "unknown", np.nan), ("359.5 deg", 1, "unknown", np.nan)],
-        *[("Long", 45, "horizontal", 45.0), ("Long", 600, "horizontal", np.nan), ("Up", 401, "unknown", np.nan)],
+        ("?", None, "unknown", np.nan),
+        ("?", 0, "horizontal", 0.0),
+        ("?", 1, "horizontal", 1.0),
+        ("?", 300, "horizontal", 300.0),
+        ("?", 360, "horizontal", 0.0),
+        ("?", 361, "unknown", np.nan),
+        ("?", -1, "unknown", np.nan),
+        ("90 deg", None, "horizontal", 90.0),
+        ("90 deg", 91, "horizontal", 90.0),
+        ("90 deg", 92, "unknown", np.nan),
+        ("0.5 deg", 359, "unknown", np.nan),
+        ("359.5 deg", 1, "unknown", np.nan),
+        ("Long", 45, "horizontal", 45.0),
+        ("Long", 600, "horizontal", np.nan),
+        ("Up", 401, "unknown", np.nan),
         ("Up", 90, "unknown", np.nan),
     ],
 )
@@ -124,14 +134,18 @@ CLOCK = "Rcrd start time: 8/29/2018, 02:33: 9.75"
 @pytest.mark.parametrize(
     ("integers", "second", "line", "found"),
     [
-        *[({}, 7.5, f"{CLOCK} UTC (Q=5)", 7.5), ({}, 7.5, "Rcrd start time: unknown", 7.5)],
-        *[({}, 7.5, f"{CLOCK} gmt", 7.5), ({}, np.nan, f"{CLOCK} (RcrdId)", 9.75)],
+        ({}, 7.5, f"{CLOCK} UTC (Q=5)", 7.5),
+        ({}, 7.5, "Rcrd start time: unknown", 7.5),
+        ({}, 7.5, f"{CLOCK} gmt", 7.5),
+        ({}, np.nan, f"{CLOCK} (RcrdId)", 9.75),
         ({}, np.nan, "rcrd start time: 8/29/2018, 02:33: 9.75", 9.75),
         ({}, np.nan, "Rcrd start time: 8/29/2018, 02:33: . UTC", "the start time has no seconds"),
         ({}, np.nan, "Rcrd start time: 8/29/2018, 02:33:  UTC", "the start time has no seconds"),
         ({}, np.nan, "Rcrd start time: unknown", "the start time has no seconds"),
         ({}, 7.5, f"{CLOCK} PDT", "in PDT, the format asks for UTC"),
-        *[({46: 0}, 7.5, CLOCK, "quality 0"), ({46: 1}, 7.5, CLOCK, 7.5), ({46: np.nan}, 7.5, CLOCK, 7.5)],
+        ({46: 0}, 7.5, CLOCK, "quality 0"),
+        ({46: 1}, 7.5, CLOCK, 7.5),
+        ({46: np.nan}, 7.5, CLOCK, 7.5),
         ({44: 24}, 7.5, CLOCK, "2018-8-29 24:33:7.5 (integers 40 to 45) is no start time"),
         *[({number: np.nan}, 7.5, CLOCK, "") for number in (40, 42, 43, 44, 45)],
         ({41: np.nan}, 7.5, CLOCK, 7.5),
@@ -150,10 +164,15 @@ def test_the_start_of_a_channel(integers, second, line, found):
 @pytest.mark.parametrize(
     ("line", "layout"),
     [
-        *[("Format=(8F9.6)", (8, 9)), ("format = ( 1P,5E15.7)", (5, 15)), ("FORMAT= (1I1)", (1, 1))],
+        ("Format=(8F9.6)", (8, 9)),
+        ("format = ( 1P,5E15.7)", (5, 15)),
+        ("FORMAT= (1I1)", (1, 1)),
         ("x" * 189 + "Format=(8F12.6)", (8, 1)),  # of a line 200 letters are looked at
-        *[("x" * 190 + "Format=(8F12.6)", None), ("x" * 188 + "Format=(8F12.6)", (8, 12)), ("Format=(0F9.6)", None)],
-        *[("Format=(8F0.6)", None), ("8F9.6", None)],
+        ("x" * 190 + "Format=(8F12.6)", None),
+        ("x" * 188 + "Format=(8F12.6)", (8, 12)),
+        ("Format=(0F9.6)", None),
+        ("Format=(8F0.6)", None),
+        ("8F9.6", None),
     ],
 )
 def test_the_layout_of_a_table(line, layout):
@@ -281,9 +300,14 @@ PEAK = "Processed: CGS . Max = 0.3 g at {:8.3f} sec"
 @pytest.mark.parametrize(
     ("about", "length", "uncorrected", "peak", "real", "raw", "corrected"),
     [
-        *[("10", 10.0, 5.0, 5.0, 5.0, 0, 0), ("10.1", 10.06, 5.02, 4.98, 5.01, 0, 0)],
-        *[("10.5", 10.0, 5.0, 5.0, 5.0, 1, 1), ("11", 10.0, 5.0, 5.0, 5.0, 1, 1), ("9", 10.0, 5.0, 5.0, np.nan, 1, 1)],
-        *[("10", 10.5, 5.0, 5.0, 5.0, 1, 0), ("10", 10.0, 8.0, 5.0, 5.0, 1, 0), ("10", 10.0, 5.0, 8.0, 5.0, 1, 1)],
+        ("10", 10.0, 5.0, 5.0, 5.0, 0, 0),
+        ("10.1", 10.06, 5.02, 4.98, 5.01, 0, 0),
+        ("10.5", 10.0, 5.0, 5.0, 5.0, 1, 1),
+        ("11", 10.0, 5.0, 5.0, 5.0, 1, 1),
+        ("9", 10.0, 5.0, 5.0, np.nan, 1, 1),
+        ("10", 10.5, 5.0, 5.0, 5.0, 1, 0),
+        ("10", 10.0, 8.0, 5.0, 5.0, 1, 0),
+        ("10", 10.0, 5.0, 8.0, 5.0, 1, 1),
         ("10", 10.0, 5.0, 5.0, 8.0, 1, 1),
         ("10", 10.0, 5.0, 8.0, 8.0, 1, 1),  # told once
         ("10", 10.0, 5.0, 7.0, 8.0, 2, 2),

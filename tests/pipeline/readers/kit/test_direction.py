@@ -28,9 +28,21 @@ def test_vertical(wording):
 @pytest.mark.parametrize(
     ("wording", "azimuth"),
     [
-        *[("1 Deg", 1.0), ("2 degrees", 2.0), ("5°", 5.0), ("005", 5.0), ("67", 67.0), ("360", 0.0), ("BHE", 90.0)],
-        *[("HNN", 0.0), ("S05W", 185.0), ("N30E", 30.0), ("N 30 W", 330.0), ("S30E", 150.0), ("N90E", 90.0)],
-        *[("N0W", 0.0), ("10", 10.0)],
+        ("1 Deg", 1.0),
+        ("2 degrees", 2.0),
+        ("5°", 5.0),
+        ("005", 5.0),
+        ("67", 67.0),
+        ("360", 0.0),
+        ("BHE", 90.0),
+        ("HNN", 0.0),
+        ("S05W", 185.0),
+        ("N30E", 30.0),
+        ("N 30 W", 330.0),
+        ("S30E", 150.0),
+        ("N90E", 90.0),
+        ("N0W", 0.0),
+        ("10", 10.0),
     ],
 )
 def test_azimuths(wording, azimuth):
@@ -40,7 +52,9 @@ def test_azimuths(wording, azimuth):
 @pytest.mark.parametrize(
     ("wordings", "azimuth"),
     [
-        *[(["N", "NS", "N-S", "North"], 0.0), (["E", "EW", "E-W", "East"], 90.0), (["S", "South"], 180.0)],
+        (["N", "NS", "N-S", "North"], 0.0),
+        (["E", "EW", "E-W", "East"], 90.0),
+        (["S", "South"], 180.0),
         (["W", "West"], 270.0),
     ],
 )
@@ -57,13 +71,27 @@ def test_what_is_no_direction_stays_unknown(wording):
 @pytest.mark.parametrize(
     ("heading", "orientation", "azimuth"),
     [
-        *[("acc_1", "unknown", np.nan), ("CH 12 (g)", "unknown", np.nan), ("channel_10", "unknown", np.nan)],
-        *[("acc 5 deg [g]", "horizontal", 5.0), ("acc_090", "horizontal", 90.0), ("HNZ", "vertical", np.nan)],
-        *[("acc VRT", "vertical", np.nan), ("V", "vertical", np.nan), ("acc EW", "horizontal", 90.0)],
-        *[("acc e", "horizontal", 90.0), ("acc T", "unknown", np.nan), ("acc N E", "unknown", np.nan)],
-        *[("v", "unknown", np.nan), ("acc 12.5 deg", "horizontal", 12.5), ("acc 12.5°", "horizontal", 12.5)],
-        *[("M7.1 090", "horizontal", 90.0), ("10 g", "unknown", np.nan), ("filtered 25 Hz", "unknown", np.nan)],
-        *[("Acc 0.01", "unknown", np.nan), ("dt=0.005", "unknown", np.nan), ("1" * 60000 + "x", "unknown", np.nan)],
+        ("acc_1", "unknown", np.nan),
+        ("CH 12 (g)", "unknown", np.nan),
+        ("channel_10", "unknown", np.nan),
+        ("acc 5 deg [g]", "horizontal", 5.0),
+        ("acc_090", "horizontal", 90.0),
+        ("HNZ", "vertical", np.nan),
+        ("acc VRT", "vertical", np.nan),
+        ("V", "vertical", np.nan),
+        ("acc EW", "horizontal", 90.0),
+        ("acc e", "horizontal", 90.0),
+        ("acc T", "unknown", np.nan),
+        ("acc N E", "unknown", np.nan),
+        ("v", "unknown", np.nan),
+        ("acc 12.5 deg", "horizontal", 12.5),
+        ("acc 12.5°", "horizontal", 12.5),
+        ("M7.1 090", "horizontal", 90.0),
+        ("10 g", "unknown", np.nan),
+        ("filtered 25 Hz", "unknown", np.nan),
+        ("Acc 0.01", "unknown", np.nan),
+        ("dt=0.005", "unknown", np.nan),
+        ("1" * 60000 + "x", "unknown", np.nan),
     ],
 )
 def test_column_headings(heading, orientation, azimuth):
@@ -84,10 +112,23 @@ def test_a_sign_before_up_keeps_the_samples_and_is_reported(tmp_path):
 @pytest.mark.parametrize(
     ("place", "expected"),
     [
-        *[("Subbasement", True), ("sub-basement", True), ("10th-floor", True), ("12th Fl", True), ("Level 29", True)],
-        *[("BNZ Building Level 5", True), ("West wall 4th level", True), ("2nd Story", True), ("Base of pier", True)],
-        *[("Pier 7", True), ("Dam crest", True), ("Santa Monica Pier", False), ("1065 Crest Drive", False)],
-        *[("11 Wall St", False), ("Ground level", False), ("Fire Station #25", False), ("", False)],
+        ("Subbasement", True),
+        ("sub-basement", True),
+        ("10th-floor", True),
+        ("12th Fl", True),
+        ("Level 29", True),
+        ("BNZ Building Level 5", True),
+        ("West wall 4th level", True),
+        ("2nd Story", True),
+        ("Base of pier", True),
+        ("Pier 7", True),
+        ("Dam crest", True),
+        ("Santa Monica Pier", False),
+        ("1065 Crest Drive", False),
+        ("11 Wall St", False),
+        ("Ground level", False),
+        ("Fire Station #25", False),
+        ("", False),
     ],
 )
 def test_places_on_structures(place, expected):
@@ -97,8 +138,12 @@ def test_places_on_structures(place, expected):
 @pytest.mark.parametrize(
     ("place", "expected"),
     [
-        *[("Ground level at SW corner", False), ("Ground level: SW corner", False), ("GROUND", False)],
-        *[("FREEFIELD", False), ("Ground floor at SW corner", True), ("Courtyard", True)],
+        ("Ground level at SW corner", False),
+        ("Ground level: SW corner", False),
+        ("GROUND", False),
+        ("FREEFIELD", False),
+        ("Ground floor at SW corner", True),
+        ("Courtyard", True),
     ],
 )
 def test_places_of_instrumented_structures(place, expected):

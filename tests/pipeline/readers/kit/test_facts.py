@@ -141,8 +141,11 @@ def test_facts_are_fields_of_a_record_with_the_same_defaults():
         ("magnitude", [("0.00", "ML"), (-999.0, "Mw"), ("10.1", ""), (-1.1, "ML"), ("unknown", "Mw")]),
         ("hypocentre", [(37.0, 360.5), (37.0, -360.5), (90.5, 20.0), (-90.5, 20.0), (-999.0, -999.0), ("0.0", "0.0")]),
         ("station_place", [("37.76121", ""), ("", "37.76121"), (0.0, 0.0)]),
-        *[("depth_km", ["-3", 800.5, -0.5, "0.0"]), ("distance_km", [-0.5, 20_040.5, "0.", -999.0])],
-        *[("vs30", ["0", 29.5, 5000.5, "1e999"]), ("site_class", ["N/A", "---", ""]), ("event_id", ["---"])],
+        ("depth_km", ["-3", 800.5, -0.5, "0.0"]),
+        ("distance_km", [-0.5, 20_040.5, "0.", -999.0]),
+        ("vs30", ["0", 29.5, 5000.5, "1e999"]),
+        ("site_class", ["N/A", "---", ""]),
+        ("event_id", ["---"]),
         ("origin_time", [when(1980, 1, 1), None]),
     ],
 )
@@ -153,9 +156,14 @@ def test_what_cannot_be_true_is_left_out(fact, values):
 @pytest.mark.parametrize(
     ("told", "found"),
     [
-        *[(("7.7", "MW"), (7.7, "Mw")), ((4.6, "Ml"), (4.6, "ML")), (("5.9", "M"), (5.9, ""))],
-        *[(("5.1", "mbLg"), (5.1, "mbLg")), (("-0.4", "ML"), (-0.4, "ML")), ((10.0, ""), (10.0, ""))],
-        *[((-1.0, "ML"), (-1.0, "ML")), ((1.0, " mb "), (1.0, "mb"))],
+        (("7.7", "MW"), (7.7, "Mw")),
+        ((4.6, "Ml"), (4.6, "ML")),
+        (("5.9", "M"), (5.9, "")),
+        (("5.1", "mbLg"), (5.1, "mbLg")),
+        (("-0.4", "ML"), (-0.4, "ML")),
+        ((10.0, ""), (10.0, "")),
+        ((-1.0, "ML"), (-1.0, "ML")),
+        ((1.0, " mb "), (1.0, "mb")),
     ],
 )
 def test_a_magnitude_and_its_scale(told, found):
@@ -174,11 +182,16 @@ def test_longitudes_are_brought_within_half_a_turn(longitude, found):
 @pytest.mark.parametrize(
     ("fact", "value", "found"),
     [
-        *[("hypocentre", (90.0, 0.0), [90.0, 0.0]), ("hypocentre", ("-90.0", "20.0"), [-90.0, 20.0])],
-        *[("station_place", (0.0, 9.5), [0.0, 9.5]), ("depth_km", 800.0, [800_000.0]), ("depth_km", 0.5, [500.0])],
+        ("hypocentre", (90.0, 0.0), [90.0, 0.0]),
+        ("hypocentre", ("-90.0", "20.0"), [-90.0, 20.0]),
+        ("station_place", (0.0, 9.5), [0.0, 9.5]),
+        ("depth_km", 800.0, [800_000.0]),
+        ("depth_km", 0.5, [500.0]),
         ("distance_km", 0.5, [500.0]),
         ("distance_km", "120.12", [pytest.approx(120120.0)]),
-        *[("distance_km", 20_040.0, [20_040_000.0]), ("vs30", 30.0, [30.0]), ("vs30", "5000", [5000.0])],
+        ("distance_km", 20_040.0, [20_040_000.0]),
+        ("vs30", 30.0, [30.0]),
+        ("vs30", "5000", [5000.0]),
         ("site_class", " B ", ["B"]),
         ("origin_time", when(2009, 4, 6, 1, 32, 39), [when(2009, 4, 6, 1, 32, 39)]),
     ],
@@ -203,8 +216,10 @@ def test_a_depth_of_zero_is_one_where_the_place_is_known():
         ("EPICENTER -   34 03 29N, 118 04 30W", (34.058056, -118.075)),
         ("Site HSES      42 31 24S  172 49 50E     Basalt file:  20161113", (-42.523333, 172.830556)),
         ("Hypocenter:  To be determined.               ML:  To be determined.", (NAN, NAN)),
-        *[("12.5 NEAR 13.5 WEST", (NAN, NAN)), ("33.5n 118.25w, 40.0S 100.0E", (33.5, -118.25))],
-        *[("34 03 36s, 118 04 30e, 12 00 00N", (-34.06, 118.075)), ("33.5N", (33.5, NAN))],
+        ("12.5 NEAR 13.5 WEST", (NAN, NAN)),
+        ("33.5n 118.25w, 40.0S 100.0E", (33.5, -118.25)),
+        ("34 03 36s, 118 04 30e, 12 00 00N", (-34.06, 118.075)),
+        ("33.5N", (33.5, NAN)),
     ],
 )
 def test_places_in_headers(text, place):

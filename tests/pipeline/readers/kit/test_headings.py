@@ -38,10 +38,14 @@ from rockpulse.readers.source import NotAcceleration, SourceFile
         ("dt = 500 us", [], [], [5e-4], []),
         *[(f"dt = 2 {unit}", [], [], [120.0], []) for unit in ("min", "minutes")],
         ("500 Hz filter, 2000 samples per second", [], [], [], []),
-        *[("with 2 numbers", [], [], [], []), ("response spectrum", ["spectrum"], [], [], [])],
-        *[("target spectrum", [], [], [], []), ("time of the velocity", ["velocity"], [], [], [])],
-        *[("dt (ms) = 3/4", [], [], [7.5e-4], []), ("dt = 2.5e-2 s", [], [], [0.025], [])],
-        *[("dt = 0,25e+1", [], [], [2.5], []), ("sampling rate: 0", [], [], [math.inf], [])],
+        ("with 2 numbers", [], [], [], []),
+        ("response spectrum", ["spectrum"], [], [], []),
+        ("target spectrum", [], [], [], []),
+        ("time of the velocity", ["velocity"], [], [], []),
+        ("dt (ms) = 3/4", [], [], [7.5e-4], []),
+        ("dt = 2.5e-2 s", [], [], [0.025], []),
+        ("dt = 0,25e+1", [], [], [2.5], []),
+        ("sampling rate: 0", [], [], [math.inf], []),
         ("sampling rate 250, dt = 0.02, 500 hz", [], [], [0.02, 0.004], []),
         ("300 points and 40 values", [], [], [], [300, 40]),
     ],
@@ -142,8 +146,12 @@ def test_velocity_and_displacement_are_known_by_their_headings(write, header, se
 @pytest.mark.parametrize(
     "header",
     [
-        *["Time [sec]\tAcceleration [cm/sec2]\n", "Time (s) Acc NS (cm/s2)\n", "Time,Acc\ns,cm/s2\n"],
-        *["time\tacc_cm_s2\n", "time,acceleration in gal\n", "time,Acceleration cm/s^2\n"],
+        "Time [sec]\tAcceleration [cm/sec2]\n",
+        "Time (s) Acc NS (cm/s2)\n",
+        "Time,Acc\ns,cm/s2\n",
+        "time\tacc_cm_s2\n",
+        "time,acceleration in gal\n",
+        "time,Acceleration cm/s^2\n",
         "time,Acceleration cm s-2\n",
     ],
 )
@@ -159,7 +167,11 @@ def test_the_unit_of_a_heading_is_believed_and_held_against_the_caller(write, he
 @pytest.mark.parametrize(
     "header",
     [
-        *["# units: cm/s2\n# t a\n", "UNIT  = gal(cm/s/s)\n", "Accelerations in cm/s²\n", "# [Gal]\n", "# cm/sec**2\n"],
+        "# units: cm/s2\n# t a\n",
+        "UNIT  = gal(cm/s/s)\n",
+        "Accelerations in cm/s²\n",
+        "# [Gal]\n",
+        "# cm/sec**2\n",
         "Unidades: cm/s2\nt,a\n",
     ],
 )
@@ -193,10 +205,18 @@ def test_jma_file(write):
 @pytest.mark.parametrize(
     ("header", "step"),
     [
-        *[("# dt = 0.005 s, 200 Hz\n", 0.005), ("dt= .005 SEC\n", 0.005), ("DT(ms) = 5\n", 0.005)],
-        *[("dt = 1/200 s\n", 0.005), ("sampling interval: 5 ms\n", 0.005), ("Intervalo de muestreo: 0,005\n", 0.005)],
-        *[("SAMPLING RATE= 200Hz\n", 0.005), ("Sampling frequency (Hz): 200\n", 0.005), ("200 Hz, NS\n", 0.005)],
-        *[("200 samples per second\n", 0.005), ("band-pass 0.1-25 Hz\n", None), ("M 5 at 25 km\n", None)],
+        ("# dt = 0.005 s, 200 Hz\n", 0.005),
+        ("dt= .005 SEC\n", 0.005),
+        ("DT(ms) = 5\n", 0.005),
+        ("dt = 1/200 s\n", 0.005),
+        ("sampling interval: 5 ms\n", 0.005),
+        ("Intervalo de muestreo: 0,005\n", 0.005),
+        ("SAMPLING RATE= 200Hz\n", 0.005),
+        ("Sampling frequency (Hz): 200\n", 0.005),
+        ("200 Hz, NS\n", 0.005),
+        ("200 samples per second\n", 0.005),
+        ("band-pass 0.1-25 Hz\n", None),
+        ("M 5 at 25 km\n", None),
     ],
 )
 def test_the_interval_of_the_header_is_believed_and_held_against_the_caller(write, header, step):
@@ -226,10 +246,21 @@ def test_times_in_other_units(write, heading, per_second):
 @pytest.mark.parametrize(
     "header",
     [
-        *["# Accelerograph station ABC\n# velocity (cm/s)\n", "time,velocidad_NS\n", "Zeit,Geschwindigkeit\n"],
-        *["time,hız\n", "time,v\n", "Period(s),PSA(g)\n", "period [s],SA [g]\n", "T,Sa\n"],
-        *["# response spectrum 5% damping\nT [s],SA [g]\n", "T [s],Sd [cm]\n", "Freq (Hz),acc NS (cm/s2)\n"],
-        *["Frequency (Hz),FAS\n", "# PGV 12 cm/s\n# cm/s\n", "# velocity (cm/s)\nt,NS\n", "t [s],NS [cm]\n"],
+        "# Accelerograph station ABC\n# velocity (cm/s)\n",
+        "time,velocidad_NS\n",
+        "Zeit,Geschwindigkeit\n",
+        "time,hız\n",
+        "time,v\n",
+        "Period(s),PSA(g)\n",
+        "period [s],SA [g]\n",
+        "T,Sa\n",
+        "# response spectrum 5% damping\nT [s],SA [g]\n",
+        "T [s],Sd [cm]\n",
+        "Freq (Hz),acc NS (cm/s2)\n",
+        "Frequency (Hz),FAS\n",
+        "# PGV 12 cm/s\n# cm/s\n",
+        "# velocity (cm/s)\nt,NS\n",
+        "t [s],NS [cm]\n",
         "units: cm/s\n",
     ],
 )
@@ -365,9 +396,13 @@ A, V, D, T = "acceleration", "velocity", "displacement", "time"
         (["\tTime\tAcc"], "\t", 3, [("", "", ""), ("Time", T, ""), ("Acc", A, "")], 0),
         (["# Time;Acc"], None, 2, [("Time", T, ""), ("Acc", A, "")], 0),
         # prose
-        *[(["acc NS (g)"], None, 1, [("acc NS (g)", A, "g")], 0), (["acc of NS"], None, 1, [("acc of NS", A, "")], 0)],
-        *[(["acc of main NS"], None, 1, [], 1), (["motion [g]"], None, 1, [("motion [g]", A, "g")], 0)],
-        *[(["motion [cm/s]"], None, 1, [], 1), (["acc: NS"], None, 1, [], 1), (["dt=0.01"], None, 1, [], 1)],
+        (["acc NS (g)"], None, 1, [("acc NS (g)", A, "g")], 0),
+        (["acc of NS"], None, 1, [("acc of NS", A, "")], 0),
+        (["acc of main NS"], None, 1, [], 1),
+        (["motion [g]"], None, 1, [("motion [g]", A, "g")], 0),
+        (["motion [cm/s]"], None, 1, [], 1),
+        (["acc: NS"], None, 1, [], 1),
+        (["dt=0.01"], None, 1, [], 1),
         (["NPTS=5,acc"], ",", 2, [("NPTS=5", "", ""), ("acc", A, "")], 0),
         (["time NPTS=5"], None, 2, [], 1),
         (["time a1 b2 c3 d4 e5 f6 ; x"], ",", 2, [], 1),
@@ -394,7 +429,9 @@ def test_the_headings_of_columns(header, delimiter, width, found, above):
     [
         *[(Heading(name), True) for name in ("one two N", "ch 3", "x1234", "station_2", "h")],
         *[(Heading(name), False) for name in ("one two three N", "one", "x12345", "")],
-        *[(Heading("one", "time"), True), (Heading("one", unit="g"), True), (Heading("one", unit="furlong"), False)],
+        (Heading("one", "time"), True),
+        (Heading("one", unit="g"), True),
+        (Heading("one", unit="furlong"), False),
     ],
 )
 def test_what_is_known_of_a_heading(heading, known):

@@ -27,13 +27,20 @@ from rockpulse.readers.source import SourceFile
 @pytest.mark.parametrize(
     ("code", "azimuth", "dip", "expected"),
     [
-        *[("HNE", None, None, ("horizontal", 90.0)), ("HN1", None, None, ("horizontal", None))],
-        *[("HN1", 33.0, None, ("horizontal", 33.0)), ("HNR", None, 0.0, ("horizontal", None))],
-        *[("HNR", 210.0, 0.0, ("horizontal", 210.0)), ("HNE", 450.0, 0.0, ("horizontal", 90.0))],
-        *[("HNE", float("nan"), float("inf"), ("horizontal", 90.0)), ("HNZ", 0.0, -90.0, ("vertical", None))],
-        *[("HNZ", 0.0, None, ("vertical", None)), ("HN3", 0.0, 90.0, ("vertical", None))],
-        *[("HNZ", 0.0, -45.0, ("unknown", None)), ("HNE", 90.0, -90.0, ("unknown", None))],
-        *[("HN1", 90.0, -35.3, ("unknown", None)), ("HNZ", 0.0, 1e9, ("unknown", None))],
+        ("HNE", None, None, ("horizontal", 90.0)),
+        ("HN1", None, None, ("horizontal", None)),
+        ("HN1", 33.0, None, ("horizontal", 33.0)),
+        ("HNR", None, 0.0, ("horizontal", None)),
+        ("HNR", 210.0, 0.0, ("horizontal", 210.0)),
+        ("HNE", 450.0, 0.0, ("horizontal", 90.0)),
+        ("HNE", float("nan"), float("inf"), ("horizontal", 90.0)),
+        ("HNZ", 0.0, -90.0, ("vertical", None)),
+        ("HNZ", 0.0, None, ("vertical", None)),
+        ("HN3", 0.0, 90.0, ("vertical", None)),
+        ("HNZ", 0.0, -45.0, ("unknown", None)),
+        ("HNE", 90.0, -90.0, ("unknown", None)),
+        ("HN1", 90.0, -35.3, ("unknown", None)),
+        ("HNZ", 0.0, 1e9, ("unknown", None)),
     ],
 )
 def test_the_direction_of_a_channel_code_with_angles(code, azimuth, dip, expected):
@@ -117,8 +124,13 @@ def test_a_file_without_a_waveform_or_of_times_that_cannot_be_printed_is_named(m
 @pytest.mark.parametrize(
     ("one", "other", "expected"),
     [
-        *[((1, 3), (2, 4), True), ((1, 2), (3, 4), False), ((1, 2), (2, 4), True), ((1, None), (3, 4), True)],
-        *[((None, None), (3, None), True), ((None, 2), (3, None), False), ((3, None), (None, 2), False)],
+        ((1, 3), (2, 4), True),
+        ((1, 2), (3, 4), False),
+        ((1, 2), (2, 4), True),
+        ((1, None), (3, 4), True),
+        ((None, None), (3, None), True),
+        ((None, 2), (3, None), False),
+        ((3, None), (None, 2), False),
     ],
 )
 def test_epochs_without_a_limit_are_open(one, other, expected):
@@ -150,7 +162,9 @@ CORRECTED, RAW, EITHER = PROCESSED
 @pytest.mark.parametrize(
     ("one", "other", "gap"),
     [
-        *[({}, {"unit": "M/S**2"}, None), ({}, {"azimuth": 420.0}, None), ({}, {"description": RAW}, None)],
+        ({}, {"unit": "M/S**2"}, None),
+        ({}, {"azimuth": 420.0}, None),
+        ({}, {"description": RAW}, None),
         ({}, {"description": "an accelerometer"}, None),
         ({}, {"value": 3.0}, ("sensitivities", "2.0 per M/S**2; 3.0 per M/S**2")),
         ({}, {"unit": "g"}, ("sensitivities", "2.0 per M/S**2; 2.0 per G")),

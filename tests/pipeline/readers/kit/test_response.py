@@ -36,11 +36,20 @@ def response(value, unit="M/S**2", gains=(), first="M/S**2"):
 @pytest.mark.parametrize(
     ("unit", "expected"),
     [
-        *[("M", ("displacement", 1.0)), ("cm", ("displacement", 0.01)), ("MM", ("displacement", 0.001))],
-        *[("UM/S", ("velocity", 1e-6)), ("nm/sec", ("velocity", 1e-9)), ("M/SECOND", ("velocity", 1.0))],
-        *[("m s-1", ("velocity", 1.0)), ("MM/S**2", ("acceleration", 0.001)), ("M/S/S", ("acceleration", 1.0))],
-        *[("cm s-2", ("acceleration", 0.01)), ("(M/S^2)", ("acceleration", 1.0))],
-        *[("g", ("acceleration", STANDARD_GRAVITY)), ("Gal", ("acceleration", 0.01)), ("gals", ("acceleration", 0.01))],
+        ("M", ("displacement", 1.0)),
+        ("cm", ("displacement", 0.01)),
+        ("MM", ("displacement", 0.001)),
+        ("UM/S", ("velocity", 1e-6)),
+        ("nm/sec", ("velocity", 1e-9)),
+        ("M/SECOND", ("velocity", 1.0)),
+        ("m s-1", ("velocity", 1.0)),
+        ("MM/S**2", ("acceleration", 0.001)),
+        ("M/S/S", ("acceleration", 1.0)),
+        ("cm s-2", ("acceleration", 0.01)),
+        ("(M/S^2)", ("acceleration", 1.0)),
+        ("g", ("acceleration", STANDARD_GRAVITY)),
+        ("Gal", ("acceleration", 0.01)),
+        ("gals", ("acceleration", 0.01)),
     ],
 )
 def test_units_of_motion_in_any_spelling(unit, expected):
@@ -174,8 +183,14 @@ def test_the_impulses_that_a_geophone_damps_are_those_the_warning_names():
 @pytest.mark.parametrize(
     ("unit", "scale"),
     [
-        *[("CM/S**2", 0.01), ("MM/S**2", 1e-3), ("NM/S**2", 1e-9), ("CM/SEC**2", 0.01), ("M/S^2", 1.0), ("M/S2", 1.0)],
-        *[("GAL", 0.01), ("G", STANDARD_GRAVITY)],
+        ("CM/S**2", 0.01),
+        ("MM/S**2", 1e-3),
+        ("NM/S**2", 1e-9),
+        ("CM/SEC**2", 0.01),
+        ("M/S^2", 1.0),
+        ("M/S2", 1.0),
+        ("GAL", 0.01),
+        ("G", STANDARD_GRAVITY),
     ],
 )
 def test_a_response_in_any_unit_of_acceleration_is_removed_without_a_false_warning(unit, scale):

@@ -37,8 +37,12 @@ def test_any_byte_is_a_character():
 @pytest.mark.parametrize(
     ("text", "value", "half"),
     [
-        *[("7.25e-100", 7.25e-100, 5e-103), (" 2.E+100", 2e100, 5e99), ("3.91E+1", 39.1, 0.05)],
-        *[(" -.344 ", -0.344, 5e-4), ("12", 12.0, 0.5), ("1D-2", 0.01, 5e-3)],
+        ("7.25e-100", 7.25e-100, 5e-103),
+        (" 2.E+100", 2e100, 5e99),
+        ("3.91E+1", 39.1, 0.05),
+        (" -.344 ", -0.344, 5e-4),
+        ("12", 12.0, 0.5),
+        ("1D-2", 0.01, 5e-3),
     ],
 )
 def test_printed_numbers_know_their_rounding(text, value, half):
@@ -161,7 +165,10 @@ def test_a_number_beyond_all_numbers_is_none(text):
     [
         ("m/s2", "m/s2 M/S^2 m/s**2 m/sec2 m/s/s m/s² ms-2 m·s⁻² m.s^-2"),
         ("cm/s2", "cm/s2 CM/SEC/SEC cm/sec^2 cm/second2 cm/s² cms-2"),
-        *[("mm/s2", "mm/s2 mm/s/s"), ("gal", "gal Gals GAL."), ("g", "g G g. (g)"), ("g/10", "g/10 G/10.")],
+        ("mm/s2", "mm/s2 mm/s/s"),
+        ("gal", "gal Gals GAL."),
+        ("g", "g G g. (g)"),
+        ("g/10", "g/10 G/10."),
     ],
 )
 def test_spellings(unit, spellings):
@@ -197,8 +204,16 @@ def test_an_ordinary_acceleration_is_from_a_thousandth_of_gravity_to_three_times
 @pytest.mark.parametrize(
     ("text", "quantity"),
     [
-        *[("cm/s2", "acceleration"), ("Gal", "acceleration"), ("mg", "acceleration"), ("cm/sec", "velocity")],
-        *[("kine", "velocity"), ("mm", "displacement"), ("msec", "time"), ("Hz", "frequency"), ("NS", ""), ("", "")],
+        ("cm/s2", "acceleration"),
+        ("Gal", "acceleration"),
+        ("mg", "acceleration"),
+        ("cm/sec", "velocity"),
+        ("kine", "velocity"),
+        ("mm", "displacement"),
+        ("msec", "time"),
+        ("Hz", "frequency"),
+        ("NS", ""),
+        ("", ""),
     ],
 )
 def test_what_a_unit_measures(text, quantity):
