@@ -64,8 +64,8 @@ def test_the_commands_do_what_the_readme_says(tmp_path):
     again = next(place for place, line in enumerate(kept) if "--resume" in line)
     kept.insert(again, "rm all.h5")  # as if the run before had been cut off
     page = tmp_path / "README.md"
-    body = "\n".join([first, "cp results.h5 before.h5", *kept])
-    page.write_text(f"```sh\n{body.replace('before.h5 after.h5', 'before.h5 results.h5')}\n```\n", encoding="utf-8")
+    typed = "\n".join([first, "cp results.h5 before.h5", *kept]).replace("before.h5 after.h5", "before.h5 results.h5")
+    page.write_text("\n".join(f"```sh\n{line}\n```\n" for line in typed.splitlines()), encoding="utf-8")
     run_page(page, tmp_path)
     for line in kept:
         for made in re.findall(r"(?: -o|--log-file) (\S+)", line.split("  #")[0]):

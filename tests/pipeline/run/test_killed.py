@@ -175,7 +175,7 @@ def ten_records(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("first", "every"), [pytest.param(7, 40, marks=pytest.mark.sweep), pytest.param(1, 1, marks=pytest.mark.slow)]
+    ("first", "every"), [pytest.param(7, 160, marks=pytest.mark.sweep), pytest.param(1, 1, marks=pytest.mark.slow)]
 )
 def test_a_run_struck_at_a_step_of_input_or_output_resumes_to_the_same_file(
     faults, ten_records, tmp_path, first, every

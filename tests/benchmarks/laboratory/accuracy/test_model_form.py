@@ -100,6 +100,7 @@ def lanes():
     return model_form_lanes("synthetic", synthetic_records(7, 1)[0], scales=(0.5, 1.0))
 
 
+@pytest.mark.slow
 def test_a_factor_is_the_same_as_a_stronger_record():
     """Half-waves, phase and sequence of the scaled scene are those that the scaled record would have given."""
     record = synthetic_records(7, 1)[0]

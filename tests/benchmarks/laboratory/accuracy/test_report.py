@@ -25,6 +25,7 @@ def by_kind():
     return bodies_table(seed=3, motions=2, repeats=1).set_index("kind")
 
 
+@pytest.mark.slow
 def test_shorter_steps_change_less_than_the_last_digits_of_the_record(by_kind):
     # What is more than rounding is the sensitivity of the motion itself.
     assert (by_kind["max"] < 10.0 * by_kind["max_perturbed"] + 1e-12).all()

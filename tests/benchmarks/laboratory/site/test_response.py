@@ -23,6 +23,8 @@ def thinned(blocks, every):
 
 THIRD = thinned(block_family(), 3)
 
+pytestmark = pytest.mark.sweep
+
 
 @pytest.fixture(scope="module")
 def quick():
@@ -81,7 +83,7 @@ def promised(cases):
     return np.mean(held)
 
 
-@pytest.mark.sweep
+@pytest.mark.slow
 def test_five_sequences_with_noise_are_recovered():
     cases = [recovered(seed, counts=(2, 3), every=3) for seed in range(5)]
     # At 0.9 fewer than 3 of 5 have a probability of 0.9 %.
@@ -168,7 +170,6 @@ def test_what_is_reported_is_that_of_the_sequence(fit):
         assert fit.intervals[name][0] <= fit.parameters[name] <= fit.intervals[name][1]
 
 
-@pytest.mark.sweep
 def test_the_answer_depends_neither_on_threads_nor_on_the_hour(fit, strong):
     again = calibrate_response(strong, THIRD, threads=2)
     assert again.parameters == fit.parameters

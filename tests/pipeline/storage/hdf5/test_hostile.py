@@ -5,11 +5,13 @@ import io
 import os
 import random
 import re
+import resource
 import shutil
 import signal
 import sys
 import time
 import traceback
+from pathlib import Path
 
 import h5py
 import numpy as np
@@ -121,7 +123,8 @@ def opened_by(verbs, source, place, seed, change):
 
 
 def within_memory(call):
-    """Make a call in a fork of this process; its largest memory [bytes]. What the call raises fails the test."""
+    """Make a call in a fork; its largest memory beyond that of this process [bytes]. What it raises fails the test."""
+    own = int(Path("/proc/self/statm").read_text().split()[1]) * resource.getpagesize()
     child = os.fork()
     if not child:
         code = 1
@@ -136,7 +139,7 @@ def within_memory(call):
             os._exit(code)
     _, status, used = os.wait4(child, 0)
     assert status == 0
-    return used.ru_maxrss * 1024
+    return used.ru_maxrss * 1024 - own
 
 
 def tried(source, verbs, seeds, place, each):
