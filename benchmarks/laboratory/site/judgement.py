@@ -39,7 +39,7 @@ FACTORS = np.exp(np.arange(math.log(0.01), math.log(1000.0), 0.01))
 
 @dataclass(frozen=True, eq=False)
 class Site:
-    """Records of several earthquakes, and what :func:`laboratory.site.records.known_of` tells of each."""
+    """Records of several earthquakes, with the result of :func:`laboratory.site.records.known_of` for each."""
 
     events: np.ndarray  # (n,) number of the earthquake of each record, from 0
     capacity: np.ndarray  # (n, 12) [-]
@@ -49,7 +49,7 @@ class Site:
     peaks: np.ndarray  # (n, 12)
 
     def factors(self, times: np.ndarray) -> np.ndarray:
-        """Factors on the design of earthquakes, each taken so many `times` (g,), at which it overturns the bodies.
+        """Scale factors at which the design overturns the bodies; `times` (g,): how often each earthquake is drawn.
 
         They are (3, 3, 12) by method and quantile; NaN if a method makes no design.
         """

@@ -11,7 +11,7 @@ from rocking.body.block import Block
 
 
 def with_pedestal(block: Block, width: float, height: float, mass: float, restitution: ArrayLike = "housner") -> Block:
-    """One body of a block and a homogeneous rectangular pedestal; the block stands in the middle of its top.
+    """One body made of a block centred on the top of a homogeneous rectangular pedestal.
 
     Parameters
     ----------

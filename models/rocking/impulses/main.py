@@ -48,7 +48,7 @@ def amplification(restitution, half_cycle):
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def overturning_half_cycle(main, restitution):
-    """Half-cycle in which an endless main sequence u_1 overturns: the smallest i with u_i >= 1; -1 if there is none.
+    """Half-cycle in which an unlimited main sequence u_1 overturns: the smallest i with u_i >= 1; -1 if it never does.
 
     i = ceil(ln(1 - (1 - C)/u_1)/ln C), -1 for u_1 <= 1 - C. Both comparisons allow for rounding (`CRITICAL_TOLERANCE`):
     I_2c/I_1c must overturn in half-cycle 2, and 0.1 equals 1 - 0.9 although their floating-point numbers differ.

@@ -169,7 +169,7 @@ def impulse_train(block: Block, sequence: ImpulseSequence) -> tuple[np.ndarray, 
     -------
     times, impulses : (k,) ndarray
         Times [s], not decreasing, the first main impulse at 0, and impulses of the ground [m/s], the first one
-        positive. Impulses at one time stand in the order in which they act: the last secondary impulse of "end" before
+        positive. Simultaneous impulses are listed in their order of action: the last secondary impulse of "end" before
         the impact, the main impulse after it, the first secondary impulse of "start" after that one.
 
     Raises

@@ -106,7 +106,7 @@ def rising(probability: np.ndarray) -> np.ndarray:
 
 
 def factor_at(share: float, level: np.ndarray, probability: np.ndarray) -> np.ndarray:
-    """The factor (...) at which rising probabilities (..., k) reach a share, linear in ln f; inf if there is none."""
+    """Scale factor (...) at which increasing probabilities (..., k) reach a share, linear in ln f; inf if none does."""
     reached = probability >= share
     after = np.argmax(reached, axis=-1)
     before = np.maximum(after - 1, 0)

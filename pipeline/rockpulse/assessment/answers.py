@@ -94,7 +94,7 @@ class Motions:
 
 
 def _others(events: list[str]) -> int:
-    """Number of different earthquakes; one where none is known, 0 where there is none."""
+    """Number of different earthquakes: 1 if no earthquake is known, 0 if there are no motions."""
     return len({event for event in events if event != UNKNOWN}) or len(set(events))
 
 

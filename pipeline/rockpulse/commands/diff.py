@@ -37,8 +37,8 @@ VERB = Verb(
     description="Compare two results files: versions and configuration, records, blocks and models that only one has, "
     "verdicts that flipped, safety factors and capacities over demand that crossed 1, and variables beyond a "
     "tolerance. The bodies, and what comes first in every list, are by the nonlinear model where it answered. Rows are "
-    "matched by name. Exit code 0 where the results are the same, 1 where they differ; versions and configuration are "
-    "told and do not count.",
+    "matched by name. Exit code 0 where the results are the same, 1 where they differ; differences of versions "
+    "and configuration are listed, but do not change the exit code.",
     options=(
         {
             "first": ("results file", {"metavar": "BEFORE"}),

@@ -45,7 +45,7 @@ def _parts(file: ResultsFile, args: argparse.Namespace) -> list[str]:
     beside = [f"--{name}" for name in BESIDE_WORST if args.worst and getattr(args, name)]
     if beside:
         raise ResultsError(
-            f"--worst lists so many cases by their safety factor and does not go with {', '.join(beside)}; take --sort "
+            f"--worst lists cases by their safety factor and cannot be combined with {', '.join(beside)}; take --sort "
             "VARIABLE --limit N instead"
         )
     selection = read_selection(args)

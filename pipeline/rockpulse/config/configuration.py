@@ -215,8 +215,8 @@ def _section(cls: type[Section], values: Any) -> Any:
     known = {_toml_key(item): item for item in dataclasses.fields(cls)}
     for key in values:
         if key not in known:
-            told = f"known are {', '.join(known)}"
-            raise ConfigError(f"{cls.heading} {key}: unknown key{hint(key, list(known), told)}")
+            otherwise = f"known are {', '.join(known)}"
+            raise ConfigError(f"{cls.heading} {key}: unknown key{hint(key, list(known), otherwise)}")
     for key, item in known.items():
         if item.default is dataclasses.MISSING and key not in values:
             raise ConfigError(f"{cls.heading} {key}: this key is needed, found only {', '.join(values) or 'nothing'}")

@@ -106,7 +106,7 @@ def _content(archive: zipfile.ZipFile, entry: zipfile.ZipInfo, name: str) -> byt
             # The declared size bounds the read, whatever the compressed data would expand to.
             content = stream.read(entry.file_size + 1)
     except (zipfile.BadZipFile, zlib.error, EOFError, RuntimeError, ValueError, lzma.LZMAError) as fault:
-        # NotImplementedError is a RuntimeError.
+        # RuntimeError includes NotImplementedError, raised for a compression that zipfile does not support.
         found = f"damaged member, or one packed in an unknown way ({fault})"
         raise RecordFormatError(f"{name}: {found}; download the archive again") from fault
     if not content:
