@@ -84,7 +84,7 @@ def test_cases_records_and_blocks_are_listed_and_filtered(results, capsys):
 @pytest.mark.parametrize("beside", [["--sort", "pga"], ["--limit", "3"], ["--records"], ["--blocks"]])
 def test_worst_does_not_go_with_another_order_or_list(results, capsys, beside):
     assert main(["inspect", results, "--worst", "2", *beside]) == 2
-    assert f"does not go with {beside[0]}; take --sort" in capsys.readouterr().err
+    assert f"cannot be combined with {beside[0]}; take --sort" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("gone", ["pga", "outcome", "record"])
