@@ -89,12 +89,6 @@ def test_the_help_of_every_verb_fits_the_terminal_and_shows_its_examples(capsys,
             assert f"\n  {example}\n" in text
 
 
-def test_the_module_runs_like_the_command():
-    done = subprocess.run([sys.executable, "-m", "rockpulse", "formats"], capture_output=True, text=True, check=False)
-    assert done.returncode == 0
-    assert "at2" in done.stdout
-
-
 def test_a_reader_that_leaves_early_is_no_error():
     read, write = os.pipe()
     os.close(read)
@@ -120,13 +114,13 @@ def test_standard_output_that_is_closed_does_not_stop_the_command(tmp_path):
 
 @pytest.mark.sweep
 def test_a_report_and_an_overview_are_made_where_standard_output_is_closed(tmp_path):
-    page = tmp_path / "report.html"
-    (tmp_path / "results.h5").write_bytes(results_bytes())
-    for verb in (["inspect"], ["report", "-o", str(page)]):
-        command = [sys.executable, "-m", "rockpulse", verb[0], str(tmp_path / "results.h5"), *verb[1:]]
-        closed = ["sh", "-c", 'exec "$@" >&-', "sh", *command]
-        done = subprocess.run(closed, stderr=subprocess.PIPE, text=True, check=False)
-        assert (done.returncode, done.stderr) == (0, "")
+    page, results = tmp_path / "report.html", tmp_path / "results.h5"
+    results.write_bytes(results_bytes())
+    both = "import sys; from rockpulse.cli import main; file, *page = sys.argv[1:]"
+    both += "; sys.exit(main(['inspect', file]) or main(['report', file, *page]))"
+    closed = ["sh", "-c", 'exec "$@" >&-', "sh", sys.executable, "-c", both, str(results), "-o", str(page)]
+    done = subprocess.run(closed, stderr=subprocess.PIPE, text=True, check=False)
+    assert (done.returncode, done.stderr) == (0, "")
     assert page.read_text(encoding="utf-8").rstrip().endswith("</html>")
 
 
@@ -182,7 +176,7 @@ def test_an_internal_error_is_shown_with_what_differs_in_the_file(
     if changed:
         with h5py.File(path, "r+") as file:
             file["summary/pga"].attrs["foreign"] = 1
-    monkeypatch.setattr("rockpulse.views.text.overview.overview", lambda *given, **options: {}["absent"])
+    monkeypatch.setattr("rockpulse.storage.hdf5.results_file.load", lambda path: {}["absent"])
     if not changed:
         with pytest.raises(KeyError, match="absent"):
             main(["inspect", str(path)])

@@ -12,7 +12,9 @@ import pytest
 from record_writers import at2, pulse
 from results_tree import results_bytes
 
+from rockpulse import cli
 from rockpulse.cli import main
+from rockpulse.storage.hdf5 import results_file
 
 #: What a message begins with: the program, and the verb where the parser speaks.
 SPEAKER = re.compile(r"rockpulse[a-z0-9 -]*: (?:error: )?")
@@ -51,8 +53,15 @@ def place(tmp_path_factory):
 
 @pytest.fixture
 def said(place, monkeypatch, capsys):
-    """What is said of a command, in one line, without the folder; nothing is written of one that cannot be."""
+    """What is said of a command, in one line, without the folder; nothing is written of one that cannot be.
+
+    The parser is built and the results are read once for all commands.
+    """
     monkeypatch.chdir(place)
+    parser, load = cli.build_parser(), results_file.load
+    results = load("results.h5")
+    monkeypatch.setattr(cli, "build_parser", lambda: parser)
+    monkeypatch.setattr(results_file, "load", lambda path: results if str(path) == "results.h5" else load(path))
 
     def said(arguments):
         for left in place.glob("new*"):  # by a case that failed

@@ -76,9 +76,9 @@ def test_the_results_hold_the_configuration_that_was_resolved(tree, tmp_path):
     assert [name.rpartition("/")[2] for name in config.records.paths] == ["strong.AT2", "weak.AT2"]
 
 
-def test_a_folder_with_a_broken_record_is_exit_code_one_and_the_others_are_assessed(folder, tmp_path, capsys):
+def test_a_folder_with_a_broken_record_is_exit_code_one_and_the_others_are_assessed(folder, quick, tmp_path, capsys):
     target = tmp_path / "results.h5"
-    assert assess(folder, "-o", target) == 1
+    assert assess(folder, "-o", target, "--config", quick) == 1
     out = capsys.readouterr().out
     assert "failed: 1" in out
     assert re.search(r"cut\.AT2:\d+: ", out)
@@ -87,9 +87,9 @@ def test_a_folder_with_a_broken_record_is_exit_code_one_and_the_others_are_asses
     assert sorted(values(target, "failures/kind")) == ["failed", "skipped"]
 
 
-def test_a_missing_file_named_explicitly_is_exit_code_one_and_the_others_are_assessed(folder, tmp_path, capsys):
+def test_a_missing_file_named_explicitly_is_exit_code_one_and_the_others_are_assessed(folder, quick, tmp_path, capsys):
     target = tmp_path / "results.h5"
-    assert assess(folder / "strong.AT2", folder / "absent.AT2", "-o", target, "--quiet") == 1
+    assert assess(folder / "strong.AT2", folder / "absent.AT2", "-o", target, "--quiet", "--config", quick) == 1
     captured = capsys.readouterr()
     assert captured.out == ""
     assert captured.err == "rockpulse: 1 of 2 files used, 1 not: no such file or folder (absent.AT2).\n"
@@ -105,31 +105,32 @@ def test_not_one_record_is_exit_code_one_and_writes_nothing(folder, tmp_path, ca
     assert list(tmp_path.iterdir()) == []
 
 
-def test_columns_are_read_once_the_unit_is_named(tmp_path, capsys):
+def test_columns_are_read_once_the_unit_is_named(quick, tmp_path, capsys):
     path = tmp_path / "columns.csv"
     np.savetxt(
         path, np.column_stack([TIME, 9.80665 * STRONG]), fmt="%.6f", delimiter=",", header="time,acc", comments=""
     )
-    assert assess(path, "-o", tmp_path / "results.h5", "--units", "m/s2") == 0
+    assert assess(path, "-o", tmp_path / "results.h5", "--units", "m/s2", "--config", quick) == 0
     peak = np.abs(STRONG - STRONG.mean()).max()
     shown = float(re.search(r"^  \S*columns\S* +([0-9.]+) ", capsys.readouterr().out, re.M)[1])
     assert shown == pytest.approx(peak, abs=0.005)
 
 
 @pytest.mark.sweep
-def test_one_column_is_read_once_unit_and_interval_are_named(tmp_path, capsys):
+def test_one_column_is_read_once_unit_and_interval_are_named(quick, tmp_path, capsys):
     path = tmp_path / "column.txt"
     np.savetxt(path, STRONG, fmt="%.6f")
     target = tmp_path / "results.h5"
     assert assess(path, "-o", target, "--units", "g") == 1
     assert "option dt" in capsys.readouterr().err
-    assert assess(path, "-o", target, "--units", "g", "--dt", f"{DT}", "--quiet") == 0
+    given = ["-o", target, "--quiet", "--config"]
+    assert assess(path, *given, quick, "--units", "g", "--dt", f"{DT}") == 0
     assert values(target, "dt") == [DT]
     config = tmp_path / "site.toml"
-    config.write_text(f"[records]\nunits = 'g'\ndt = {2 * DT}\n")
-    assert assess(path, "--config", config, "-o", target, "--overwrite", "--quiet") == 0
+    config.write_text(f"[records]\nunits = 'g'\ndt = {2 * DT}\n{quick.read_text()}")
+    assert assess(path, *given, config, "--overwrite") == 0
     assert values(target, "dt") == [2 * DT]
-    assert assess(path, "--config", config, "--dt", DT, "-o", target, "--overwrite", "--quiet") == 0
+    assert assess(path, *given, config, "--dt", DT, "--overwrite") == 0
     assert values(target, "dt") == [DT]
     assert f"\ndt = {DT}\n" in configuration(target)
 
@@ -158,6 +159,7 @@ def test_the_configuration_names_records_and_blocks(folder, tmp_path, capsys):
     config = tmp_path / "site.toml"
     config.write_text(
         f"[records]\npaths = ['{folder}/strong.AT2']\n[models]\nuse = ['nonlinear', 'sequence']\n"
+        "[search]\nmodels = []\n[uncertainty]\nprobability = false\n"
         "[[block]]\nname = 'column'\nwidth = 0.5\nheight = 4.0\nrestitution = [0.8, 0.9]\n"
     )
     target = tmp_path / "results.h5"

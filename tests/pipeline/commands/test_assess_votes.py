@@ -11,7 +11,7 @@ from rockpulse.cli import main
 COUNT = 200
 CONFIG = """
 [models]
-use = ["sequence", "nonlinear"]
+use = ["linear"]
 [search]
 models = []
 [uncertainty]

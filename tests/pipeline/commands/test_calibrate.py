@@ -19,6 +19,7 @@ TOML = """
 name = "An old town"
 [calibration]
 method = "statistics"
+bootstrap = 100
 [[block]]
 name = "wall"
 width = 0.25
@@ -187,17 +188,16 @@ def test_where_every_record_is_too_weak_a_quiet_run_says_so(config, tmp_path, ca
     assert said.count("\n") == 1
 
 
-def test_by_default_the_spectrum_is_made_and_too_few_earthquakes_make_no_design(motions, tmp_path, capsys):
-    target, design = tmp_path / "site.h5", tmp_path / "design.h5"
-    assert main(["calibrate", str(motions / "burst4.AT2"), "--block", "wall=0.25x2.2", "-o", str(target)]) == 0
+def test_by_default_the_spectrum_is_made_and_too_few_earthquakes_make_no_design(golden, tmp_path, capsys):
+    assert "method" not in golden.config.read_text()
+    assert rp.load(golden.site)["site"].attrs["method"] == "spectrum"
+    assert main(["inspect", str(golden.site)]) == 0
     out = capsys.readouterr().out
-    assert out.startswith("! not enough earthquakes (1; at least 7 for the quantile 0.84)\n")
-    assert "wall" not in out
-    assert rp.load(target)["site"].attrs["method"] == "spectrum"
-    assert main(["inspect", str(target)]) == 0
-    assert capsys.readouterr().out.startswith("! not enough earthquakes (1; at least 7")
-    assert main(["assess", "--sequence", str(target), "--block", "wall=0.25x2.2", "-o", str(design)]) == 2
-    assert "no design: not enough earthquakes (1; at least 7" in capsys.readouterr().err
+    assert out.startswith("! not enough earthquakes (5; at least 7 for the quantile 0.84)\n")
+    assert "stele" not in out
+    design = tmp_path / "design.h5"
+    assert main(["assess", "--sequence", str(golden.site), "--block", "wall=0.25x2.2", "-o", str(design)]) == 2
+    assert "no design: not enough earthquakes (5; at least 7" in capsys.readouterr().err
 
 
 def test_bodies_are_assessed_under_the_design_spectrum_of_a_file(tmp_path, capsys):

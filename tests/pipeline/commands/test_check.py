@@ -48,7 +48,7 @@ def test_bodies_are_checked_from_the_configuration_alone(site, tmp_path, capsys)
     assert "exists" in capsys.readouterr().err
 
 
-def test_results_bring_the_probability_of_the_same_bodies(golden, capsys):
+def test_results_bring_the_probability_of_the_same_bodies(golden, loaded_once, capsys):
     assert main(["check", str(golden.results), "--code", "circolare_2019"]) == 0
     shown = capsys.readouterr().out
     assert "f_50" in shown

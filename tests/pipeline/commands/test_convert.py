@@ -71,6 +71,7 @@ def test_usage_is_exit_code_two_before_anything_is_read(folder, capsys):
     assert main([*arguments, "--overwrite"]) == 0
 
 
+@pytest.mark.sweep
 def test_the_response_is_removed_where_asked_for(records_folder, tmp_path, capsys):
     for path in (records_folder / "mseed_xml").glob("CI.WCS2*"):
         shutil.copy(path, tmp_path / path.name)

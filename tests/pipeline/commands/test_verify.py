@@ -9,12 +9,11 @@ from rockpulse.cli import main
 
 
 @pytest.fixture(scope="module")
-def assessed(golden, tmp_path_factory):
+def assessed(golden, quick, tmp_path_factory):
     """Results of a record, and a copy of the record."""
     folder = tmp_path_factory.mktemp("verify")
     record = shutil.copy(golden.records / "burst0.AT2", folder)
-    (folder / "site.toml").write_text('[models]\nuse = ["resonance"]\n')
-    arguments = ["--config", str(folder / "site.toml"), "--block", "wall=0.5x4", "--quiet", "--workers", "1"]
+    arguments = ["--config", str(quick), "--block", "wall=0.5x4", "--quiet", "--workers", "1"]
     assert main(["assess", str(record), *arguments, "-o", str(folder / "results.h5")]) == 0
     return folder
 

@@ -83,9 +83,10 @@ def test_the_same_results_are_the_same(cases):
     assert found.sides[OUTCOME].compared == 27 * (cases or 1)
     assert text.endswith(f"The results are the same: {found.compared} values within rtol 1e-09.")
     assert "No verdict of" in text
+    assert "Bodies whose" not in text
+    assert "crossed 1" not in text
 
 
-@pytest.mark.parametrize("order", [[0, 1, 2], [2, 0, 1]])
 @pytest.mark.parametrize(
     ("group", "name", "place", "value", "told"),
     [
@@ -98,10 +99,10 @@ def test_the_same_results_are_the_same(cases):
         ("records", "half_wave_start", (3,), 4.1, "weak.1, wave 0"),
     ],
 )
-def test_a_changed_value_is_found_and_its_place_is_named(order, group, name, place, value, told):
+def test_a_changed_value_is_found_and_its_place_is_named(group, name, place, value, told):
     changed = tree()
     changed[group][name].values[place] = value
-    found, _ = compare(tree(), reordered(changed, order))
+    found, _ = compare(tree(), reordered(changed, [2, 0, 1]))
     (one,) = found.variables
     assert (one.name, one.differing, ", ".join(one.place)) == (f"/{group}/{name}", 1, told)
     assert not found.same
@@ -159,7 +160,6 @@ def test_safety_factors_that_crossed_one_are_a_group_above_all_other_differences
     found, text = compare(tree(), changed, listed=1)
     assert (found.sides[SAFETY].count, len(found.sides[SAFETY].named)) == (2, 1)
     assert "and 1 more (--limit)" in text
-    assert "crossed 1" not in compare(tree(), tree())[1]
 
 
 def test_without_the_nonlinear_model_in_both_the_last_common_model_leads():
@@ -189,7 +189,7 @@ def without_a_record(made, gone):
     return made
 
 
-@pytest.mark.parametrize("gone", [0, 1, 2])
+@pytest.mark.parametrize("gone", [0, 2])
 def test_what_only_one_file_has_is_named_and_the_rest_compared(gone):
     found, text = compare(tree(), without_a_record(tree(), gone))
     assert found.only == [OnlyIn("records", (RECORDS[gone],), ())]

@@ -19,6 +19,9 @@ from rockpulse.views.shared.words import writing
 
 COLUMN = "column of $one$ piece"
 
+#: Kinds whose pictures take longest to make.
+SLOWER = ("rocking-spectrum", "limit-accelerogram", "rotation-history", "spectrum")
+
 
 def spectra():
     """Made-up spectra of two records, over p and two restitutions."""
@@ -59,7 +62,14 @@ def test_the_spectrum_is_that_of_the_record_with_the_bodies(assessed, changed):
         draw(tree, "spectrum", restitution="housner")
 
 
-@pytest.mark.parametrize("kind", [kind for kind, row in KINDS.items() if row.file == ASSESSMENT])
+@pytest.mark.parametrize(
+    "kind",
+    [
+        pytest.param(kind, marks=pytest.mark.sweep if kind in SLOWER else ())
+        for kind, row in KINDS.items()
+        if row.file == ASSESSMENT
+    ],
+)
 def test_kinds_of_an_assessment_hold_long_names(assessed, changed, kind):
     """Whole, as wide as the page, with the name of what was chosen, and in words what is known of the record."""
     parts = {name: assessed[name].to_dataset() for name in ("summary", "records")}

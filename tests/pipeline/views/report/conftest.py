@@ -1,18 +1,21 @@
 """Four bursts of four earthquakes on three bodies: assessed, calibrated, with fragility curves, once for all tests."""
 
+import fcntl
 import os
 from dataclasses import replace
+from html import escape
 from pathlib import Path
 
 import numpy as np
 import pytest
 from markupsafe import Markup
+from matplotlib.text import Text
 from nominal import ida
 from real_browser import chromium
 
 import rockpulse as rp
 from rockpulse import CalibrationSettings, SearchSettings
-from rockpulse.errors import Failure
+from rockpulse.errors import Failure, ResultsError
 from rockpulse.models import Block
 from rockpulse.views.report.pictures import Picture, Pictures
 from rockpulse.views.report.writing import report_page
@@ -81,9 +84,25 @@ def fragility(bursts, bodies, config):
 
 
 @pytest.fixture(scope="session")
-def whole_page(results, site, fragility):
+def whole_folder(request, tmp_path_factory, worker_id):
+    """A folder with the results in a file, and the page with everything on it, drawn once for all workers."""
+    base = tmp_path_factory.getbasetemp()
+    folder = (base if worker_id == "master" else base.parent) / "whole"
+    folder.mkdir(exist_ok=True)
+    with (folder / "lock").open("w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        if not (folder / "report.html").exists():
+            results, site, fragility = map(request.getfixturevalue, ("results", "site", "fragility"))
+            rp.save(results, folder / "some results.h5", overwrite=True)
+            page = report_page(folder / "some results.h5", site, fragility)
+            (folder / "report.html").write_text(page, encoding="utf-8")
+    return folder
+
+
+@pytest.fixture(scope="session")
+def whole_page(whole_folder):
     """The page with everything on it; drawing its pictures takes seconds."""
-    return report_page(results, site, fragility)
+    return (whole_folder / "report.html").read_text(encoding="utf-8")
 
 
 @pytest.fixture(scope="session")
@@ -104,9 +123,25 @@ def empty(pictures, draw, name, caption):
     return Picture(Markup(f'<svg id="picture-{name}"></svg>'), caption)
 
 
-@pytest.fixture(scope="module")
+def lettered(pictures, draw, name, caption):
+    """The texts of a picture in its place."""
+    try:
+        drawn = draw().get_figure(root=True)
+    except ResultsError as reason:
+        return Picture(Markup(""), str(reason))
+    texts = [escape(one.get_text()) for one in drawn.findobj(Text) if one.get_visible()]
+    return Picture(Markup("<svg>" + "".join(f"<text>{text}</text>" for text in texts) + "</svg>"), caption)
+
+
+@pytest.fixture
+def letters_alone(monkeypatch):
+    """Pages with the texts of each picture in its place."""
+    monkeypatch.setattr(Pictures, "_drawn", lettered)
+
+
+@pytest.fixture(scope="session")
 def browser(tmp_path_factory):
-    """One browser for all tests of a module."""
+    """One browser for all tests."""
     driver = chromium(tmp_path_factory.mktemp("profile"))
     yield driver
     driver.quit()

@@ -10,7 +10,7 @@ from site_spectra import BLOCKS, usual_site
 from site_spectra import site_of as spectrum_site
 
 import rockpulse as rp
-from rockpulse import CalibrationSettings, ConditioningSettings, SearchSettings
+from rockpulse import CalibrationSettings, ConditioningSettings, ModelSettings, SearchSettings, UncertaintySettings
 from rockpulse.errors import Failure, ResultsError
 from rockpulse.models import Block
 from rockpulse.remark import Remark, as_stored
@@ -25,7 +25,12 @@ from rockpulse.views.shared.terminal import shortened
 from rockpulse.views.text.fragility import BEYOND, fragility_overview, median_table, sufficiency_tables
 from rockpulse.views.text.site import site_overview, site_tables
 
-CURVES = rp.Config(search=SearchSettings(points=24), fragility=ida(limit_states=("uplift",), measures=("pga",)))
+CURVES = rp.Config(
+    models=ModelSettings(use=("nonlinear",)),
+    search=SearchSettings(models=(), points=16),
+    uncertainty=UncertaintySettings(probability=False),
+    fragility=ida(limit_states=("uplift",), measures=("pga",)),
+)
 
 
 def changed(tree, group, **values):

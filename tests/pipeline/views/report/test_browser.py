@@ -18,11 +18,9 @@ A4 = (595, 842)
 
 
 @pytest.fixture(scope="module")
-def address(whole_page, tmp_path_factory):
+def address(whole_folder):
     """Where the page with everything on it lies."""
-    path = tmp_path_factory.mktemp("report") / "report.html"
-    path.write_text(whole_page, encoding="utf-8")
-    return path.as_uri()
+    return (whole_folder / "report.html").as_uri()
 
 
 @pytest.fixture

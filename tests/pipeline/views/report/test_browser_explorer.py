@@ -10,28 +10,18 @@ import pytest
 from many_results import many_results
 from real_browser import NEEDS_BROWSER
 
-import rockpulse as rp
 from rockpulse.cli import main
 from rockpulse.views.report.writing import write_report
 
 pytestmark = [NEEDS_BROWSER, pytest.mark.sweep]
 
 
-@pytest.fixture(scope="module")
-def folder(results, tmp_path_factory):
-    """A folder with the results in a file, and the page on them."""
-    where = tmp_path_factory.mktemp("explorer")
-    rp.save(results, where / "some results.h5")
-    write_report(where / "some results.h5", where / "report.html")
-    return where
-
-
 @pytest.fixture
-def page(browser, folder):
+def page(browser, whole_folder):
     """The browser with the page freshly open at the part to explore, and nothing said in its console afterwards."""
     browser.get("about:blank")  # else the same address is no new page
     browser.get_log("browser")
-    browser.get((folder / "report.html").as_uri() + "#explore")
+    browser.get((whole_folder / "report.html").as_uri() + "#explore")
     yield browser
     assert browser.get_log("browser") == []
 
@@ -172,7 +162,7 @@ def test_the_keyboard_is_enough_and_every_control_has_a_name(page):
     assert nameless == []
 
 
-def test_a_motion_that_is_not_stored_has_the_command_that_draws_it(page, folder, monkeypatch):
+def test_a_motion_that_is_not_stored_has_the_command_that_draws_it(page, whole_folder, tmp_path, monkeypatch):
     put(page, "body", 1)
     rows = [int(one.get_attribute("value")) for one in part(page, "record").find_elements("tag name", "option")]
     stored = {scene["record"] for scene in data(page)["bodies"][1]["scenes"]}
@@ -182,9 +172,9 @@ def test_a_motion_that_is_not_stored_has_the_command_that_draws_it(page, folder,
     assert "is not stored on this page" in part(page, "missing").text
     command = shlex.split(part(page, "missing").find_element("tag name", "pre").text)
     assert command[:2] == ["rockpulse", "plot"]
-    monkeypatch.chdir(folder)
-    assert main(command[1:]) == 0
-    assert (folder / "rotation.png").stat().st_size > 10_000
+    monkeypatch.chdir(whole_folder)
+    assert main([*command[1:-1], str(tmp_path / command[-1])]) == 0
+    assert (tmp_path / "rotation.png").stat().st_size > 10_000
     put(page, "record", rows[0])
     assert part(page, "scene").is_displayed()
 

@@ -7,7 +7,7 @@ import pytest
 from results_tree import results_tree
 
 import rockpulse as rp
-from rockpulse import ReportSettings
+from rockpulse import ModelSettings, ReportSettings, SearchSettings
 from rockpulse.cli import main
 from rockpulse.config.study_settings import LOGO_LIMIT, PNG
 from rockpulse.errors import ConfigError, ResultsError
@@ -33,6 +33,7 @@ def test_they_are_stored_in_the_results_and_a_configuration_takes_their_place(gi
     page = report_page(results_tree(), config=given)
     for words in ("A. Rossi", "Comune di &lt;Vasto&gt;", "Torre", base64.b64encode(PIXEL).decode()):
         assert words in page
+    given = replace(given, models=ModelSettings(use=("linear",)), search=SearchSettings(models=()))
     rp.save(rp.assess(bursts[:1], given, {"stele": bodies["stele"]}), tmp_path / "results.h5")
     (tmp_path / "logo.png").unlink()
     tree = load(tmp_path / "results.h5")

@@ -127,7 +127,7 @@ def of_sequence(site, bodies, config, tmp_path_factory):
 @pytest.mark.sweep
 @pytest.mark.parametrize("language", OTHERS)
 @pytest.mark.parametrize("case", ["results", "of_intervals", "of_sequence", "by hand"])
-def test_no_english_word_is_left_on_a_page(request, language, case, site, fragility):
+def test_no_english_word_is_left_on_a_page(request, language, case, site, fragility, letters_alone):
     beside = () if case in ("of_intervals", "by hand") else (site, fragility)
     results = results_tree(cases=2) if case == "by hand" else request.getfixturevalue(case)
     english = words_in(told("en")) - words_in(told(language))

@@ -54,13 +54,14 @@ def test_a_browser_that_prints_nothing_or_never_ends_is_an_error_in_words(monkey
 
 @pytest.mark.sweep
 @pytest.mark.skipif(shutil.which("chromium") is None, reason="no browser: apt-get install chromium")
-def test_only_a_pdf_of_ours_is_replaced(tmp_path):
+def test_only_a_pdf_of_ours_is_replaced(tmp_path, monkeypatch):
     target = tmp_path / "report.pdf"
     write_report(results_tree(), target)
     content = target.read_bytes()
     assert content.startswith(b"%PDF-")
     assert content.endswith(PDF_MARK)
     assert len(re.findall(rb"/Type /Page\b", content)) > 3
+    monkeypatch.setattr(printing, "printed", lambda page: content)
     write_report(results_tree(), target, overwrite=True)
     other = tmp_path / "other.pdf"
     other.write_bytes(b"%PDF-1.4\n%%EOF\n")

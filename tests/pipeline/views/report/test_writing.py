@@ -128,7 +128,7 @@ def test_without_factors_answers_or_records_a_body_is_not_called_safe(known, res
     assert [card.verdict.text for card in found.cards] == ["not known"] * 3
 
 
-def test_the_resonance_model_is_named_for_what_it_is_where_it_judges():
+def test_the_resonance_model_is_named_for_what_it_is_where_it_judges(undrawn):
     tree = results_tree()
     summary = tree["summary"].to_dataset().sel(model=["resonance"])
     parts = {"/": tree.to_dataset(), "/summary": summary, "/failures": tree["failures"].to_dataset()}
@@ -143,7 +143,7 @@ def test_cases_of_restitution_are_bodies_of_their_own():
 
 
 @pytest.mark.sweep
-def test_the_design_sequence_of_a_site(tmp_path, site, bodies):
+def test_the_design_sequence_of_a_site(tmp_path, site, bodies, undrawn):
     rp.save(site, tmp_path / "site.h5")
     sequence = rp.load_design(tmp_path / "site.h5")
     words = Page(report_page(rp.assess_sequence(sequence, blocks=bodies), site)).text

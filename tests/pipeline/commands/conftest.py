@@ -1,0 +1,45 @@
+"""One parser for the commands of a module, and the smallest configuration of a run."""
+
+from functools import cache
+from pathlib import Path
+
+import pytest
+
+from rockpulse import cli
+from rockpulse.storage.hdf5 import results_file
+
+#: One model, without factors, spectra or probability.
+QUICK = """[models]
+use = ["linear"]
+[search]
+models = []
+[uncertainty]
+probability = false
+"""
+
+
+@pytest.fixture(scope="module", autouse=True)
+def one_parser():
+    """Building the parser of all verbs takes longer than many a command."""
+    parser = cli.build_parser()
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(cli, "build_parser", lambda: parser)
+        yield
+
+
+@pytest.fixture(scope="module")
+def loaded_once():
+    """A file that commands of a module load whole is read by the first of them; none changes what it is given."""
+    read = results_file.load
+    kept = cache(lambda path, changed: read(path))
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(results_file, "load", lambda path: kept(path, Path(path).stat().st_mtime_ns))
+        yield
+
+
+@pytest.fixture(scope="session")
+def quick(tmp_path_factory):
+    """A configuration by which a record is assessed at once."""
+    path = tmp_path_factory.mktemp("quick") / "quick.toml"
+    path.write_text(QUICK)
+    return path
