@@ -89,6 +89,7 @@ def test_the_help_of_every_verb_fits_the_terminal_and_shows_its_examples(capsys,
             assert f"\n  {example}\n" in text
 
 
+@pytest.mark.sweep
 def test_a_reader_that_leaves_early_is_no_error():
     read, write = os.pipe()
     os.close(read)
@@ -113,14 +114,22 @@ def test_standard_output_that_is_closed_does_not_stop_the_command(tmp_path):
 
 
 @pytest.mark.sweep
-def test_a_report_and_an_overview_are_made_where_standard_output_is_closed(tmp_path):
+def test_a_report_and_an_overview_are_made_where_standard_output_is_closed(tmp_path, monkeypatch, capsys):
     page, results = tmp_path / "report.html", tmp_path / "results.h5"
     results.write_bytes(results_bytes())
-    both = "import sys; from rockpulse.cli import main; file, *page = sys.argv[1:]"
-    both += "; sys.exit(main(['inspect', file]) or main(['report', file, *page]))"
-    closed = ["sh", "-c", 'exec "$@" >&-', "sh", sys.executable, "-c", both, str(results), "-o", str(page)]
-    done = subprocess.run(closed, stderr=subprocess.PIPE, text=True, check=False)
-    assert (done.returncode, done.stderr) == (0, "")
+    capsys.readouterr()
+    kept = os.dup(1)
+    monkeypatch.setattr(sys, "stdout", None)  # what Python makes of `>&-`
+    os.close(1)
+    try:
+        codes = [main(["inspect", str(results)]), main(["report", str(results), "-o", str(page)])]
+    finally:
+        if sys.stdout is not None:
+            sys.stdout.close()
+        os.dup2(kept, 1)
+        os.close(kept)
+    assert codes == [0, 0]
+    assert capsys.readouterr().err == ""
     assert page.read_text(encoding="utf-8").rstrip().endswith("</html>")
 
 
@@ -176,7 +185,7 @@ def test_an_internal_error_is_shown_with_what_differs_in_the_file(
     if changed:
         with h5py.File(path, "r+") as file:
             file["summary/pga"].attrs["foreign"] = 1
-    monkeypatch.setattr("rockpulse.storage.hdf5.results_file.load", lambda path: {}["absent"])
+    monkeypatch.setattr("rockpulse.views.text.overview.overview", lambda *given, **options: {}["absent"])
     if not changed:
         with pytest.raises(KeyError, match="absent"):
             main(["inspect", str(path)])

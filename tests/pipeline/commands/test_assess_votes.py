@@ -76,6 +76,7 @@ def test_every_shaking_votes_once_and_the_list_says_why(folder, capsys):
     assert told.count("[records] keep with this id assesses both") == 6
 
 
+@pytest.mark.sweep
 def test_what_is_kept_is_assessed_too(folder):
     code, tree = assess(folder, 'keep = [".HSES.*", "*.EW1@*"]')
     assert code == 0

@@ -200,6 +200,7 @@ def test_by_default_the_spectrum_is_made_and_too_few_earthquakes_make_no_design(
     assert "no design: not enough earthquakes (5; at least 7" in capsys.readouterr().err
 
 
+@pytest.mark.sweep
 def test_bodies_are_assessed_under_the_design_spectrum_of_a_file(tmp_path, capsys):
     target, design = tmp_path / "site.h5", tmp_path / "design.h5"
     rp.save(usual_site(), target)

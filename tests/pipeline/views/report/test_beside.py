@@ -114,6 +114,7 @@ def test_curves_of_other_ground_motions_say_so(results, bursts, bodies, fragilit
     assert found.other_motions("fragility", 4) == [told]
 
 
+@pytest.mark.sweep
 def test_records_that_are_compared_by_name_only_say_so(results, bursts, bodies, fragility):
     by_name = "Their records were compared by name only: PGA is not among the measures of the file."
     without = replace(CURVES, fragility=ida(limit_states=("uplift",), measures=("pgv",)))
@@ -137,6 +138,7 @@ def test_other_settings_another_gravity_and_another_equation_are_told(results, b
     )
 
 
+@pytest.mark.sweep
 def test_a_site_of_other_records_says_so(results, site, bodies, bursts):
     part = rp.assess(bursts[:1], CURVES, bodies)
     others = rp.calibrate_site(
@@ -158,6 +160,7 @@ def test_a_sequence_that_is_not_the_design_of_the_site_is_refused(tmp_path, site
             site_of(rp.assess_sequence(other, blocks=bodies), site)
 
 
+@pytest.mark.sweep
 def test_a_site_by_the_spectrum_is_shown_beside_its_design_and_another_is_refused():
     bodies = {name: BLOCKS[name] for name in ("wall", "pier")}
     assessed = rp.assess_sequence(design_of(usual_site()), blocks=bodies)

@@ -2,6 +2,8 @@
 
 import re
 
+import pytest
+
 from rocking.response import Outcome
 from rockpulse.views.report.content import gather
 from rockpulse.views.report.pictures import Pictures
@@ -27,6 +29,7 @@ def test_a_motion_is_that_of_the_model_of_the_verdict_where_it_has_one(results):
     assert motion(by_rule) is None
 
 
+@pytest.mark.sweep
 def test_a_body_at_rest_is_said_to_be_and_a_motion_that_is_not_known_is_no_picture(results):
     still = results.copy(deep=True)
     still["records"]["acceleration"].values[:] *= 1e-3
