@@ -264,6 +264,7 @@ def test_housners_intensity_of_an_impulse_is_its_velocity_but_for_damping():
     assert spectrum_intensity(push) == pytest.approx(left, rel=2e-3)
 
 
+@pytest.mark.sweep
 def test_housners_intensity_is_over_periods_of_a_tenth_to_two_and_a_half_seconds():
     motion = sine(0.7, 2, dt=0.02)
     periods = 0.1 + 0.05 * np.arange(49)
