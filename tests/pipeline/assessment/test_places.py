@@ -293,11 +293,10 @@ def test_histories_of_a_turned_body_are_those_that_are_stored():
 @pytest.mark.sweep
 def test_fragility_of_each_body_is_that_of_its_place():
     blocks = body("others"), body("own", azimuth=30.0), body("aloft", floors=(FLOOR,))
-    records = rp.RecordSettings(components="azimuth", azimuth=75.0)
-    tree = rp.fragility_curves(PAIR, rp.Config(blocks=blocks, records=records))["capacities"]
-    own = rp.fragility_curves(
-        PAIR, rp.Config(blocks=[body("own")], records=rp.RecordSettings(components="azimuth", azimuth=30.0))
-    )["capacities"]
+    there, here = (rp.RecordSettings(components="azimuth", azimuth=azimuth) for azimuth in (75.0, 30.0))
+    levels = rp.FragilitySettings(stripe_levels=(0.5, 1.0), measures=("pga", "velocity_ratio"))
+    tree = rp.fragility_curves(PAIR, rp.Config(blocks=blocks, records=there, fragility=levels))["capacities"]
+    own = rp.fragility_curves(PAIR, rp.Config(blocks=[body("own")], records=here, fragility=levels))["capacities"]
     for name in ("factor", "reached", "measure_value"):
         assert np.array_equal(tree[name].sel(block="own"), own[name].sel(block="own"), equal_nan=True), name
     # Aloft the measure is that of the ground: at the same factors the body is asked about its floor's motion.
