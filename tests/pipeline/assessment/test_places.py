@@ -144,6 +144,7 @@ def test_a_body_has_a_direction_of_its_own_where_it_differs_from_the_record():
         assert [place.azimuth for place, _ in found] == [None, 30.0][:count]
 
 
+@pytest.mark.sweep
 def test_the_spectrum_of_the_results_is_that_of_the_ground():
     for blocks, known in (
         ((body("aloft", floors=(FLOOR,)), body("ground")), True),
@@ -249,6 +250,7 @@ def test_each_body_is_shaken_in_its_own_direction(options, direction):
     assert together["body_azimuth"].values.tolist() == pytest.approx([np.nan, direction], nan_ok=True)
 
 
+@pytest.mark.sweep
 def test_a_direction_of_its_own_is_the_same_in_every_direction_of_a_sweep():
     tree = turned(body("others"), body("own", azimuth=30.0), components="sweep", azimuth_step=90.0)
     peaks = tree["summary"]["peak_rotation_ratio"].sel(model="nonlinear")

@@ -22,7 +22,7 @@ from rockpulse.record.intensity import (
 )
 from rockpulse.record.record import STANDARD_GRAVITY, Record
 
-properties = settings(derandomize=True, deadline=None, max_examples=40)
+properties = settings(derandomize=True, deadline=None, max_examples=20)
 samples = st.lists(st.integers(-9, 9), min_size=2, max_size=40)
 
 

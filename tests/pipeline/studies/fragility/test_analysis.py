@@ -274,7 +274,7 @@ def test_dispersions_are_compared_with_that_of_the_velocity_ratio(tree):
     }
 
 
-@pytest.mark.parametrize("data", ["ida", "stripes"])
+@pytest.mark.parametrize("data", ["ida", pytest.param("stripes", marks=pytest.mark.sweep)])
 def test_the_curves_come_again_from_the_capacities_of_a_file(records, tree, striped, data):
     found = tree if data == "ida" else striped
     stored = stored_ensemble(found)
