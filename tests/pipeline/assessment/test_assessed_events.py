@@ -112,6 +112,7 @@ def test_unknown_ids_are_refused_or_told_where_a_file_was_not_read(folder, tmp_p
         assert sum(reason.startswith(said) for reason in reasons) == 1
 
 
+@pytest.mark.sweep
 def test_a_name_of_no_record_is_told_also_where_little_is(folder, tmp_path, capsys):
     (folder / "broken.at2").write_bytes((folder / "m0.at2").read_bytes()[:900])
     (tmp_path / "events.csv").write_text("record,event\nelsewhere,Kobe\n")

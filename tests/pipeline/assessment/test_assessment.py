@@ -199,6 +199,7 @@ def test_histories_of_several_restitutions_stand_at_their_lanes():
         assert np.array_equal(own, direct.rotation, equal_nan=True)
 
 
+@pytest.mark.sweep
 def test_restitution_list_adds_a_dimension():
     several = BlockSettings(name="wall", width=0.4, height=3.0, restitution=[0.6, 0.9])
     config = Config(models=ModelSettings(use=("sequence", "nonlinear")))
@@ -246,6 +247,7 @@ def test_vertical_offset_is_removed_before_the_channel_is_cut_to_the_record():
     assert any("taken as zero for 2 s" in warning for warning in scene.record.warnings)
 
 
+@pytest.mark.sweep
 def test_every_estimator_gives_an_assessment_with_safety_factors():
     tables = {"main": MAIN, "secondary": SECONDARY, "interval": INTERVAL, "main_count": MAIN_COUNT, "spacing": SPACINGS}
     models = ModelSettings(use=("resonance", "sequence"))

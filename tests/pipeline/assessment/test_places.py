@@ -166,6 +166,7 @@ def test_aloft_the_strength_of_the_ground_is_brought_to_a_demand():
     assert tree["summary"]["demand_factor"].values.ravel() == pytest.approx([3.0 / RECORD.pga] * 2)
 
 
+@pytest.mark.sweep
 def test_what_is_told_of_a_floor_is_a_remark_of_the_record_once():
     asked = rp.Config(models=rp.ModelSettings(use=("balanced",)))
     squat = [rp.BlockSettings(name=f"{number}", width=1.0, height=1.0, floors=floors)
@@ -277,6 +278,7 @@ def test_a_direction_needs_a_pair():
     assert "in the direction 30 of a body" in str(tree["failures"]["reason"].values[-1])
 
 
+@pytest.mark.sweep
 def test_histories_of_a_turned_body_are_those_that_are_stored():
     blocks = body("others"), body("own", azimuth=30.0)
     records = rp.RecordSettings(components="azimuth", azimuth=75.0)

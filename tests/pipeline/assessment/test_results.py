@@ -123,6 +123,7 @@ def test_a_tree_that_is_no_assessment_says_so():
         Results(xr.DataTree()).verdicts()
 
 
+@pytest.mark.sweep
 def test_opened_results_are_those_that_are_loaded(path):
     loaded = rp.load(path)
     with rp.open_results(path) as opened:

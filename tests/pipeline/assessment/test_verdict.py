@@ -114,7 +114,7 @@ def test_the_interval_of_certain_answers_is_that_of_clopper_and_pearson():
     assert binom.sf(1, 8, share.low) == pytest.approx(0.05)
 
 
-@pytest.mark.sweep
+@pytest.mark.slow
 def test_the_interval_covers_the_mean_of_the_earthquakes_it_was_not_given():
     rng = np.random.default_rng(5)
 

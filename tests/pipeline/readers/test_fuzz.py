@@ -11,7 +11,7 @@ import pytest
 from rockpulse.errors import RecordFormatError
 from rockpulse.readers import FORMATS, read_source
 
-SEEDS = 500
+SEEDS = 250
 
 
 @pytest.mark.sweep

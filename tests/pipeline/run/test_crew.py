@@ -92,6 +92,7 @@ def test_a_worker_that_is_killed_costs_its_item_a_second_try(pair, tmp_path):
     assert sorted(path.name for path in tmp_path.iterdir()) == ["0", "3"]
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize(
     ("function", "reason"),
     [
@@ -107,6 +108,7 @@ def test_an_item_that_always_kills_its_worker_is_lost_and_no_other(pair, functio
     assert answers == {number: function(number) for number in (2, 4, 5)}
 
 
+@pytest.mark.sweep
 def test_a_worker_that_is_killed_from_outside_while_idle_changes_nothing(pair):
     victims = {process for _, process in pair.run(toys.process_id, range(6))}
     for victim in victims:

@@ -180,6 +180,7 @@ def test_the_first_to_overturn_gives_the_azimuth(tree):
     assert summary["azimuth"].values[first] == azimuth
 
 
+@pytest.mark.sweep
 def test_directions_that_cannot_be_assessed_are_unanswered_not_forgotten():
     """Across the polarisation the motion does not exceed the bracket."""
     phase = IntensePhaseSettings(method="bracketed", level=2.0)

@@ -241,6 +241,7 @@ def test_the_range_in_words_names_housners_restitution():
     assert wider.range_text == "C 0.9 to 1 times Housner's, R 1 to 1 m"
 
 
+@pytest.mark.sweep
 def test_assessments_mark_bodies_unlike_those_of_the_fit():
     config = Config()
     config = replace(config, models=replace(config.models, use=("balanced", "conservative", "linear")))

@@ -129,6 +129,7 @@ def test_the_file_says_how_the_capacities_were_searched(records):
     np.testing.assert_allclose(capacities["search_step"], (25.0 / start) ** (1 / 8), rtol=1e-9)
 
 
+@pytest.mark.sweep
 def test_one_record_that_overturns_several_bodies_is_one_record(records):
     """All bodies put together hold three capacities, of one record."""
     block = {f"wall {size:g}": Block(half_width=0.3 * size, half_height=1.5 * size) for size in (1.0, 1.02, 1.04)}
