@@ -85,8 +85,7 @@ DIRECTIONS: Declared = {
             "NaN where one has no answer"
         ),
         largest_azimuth=real(
-            "azimuth of the largest rotation; of several that overturn, of the first to do so",
-            "degree",
+            "azimuth of the largest rotation; of several that overturn, of the first to do so", "degree"
         ),
         overturning_share=real("share of all directions that overturn"),
         unanswered_count=whole("directions without an answer"),
@@ -135,8 +134,7 @@ _HISTORIES = along(
         "index into record", lambda one: one.histories(lambda rows: np.zeros(rows.lane.size, dtype=int))
     ),
     history_lane_index=whole(
-        "index into block x case of /summary, case running faster",
-        lambda one: one.histories(lambda rows: rows.lane),
+        "index into block x case of /summary, case running faster", lambda one: one.histories(lambda rows: rows.lane)
     ),
     history_model_index=whole(
         "index into model of /summary", lambda one: one.histories(lambda rows: np.full(rows.lane.size, rows.model))

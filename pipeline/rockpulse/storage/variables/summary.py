@@ -176,10 +176,7 @@ DEMAND = along(
     _of_strength,
     **_measured(STORED_OF_BODIES, lambda measure: _of_strength(measure.name)),
     impulse_ratio=real("I/I_1c; NaN where the record gave no sequence"),
-    floor_amplification=real(
-        "peak acceleration of the floor over that of the ground; 1 on the ground",
-        of_ground=True,
-    ),
+    floor_amplification=real("peak acceleration of the floor over that of the ground; 1 on the ground", of_ground=True),
     friction_required=real(
         "largest coefficient of friction that the motion without sliding asks for",
         of_ground=True,
