@@ -40,10 +40,7 @@ class Rows(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class RecordAssessment:
-    """The effect of one record on every body, from which `take` of the stored variables reads.
-
-    Lanes are bodies times restitution cases, the cases of one body next to each other.
-    """
+    """The effect of one record on every lane: bodies times restitution cases, the cases of one body side by side."""
 
     scene: Scene  # the conditioned record and what was extracted from it
     bodies: Bodies
@@ -81,10 +78,6 @@ class RecordAssessment:
     def per_lane(self, values: np.ndarray) -> np.ndarray:
         """(b x c, ...) values as (b, c, ...)."""
         return values.reshape(len(self.bodies.names), self.bodies.cases, *values.shape[1:])
-
-    def per_model(self, values: Callable[[str], Any]) -> np.ndarray:
-        """(b x c, ...) values of each of k models as (b, c, k, ...)."""
-        return self.per_lane(np.stack([np.asarray(values(model)) for model in self.responses], axis=1))
 
     def half_cycles(self, column: Callable[[Rows], np.ndarray]) -> np.ndarray:
         """A column of the half-cycles of all models that have a table of them."""

@@ -54,10 +54,7 @@ class Bodies:
     warnings: tuple[str, ...]
 
     def places(self, azimuth: float | None, within: float = 0.0) -> list[tuple[Place, np.ndarray]]:
-        """The motions that bodies feel, each with their numbers, the record's own first; see :class:`Place`.
-
-        Directions `within` some degrees of the `azimuth` of the record, or against it, are the record's own.
-        """
+        """The motions that bodies feel, with their numbers, the record's own (`within` degrees of `azimuth`) first."""
         own = []
         for direction, floors in zip(self.azimuth.tolist(), self.floors, strict=True):
             other = azimuth is not None and abs(math.remainder(direction - azimuth, 180.0)) > within
