@@ -6,16 +6,14 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from numbers import Real
-from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
 from rocking.body.block import Block
 from rockpulse.config.block_settings import BlockSettings, FloorSettings, require_pairs
+from rockpulse.config.settings import RecordSettings
 from rockpulse.errors import ConfigError
-
-if TYPE_CHECKING:
-    from rockpulse.config.settings import RecordSettings
 
 #: Mass of a body over that of its floor above which it would change the floor's motion noticeably [-].
 LIGHT = 0.05

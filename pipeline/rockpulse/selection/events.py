@@ -1,4 +1,4 @@
-"""Records of one earthquake, left out and resampled together in every statistic; in doubt joined: intervals widen."""
+"""The groups of records of one earthquake, which every statistic resamples together; in doubt records are joined."""
 
 import re
 from collections import Counter, defaultdict

@@ -149,7 +149,7 @@ class Counted(NamedTuple):
 def completeness(
     name: str, channels: Iterable[Counted], whose: str = "the header counts", closed: bool = False
 ) -> tuple[str, ...]:
-    """A warning for each recorder with fewer channels than it counts, but one in a `closed` file; refuses one twice."""
+    """A warning for each recorder with fewer channels than it counts, unless it is `closed`; refuses duplicates."""
     first: dict[tuple[str, str, str], int] = {}
     held: dict[str, set[str | int]] = {}
     counted: dict[str, int] = {}

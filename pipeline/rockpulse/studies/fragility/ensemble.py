@@ -35,7 +35,7 @@ def dispersion_ratio(curve: Curve, reference: Curve) -> tuple[float, float, floa
 
 
 def sufficiency(rows: Observations, column: int, model: str = "lognormal") -> tuple[float, float]:
-    """The slope d ln median/d ln u [-] by a quality u, and its two-sided p-value by the jackknife over events; NaN."""
+    """The slope d ln median/d ln u [-] by a quality u and its p-value, by the jackknife over events; or NaN."""
     nothing = np.nan, np.nan
     known = rows.having(column)
     if not np.all(known):

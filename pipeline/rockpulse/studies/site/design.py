@@ -122,7 +122,7 @@ def _range(sample: SiteSample) -> tuple[float, float]:
 
 
 def covered(sample: SiteSample, sequence: ImpulseSequence) -> np.ndarray:
-    """Whether a sequence reaches the rotations (n, m): 1, 0, :data:`BEYOND` if it overturns, NaN where none counts."""
+    """Whether a sequence reaches the rotations (n, m): 1, 0, :data:`BEYOND` if it overturns, NaN if not counted."""
     reached = np.atleast_1d(sequence_response(sample.blocks, sequence, table_rows=0).peak_rotation_ratio)
     marks = np.where(np.isinf(reached), BEYOND, sample.peaks <= reached)
     return np.where(np.isnan(sample.peaks), np.nan, marks)
@@ -135,7 +135,7 @@ def _reached(sample: SiteSample, shape: ImpulseSequence, mains: np.ndarray) -> n
 
 
 def _event_sums(sample: SiteSample, reached: np.ndarray, stands: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Weight covered and weight counted of every event (g, q), by the blocks that `stands` (q, m) under q sequences."""
+    """Weight covered and weight counted of every event (g, q) under q sequences, on the blocks `stands` (q, m)."""
     counted = sample.counted
     hits, total = np.zeros((2, int(sample.events.max()) + 1, reached.shape[0]))
     for record, event in enumerate(sample.events):
