@@ -4,6 +4,8 @@ The ground of a case consists of parabolic half-waves, whose samples are exact i
 computed by ``benchmarks/selftest_cases.py`` in 42 digits, and the largest error of each.
 """
 
+from __future__ import annotations
+
 import csv
 import time
 from dataclasses import asdict, dataclass, fields, replace
@@ -63,7 +65,7 @@ class Case:
         both = [lobes(peaks, self.samples, self.quiet) for peaks in (self.ground, self.vertical or self.ground)]
         return both[0], both[1] if self.vertical else np.zeros(both[0].size)
 
-    def with_scale(self, scale: float) -> "Case":
+    def with_scale(self, scale: float) -> Case:
         """The same with another factor on the record."""
         return replace(self, scale=scale)
 
