@@ -11,8 +11,8 @@ from rocking import OverturningSpectrum
 from rocking.spectrum.half_waves import HalfWaveDemand, demand_of_half_waves, half_wave_lanes
 from rockpulse.errors import ConfigError
 from rockpulse.models import Block, Outcome, sequence_response
-from rockpulse.record.synthetic import synthetic_motion
 from rockpulse.sequences.rule import POINTS, Rule, load_rule, sequence_of_demand, traits
+from synthetic import synthetic_motion
 
 RULE = Rule("balanced", 1.0)
 

@@ -7,8 +7,8 @@ import pytest
 from recorded_cases import EQUATIONS, G, block_of, synthetic
 
 from rockpulse.models import Outcome, recorded_response
-from rockpulse.record.synthetic import synthetic_lanes, synthetic_motion
 from rockpulse.studies.selftest import baseline
+from synthetic import synthetic_lanes, synthetic_motion
 
 
 def answer(block, ground, dt, equation, **options):
