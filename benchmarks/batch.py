@@ -36,9 +36,9 @@ from rockpulse import BlockSettings, ModelSettings, SearchSettings, SequenceSett
 from rockpulse.cli import main as rockpulse
 from rockpulse.config.configuration import Config
 from rockpulse.model_table import ALL_MODELS
-from rockpulse.record.synthetic import synthetic_motion
 from rockpulse.run.batch import assess_files
 from rockpulse.run.options import BatchOptions, BatchReport
+from synthetic import synthetic_motion
 
 SAMPLES = 6000
 DT = 0.01  # s

@@ -29,7 +29,7 @@ from rockpulse.models import (
 )
 from rockpulse.record.half_wave import half_waves
 from rockpulse.record.record import Record
-from rockpulse.record.synthetic import synthetic_lanes, synthetic_motion
+from synthetic import synthetic_lanes, synthetic_motion
 
 DT = 0.01  # s
 FACTOR_MAX = 10.0

@@ -22,7 +22,7 @@ from rocking.search.capacity import sequence_critical_scale
 from rockpulse.models import Block, ImpulseSequence, impulsive_response, recorded_response, sequence_response
 from rockpulse.record.half_wave import half_waves
 from rockpulse.record.record import Record
-from rockpulse.record.synthetic import synthetic_motion
+from synthetic import synthetic_motion
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "models"))
 from impulsive_march import march

@@ -25,7 +25,7 @@ from rockpulse.config.configuration import load_config
 from rockpulse.readers import read
 from rockpulse.record.conditioning import condition
 from rockpulse.record.record import STANDARD_GRAVITY
-from rockpulse.record.synthetic import synthetic_lanes, synthetic_motion
+from synthetic import synthetic_lanes, synthetic_motion
 
 TOP = Path(__file__).parents[1]
 PERTURBATION = ONE / 10**13

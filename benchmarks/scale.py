@@ -18,7 +18,7 @@ from batch import Run, fresh, run
 from record_writers import at2
 
 from rockpulse import BlockSettings, Config, ModelSettings, RecordSettings, UncertaintySettings
-from rockpulse.record.synthetic import synthetic_motion
+from synthetic import synthetic_motion
 
 DT = 0.02  # s
 #: Different accelerograms among the records, each brought to a peak of its own.

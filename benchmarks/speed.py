@@ -21,8 +21,8 @@ from numba import njit
 
 from rocking.lanes import available_cores
 from rockpulse.models import Block, Outcome, recorded_response
-from rockpulse.record.synthetic import synthetic_lanes, synthetic_motion
 from rockpulse.studies.selftest.baseline import response as solve_ivp_response
+from synthetic import synthetic_lanes, synthetic_motion
 
 EQUATIONS = ("linear", "nonlinear")
 DT = 0.01  # s

@@ -12,8 +12,8 @@ from make_schema import KINDS, TABLE, with_tables
 import rockpulse as rp
 from rockpulse import BlockSettings, DemandSettings, ModelSettings, RecordSettings, SearchSettings, UncertaintySettings
 from rockpulse.assessment.tree import EVENT
-from rockpulse.record.synthetic import synthetic_motion
 from rockpulse.remark import WARNINGS
+from synthetic import synthetic_motion
 
 SCHEMA = (Path(__file__).parents[1] / "docs" / "schema.md").read_text(encoding="utf-8")
 EXAMPLES = re.findall(r"```python\n(.*?)```", SCHEMA, re.DOTALL)

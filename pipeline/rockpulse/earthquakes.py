@@ -52,8 +52,6 @@ def weighted_quantile(values: np.ndarray, level: float, weights: np.ndarray) -> 
 def probability_interval(probability: Any, events: Any) -> tuple[np.ndarray, np.ndarray]:
     """Clopper and Pearson's interval (1934) of a mean probability over a number of earthquakes.
 
-    Examples
-    --------
     >>> [round(float(end), 3) for end in probability_interval(0.0, 10)], round(1.0 - 0.05 ** (1 / 10), 3)
     ([0.0, 0.259], 0.259)
     """
@@ -145,10 +143,7 @@ def record_quantiles(
     draws: np.ndarray,
     confidence: float,
 ) -> list[Quantiles]:
-    """Weighted quantiles of values (n, ...) over records, one for each level, of the shape of a record's values.
-
-    The interval is that of the logarithms with `logarithmic`.
-    """
+    """Weighted quantiles of values (n, ...) over records, one a level; the interval of logarithms if `logarithmic`."""
     flat = values.reshape(values.shape[0], -1)
     found = np.empty((len(levels), 3, flat.shape[1]))
     sizes = np.bincount(events, weights)
@@ -230,8 +225,6 @@ def fit_lognormal(
 ) -> Lognormal:
     """Median and dispersion of lognormal parameters, whose logarithms (n, p) are NaN where a record has none.
 
-    Notes
-    -----
     The dispersion is that of records of different earthquakes, half the weighted mean of (x_i - x_j)^2 over pairs from
     different ones: free of bias however the variance is split into that between and that within earthquakes, where the
     usual estimator is not. With one earthquake it is that within it. The interval of the median is

@@ -1,7 +1,4 @@
-"""The errors that rockpulse raises on purpose, and the rows of files and channels that gave no assessed record.
-
-Each is made of its message alone, so that it survives pickling; file-system faults stay :class:`OSError`.
-"""
+"""The errors of rockpulse, each made of its message alone, so that it survives pickling, and the rows of failures."""
 
 import re
 from collections.abc import Iterable, Sequence
@@ -64,16 +61,13 @@ _EXAMPLES = 2
 
 @dataclass(frozen=True)
 class Failure:
-    """One row of the failures table: a file (``archive.zip!member``), the step that left it out, and why.
+    """One row of the failures table."""
 
-    Its kind is "failed", which needs attention; "skipped" for what is no record, or too weak; "duplicate", "depth"
-    where another record of the same shaking is assessed in its place; "vertical" or "structural" if it is no horizontal
-    ground motion.
-    """
-
-    file: str
-    stage: str
+    file: str  # ``archive.zip!member``
+    stage: str  # that left it out
     reason: str
+    # "failed": needs attention; "skipped": no record, or too weak; "duplicate", "depth": another record of the same
+    # shaking is assessed in its place; "vertical", "structural": no horizontal ground motion
     kind: FailureKind
 
     @property

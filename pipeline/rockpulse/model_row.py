@@ -23,26 +23,20 @@ Equation = Literal["linear", "nonlinear"]
 
 @dataclass(frozen=True, eq=False)
 class Scene:
-    """A conditioned record made ready for the models: what was extracted from it, and the options of the models.
-
-    `vertical` is the vertical ground acceleration on the samples of the record, (n,) [m/s2], for the models in which it
-    acts, `phase` the stretch that the sequence is calibrated on. The sequence is None where the phase holds too few
-    half-waves; by a design spectrum it is (m,), one a block, for the paired models alone. `rule` is the working point
-    of the rule by which these answer; empty where they take the sequence. `gain` and `histories` are those of [models],
-    `factor_max`, `points` and `step` those of [search].
-    """
+    """A conditioned record made ready for the models: what was extracted from it, and their options."""
 
     record: Record
-    vertical: np.ndarray | None
+    vertical: np.ndarray | None  # (n,) acceleration on the samples of the record [m/s2], for models in which it acts
     waves: HalfWaves
-    phase: IntensePhase
+    phase: IntensePhase  # that the sequence is calibrated on
+    # None if the phase holds too few half-waves; by a design spectrum (m,), one a block, for the paired models alone
     sequence: rocking.ImpulseSequence | None
-    gain: str = "paper"
+    gain: str = "paper"  # of [models], and so is the next
     histories: bool = False
-    factor_max: float = 10.0
+    factor_max: float = 10.0  # of [search], and so are the next two
     points: int = 256
     step: float = 1.005
-    rule: str = ""
+    rule: str = ""  # working point of the rule by which paired models answer; empty where they take the sequence
 
 
 def loaded_rule(point: str) -> Rule:

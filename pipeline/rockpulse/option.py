@@ -12,17 +12,13 @@ from rockpulse.errors import ConfigError
 
 @dataclass(frozen=True)
 class KeyType:
-    """The values that a key takes: their wording for a message, the test, and the conversion to the stored value.
+    """The values that a key takes."""
 
-    A conversion makes tuples of lists, so that a section is immutable. `words` are the known ones, for "did you mean";
-    `finite` says that the value is a number, so that the message on inf or nan tells what is wrong with it.
-    """
-
-    expected: str
+    expected: str  # their wording for a message
     accepts: Callable[[Any], bool]
-    convert: Callable[[Any], Any]
-    words: tuple[str, ...] = ()
-    finite: bool = False
+    convert: Callable[[Any], Any]  # to the stored value, of a list to a tuple, so that a section is immutable
+    words: tuple[str, ...] = ()  # known ones, for "did you mean"
+    finite: bool = False  # whether they are numbers, so that the message on inf or nan tells what is wrong with it
 
 
 #: Numbers of a configuration are no larger, and no smaller than one over it unless they are 0.
@@ -33,8 +29,6 @@ LARGEST = 1e15
 class Section:
     """Base of the sections: checks every field against the values that it takes, and unpacks as keyword arguments.
 
-    Examples
-    --------
     >>> from rockpulse import HalfWaveSettings
     >>> dict(**HalfWaveSettings(threshold=0.05))
     {'threshold': 0.05, 'min_duration_s': 0.0, 'merge': True}
@@ -69,8 +63,6 @@ class Section:
 def hint(wrong: str, known: Iterable[str], told: str = "") -> str:
     """``; did you mean "x"?`` where a known word is close to the wrong one, else nothing; then `told`, what there is.
 
-    Examples
-    --------
     >>> hint("wdth", ["width"], "known are width"), hint("x", ["width"], "known are width")
     ('; did you mean "width"? Known are width', '; known are width')
     """

@@ -1,7 +1,5 @@
 """Remarks on records and results: a code and values, and the English text that is made of both."""
 
-from __future__ import annotations
-
 import json
 import re
 from collections.abc import Iterable
@@ -154,7 +152,7 @@ class Remark(str):
     code: str
     values: dict[str, Any]
 
-    def __new__(cls, code: str, /, **values: Any) -> Remark:
+    def __new__(cls, code: str, /, **values: Any) -> "Remark":
         """The remark of a code, with what its template asks for."""
         shown = {name: ", ".join(one) if isinstance(one, list) else one for name, one in values.items()}
         remark = super().__new__(cls, TEMPLATES[code].format_map(shown))

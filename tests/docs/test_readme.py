@@ -9,7 +9,7 @@ import pytest
 from docs_page import blocks, run_page
 from record_writers import at2
 
-from rockpulse.record.synthetic import synthetic_motion
+from synthetic import synthetic_motion
 
 TOP = Path(__file__).parents[2]
 

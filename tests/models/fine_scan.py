@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from rocking import Block, Outcome, critical_scale, recorded_response
-from rockpulse.record.synthetic import synthetic_lanes, synthetic_motion
+from synthetic import synthetic_lanes, synthetic_motion
 
 #: Factors of the search, and steps of the fine scan in one of its steps.
 POINTS, FINER = 64, 20

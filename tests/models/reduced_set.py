@@ -10,7 +10,7 @@ import numpy as np
 
 from rocking import Block, ImpulseSequence, impulsive_response, recorded_response, sequence_response
 from rocking.impulses.sequence import scaled_outcomes
-from rockpulse.record.synthetic import synthetic_motion
+from synthetic import synthetic_motion
 
 DT = 0.02
 MOTION = synthetic_motion(3, duration=1.6, dt=DT, pga=6.0)

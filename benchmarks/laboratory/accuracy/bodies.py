@@ -14,7 +14,7 @@ from rocking.body.block import Block
 from rocking.body.restraint import Load, Tie
 from rocking.march.recorded import recorded_response
 from rocking.response import Response
-from rockpulse.record.synthetic import synthetic_motion
+from synthetic import synthetic_motion
 
 __all__ = ["PLAIN", "bodies_table", "kinds"]
 

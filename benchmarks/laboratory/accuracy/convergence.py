@@ -15,7 +15,7 @@ from laboratory.accuracy.statistics import observed_order
 from rocking.body.block import Block
 from rocking.march.recorded import recorded_response
 from rocking.response import Response
-from rockpulse.record.synthetic import synthetic_motion
+from synthetic import synthetic_motion
 
 __all__ = ["DIVISIONS", "convergence"]
 

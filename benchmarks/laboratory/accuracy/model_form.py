@@ -22,7 +22,7 @@ from rockpulse.model_row import Scene
 from rockpulse.model_table import ALL_MODELS, MODELS
 from rockpulse.record.intensity import pgv
 from rockpulse.record.record import Record
-from rockpulse.record.synthetic import synthetic_motion
+from synthetic import synthetic_motion
 
 __all__ = [
     "BY_DEMAND",
@@ -64,7 +64,7 @@ MISSED_SHARES = (0.0, 0.05, 0.1)
 def synthetic_records(seed: int, count: int) -> list[Record]:
     """Synthetic motions of the seeds `seed`, seed + 1 and so on, as records of a processed volume.
 
-    60 s at 0.01 s each, peak 3 m/s2; see :func:`rockpulse.record.synthetic.synthetic_motion`.
+    60 s at 0.01 s each, peak 3 m/s2; see :func:`synthetic.synthetic_motion`.
     """
     return [
         Record(synthetic_motion(number), dt=0.01, id=f"synthetic.{number}", orientation="horizontal", processed=True)

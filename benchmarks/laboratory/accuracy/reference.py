@@ -14,7 +14,7 @@ import pandas as pd
 
 from rockpulse.errors import RockpulseError
 from rockpulse.record.record import Record
-from rockpulse.record.synthetic import synthetic_motion
+from synthetic import synthetic_motion
 
 __all__ = ["load_reference", "motion_of", "motion_sha256", "sample_motion"]
 

@@ -1,7 +1,4 @@
-"""The outline of a body and the places of its restraints, for every drawing of a body.
-
-Lengths are in metres, x from the centre of mass to the right and y from the base upwards; theta > 0 turns to the right.
-"""
+"""The outline of a body and its restraints, for drawings [m]: x right of the centre of mass, y above the base."""
 
 import math
 from collections.abc import Sequence

@@ -197,11 +197,7 @@ def _scan(
 def _denser(
     exceeds: Exceeds, lane: np.ndarray, factor: np.ndarray, reach: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """The scan with those steps halved that may hide an exceedance below the first one of their lane.
-
-    A step may come as near the limit as the nearer one of its ends plus the bend of the reach there, its second
-    difference.
-    """
+    """The scan with those steps halved that, by the second difference of the reach, may hide an earlier one."""
     halvings = np.zeros(lane.size, dtype=np.int64)  # of the step that begins at the factor
     due = np.append(NEAR, np.inf)
     while True:

@@ -16,14 +16,7 @@ from rocking.body.block import Block
 from rocking.march.recorded import recorded_response
 from rocking.spectrum.body_lanes import REACH, BodyLanes, LaneMarch, probability_lanes
 from rocking.spectrum.overturning import OverturningFactors
-from rocking.spectrum.probability import (
-    Uncertainty,
-    factor_at,
-    lane_probability,
-    lane_sums,
-    mean_capacity,
-    rising,
-)
+from rocking.spectrum.probability import Uncertainty, factor_at, lane_probability, lane_sums, mean_capacity, rising
 
 #: Levels are exp(LEVEL_STEP k), k whole: 1 is one of them, and all bodies have the same.
 LEVEL_STEP = 0.04

@@ -182,8 +182,10 @@ class OverturningSpectrum:
         # A higher probability is a lower factor; an end of an interval is the outermost crossing of its band.
         upper = np.maximum.accumulate(np.minimum(probability + TWO_SIDED * error, 1.0), axis=1)
         lower = np.minimum.accumulate(np.maximum(probability - TWO_SIDED * error, 0.0)[:, ::-1], axis=1)[:, ::-1]
+        at_one = -np.log(speed)[:, np.newaxis]
         middle, high, low = (
-            _crossings(self._first, self.level, rows, speed) for rows in (rising(probability), upper, lower)
+            (_read(self._first, rows, at_one).ravel(), *(factor_at(at, self.level, rows) * speed for at in (0.1, 0.5)))
+            for rows in (rising(probability), upper, lower)
         )
         found = {"at_one": middle[0], "at_one_low": low[0], "at_one_high": high[0]}
         capacity = mean_capacity(self.level, probability) * speed
@@ -306,11 +308,3 @@ def _read(first: int, probability: np.ndarray, log_x: np.ndarray) -> np.ndarray:
     share, below = np.clip(place - whole, 0.0, 1.0), whole.astype(int) - first
     rows = np.arange(log_x.shape[0])[:, np.newaxis]
     return np.asarray((1.0 - share) * probability[rows, below] + share * probability[rows, below + 1])
-
-
-def _crossings(
-    first: int, level: np.ndarray, probability: np.ndarray, speed: np.ndarray
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """P at a factor of one, and the factors of 10 and 50 %, from rising P(x) and the speeds g tan(alpha)/p."""
-    at_one = _read(first, probability, -np.log(speed)[:, np.newaxis]).ravel()
-    return at_one, factor_at(0.1, level, probability) * speed, factor_at(0.5, level, probability) * speed

@@ -1,7 +1,5 @@
 """The answers of one model for every body under every motion of a results file, and the margin of each body."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from functools import cached_property
@@ -20,10 +18,7 @@ from rockpulse.storage.variables.probability import MEAN, SOURCES
 
 
 class Share(NamedTuple):
-    """Probability that a motion overturns a body [-], over earthquakes of equal weight, with its 90 % interval.
-
-    Without probabilities in the results it is the share of earthquakes that overturn the body, as they are or weaker.
-    """
+    """Probability that a motion overturns a body [-], or the share of earthquakes that do, with its 90 % interval."""
 
     value: float
     low: float  # ends of the interval, for other earthquakes like these
@@ -119,10 +114,7 @@ class Body(NamedTuple):
 
 
 class Margin(NamedTuple):
-    """Smallest and median of factors or capacities over demand [-]: inf: none found, NaN: not known.
-
-    The median is over motions of which all directions are known; those too weak for the search to reach 1 are left out.
-    """
+    """Smallest and median factor over demand of motions known in all directions [-]; inf: none found, NaN: unknown."""
 
     smallest: float
     median: float
@@ -136,10 +128,7 @@ class Margin(NamedTuple):
 
 
 class Answers:
-    """The answers of one model: ``answers["outcome"]`` is (records, bodies), with a last dimension for demands.
-
-    A variable of the records alone is (records,). Values are read from the file when they are first asked for.
-    """
+    """The answers of one model, read when asked for: (records,), (records, bodies), or with demands as a last axis."""
 
     def __init__(self, summary: xr.Dataset, motions: Motions | None = None, model: str | None = None) -> None:
         self.summary = summary
@@ -166,7 +155,7 @@ class Answers:
         return Motions(self.records, index, events, "sequence" if given else "record")
 
     @cached_property
-    def of_models(self) -> dict[str, Answers]:
+    def of_models(self) -> "dict[str, Answers]":
         """The answers of every model of the results, in their order."""
         others = {name: Answers(self.summary, self._motions, name) for name in self.models if name != self.model}
         return {name: others.get(name, self) for name in self.models}

@@ -1,6 +1,6 @@
 """The effect of one record on every body, before it becomes rows of the results."""
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, NamedTuple
@@ -40,10 +40,7 @@ class Rows(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class RecordAssessment:
-    """The effect of one record on every body, from which `take` of the stored variables reads.
-
-    Lanes are bodies times restitution cases, the cases of one body next to each other.
-    """
+    """The effect of one record on every lane: bodies times restitution cases, the cases of one body side by side."""
 
     scene: Scene  # the conditioned record and what was extracted from it
     bodies: Bodies
@@ -82,24 +79,9 @@ class RecordAssessment:
         """(b x c, ...) values as (b, c, ...)."""
         return values.reshape(len(self.bodies.names), self.bodies.cases, *values.shape[1:])
 
-    def per_model(self, values: Callable[[str], Any]) -> np.ndarray:
-        """(b x c, ...) values of each of k models as (b, c, k, ...)."""
-        return self.per_lane(np.stack([np.asarray(values(model)) for model in self.responses], axis=1))
-
-    def half_cycles(self, column: Callable[[Rows], np.ndarray]) -> np.ndarray:
-        """A column of the half-cycles of all models that have a table of them."""
-        return _joined(map(column, self._half_cycles))
-
-    def intervals(self, column: Callable[[Rows], np.ndarray]) -> np.ndarray:
-        """A column of the intervals of overturning of all models."""
-        return _joined(map(column, self._intervals))
-
-    def histories(self, column: Callable[[Rows], np.ndarray]) -> np.ndarray:
-        """A column of the lanes of all models that have histories."""
-        return _joined(map(column, self._histories))
-
     @cached_property
-    def _half_cycles(self) -> list[Rows]:
+    def half_cycles(self) -> list[Rows]:
+        """The rows of the half-cycles of all models that have a table of them."""
         found = []
         for place, response in enumerate(self.responses.values()):
             if (table := response.half_cycles) is not None:
@@ -108,11 +90,13 @@ class RecordAssessment:
         return found
 
     @cached_property
-    def _intervals(self) -> list[Rows]:
+    def intervals(self) -> list[Rows]:
+        """The rows of the intervals of overturning of all models."""
         return [self._rows(place, one.lane, one) for place, one in enumerate(self.scales.values())]
 
     @cached_property
-    def _histories(self) -> list[Rows]:
+    def histories(self) -> list[Rows]:
+        """The rows of the lanes of all models that have histories."""
         return [
             self._rows(place, np.arange(len(self.bodies.names) * self.bodies.cases), response)
             for place, response in enumerate(self.responses.values())
@@ -122,10 +106,6 @@ class RecordAssessment:
     def _rows(self, model: int, lane: np.ndarray, source: Any, cycle: np.ndarray | None = None) -> Rows:
         cases = self.bodies.cases
         return Rows(model, lane, lane // cases, lane % cases, source, np.zeros(0, int) if cycle is None else cycle)
-
-
-def _joined(parts: Iterable[np.ndarray]) -> np.ndarray:
-    return np.concatenate(found) if (found := list(parts)) else np.zeros(0)
 
 
 def assess_scene(

@@ -1,7 +1,5 @@
 """Results in Python: read whole or opened, and their verdicts and margins as tables, ``tree.rockpulse``."""
 
-from __future__ import annotations
-
 import math
 import os
 from collections import Counter
@@ -139,7 +137,7 @@ class Results(Shown):
     def _verdicts(self) -> list[BodyVerdict]:
         return verdicts(self._answers)
 
-    def _bodies(self) -> pd.Index[str]:
+    def _bodies(self) -> "pd.Index[str]":
         return pd.Index([body.name for body in self._answers.bodies], name="body")
 
     @property

@@ -77,12 +77,6 @@ BATCH: tuple[Options, ...] = (
 )
 
 
-def batch_given(args: argparse.Namespace) -> list[str]:
-    """Names of the options of a batch that were given."""
-    names = ("workers", "scheduler", "resume", "strict", "log_file")
-    return [f"--{name.replace('_', '-')}" for name in names if getattr(args, name)]
-
-
 def count(words: str) -> int:
     """Parse a whole number from 1."""
     number = int(words) if words.isdecimal() else 0

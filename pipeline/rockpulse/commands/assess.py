@@ -6,7 +6,7 @@ import argparse
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from rockpulse.commands.arguments import BATCH, batch_given, configured, from_records, resolved
+from rockpulse.commands.arguments import BATCH, configured, from_records, resolved
 from rockpulse.commands.parser import Verb
 from rockpulse.commands.running import batch_options, nothing_written, recorded, told
 from rockpulse.errors import ConfigError
@@ -18,8 +18,9 @@ if TYPE_CHECKING:
 
 
 def _run(args: argparse.Namespace) -> int:
-    of_records = (("PATHS", args.paths), ("--units", args.units), ("--dt", args.dt), ("--confirm", args.confirm))
-    given = [*(name for name, value in of_records if value), *batch_given(args)]
+    of_records = ("paths", "units", "dt", "confirm", "workers", "scheduler", "resume", "strict", "log_file")
+    options = {name: "PATHS" if name == "paths" else f"--{name.replace('_', '-')}" for name in of_records}
+    given = [option for name, option in options.items() if getattr(args, name)]
     if args.sequence is not None and given:
         raise ConfigError(f"--sequence takes the place of the records: drop {' and '.join(given)}, or --sequence")
     config, paths = resolved(args) if args.sequence is None else (configured(args), [])

@@ -17,7 +17,7 @@ def _run(args: argparse.Namespace) -> int:
     from rockpulse.storage.hdf5.atomic import ASSESSMENT, named
     from rockpulse.storage.hdf5.results_file import load
     from rockpulse.studies.check.bodies import code_check
-    from rockpulse.views.text.check import check_overview, check_table
+    from rockpulse.views.text.check import check_overview
 
     if args.output is not None:
         check_file(args.output, args.overwrite)
@@ -33,7 +33,7 @@ def _run(args: argparse.Namespace) -> int:
         config = config_from_text(str(tree.attrs["configuration"]))
     found = code_check(config, args.code or CODES, tree)
     if args.output is not None:
-        write_files({Path(args.output): csv_bytes(check_table(found))})
+        write_files({Path(args.output): csv_bytes(found.to_dataframe().reset_index())})
     if not args.quiet:
         tell(check_overview(found) + (f"\n\ntable: {args.output}" if args.output else ""))
     return 0

@@ -36,8 +36,8 @@ def _run(args: argparse.Namespace) -> int:
     tell(
         wrapped(
             "Every file may be compressed with gzip or lie in a zip archive: files and members up to "
-            f"{_mebibytes(FILE_LIMIT)}, compressed up to {RATIO_LIMIT} times; archives up to {MEMBER_LIMIT} members "
-            f"and {_mebibytes(TOTAL_LIMIT)}, without archives in them."
+            f"{FILE_LIMIT // 1024**2} MiB, compressed up to {RATIO_LIMIT} times; archives up to {MEMBER_LIMIT} members "
+            f"and {TOTAL_LIMIT // 1024**2} MiB, without archives in them."
         )
     )
     tell(
@@ -48,10 +48,6 @@ def _run(args: argparse.Namespace) -> int:
     )
     tell(f"Units: {', '.join(UNITS)}.")
     return 0
-
-
-def _mebibytes(count: int) -> str:
-    return f"{count // 1024**2} MiB"
 
 
 VERB = Verb(

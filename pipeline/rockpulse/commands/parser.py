@@ -1,7 +1,5 @@
 """A verb of the command line as data, and the parser: options by their full names, and advice for unknown words."""
 
-from __future__ import annotations
-
 import argparse
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -35,7 +33,7 @@ class Verb:
     run: Callable[[argparse.Namespace], int]
     examples: tuple[str, ...] = ()  # command lines that show its use
 
-    def add_to(self, subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    def add_to(self, subparsers: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
         """Add a parser for the verb to the subparsers of the program."""
         epilog = "\n  ".join(["examples:", *self.examples]) if self.examples else None
         parser = subparsers.add_parser(self.name, help=self.summary, description=self.description, epilog=epilog)

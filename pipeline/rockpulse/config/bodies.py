@@ -6,16 +6,14 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from numbers import Real
-from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
 from rocking.body.block import Block
 from rockpulse.config.block_settings import BlockSettings, FloorSettings, require_pairs
+from rockpulse.config.settings import RecordSettings
 from rockpulse.errors import ConfigError
-
-if TYPE_CHECKING:
-    from rockpulse.config.settings import RecordSettings
 
 #: Mass of a body over that of its floor above which it would change the floor's motion noticeably [-].
 LIGHT = 0.05
@@ -54,10 +52,7 @@ class Bodies:
     warnings: tuple[str, ...]
 
     def places(self, azimuth: float | None, within: float = 0.0) -> list[tuple[Place, np.ndarray]]:
-        """The motions that bodies feel, each with their numbers, the record's own first; see :class:`Place`.
-
-        Directions `within` some degrees of the `azimuth` of the record, or against it, are the record's own.
-        """
+        """The motions that bodies feel, with their numbers, the record's own (`within` degrees of `azimuth`) first."""
         own = []
         for direction, floors in zip(self.azimuth.tolist(), self.floors, strict=True):
             other = azimuth is not None and abs(math.remainder(direction - azimuth, 180.0)) > within

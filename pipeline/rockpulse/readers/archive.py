@@ -1,7 +1,5 @@
 """Members of a zip archive, read in memory: nothing is written to disk."""
 
-from __future__ import annotations
-
 import lzma
 import re
 import zipfile
@@ -50,7 +48,7 @@ class Archive:
         self._entries = [entry for entry in entries if not _hidden(entry.filename)]
         self.names = [f"{path}!{entry.filename}" for entry in self._entries]
 
-    def __enter__(self) -> Archive:
+    def __enter__(self) -> "Archive":
         return self
 
     def __exit__(self, *fault: object) -> None:

@@ -36,9 +36,8 @@ class Writer:
     # from a record to the content of its own file; None where all records go into one file
     one: Callable[[Record], bytes] | None = None
     digits: float = 0.0  # half a unit of the last digit over the value, at most; 0 where samples come back bit by bit
-    whole: bool = (
-        True  # whether every azimuth and state of processing comes back; else they may be missing, never wrong
-    )
+    # whether every azimuth and state of processing comes back; else they may be missing, never wrong
+    whole: bool = True
     structure: bool = False  # whether a file says that its channel is on a structure
     others: tuple[str, ...] = ()  # lower-case suffixes by which it is recognised too
 

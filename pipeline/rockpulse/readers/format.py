@@ -1,7 +1,5 @@
 """One row of the table of formats, as every reader offers it, and the options of reading."""
 
-from __future__ import annotations
-
 import math
 import os
 import re
@@ -99,7 +97,7 @@ class ReadOptions:
         if self.response not in RESPONSES:
             raise ConfigError(f"option response: expected one of {', '.join(RESPONSES)}, found {self.response!r}")
 
-    def of_file(self, name: str) -> ReadOptions:
+    def of_file(self, name: str) -> "ReadOptions":
         """The options for one file, by its name as in `Record.source`, with those rows that decide something."""
         if not self.files:
             return self

@@ -1,7 +1,5 @@
 """The bytes of one record file and the station metadata beside it, from a disk, an archive or a stream."""
 
-from __future__ import annotations
-
 import codecs
 import gzip
 import hashlib
@@ -97,7 +95,7 @@ class SourceFile:
         """SHA-256 of the file, decompressed."""
         return hashlib.sha256(self._bytes).hexdigest()
 
-    def first_half(self) -> SourceFile | None:
+    def first_half(self) -> "SourceFile | None":
         """The first half of a file whose second half is a copy of it; None for others and bare numbers."""
         half, odd = divmod(len(self.content), 2)
         begins = min(half, HEAD)

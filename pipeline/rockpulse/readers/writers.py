@@ -116,10 +116,7 @@ def miniseed_bytes(
 
 
 def seed_codes(records: Sequence[Record], beside: Sequence[tuple[str, bytes]] = ()) -> list[tuple[str, str, str, str]]:
-    """Network, station, location and channel codes as SEED has room for, each set of four once.
-
-    The location counts up if codes meet, in the file or in a StationXML that contradicts them at an overlapping time.
-    """
+    """Network, station, location and channel codes for SEED, each set once: the location counts up where codes meet."""
     taken: set[tuple[str, str, str, str]] = set()
     result = []
     for record in records:

@@ -78,11 +78,7 @@ class Neighbours:
 def select_horizontal(
     records: Iterable[Record], structural: bool = False, configured: bool = True
 ) -> tuple[list[Record], list[Failure]]:
-    """Keep the channels that are assessed as horizontal ground motion, in the order given; a row for each other.
-
-    Channels of unknown orientation and, if `structural`, those on structures of known azimuth get a warning. Rows name
-    the setting that takes the latter if there is a configuration (`configured`).
-    """
+    """Keep the channels of horizontal ground motion, in order, `structural` ones too; a row for each other channel."""
     horizontal, failures = [], []
     for record in records:
         kind = record.orientation

@@ -1,7 +1,5 @@
 """Half-waves: the impulses between the zero crossings of a record, linear between its samples (VALIDATION F10)."""
 
-from __future__ import annotations
-
 import heapq
 import math
 from dataclasses import dataclass, replace
@@ -65,7 +63,7 @@ class HalfWaves(Shown):
         """Largest absolute impulse [m/s]; 0 without a wave."""
         return float(np.max(np.abs(self.impulse), initial=0.0))
 
-    def between(self, start: float, end: float) -> HalfWaves:
+    def between(self, start: float, end: float) -> "HalfWaves":
         """The waves whose centroid lies from a start to an end [s] from the first sample, both included."""
         inside = (self.centroid >= start) & (self.centroid <= end)
         return replace(self, **{name: getattr(self, name)[inside] for name in COLUMNS})

@@ -9,14 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rockpulse.record.intensity import (
-    arias_intensity,
-    fajfar_index,
-    largest_change,
-    pgv,
-    spectral_acceleration,
-    spectrum_intensity,
-)
+from rockpulse.record import intensity
 from rockpulse.record.record import STANDARD_GRAVITY, Record
 
 if TYPE_CHECKING:
@@ -115,7 +108,7 @@ def _rms_of_lobes(on: RecordOnBodies) -> np.ndarray:
 
 def _change_ratio(on: RecordOnBodies) -> np.ndarray:
     rates, place = np.unique(on.block.p, return_inverse=True)
-    largest = np.array([largest_change(on.record, 2.0 / rate) for rate in rates])[place]
+    largest = np.array([intensity.largest_change(on.record, 2.0 / rate) for rate in rates])[place]
     return np.asarray(on.block.p * largest / on.lifting)
 
 
@@ -138,7 +131,7 @@ _TABLE = (
         PGV,
         "m s-1",
         "PGV",
-        lambda on: pgv(on.record),
+        lambda on: intensity.pgv(on.record),
         meaning="peak ground velocity",
         stored=" after conditioning, from rest at the first sample",
         uses="demand hazard scaling",
@@ -149,7 +142,7 @@ _TABLE = (
         "arias_intensity",
         "m s-1",
         "Arias intensity",
-        lambda on: arias_intensity(on.record),
+        lambda on: intensity.arias_intensity(on.record),
         heading="Arias",
         stored="",
         explanation="after conditioning",
@@ -159,17 +152,17 @@ _TABLE = (
         "si",
         "m s-1",
         "SI",
-        lambda on: spectrum_intensity(on.record),
+        lambda on: intensity.spectrum_intensity(on.record),
         detail=" (mean pseudo-velocity, 0.1 to 2.5 s)",
         meaning="Housner's intensity: mean pseudo-velocity, 0.1 to 2.5 s",
         uses="demand hazard",
     ),
-    Measure("fajfar", "m s-3/4", "PGV t_D^(1/4), t_D = D5-95", lambda on: fajfar_index(on.record)),
+    Measure("fajfar", "m s-3/4", "PGV t_D^(1/4), t_D = D5-95", lambda on: intensity.fajfar_index(on.record)),
     Measure(
         "sa",
         "m s-2",
         "Sa",
-        lambda on, period: spectral_acceleration(on.record, period),
+        lambda on, period: intensity.spectral_acceleration(on.record, period),
         detail=", 5 %",
         meaning="pseudo-acceleration at the period, 5 %",
         uses="demand hazard",
@@ -187,11 +180,13 @@ _TABLE = (
     _ratio(
         REFERENCE,
         "p PGV/(g tan alpha_c)",
-        lambda on: on.block.p * pgv(on.record) / on.lifting,
+        lambda on: on.block.p * intensity.pgv(on.record) / on.lifting,
         stored="",
         uses="demand",
     ),
-    _ratio("si_ratio", "p SI/(g tan alpha_c)", lambda on: on.block.p * spectrum_intensity(on.record) / on.lifting),
+    _ratio(
+        "si_ratio", "p SI/(g tan alpha_c)", lambda on: on.block.p * intensity.spectrum_intensity(on.record) / on.lifting
+    ),
     _ratio("change_ratio", "p times the largest change of velocity within 2/p, over g tan alpha_c", _change_ratio),
     Measure(IMPULSE, "m s-1", "largest half-wave impulse I", lambda on: on.waves().largest, uses="scaling"),
     _ratio("impulse_ratio", "I/I_1c", lambda on: on.waves().largest / on.block.critical_impulse),

@@ -1,7 +1,5 @@
 """One channel of ground acceleration with its metadata."""
 
-from __future__ import annotations
-
 import math
 import re
 import sys
@@ -153,15 +151,15 @@ class Record(Shown):
             values[0] = (float(self.acceleration[0]), self.npts)
         return _restored, (type(self), values)
 
-    def without_samples(self) -> Record:
+    def without_samples(self) -> "Record":
         """The same record with zeros that take no memory in place of its samples."""
         return replace(self, acceleration=np.broadcast_to(0.0, self.npts))
 
-    def with_warning(self, warning: str) -> Record:
+    def with_warning(self, warning: str) -> "Record":
         """The same record with one more warning."""
         return replace(self, warnings=(*self.warnings, warning))
 
-    def with_note(self, step: str) -> Record:
+    def with_note(self, step: str) -> "Record":
         """The same record with one more processing step written down."""
         return replace(self, processing=(*self.processing, step))
 

@@ -1,7 +1,4 @@
-"""The analysis of a set of records: plan the motions, work on each, collect the tree of results.
-
-:func:`run` does it in this process, `rockpulse.run.batch` with a journal and many processes.
-"""
+"""The analysis of a set of records in this process: plan the motions, work on each, collect the tree of results."""
 
 import logging
 from abc import ABC, abstractmethod
@@ -84,10 +81,7 @@ class Analysis(ABC):
         return tree
 
     def prepare(self, records: Iterable[Record], failures: Iterable[Failure] = ()) -> Prepared:
-        """Plans the motions and groups them by earthquake; the samples are not needed.
-
-        Raises ConfigError for two records of one id, and for tables and patterns that do not fit.
-        """
+        """Plans the motions and groups them by earthquake; ConfigError for equal ids and tables that do not fit."""
         every = sorted(records, key=lambda record: record.id) if self.in_order_of_ids else list(records)
         twice = sorted(name for name, times in Counter(record.id for record in every).items() if times > 1)
         if twice:
@@ -158,11 +152,7 @@ def _checked(records: Iterable[Record]) -> list[Record]:
 def worked(
     planned: PlannedMotion, work: Work, stage: str, config: Config, watch: Watch = nullcontext
 ) -> Iterator[Part | Failure]:
-    """Yields the part of every motion of a channel or pair, or rows of failures.
-
-    A channel that cannot be conditioned gives a row, a pair that cannot be rotated two, a refused vertical channel one
-    beside those of its channels, and so does a peak that has to be confirmed.
-    """
+    """Yields the part of every motion of a channel or pair, or a row of failures for each channel that is not used."""
     try:
         with watch("condition"):
             motions = conditioned_motions(planned, config)

@@ -1,7 +1,5 @@
 """The workers of a batch: this process, processes of this machine or a cluster; no item is lost when one dies."""
 
-from __future__ import annotations
-
 import logging
 import re
 import time
@@ -10,7 +8,7 @@ from concurrent.futures import FIRST_COMPLETED, CancelledError, Executor, Future
 from contextlib import ExitStack
 from dataclasses import dataclass, field
 from itertools import islice
-from typing import Any, TypeVar
+from typing import Any, Self, TypeVar
 
 from rocking.lanes import available_cores
 from rockpulse.errors import ConfigError
@@ -50,19 +48,19 @@ class Crew:
     handed_out: set[Future[Any]] = field(default_factory=set)
 
     @classmethod
-    def inline(cls) -> Crew:
+    def inline(cls) -> Self:
         """A crew of this process alone, with all its threads."""
         return cls(None, lambda: 1)
 
     @classmethod
-    def local(cls, workers: int) -> Crew:
+    def local(cls, workers: int) -> Self:
         """A number of processes of this machine, each with its kernels on one thread."""
         if workers < 1:
             raise ValueError(f"workers: expected a whole number of at least 1, got {workers!r}")
         return cls(WorkerProcesses(workers), lambda: workers, deaths=(WorkerDied,), tries=2)
 
     @classmethod
-    def scheduler(cls, address: str, timeout: float = 20.0) -> Crew:
+    def scheduler(cls, address: str, timeout: float = 20.0) -> Self:
         """The workers of a running dask.distributed cluster, each item with its kernels on one thread.
 
         The scheduler itself repeats an item whose worker died (its option ``allowed-failures``). Raises ConfigError
@@ -78,7 +76,7 @@ class Crew:
         return cls(cluster, cluster.size, deaths=cluster.deaths, ahead=AHEAD_ON_CLUSTER)
 
     @classmethod
-    def through(cls, executor: Executor) -> Crew:
+    def through(cls, executor: Executor) -> Self:
         """Any executor, which the caller shuts down."""
         return cls(executor, available_cores, owned=False)
 
@@ -87,7 +85,7 @@ class Crew:
         """Number of items in work at once; on a cluster it changes with the workers."""
         return self.count()
 
-    def __enter__(self) -> Crew:
+    def __enter__(self) -> Self:
         return self
 
     def __exit__(self, *error: object) -> None:

@@ -1,7 +1,4 @@
-"""Packed arrays, and a file of frames: a JSON head and a body of bytes, each with a checksum.
-
-Damage in a file of frames costs the frames that it is in, and no other one.
-"""
+"""Packed arrays, and files of frames (a JSON head, a body of bytes, checksums): damage costs only its own frames."""
 
 import json
 import math
@@ -102,10 +99,7 @@ def append(file: FileIO, place: int, head: dict[str, Any], parts: Sequence[bytes
 
 
 def frames_of(file: FileIO) -> tuple[list[Frame], int, int]:
-    """All frames of a file with sound heads in order, the end of the last one, and the number of gaps.
-
-    Gaps are places that hold no frame, other than one at the end that was cut off.
-    """
+    """The frames of a file with sound heads, the end of the last one, and the number of gaps, without a cut-off end."""
     size = file.seek(0, os.SEEK_END)
     found: list[Frame] = []
     place = end = gaps = 0

@@ -4,8 +4,6 @@ The file, ``results.h5.journal``, holds frames (`rockpulse.run.frames`), one for
 run locks it exclusively; the lock ends with the process. The journal does not inspect the parts that it keeps.
 """
 
-from __future__ import annotations
-
 import os
 import secrets
 import sys
@@ -114,12 +112,11 @@ class Journal:
                 self._kept[frame.head["key"]] = frame
 
     @classmethod
-    def open(cls, target: str | os.PathLike[str], resume: bool = False, overwrite: bool = False) -> Journal:
+    def open(cls, target: str | os.PathLike[str], resume: bool = False, overwrite: bool = False) -> "Journal":
         """Creates the journal of a run beside its output, or opens that of a stopped run, and locks it.
 
-        `resume` keeps what a stopped run has finished, `overwrite` drops it. Raises JournalError for a journal that
-        another process has locked, one of a stopped run without either option, a foreign file, or a place that cannot
-        be written.
+        `resume` keeps what a stopped run has finished, `overwrite` drops it. JournalError if it is locked, foreign or
+        stays.
         """
         path = journal_path(target)
         check_regular(path, JournalError)
@@ -184,10 +181,7 @@ class Journal:
         return {key: [Failure(*row) for row in found] for key, found in rows.items() if found}
 
     def add(self, done: Done) -> None:
-        """Writes the outcome of a task durably, in place of an earlier one.
-
-        Raises JournalError if it cannot be written, as on a full disk, or if the file was removed.
-        """
+        """Writes the outcome of a task durably, in place of an earlier one; JournalError if it cannot be written."""
         if not self.in_place:
             raise JournalError(
                 f"{self.path}: the journal was removed while the run was at work, and what was finished with it; begin "

@@ -16,10 +16,6 @@ class Interrupted(KeyboardInterrupt):
     """Ctrl-C during a batch; the message says what is kept and how to go on."""
 
 
-def _no_bar(**_: Any) -> AbstractContextManager[Any]:
-    return nullcontext(SimpleNamespace(update=int))
-
-
 @dataclass(frozen=True)
 class BatchOptions:
     """Options of a batch; the results do not depend on them.
@@ -54,7 +50,7 @@ class BatchOptions:
     overwrite: bool = False
     strict: bool = False
     written: tuple[str | os.PathLike[str], ...] = ()
-    bar: Callable[..., AbstractContextManager[Any]] = _no_bar
+    bar: Callable[..., AbstractContextManager[Any]] = lambda **_: nullcontext(SimpleNamespace(update=int))
     tell: Callable[[str], object] = str
 
 

@@ -1,7 +1,4 @@
-"""Worker processes as an executor, with a pipe to each, so that the death of one is noticed at once and costs one item.
-
-Nothing heavy is imported here, so that a worker starts at once.
-"""
+"""Worker processes as an executor, with a pipe to each: a death costs one item. Imports nothing heavy."""
 
 import multiprocessing
 import os
@@ -33,11 +30,7 @@ def call(function: Callable[[Any], Any], item: Any) -> Any:
 
 
 def serve(pipe: Connection) -> None:
-    """The main loop of a worker: sends "ready", then answers each message until the parent closes the pipe or ends.
-
-    A message is the pickled triple (function, arguments, keywords), its answer the pickled pair (True, result) or
-    (False, exception), with the traceback as a note.
-    """
+    """The main loop of a worker: for (function, arguments, keywords) it sends (True, result) or (False, exception)."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C reaches the whole group: the parent decides
     threading.Thread(target=_end_with_parent, daemon=True).start()
     try:

@@ -131,11 +131,7 @@ def unexpected(fault: BaseException) -> RuntimeError:
 def gather(
     found: Sequence[Found], surveys: Iterable[tuple[Found, FileSurvey]], failures: Iterable[Failure]
 ) -> tuple[list[Located], list[Failure]]:
-    """All records of all files, without duplicates, with parts joined and ids made distinct, and the rows of failures.
-
-    The surveys may come in any order, and lack files whose worker was lost. Records, ids and rows are those of
-    ``read_all``, without samples.
-    """
+    """All records of all files as of ``read_all``, without samples, and rows of failures; surveys come in any order."""
     by_file = {str(one.path): survey for one, survey in surveys}
     ordered = [by_file[str(one.path)] for one in found if str(one.path) in by_file]
     located = {id(one.record): one for survey in ordered for one in survey.located}

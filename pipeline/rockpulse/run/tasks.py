@@ -12,6 +12,8 @@ from pathlib import Path
 from threading import get_ident
 from typing import Any
 
+import numpy as np
+
 import rocking
 from rocking.body.block import Block
 from rocking.march.demand import ground_demand
@@ -20,7 +22,6 @@ from rockpulse.config.settings import CalibrationSettings
 from rockpulse.errors import Failure, RockpulseError
 from rockpulse.readers import ReadOptions
 from rockpulse.record.record import BETWEEN, Record, id_matches
-from rockpulse.record.synthetic import synthetic_motion
 from rockpulse.run.analysis import Analysis, Work, worked
 from rockpulse.run.frames import pack
 from rockpulse.run.journal import UNFINISHED, Done
@@ -207,7 +208,7 @@ def _heard() -> Iterator[list[tuple[int, str]]]:
 
 
 def warm_up(analysis: Analysis) -> None:
-    """Compiles, or loads, every kernel of an analysis, by work on a short synthetic motion."""
+    """Compiles, or loads, every kernel of an analysis, by work on a short motion."""
     config = analysis.config
     plain = Config(
         models=config.models,
@@ -219,7 +220,9 @@ def warm_up(analysis: Analysis) -> None:
         ),
         fragility=replace(config.fragility, pga_min=0.0),
     )
-    record = Record(synthetic_motion(1, duration=8.0, pga=6.0), dt=0.01, id="warm-up", processed=True)
+    time = 0.01 * np.arange(801)
+    motion = 6.0 * np.exp(-time / 3.0) * (np.sin(5.0 * time) + 0.5 * np.sin(23.0 * time))
+    record = Record(motion, dt=0.01, id="warm-up", processed=True)
     # From a post that overturns to a wall that hardly moves, so that every kernel is called.
     sizes = {"a": (0.1, 1.0), "b": (0.2, 2.0), "c": (0.5, 2.5), "d": (1.0, 5.0), "e": (1.0, 4.0)}
     blocks = {name: Block(half_width=b, half_height=h) for name, (b, h) in sizes.items()}

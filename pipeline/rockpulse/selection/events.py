@@ -1,7 +1,4 @@
-"""Records of one earthquake, which are left out together, and resampled together, in every statistic.
-
-In doubt records are joined: fewer events mean wider intervals, never narrower ones. The user's table decides.
-"""
+"""The groups of records of one earthquake, which every statistic resamples together; in doubt records are joined."""
 
 import re
 from collections import Counter, defaultdict
@@ -184,11 +181,6 @@ def _years(record: Record) -> set[int]:
         slack = timedelta(seconds=CLOCK_S)
         return {(moment - slack).year, (moment + slack).year}
     return {int(text) + (0 if len(text) == 4 else 1900 if int(text) >= _CENTURY else 2000) for text in found}
-
-
-def names_earthquake(title: str) -> bool:
-    """Whether a title has a word that names an earthquake, beside dates, numbers and general words."""
-    return bool(words_of(title))
 
 
 def words_of(title: str) -> frozenset[str]:

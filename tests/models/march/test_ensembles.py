@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from rocking import Block, Outcome, recorded_response
-from rockpulse.record.synthetic import synthetic_motion
+from synthetic import synthetic_motion
 
 MOTIONS = 120
 DT = 0.01

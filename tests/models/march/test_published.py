@@ -10,7 +10,7 @@ from scipy.stats import ks_2samp
 import rockpulse as rp
 from rocking import Block, OverturningSpectrum, critical_scale, recorded_response
 from rocking.spectrum.lanes import spectrum_lanes
-from rockpulse.record.synthetic import synthetic_motion
+from synthetic import synthetic_motion
 
 G = 9.81
 SAMPLES = 120  # of a cycle; the sine is piecewise linear, which raises thresholds by some 2e-4

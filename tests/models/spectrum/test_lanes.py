@@ -21,7 +21,7 @@ from rocking.spectrum.lanes import (
     piece_lanes,
     spectrum_lanes,
 )
-from rockpulse.record.synthetic import synthetic_motion
+from synthetic import synthetic_motion
 
 DT = 0.01
 MOTION = synthetic_motion(3, pga=3.0)[:1200]

@@ -17,7 +17,7 @@ from rocking.spectrum.overturning import (
     slender_within,
 )
 from rocking.spectrum.probability import NO_LANE, factor_at, mean_capacity, rising
-from rockpulse.record.synthetic import synthetic_motion
+from synthetic import synthetic_motion
 
 DT = 0.01
 MOTION = synthetic_motion(3, pga=3.0)[:2000]

@@ -17,8 +17,8 @@ from rockpulse.assessment.spectra import (
 )
 from rockpulse.models import Block, Outcome, recorded_response
 from rockpulse.record.record import Record
-from rockpulse.record.synthetic import synthetic_motion
 from rockpulse.storage.variables.probability import LEVELS, ROTATIONS
+from synthetic import synthetic_motion
 
 RECORD = rp.Record(synthetic_motion(3, pga=3.0)[:2000], dt=0.01, id="synthetic", processed=True)
 P = np.array([1.5, 1.7, 1.9])

@@ -1,7 +1,4 @@
-"""The formats: each module reads one family of files and has a row `Format` for each, which is found by itself.
-
-The order does not matter: each claims its own files only. The build makes plugins of obspy from the same rows.
-"""
+"""The formats: each module reads one family of files and has a row `Format` for each, found by itself, in any order."""
 
 from dataclasses import replace
 from importlib import import_module

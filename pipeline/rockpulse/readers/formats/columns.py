@@ -1,7 +1,5 @@
 """Plain columns of numbers (CSV, TXT), with or without times: statements must agree, and nothing is guessed."""
 
-from __future__ import annotations
-
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 
@@ -47,7 +45,7 @@ class _Columns:
         """The number of columns."""
         return self.table.shape[1]
 
-    def picked(self, order: Sequence[int], *warnings: str) -> _Columns:
+    def picked(self, order: Sequence[int], *warnings: str) -> "_Columns":
         """The columns at these places, in this order, with further warnings."""
         headings = tuple(self.headings[index] for index in order) if self.headings else ()
         return _Columns(self.table[:, order], headings, (*self.warnings, *warnings))

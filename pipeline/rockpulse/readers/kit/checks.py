@@ -78,10 +78,7 @@ def held_direction(said: Direction, told: Direction, note: str) -> Direction:
 def surplus(
     lines: Sequence[str], first: int, end: int, name: str = "", title: re.Pattern[str] | None = None, used: int = 0
 ) -> tuple[str, ...]:
-    """Warnings for rows in ``lines[first:end]``, behind the samples, and for numbers behind their `used` characters.
-
-    `title` matches the first line of another record of the file `name`, which formats of one channel refuse.
-    """
+    """Warnings for rows ``lines[first:end]`` behind the samples and numbers behind `used`; refuses another `title`."""
     notes = []
     if used and lines[first - 1][used:].strip():
         notes.append(f"line {first}: numbers beyond the declared count were left out")
@@ -152,10 +149,7 @@ class Counted(NamedTuple):
 def completeness(
     name: str, channels: Iterable[Counted], whose: str = "the header counts", closed: bool = False
 ) -> tuple[str, ...]:
-    """A warning for each recorder of which the file holds fewer channels than it counts; one twice is refused.
-
-    A file that is `closed` (ends as its format asks) may hold one channel: agencies cut records of structures so.
-    """
+    """A warning for each recorder with fewer channels than it counts, unless it is `closed`; refuses duplicates."""
     first: dict[tuple[str, str, str], int] = {}
     held: dict[str, set[str | int]] = {}
     counted: dict[str, int] = {}

@@ -4,8 +4,6 @@ A channel begins with 13 lines of text (volume 2: a title before them and 11 lin
 reals (8F10), which repeat some of the text. A line ``/&`` or the next title ends it.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -135,10 +133,7 @@ class Heading:
 
 
 def channels(file: SourceFile, title: re.Pattern[str], wording: str) -> tuple[list[str], list[Span], tuple[str, ...]]:
-    """Lines of a file, without the carriage control of a line printer, spans of the channels in them, and warnings.
-
-    Each channel begins with `title`, or `wording` in messages; copies of a channel, a title, an end count once.
-    """
+    """Lines of a file without the carriage control of a printer, spans of channels, each from a `title`, warnings."""
     lines = text_lines(file.content)
     if all(line.startswith(" ") for line in lines if line):
         lines = [line[1:] for line in lines]

@@ -1,7 +1,5 @@
 """Equal spacing of sample times, recognised through the rounding of printed times or made by interpolation."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
@@ -163,7 +161,7 @@ class Block:
         """Time that the values of the file last, the step behind the last included [s]."""
         return float(self.times[-1] - self.times[0]) + self.dt
 
-    def noting(self, *warnings: str) -> Block:
+    def noting(self, *warnings: str) -> "Block":
         """The same samples with further warnings."""
         return replace(self, warnings=(*self.warnings, *warnings))
 

@@ -1,13 +1,11 @@
 """A choice of answers of a results file: by name, by condition, in which order, how many."""
 
-from __future__ import annotations
-
 import fnmatch
 import operator
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 import xarray as xr
@@ -53,11 +51,9 @@ class Condition:
     value: str
 
     @classmethod
-    def parse(cls, words: str) -> Condition:
+    def parse(cls, words: str) -> Self:
         """The condition of a text: name or heading of a table, comparison, value.
 
-        Examples
-        --------
         >>> Condition.parse("factor of 10 % < 1")
         Condition(name='factor_10', comparison='<', value='1')
         """

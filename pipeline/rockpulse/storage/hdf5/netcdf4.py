@@ -4,20 +4,15 @@ A dimension is a dimension scale: the variable of its name, or a dataset without
 h5netcdf takes several times as long for a hundred variables (docs/decisions/005).
 """
 
-from __future__ import annotations
-
-from collections.abc import Iterator, Mapping
+from collections.abc import Hashable, Iterator, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import h5py
 import numpy as np
 import xarray as xr
 from xarray.backends import BackendArray
 from xarray.core import indexing
-
-if TYPE_CHECKING:
-    from collections.abc import Hashable
 
 
 class _Stored(BackendArray):

@@ -14,25 +14,39 @@ from rockpulse.storage.variables.summary import LANES, SUMMARY
 GROWING = frozenset({"record", "row", "interval", "wave", "sample", "history", "instant"})
 
 
+def _column(table: str, pick: Callable[[Any], np.ndarray]) -> Callable[[Any], np.ndarray]:
+    """Takes a column of a table of an assessed record, whose models each give some rows."""
+
+    def taken(one: Any) -> np.ndarray:
+        found = [pick(rows) for rows in getattr(one, table)]
+        return np.concatenate(found) if found else np.zeros(0)
+
+    return taken
+
+
+def _first_record(rows: Any) -> np.ndarray:
+    return np.zeros(rows.lane.size, dtype=int)
+
+
+def _model(rows: Any) -> np.ndarray:
+    return np.full(rows.lane.size, rows.model)
+
+
 def _pointers(table: str) -> dict[str, StoredVariable]:
     """The columns of a table of an assessed record that say what a row belongs to; the record counts as the first."""
-
-    def column(long_name: str, pick: Callable[[Any], Any]) -> StoredVariable:
-        return whole(long_name, lambda one: getattr(one, table)(pick))
-
     return {
-        "record_index": column("index into record of /summary", lambda rows: np.zeros(rows.lane.size, dtype=int)),
-        "block_index": column("index into block of /summary", lambda rows: rows.block),
-        "case_index": column("index of the restitution of the block", lambda rows: rows.case),
-        "model_index": column("index into model of /summary", lambda rows: np.full(rows.lane.size, rows.model)),
+        "record_index": whole("index into record of /summary", _column(table, _first_record)),
+        "block_index": whole("index into block of /summary", _column(table, lambda rows: rows.block)),
+        "case_index": whole("index of the restitution of the block", _column(table, lambda rows: rows.case)),
+        "model_index": whole("index into model of /summary", _column(table, _model)),
     }
 
 
 HALF_CYCLE = along(
     ("row",),
-    lambda name: lambda one: one.half_cycles(lambda rows: getattr(rows.source, name)[rows.cycle, rows.lane]),
+    lambda name: _column("half_cycles", lambda rows: getattr(rows.source, name)[rows.cycle, rows.lane]),
     **_pointers("half_cycles"),
-    half_cycle=whole("number of the half-cycle, from 1", lambda one: one.half_cycles(lambda rows: rows.cycle + 1)),
+    half_cycle=whole("number of the half-cycle, from 1", _column("half_cycles", lambda rows: rows.cycle + 1)),
     start_velocity=real("u = theta'/(p alpha_c) at its start"),
     peak=real("largest theta/alpha_c in it; inf where the block overturns"),
     duration=real("time to the next impact; inf where there is none", "s"),
@@ -43,7 +57,7 @@ HALF_CYCLE = along(
 
 OVERTURNING = along(
     ("interval",),
-    lambda name: lambda one: one.intervals(lambda rows: getattr(rows.source, name)),
+    lambda name: _column("intervals", lambda rows: getattr(rows.source, name)),
     **_pointers("intervals"),
     lower=real("smallest factor on the model's input that overturns in this interval"),
     upper=real("largest one; the end of the search where open"),
@@ -85,8 +99,7 @@ DIRECTIONS: Declared = {
             "NaN where one has no answer"
         ),
         largest_azimuth=real(
-            "azimuth of the largest rotation; of several that overturn, of the first to do so",
-            "degree",
+            "azimuth of the largest rotation; of several that overturn, of the first to do so", "degree"
         ),
         overturning_share=real("share of all directions that overturn"),
         unanswered_count=whole("directions without an answer"),
@@ -128,22 +141,17 @@ _HISTORIES = along(
     ("history",),
     history_row_size=whole(
         "instants of each history",
-        lambda one: one.histories(lambda rows: np.full(rows.lane.size, rows.source.rotation.shape[1])),
+        _column("histories", lambda rows: np.full(rows.lane.size, rows.source.rotation.shape[1])),
         sample_dimension="instant",
     ),
-    history_record_index=whole(
-        "index into record", lambda one: one.histories(lambda rows: np.zeros(rows.lane.size, dtype=int))
-    ),
+    history_record_index=whole("index into record", _column("histories", _first_record)),
     history_lane_index=whole(
-        "index into block x case of /summary, case running faster",
-        lambda one: one.histories(lambda rows: rows.lane),
+        "index into block x case of /summary, case running faster", _column("histories", lambda rows: rows.lane)
     ),
-    history_model_index=whole(
-        "index into model of /summary", lambda one: one.histories(lambda rows: np.full(rows.lane.size, rows.model))
-    ),
+    history_model_index=whole("index into model of /summary", _column("histories", _model)),
 ) | along(
     ("instant",),
-    lambda name: lambda one: one.histories(lambda rows: getattr(rows.source, name).ravel()),
+    lambda name: _column("histories", lambda rows: getattr(rows.source, name).ravel()),
     rotation=real("rotation at the record's samples", "rad"),
     velocity=real("its rate", "rad s-1"),
 )

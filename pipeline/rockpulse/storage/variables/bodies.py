@@ -26,11 +26,7 @@ def _of_body(name: str) -> Callable[[Bodies, Config], Any]:
 BLOCK = along(
     ("block",),
     _of_body,
-    width=real(
-        "full width; NaN where only p and alpha are known",
-        "m",
-        lambda bodies, config: bodies.width,
-    ),
+    width=real("full width; NaN where only p and alpha are known", "m", lambda bodies, config: bodies.width),
     height=real("full height; NaN where only p and alpha are known", "m", lambda bodies, config: bodies.height),
     radius=real(
         "R, from the corner to the centre of mass: half the diagonal; for a body given by p the radius given with "

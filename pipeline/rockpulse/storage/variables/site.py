@@ -96,14 +96,10 @@ VARIABLES: Declared = {
             "share of the lifted blocks whose rotation under the record's own sequence is below the recorded one"
         ),
         left_out_main=real(
-            "main impulse I of the design without the event of the record; NaN if there is none",
-            "m s-1",
+            "main impulse I of the design without the event of the record; NaN if there is none", "m s-1"
         ),
     ),
-    **along(
-        ("record", "parameter"),
-        value=real("parameter of the record's own sequence", _OF_PARAMETER),
-    ),
+    **along(("record", "parameter"), value=real("parameter of the record's own sequence", _OF_PARAMETER)),
     **along(
         ("block",),
         alpha_c=real("critical angle", "rad"),

@@ -79,11 +79,8 @@ _OF_RECORD: dict[str, Callable[[Any], Any] | None] = {
 
 
 def _per_model(pick: Callable[[Any, str], Any]) -> Callable[[Any], Any]:
-    return lambda one: one.per_model(lambda model: pick(one, model))
-
-
-def _of_response(name: str) -> Callable[[Any], Any]:
-    return _per_model(lambda one, model: getattr(one.responses[model], name))
+    """(b, c, k, ...) of the values that `pick` gives of each of k models in (b x c, ...) lanes."""
+    return lambda one: one.per_lane(np.stack([np.asarray(pick(one, model)) for model in one.responses], axis=1))
 
 
 def _of_search(name: str) -> Callable[[Any], Any]:
@@ -176,10 +173,7 @@ DEMAND = along(
     _of_strength,
     **_measured(STORED_OF_BODIES, lambda measure: _of_strength(measure.name)),
     impulse_ratio=real("I/I_1c; NaN where the record gave no sequence"),
-    floor_amplification=real(
-        "peak acceleration of the floor over that of the ground; 1 on the ground",
-        of_ground=True,
-    ),
+    floor_amplification=real("peak acceleration of the floor over that of the ground; 1 on the ground", of_ground=True),
     friction_required=real(
         "largest coefficient of friction that the motion without sliding asks for",
         of_ground=True,
@@ -193,7 +187,7 @@ DEMAND = along(
 
 ANSWER = along(
     (*LANES, "model"),
-    lambda name: _OF_ANSWER.get(name, _of_response(name)),
+    lambda name: _OF_ANSWER.get(name, _per_model(lambda one, model: getattr(one.responses[model], name))),
     peak_rotation_ratio=real(
         "largest rotation over alpha_c; inf where the block overturns, 0 at rest",
         explanation="theta_max/alpha_c; NaN: unresolved",

@@ -106,10 +106,7 @@ def _checked(
 
 
 def of_histories(results: xr.DataTree, config: Config, names: Sequence[str]) -> dict[str, np.ndarray]:
-    """`probability` of the verdict, `factor_50`, and `beside`, the reason of NaN, of the named bodies, (m,) each.
-
-    A body with other geometry, restraints or floors in the results than in the configuration is another body.
-    """
+    """`probability`, `factor_50` and `beside`, the reason of NaN, of (m,) bodies alike in results and configuration."""
     answers = answers_of(results)
     assessed, checked = _bodies(config_from_text(str(results.attrs.get("configuration", "")))), _bodies(config)
     beside = [_why_not(name, answers, assessed.get(name), checked[name]) for name in names]

@@ -10,8 +10,6 @@
    a rigid block.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Sequence
 from typing import NamedTuple

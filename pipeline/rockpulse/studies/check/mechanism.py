@@ -144,10 +144,7 @@ def _mechanism(block: Block, body: Block, carried: Sequence[Load]) -> Mechanism:
 
 
 def mechanisms(body: BlockSettings) -> dict[str, tuple[Mechanism, ...]]:
-    """The mechanisms (:func:`senses_of`) of a body of the configuration, and of it with its pedestals, by name.
-
-    Raises ValueError for a tie without a yield force, ConfigError for an invalid body.
-    """
+    """The mechanisms (:func:`senses_of`) of a body of the configuration, and of it with its pedestals, by name."""
     carried = tuple(one.made() for one in body.loads if one.friction is None)
     rest = tuple(one for one in body.loads if one.friction is not None)
     alone = replace(body, loads=rest).block() if carried else None

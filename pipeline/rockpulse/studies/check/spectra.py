@@ -91,11 +91,7 @@ class CodeSpectrum:
 
 @dataclass(frozen=True, eq=False)
 class TabledSpectrum:
-    """A spectrum of 5 % damping between tabled periods; other dampings by eta, except for the ground at period 0.
-
-    Raises ConfigError for fewer than two points, a first period above 0, or numbers that are not positive or not
-    ascending.
-    """
+    """A spectrum of 5 % damping between tabled periods; other dampings by eta, except for the ground at period 0."""
 
     period: np.ndarray  # (n,) T [s] from 0, ascending
     acceleration: np.ndarray  # (n,) S_e [m/s2], positive

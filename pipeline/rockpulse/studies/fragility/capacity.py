@@ -71,10 +71,7 @@ def scale_capacities(
 def reached_at(
     scene: Scene, block: Block, states: Sequence[str | float], equation: str, factors: np.ndarray
 ) -> np.ndarray:
-    """Whether a record reaches the states of :func:`scale_capacities` at factors (r, m), r for each lane.
-
-    (s, r, m): 1 for reached, 0 for not, :data:`NOT_KNOWN` if the model cannot resolve it.
-    """
+    """Whether a record reaches the states at factors (r, m), r a lane: (s, r, m) of 1, 0 or :data:`NOT_KNOWN`."""
     record = scene.record
     solved, vertical = _acting(scene, equation)
     lifted = uplift_scale(block, record.acceleration, solved, vertical)

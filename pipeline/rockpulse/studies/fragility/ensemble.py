@@ -27,10 +27,7 @@ from rockpulse.studies.fragility.statements import missing
 
 
 def dispersion_ratio(curve: Curve, reference: Curve) -> tuple[float, float, float]:
-    """beta over that of a reference measure for the same records [-], with lower and upper limit; NaN without.
-
-    Both are jackknifed over the same events, so that their common scatter cancels.
-    """
+    """beta over that of a reference measure [-], with limits, both jackknifed over the same events; NaN without."""
     difference = curve.log_beta - reference.log_beta
     half = np.nan if curve.events < FEWEST_EVENTS else jackknife_half_width(difference, curve.confidence)
     ratio, low, high = np.exp(difference[0] + np.array([0.0, -half, half]))
@@ -38,10 +35,7 @@ def dispersion_ratio(curve: Curve, reference: Curve) -> tuple[float, float, floa
 
 
 def sufficiency(rows: Observations, column: int, model: str = "lognormal") -> tuple[float, float]:
-    """The slope d ln median/d ln u [-] of capacity by a quality u of the record, and the p-value of a slope of zero.
-
-    The p-value is two-sided, by the jackknife over events; NaN for too few of them, or without a fit.
-    """
+    """The slope d ln median/d ln u [-] by a quality u and its p-value, by the jackknife over events; or NaN."""
     nothing = np.nan, np.nan
     known = rows.having(column)
     if not np.all(known):
@@ -107,10 +101,7 @@ class Ensemble:
 
     @property
     def stated(self) -> np.ndarray:
-        """(n, c) The qualities that the files state, in the order of STATED; NaN without.
-
-        Their logarithms are the covariates; a magnitude is a logarithm already, so that its exponential is returned.
-        """
+        """(n, c) The qualities that files state, in the order of STATED, magnitudes as exponentials; NaN without."""
         return np.column_stack(
             [np.exp(self.facts[name]) if name == "magnitude" else self.facts[name] for name in STATED]
         )
@@ -176,10 +167,7 @@ class Fits:
 
 
 def fit_ensemble(ensemble: Ensemble, groups: Sequence[Sequence[int]]) -> Fits:
-    """Curves of all limit states in all measures, and whether the measures are sufficient.
-
-    Several lanes of a group are fitted together in dimensionless measures only, which have one scale for all bodies.
-    """
+    """Curves of all limit states and measures, several lanes together in dimensionless ones only, and sufficiency."""
     settings = ensemble.config.fragility
     shape = (len(groups), len(settings.limit_states), len(settings.measures))
     curves = np.empty(shape, dtype=object)

@@ -6,11 +6,9 @@
    likelihood. It is concave in (a, b) (Olsen 1978), so that Newton's method with halved steps finds its only maximum.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 from scipy.special import expit, log_expit, log_ndtr, ndtr
@@ -36,7 +34,7 @@ class Observations:
     @classmethod
     def of(
         cls, level: Any, kind: Any, clusters: Any = None, records: Any = None, qualities: Any = None, weight: Any = None
-    ) -> Observations:
+    ) -> Self:
         """Rows of equal weight, and of an event and record each, by default.
 
         Raises ConfigError for levels that are not positive and finite, or arrays of different lengths.
@@ -72,7 +70,7 @@ class Observations:
         values = self.qualities[:, column]
         return np.isfinite(values) & (values > 0.0)
 
-    def only(self, kept: np.ndarray) -> Observations:
+    def only(self, kept: np.ndarray) -> "Observations":
         """The rows of a mask (n,), with their events alone."""
         clusters = np.array(self.events, dtype=str)[self.cluster]
         rows = (clusters, self.record.astype(str), self.qualities, self.weight)
@@ -169,10 +167,7 @@ def scores(
 
 
 def maximise(family: Family, design: np.ndarray, kind: np.ndarray, weights: np.ndarray) -> np.ndarray:
-    """Parameters (q, k) of largest likelihood for q weightings (q, n) of the same rows; see :func:`scores`.
-
-    The columns of the design except the first are centred, of the order of one. NaN without a maximum or convergence.
-    """
+    """Parameters (q, k) of largest likelihood for q weightings (q, n), columns centred; NaN where it has no maximum."""
     theta = np.zeros((weights.shape[0], design.shape[1]))
     theta[:, 1] = 1.0
     exact = np.where(kind == EXACT, 1.0, 0.0)

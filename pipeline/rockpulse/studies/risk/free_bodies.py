@@ -6,11 +6,9 @@
    tan(alpha)/p))/deviation. The mean of the records' own probabilities assumes no distribution.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 import xarray as xr
@@ -38,7 +36,7 @@ class BodyCurves(NamedTuple):
     floor: np.ndarray  #: (m,) logarithms of g tan(alpha), the acceleration that lifts a body
 
     @classmethod
-    def read(cls, spectra: xr.Dataset, block: Block, own: np.ndarray) -> BodyCurves:
+    def read(cls, spectra: xr.Dataset, block: Block, own: np.ndarray) -> Self:
         """The curves of (m,) bodies that the spectra cover; ResultsError for gaps at their p."""
         axes = spectra["p"].values, spectra["restitution"].values
         log_s = at_blocks(block, *axes, np.log(spectra["spectrum"].transpose("p", "restitution", "record").values))

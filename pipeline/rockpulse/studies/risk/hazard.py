@@ -5,13 +5,11 @@
    site is that of x/S on rock.
 """
 
-from __future__ import annotations
-
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import TypeAlias
+from typing import Self, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -283,9 +281,7 @@ class SiteHazards:
         object.__setattr__(self, "distance", distance)
 
     @classmethod
-    def distinct(
-        cls, keys: np.ndarray, hazard: Callable[..., Hazard], distance: np.ndarray | None = None
-    ) -> SiteHazards:
+    def distinct(cls, keys: np.ndarray, hazard: Callable[..., Hazard], distance: np.ndarray | None = None) -> Self:
         """The hazards of m bodies, one for each different row of the keys (m, k); `hazard` makes it."""
         found, of_body = np.unique(keys, axis=0, return_inverse=True)
         known = np.full(len(keys), np.nan) if distance is None else distance
@@ -328,7 +324,7 @@ class SiteHazards:
             return self.hazards[0].words
         return f"{len(self.hazards)} hazards of {self.measure} in {self.unit}, such as {self.hazards[0].words}"
 
-    def chosen(self, bodies: np.ndarray) -> SiteHazards:
+    def chosen(self, bodies: np.ndarray) -> "SiteHazards":
         """The hazards of some bodies, by number."""
         return SiteHazards(self.hazards, self.of_body[bodies], self.distance[bodies])
 

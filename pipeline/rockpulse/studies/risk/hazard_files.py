@@ -173,10 +173,7 @@ def hazard_of(settings: HazardSettings, folder: Path = Path()) -> Hazard:
 def site_hazards_of(
     settings: HazardSettings, sites: np.ndarray | None, soil_factor: np.ndarray | None, count: int, folder: Path
 ) -> SiteHazards:
-    """The hazards of several bodies: by the configuration, their own sites and their own soil factors.
-
-    Without `sites` or `soil_factor` those of the configuration; ConfigError if both are given.
-    """
+    """The hazards of several bodies; sites and soil factors are their own or those of the configuration, never both."""
     for key, told, own in (
         ("longitude, latitude", settings.longitude is not None, sites),
         ("soil_factor", settings.soil_factor != 1.0, soil_factor),
@@ -337,10 +334,7 @@ def coordinates(path: str, table: pd.DataFrame) -> np.ndarray | None:
 
 
 def nearest_places(path: str, places: np.ndarray, sites: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """The row (m,) of the place nearest to each of some sites, and its distance [m].
-
-    `places` (n, 2) and `sites` (m, 2) are longitudes and latitudes [degrees]. Raises ConfigError beyond 50 km.
-    """
+    """Row (m,) of the place (n, 2) nearest to each site (m, 2) [degrees], and distance [m]; ConfigError above 50 km."""
     from obspy.geodetics import degrees2kilometers, locations2degrees
     from scipy.spatial import KDTree
 

@@ -51,11 +51,7 @@ class Integral(NamedTuple):
 def integrate(
     family: Family, line: tuple[float, float], hazard: Hazard, breaks: tuple[float, ...] = (), floor: float = -math.inf
 ) -> Integral:
-    """The sum of a fragility over a hazard of the same measure, levels in SI units.
-
-    `line` is A and B > 0 in ln of the level, `breaks` are logarithms of levels that separate contributions, and below
-    the logarithm `floor` the fragility is zero.
-    """
+    """The fragility of the `line` A, B > 0, zero below exp(floor), summed over a hazard, with nodes at the `breaks`."""
     a, b = line
     lowest, highest, steepest = float(hazard.slopes[0]), float(hazard.slopes[-1]), float(np.max(hazard.slopes))
     logistic, middle = family.deviation != 1.0, -a / b
@@ -114,10 +110,7 @@ def _lines(rows: Observations, family: Family, weights: np.ndarray) -> np.ndarra
 
 
 def _frequencies(family: Family, lines: np.ndarray, hazard: Hazard, floor: float) -> np.ndarray:
-    """ln of the frequencies of q fits, to about 1e-4; NaN without a rising curve.
-
-    The mean of the hazard over the capacities: lambda = integral of H(exp((z - A)/B)) f(z) dz.
-    """
+    """ln of the frequencies of q fits, integrals of H(exp((z - A)/B)) f(z) dz, to about 1e-4; NaN if none rises."""
     found = np.full(lines.shape[0], np.nan)
     rising = np.flatnonzero(lines[:, 1] > 0.0)
     density = family.log_density(CAPACITY)[0] + math.log(STEP)
@@ -138,10 +131,7 @@ def band_of(
     seed: int,
     floor: float = -math.inf,
 ) -> Limits:
-    """Limits of the frequency with the logarithm `estimate`, from the `lines` of :func:`fitted_lines`.
-
-    A draw is lost if it has no rising curve, or none without one of its earthquakes: it has no standard error.
-    """
+    """Limits of the frequency exp(estimate), from :func:`fitted_lines`; draws that have no standard error are lost."""
     events = len(rows.events)
     error = jackknife_error(_frequencies(family, lines, hazard, floor)[:, np.newaxis])[0]
     counts = draw_earthquakes(events, resamples, seed)

@@ -42,11 +42,7 @@ class Inventory(NamedTuple):
 
 
 def read_inventory(path: str | Path) -> Inventory:
-    """Free rectangular bodies from a CSV table with the columns name, width [m] and height [m].
-
-    Optional columns are restitution, longitude and latitude [degrees] (or lon, lat) and soil_factor. Raises ConfigError
-    for another file, an empty or repeated name, numbers that are not positive, or an invalid site.
-    """
+    """Free rectangular bodies from a CSV table of the columns NEEDED and OPTIONAL; ConfigError for another table."""
     where = Path(path)
     if not where.exists() or where.is_dir():
         raise ConfigError(f"{path}: expected a table of bodies, found no file")

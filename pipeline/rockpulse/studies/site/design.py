@@ -9,8 +9,6 @@
    for the blocks that the design calls safe (docs/decisions/011).
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, replace
 
@@ -34,11 +32,7 @@ WEAKEST = 1e-4
 
 @dataclass(frozen=True, eq=False)
 class SiteSample:
-    """The sequences of n records, and the peaks of m blocks under their motions.
-
-    The values are the parameters of the sequences, NaN for none. The peaks are theta_max/alpha_c [-] to be covered, inf
-    for overturned or unresolved, NaN for a block at rest, which any sequence covers.
-    """
+    """Sequences of n records (NaN: none) and peaks of m blocks to cover [-]: inf if overturned, NaN if never lifted."""
 
     values: np.ndarray  # (n, 5) in the order and unit of PARAMETERS
     peaks: np.ndarray  # (n, m)
@@ -59,7 +53,7 @@ class SiteSample:
         """(n, m) whether a pair of record and block counts."""
         return ~np.isnan(self.peaks) & (self.weights[:, np.newaxis] > 0.0)
 
-    def part(self, kept: np.ndarray) -> SiteSample:
+    def part(self, kept: np.ndarray) -> "SiteSample":
         """The sample of the records `kept` (n,) bool."""
         return replace(
             self,
@@ -96,16 +90,10 @@ def design_sequence(sample: SiteSample, quantile: float) -> ImpulseSequence:
     return replace(shape, main=high, secondary=min(shape.secondary / shape.main * high, high))
 
 
-def _moments(sample: SiteSample) -> tuple[np.ndarray, np.ndarray]:
-    """(5,) Mean and dispersion of the logarithms."""
-    once = np.ones((1, int(sample.events.max()) + 1), dtype=int)
-    mean, dispersion = log_moments(sample.logarithms, sample.weights, sample.events, once)
-    return mean[0], dispersion[0]
-
-
 def _medians(sample: SiteSample) -> np.ndarray:
     """(5,) Lognormal medians; for the whole number of main impulses the weighted median."""
-    medians = np.exp(_moments(sample)[0])
+    once = np.ones((1, int(sample.events.max()) + 1), dtype=int)
+    medians = np.exp(log_moments(sample.logarithms, sample.weights, sample.events, once)[0][0])
     medians[3] = weighted_quantile(sample.values[:, 3], 0.5, sample.weights)
     if not np.isfinite(medians[1]):
         medians[1] = 0.0  # no record has secondary impulses
@@ -134,10 +122,7 @@ def _range(sample: SiteSample) -> tuple[float, float]:
 
 
 def covered(sample: SiteSample, sequence: ImpulseSequence) -> np.ndarray:
-    """Whether a sequence reaches the recorded rotations (n, m): 1 covered, 0 not, NaN for pairs that do not count.
-
-    :data:`BEYOND` if the sequence overturns the block. A sequence without an answer covers nothing.
-    """
+    """Whether a sequence reaches the rotations (n, m): 1, 0, :data:`BEYOND` if it overturns, NaN if not counted."""
     reached = np.atleast_1d(sequence_response(sample.blocks, sequence, table_rows=0).peak_rotation_ratio)
     marks = np.where(np.isinf(reached), BEYOND, sample.peaks <= reached)
     return np.where(np.isnan(sample.peaks), np.nan, marks)
@@ -150,10 +135,7 @@ def _reached(sample: SiteSample, shape: ImpulseSequence, mains: np.ndarray) -> n
 
 
 def _event_sums(sample: SiteSample, reached: np.ndarray, stands: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Weight covered and weight counted of every event, (g, q), under q sequences with the peaks (q, m) of the blocks.
-
-    With each sequence the blocks `stands` (q, m) count.
-    """
+    """Weight covered and weight counted of every event (g, q) under q sequences, on the blocks `stands` (q, m)."""
     counted = sample.counted
     hits, total = np.zeros((2, int(sample.events.max()) + 1, reached.shape[0]))
     for record, event in enumerate(sample.events):
@@ -170,10 +152,7 @@ def _falls_short(hits: np.ndarray, total: np.ndarray, quantile: float) -> np.nda
 
 
 def overturning_limit(sample: SiteSample, sequence: ImpulseSequence, quantile: float) -> tuple[np.ndarray, float]:
-    """Blocks (m,) whose overturning sets the main impulse of a design, and the share covered below it [-].
-
-    They stand just below I and not at it, and the quantile is reached because they no longer count; else none.
-    """
+    """Blocks (m,) whose overturning sets the main impulse of a design, and the share covered just below it [-]."""
     low, high = _range(sample)
     bracket = math.log(high / low) / (GRID - 1) / (REFINED - 1) ** ROUNDS
     reached = _reached(sample, sequence, sequence.main * np.array([1.0 - 2.0 * bracket, 1.0]))

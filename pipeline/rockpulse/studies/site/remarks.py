@@ -24,11 +24,7 @@ FEW_LIFTED = 0.1
 def site_remarks(
     site: Mapping[str, Any], factors: np.ndarray, events: np.ndarray, weights: np.ndarray, unjudged: Mapping[str, str]
 ) -> list[Remark]:
-    """The remarks of a site file, the most important first.
-
-    `site` has the scalars of the file, `design_upper` (of I) and `share_below`, the share covered just below I;
-    `unjudged` has the code of a remark for each event without judgement.
-    """
+    """The remarks of a site file from its scalars, and a code for each event that is `unjudged`, the gravest first."""
     records, count, quantile = site["record_count"], site["event_count"], float(site["quantile"])
     remarks = []
     if count == 1:

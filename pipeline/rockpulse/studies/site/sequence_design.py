@@ -68,11 +68,7 @@ def judged(marks: np.ndarray, sample: SiteSample, standing: bool = True) -> np.n
 def coverage_of(
     marks: np.ndarray, sample: SiteSample, confidence: float, standing: bool = True
 ) -> tuple[float, float, float]:
-    """Weighted share of covered pairs of record and block, with its event-clustered interval; NaN without pairs.
-
-    `marks` are :attr:`Coverage.covered`. With `standing` only blocks count that the design leaves standing; else those
-    that it overturns are covered. The ends are NaN for a single event.
-    """
+    """Weighted share of covered pairs (of blocks left `standing`), with its event-clustered interval; NaN for none."""
     counted = judged(marks, sample, standing)
     rows = np.nonzero(counted)[0]
     if rows.size == 0:
@@ -103,11 +99,7 @@ def sequence_design(
     config: Config,
     remarks: Sequence[str],
 ) -> dict[str, xr.Dataset]:
-    """Fits, designs, judges: the nodes of a site file by their paths.
-
-    `done` are the arrays of :func:`rockpulse.studies.site.records.site_record` of all records, and "event"; the weights
-    are of mean one. Raises RecordRefused if the records make no design sequence.
-    """
+    """Fits, designs, judges: nodes of a site file by path, weights of mean one; RecordRefused without a design."""
     settings = config.calibration
     names, numbers = np.unique(done["event"], return_inverse=True)
     peaks = done["peaks"]

@@ -37,11 +37,7 @@ STATED = {"spectrum_50": 0.5, "spectrum_84": 0.84}
 
 
 def site_spectrum_record(motion: Motion, watch: Watch, config: Config) -> Part:
-    """Scales a motion and computes its overturning spectrum: arrays (1,) by the names of the file.
-
-    "spectrum" is (1, a, c), "record_ratio" and "record_main_count" (1, a). RecordRefused for a motion that cannot be
-    scaled or is zero.
-    """
+    """Overturning spectrum of a scaled motion: arrays (1, ...) by names of the file; RecordRefused if it is zero."""
     with watch("solve"):
         record, factor = scaled_motion(motion, config)
         if record.pga == 0.0:
@@ -80,10 +76,7 @@ def spectrum_design(
     config: Config,
     remarks: Sequence[str],
 ) -> dict[str, xr.Dataset]:
-    """The spectra of all records, their quantiles and the design of every body: nodes of a file by path.
-
-    `done` are the arrays of :func:`site_spectrum_record` of all records, and "event"; the weights are of mean one.
-    """
+    """The spectra of all records, their quantiles, the design of every body: nodes of a file; weights of mean one."""
     settings = config.calibration
     names, numbers = np.unique(done["event"], return_inverse=True)
     counted = weights > 0.0

@@ -1,7 +1,5 @@
 """Fragility curves of a block, one of them with its band, over one measure or several side by side."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Any
 

@@ -1,7 +1,5 @@
 """The ground motion of one record as a small dataset, its accelerogram, half-waves and the impulses for them."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The limit accelerogram and its secondary sequence (Casapulla & Maione 2017, Figures 1 and 2)."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from typing import Any

@@ -1,7 +1,5 @@
 """Rotation histories of several models on one record, their impacts and overturning."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Any
 

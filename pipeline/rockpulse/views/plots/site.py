@@ -1,7 +1,5 @@
 """The parameters of the impulse sequences of a site and its design sequence, and its overturning spectrum over p."""
 
-from __future__ import annotations
-
 import textwrap
 from typing import Any
 

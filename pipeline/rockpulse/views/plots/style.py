@@ -1,9 +1,4 @@
-"""One look for all pictures: sizes for a page of A4, colours for colour-blind eyes and for grey, texts and numbers.
-
-Every size is set on the artist itself: matplotlib's global settings stay. Names given by users are plain text.
-"""
-
-from __future__ import annotations
+"""One look for all pictures, set on each artist: sizes for A4, colours for colour-blind eyes and grey, texts."""
 
 import re
 import textwrap
@@ -45,7 +40,7 @@ DASHED, DOTTED = (0, (6, 3)), (0, (1.2, 1.2))
 #: Label of the figures that are made here; columns by which a long history is drawn: more cannot be told apart.
 _OURS, INSTANTS = "rockpulse", 700
 #: The Axes of a user for a picture of several panels: one, several, or those of ``plt.subplots``.
-Panels: TypeAlias = "Axes | Sequence[Axes] | np.ndarray"
+Panels: TypeAlias = Axes | Sequence[Axes] | np.ndarray
 
 
 class Look(NamedTuple):

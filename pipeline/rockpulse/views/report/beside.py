@@ -67,11 +67,7 @@ class Paired:
 
 
 def paired(results: xr.DataTree, other: xr.DataTree, kind: str, name: str) -> Paired:
-    """Compare a file with the results that it is to be shown beside.
-
-    A ResultsError where a body has the name of one of the results and another p, alpha_c or C, where no body of
-    fragility curves is in the results, and where a sequence that was assessed is not the design of the site.
-    """
+    """Compare a file with the results beside it; a ResultsError if bodies of one name or the designs are not alike."""
     summary = results["summary"].to_dataset()
     site = other["site" if kind == SITE_KIND else FRAGILITY].to_dataset()
     kept, missing, foreign = _bodies(summary, site, kind, name)
@@ -110,7 +106,8 @@ def _bodies(
         named = None if own else _WITH_RESTITUTION.fullmatch(label)
         if named:
             own = [body for body in bodies if body.block == named["block"]]
-        every = {body: _body_numbers(summary, body) for body in own}
+        of_results = [summary[key].values for key in ("p", "alpha_c")]
+        every = {body: (*(float(values[body.place]) for values in of_results), body.restitution) for body in own}
         same = [body for body in own if _close(every[body], numbers)]
         if same:
             found.setdefault(same[0], place)
@@ -181,11 +178,6 @@ def _other_settings(results: xr.DataTree, other: xr.DataTree) -> tuple[str, ...]
     if own and others and own != others:
         said.append(f"[[block]] gravity = {', '.join(map(_set, others))}, here {', '.join(map(_set, own))}")
     return tuple(said)
-
-
-def _body_numbers(summary: xr.Dataset, body: Body) -> tuple[float, float, float]:
-    p, alpha = (float(summary[name].values[body.place]) for name in ("p", "alpha_c"))
-    return p, alpha, body.restitution
 
 
 def _close(one: tuple[float, ...], other: tuple[float, ...]) -> bool:

@@ -212,10 +212,7 @@ def _outline(block: Block) -> dict[str, Any]:
 
 
 def chosen(answers: Answers, lane: int) -> dict[int, list[str]]:
-    """Rows of the records that are shown of a body, and why: the worst, that of f_50 nearest to 1, the median.
-
-    Among factors that are not known, or not reached, the record that shakes the body more strongly is the worse.
-    """
+    """Rows of the records shown of a body, and why: the worst (else the strongest), f_50 nearest to 1, the median."""
     factor, strength = known(answers[answers.factor][:, lane]), answers["uplift_ratio"][:, lane]
     order = np.lexsort((-np.nan_to_num(strength), factor))
     half = answers["factor_50" if answers.probable else "safety_factor"][:, lane]

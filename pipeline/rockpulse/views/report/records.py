@@ -1,10 +1,8 @@
 """The records by earthquake, station and direction, the files they came from, what was left out and why, warnings."""
 
-import hashlib
 import math
 from collections import Counter
 from collections.abc import Sequence
-from pathlib import Path
 
 import numpy as np
 import xarray as xr
@@ -144,12 +142,6 @@ def left_out_table(tree: xr.DataTree) -> Table:
     if beside:
         rows.append((Cell(say("left_out.no_record")), number(len(beside), str), Cell(listed(beside))))
     return Table("left-out", say("caption.left_out"), _headings("kind", "count", "reason"), tuple(rows))
-
-
-def hash_of(path: str | Path) -> str:
-    """SHA-256 of a file."""
-    with Path(path).open("rb") as file:
-        return hashlib.file_digest(file, "sha256").hexdigest()
 
 
 def input_table(summary: xr.Dataset) -> Table:

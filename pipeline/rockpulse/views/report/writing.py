@@ -27,7 +27,6 @@ from rockpulse.views.report.beside import paired
 from rockpulse.views.report.content import gather, logo, parties
 from rockpulse.views.report.explorer import explorer
 from rockpulse.views.report.pictures import Pictures
-from rockpulse.views.report.records import hash_of
 from rockpulse.views.shared.table import Fact
 from rockpulse.views.shared.words import say, writing
 
@@ -215,9 +214,10 @@ def _name(source: xr.DataTree | str | Path | None) -> str:
 
 
 def _described(source: xr.DataTree | str | Path | None) -> tuple[str, ...]:
-    if isinstance(source, str | Path):
-        return str(source), f"SHA-256 {hash_of(source)}"
-    return (say("page.in_memory"),)
+    if not isinstance(source, str | Path):
+        return (say("page.in_memory"),)
+    with Path(source).open("rb") as file:
+        return str(source), f"SHA-256 {hashlib.file_digest(file, 'sha256').hexdigest()}"
 
 
 def _text(name: str) -> str:

@@ -1,11 +1,9 @@
 """The columns of all tables, each declared once: its heading (section [column] of the words), variables and cells."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, Protocol
+from typing import Any, Protocol, Self
 
 import numpy as np
 import xarray as xr
@@ -63,22 +61,12 @@ def titled(title: str, cell: Callable[..., Cell], *of: str, **options: Any) -> C
     return Column(title, of, cell, title=title, **options)
 
 
-class Along:
-    """The variables of a dataset along its only dimension as the rows of a table."""
-
-    def __init__(self, dataset: xr.Dataset) -> None:
-        self._dataset = dataset
-
-    def __getitem__(self, name: str) -> Sequence[Any]:
-        found: list[Any] = self._dataset[name].values.tolist()
-        return found
-
-
 def tabulated(
     key: str, caption: str, selected: Sequence[Column], dataset: xr.Dataset, notes: tuple[str, ...] = ()
 ) -> Table:
     """The table of some columns with a row for every place along the dimension of a dataset."""
-    return Table(key, caption, headed(selected), tuple(filled(selected, Along(dataset))), notes)
+    rows = {name: dataset[name].values.tolist() for column in selected for name in column.of}
+    return Table(key, caption, headed(selected), tuple(filled(selected, rows)), notes)
 
 
 #: Columns with small print below their heading.
@@ -295,7 +283,7 @@ class AnswerRows:
         self.answers, self.records, self.lanes = answers, records, lanes
 
     @classmethod
-    def every(cls, answers: Answers) -> AnswerRows:
+    def every(cls, answers: Answers) -> Self:
         """All bodies under the first record, then under the next."""
         records, lanes = np.indices((len(answers.records), len(answers.bodies)))
         return cls(answers, records.ravel(), lanes.ravel())

@@ -11,7 +11,7 @@ import xarray as xr
 from rocking.body.limits import radius_of_rectangle
 from rockpulse.record.record import STANDARD_GRAVITY
 from rockpulse.record.rotation import rotated_component
-from rockpulse.selection.events import UNKNOWN, names_earthquake
+from rockpulse.selection.events import UNKNOWN, words_of
 from rockpulse.views.shared.terminal import ABSENT, figure, general
 from rockpulse.views.shared.words import counted, numerals, say
 
@@ -45,7 +45,7 @@ class RecordFacts:
     def _named(self) -> str:
         """The name of the earthquake; empty for a title that is only a date or a number."""
         titles = (self.text("event_title"), self.text("event"))
-        return next((title for title in titles if title != UNKNOWN and names_earthquake(title)), "")
+        return next((title for title in titles if title != UNKNOWN and words_of(title)), "")
 
     @property
     def _earthquake(self) -> str:
@@ -194,14 +194,14 @@ class Known(RecordFacts):
         depth = self.real("hypocentre_depth")
         hypocentre = (
             self._coordinates("hypocentre"),
-            "" if math.isnan(depth) else say("stated.depth", depth=_kilometres(depth)),
+            "" if math.isnan(depth) else say("stated.depth", depth=figure(depth / 1000.0, "km")),
         )
         told = {
             "agency": self.text("event_id"),
             "origin": self.text("origin_time"),
             "magnitude": self.magnitude,
             "hypocentre": ", ".join(filter(None, hypocentre)),
-            "distance": _kilometres(self.real("epicentral_distance")),
+            "distance": figure(self.real("epicentral_distance") / 1000.0, "km"),
             "place": self._coordinates("station"),
             "vs30": self.number("vs30", "m/s"),
             "site_class": self.text("site_class"),
@@ -220,7 +220,3 @@ class Known(RecordFacts):
     def strength(self) -> list[str]:
         """PGA and PGV of a record."""
         return [f"PGA {figure(self.value('pga') / STANDARD_GRAVITY, 'g')}", f"PGV {self.peak_velocity}"]
-
-
-def _kilometres(distance: float) -> str:
-    return figure(distance / 1000.0, "km")

@@ -29,17 +29,13 @@ class Mark(NamedTuple):
 
 
 class Cell(NamedTuple):
-    """The text of a cell, without its marks; ``value`` is the number that it is sorted by, NaN comes last.
+    """A cell of a table."""
 
-    ``grade`` is one of "", "good", "fair", "unknown" and "bad"; a bad text is in capitals on the terminal. ``link`` is
-    the id of the part of the report that the cell leads to.
-    """
-
-    text: str
-    value: float | None = None
+    text: str  # without its marks
+    value: float | None = None  # by which it is sorted, NaN last
     marks: tuple[Mark, ...] = ()
-    grade: str = ""
-    link: str = ""
+    grade: str = ""  # "", "good", "fair", "unknown" or "bad", which is in capitals on the terminal
+    link: str = ""  # id of the part of the report that it leads to
 
     @property
     def before(self) -> str:

@@ -1,7 +1,4 @@
-"""The texts of a language by their keys, and the form of its numbers.
-
-What is printed is English; a report is written in the language of :func:`writing`, which is one file of `words`.
-"""
+"""The texts of a language by their keys (English, or that of :func:`writing`), and the form of its numbers."""
 
 import re
 import tomllib

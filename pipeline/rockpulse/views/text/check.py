@@ -3,7 +3,6 @@
 import math
 from dataclasses import replace
 
-import pandas as pd
 import xarray as xr
 
 from rockpulse.views.shared.columns import tabulated, titled
@@ -84,8 +83,3 @@ def check_overview(check: xr.Dataset) -> str:
     return "\n".join(
         [paragraph(title), *lines(replace(table, rows=tuple(below))), *(paragraph(line, "  ") for line in notes)]
     )
-
-
-def check_table(check: xr.Dataset) -> pd.DataFrame:
-    """A row for each body and code."""
-    return check.to_dataframe().reset_index()

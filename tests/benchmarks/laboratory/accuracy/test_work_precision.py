@@ -11,7 +11,7 @@ from laboratory.accuracy import work_precision
 from rocking.body.block import Block
 from rocking.march.recorded import recorded_response
 from rocking.response import Outcome
-from rockpulse.record.synthetic import synthetic_motion
+from synthetic import synthetic_motion
 
 pytestmark = pytest.mark.sweep
 

@@ -19,8 +19,8 @@ from rockpulse.model_table import MODELS
 from rockpulse.models import Outcome
 from rockpulse.record.half_wave import half_waves
 from rockpulse.record.intensity import pgv
-from rockpulse.record.synthetic import synthetic_motion
 from rockpulse.sequences.rule import load_rule
+from synthetic import synthetic_motion
 
 pytestmark = pytest.mark.sweep
 

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from rockpulse.errors import ConfigError
-from rockpulse.record.synthetic import synthetic_lanes, synthetic_motion
+from synthetic import synthetic_lanes, synthetic_motion
 
 SOME = settings(derandomize=True, deadline=None, max_examples=10)
 SEEDS = st.integers(0, 2**32 - 1)
