@@ -213,23 +213,26 @@ def impulse_train(block: Block, sequence: ImpulseSequence) -> tuple[np.ndarray, 
     return np.concatenate(times), np.concatenate(impulses)
 
 
+def main_impulses_given(response: Response, sequence: ImpulseSequence) -> float:
+    """The number of main impulses up to the end of a sequence or to overturning; inf for one without end."""
+    assert response.half_cycles is not None
+    durations = response.half_cycles.duration
+    if durations.size == 0:
+        return 0.0
+    if response.outcome == Outcome.OVERTURNS:
+        return float(response.overturning_half_cycle)
+    # A table that ends early ends with the half-cycle that repeats itself.
+    left = max(np.ceil((sequence.duration - float(np.sum(durations))) / durations[-1]), 0.0)
+    return float(min(durations.size + left, np.inf if sequence.main_count is None else sequence.main_count))
+
+
 def _half_cycle_starts(response: Response, sequence: ImpulseSequence) -> tuple[np.ndarray, np.ndarray]:
     """Start of every half-cycle that a main impulse starts, then the end of the last one; and the table row of each."""
     assert response.half_cycles is not None
-    durations = response.half_cycles.duration
-    rows = np.arange(durations.size)
-    if response.outcome == Outcome.OVERTURNS:
-        rows = rows[: response.overturning_half_cycle]
-    else:
-        # A table that ends early ends with the half-cycle that repeats itself.
-        elapsed = float(np.sum(durations))
-        left = np.inf if sequence.main_count is None else sequence.main_count - durations.size
-        left = min(left, max(np.ceil((sequence.duration - elapsed) / durations[-1]), 0.0))
-        if left * (1 + response.half_cycles.impulse_count[-1]) > _TRAIN_LIMIT:
-            raise ValueError(
-                f"the train has more than {_TRAIN_LIMIT} impulses; give a shorter duration or a main_count"
-            )
-        rows = np.concatenate([rows, np.full(int(left), durations.size - 1)])
+    durations, count = response.half_cycles.duration, main_impulses_given(response, sequence)
+    if (count - durations.size) * (1 + response.half_cycles.impulse_count[-1]) > _TRAIN_LIMIT:
+        raise ValueError(f"the train has more than {_TRAIN_LIMIT} impulses; give a shorter duration or a main_count")
+    rows = np.minimum(np.arange(int(count)), durations.size - 1)
     return np.concatenate([[0.0], np.cumsum(durations[rows])]), rows
 
 

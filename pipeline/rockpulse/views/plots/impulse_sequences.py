@@ -10,8 +10,8 @@ import numpy as np
 
 from rocking.body.block import Block
 from rocking.impulses.impulse_sequence import ImpulseSequence
-from rocking.impulses.sequence import impulse_train, sequence_response
-from rocking.response import Outcome, Response
+from rocking.impulses.sequence import impulse_train, main_impulses_given, sequence_response
+from rocking.response import Response
 from rockpulse.views.plots import style
 from rockpulse.views.plots.style import BLACK, BLUE, GREY, ORANGE, RED, SMALL, Panels
 from rockpulse.views.shared.terminal import figure
@@ -121,21 +121,10 @@ def _bars(ax: Any, low: float, room: float, starts: np.ndarray, durations: np.nd
 
 def _remarks(found: list[Response], sequence: ImpulseSequence) -> str:
     words = style.notes(below=True)
-    count = [_main_count(one, sequence) for one in found]
+    count = [int(main_impulses_given(one, sequence)) for one in found]
     if max(count) > _MAIN_SHOWN:
         words.append(say("plot.sequence.shown", most=_MAIN_SHOWN, one=count[0], other=count[1]))
     if sequence.secondary > 0.0:
         interval = figure(float(sequence.interval), "s")
         words.append(say("plot.sequence.interval", interval=interval, spacing=sequence.spacing))
     return " ".join(words + style.notes(ground_contact=bool(found[1].ground_contact)))
-
-
-def _main_count(response: Any, sequence: ImpulseSequence) -> int:
-    durations = response.half_cycles.duration
-    if durations.size == 0:
-        return 0
-    if response.outcome == Outcome.OVERTURNS:
-        return int(response.overturning_half_cycle)
-    left = max(math.ceil((sequence.duration - float(np.sum(durations))) / float(durations[-1])), 0)
-    most = math.inf if sequence.main_count is None else sequence.main_count
-    return int(min(durations.size + left, most))
