@@ -6,6 +6,7 @@ from record_writers import at2, pulse
 
 from rockpulse import BlockSettings, CalibrationSettings, Config, ModelSettings, SearchSettings
 from rockpulse.cli import main
+from rockpulse.run import batch
 
 RECORDS = 4
 CONFIGURATION = """
@@ -47,6 +48,11 @@ def records_in(folder, count, samples=400):
         write(folder / f"r{number}.AT2", 0.2 + 0.05 * number, samples)
     (folder / "site.toml").write_text(CONFIGURATION)
     return folder
+
+
+def without_results(monkeypatch):
+    """The runs from now on write no results, where a test does not look at them."""
+    monkeypatch.setattr(batch, "write_results", lambda path, parts, *given: sum(1 for _ in parts))
 
 
 def names(folder):

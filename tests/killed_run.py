@@ -46,13 +46,18 @@ def strike_at(point: str, number: int) -> None:
     setattr(owner, name, struck)
 
 
-if __name__ == "__main__":
+def run(point: str, number: int, arguments: list[str]) -> int:
+    """The exit code of a command line that is struck at the given passing of the point."""
     # A shell that starts the tests in its background has SIGINT ignored, and whoever they start inherits that.
     signal.signal(signal.SIGINT, signal.default_int_handler)
-    if sys.argv[1] == "moment":
-        timer = threading.Timer(int(sys.argv[2]) / 1000.0, os.kill, (os.getpid(), signal.SIGKILL))
+    if point == "moment":
+        timer = threading.Timer(number / 1000.0, os.kill, (os.getpid(), signal.SIGKILL))
         timer.daemon = True
         timer.start()
     else:
-        strike_at(sys.argv[1], int(sys.argv[2]))
-    sys.exit(main(sys.argv[3:]))
+        strike_at(point, number)
+    return main(arguments)
+
+
+if __name__ == "__main__":
+    sys.exit(run(sys.argv[1], int(sys.argv[2]), sys.argv[3:]))

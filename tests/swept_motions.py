@@ -39,7 +39,7 @@ def config(components, blocks=(WALL, TOWER), models=None, **records):
 
 
 def sweep(*records, **options):
-    return assess(records, config("sweep", azimuth_step=20.0, **options))
+    return assess(records, config("sweep", **{"azimuth_step": 20.0} | options))
 
 
 def motions_under(records, options):

@@ -17,6 +17,7 @@ from rockpulse.run.journal import journal_path
 from rockpulse.run.options import BatchOptions
 from rockpulse.run.tasks import configuration_fingerprint
 from rockpulse.selection.events import UNKNOWN
+from rockpulse.studies.fragility.analysis import FragilityAnalysis
 from rockpulse.views.report.verdict import of_unknown_event
 
 CONFIG = Config(blocks=(BlockSettings(name="wall", width=0.3, height=2.4),), models=ModelSettings(use=("resonance",)))
@@ -53,10 +54,11 @@ def both(folder, config, target, options=None):
 
 
 def test_records_are_counted_by_title_and_those_that_tell_nothing_as_one(folder, tmp_path):
-    found = list(both(folder, CONFIG, tmp_path / "results.h5").values())
+    records, failures = read_all(folder)
+    tree = rp.assess(records, CONFIG, failures=failures)
+    found = list(events(tree).values())
     assert found[0] == found[1]
     assert found[2:] == [UNKNOWN, UNKNOWN]
-    tree = rp.load(tmp_path / "results.h5")
     assert tree["summary"]["event_title"].values.tolist() == list(TITLES)
     motions = answers_of(tree).motions
     assert motions.event_count == 1  # those that tell nothing add none
@@ -65,13 +67,14 @@ def test_records_are_counted_by_title_and_those_that_tell_nothing_as_one(folder,
 
 @pytest.mark.sweep
 def test_the_table_decides(folder, tmp_path):
-    names = list(both(folder, CONFIG, tmp_path / "results.h5"))
+    names = [one.id for one in read_all(folder)[0]]
     config = with_table(tmp_path, f"record,event\n{names[1]},aftershock\n{names[3]},Maule\n")
     assert list(both(folder, config, tmp_path / "told.h5").values())[1:] == ["aftershock", UNKNOWN, "Maule"]
     assert answers_of(rp.load(tmp_path / "told.h5")).motions.event_count == 3
     known = "".join(f"{name},Maule\n" for name in names[2:])
-    assert both(folder, with_table(tmp_path, f"record,event\n{known}"), tmp_path / "all.h5")[names[2]] == "Maule"
-    assert of_unknown_event(answers_of(rp.load(tmp_path / "all.h5")).motions) == ""
+    tree = rp.assess(read_all(folder)[0], with_table(tmp_path, f"record,event\n{known}"))
+    assert events(tree)[names[2]] == "Maule"
+    assert of_unknown_event(answers_of(tree).motions) == ""
 
 
 def test_a_missing_or_wrong_table_is_refused_before_records_are_read(folder, tmp_path, monkeypatch):
@@ -103,11 +106,13 @@ def test_unknown_ids_are_refused_or_told_where_a_file_was_not_read(folder, tmp_p
     said = "[records] events names records that were not read: elsewhere; the records read are such as m0"
     assert [line.startswith(said) for line in told] == [True]
     records, failures = read_all(folder)
-    for kept in (rp.load(tmp_path / "y.h5"), rp.fragility_curves(records[:1], config, failures=failures)):
-        reasons = kept["failures"]["reason"].values.tolist()
+    of_fragility = FragilityAnalysis(config).prepare(records[:1], failures).failures
+    kept = rp.load(tmp_path / "y.h5")["failures"]["reason"].values.tolist()
+    for reasons in (kept, [row.reason for row in of_fragility]):
         assert sum(reason.startswith(said) for reason in reasons) == 1
 
 
+@pytest.mark.sweep
 def test_a_name_of_no_record_is_told_also_where_little_is(folder, tmp_path, capsys):
     (folder / "broken.at2").write_bytes((folder / "m0.at2").read_bytes()[:900])
     (tmp_path / "events.csv").write_text("record,event\nelsewhere,Kobe\n")

@@ -26,7 +26,6 @@ from rockpulse.models import Block, Outcome, Reason, recorded_response
 from rockpulse.record.intensity import pgv
 from rockpulse.record.record import Record
 from rockpulse.sequences.estimators import INTERVAL, MAIN, MAIN_COUNT, SECONDARY
-from rockpulse.storage.hdf5.results_file import load, save
 from rockpulse.views.plots.selection import block_of
 
 
@@ -200,6 +199,7 @@ def test_histories_of_several_restitutions_stand_at_their_lanes():
         assert np.array_equal(own, direct.rotation, equal_nan=True)
 
 
+@pytest.mark.sweep
 def test_restitution_list_adds_a_dimension():
     several = BlockSettings(name="wall", width=0.4, height=3.0, restitution=[0.6, 0.9])
     config = Config(models=ModelSettings(use=("sequence", "nonlinear")))
@@ -247,6 +247,7 @@ def test_vertical_offset_is_removed_before_the_channel_is_cut_to_the_record():
     assert any("taken as zero for 2 s" in warning for warning in scene.record.warnings)
 
 
+@pytest.mark.sweep
 def test_every_estimator_gives_an_assessment_with_safety_factors():
     tables = {"main": MAIN, "secondary": SECONDARY, "interval": INTERVAL, "main_count": MAIN_COUNT, "spacing": SPACINGS}
     models = ModelSettings(use=("resonance", "sequence"))
@@ -258,13 +259,11 @@ def test_every_estimator_gives_an_assessment_with_safety_factors():
         assert np.all(tree["summary"]["safety_factor"] > 0.0), options
 
 
-def test_a_body_with_its_own_radius_answers_as_without_and_keeps_it(tmp_path):
+def test_a_body_with_its_own_radius_answers_as_without_and_keeps_it():
     own = BlockSettings(name="own", p=2.385, alpha=0.2445, radius=1.136, restitution=[0.87, 0.92])
     without = BlockSettings(name="without", p=2.385, alpha=0.2445, restitution=[0.87, 0.92])
     config = Config(blocks=(own, without), models=ModelSettings(use=("sequence", "nonlinear")))
-    path = tmp_path / "results.h5"
-    save(assess([record("one")], config), path)
-    summary = load(path)["summary"].to_dataset()
+    summary = assess([record("one")], config)["summary"].to_dataset()
     assert summary["radius"].values == pytest.approx([1.136, 1.2930], abs=1e-4)
     assert summary["block_warnings"].values[0] == ""
     assert "of a rectangle with this alpha" in summary["block_warnings"].values[1]

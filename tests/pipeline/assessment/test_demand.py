@@ -49,7 +49,7 @@ RECORDS = [channel(number, azimuth, 2.0 + number * 0.2) for number in range(5) f
         ({"measure": "pga", "value": 3.0}, lambda one: one.pga),
         ({"acceleration": 3.0}, lambda one: one.pga),
         ({"measure": "pgv", "value": 0.4}, pgv),
-        ({"measure": "si", "value": 0.5}, spectrum_intensity),
+        pytest.param({"measure": "si", "value": 0.5}, spectrum_intensity, marks=pytest.mark.sweep),
         ({"measure": "sa", "value": 5.0, "period": 0.7}, lambda one: spectral_acceleration(one, 0.7)),
     ],
 )
@@ -94,9 +94,11 @@ def test_a_velocity_ratio_asks_each_body_for_its_own_factor():
     assert found[:, 0] == pytest.approx(expected)
 
 
-@pytest.mark.parametrize(
-    "measure", ["pga", *(pytest.param(one, marks=pytest.mark.sweep) for one in DEMAND if one != "pga")]
-)
+#: The others differ in the factor to the demand alone, which has tests of its own.
+MARKS = {"pga": (), "velocity_ratio": pytest.mark.sweep}
+
+
+@pytest.mark.parametrize("measure", [pytest.param(one, marks=MARKS.get(one, pytest.mark.slow)) for one in DEMAND])
 def test_the_verdict_at_a_demand_is_that_of_the_records_scaled_by_hand(measure):
     bodies = dict([*BODIES.items()][:1])  # a velocity ratio asks another factor of another body
     row, period = ROWS[measure], 0.8 if measure in PERIODIC else None

@@ -144,6 +144,7 @@ def test_a_body_has_a_direction_of_its_own_where_it_differs_from_the_record():
         assert [place.azimuth for place, _ in found] == [None, 30.0][:count]
 
 
+@pytest.mark.sweep
 def test_the_spectrum_of_the_results_is_that_of_the_ground():
     for blocks, known in (
         ((body("aloft", floors=(FLOOR,)), body("ground")), True),
@@ -165,6 +166,7 @@ def test_aloft_the_strength_of_the_ground_is_brought_to_a_demand():
     assert tree["summary"]["demand_factor"].values.ravel() == pytest.approx([3.0 / RECORD.pga] * 2)
 
 
+@pytest.mark.sweep
 def test_what_is_told_of_a_floor_is_a_remark_of_the_record_once():
     asked = rp.Config(models=rp.ModelSettings(use=("balanced",)))
     squat = [rp.BlockSettings(name=f"{number}", width=1.0, height=1.0, floors=floors)
@@ -249,6 +251,7 @@ def test_each_body_is_shaken_in_its_own_direction(options, direction):
     assert together["body_azimuth"].values.tolist() == pytest.approx([np.nan, direction], nan_ok=True)
 
 
+@pytest.mark.sweep
 def test_a_direction_of_its_own_is_the_same_in_every_direction_of_a_sweep():
     tree = turned(body("others"), body("own", azimuth=30.0), components="sweep", azimuth_step=90.0)
     peaks = tree["summary"]["peak_rotation_ratio"].sel(model="nonlinear")
@@ -275,6 +278,7 @@ def test_a_direction_needs_a_pair():
     assert "in the direction 30 of a body" in str(tree["failures"]["reason"].values[-1])
 
 
+@pytest.mark.sweep
 def test_histories_of_a_turned_body_are_those_that_are_stored():
     blocks = body("others"), body("own", azimuth=30.0)
     records = rp.RecordSettings(components="azimuth", azimuth=75.0)
@@ -293,11 +297,10 @@ def test_histories_of_a_turned_body_are_those_that_are_stored():
 @pytest.mark.sweep
 def test_fragility_of_each_body_is_that_of_its_place():
     blocks = body("others"), body("own", azimuth=30.0), body("aloft", floors=(FLOOR,))
-    records = rp.RecordSettings(components="azimuth", azimuth=75.0)
-    tree = rp.fragility_curves(PAIR, rp.Config(blocks=blocks, records=records))["capacities"]
-    own = rp.fragility_curves(
-        PAIR, rp.Config(blocks=[body("own")], records=rp.RecordSettings(components="azimuth", azimuth=30.0))
-    )["capacities"]
+    there, here = (rp.RecordSettings(components="azimuth", azimuth=azimuth) for azimuth in (75.0, 30.0))
+    levels = rp.FragilitySettings(stripe_levels=(0.5, 1.0), measures=("pga", "velocity_ratio"))
+    tree = rp.fragility_curves(PAIR, rp.Config(blocks=blocks, records=there, fragility=levels))["capacities"]
+    own = rp.fragility_curves(PAIR, rp.Config(blocks=[body("own")], records=here, fragility=levels))["capacities"]
     for name in ("factor", "reached", "measure_value"):
         assert np.array_equal(tree[name].sel(block="own"), own[name].sel(block="own"), equal_nan=True), name
     # Aloft the measure is that of the ground: at the same factors the body is asked about its floor's motion.

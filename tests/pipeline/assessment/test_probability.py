@@ -100,6 +100,7 @@ def test_where_the_vertical_acts_every_body_has_lanes_of_its_own():
     assert summary["factor_50"].values[0, 0] == own.factor_50[0]
 
 
+@pytest.mark.sweep
 def test_a_list_of_restitutions_is_the_range_of_all_of_them():
     several = replace(WALL, restitution=(0.95, 0.8))
     summary = assess([record("one")], configured(several, PIER))["summary"]
@@ -172,6 +173,7 @@ def test_lanes_of_a_body_are_drawn_by_the_seed_and_the_record():
     assert len({first, tell("one", 1), tell("two", 0)}) == 3
 
 
+@pytest.mark.sweep
 def test_factors_that_are_searched_wait_for_the_key():
     config = nominal(blocks=(WALL,), models=rp.ModelSettings(use=("resonance", "sequence", "balanced", "nonlinear")))
     searched = assess([record("one")], config)

@@ -123,6 +123,7 @@ def test_a_tree_that_is_no_assessment_says_so():
         Results(xr.DataTree()).verdicts()
 
 
+@pytest.mark.sweep
 def test_opened_results_are_those_that_are_loaded(path):
     loaded = rp.load(path)
     with rp.open_results(path) as opened:
@@ -150,8 +151,13 @@ def test_what_cannot_be_opened_is_told(tmp_path):
         pass
 
 
-@pytest.mark.sweep
-@pytest.mark.parametrize("line", ["tree = rp.load(path)", "with rp.open_results(path) as tree:"])
+@pytest.mark.parametrize(
+    "line",
+    [
+        pytest.param("tree = rp.load(path)", marks=pytest.mark.slow),
+        pytest.param("with rp.open_results(path) as tree:", marks=pytest.mark.sweep),
+    ],
+)
 def test_the_accessor_is_there_once_results_are(line, path):
     twice = f"{line}\n    print(tree.rockpulse)\n".replace("\n    ", "\n    " if line.endswith(":") else "\n") * 2
     script = f"import rockpulse as rp, warnings\nwarnings.simplefilter('error')\npath = {str(path)!r}\n{twice}"

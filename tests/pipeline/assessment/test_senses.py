@@ -31,7 +31,7 @@ def config(*blocks, **uncertainty):
     return rp.Config(
         blocks=blocks,
         models=rp.ModelSettings(use=("sequence", "linear", "nonlinear"), histories=True),
-        search=rp.SearchSettings(intervals=True, points=32),
+        search=rp.SearchSettings(intervals=True, points=16),
         uncertainty=rp.UncertaintySettings(**uncertainty),
     )
 
@@ -87,7 +87,8 @@ def test_what_is_stored_makes_the_same_body_again(tmp_path):
     corners = rp.BlockSettings(name="corners", b_1=0.2, b_2=0.3, centre=1.0, gyration=0.6)
     tied = rp.BlockSettings(name="tied", width=0.5, height=5.0, mass=1e3, ties=ties)
     blocks = (settings(rebound=0.4), corners, tied)
-    tree = rp.assess([record()], config(*blocks, probability=False))
+    asked = rp.ModelSettings(use=("nonlinear",), histories=True)
+    tree = rp.assess([record()], replace(config(*blocks, probability=False), models=asked, search=rp.SearchSettings()))
     rp.save(tree, tmp_path / "results.h5")
     loaded = rp.load(tmp_path / "results.h5")
     summary = loaded["summary"].to_dataset()
@@ -106,15 +107,15 @@ def test_what_is_stored_makes_the_same_body_again(tmp_path):
 @pytest.mark.sweep
 def test_fragility_takes_both_senses_of_an_earthquake():
     records = [record(name=f"pulse {number}") for number in range(3)]
-    tree = rp.fragility_curves(records, replace(config(settings()), models=rp.ModelSettings()))
+    levels = rp.FragilitySettings(stripe_levels=(0.5, 1.0), measures=("pga", "velocity_ratio"))
+    asked = replace(config(settings()), models=rp.ModelSettings(), fragility=levels)
+    tree = rp.fragility_curves(records, asked)
     ids = tree["capacities"]["record"].values.tolist()
     assert len(ids) == 6
     assert sum(name.endswith("reversed") for name in ids) == 3
     assert len(set(tree["capacities"]["event"].values.tolist())) == 1
     assert tree["fragility"]["uplift_acceleration"].item() == pytest.approx(9.80665 * 0.5 / 5.0)  # whichever way
-    turned = rp.fragility_curves(
-        [record(sign=-1.0, name="pulse 0")], replace(config(settings()), models=rp.ModelSettings())
-    )
+    turned = rp.fragility_curves([record(sign=-1.0, name="pulse 0")], asked)
     one, other = (found["capacities"].to_dataset() for found in (tree, turned))
     assert not np.array_equal(one["reached"].sel(record="pulse 0"), one["reached"].sel(record="pulse 0 reversed"))
     for name in ("pulse 0", "pulse 0 reversed"):

@@ -114,7 +114,7 @@ def test_the_interval_of_certain_answers_is_that_of_clopper_and_pearson():
     assert binom.sf(1, 8, share.low) == pytest.approx(0.05)
 
 
-@pytest.mark.sweep
+@pytest.mark.slow
 def test_the_interval_covers_the_mean_of_the_earthquakes_it_was_not_given():
     rng = np.random.default_rng(5)
 
@@ -311,7 +311,7 @@ def screened(**variables):
     return xr.concat(each, "block", data_vars="minimal", coords="minimal").assign(variables)
 
 
-@pytest.mark.parametrize(("shares", "worse"), [([0.3, 0.2], 1), ([0.3, 0.4], 2), ([0.01, 0.04], 2), ([0.9, 0.3], 1)])
+@pytest.mark.parametrize(("shares", "worse"), [([0.3, 0.2], 1), ([0.01, 0.04], 2)])
 def test_the_worse_of_both_screens_counts(shares, worse):
     summary = screened(pedestal_of=("block", ["", "", "statue", "lone"]))
     summary["overturning_probability"][:, 1:3] = shares

@@ -144,7 +144,7 @@ def _configs(draw):
     return Config(**sections, blocks=tuple(blocks))
 
 
-@settings(derandomize=True, deadline=None, max_examples=20)
+@settings(derandomize=True, deadline=None, max_examples=10)
 @given(config=_configs())
 def test_the_text_of_a_configuration_loads_back_to_it(tmp_path_factory, config):
     path = tmp_path_factory.mktemp("config") / "resolved.toml"

@@ -11,7 +11,7 @@ import pytest
 from rockpulse.errors import RecordFormatError
 from rockpulse.readers import FORMATS, read_source
 
-SEEDS = 500
+SEEDS = 250
 
 
 @pytest.mark.sweep
@@ -27,6 +27,7 @@ def test_damaged_files_give_records_or_a_refusal_on_every_reader():
     assert len(counts) > 30
 
 
+@pytest.mark.sweep
 def test_no_detector_stumbles_over_the_beginning_of_a_file():
     short, _ = fuzz.corpus()
     for name, content in short.items():

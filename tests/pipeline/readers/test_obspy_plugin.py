@@ -58,7 +58,7 @@ def same(one: Record, other: Record) -> bool:
     )
 
 
-@settings(derandomize=True, max_examples=60, deadline=None)
+@settings(derandomize=True, max_examples=25, deadline=None)
 @given(RECORDS)
 def test_the_way_there_and_back_keeps_every_field(record):
     trace = rp.to_trace(record)
@@ -386,6 +386,7 @@ def test_the_wrong_format_and_what_cannot_be_read_are_errors(path, tmp_path):
         obspy.read(damaged)
 
 
+@pytest.mark.sweep
 def test_reading_through_obspy_loads_neither_numba_nor_xarray(path):
     code = (
         "import sys; from rockpulse.readers.obspy_plugin import AT2; "

@@ -87,10 +87,12 @@ def test_station_metadata_may_be_given_with_a_file_in_memory(samples):
 FACTS = list(facts())
 
 
+@pytest.mark.sweep
 def test_every_format_that_is_read_has_facts():
     assert {fact.format for fact in FACTS} == {row.name for row in FORMATS if row.unit != "-"}
 
 
+@pytest.mark.sweep
 def test_a_fact_that_differs_from_its_partner_is_told():
     wrong = [
         f"{fact.what} of {fact.sample}: {told}" for fact in FACTS if (told := fact.told()) == "silent" and fact.partner
@@ -102,6 +104,6 @@ def test_a_fact_that_differs_from_its_partner_is_told():
 
 def test_a_reader_that_says_nothing_is_seen(monkeypatch, capsys):
     silent = HeaderFact("CLC090.AT2", "interval", rb"(?<=DT= )0\.0100", b"0.0200", "a partner that nobody asks")
-    monkeypatch.setattr(header_facts, "facts", lambda: iter([silent, FACTS[0]]))
+    monkeypatch.setattr(header_facts, "facts", lambda: iter([silent, next(facts())]))
     assert header_facts.main() == 1
     assert "2 facts with a partner: 1 told by a warning, 0 by a refusal, 1 silent; 0 facts" in capsys.readouterr().out

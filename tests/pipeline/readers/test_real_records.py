@@ -148,6 +148,7 @@ def listed(name, column):
     return [float(text) for text in LISTED[name][column].split(";") if text.strip() != "-"]
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("name", READABLE)
 def test_counts_intervals_and_peaks_are_those_of_the_manifest(records_folder, name):
     records = read(records_folder / name, **options(name))
@@ -196,6 +197,7 @@ def test_every_row_of_the_manifest_is_tested(records_folder):
     assert on_disk - {"MANIFEST.tsv"} == set(LISTED)
 
 
+@pytest.mark.sweep
 def test_the_far_field_set_is_read_as_its_own_list_says(records_folder):
     folder = records_folder / "fema_p695"
     with (folder / "events.tsv").open(encoding="utf-8", newline="") as stream:

@@ -50,13 +50,9 @@ def test_line_ends_marks_encodings_and_compression_change_nothing(name):
 
     expected, plain_lines = read_named(content), content.replace(b"\r\n", b"\n")
     for changed in (
-        plain_lines,
-        plain_lines.replace(b"\n", b"\r\n"),
-        plain_lines.replace(b"\n", b"\r"),
-        content + b"\x1a",
-        b"\xef\xbb\xbf" + content,
-        content.decode("latin-1").encode("utf-16"),
-        gzip.compress(content),
+        plain_lines.replace(b"\n", b"\r") + b"\x1a",
+        gzip.compress(b"\xef\xbb\xbf" + plain_lines.replace(b"\n", b"\r\n")),
+        plain_lines.decode("latin-1").encode("utf-16"),
     ):
         assert same(read_named(changed), expected)
     for letter in (b"\xcb", "Ë".encode()):
@@ -87,7 +83,7 @@ def test_gzip_is_known_by_its_bytes(tmp_path):
 
 @pytest.mark.parametrize("kind", ["path", "stream"])
 def test_a_gzip_bomb_is_refused_before_it_is_unpacked(tmp_path, kind):
-    bomb = gzip.compress(ONE + b"\n" * 20_000_000)
+    bomb = gzip.compress(ONE + b"\n" * 6_000_000)
     (tmp_path / "bomb.AT2.gz").write_bytes(bomb)
     with pytest.raises(RecordRefused, match=f"compressed more than {source.RATIO_LIMIT} times"):
         read(tmp_path / "bomb.AT2.gz" if kind == "path" else io.BytesIO(bomb))

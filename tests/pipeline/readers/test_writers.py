@@ -79,7 +79,7 @@ def come_back(folder, record, name, **options):
     return back
 
 
-@settings(derandomize=True, max_examples=12, deadline=None)
+@settings(derandomize=True, max_examples=6, deadline=None)
 @given(record=RECORDS)
 def test_at2_is_exact_to_its_digits(tmp_path_factory, record):
     back = come_back(tmp_path_factory.getbasetemp(), record, "a.AT2")
@@ -89,7 +89,7 @@ def test_at2_is_exact_to_its_digits(tmp_path_factory, record):
 
 
 @pytest.mark.parametrize(("name", "step"), [("a.csv", 1e-12), ("a.mseed", 1e-7)])
-@settings(derandomize=True, max_examples=12, deadline=None)
+@settings(derandomize=True, max_examples=6, deadline=None)
 @given(record=RECORDS)
 def test_csv_and_miniseed_are_exact_in_every_bit(tmp_path_factory, name, step, record):
     back = come_back(tmp_path_factory.getbasetemp(), record, name, units="m/s2")

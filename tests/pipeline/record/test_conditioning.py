@@ -15,7 +15,7 @@ from rockpulse.record.half_wave import half_waves
 from rockpulse.record.intensity import pgv
 from rockpulse.record.record import Record
 
-properties = settings(derandomize=True, deadline=None, max_examples=50)
+properties = settings(derandomize=True, deadline=None, max_examples=25)
 coefficients = st.tuples(*[st.floats(-5.0, 5.0)] * 3)
 
 

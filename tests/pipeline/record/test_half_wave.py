@@ -12,7 +12,7 @@ from rockpulse.errors import ConfigError
 from rockpulse.record.half_wave import half_waves
 from rockpulse.record.record import Record
 
-properties = settings(derandomize=True, deadline=None, max_examples=50)
+properties = settings(derandomize=True, deadline=None, max_examples=25)
 samples = st.lists(
     st.one_of(st.integers(-9, 9).map(float), st.floats(-10.0, 10.0, allow_subnormal=False), st.just(0.0)),
     min_size=2,

@@ -22,7 +22,7 @@ from rockpulse.record.intensity import (
 )
 from rockpulse.record.record import STANDARD_GRAVITY, Record
 
-properties = settings(derandomize=True, deadline=None, max_examples=40)
+properties = settings(derandomize=True, deadline=None, max_examples=20)
 samples = st.lists(st.integers(-9, 9), min_size=2, max_size=40)
 
 
@@ -264,6 +264,7 @@ def test_housners_intensity_of_an_impulse_is_its_velocity_but_for_damping():
     assert spectrum_intensity(push) == pytest.approx(left, rel=2e-3)
 
 
+@pytest.mark.sweep
 def test_housners_intensity_is_over_periods_of_a_tenth_to_two_and_a_half_seconds():
     motion = sine(0.7, 2, dt=0.02)
     periods = 0.1 + 0.05 * np.arange(49)

@@ -3,6 +3,7 @@
 from functools import cache
 
 import numpy as np
+import pytest
 
 import rockpulse as rp
 from rocking.body.block import Block
@@ -23,6 +24,7 @@ def scene(factor=1.0):
     return prepare(rp.Record(ground, dt=0.02, id="pulse", processed=True), Config())
 
 
+@pytest.mark.sweep
 def test_every_measure_is_proportional_to_the_factor():
     one, three = (record_measures(scene(factor), BLOCKS, FRAGILITY) for factor in (1.0, 3.0))
     assert np.shape(one) == (len(FRAGILITY), 2)

@@ -1,24 +1,15 @@
-"""Four records, the results of an undisturbed run on them, and a disk that can be filled."""
+"""Four records, and a disk that can be filled."""
 
 import shutil
 import subprocess
 
 import pytest
-from batch_runs import RECORDS, command, records_in
-from file_contents import contents
+from batch_runs import RECORDS, records_in
 
 
 @pytest.fixture(scope="session")
 def folder(tmp_path_factory):
     return records_in(tmp_path_factory.mktemp("records"), RECORDS)
-
-
-@pytest.fixture(scope="session")
-def undisturbed(folder, tmp_path_factory):
-
-    target = tmp_path_factory.mktemp("undisturbed") / "results.h5"
-    assert command(folder, target, "--quiet") == 0
-    return contents(target)
 
 
 @pytest.fixture

@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from batch_runs import without_results
 from file_contents import assert_contents, contents
 from nominal import Config, ida
 from record_writers import at2, pulse
@@ -30,7 +31,7 @@ SITE = Config(
     calibration=CalibrationSettings(method="statistics", bootstrap=100),
     fragility=ida(limit_states=("uplift", 0.4, "overturning"), measures=("pga", "velocity_ratio")),
     search=SearchSettings(points=16),
-    blocks=CONFIG.blocks,
+    blocks=CONFIG.blocks[:1],
 )
 
 
@@ -59,7 +60,7 @@ def saved(tree, path):
 
 
 def test_the_file_of_an_assessment_is_the_tree_in_memory(folder, tmp_path):
-    config = replace(CONFIG, records=RecordSettings(components="sweep", azimuth_step=90.0))
+    config = replace(CONFIG, records=RecordSettings(components="sweep", azimuth_step=90.0), blocks=CONFIG.blocks[:1])
     records, failures = read_all(folder)
     expected = saved(rp.assess(records, config, failures=failures), tmp_path / "memory.h5")
     report = assess_files(folder, config, tmp_path / "batch.h5", BatchOptions(workers=1))
@@ -71,16 +72,19 @@ def test_the_file_of_an_assessment_is_the_tree_in_memory(folder, tmp_path):
 OTHERS = {"calibrate": (rp.calibrate_site, calibrate_files), "fragility": (rp.fragility_curves, fragility_files)}
 
 
-@pytest.mark.sweep
 @pytest.mark.parametrize("verb", OTHERS)
-@pytest.mark.parametrize("components", ["horizontal", pytest.param("sweep", marks=pytest.mark.slow)])
+@pytest.mark.parametrize(
+    "components",
+    [pytest.param("horizontal", marks=pytest.mark.sweep), pytest.param("sweep", marks=pytest.mark.slow)],
+)
 def test_the_file_of_a_site_and_of_fragility_is_the_tree_in_memory(folder, tmp_path, verb, components):
     config = replace(SITE, records=RecordSettings(components=components, azimuth_step=60.0))
     in_memory, of_files = OTHERS[verb]
-    records, failures = read_all(folder)
+    files = [folder / name for name in ("g0.V1A", "r0.AT2", "r1.AT2", "cut.AT2")]
+    records, failures = read_all(files)
     expected = saved(in_memory(records, config, failures=failures), tmp_path / "memory.h5")
-    report = of_files([folder], config, tmp_path / "batch.h5", BatchOptions(workers=1))
-    assert report.records == (7 if components == "horizontal" else 6)
+    report = of_files(files, config, tmp_path / "batch.h5", BatchOptions(workers=1))
+    assert report.records == (4 if components == "horizontal" else 3)
     assert_contents(tmp_path / "batch.h5", expected)
 
 
@@ -91,12 +95,13 @@ def in_memory(folder, tmp_path_factory):
     return saved(rp.assess(records, CONFIG, failures=failures), tmp_path_factory.mktemp("one") / "results.h5")
 
 
-@pytest.mark.parametrize("workers", [1, pytest.param(2, marks=pytest.mark.slow)])
-def test_any_number_of_workers_gives_the_same(folder, in_memory, tmp_path, workers):
-    assess_files(folder, CONFIG, tmp_path / "results.h5", BatchOptions(workers=workers))
+@pytest.mark.slow
+def test_two_workers_give_the_same(folder, in_memory, tmp_path):
+    assess_files(folder, CONFIG, tmp_path / "results.h5", BatchOptions(workers=2))
     assert_contents(tmp_path / "results.h5", in_memory)
 
 
+@pytest.mark.sweep
 def test_any_executor_gives_the_same_and_stays_the_callers(folder, in_memory, tmp_path):
     with ThreadPoolExecutor(3) as threads:
         assess_files(folder, CONFIG, tmp_path / "results.h5", BatchOptions(executor=threads))
@@ -104,18 +109,19 @@ def test_any_executor_gives_the_same_and_stays_the_callers(folder, in_memory, tm
     assert_contents(tmp_path / "results.h5", in_memory)
 
 
-@pytest.mark.parametrize(
-    "verb", [pytest.param("calibrate", marks=pytest.mark.slow), pytest.param("fragility", marks=pytest.mark.sweep)]
-)
+@pytest.mark.slow
+@pytest.mark.parametrize("verb", OTHERS)
 def test_two_workers_give_the_same_site_and_the_same_curves(folder, tmp_path, verb):
+    files = [folder / f"r{number}.AT2" for number in range(3)]
     for workers in (1, 2):
-        OTHERS[verb][1](folder, SITE, tmp_path / f"{workers}.h5", BatchOptions(workers=workers))
+        OTHERS[verb][1](files, SITE, tmp_path / f"{workers}.h5", BatchOptions(workers=workers))
     assert_contents(tmp_path / "1.h5", contents(tmp_path / "2.h5"))
 
 
-@pytest.mark.sweep
 def test_the_number_of_workers_is_that_of_the_configuration(folder, tmp_path, monkeypatch):
     hired = []
+    without_results(monkeypatch)
+    monkeypatch.setattr(run, "warm_up", lambda *args, **kwargs: None)
     monkeypatch.setattr(run.Crew, "local", lambda workers: hired.append(workers) or run.Crew(None, lambda: workers))
     for workers in (1, 3):
         config = replace(CONFIG, run=replace(CONFIG.run, workers=workers))
@@ -128,6 +134,7 @@ def test_the_number_of_workers_is_that_of_the_configuration(folder, tmp_path, mo
 @pytest.mark.sweep
 def test_the_records_of_an_archive_are_worked_on_by_as_many_processes_as_those_of_a_folder(tmp_path, monkeypatch):
     hired = []
+    without_results(monkeypatch)
     monkeypatch.setattr(run, "available_cores", lambda: 2)
     monkeypatch.setattr(run, "warm_up", lambda *args, **kwargs: None)
     monkeypatch.setattr(run.Crew, "local", lambda workers: hired.append(workers) or run.Crew(None, lambda: workers))
@@ -163,7 +170,8 @@ class Bars:
         self.seen[-1]["done"] += n
 
 
-def test_progress_and_report_say_what_was_done(folder, tmp_path, caplog):
+def test_progress_and_report_say_what_was_done(folder, tmp_path, caplog, monkeypatch):
+    without_results(monkeypatch)
     caplog.set_level(logging.INFO, "rockpulse")
     bars = Bars()
     options = BatchOptions(workers=1, bar=bars)
@@ -221,6 +229,7 @@ def test_strict_stops_at_the_first_failure_and_says_what_is_kept(folder, tmp_pat
 
     (tmp_path / "still.AT2").write_bytes(at2(np.zeros(400)))
     paths = [folder / "r0.AT2", tmp_path / "still.AT2"]
+    without_results(monkeypatch)
     said = r"still.*; 2 finished records are kept in .*journal: .*--resume.*, past this failure without --strict"
     for resume in (False, True):  # resumed, it stops where it stopped
         with pytest.raises(StoppedAtFailure, match=said):
@@ -248,6 +257,7 @@ def test_a_fault_of_the_program_is_a_row_and_the_rest_goes_on(folder, tmp_path, 
         return original(record, config, vertical)
 
     original = assessment.extract
+    without_results(monkeypatch)
     monkeypatch.setattr(assessment, "extract", broken)
     report = assess_files(sorted(folder.glob("r*")), CONFIG, tmp_path / "results.h5", BatchOptions(workers=1))
     (row,) = report.failures

@@ -53,13 +53,12 @@ def wait_for(condition, seconds):
     return condition()
 
 
-@pytest.mark.parametrize("workers", [0, 2])
-def test_every_item_is_answered_once_whoever_works(workers):
-    with Crew.local(workers) if workers else Crew.inline() as crew:
-        assert crew.size == max(workers, 1)
-        answers = list(crew.run(toys.square, range(23)))
-        assert list(crew.run(toys.square, [])) == []
-    assert sorted(answers) == [(number, number**2) for number in range(23)]
+def test_every_item_is_answered_once_whoever_works(pair):
+    with Crew.inline() as alone:
+        for crew, workers in ((alone, 1), (pair, 2)):
+            assert crew.size == workers
+            assert sorted(crew.run(toys.square, range(23))) == [(number, number**2) for number in range(23)]
+            assert list(crew.run(toys.square, [])) == []
 
 
 def test_results_come_in_order_of_completion(pair, tmp_path):
@@ -93,6 +92,7 @@ def test_a_worker_that_is_killed_costs_its_item_a_second_try(pair, tmp_path):
     assert sorted(path.name for path in tmp_path.iterdir()) == ["0", "3"]
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize(
     ("function", "reason"),
     [
@@ -108,6 +108,7 @@ def test_an_item_that_always_kills_its_worker_is_lost_and_no_other(pair, functio
     assert answers == {number: function(number) for number in (2, 4, 5)}
 
 
+@pytest.mark.sweep
 def test_a_worker_that_is_killed_from_outside_while_idle_changes_nothing(pair):
     victims = {process for _, process in pair.run(toys.process_id, range(6))}
     for victim in victims:
@@ -203,6 +204,7 @@ def batch(tmp_path):
     process.communicate()
 
 
+@pytest.mark.sweep
 def test_no_worker_outlives_a_parent_that_is_killed(batch):
     process, folder = batch
     workers = numbers_of(folder, 2)
@@ -212,8 +214,9 @@ def test_no_worker_outlives_a_parent_that_is_killed(batch):
     assert wait_for(lambda: not any(alive(worker) for worker in workers), PATIENCE)
 
 
-@pytest.mark.sweep
-@pytest.mark.parametrize("moment", ["starting", "working"])
+@pytest.mark.parametrize(
+    "moment", [pytest.param("starting", marks=pytest.mark.slow), pytest.param("working", marks=pytest.mark.sweep)]
+)
 def test_an_interrupt_from_the_keyboard_ends_all_and_only_the_parent_says_so(batch, moment):
     process, folder = batch
     workers = numbers_of(folder, 2) if moment == "working" else []
@@ -228,6 +231,7 @@ def test_an_interrupt_from_the_keyboard_ends_all_and_only_the_parent_says_so(bat
     assert wait_for(lambda: not group_runs(process.pid), PATIENCE)
 
 
+@pytest.mark.sweep
 def test_a_worker_that_is_killed_while_it_starts_is_started_again(monkeypatch, tmp_path):
     monkeypatch.setenv("CREW_TEST_FILE", str(tmp_path / "seen"))
     monkeypatch.setattr(processes, "serve", toys.serve_at_the_second_start)
@@ -239,7 +243,7 @@ def test_a_worker_that_is_killed_while_it_starts_is_started_again(monkeypatch, t
 @pytest.mark.parametrize(
     ("start", "message"),
     [
-        (toys.stop_the_interpreter, r"exit code 1 while it started.*__main__"),
+        pytest.param(toys.stop_the_interpreter, r"exit code 1 while it started.*__main__", marks=pytest.mark.sweep),
         (toys.always_killed, r"killed by signal 9 \(Killed\) while it started, 2 times; .*memory"),
     ],
 )
@@ -265,16 +269,14 @@ def test_a_crew_has_at_least_one_worker():
         Crew.local(0)
 
 
-@pytest.mark.parametrize("own", [None, "3"])
-def test_workers_do_linear_algebra_on_one_thread_unless_the_user_says_otherwise(monkeypatch, own):
+def test_workers_do_linear_algebra_on_one_thread_unless_the_user_says_otherwise(monkeypatch):
     for name in ALGEBRA:
         monkeypatch.delenv(name, raising=False)
-    if own is not None:
-        monkeypatch.setenv("OPENBLAS_NUM_THREADS", own)
+    monkeypatch.setenv("OPENBLAS_NUM_THREADS", "3")
     before = dict(os.environ)
     with WorkerProcesses(1) as pool:
         found = {name: pool.submit(os.getenv, name).result() for name in ALGEBRA}
-    assert found == dict.fromkeys(ALGEBRA, "1") | ({} if own is None else {"OPENBLAS_NUM_THREADS": own})
+    assert found == dict.fromkeys(ALGEBRA, "1") | {"OPENBLAS_NUM_THREADS": "3"}
     assert dict(os.environ) == before
 
 

@@ -1,10 +1,11 @@
 """Journals that were damaged or forged: what was in them is done again, and nothing else."""
 
+import re
 from dataclasses import replace
 
 import numpy as np
 import pytest
-from batch_runs import CONFIG, SITE, four_records
+from batch_runs import CONFIG, SITE, four_records, records_in, without_results
 from file_contents import assert_contents, contents
 from record_writers import pulse
 
@@ -14,6 +15,7 @@ from rockpulse.assessment import assessment
 from rockpulse.assessment.assessment import Assessment
 from rockpulse.config.study_settings import DATA
 from rockpulse.record.record import STANDARD_GRAVITY
+from rockpulse.run import batch
 from rockpulse.run.analysis import worked
 from rockpulse.run.batch import assess_files
 from rockpulse.run.frames import pack, unpack
@@ -41,6 +43,18 @@ def stopped_at_the_last(folder, output, monkeypatch):
         patch.setattr(assessment, "extract", interrupted)
         with pytest.raises(KeyboardInterrupt):
             assess_files(sorted(folder.glob("r*")), CONFIG, output, BatchOptions(workers=1))
+
+
+def stopped_at_the_end(paths, output, monkeypatch):
+    """A run that has all records in its journal and no results."""
+
+    def interrupted(*given):
+        raise KeyboardInterrupt
+
+    with monkeypatch.context() as patch:
+        patch.setattr(batch, "write_results", interrupted)
+        with pytest.raises(KeyboardInterrupt):
+            assess_files(paths, CONFIG, output, BatchOptions(workers=1))
 
 
 def test_a_result_that_was_damaged_in_the_journal_is_done_again_and_the_others_are_not(folder, tmp_path, monkeypatch):
@@ -90,23 +104,24 @@ FORGED = {
 
 
 @pytest.mark.sweep
-def test_what_somebody_has_put_into_the_journal_as_a_result_is_done_again(folder, tmp_path, monkeypatch):
-    paths, output = sorted(folder.glob("r*")), tmp_path / "results.h5"
-    assess_files(paths, CONFIG, output, BatchOptions(workers=1))
-    expected = contents(output)
-    output.unlink()
-    stopped_at_the_last(folder, output, monkeypatch)
-    sound = journal_path(output).read_bytes()
-    for forged, change in FORGED.items():
-        journal_path(output).write_bytes(sound)
-        with Journal.open(output, resume=True) as journal:
-            key, fingerprint = next(one for one in journal.finished().items() if one[0].startswith("r1"))
-            journal.add(Done(key, fingerprint, change(unpack(*journal.parts(key)))))
-        told = []
-        resume = BatchOptions(workers=1, resume=True, overwrite=True, tell=told.append)
-        assert assess_files(paths, CONFIG, output, resume).resumed == 1, forged
-        assert f"is damaged: the results of {key} cannot be used; what is missing is done again" in told[0], forged
-        assert_contents(output, expected)
+def test_what_somebody_has_put_into_the_journal_as_a_result_is_done_again(tmp_path, monkeypatch):
+    """Each in the place of a record of its own; the last record keeps its result."""
+    records, output = records_in(tmp_path, len(FORGED) + 1), tmp_path / "results.h5"
+    paths = sorted(records.glob("*.AT2"))
+    assess_files(paths, CONFIG, tmp_path / "alone.h5", BatchOptions(workers=1))
+    stopped_at_the_end(paths, output, monkeypatch)
+    with Journal.open(output, resume=True) as journal:
+        *keys, sound = journal.finished()
+        for key, change in zip(keys, FORGED.values(), strict=True):
+            journal.add(Done(key, journal.finished()[key], change(unpack(*journal.parts(key)))))
+    add, again, told = Journal.add, [], []
+    monkeypatch.setattr(Journal, "add", lambda self, done: again.append(done.key) or add(self, done))
+    report = assess_files(paths, CONFIG, output, BatchOptions(workers=1, resume=True, tell=told.append))
+    assert [forged for forged, key in zip(FORGED, keys, strict=True) if key not in again] == []
+    assert sound not in again
+    assert report.resumed == 1
+    assert re.search(r"is damaged: the results of .* cannot be used; what is missing is done again", told[0])
+    assert_contents(output, contents(tmp_path / "alone.h5"))
 
 
 def test_results_of_other_options_are_no_damage(folder, tmp_path, monkeypatch):
@@ -114,6 +129,7 @@ def test_results_of_other_options_are_no_damage(folder, tmp_path, monkeypatch):
     output, told = tmp_path / "results.h5", []
     stopped_at_the_last(folder, output, monkeypatch)
     two = replace(CONFIG, blocks=(*CONFIG.blocks, BlockSettings(name="wide", width=0.5, height=3.0)))
+    without_results(monkeypatch)
     report = assess_files(sorted(folder.glob("r*")), two, output, BatchOptions(1, resume=True, tell=told.append))
     assert (report.records, report.resumed) == (3, 0)
     assert len(told) == 1

@@ -154,6 +154,7 @@ OWNER = """
 """
 
 
+@pytest.mark.sweep
 @pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="no SIGKILL on this system")
 def test_a_killed_run_gives_its_lock_back_and_keeps_what_it_finished(target):
     with in_process(OWNER, target) as owner:
@@ -221,8 +222,8 @@ def whole(target):
 
 
 def test_any_byte_that_is_damaged_costs_the_record_that_it_belongs_to(target, whole):
-    """Every 29th byte, each with another bit changed; the first of the file does not hide what comes after it."""
-    for place in range(0, len(whole), 29):
+    """Every 53rd byte, each with another bit changed; the first of the file does not hide what comes after it."""
+    for place in range(0, len(whole), 53):
         changed = bytes([whole[place] ^ (1 << place % 8)])
         journal_path(target).write_bytes(whole[:place] + changed + whole[place + 1 :])
         found, damaged, gaps = kept_of(target)
@@ -232,7 +233,7 @@ def test_any_byte_that_is_damaged_costs_the_record_that_it_belongs_to(target, wh
 
 def test_a_journal_that_was_cut_off_keeps_what_lies_before(target, whole):
     ends = [place for place in range(1, len(whole) + 1) if whole.startswith(frames.MARK, place)] + [len(whole)]
-    for size in range(0, len(whole), 101):
+    for size in range(0, len(whole), 199):
         journal_path(target).write_bytes(whole[:size])
         assert kept_of(target) == ({f"record {number}" for number in range(6) if ends[number + 1] <= size}, [], 0)
 

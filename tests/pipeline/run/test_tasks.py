@@ -133,7 +133,10 @@ def test_a_pair_that_cannot_be_rotated_is_rows_of_its_task(two_files):
     assert all([row.stage for row in one.failures] == ["rotate", "rotate"] for one in lost)
 
 
-@pytest.mark.parametrize(("components", "analysis"), [("horizontal", FragilityAnalysis), ("sweep", SiteCalibration)])
+@pytest.mark.parametrize(
+    ("components", "analysis"),
+    [pytest.param("horizontal", FragilityAnalysis, marks=pytest.mark.sweep), ("sweep", SiteCalibration)],
+)
 def test_the_tasks_of_any_order_give_the_tree_in_memory(two_files, components, analysis):
     asked = analysis(
         Config(

@@ -180,6 +180,7 @@ def test_the_first_to_overturn_gives_the_azimuth(tree):
     assert summary["azimuth"].values[first] == azimuth
 
 
+@pytest.mark.sweep
 def test_directions_that_cannot_be_assessed_are_unanswered_not_forgotten():
     """Across the polarisation the motion does not exceed the bracket."""
     phase = IntensePhaseSettings(method="bracketed", level=2.0)
@@ -201,8 +202,8 @@ def test_directions_that_cannot_be_assessed_are_unanswered_not_forgotten():
 def test_the_vertical_of_the_station_acts_in_every_direction():
     models = ModelSettings(use=("nonlinear",))
     records = (channel(90.0), channel(0.0), upwards())
-    lifted = sweep(*records, blocks=(TOWER,), models=models, include_vertical=True)["summary"]
-    plain = sweep(*records, blocks=(TOWER,), models=models)["summary"]
+    lifted = sweep(*records, blocks=(TOWER,), models=models, azimuth_step=60.0, include_vertical=True)["summary"]
+    plain = sweep(*records, blocks=(TOWER,), models=models, azimuth_step=60.0)["summary"]
     assert all("vertical acceleration: CCC.up" in text for text in lifted["processing"].values)
     strong = plain["peak_rotation_ratio"].values > 0.0
     assert strong.any()
@@ -211,7 +212,8 @@ def test_the_vertical_of_the_station_acts_in_every_direction():
 
 def test_a_range_of_restitution_keeps_its_dimension():
     several = BlockSettings(name="wall", width=0.4, height=3.0, restitution=[0.6, 0.9])
-    found = sweep(channel(90.0), channel(0.0), blocks=(several,), models=ModelSettings(use=("linear",)))
+    models = ModelSettings(use=("linear",))
+    found = sweep(channel(90.0), channel(0.0), blocks=(several,), models=models, azimuth_step=60.0)
     assert found["directions"]["largest_rotation_ratio"].dims == ("pair", "block", "case", "model")
     assert direction_table(found["summary"].to_dataset(), found["directions"].to_dataset()).count("  wall") == 2
 

@@ -104,6 +104,7 @@ def test_the_shipped_points_are_the_mean_capacity_and_the_factor_of_ten_per_cent
     assert np.all(rules["balanced"].demand(wave, block) <= rules["conservative"].demand(wave, block))
 
 
+@pytest.mark.sweep
 def test_the_spectrum_of_the_rule_is_its_demand():
     wave = waves()
     block = Block.from_parameters(p=[1.5, 2.5], alpha=0.12, restitution=[0.9, 0.95])
@@ -240,6 +241,7 @@ def test_the_range_in_words_names_housners_restitution():
     assert wider.range_text == "C 0.9 to 1 times Housner's, R 1 to 1 m"
 
 
+@pytest.mark.sweep
 def test_assessments_mark_bodies_unlike_those_of_the_fit():
     config = Config()
     config = replace(config, models=replace(config.models, use=("balanced", "conservative", "linear")))

@@ -141,6 +141,7 @@ def paz(zeros, poles, unit, frequency=5.0):
     return response
 
 
+@pytest.mark.sweep
 def test_a_velocity_sensor_gives_back_the_acceleration():
     fine = DT / 20.0 * np.arange(20 * COUNT)
     truth = wavelet(TIME, 2.0, 15.0)

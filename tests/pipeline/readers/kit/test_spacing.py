@@ -26,7 +26,7 @@ from rockpulse.readers.kit.spacing import (
     time_column_step,
 )
 
-QUICK = settings(derandomize=True, deadline=None, max_examples=100)
+QUICK = settings(derandomize=True, deadline=None, max_examples=50)
 STEPS = st.sampled_from([0.0014, 0.0025, 1 / 300, 0.005, 1 / 128, 0.01, 0.02, 1 / 3])
 
 

@@ -60,6 +60,7 @@ def test_the_facts_of_each_record_are_stored():
     assert found["event_id"].values[1] == ""
 
 
+@pytest.mark.sweep
 def test_capacity_is_tested_to_depend_on_what_the_files_state(records, tree):
     magnitudes = {"Kobe": 6.9, "Maule": 8.8, "Izmit": 7.6, "Duzce": np.nan}
     stated = [replace(record, magnitude=magnitudes[record.event], vs30=300.0) for record in records]
@@ -128,6 +129,7 @@ def test_the_file_says_how_the_capacities_were_searched(records):
     np.testing.assert_allclose(capacities["search_step"], (25.0 / start) ** (1 / 8), rtol=1e-9)
 
 
+@pytest.mark.sweep
 def test_one_record_that_overturns_several_bodies_is_one_record(records):
     """All bodies put together hold three capacities, of one record."""
     block = {f"wall {size:g}": Block(half_width=0.3 * size, half_height=1.5 * size) for size in (1.0, 1.02, 1.04)}
@@ -273,7 +275,7 @@ def test_dispersions_are_compared_with_that_of_the_velocity_ratio(tree):
     }
 
 
-@pytest.mark.parametrize("data", ["ida", "stripes"])
+@pytest.mark.parametrize("data", ["ida", pytest.param("stripes", marks=pytest.mark.sweep)])
 def test_the_curves_come_again_from_the_capacities_of_a_file(records, tree, striped, data):
     found = tree if data == "ida" else striped
     stored = stored_ensemble(found)

@@ -123,7 +123,7 @@ def test_one_magnitude_that_differs_is_no_test():
     assert np.isnan(sufficiency(observed, 0)[1])
 
 
-@pytest.mark.sweep
+@pytest.mark.slow
 @pytest.mark.parametrize(("stated", "levels"), [(4, (0.05, 0.1)), (10, (0.1, 0.5, 0.9))])
 def test_p_values_of_a_capacity_that_magnitude_does_not_change_are_uniform(stated, levels):
     rng = np.random.default_rng(2)

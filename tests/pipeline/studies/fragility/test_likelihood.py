@@ -44,7 +44,7 @@ def test_derivatives_are_those_of_the_log_likelihood(model):
     np.testing.assert_allclose(value[0], expected, rtol=1e-12)
 
 
-@pytest.mark.parametrize("seed", [1, 21, 41, 42])
+@pytest.mark.parametrize("seed", [1, *(pytest.param(seed, marks=pytest.mark.sweep) for seed in (21, 41, 42))])
 @pytest.mark.parametrize("model", FAMILIES)
 def test_the_maximum_is_that_of_a_direct_search(model, seed):
     """Also where the rows lie far apart, so that a whole step of Newton goes too far."""

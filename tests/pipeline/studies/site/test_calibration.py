@@ -119,6 +119,7 @@ def test_a_coverage_that_rests_on_little_says_so(done):
     assert f"of {int(three['judged_events'])} of 3 events" in str(three["remarks"].item())
 
 
+@pytest.mark.sweep
 def test_unresolved_pairs_count_as_overturned(monkeypatch):
     respond = site_record.recorded_response
 

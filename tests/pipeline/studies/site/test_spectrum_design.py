@@ -116,6 +116,7 @@ def test_the_spectrum_is_proportional_to_the_record(by_rule):
     np.testing.assert_allclose(by_rule["record_ratio"][1], by_rule["record_ratio"][0])
 
 
+@pytest.mark.sweep
 def test_the_site_reads_the_spectrum_that_python_gives(by_rule):
     own = rp.overturning_spectrum(record(), restitution=RESTITUTIONS, method="rule")["spectrum"]
     np.testing.assert_allclose(by_rule["spectrum"][0], own, rtol=1e-12)
@@ -192,6 +193,7 @@ def test_a_body_outside_the_spectrum_has_no_design_and_is_named():
     assert float(chest["p"]) == BLOCKS["chest"].p
 
 
+@pytest.mark.sweep
 def test_earthquakes_are_alike_by_default_and_records_where_asked():
     events = [0] * 6 + [1, 2, 3, 4, 5, 6]
     strengths = np.arange(1.0, 13.0)
