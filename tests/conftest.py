@@ -1,4 +1,4 @@
-"""Folders of real records that several tests read, and a kernel cache that never serves stale code."""
+"""Folders of real records that several tests read, and a kernel cache, filled once, that never serves stale code."""
 
 import os
 from pathlib import Path
@@ -12,6 +12,20 @@ TOP = Path(__file__).parents[1]
 
 # Set before numba is imported.
 os.environ.setdefault("NUMBA_CACHE_DIR", str(kernel_cache(Path(rocking.__file__).parent)))
+
+#: Tests in a run from which on all kernels are needed.
+LONG_RUN = 1000
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_runtestloop(session):
+    """Before a long run in several processes, compile the kernels that are not in the cache, each process a share."""
+    process = getattr(session.config, "workerinput", None)
+    if process is not None and len(session.items) > LONG_RUN and os.environ.get("NUMBA_DISABLE_JIT", "0") == "0":
+        from compiled_kernels import compile_share
+
+        number = int(process["workerid"].removeprefix("gw"))
+        compile_share(number, process["workercount"], Path(os.environ["NUMBA_CACHE_DIR"]))
 
 
 @pytest.fixture(scope="session")

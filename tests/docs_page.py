@@ -22,6 +22,7 @@ import subprocess
 import sys
 import tempfile
 from dataclasses import dataclass
+from itertools import groupby
 from pathlib import Path
 
 import pytest
@@ -131,30 +132,55 @@ def missing_line(shown: str, printed: str, figures: bool = True) -> str | None:
     return None
 
 
-def plain_commands(body: str) -> list[list[str]]:
-    """The words of each command of a block; [] unless all are of rockpulse and need nothing of a shell."""
+def plain_words(line: str) -> list[str]:
+    """The words of a command of rockpulse that needs nothing of a shell; [] for any other line."""
+    unquoted = re.sub(r"'[^']*'|\"[^\"$`\\]*\"", "", line)
+    if not line.startswith("rockpulse ") or set("|<>*?$&;~`()\\").intersection(unquoted.split(" #")[0]):
+        return []
+    return shlex.split(line, comments=True)[1:]
+
+
+def parts(body: str) -> list[tuple[bool, list[str]]]:
+    """The lines of a block in runs: True and commands of rockpulse alone, or False and what takes a shell."""
     lines = [line for line in body.replace("\\\n", " ").splitlines() if line.strip() and not line.startswith("#")]
-    plain = all(line.startswith("rockpulse ") and not set("|<>*?$&;~").intersection(line) for line in lines)
-    return [shlex.split(line, comments=True)[1:] for line in lines] if plain else []
+    return [(plain, [*run]) for plain, run in groupby(lines, key=lambda line: bool(plain_words(line)))]
 
 
-def run_here(commands: list[list[str]], folder: Path, environment: dict[str, str]) -> tuple[str, int]:
-    """What commands of rockpulse print, and the last exit code: in this process, for a new one takes a second."""
+def run_here(lines: list[str], folder: Path, environment: dict[str, str]) -> tuple[str, int]:
+    """What commands of rockpulse print, and the last exit code: in this process, for a new one takes seconds.
+
+    As on a machine of one core, where no command starts processes unless it is given --workers.
+    """
     from rockpulse.cli import main
 
     code: int = 0
     output = io.StringIO()
     with contextlib.chdir(folder), pytest.MonkeyPatch.context() as patch:
         patch.setenv("COLUMNS", environment["COLUMNS"])
+        patch.setattr(os, "sched_getaffinity", lambda _: {0}, raising=False)
         with contextlib.redirect_stdout(output), contextlib.redirect_stderr(output):
-            for words in commands:
+            for line in lines:
                 try:
-                    code = main(words)
+                    code = main(plain_words(line))
                 except SystemExit as end:
                     code = int(end.code or 0)
                 if code:
                     break
     return output.getvalue(), code
+
+
+def run_shell(lines: list[str], folder: Path, environment: dict[str, str]) -> tuple[str, int]:
+    """What bash prints, and its exit code."""
+    done = subprocess.run(
+        ["bash", "-euo", "pipefail", "-c", "\n".join(lines)],
+        cwd=folder,
+        env=environment,
+        capture_output=True,
+        text=True,
+        timeout=900,
+        check=False,
+    )
+    return done.stdout + done.stderr, done.returncode
 
 
 def run_page(page: Path, folder: Path) -> None:
@@ -171,21 +197,14 @@ def run_page(page: Path, folder: Path) -> None:
             continue
         if block.kind == "file":
             (folder / block.name).write_text(block.body, encoding="utf-8")
-        elif block.kind == "sh" and (commands := plain_commands(block.body)):
-            printed, code = run_here(commands, folder, environment)
-            assert code == block.exit_code, f"{where}: exit code {code}\n{printed}"
         elif block.kind == "sh":
-            done = subprocess.run(
-                ["bash", "-euo", "pipefail", "-c", block.body],
-                cwd=folder,
-                env=environment,
-                capture_output=True,
-                text=True,
-                timeout=900,
-                check=False,
-            )
-            printed = done.stdout + done.stderr
-            assert done.returncode == block.exit_code, f"{where}: exit code {done.returncode}\n{printed}"
+            printed, code = "", 0
+            for plain, lines in parts(block.body):
+                text, code = (run_here if plain else run_shell)(lines, folder, environment)
+                printed += text
+                if code:
+                    break
+            assert code == block.exit_code, f"{where}: exit code {code}\n{printed}"
         elif block.kind == "python":
             code = compile("\n" * (block.line - 1) + block.body, str(page), "exec")
             with contextlib.chdir(folder), contextlib.redirect_stdout(io.StringIO()) as output:

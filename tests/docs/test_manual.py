@@ -23,6 +23,8 @@ RUN = [
     for page in PAGES
     if page not in OWN_FILES and any(block.kind in ("sh", "python") and not block.not_run for block in blocks(page))
 ]
+#: Pages that are a minute of drawing; tests/pipeline/views/plots draws every kind of picture, of short records.
+LONG = {DOCS / "gallery.md"}
 
 #: All that the manual shows and no test runs, with the reason that stands above it on the page.
 NOT_RUN = {
@@ -49,7 +51,9 @@ def folder(tmp_path):
 
 
 @pytest.mark.sweep
-@pytest.mark.parametrize("page", RUN, ids=name)
+@pytest.mark.parametrize(
+    "page", [pytest.param(page, marks=[pytest.mark.slow] * (page in LONG)) for page in RUN], ids=name
+)
 def test_a_page_does_what_it_says(page, folder):
     run_page(page, folder)
 

@@ -30,7 +30,7 @@ def commands():
     """Every command of these pages as it would be typed with the environment active; one that stands twice, once."""
     every = [block for page in PAGES for block in blocks(TOP / page) if block.kind == "sh"]
     lines = [line for block in every for line in block.body.splitlines()]
-    typed = [line.replace(".venv/bin/", "").replace("--workers 8", "--workers 2") for line in lines]
+    typed = [line.replace(".venv/bin/", "").replace("--workers 8", "--workers 1") for line in lines]
     return list(dict.fromkeys(line.split("  #")[0].strip() for line in typed))
 
 
@@ -52,12 +52,13 @@ def test_the_commands_do_what_the_readme_says(tmp_path):
     (tmp_path / "site_records").mkdir()
     for year in range(2011, 2019):  # a design asks for seven earthquakes at least
         title = f"Earthquake {year}, 1/2/{year}, Station, 90"
-        motion = synthetic_motion(seed=year, duration=10.0, pga=3.0) / 9.80665
+        motion = synthetic_motion(seed=year, duration=6.0, pga=3.0) / 9.80665
         (tmp_path / "site_records" / f"{year}.AT2").write_bytes(at2(motion, title=title))
     first = "rockpulse assess data/samples/records --config data/samples/site.toml -o results.h5 --overwrite"
     assert any(first in line for line in commands())
+    first = first.replace("data/samples/records", str(records[0]))  # .ci/run runs it word for word
     kept = [
-        line.replace("calibrate my_records/", "calibrate site_records/")
+        line.replace("calibrate my_records/", "calibrate site_records/").replace("*TOW2..90*", "*..90*")
         for line in commands()
         if not line.startswith(tuple(LEFT_OUT))
     ]

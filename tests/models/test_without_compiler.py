@@ -40,6 +40,7 @@ def plain():
     return json.loads(run.stdout)
 
 
+@pytest.mark.sweep
 def test_plain_python_answers_as_the_compiled_kernels_do(compiled, plain):
     assert plain.keys() == compiled.keys()
     for name, values in compiled.items():

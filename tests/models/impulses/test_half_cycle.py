@@ -22,7 +22,7 @@ from rocking.impulses.half_cycle import (
     stays_bounded,
 )
 
-PROPERTY = settings(derandomize=True, deadline=None, max_examples=60)
+PROPERTY = settings(derandomize=True, deadline=None, max_examples=30)
 HOUSNER_A = 0.90625  # VALIDATION V1, block A
 
 
@@ -137,7 +137,6 @@ def test_impacts_above_at_the_limits_of_restitution():
     assert motion.impacts_above(0.5, 0.5, 0.125) == 2  # an exact power is not above the cut-off
 
 
-FEWER = settings(derandomize=True, deadline=None, max_examples=30)
 CASES = [END, MIDDLE, START, OPEN]
 
 
@@ -181,7 +180,7 @@ def test_half_cycle_of_v8(count, spacing, duration, speed):
         assert impact_speed_after(0.6, 0.26315, found, count, spacing) == pytest.approx(speed, abs=5e-9)
 
 
-@FEWER
+@PROPERTY
 @given(st.floats(1e-3, 1.6), st.floats(0.0, 1.0), st.integers(1, 10), st.sampled_from(CASES))
 def test_duration_is_the_smallest_root_and_the_speed_that_of_the_march(main, ratio, half_count, spacing):
     secondary, count = ratio * main, 2 * half_count
@@ -198,7 +197,7 @@ def test_duration_is_the_smallest_root_and_the_speed_that_of_the_march(main, rat
     assert impact_speed_after(main, secondary, total, count, spacing) == pytest.approx(-v, abs=2.0 * tolerance)
 
 
-@FEWER
+@PROPERTY
 @given(st.floats(1e-3, 0.95), st.floats(0.0, 1.0), st.integers(1, 8), st.sampled_from(CASES))
 def test_peak_is_the_largest_rotation_of_the_march(main, ratio, half_count, spacing):
     secondary, count = ratio * main, 2 * half_count
@@ -255,7 +254,7 @@ def test_start_comes_back_from_any_velocity_below_one_plus_the_first_push():
     assert corrected_duration(1.3 + 1e-15, 0.3, 2, START) == np.inf
 
 
-@FEWER
+@PROPERTY
 @given(st.floats(1e-3, 1.5), st.floats(0.0, 1.0), st.floats(0.02, 3.0), st.sampled_from(CASES))
 def test_trial_march_returns_where_the_superposed_motion_first_meets_the_ground(main, ratio, interval, spacing):
     secondary = ratio * main

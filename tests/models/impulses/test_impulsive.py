@@ -12,7 +12,7 @@ from rocking.impulses.impulsive import GAINS, impulsive_response
 from rocking.march.recorded import recorded_response
 from rocking.response import IMPACT_CUTOFF, Outcome
 
-PROPERTY = settings(derandomize=True, deadline=None, max_examples=60)
+PROPERTY = settings(derandomize=True, deadline=None, max_examples=30)
 G = 9.81
 
 

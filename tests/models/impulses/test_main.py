@@ -16,7 +16,7 @@ from rocking.impulses.main import (
 )
 from rocking.response import IMPACT_CUTOFF, Outcome, Reason
 
-PROPERTY = settings(derandomize=True, deadline=None, max_examples=60)
+PROPERTY = settings(derandomize=True, deadline=None, max_examples=30)
 
 
 def block(radius=2.0, restitution=0.9):

@@ -13,7 +13,7 @@ from rocking.impulses.main import resonance
 from rocking.impulses.sequence import impulse_train, sequence_response, steady_state
 from rocking.response import Outcome, Reason
 
-PROPERTY = settings(derandomize=True, deadline=None, max_examples=60)
+PROPERTY = settings(derandomize=True, deadline=None, max_examples=30)
 
 
 def block(radius=2.0, restitution=0.9):

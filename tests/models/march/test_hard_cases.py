@@ -87,7 +87,9 @@ def test_rectangular_pulse_within_1e_12_of_critical(wall, pt):
         assert Outcome(answer(wall, pulse, pt / wall.p / samples, equation="linear").outcome).name == outcome
 
 
-@pytest.mark.parametrize(("equation", "critical"), [("linear", 1.0), ("nonlinear", math.nan)])
+@pytest.mark.parametrize(
+    ("equation", "critical"), [("linear", 1.0), pytest.param("nonlinear", math.nan, marks=pytest.mark.sweep)]
+)
 def test_initial_velocity_within_1e_12_of_critical(wall, equation, critical):
     """theta' = p alpha takes the linear block to its top, 2 p sin(alpha/2) the nonlinear one."""
     if equation == "nonlinear":
@@ -150,7 +152,8 @@ def test_slow_hops_of_a_lane_are_bounded_however_long_the_record(equation):
     assert (resting.outcome, resting.active_samples) == (Outcome.ROCKS, 1)
 
 
-@pytest.mark.parametrize("equation", ["linear", pytest.param("nonlinear", marks=pytest.mark.sweep)])
+@pytest.mark.sweep
+@pytest.mark.parametrize("equation", EQUATIONS)
 def test_slow_hops_in_a_weak_motion_are_bounded_too(equation):
     """One sample 1 % above uplift in 500 s of half of it: hops too slow to be counted go on through all the rest."""
     block, lossy = block_of(2.0, 5.0, 1.0), block_of(2.0, 5.0, 0.999)
@@ -184,7 +187,9 @@ def test_chatter_to_rest_and_uplift_again_inside_one_sample(equation, restitutio
     assert_right(block, ground, 0.1, equation, initial_velocity=2e-3 * block.p * block.alpha_c)
 
 
-@pytest.mark.parametrize(("equation", "factor"), [("linear", 4.0), ("nonlinear", 1.5)])
+@pytest.mark.parametrize(
+    ("equation", "factor"), [("linear", 4.0), pytest.param("nonlinear", 1.5, marks=pytest.mark.sweep)]
+)
 def test_block_of_5_cm_on_a_record_of_50_hz(equation, factor):
     """p dt = 0.34: the sample is divided."""
     block = Block(half_width=0.00625, half_height=0.025)

@@ -149,7 +149,7 @@ def test_histories_differ_and_the_distribution_of_their_maxima_does_not():
     assert ks_2samp(*np.minimum(peaks, 10.0).T).statistic == pytest.approx(0.033, abs=0.007)
 
 
-@pytest.mark.sweep
+@pytest.mark.slow
 def test_the_overturning_acceleration_is_constant_then_falls_with_one_over_p_and_its_square(samples):
     """Overturning acceleration spectra (2026, summary): a constant, 1/p and about 1/p^2, from small blocks to large.
 

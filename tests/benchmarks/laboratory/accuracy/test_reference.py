@@ -72,7 +72,7 @@ def test_other_samples_than_those_of_the_reference_are_refused(stored, condition
     ("equation", "outcome"),
     [
         ("linear", "OVERTURNS"),
-        *(pytest.param(*case, marks=pytest.mark.sweep) for case in (("linear", "ROCKS"), ("nonlinear", "OVERTURNS"))),
+        *(pytest.param(*case, marks=pytest.mark.slow) for case in (("linear", "ROCKS"), ("nonlinear", "OVERTURNS"))),
     ],
 )
 def test_script_makes_the_stored_answer_again(stored, make_reference, equation, outcome):
