@@ -98,7 +98,7 @@ def _held(block: Block, copies: int) -> Held:
         constant=np.stack([own.constant(width) for own, width in zip(every, base.tolist(), strict=True)]),
         points=np.stack([distance, np.hypot(height, distance), np.arctan2(distance, height)], axis=3),
         weight=np.ascontiguousarray(weight.T),
-        angle=np.stack([np.sin(angle), np.cos(angle)], axis=2),
+        angle=np.ascontiguousarray(np.stack([np.sin(angle), np.cos(angle)], axis=2)),
         mode=np.zeros((copies * len(every), elements.shape[1]), dtype=np.int64),
         set=np.zeros((copies * len(every), elements.shape[1])),
     )
