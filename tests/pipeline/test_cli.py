@@ -176,7 +176,7 @@ def test_an_interruption_is_told_and_has_the_usual_code(monkeypatch, capsys):
     assert "interrupted" in capsys.readouterr().err
 
 
-@pytest.mark.parametrize("changed", [False, True])
+@pytest.mark.parametrize("changed", [pytest.param(False, marks=pytest.mark.sweep), True])
 def test_an_internal_error_is_shown_with_what_differs_in_the_file(
     changed, golden, tmp_path, monkeypatch, capsys, caplog
 ):

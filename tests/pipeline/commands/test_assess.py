@@ -87,6 +87,7 @@ def test_a_folder_with_a_broken_record_is_exit_code_one_and_the_others_are_asses
     assert sorted(values(target, "failures/kind")) == ["failed", "skipped"]
 
 
+@pytest.mark.sweep
 def test_a_missing_file_named_explicitly_is_exit_code_one_and_the_others_are_assessed(folder, quick, tmp_path, capsys):
     target = tmp_path / "results.h5"
     assert assess(folder / "strong.AT2", folder / "absent.AT2", "-o", target, "--quiet", "--config", quick) == 1
@@ -155,6 +156,7 @@ def test_a_file_that_exists_is_refused_before_any_work_and_stays_intact(tmp_path
     assert target.read_bytes() == b"old"
 
 
+@pytest.mark.sweep
 def test_the_configuration_names_records_and_blocks(folder, tmp_path, capsys):
     config = tmp_path / "site.toml"
     config.write_text(

@@ -53,6 +53,7 @@ def test_a_sweep_is_written_and_read_back(tree):
     assert found["pga_largest"].item() > found["pga_median"].item()
 
 
+@pytest.mark.sweep
 def test_inspect_shows_the_directions(swept, capsys):
     assert main(["inspect", str(swept), "--all"]) == 0
     out = capsys.readouterr().out

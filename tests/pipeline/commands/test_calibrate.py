@@ -97,6 +97,7 @@ def test_the_file_comes_back_as_it_was_calibrated(motions, config, loaded):
     assert loaded["site"].to_dataset().identical(tree["site"].to_dataset())
 
 
+@pytest.mark.sweep
 def test_inspect_shows_what_calibrate_printed(done, capsys):
     assert main(["inspect", str(done)]) == 0
     assert capsys.readouterr().out.startswith("! FEW EVENTS: 2")

@@ -32,6 +32,7 @@ def test_a_table_and_its_readme(results, tmp_path, capsys):
     assert "Selection: model nonlinear; outcome = overturns; sorted by safety_factor, smallest first." in readme
 
 
+@pytest.mark.sweep
 def test_other_groups_and_rows(results, tmp_path, capsys):
     assert (
         main(["export", results, "-o", str(tmp_path / "f.csv"), "--group", "failures", "--where", "kind=failed"]) == 0
@@ -59,6 +60,7 @@ def test_wrong_options_are_exit_code_two_and_write_nothing(results, tmp_path, ca
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.sweep
 def test_the_readme_has_the_demands_and_the_decimal_comma_is_an_option(tmp_path):
     tree = results_tree()
     summary = tree["summary"].to_dataset()

@@ -40,6 +40,7 @@ def test_one_record_and_one_block(results, capsys):
     assert "critical impulse I_1c" in capsys.readouterr().out
 
 
+@pytest.mark.sweep
 def test_record_block_and_failures_together(results, capsys):
     assert main(["inspect", results, "--record", RECORDS[2], "--block", "cabinet", "--failures"]) == 0
     out = capsys.readouterr().out

@@ -92,6 +92,7 @@ def test_wrong_arguments_are_told(fragility, tmp_path, capsys):
     assert "the file exists" in capsys.readouterr().err
 
 
+@pytest.mark.sweep
 def test_an_inventory_is_read_from_the_spectra_of_results(golden, tmp_path, capsys):
     (tmp_path / "site.toml").write_text('[models]\nuse = ["nonlinear"]\n[uncertainty]\nspectrum = "all"\n')
     results = tmp_path / "results.h5"

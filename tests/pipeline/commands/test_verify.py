@@ -34,6 +34,7 @@ def test_a_change_is_one_exit_code_and_one_line(assessed, tmp_path, capsys):
     assert capsys.readouterr().out == f"{changed}: variable /summary/pga: its values are not what was written\n"
 
 
+@pytest.mark.sweep
 def test_inputs_that_were_moved_or_changed(assessed, capsys):
     record = assessed / "burst0.AT2"
     content = record.read_bytes()

@@ -55,6 +55,7 @@ def test_a_map_shows_the_stored_intervals_and_the_windows_between(assessed, firs
     assert "Hollow: a lower bound" in small_print(ax)
 
 
+@pytest.mark.sweep
 def test_every_restitution_has_a_row_of_its_own(clc):
     body = Block(half_width=0.125, half_height=1.1, restitution=[0.9, 0.98])
     tree = rp.assess(clc, Config(models=ModelSettings(use=("resonance",))), blocks={"wall": body})

@@ -149,6 +149,7 @@ def test_a_site_of_other_records_says_so(results, site, bodies, bursts):
     assert not any(words in remark for remark in site_of(results, site).remarks)
 
 
+@pytest.mark.sweep
 def test_a_sequence_that_is_not_the_design_of_the_site_is_refused(tmp_path, site, bodies):
     rp.save(site, tmp_path / "site.h5")
     design = rp.load_design(tmp_path / "site.h5")

@@ -142,6 +142,7 @@ def test_no_english_word_is_left_on_a_page(request, language, case, site, fragil
     assert {text: found for text in texts if (found := words_in([text]) & english)} == {}
 
 
+@pytest.mark.sweep
 def test_the_numbers_of_pictures_have_the_decimal_sign_of_the_language(results, fragility):
     beside = paired(results, fragility, "fragility", "it")
     with writing("it"):

@@ -221,6 +221,7 @@ def test_files_of_another_kind_are_refused(tmp_path, results, site):
     assert not (tmp_path / "report.html").exists()
 
 
+@pytest.mark.sweep
 def test_the_files_are_named_with_their_hashes(tmp_path):
     path = tmp_path / "results.h5"
     rp.save(results_tree(), path)
