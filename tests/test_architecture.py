@@ -168,7 +168,7 @@ def test_a_wrong_import_is_seen():
     assert upward(module_graph({name: ast.parse(text) for name, text in wrong.items()})) == [
         "rockpulse.record.record -> rockpulse.views.text"
     ]
-    face = {"rockpulse.storage.export.selection": "def f():\n    import rockpulse", "rockpulse": "pass"}
+    face = {"rockpulse.storage.export.row_selection": "def f():\n    import rockpulse", "rockpulse": "pass"}
     assert len(upward(module_graph({name: ast.parse(text) for name, text in face.items()}))) == 1
     types = "from typing import TYPE_CHECKING\nif TYPE_CHECKING:\n    from rockpulse.config.bodies import Bodies"
     round_about = {"rockpulse.config.bodies": "import rockpulse.config.settings", "rockpulse.config.settings": types}

@@ -6,9 +6,9 @@ from .body.supports import FloorMotion as FloorMotion
 from .body.supports import floor_motion as floor_motion
 from .body.supports import with_pedestal as with_pedestal
 from .impulses.impulsive import impulsive_response as impulsive_response
-from .impulses.main import critical_impulse_at as critical_impulse_at
-from .impulses.main import resonance as resonance
-from .impulses.main import resonance_safety as resonance_safety
+from .impulses.main_sequence import critical_impulse_at as critical_impulse_at
+from .impulses.main_sequence import resonance as resonance
+from .impulses.main_sequence import resonance_safety as resonance_safety
 from .impulses.sequence import ImpulseSequence as ImpulseSequence
 from .impulses.sequence import SteadyState as SteadyState
 from .impulses.sequence import impulse_train as impulse_train
@@ -37,8 +37,8 @@ from .spectrum.half_waves import HalfWaveDemand as HalfWaveDemand
 from .spectrum.half_waves import demand_of_half_waves as demand_of_half_waves
 from .spectrum.half_waves import impulse_lobes as impulse_lobes
 from .spectrum.half_waves import lobe_shapes as lobe_shapes
-from .spectrum.lanes import SpectrumLanes as SpectrumLanes
-from .spectrum.lanes import spectrum_lanes as spectrum_lanes
+from .spectrum.slender_lanes import SpectrumLanes as SpectrumLanes
+from .spectrum.slender_lanes import spectrum_lanes as spectrum_lanes
 from .spectrum.overturning import OverturningFactors as OverturningFactors
 from .spectrum.overturning import OverturningSpectrum as OverturningSpectrum
 from .spectrum.probability import Uncertainty as Uncertainty

@@ -10,7 +10,7 @@ from nominal import Config
 from rocking.body.block_lanes import FEATURES
 from rockpulse import BlockSettings, DemandSettings, ModelSettings, RecordSettings, SearchSettings
 from rockpulse.assessment.assessment import assess
-from rockpulse.assessment.scene import prepare
+from rockpulse.assessment.scene import scene_of_record
 from rockpulse.model_table import (
     ALL_MODELS,
     DEFAULT_MODELS,
@@ -42,7 +42,7 @@ MOTION = 3.0 * np.sin(5.0 * T + 2.0 * np.sin(T)) * np.exp(-(((T - 5.0) / 2.0) **
 
 
 def scene(motion=MOTION, **options):
-    return prepare(Record(motion, 0.01, id="one", processed=True), Config(**options))
+    return scene_of_record(Record(motion, 0.01, id="one", processed=True), Config(**options))
 
 
 @pytest.mark.parametrize("name", MODELS)

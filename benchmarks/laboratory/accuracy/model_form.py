@@ -16,7 +16,7 @@ from scipy.stats import mannwhitneyu
 from laboratory.ensemble import blocks
 from rocking.body.block import Block
 from rocking.response import Outcome
-from rockpulse.assessment.scene import prepare
+from rockpulse.assessment.scene import scene_of_record
 from rockpulse.config.configuration import Config
 from rockpulse.model_row import Scene
 from rockpulse.model_table import ALL_MODELS, MODELS
@@ -86,7 +86,7 @@ def model_form_lanes(
     assessment, conditions and calibrates the record; `scales` are factors on it [-]. Raises RockpulseError where the
     record cannot be conditioned or has no intense phase.
     """
-    bodies, unscaled = blocks(), prepare(record, config or Config())
+    bodies, unscaled = blocks(), scene_of_record(record, config or Config())
     frames = []
     for scale in scales:
         scene = _scaled(unscaled, scale)

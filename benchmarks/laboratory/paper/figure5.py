@@ -26,7 +26,7 @@ from laboratory.paper.finding import Finding, Statement, examine, interval_range
 from rocking.body.block import Block
 from rocking.impulses.half_cycle import hop
 from rocking.impulses.impulse_sequence import SPACINGS, ImpulseSequence
-from rocking.impulses.main import critical_impulse_at
+from rocking.impulses.main_sequence import critical_impulse_at
 from rocking.impulses.sequence import sequence_response
 from rocking.impulses.sequence_kernel import HALF_CYCLE_LIMIT
 from rocking.response import HalfCycles, Response

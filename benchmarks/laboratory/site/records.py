@@ -17,8 +17,8 @@ from laboratory.site.response import calibrate_response
 from rocking.body.block import Block
 from rocking.march.recorded import recorded_response
 from rocking.response import Outcome
-from rocking.spectrum.lanes import spectrum_lanes
 from rocking.spectrum.overturning import OverturningSpectrum
+from rocking.spectrum.slender_lanes import spectrum_lanes
 from rockpulse.assessment.scene import extract
 from rockpulse.config.configuration import Config
 from rockpulse.errors import RecordRefused

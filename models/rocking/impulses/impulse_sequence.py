@@ -8,7 +8,7 @@ import numpy as np
 
 from rocking.arguments import ArrayLike, Floats, Integers, counts
 from rocking.impulses.half_cycle import CONTINUOUS, END, MIDDLE, OPEN, START
-from rocking.impulses.main import effective_amplification
+from rocking.impulses.main_sequence import effective_amplification
 from rocking.pictures import BLUE, GREY, RED, Picture, Shown, brief
 
 #: Number of intermediate impulses in a half-cycle of the picture, and the most of them.

@@ -11,7 +11,7 @@ from rocking.arguments import UNLIMITED, ArrayLike, numbers
 from rocking.body.block import Block
 from rocking.impulses.impulse_sequence import ImpulseSequence
 from rocking.impulses.impulsive import impulsive_response
-from rocking.impulses.main import bands_of, resonance_safety
+from rocking.impulses.main_sequence import bands_of, resonance_safety
 from rocking.impulses.sequence import scaled_outcomes
 from rocking.march.corner_response import rest_levels
 from rocking.march.recorded import recorded_response

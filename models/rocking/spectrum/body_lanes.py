@@ -164,7 +164,7 @@ def probability_lanes(
     centre = np.clip(np.log(guess[some]), bottom[some], log_max)
     low = np.maximum(np.minimum(centre - FIRST_HALF, log_max - 2.0 * FIRST_HALF), bottom[some])
     march.evenly(some, low, np.minimum(low + 2.0 * FIRST_HALF, log_max), FIRST, 0)
-    standing = _lengthen(march, bottom, log_max).tolist()
+    standing = _extend_first_part(march, bottom, log_max).tolist()
     first = [(body, march.lanes(body, standing[body])) for body in some.tolist()]
     second = [(body, *_where_verdicts_differ(lanes)) for body, lanes in first if lanes.over.any()]
     if second:
@@ -175,7 +175,7 @@ def probability_lanes(
     return bottom, found
 
 
-def _lengthen(march: LaneMarch, bottom: np.ndarray, log_max: float) -> np.ndarray:
+def _extend_first_part(march: LaneMarch, bottom: np.ndarray, log_max: float) -> np.ndarray:
     """Make the first part longer, down to uplift and up to the largest factor; (m,), where lanes stand up there."""
     low, high = np.full(bottom.size, np.inf), np.full(bottom.size, -np.inf)
     standing = np.zeros(bottom.size, dtype=bool)

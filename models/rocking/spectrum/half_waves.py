@@ -14,7 +14,9 @@ import numpy as np
 
 from rocking.arguments import ArrayLike
 from rocking.body.block import Block
-from rocking.spectrum.lanes import (
+from rocking.spectrum.overturning import OverturningSpectrum
+from rocking.spectrum.slender import lobe_tops, weighted_impulse
+from rocking.spectrum.slender_lanes import (
     LEAST_RESTITUTION,
     MOST_RESTITUTION,
     RATES,
@@ -22,8 +24,6 @@ from rocking.spectrum.lanes import (
     check_strength,
     piece_lanes,
 )
-from rocking.spectrum.overturning import OverturningSpectrum
-from rocking.spectrum.slender import lobe_tops, weighted_impulse
 
 #: Points of each side of a triangle on which E is computed.
 POINTS = 8

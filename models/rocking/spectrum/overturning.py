@@ -17,7 +17,6 @@ import numpy as np
 
 from rocking.arguments import ArrayLike
 from rocking.body.block import Block
-from rocking.spectrum.lanes import LEAST_RESTITUTION, RATES, SpectrumLanes
 from rocking.spectrum.probability import (
     NO_LANE,
     Uncertainty,
@@ -29,6 +28,7 @@ from rocking.spectrum.probability import (
     rising,
     tail_masses,
 )
+from rocking.spectrum.slender_lanes import LEAST_RESTITUTION, RATES, SpectrumLanes
 
 #: Levels of x are exp(LEVEL_STEP k), k whole: those of two records are the same numbers.
 LEVEL_STEP = 0.05

@@ -8,9 +8,9 @@ import numpy as np
 from rocking.body.limits import RATES
 from rocking.search.capacity import uplift_scale
 from rocking.spectrum.body_probability import overturning_probability
-from rocking.spectrum.lanes import LEAST_RESTITUTION, REBOUNDS, neighbours, spectrum_lanes
 from rocking.spectrum.overturning import OverturningFactors, OverturningSpectrum, covered
 from rocking.spectrum.probability import Uncertainty
+from rocking.spectrum.slender_lanes import LEAST_RESTITUTION, REBOUNDS, neighbours, spectrum_lanes
 from rockpulse.assessment.demand import FARTHEST, demand_factors
 from rockpulse.assessment.scene import senses
 from rockpulse.config.bodies import Bodies

@@ -16,7 +16,7 @@ from rocking.search.factors import ScaleIntervals
 from rocking.spectrum.overturning import OverturningSpectrum
 from rockpulse.assessment.probability import record_probability
 from rockpulse.assessment.scene import aloft, joined_responses, places_of, senses, turned
-from rockpulse.assessment.spectra import spectrum_values
+from rockpulse.assessment.spectra import stored_spectrum_values
 from rockpulse.config.bodies import Bodies, Place
 from rockpulse.config.configuration import Config
 from rockpulse.model_row import Scene
@@ -64,7 +64,7 @@ class RecordAssessment:
         found = {name: np.full([AXIS_SIZES[dim] for dim in one.dims], np.nan) for name, one in SPECTRUM.items()}
         if self.spectrum is not None:
             places = np.searchsorted(RATES, self.spectrum.p)
-            for name, values in spectrum_values(self.spectrum).items():
+            for name, values in stored_spectrum_values(self.spectrum).items():
                 axis = SPECTRUM[name].dims.index("p")
                 np.moveaxis(found[name], axis, 0)[places] = np.moveaxis(values, axis, 0)
         return found
@@ -190,12 +190,12 @@ def _assess_at(
         scales={name: sides.smaller(found) for name, found in intervals.items()},
         applicable={name: MODELS[name].applicable(lanes, scene).astype(np.int8) for name in responses},
         probability=probability,
-        strength=_strength(scene, bodies, stronger),
+        strength=_strength_and_friction(scene, bodies, stronger),
         spectrum=spectrum,
     )
 
 
-def _strength(scene: Scene, bodies: Bodies, stronger: float) -> dict[str, np.ndarray]:
+def _strength_and_friction(scene: Scene, bodies: Bodies, stronger: float) -> dict[str, np.ndarray]:
     """The strength of the motion that bodies feel, over theirs; and the friction that it asks for."""
     lanes, record = bodies.lanes.weaker, scene.record
     on = RecordOnBodies(record, lambda: scene.waves, lanes, uplift_scale(bodies.lanes, np.array([-1.0, 1.0])))

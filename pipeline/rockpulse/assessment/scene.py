@@ -28,7 +28,7 @@ from rockpulse.selection.directions import FACING_WITHIN
 from rockpulse.sequences.estimators import calibrate
 
 
-def prepare(record: Record, config: Config, vertical: Record | None = None) -> Scene:
+def scene_of_record(record: Record, config: Config, vertical: Record | None = None) -> Scene:
     """A record as read, and its vertical channel, conditioned and as :func:`extract`; RockpulseError if refused."""
     up = None if vertical is None else condition(vertical, **config.conditioning)
     return extract(condition(record, **config.conditioning), config, up)

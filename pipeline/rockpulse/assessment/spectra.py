@@ -10,9 +10,9 @@ from rocking.arguments import ArrayLike
 from rocking.body.block import Block
 from rocking.body.limits import RATES
 from rocking.march.recorded import recorded_response
-from rocking.spectrum.lanes import SpectrumLanes, spectrum_lanes
 from rocking.spectrum.overturning import LEAST_SLENDERNESS, OverturningSpectrum, covered_range
 from rocking.spectrum.probability import Uncertainty, factor_at
+from rocking.spectrum.slender_lanes import SpectrumLanes, spectrum_lanes
 from rockpulse.record.half_wave import half_waves
 from rockpulse.record.record import STANDARD_GRAVITY, Record
 from rockpulse.sequences.design_spectrum import at_blocks, within
@@ -91,7 +91,7 @@ def overturning_spectrum(
         raise ValueError(f"method: expected one of {', '.join(LANES)}, got {method!r}")
     if method == "rule" and uncertainty not in (None, Uncertainty()):
         raise ValueError("uncertainty: the rule was fitted under the default one and takes no other")
-    values = spectrum_values(OverturningSpectrum(LANES[method](record, rates, threads), uncertainty), nominal)
+    values = stored_spectrum_values(OverturningSpectrum(LANES[method](record, rates, threads), uncertainty), nominal)
     axes = {"p": rates, "restitution": nominal, "level": LEVELS, "rotation": ROTATIONS}
     found = xr.Dataset(
         {name: SPECTRUM[name].variable(array) for name, array in values.items()},
@@ -101,7 +101,9 @@ def overturning_spectrum(
     return found
 
 
-def spectrum_values(spectrum: OverturningSpectrum, restitution: np.ndarray = RESTITUTIONS) -> dict[str, np.ndarray]:
+def stored_spectrum_values(
+    spectrum: OverturningSpectrum, restitution: np.ndarray = RESTITUTIONS
+) -> dict[str, np.ndarray]:
     """The variables of :data:`~rockpulse.storage.variables.probability.SPECTRUM` of a spectrum, at nominal C (c,)."""
     least, most = (share * restitution for share in spectrum.uncertainty.restitution)
     if np.any(outside := ~covered_range(least, most, spectrum.lanes.between)):
@@ -109,7 +111,7 @@ def spectrum_values(spectrum: OverturningSpectrum, restitution: np.ndarray = RES
         sizes = {**AXIS_SIZES, "p": spectrum.p.size, "restitution": restitution.size}
         found = {name: np.full([sizes[dim] for dim in one.dims], np.nan) for name, one in SPECTRUM.items()}
         if not np.all(outside):
-            for name, inner in spectrum_values(spectrum, restitution[~outside]).items():
+            for name, inner in stored_spectrum_values(spectrum, restitution[~outside]).items():
                 axis = SPECTRUM[name].dims.index("restitution")
                 np.moveaxis(found[name], axis, 0)[~outside] = np.moveaxis(inner, axis, 0)
         return found

@@ -13,7 +13,7 @@ from rockpulse.errors import ConfigError, ResultsError
 if TYPE_CHECKING:
     from rockpulse.config.configuration import Config
     from rockpulse.config.settings import RecordSettings
-    from rockpulse.storage.export.selection import Selection
+    from rockpulse.storage.export.row_selection import Selection
 
 
 #: What --quiet does.
@@ -99,7 +99,7 @@ SELECTION: Options = {
 
 def read_selection(args: argparse.Namespace) -> Selection:
     """The selection of the options SELECTION, ``record`` and ``block``; a ResultsError for an invalid condition."""
-    from rockpulse.storage.export.selection import SHOWN, Condition, Selection
+    from rockpulse.storage.export.row_selection import SHOWN, Condition, Selection
 
     if args.descending and args.sort is None:
         raise ResultsError("--descending goes with --sort VARIABLE")

@@ -16,7 +16,7 @@ def _run(args: argparse.Namespace) -> int:
     from rockpulse.readers.folders import read_all
     from rockpulse.record.record import STANDARD_GRAVITY
     from rockpulse.views.shared.files_used import count_files
-    from rockpulse.views.shared.terminal import paragraph
+    from rockpulse.views.shared.formatting import paragraph
     from rockpulse.views.text.left_out import rows_not_used
 
     options = reading_options(args)

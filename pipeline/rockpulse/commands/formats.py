@@ -17,7 +17,7 @@ def _run(args: argparse.Namespace) -> int:
     from rockpulse.readers import FORMATS, UNITS
     from rockpulse.readers.archive import MEMBER_LIMIT, TOTAL_LIMIT
     from rockpulse.readers.source import FILE_LIMIT, RATIO_LIMIT
-    from rockpulse.views.shared.terminal import ABSENT
+    from rockpulse.views.shared.formatting import ABSENT
 
     def wrapped(words: str, first: str = "", indent: str = "") -> str:
         return fill(words, WIDTH, initial_indent=first, subsequent_indent=indent, break_on_hyphens=False)

@@ -65,14 +65,14 @@ def _parts(file: ResultsFile, args: argparse.Namespace) -> list[str]:
 
 def _details(summary: xr.Dataset, args: argparse.Namespace) -> list[str]:
     """Records and blocks one by one; a list of cases where a pattern names several."""
-    from rockpulse.storage.export.selection import label_positions
+    from rockpulse.storage.export.row_selection import positions_matching
     from rockpulse.views.text.overview import block_details, record_details
 
     pages = []
     for dim, details in (("record", record_details), ("block", block_details)):
         known = [str(label) for label in summary[dim].values]
         for pattern in getattr(args, dim) or ():
-            found = label_positions(known, [pattern], dim)
+            found = positions_matching(known, [pattern], dim)
             if found.size > 1:
                 return [_cases(summary, args)]
             pages.append(details(summary, known[int(found[0])]))

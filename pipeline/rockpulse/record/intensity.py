@@ -177,7 +177,7 @@ def _significant(record: Record, upper: float) -> IntensePhase:
     return IntensePhase(*(_time_of(record, energy, share * energy[-1]) for share in (0.05, upper)))
 
 
-def _bracketed(record: Record, start_s: float | None, end_s: float | None, level: float | None) -> IntensePhase:
+def _bracketed_phase(record: Record, start_s: float | None, end_s: float | None, level: float | None) -> IntensePhase:
     bracket = BRACKET_LEVEL if level is None else level
     if not (math.isfinite(bracket) and bracket > 0.0):
         raise ConfigError(f"intense_phase: level: expected a positive acceleration in m/s2, got {level!r}")
@@ -242,6 +242,6 @@ def _strongest_window(record: Record) -> IntensePhase:
 INTENSE_PHASES: dict[str, Callable[..., IntensePhase]] = {
     "D5-95": lambda record, *_: _significant(record, 0.95),
     "D5-75": lambda record, *_: _significant(record, 0.75),
-    "bracketed": _bracketed,
+    "bracketed": _bracketed_phase,
     "window": _window,
 }

@@ -27,7 +27,7 @@ from rockpulse.selection.directions import (
 from rockpulse.selection.events import event_table, events_by_id
 from rockpulse.selection.votes import one_vote_each, unmatched_patterns
 
-__all__ = ["Analysis", "Blocks", "Part", "Prepared", "Watch", "Work", "joined", "run", "worked"]
+__all__ = ["Analysis", "Blocks", "Part", "Plan", "Watch", "Work", "joined", "run", "worked"]
 logger = logging.getLogger("rockpulse")
 #: The arrays that one motion adds to the results, by variable; the first dimension is the one that grows.
 Part = Mapping[str, np.ndarray]
@@ -38,7 +38,7 @@ Work = Callable[[Motion, Watch], Part]
 
 
 @dataclass(frozen=True, eq=False)
-class Prepared:
+class Plan:
     """The planned motions and their earthquakes."""
 
     planned: list[PlannedMotion]  # in the order of the results
@@ -80,7 +80,7 @@ class Analysis(ABC):
         tree.attrs["configuration"] = self.config.as_text()
         return tree
 
-    def prepare(self, records: Iterable[Record], failures: Iterable[Failure] = ()) -> Prepared:
+    def plan(self, records: Iterable[Record], failures: Iterable[Failure] = ()) -> Plan:
         """Plans the motions and groups them by earthquake; ConfigError for equal ids and tables that do not fit."""
         every = sorted(records, key=lambda record: record.id) if self.in_order_of_ids else list(records)
         twice = sorted(name for name, times in Counter(record.id for record in every).items() if times > 1)
@@ -94,7 +94,7 @@ class Analysis(ABC):
         selected, duplicates = one_vote_each(every, self.config.records, rows)
         planned, left_out = plan_motions(selected, self.config)
         events = {one.name: event_of[one.channels[0].id] for one in planned}
-        return Prepared(planned, events, [*rows, *unread, *unmatched, *duplicates, *left_out])
+        return Plan(planned, events, [*rows, *unread, *unmatched, *duplicates, *left_out])
 
     def dimension_of(self, name: str) -> str:
         """The dimension along which an array of a part grows."""
@@ -128,15 +128,15 @@ def run(
     progress: Callable[[Sequence[PlannedMotion]], Iterable[PlannedMotion]] | None = None,
 ) -> xr.DataTree:
     """Carries out an analysis in this process; `progress` wraps the list of planned motions, as ``tqdm.tqdm`` does."""
-    prepared = analysis.prepare(_checked(records), failures)
-    rows, parts = list(prepared.failures), []
-    for one in prepared.planned if progress is None else progress(prepared.planned):
+    plan = analysis.plan(_checked(records), failures)
+    rows, parts = list(plan.failures), []
+    for one in plan.planned if progress is None else progress(plan.planned):
         for outcome in worked(one, analysis.work, analysis.name, analysis.config):
             if isinstance(outcome, Failure):
                 rows.append(outcome)
             else:
-                parts.append(analysis.of_event(outcome, prepared.events[one.name]))
-    return analysis.collect(parts, prepared.planned, rows)
+                parts.append(analysis.of_event(outcome, plan.events[one.name]))
+    return analysis.collect(parts, plan.planned, rows)
 
 
 def _checked(records: Iterable[Record]) -> list[Record]:

@@ -15,7 +15,7 @@ from rockpulse.assessment.assessment import Assessment
 from rockpulse.assessment.tree import direction_statistics, joined_parts
 from rockpulse.errors import Failure, ResultsError
 from rockpulse.record.measures import PGA
-from rockpulse.run.analysis import Analysis, Part, Prepared
+from rockpulse.run.analysis import Analysis, Part, Plan
 from rockpulse.run.frames import unpack
 from rockpulse.run.journal import Journal
 from rockpulse.selection.directions import swept_directions
@@ -57,7 +57,7 @@ class JournalParts:
 def write_results(
     output: str | os.PathLike[str],
     parts: JournalParts,
-    prepared: Prepared,
+    plan: Plan,
     failures: list[Failure],
     overwrite: bool,
     digest: str,
@@ -67,10 +67,10 @@ def write_results(
     if isinstance(analysis, Assessment):
         if not any(True for _ in parts):
             return 0
-        empty, swept = analysis.template, swept_directions(prepared.planned, analysis.config)
+        empty, swept = analysis.template, swept_directions(plan.planned, analysis.config)
         return assemble(output, empty, parts, failures, swept, overwrite, run)
     found = list(parts)
-    tree = analysis.collect(found, prepared.planned, failures)
+    tree = analysis.collect(found, plan.planned, failures)
     if found:
         tree.attrs.update(run)
         save(tree, output, overwrite)

@@ -151,29 +151,29 @@ class _Batch:
         check_target(output, replace or bool(before), analysis.kind)
         crew = self.crew_for(len(found), resources)
         every, rows, unread = self.surveyed(crew, found, rows)
-        prepared = analysis.prepare([one.record for one in every], rows)
-        self.tasks = tasks_of(prepared.planned, every, analysis.config, analysis.name)
+        plan = analysis.plan([one.record for one in every], rows)
+        self.tasks = tasks_of(plan.planned, every, analysis.config, analysis.name)
         del every  # the tasks have all of it, and a batch is large
-        for row in prepared.failures:
+        for row in plan.failures:
             if row.kind == "failed":
                 logger.error("%s", row.reason)
             if row.stage == "events":
                 options.tell(row.reason)
-        self.stop_at(prepared.failures)
-        asked = digest_of(self.tasks, prepared.events, analysis.config, analysis.name)
+        self.stop_at(plan.failures)
+        asked = digest_of(self.tasks, plan.events, analysis.config, analysis.name)
         if before:  # the run that wrote the file has left no journal
             check_target(output, before == asked, analysis.kind)
             journal.remove()
             options.tell(f"{output}: the run had ended before, nothing was left to do")
-            self.report = BatchReport(Path(output), len(self.tasks), len(self.tasks), list(prepared.failures))
+            self.report = BatchReport(Path(output), len(self.tasks), len(self.tasks), list(plan.failures))
             return True
         missing = self.missing()
         self.work(self.crew_for(len(missing), resources, crew), missing)
-        self.report.failures = [*prepared.failures, *self.report.failures]
+        self.report.failures = [*plan.failures, *self.report.failures]
         keys = self.finished()
         self.report.broken_off = unread + len(self.tasks) - len(keys)
-        parts = JournalParts(journal, analysis, keys, prepared.events)
-        self.report.records = write_results(output, parts, prepared, self.report.failures, replace, asked)
+        parts = JournalParts(journal, analysis, keys, plan.events)
+        self.report.records = write_results(output, parts, plan, self.report.failures, replace, asked)
         return False
 
     def crew_for(self, items: int, resources: ExitStack, before: Crew | None = None) -> Crew:

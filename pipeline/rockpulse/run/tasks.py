@@ -227,7 +227,7 @@ def warm_up(analysis: Analysis) -> None:
     sizes = {"a": (0.1, 1.0), "b": (0.2, 2.0), "c": (0.5, 2.5), "d": (1.0, 5.0), "e": (1.0, 4.0)}
     blocks = {name: Block(half_width=b, half_height=h) for name, (b, h) in sizes.items()}
     small = type(analysis)(plain, blocks)
-    for one in small.prepare([record]).planned:
+    for one in small.plan([record]).planned:
         for motion in conditioned_motions(one, plain):
             small.work(motion, nullcontext)
     # The kernel for bodies with lanes of their own, as under a vertical.

@@ -18,10 +18,10 @@ from rocking.arguments import ArrayLike
 from rocking.body.block import Block
 from rocking.body.limits import RATES, radius_of_rectangle
 from rocking.impulses.impulse_sequence import ImpulseSequence
-from rocking.impulses.main import effective_amplification
+from rocking.impulses.main_sequence import effective_amplification
 from rocking.search.factors import ScaleIntervals
 from rocking.spectrum.half_waves import HalfWaveDemand, demand_of_half_waves, half_wave_lanes
-from rocking.spectrum.lanes import SpectrumLanes
+from rocking.spectrum.slender_lanes import SpectrumLanes
 from rockpulse.errors import ConfigError
 from rockpulse.files import TOML_LIMIT, parse_toml, read_text
 from rockpulse.record.half_wave import HalfWaves

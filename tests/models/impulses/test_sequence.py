@@ -9,7 +9,7 @@ from rocking.body.block import Block
 from rocking.impulses.half_cycle import first_return
 from rocking.impulses.impulse_sequence import SPACINGS, ImpulseSequence
 from rocking.impulses.impulsive import impulsive_response
-from rocking.impulses.main import resonance
+from rocking.impulses.main_sequence import resonance
 from rocking.impulses.sequence import impulse_train, sequence_response, steady_state
 from rocking.response import Outcome, Reason
 

@@ -5,7 +5,7 @@ import pytest
 
 from rocking.body.block import Block
 from rocking.impulses.impulse_sequence import SPACINGS, ImpulseSequence
-from rocking.impulses.main import critical_impulse_at, resonance, resonance_safety
+from rocking.impulses.main_sequence import critical_impulse_at, resonance, resonance_safety
 from rocking.impulses.sequence import scaled_outcomes, sequence_response
 from rocking.response import Outcome, Reason
 

@@ -12,7 +12,7 @@ from rocking.body.limits import sorrentino
 from rocking.march.corner_response import rest_levels
 from rocking.search.capacity import uplift_scale
 from rocking.spectrum.body_probability import overturning_probability
-from rocking.spectrum.lanes import spectrum_lanes
+from rocking.spectrum.slender_lanes import spectrum_lanes
 
 G = 9.81
 STILL = np.zeros(2)

@@ -22,7 +22,7 @@ from rocking import (
     sequence_response,
 )
 from rocking.impulses.half_cycle import CRITICAL_TOLERANCE
-from rocking.impulses.main import critical_impulse_at
+from rocking.impulses.main_sequence import critical_impulse_at
 from rocking.march.event import SLOW_IMPACTS
 
 ROUNDING = 1e-12

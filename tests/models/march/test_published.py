@@ -9,7 +9,7 @@ from scipy.stats import ks_2samp
 
 import rockpulse as rp
 from rocking import Block, OverturningSpectrum, critical_scale, recorded_response
-from rocking.spectrum.lanes import spectrum_lanes
+from rocking.spectrum.slender_lanes import spectrum_lanes
 from synthetic import synthetic_motion
 
 G = 9.81

@@ -7,7 +7,6 @@ import pytest
 from scipy.special import ndtr
 
 from rocking import Block, OverturningSpectrum, Tie, Uncertainty, critical_scale
-from rocking.spectrum.lanes import SpectrumLanes, spectrum_lanes
 from rocking.spectrum.overturning import (
     INTERPOLATION,
     TWO_SIDED,
@@ -17,6 +16,7 @@ from rocking.spectrum.overturning import (
     slender_within,
 )
 from rocking.spectrum.probability import NO_LANE, factor_at, mean_capacity, rising
+from rocking.spectrum.slender_lanes import SpectrumLanes, spectrum_lanes
 from synthetic import synthetic_motion
 
 DT = 0.01

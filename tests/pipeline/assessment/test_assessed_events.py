@@ -106,7 +106,7 @@ def test_unknown_ids_are_refused_or_told_where_a_file_was_not_read(folder, tmp_p
     said = "[records] events names records that were not read: elsewhere; the records read are such as m0"
     assert [line.startswith(said) for line in told] == [True]
     records, failures = read_all(folder)
-    of_fragility = FragilityAnalysis(config).prepare(records[:1], failures).failures
+    of_fragility = FragilityAnalysis(config).plan(records[:1], failures).failures
     kept = rp.load(tmp_path / "y.h5")["failures"]["reason"].values.tolist()
     for reasons in (kept, [row.reason for row in of_fragility]):
         assert sum(reason.startswith(said) for reason in reasons) == 1

@@ -19,7 +19,7 @@ from rockpulse import (
     SiteSettings,
 )
 from rockpulse.assessment.assessment import Assessment, assess
-from rockpulse.assessment.scene import prepare
+from rockpulse.assessment.scene import scene_of_record
 from rockpulse.assessment.tree import joined_parts
 from rockpulse.errors import ConfigError, Failure
 from rockpulse.models import Block, Outcome, Reason, recorded_response
@@ -240,7 +240,7 @@ def test_vertical_offset_is_removed_before_the_channel_is_cut_to_the_record():
         **common,
     )
     config = Config(records=RecordSettings(include_vertical=True), conditioning=ConditioningSettings(baseline="mean"))
-    scene = prepare(horizontal, config, late)
+    scene = scene_of_record(horizontal, config, late)
     assert np.all(scene.vertical[:200] == 0.0)
     assert scene.vertical[200:] == pytest.approx(late.acceleration - late.acceleration.mean())
     assert any("up" in step for step in scene.record.processing)

@@ -14,8 +14,8 @@ from rocking.body.limits import RATES
 from rockpulse.assessment.assessment import assess
 from rockpulse.assessment.probability import record_probability
 from rockpulse.assessment.record_assessment import assess_scene
-from rockpulse.assessment.scene import prepare
-from rockpulse.assessment.spectra import spectrum_values
+from rockpulse.assessment.scene import scene_of_record
+from rockpulse.assessment.spectra import stored_spectrum_values
 from rockpulse.config.bodies import gather_bodies
 from rockpulse.models import Block, OverturningSpectrum, Uncertainty, overturning_probability, spectrum_lanes
 from rockpulse.storage.variables.probability import PROBABILITY, READ, SOURCES
@@ -34,7 +34,7 @@ def configured(*blocks, **sections):
 
 def told(one, config):
     """By name, of all bodies and their restitutions."""
-    return record_probability(prepare(one, config), gather_bodies(config.blocks), config)[0]
+    return record_probability(scene_of_record(one, config), gather_bodies(config.blocks), config)[0]
 
 
 @cache
@@ -132,7 +132,7 @@ def test_a_factor_beyond_the_search_is_inf_from_the_end_of_the_search_on():
 
 def test_a_record_that_lifts_nothing_needs_no_spectrum():
     config = configured(WALL, CHEST)
-    scene, bodies = prepare(record("one"), config), gather_bodies(config.blocks)
+    scene, bodies = scene_of_record(record("one"), config), gather_bodies(config.blocks)
     assert record_probability(scene, bodies, config)[1] is not None
     for strength in (0.0, 1e-3):
         still = replace(scene, record=replace(scene.record, acceleration=strength * motion()))
@@ -156,7 +156,7 @@ def test_a_record_that_lifts_nothing_needs_no_spectrum():
 )
 def test_what_is_not_asked_for_is_not_known(sections):
     config = configured(WALL, CHEST, **sections)
-    one = assess_scene(prepare(record("one"), config), gather_bodies(config.blocks), config)
+    one = assess_scene(scene_of_record(record("one"), config), gather_bodies(config.blocks), config)
     assert one.spectrum is None
     assert one.probability["probability_source"].tolist() == [NONE, NONE]
     assert all(np.isnan(one.probability[name]).all() for name in PROBABILITY if name != "probability_source")
@@ -206,10 +206,10 @@ def test_a_demand_from_which_the_record_is_far_has_no_probability():
 
 def test_the_variables_of_the_spectrum_lie_at_its_frequency_parameters_and_are_nan_elsewhere():
     config = configured(WALL)
-    one = assess_scene(prepare(record("one"), config), gather_bodies(config.blocks), config)
+    one = assess_scene(scene_of_record(record("one"), config), gather_bodies(config.blocks), config)
     at = np.searchsorted(RATES, one.spectrum.p)
     assert 0 < at.size < RATES.size
-    for name, values in spectrum_values(one.spectrum).items():
+    for name, values in stored_spectrum_values(one.spectrum).items():
         place = SPECTRUM_VARIABLES[name].dims.index("p")
         found = np.moveaxis(one.spectra[name], place, -1)
         assert_array_equal(found[..., at], np.moveaxis(values, place, -1))

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import rockpulse as rp
-from rockpulse.assessment.scene import extract, prepare
+from rockpulse.assessment.scene import extract, scene_of_record
 
 T = np.arange(0.0, 6.0, 0.01)
 RECORD = rp.Record(3.0 * np.sin(9.0 * T) * np.exp(-(((T - 3.0) / 1.5) ** 2)), dt=0.01, id="burst", processed=True)
@@ -30,10 +30,10 @@ def test_without_a_vertical_nothing_is_told_and_both_are_conditioned_alike():
     assert (extract(RECORD, CONFIG).vertical, extract(RECORD, CONFIG).record.warnings) == (None, ())
     linear = replace(CONFIG, conditioning={"baseline": "mean"})
     up = rp.Record(1.0 + np.cos(T), dt=0.01, id="up", processed=True)
-    scene = prepare(rp.Record(RECORD.acceleration + 0.2, dt=0.01, id="burst"), linear, up)
+    scene = scene_of_record(rp.Record(RECORD.acceleration + 0.2, dt=0.01, id="burst"), linear, up)
     assert abs(scene.record.acceleration.mean()) < 1e-12
     assert scene.vertical == pytest.approx(np.cos(T) - np.cos(T).mean())
-    assert prepare(RECORD, linear).vertical is None
+    assert scene_of_record(RECORD, linear).vertical is None
 
 
 def test_a_record_with_too_few_half_waves_has_no_sequence():

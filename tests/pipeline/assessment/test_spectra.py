@@ -13,7 +13,7 @@ from rockpulse.assessment.spectra import (
     overturning_factors,
     overturning_spectrum,
     rocking_spectrum,
-    spectrum_values,
+    stored_spectrum_values,
 )
 from rockpulse.models import Block, Outcome, recorded_response
 from rockpulse.record.record import Record
@@ -70,13 +70,13 @@ def test_capacity_is_the_speed_over_the_spectrum(spectrum):
 
 def test_restitutions_that_the_lanes_do_not_reach_are_gaps(spectrum):
     lanes = OverturningSpectrum(spectrum_lanes(RECORD.acceleration, RECORD.dt, P), rp.models.Uncertainty())
-    found = spectrum_values(lanes, np.array([0.5, C[0], 0.6, C[1]]))
+    found = stored_spectrum_values(lanes, np.array([0.5, C[0], 0.6, C[1]]))
     assert set(found) == set(spectrum.data_vars)
     for name, values in found.items():
         axis = spectrum[name].dims.index("restitution")
         np.testing.assert_array_equal(np.take(values, [1, 3], axis=axis), spectrum[name].values)
         assert np.isnan(np.take(values, [0, 2], axis=axis)).all()
-    none = spectrum_values(lanes, np.array([0.5]))
+    none = stored_spectrum_values(lanes, np.array([0.5]))
     assert {name: values.shape for name, values in none.items()} == {
         "spectrum": (3, 1),
         "spectrum_low": (3, 1),

@@ -8,7 +8,7 @@ import pytest
 import rockpulse as rp
 from rocking.body.block import Block
 from rocking.march.demand import ground_demand
-from rockpulse.assessment.scene import prepare
+from rockpulse.assessment.scene import scene_of_record
 from rockpulse.config.configuration import Config
 from rockpulse.record.intensity import fajfar_index, largest_change, pgv, spectral_acceleration, spectrum_intensity
 from rockpulse.record.measures import DEMAND, FRAGILITY, HAZARD, MEASURES, ROWS, SCALING, STORED
@@ -21,7 +21,7 @@ BLOCKS = Block(half_width=[0.3, 0.5], half_height=[1.5, 1.9365])
 def scene(factor=1.0):
     t = np.arange(0.0, 6.0, 0.02)
     ground = factor * 2.0 * np.sin(2.0 * np.pi * t) * np.exp(-((t - 3.0) ** 2))
-    return prepare(rp.Record(ground, dt=0.02, id="pulse", processed=True), Config())
+    return scene_of_record(rp.Record(ground, dt=0.02, id="pulse", processed=True), Config())
 
 
 @pytest.mark.sweep
@@ -67,7 +67,9 @@ def test_measures_against_their_definitions():
 
 
 def test_one_pulse_has_one_lobe_and_all_norms_agree():
-    motion = prepare(rp.Record(np.r_[np.full(21, 3.0), np.zeros(400)], dt=0.01, id="one", processed=True), Config())
+    motion = scene_of_record(
+        rp.Record(np.r_[np.full(21, 3.0), np.zeros(400)], dt=0.01, id="one", processed=True), Config()
+    )
     names = ("demand_largest", "demand_rms", "demand_cubic", "demand_build_up")
     largest, rms, cubic, build_up = record_measures(motion, BLOCKS, names)
     np.testing.assert_allclose(cubic, largest)

@@ -148,7 +148,7 @@ EVERY = {
 @pytest.mark.parametrize("name", EVERY)
 def test_a_part_fits_the_analysis_that_makes_it_and_no_other(name):
     record = rp.Record(pulse(400, 0.4) * STANDARD_GRAVITY, dt=0.01, id="r", processed=True)
-    (planned,) = EVERY[name].prepare([record]).planned
+    (planned,) = EVERY[name].plan([record]).planned
     (part,) = worked(planned, EVERY[name].work, name, EVERY[name].config)
     back = unpack(pack(part))
     assert [one for one, analysis in EVERY.items() if analysis.fits(back)] == [name]

@@ -62,12 +62,12 @@ surveyed_once = cache(surveyed)
 
 
 def planned(paths, options=None, analysis=Assessment):
-    """The tasks of a run, and what is prepared for it."""
+    """The tasks of a run, and what is plan for it."""
     one = analysis(options or config())
     survey = surveyed_once if paths == SAMPLES else surveyed
     located, rows = survey(paths, read_options(one.config))
-    prepared = one.prepare([record.record for record in located], rows)
-    return tasks_of(prepared.planned, located, one.config, one.name), prepared
+    plan = one.plan([record.record for record in located], rows)
+    return tasks_of(plan.planned, located, one.config, one.name), plan
 
 
 @pytest.fixture(scope="module")
@@ -79,7 +79,7 @@ def samples_read(samples):
 def test_the_tasks_are_the_motions_of_the_assessment_in_memory(samples, samples_read, way):
     options = config(**WAYS[way])
     records, failures = samples_read
-    expected = Assessment(options).prepare(records, failures)
+    expected = Assessment(options).plan(records, failures)
     tasks, found = planned(samples, options)
     assert found.failures == expected.failures
     assert found.events == expected.events

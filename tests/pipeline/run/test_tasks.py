@@ -65,12 +65,12 @@ CONFIGURATIONS = {
 
 
 def planned(paths, analysis):
-    """The tasks of an analysis, and what is prepared for it."""
+    """The tasks of an analysis, and what is plan for it."""
     found, failures = find_files(paths)
     surveys = [(one, survey_file(one, read_options(analysis.config))) for one in found]
     located, rows = gather(found, surveys, failures)
-    prepared = analysis.prepare([one.record for one in located], rows)
-    return tasks_of(prepared.planned, located, analysis.config, analysis.name), prepared
+    plan = analysis.plan([one.record for one in located], rows)
+    return tasks_of(plan.planned, located, analysis.config, analysis.name), plan
 
 
 def function_of(analysis):
@@ -90,12 +90,12 @@ def two_files(tmp_path):
 
 def carried_out(paths, analysis) -> tuple[list[tuple[str, Done]], list, list]:
     """Every task as another process would do it, with its earthquake; what was planned, and all rows."""
-    tasks, prepared = planned(paths, analysis)
+    tasks, plan = planned(paths, analysis)
     function = function_of(analysis)
     done = [pickle.loads(pickle.dumps(function(pickle.loads(pickle.dumps(task))))) for task in tasks]
     assert [(one.key, one.fingerprint) for one in done] == [(task.key, task.fingerprint) for task in tasks]
-    rows = [*prepared.failures, *(row for one in done for row in one.failures)]
-    return [(prepared.events[one.key], one) for one in done], prepared.planned, rows
+    rows = [*plan.failures, *(row for one in done for row in one.failures)]
+    return [(plan.events[one.key], one) for one in done], plan.planned, rows
 
 
 @pytest.mark.sweep

@@ -123,7 +123,7 @@ def check_count(where: str, declared: int, available: int, unit: str = "samples"
         raise unexpected(where, f"{declared} {unit} (header)", str(available), TRUNCATED)
 
 
-def _to_float(fields: Sequence[bytes] | np.ndarray, where: str, located: Iterator[tuple[int, str]]) -> np.ndarray:
+def _floats(fields: Sequence[bytes] | np.ndarray, where: str, located: Iterator[tuple[int, str]]) -> np.ndarray:
     """Convert all fields at once, and look for the damaged one only if that fails."""
     try:
         values = np.array(fields, dtype=float)
@@ -149,8 +149,8 @@ def fixed_width(lines: Sequence[str], first: int, width: int, per_row: int, coun
     joined = text.encode("ascii", errors="replace")  # a character beyond ASCII cannot become part of a number
     located = ((first + index // per_row, text[index * width : (index + 1) * width]) for index in range(count))
     if joined.translate(None, _NUMBER_BYTES):
-        return _to_float([b"nan"], where, located)
-    return _to_float(np.frombuffer(joined.translate(_FORTRAN_EXPONENT), dtype=f"S{width}"), where, located)
+        return _floats([b"nan"], where, located)
+    return _floats(np.frombuffer(joined.translate(_FORTRAN_EXPONENT), dtype=f"S{width}"), where, located)
 
 
 def _check_rows(block: Sequence[str], first: int, width: int, per_row: int, count: int, where: str) -> None:
@@ -175,8 +175,8 @@ def free_numbers(lines: Sequence[str], first: int, where: str) -> np.ndarray:
     joined = "\n".join(lines).encode("ascii", errors="replace")
     located = ((first + index, field) for index, line in enumerate(lines) for field in line.split())
     if joined.translate(None, _NUMBER_BYTES + b"\n\r\f\v"):
-        return _to_float([b"nan"], where, located)
-    return _to_float(joined.translate(_FORTRAN_EXPONENT).split() or np.empty(0), where, located)
+        return _floats([b"nan"], where, located)
+    return _floats(joined.translate(_FORTRAN_EXPONENT).split() or np.empty(0), where, located)
 
 
 def free_rows(lines: Sequence[str], first: int, columns: int, where: str) -> np.ndarray:

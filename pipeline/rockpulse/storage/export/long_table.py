@@ -12,7 +12,7 @@ import xarray as xr
 
 from rockpulse.errors import ResultsError
 from rockpulse.option import hint
-from rockpulse.storage.export.selection import Condition, Selection, label_positions, rows
+from rockpulse.storage.export.row_selection import Condition, Selection, positions_matching, rows
 from rockpulse.storage.hdf5.netcdf4 import flag_words, pointwise, worded
 from rockpulse.storage.hdf5.results_file import KINDS, ResultsFile, open_results
 
@@ -266,11 +266,11 @@ def _masks(
     masks, left = [], dict(selection.names)
     for name, at in POINTS_AT.items():
         if left.get(at) and at not in dataset.coords and name in dataset and at in named:
-            wanted = label_positions(named[at].tolist(), left.pop(at), at)
+            wanted = positions_matching(named[at].tolist(), left.pop(at), at)
             masks.append((tuple(map(str, dataset[name].dims)), np.isin(dataset[name].values, wanted)))
     for column in labels:
         if column.ends is not None and column.labels is not None and left.get(column.name):
-            wanted = label_positions([str(label) for label in column.labels], left.pop(column.name), column.name)
+            wanted = positions_matching([str(label) for label in column.labels], left.pop(column.name), column.name)
             sizes = np.diff(column.ends, prepend=0)
             masks.append(((str(column.variable.dims[0]),), np.repeat(np.isin(np.arange(sizes.size), wanted), sizes)))
     return masks, Selection(left, selection.conditions, selection.sort, selection.descending, selection.limit)

@@ -15,7 +15,7 @@ from rockpulse.config.configuration import Config, given_config
 from rockpulse.errors import Failure, some
 from rockpulse.record.measures import MEASURES, REFERENCE
 from rockpulse.record.record import Record
-from rockpulse.run.analysis import Analysis, Blocks, Part, Prepared, Work, run
+from rockpulse.run.analysis import Analysis, Blocks, Part, Plan, Work, run
 from rockpulse.selection.directions import PlannedMotion, planned_ids
 from rockpulse.selection.tables import selection_of
 from rockpulse.selection.votes import unmatched_patterns
@@ -125,20 +125,20 @@ class FragilityAnalysis(Analysis):
         tree.attrs |= {"data": settings.data, "confidence": settings.confidence}
         return tree
 
-    def prepare(self, records: Iterable[Record], failures: Iterable[Failure] = ()) -> Prepared:
+    def plan(self, records: Iterable[Record], failures: Iterable[Failure] = ()) -> Plan:
         """Plans the motions, those of a selection alone; raises ConfigError for a missing selection."""
-        prepared = super().prepare(records, failures)
+        plan = super().plan(records, failures)
         if self.selection is None:
-            return prepared
-        of_motion = {one.name: planned_ids(one, self.config) for one in prepared.planned}
+            return plan
+        of_motion = {one.name: planned_ids(one, self.config) for one in plan.planned}
         known = [name for names in of_motion.values() for name in names]
-        idle = unmatched_patterns("[fragility] selection", [*self.selection.rows], known, prepared.failures)
-        kept = [one for one in prepared.planned if not self.selection.rows.keys().isdisjoint(of_motion[one.name])]
-        rows = [*prepared.failures, *idle]
+        idle = unmatched_patterns("[fragility] selection", [*self.selection.rows], known, plan.failures)
+        kept = [one for one in plan.planned if not self.selection.rows.keys().isdisjoint(of_motion[one.name])]
+        rows = [*plan.failures, *idle]
         if unchosen := sorted(of_motion.keys() - {one.name for one in kept}):
             told = f"{len(unchosen)} of {len(of_motion)} motions are not in the table: {some(unchosen, 3)}"
             rows.append(Failure("[fragility] selection", "select", told, "skipped"))
-        return replace(prepared, planned=kept, failures=rows)
+        return replace(plan, planned=kept, failures=rows)
 
 
 def _curves(

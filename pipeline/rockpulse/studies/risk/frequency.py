@@ -57,7 +57,7 @@ def several_events(count: int) -> str:
     return f"{count} earthquake{'' if count == 1 else 's'}"
 
 
-def hazard_assumed(remarks: Iterable[str], config: Config) -> str:
+def hazard_conditions(remarks: Iterable[str], config: Config) -> str:
     """The remarks on a hazard, and the ground and component for which it has to be given."""
     wanted = f"to be of the ground below the bodies, and of {COMPONENTS[config.records.components]}"
     return "; ".join([*remarks, wanted])
@@ -176,7 +176,7 @@ def annual_frequency(
     risk = xr.Dataset(columns, {"block": table["block"]})
     risk.attrs.update(
         hazard=hazard.words,
-        hazard_assumed=hazard_assumed(hazard.remarks, ensemble.config),
+        hazard_conditions=hazard_conditions(hazard.remarks, ensemble.config),
         fragility=fragility_assumed(ensemble.config, model, len(ensemble.ids), len(set(ensemble.clusters))),
         measure=hazard.measure,
         unit=hazard.unit,

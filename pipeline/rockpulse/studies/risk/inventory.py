@@ -21,7 +21,7 @@ from rockpulse.files import numbers, read_text, table_of
 from rockpulse.record.measures import PGA
 from rockpulse.storage.variables.risk import INVENTORY, RiskStatus
 from rockpulse.studies.risk.free_bodies import BodyCurves, chosen, curves_in_parts, spectra_of
-from rockpulse.studies.risk.frequency import hazard_assumed, several_events
+from rockpulse.studies.risk.frequency import hazard_conditions, several_events
 from rockpulse.studies.risk.hazard import Hazard, SiteHazards
 from rockpulse.studies.risk.integral import FEWEST_EVENTS
 
@@ -154,7 +154,7 @@ def inventory_frequency(
     risk = xr.Dataset({name: variable.variable(found[name]) for name, variable in INVENTORY.items()})
     risk.attrs.update(
         hazard=hazard.words,
-        hazard_assumed=hazard_assumed(hazard.remarks, config),
+        hazard_conditions=hazard_conditions(hazard.remarks, config),
         fragility=f"the mean of each record's own P of overturning, without a fit: {events.shape[1]} records of "
         f"{several_events(events.shape[0])}, in which earthquakes count alike",
         measure=hazard.measure,

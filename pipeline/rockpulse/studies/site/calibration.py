@@ -15,7 +15,7 @@ from rockpulse.config.configuration import Config, given_config, located
 from rockpulse.config.settings import WEIGHTS
 from rockpulse.errors import ConfigError, Failure, RecordRefused, ResultsError, alike, told
 from rockpulse.record.record import Record
-from rockpulse.run.analysis import Analysis, Blocks, Part, Prepared, Work, joined, run
+from rockpulse.run.analysis import Analysis, Blocks, Part, Plan, Work, joined, run
 from rockpulse.selection.directions import PlannedMotion, planned_ids
 from rockpulse.selection.tables import read_weight_table, record_weights
 from rockpulse.sequences.design_spectrum import DesignSpectrum
@@ -141,13 +141,13 @@ class SiteCalibration(Analysis):
             )
         return names, lanes
 
-    def prepare(self, records: Iterable[Record], failures: Iterable[Failure] = ()) -> Prepared:
+    def plan(self, records: Iterable[Record], failures: Iterable[Failure] = ()) -> Plan:
         """Plans the motions; refuses a record without a weight at once if its id is known."""
-        prepared = super().prepare(records, failures)
-        known = [name for one in prepared.planned for name in planned_ids(one, self.config)]
+        plan = super().plan(records, failures)
+        known = [name for one in plan.planned for name in planned_ids(one, self.config)]
         if self.weights is not None and known:
             record_weights(known, [], self.config.calibration.weighting, self.weights)
-        return prepared
+        return plan
 
     def collect(self, parts: Sequence[Part], planned: Sequence[PlannedMotion], failures: list[Failure]) -> xr.DataTree:
         """Describes the distribution over the records, and chooses the design."""

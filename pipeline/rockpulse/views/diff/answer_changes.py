@@ -10,8 +10,8 @@ import xarray as xr
 from rockpulse.assessment.answers import Answers, fullest_model
 from rockpulse.views.diff.row_matching import Matched
 from rockpulse.views.shared.columns import margin_cells
-from rockpulse.views.shared.notes import factor_title
-from rockpulse.views.shared.terminal import ratio
+from rockpulse.views.shared.formatting import ratio
+from rockpulse.views.shared.notes import factor_heading
 
 #: Variables that the margin of a body is told by.
 MARGIN = (
@@ -107,7 +107,7 @@ def _told(summary: xr.Dataset, names: list[str]) -> dict[str, list[str]]:
     if answers.probable:
         told["P"] = probability(answers["overturning_probability"])
     if answers.factor in names:
-        told[f"smallest {factor_title(answers.factor)}"] = smallest()
+        told[f"smallest {factor_heading(answers.factor)}"] = smallest()
     for demand in answers.demands:
         if answers.probable:
             at_demand = answers.at_demand(demand)

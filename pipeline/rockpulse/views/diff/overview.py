@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from rockpulse.storage.hdf5.results_file import ResultsFile
 from rockpulse.views.diff.answer_changes import Changes
 from rockpulse.views.diff.differences import CAPACITY, FACTOR, OUTCOME, SAFETY, Differences, OnlyIn
+from rockpulse.views.shared.formatting import ABSENT, paragraph, shortened
 from rockpulse.views.shared.table import Cell, Heading, Table, lines, number, text
-from rockpulse.views.shared.terminal import ABSENT, paragraph, shortened
 
 #: Names that are listed of what only one file has, and half of the lines of the configuration and of bodies; and how
 #: many for one screen, which shows as many variables as lines.

@@ -14,8 +14,8 @@ from rockpulse.model_table import SEQUENCE_MODELS, SearchSettings, is_full, is_u
 from rockpulse.views.plots import factor_rows, style
 from rockpulse.views.plots.selection import chosen_case, named_body, one_name, settings_of, table_of_pair
 from rockpulse.views.plots.style import BLACK, GREEN, GREY, RED, SMALL
+from rockpulse.views.shared.formatting import six_digits
 from rockpulse.views.shared.notes import factor_name
-from rockpulse.views.shared.terminal import general
 from rockpulse.views.shared.words import listed, named, numerals, say
 
 #: A window in which the block stands again: hatched, and light in grey where it is too narrow for that.
@@ -103,7 +103,7 @@ def overturning_map(
     if searched:
         notes += _map_notes(model, end, float(np.nanmax(steps, initial=1.0)), outside, bool(np.any(bound)))
     else:
-        notes.append(say("plot.factor.probability", uncertainty=factor_rows.uncertainty_words(tree)))
+        notes.append(say("plot.factor.probability", uncertainty=factor_rows.configured_uncertainty(tree)))
     style.caption(ax, " ".join([*notes, *factor_rows.tick_notes(asked)]))
     return ax
 
@@ -223,8 +223,8 @@ def _map_notes(model: str, end: float, step: float, outside: Sequence[str], boun
     words = style.notes(as_calibrated=model in SEQUENCE_MODELS, as_recorded=model not in SEQUENCE_MODELS)
     width = numerals(f"{100.0 * (step - 1.0):.2g}")
     searched = "searched_in_steps" if step > 1.0 else "searched"
-    words.append(say(f"plot.factor.{searched}", factor=general(end), **{"width": width} if step > 1.0 else {}))
-    words.append(say("plot.factor.thinnest", width=general(_THINNEST)))
+    words.append(say(f"plot.factor.{searched}", factor=six_digits(end), **{"width": width} if step > 1.0 else {}))
+    words.append(say("plot.factor.thinnest", width=six_digits(_THINNEST)))
     words += style.notes(hollow_bound=bound)
     if outside:
         names = listed(list(dict.fromkeys(outside)), factor_rows.LISTED)
@@ -238,7 +238,7 @@ def _scale_notes(own: xr.Dataset, shown: xr.Dataset, searched: Sequence[str], le
     unknown = int(np.count_nonzero(np.isnan(values)))
     words = [say("plot.scale.smallest", count=rows, total=every)] if rows < every else []
     words.append(say("plot.scale.order", model=named(f"models.{leading}", leading)))
-    words += [say("plot.scale.none", factor=general(end))] if np.isinf(values).any() else []
+    words += [say("plot.scale.none", factor=six_digits(end))] if np.isinf(values).any() else []
     words += style.notes(
         hollow_outside=bool((answers["applicable"].values == 0).any()),
         arrow=bool((answers["factor_resolved"].values == 0).any()),

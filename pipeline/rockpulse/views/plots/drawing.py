@@ -35,7 +35,7 @@ from rockpulse.views.plots.rotation import rotation_history
 from rockpulse.views.plots.site import calibration
 from rockpulse.views.plots.spectra import overturning_spectra, rocking_spectrum, spectra_of_results
 from rockpulse.views.shared.facts import Known
-from rockpulse.views.shared.terminal import general
+from rockpulse.views.shared.formatting import six_digits
 from rockpulse.views.shared.words import say
 
 #: Most records whose spectra are marched again for a picture, some seconds in all.
@@ -68,7 +68,7 @@ def _rotation_history(
 ) -> np.ndarray:
     record, block, name = _pair(tree, record, block, options.get("case", 1))
     factor = options.get("factor", 1.0)
-    name = name if factor == 1.0 else say("plot.motion.times", name=name, factor=general(factor))
+    name = name if factor == 1.0 else say("plot.motion.times", name=name, factor=six_digits(factor))
     return rotation_history(histories(tree, record, block, **options), title=name)
 
 

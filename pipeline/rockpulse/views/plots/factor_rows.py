@@ -13,7 +13,7 @@ from rockpulse.config.study_settings import UncertaintySettings
 from rockpulse.model_table import SearchSettings
 from rockpulse.views.plots.selection import named_body, settings_of
 from rockpulse.views.plots.style import BLACK, BLUE, DASHED, GREEN, GREY, PALE, RED, SMALL, legend_above, notes, plain
-from rockpulse.views.shared.terminal import general, shortened
+from rockpulse.views.shared.formatting import shortened, six_digits
 from rockpulse.views.shared.words import listed, say
 
 #: Rows on a page, of more the lowest factors are shown; the height of a row [in], and the longest name beside it.
@@ -63,11 +63,11 @@ def factor_axis(ax: Axes, names: Sequence[str], begin: float, end: float, last: 
     ax.set_xlim(begin, end if last is None else last)
     if last is not None:
         ax.axvspan(end, last, color=PALE, alpha=0.5, lw=0)
-        ax.text(np.sqrt(end * last), -0.75, f">{general(end)}", fontsize=SMALL, ha="center", va="bottom", color=GREY)
+        ax.text(np.sqrt(end * last), -0.75, f">{six_digits(end)}", fontsize=SMALL, ha="center", va="bottom", color=GREY)
     ticks = [tick for tick in (0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100) if begin <= tick <= end]
     ax.xaxis.set_major_locator(FixedLocator(ticks))
     ax.xaxis.set_minor_locator(NullLocator())
-    ax.xaxis.set_major_formatter(FuncFormatter(lambda value, _: general(value)))
+    ax.xaxis.set_major_formatter(FuncFormatter(lambda value, _: six_digits(value)))
     ax.axvline(1.0, color=BLACK, lw=1.0, ls=DASHED)
     ax.set_yticks(range(len(names)), [plain(shortened(name, NAME)) for name in names], fontsize=SMALL)
     ax.set_ylim(len(names) - 0.4, -0.6)
@@ -114,12 +114,12 @@ def tick_notes(needed: dict[str, np.ndarray]) -> list[str]:
     return notes(tick=bool(needed), no_tick=any(np.isnan(factors).any() for factors in needed.values()))
 
 
-def uncertainty_words(tree: xr.DataTree) -> str:
+def configured_uncertainty(tree: xr.DataTree) -> str:
     """The uncertainty that the probability of overturning is stated under."""
     known, search = settings_of(tree, UncertaintySettings), settings_of(tree, SearchSettings)
-    low, high = map(general, known.restitution)
-    factor, less = (general(100.0 * spread) for spread in (known.factor, known.geometry))
-    return say("plot.uncertainty", factor=factor, low=low, high=high, less=less, most=general(search.factor_max))
+    low, high = map(six_digits, known.restitution)
+    factor, less = (six_digits(100.0 * spread) for spread in (known.factor, known.geometry))
+    return say("plot.uncertainty", factor=factor, low=low, high=high, less=less, most=six_digits(search.factor_max))
 
 
 #: Half the height of a bar.
@@ -144,7 +144,10 @@ def probability_bars(ax: Axes, place: int, factors: Sequence[float], begin: floa
 
 def none_up_to(ax: Axes, place: int, end: float, at_end: bool) -> None:
     """The words in a row without a factor, at the end of the search or beside the line at 1."""
-    words, (where, side) = say("plot.rows.none_up_to", factor=general(end)), (end, "right") if at_end else (1.0, "left")
+    words, (where, side) = (
+        say("plot.rows.none_up_to", factor=six_digits(end)),
+        (end, "right") if at_end else (1.0, "left"),
+    )
     ax.text(where, place, f"  {words}  ", fontsize=SMALL - 0.5, color=BLACK, ha=side, va="center")
 
 

@@ -12,7 +12,7 @@ from rockpulse.record.measures import PGA
 from rockpulse.views.plots import style
 from rockpulse.views.plots.selection import one_name, settings_of
 from rockpulse.views.plots.style import GREY, Look, Panels
-from rockpulse.views.shared.terminal import general
+from rockpulse.views.shared.formatting import six_digits
 from rockpulse.views.shared.words import in_numerals, named, numerals, say
 from rockpulse.views.text.fragility import shown_measure, statement
 
@@ -222,7 +222,7 @@ def _band_notes(tree: xr.DataTree, own: xr.Dataset, banded: str | None, shown: n
     one = own.sel(limit_state=banded)
     if _says_nothing(one, shown):
         return [say("plot.fragility.no_band", state=_named(banded), count=int(one["events"]))]
-    confidence = general(100.0 * float(tree.attrs["confidence"]))
+    confidence = six_digits(100.0 * float(tree.attrs["confidence"]))
     return [say("plot.fragility.band", state=_named(banded), confidence=confidence)]
 
 

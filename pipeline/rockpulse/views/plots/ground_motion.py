@@ -20,7 +20,7 @@ from rockpulse.views.plots import style
 from rockpulse.views.plots.selection import ragged
 from rockpulse.views.plots.style import BLACK, BLUE, DOTTED, FONT, GREY, INSTANTS, ORANGE, RED, SKY, Panels
 from rockpulse.views.shared.facts import Known, RecordFacts
-from rockpulse.views.shared.terminal import figure, fixed
+from rockpulse.views.shared.formatting import fixed, three_digits
 from rockpulse.views.shared.words import say
 
 #: The remedy where the samples of a record are not in the file.
@@ -170,7 +170,7 @@ def _whole(motion: xr.Dataset, ax: Axes) -> None:
     ax.plot(*thinned(time, acceleration, _WHOLE), color=GREY, lw=0.5)
     strongest = int(np.argmax(np.abs(acceleration)))
     ax.plot(time[strongest], acceleration[strongest], marker="o", ms=3.5, mfc="none", color=RED, ls="none")
-    words = say("plot.ground.pga", pga=figure(abs(acceleration[strongest])), time=fixed(time[strongest]))
+    words = say("plot.ground.pga", pga=three_digits(abs(acceleration[strongest])), time=fixed(time[strongest]))
     placed: dict[str, Any] = {"xycoords": "axes fraction", "ha": "right", "va": "top"}
     ax.annotate(words, (0.995, 0.95), fontsize=FONT - 1.0, color=RED, **placed)
     ax.set_ylabel("[m/s²]")
@@ -219,7 +219,7 @@ def _impulses(motion: xr.Dataset, window: tuple[float, float], ax: Axes) -> None
     for name, symbol, dashes in (("main_impulse", "I", "-"), ("secondary_impulse", "I_s", DOTTED)):
         size = float(motion[name])
         if np.isfinite(size):
-            words = rf"$\pm {symbol}$ = {figure(size)} m/s"
+            words = rf"$\pm {symbol}$ = {three_digits(size)} m/s"
             handles.append(ax.axhline(size, color=RED, ls=dashes, lw=1.0, label=words))
             ax.axhline(-size, color=RED, ls=dashes, lw=1.0)
     limit = max(largest, 1e-12) * 1.15

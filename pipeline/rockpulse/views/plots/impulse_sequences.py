@@ -12,7 +12,7 @@ from rocking.impulses.sequence import impulse_train, main_impulses_given, sequen
 from rocking.response import Response
 from rockpulse.views.plots import style
 from rockpulse.views.plots.style import BLACK, BLUE, GREY, ORANGE, RED, SMALL, Panels
-from rockpulse.views.shared.terminal import figure
+from rockpulse.views.shared.formatting import three_digits
 from rockpulse.views.shared.words import numerals, say
 
 #: Main impulses that are shown at most, and the shortest half-cycle with room for its peak, as a share of the picture.
@@ -52,10 +52,10 @@ def limit_accelerogram(
             main = _main_places(response, own, times)
         starts = times[main][:_MAIN_SHOWN]
         shown = times <= (starts[-1] if starts.size else 0.0)
-        size = say("plot.sequence.main", size=figure(float(own.main)))
+        size = say("plot.sequence.main", size=three_digits(float(own.main)))
         _draw(ax, times[shown & main], impulses[shown & main], size, color=BLUE, lw=1.6, ms=4.5)
         if own.secondary > 0.0:
-            size = say("plot.sequence.secondary", size=figure(float(own.secondary)))
+            size = say("plot.sequence.secondary", size=three_digits(float(own.secondary)))
             size = say("plot.sequence.continuous") if own.spacing == "continuous" else size
             _draw(ax, times[shown & ~main], impulses[shown & ~main], size, color=ORANGE, lw=1.0, ms=2.8)
         ax.axhline(0.0, color=BLACK, lw=0.6)
@@ -123,6 +123,6 @@ def _remarks(found: list[Response], sequence: ImpulseSequence) -> str:
     if max(count) > _MAIN_SHOWN:
         words.append(say("plot.sequence.shown", most=_MAIN_SHOWN, one=count[0], other=count[1]))
     if sequence.secondary > 0.0:
-        interval = figure(float(sequence.interval), "s")
+        interval = three_digits(float(sequence.interval), "s")
         words.append(say("plot.sequence.interval", interval=interval, spacing=sequence.spacing))
     return " ".join(words + style.notes(ground_contact=bool(found[1].ground_contact)))

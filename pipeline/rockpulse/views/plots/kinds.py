@@ -78,7 +78,7 @@ OPTIONS = {
 
 def kind_list() -> str:
     """The kinds, what each shows, the command that makes its file and its options, as text."""
-    from rockpulse.views.shared.terminal import paragraph
+    from rockpulse.views.shared.formatting import paragraph
 
     lines = []
     for name, row in KINDS.items():

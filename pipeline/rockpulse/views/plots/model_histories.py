@@ -22,7 +22,7 @@ from rockpulse.selection.directions import FACING_WITHIN
 from rockpulse.views.plots import selection
 from rockpulse.views.plots.ground_motion import STORE, had_vertical, stored_record
 from rockpulse.views.plots.motion_history import HalfCycle, rotation_history
-from rockpulse.views.shared.terminal import figure
+from rockpulse.views.shared.formatting import three_digits
 from rockpulse.views.shared.words import say
 
 #: Difference of peaks [-] from which on a history has a remark, and instants of the history of a sequence.
@@ -117,7 +117,9 @@ def _history(tree: xr.DataTree, record: str, block: str, model: str, case: int) 
     else:
         _, time, rotation, hits, *_, found, _ = recomputed(tree, record, block, body, model, [1.0])[0]
         if not (found == peak or abs(found - peak) <= _SAME):
-            again, before = (say("limit_state.overturning") if np.isinf(one) else figure(one) for one in (found, peak))
+            again, before = (
+                say("limit_state.overturning") if np.isinf(one) else three_digits(one) for one in (found, peak)
+            )
             remarks.append(say("plot.motion.again", again=again, stored=before))
     return History(model, time, rotation, hits, count, overturning, peak, "; ".join(remarks))
 

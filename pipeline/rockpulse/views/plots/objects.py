@@ -20,8 +20,7 @@ from rockpulse.views.plots import style
 from rockpulse.views.plots.rotation import moving_stretch
 from rockpulse.views.plots.selection import block_of, one_name
 from rockpulse.views.plots.style import BLACK, BLUE, DASHED, GREY, INSTANTS, ORANGE, PALE, RED, SMALL
-from rockpulse.views.shared.terminal import figure as rounded
-from rockpulse.views.shared.terminal import general
+from rockpulse.views.shared.formatting import six_digits, three_digits
 from rockpulse.views.shared.words import say
 
 #: Colours of the outcomes, and lanes of a response whose histories are drawn.
@@ -69,9 +68,9 @@ def two_half_cycles(sequence: ImpulseSequence, ax: Axes | None = None) -> Axes:
     ax = style.one_axes(ax, height=2.6)
     mains, others = sequence.two_half_cycles()
     secondary = float(np.ravel(sequence.secondary)[0])
-    words = say("plot.sequence.main", size=rounded(mains[0, 1]))
+    words = say("plot.sequence.main", size=three_digits(mains[0, 1]))
     ax.vlines(mains[:, 0], 0.0, mains[:, 1], color=RED, lw=2.0, label=words)
-    words = say("plot.sequence.secondary", size=rounded(secondary))
+    words = say("plot.sequence.secondary", size=three_digits(secondary))
     if others.size:
         ax.vlines(others[:, 0], 0.0, others[:, 1], color=BLUE, lw=1.4, label=words)
     elif secondary > 0.0:
@@ -175,10 +174,10 @@ def _draw(ax: Axes, name: str, block: Block, periods: list[float]) -> None:
     ax.add_patch(Polygon(np.array(body.corners), closed=True, fc=PALE, ec=BLACK, lw=0.8))
     if math.isfinite(body.height):
         ax.plot([body.right + 0.08 * height] * 2, [0.0, height], color=GREY, lw=0.6, marker="_", ms=4)
-        ax.text(body.right + 0.11 * height, 0.5 * height, f"{general(height)} m", fontsize=SMALL, va="center")
-        words = f"{general(body.width)} m"
+        ax.text(body.right + 0.11 * height, 0.5 * height, f"{six_digits(height)} m", fontsize=SMALL, va="center")
+        words = f"{six_digits(body.width)} m"
     else:
-        b1, b2, h = (rounded(length, "m") for length in (body.right, body.left, body.centre))
+        b1, b2, h = (three_digits(length, "m") for length in (body.right, body.left, body.centre))
         words = f"b₁ {b1}, b₂ {b2}\nh {h}"
     ax.text(middle, -0.045 * height, words, fontsize=SMALL, ha="center", va="top")
     ax.plot([0.0], [body.centre], "o", ms=3, color=BLACK)
@@ -188,7 +187,7 @@ def _draw(ax: Axes, name: str, block: Block, periods: list[float]) -> None:
         ax.add_patch(Polygon(np.array(wall), closed=True, fc="white", ec=GREY, lw=0.8, hatch="////"))
     ax.plot([left - 0.1 * height, body.right + 0.35 * height], [0.0, 0.0], color=BLACK, lw=1.2)
     if periods:
-        words = say("plot.object.floor", periods=", ".join(map(general, periods)))
+        words = say("plot.object.floor", periods=", ".join(map(six_digits, periods)))
         ax.text(middle, -0.16 * height, words, fontsize=SMALL, ha="center", va="top", color=BLUE)
     for tie in body.ties:
         end = tie.edge + tie.outward * 0.3 * height

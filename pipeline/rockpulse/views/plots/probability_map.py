@@ -14,10 +14,10 @@ from rockpulse.assessment.answers import Answers, answers_of
 from rockpulse.assessment.verdict import chances, too_far
 from rockpulse.errors import ResultsError
 from rockpulse.views.plots import style
-from rockpulse.views.plots.factor_rows import NAME, ROW, uncertainty_words
+from rockpulse.views.plots.factor_rows import NAME, ROW, configured_uncertainty
 from rockpulse.views.plots.selection import one_name
 from rockpulse.views.plots.style import BLACK, GREY, SMALL
-from rockpulse.views.shared.terminal import general, ratio, shortened
+from rockpulse.views.shared.formatting import ratio, shortened, six_digits
 from rockpulse.views.shared.words import say
 
 #: Records and bodies on a page, of more the likeliest to overturn; bodies with upright names, and with written values.
@@ -75,7 +75,7 @@ def probability_map(tree: xr.DataTree, demand: str | None = None, ax: Axes | Non
     ax.xaxis.tick_top()
     handles: list[Any] = []
     if known:
-        levels: dict[str, Any] = {"format": FuncFormatter(lambda level, _: general(level)), "spacing": "uniform"}
+        levels: dict[str, Any] = {"format": FuncFormatter(lambda level, _: six_digits(level)), "spacing": "uniform"}
         style.colour_bar(ax, mesh, LEVELS, say("plot.probability.scale"), **levels)
         if columns.size <= WRITTEN:
             for (row, column), value in np.ndenumerate(shown):
@@ -100,5 +100,5 @@ def _notes(tree: xr.DataTree, answers: Answers, what: str, rows: int, columns: i
     words += [say("plot.probability.columns", count=columns, total=bodies)] if columns < bodies else []
     words += style.notes(worst_direction=answers.motions.kind == "pair")
     if answers.probable:
-        return [*words, say("plot.probability.known", uncertainty=uncertainty_words(tree))]
+        return [*words, say("plot.probability.known", uncertainty=configured_uncertainty(tree))]
     return [*words, say("plot.probability.unknown", model=style.look(answers.model).label)]

@@ -10,7 +10,7 @@ from rockpulse.model_table import SEQUENCE_MODELS, is_full
 from rockpulse.views.plots import style
 from rockpulse.views.plots.model_histories import History
 from rockpulse.views.plots.style import BLACK, DASHED, FONT, INSTANTS, SMALL, Panels
-from rockpulse.views.shared.terminal import figure, fixed, general
+from rockpulse.views.shared.formatting import fixed, six_digits, three_digits
 from rockpulse.views.shared.words import named, say
 
 #: The shown time is that of rotations above this share of the largest, and this share of it before and after.
@@ -65,7 +65,7 @@ def rotation_history(histories: Sequence[History], axes: Panels | None = None, t
     moving.set_ylabel(say("plot.motion.rotation"))
     moving.set_xlim(first, last)
     moving.set_ylim(*_limits(histories))
-    moving.yaxis.set_major_formatter(lambda value, _: general(value))  # of small ones too, no power beside the axis
+    moving.yaxis.set_major_formatter(lambda value, _: six_digits(value))  # of small ones too, no power beside the axis
     style.legend_above(moving, 2, across=True, lift=4.0)
     style.title(moving, title, rows=(len(histories) + 1) // 2)
     style.caption(below, " ".join(_remarks(histories)))
@@ -80,7 +80,7 @@ def _answer(history: History) -> str:
     if np.isnan(history.peak):
         return say("answer.unresolved")
     if np.isfinite(history.peak):
-        return say("plot.motion.peak", peak=figure(history.peak)) if history.peak else say("answer.at_rest")
+        return say("plot.motion.peak", peak=three_digits(history.peak)) if history.peak else say("answer.at_rest")
     known = np.isfinite(history.overturning)
     return say("plot.motion.overturns", time=fixed(history.overturning, 1)) if known else say("answer.overturns")
 

@@ -15,7 +15,7 @@ from rockpulse.config.configuration import stored_sections
 from rockpulse.errors import ResultsError
 from rockpulse.option import Section
 from rockpulse.storage.hdf5.netcdf4 import flag_words
-from rockpulse.views.shared.terminal import restitution
+from rockpulse.views.shared.formatting import restitution
 
 _Section = TypeVar("_Section", bound=Section)
 #: Names listed in a message.

@@ -13,7 +13,7 @@ from rockpulse.record.record import STANDARD_GRAVITY
 from rockpulse.views.plots import style
 from rockpulse.views.plots.spectra import below_the_picture, record_lines, spectrum_axes
 from rockpulse.views.plots.style import BLACK, BLUE, DOTTED, GREY, PALE, RED, SKY, SMALL, Panels
-from rockpulse.views.shared.terminal import figure, general
+from rockpulse.views.shared.formatting import six_digits, three_digits
 from rockpulse.views.shared.words import named, say
 from rockpulse.views.text.site import site_remarks
 
@@ -61,7 +61,7 @@ def calibration(tree: xr.DataTree, axes: Panels | None = None) -> np.ndarray:
 
 def _parameter(ax: Axes, own: xr.Dataset, name: str, weight: np.ndarray) -> None:
     """Draw the distribution of a parameter over the records, its fit, and the design."""
-    value, confidence = own["value"].values, general(100.0 * float(own["confidence"]))
+    value, confidence = own["value"].values, six_digits(100.0 * float(own["confidence"]))
     known = np.isfinite(value) & (weight > 0.0)
     words = style.readable(named(f"parameters.{name}", str(own["parameter_name"].item())))
     style.panel_title(ax, words.replace(", $I_s/I$", ""), width=52)
@@ -122,7 +122,7 @@ def _fit(ax: Axes, own: xr.Dataset, confidence: str) -> None:
 
 def _remarks(site: xr.Dataset) -> list[str]:
     """The design, and the gravest remark, which comes first."""
-    words = [say("plot.site.quantile", quantile=general(float(site["quantile"])))]
+    words = [say("plot.site.quantile", quantile=six_digits(float(site["quantile"])))]
     remarks = _sentences(site)
     for one in remarks[:1]:
         first = textwrap.shorten(one, _REMARK, placeholder=" …")
@@ -148,7 +148,7 @@ def site_spectrum(tree: xr.DataTree, ax: Axes | None = None) -> Axes:
     }
     p = spectra["p"].values
     record_lines(ax, p, curves["spectrum"])
-    quantile, confidence = (general(100.0 * float(site[name])) for name in ("quantile", "confidence"))
+    quantile, confidence = (six_digits(100.0 * float(site[name])) for name in ("quantile", "confidence"))
     if np.all(np.isfinite(curves["spectrum_design"])):
         words = say("plot.site.of_spectrum", confidence=confidence)
         ax.fill_between(p, curves["spectrum_84_lower"], curves["spectrum_84_upper"], color=PALE, lw=0, label=words)
@@ -164,7 +164,7 @@ def site_spectrum(tree: xr.DataTree, ax: Axes | None = None) -> Axes:
     speeds = (site["critical_impulse"].values * np.sin(alpha) / alpha).tolist()
     points = dict(zip(map(str, site["block"].values), zip(rates, speeds, strict=True), strict=True))
     rows = spectrum_axes(ax, spectra["p"], points, STANDARD_GRAVITY, columns=2)
-    style.title(ax, f"{style.plain(tree.attrs.get('title', ''))}, $C$ = {figure(restitution)}", rows=rows)
+    style.title(ax, f"{style.plain(tree.attrs.get('title', ''))}, $C$ = {three_digits(restitution)}", rows=rows)
     said = style.notes(under_design=known.sizes["block"] > 0)
     said += [f"{style.plain(one)}." for one in _sentences(site)[:1]]
     style.caption(ax, " ".join([*said, *below_the_picture(ax, curves["spectrum"])]))

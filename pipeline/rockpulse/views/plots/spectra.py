@@ -18,7 +18,7 @@ from rockpulse.views.plots import style
 from rockpulse.views.plots.factor_rows import factors_to_demands
 from rockpulse.views.plots.selection import plain_bodies
 from rockpulse.views.plots.style import BLACK, BLUE, DOTTED, FONT, GREY, PALE, RED, SMALL
-from rockpulse.views.shared.terminal import general, restitution, shortened
+from rockpulse.views.shared.formatting import restitution, shortened, six_digits
 from rockpulse.views.shared.words import counted, say
 
 #: Sizes whose p is marked along the top [m].
@@ -86,7 +86,7 @@ def rocking_spectrum(
     size_scale(ax, float(spectrum.attrs["gravity"]))
     style.legend_above(ax, 3, across=True, lift=32.0, handles=handles)
     name, factor = style.plain(spectrum.attrs["record"]), float(spectrum.attrs["scale"])
-    words = name if factor == 1.0 else say("plot.spectra.times", name=name, factor=general(factor))
+    words = name if factor == 1.0 else say("plot.spectra.times", name=name, factor=six_digits(factor))
     style.title(ax, words, rows=3 - (-len(handles) // 3))
     low, high = (restitution(float(end(spectrum["restitution"]))) for end in (np.min, np.max))
     span = low if low == high else say("plot.spectra.housner", low=low, high=high)
@@ -130,7 +130,7 @@ def size_scale(ax: Axes, gravity: float) -> None:
     low, high = ax.get_xlim()
     top = ax.secondary_xaxis("top", functions=(swapped, back))
     shown = [radius for radius in _RADII if low <= float(back(np.array(radius))) <= high]
-    top.set_xticks(shown, list(map(general, shown)), fontsize=SMALL)
+    top.set_xticks(shown, list(map(six_digits, shown)), fontsize=SMALL)
     top.minorticks_off()
     top.tick_params(width=0.6, length=3)
     top.set_xlabel(say("plot.spectra.radius"), fontsize=FONT)
@@ -202,7 +202,7 @@ def overturning_spectra(
     rows = spectrum_axes(ax, several["p"], points, gravity, columns=3)
     names = several["record"].values if "record" in several.coords else [several.attrs.get("record", "")]
     words = style.plain(names[known[0]]) if known.size == 1 else counted(known.size, "record")
-    style.title(ax, f"{words}, $C$ = {general(grid[chosen])}", rows=rows)
+    style.title(ax, f"{words}, $C$ = {six_digits(grid[chosen])}", rows=rows)
     remarks = [*style.notes(below_curve=True), *below_the_picture(ax, curves)]
     remarks += style.notes(larger_c=bool(bodies), no_spectrum=not known.size, straight=straight)
     if few:
@@ -257,7 +257,7 @@ def spectrum_axes(
         first, last = max(first, float(drawn[0]) / _ROOM), min(last, float(drawn[1]) * _ROOM)
     ax.set_xlim(first, last)
     ticks = [value for value in _TICKS if first <= value <= last]
-    ax.set_xticks(ticks, list(map(general, ticks)))
+    ax.set_xticks(ticks, list(map(six_digits, ticks)))
     ax.minorticks_off()
     low, high = ax.get_ylim()
     ax.set_ylim(max(low, _DEEPEST * min((speed for _, speed in points.values()), default=0.0)), high)

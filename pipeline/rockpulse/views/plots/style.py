@@ -17,7 +17,7 @@ from matplotlib.transforms import ScaledTranslation, blended_transform_factory
 from rockpulse.foreign_text import escaped
 from rockpulse.model_table import MODELS
 from rockpulse.views.plots.picture import NotebookFigure
-from rockpulse.views.shared.terminal import general
+from rockpulse.views.shared.formatting import six_digits
 from rockpulse.views.shared.words import counted, in_numerals, language, named, say
 
 #: Width of a picture [in], that of the text on a page of A4 with margins of 25 mm; sizes of text at that width [pt].
@@ -199,7 +199,7 @@ def plain_ticks(axis: Axis, wide: float = 200.0) -> None:
     """Label the ticks of a logarithmic axis with plain numbers, not powers of ten; only these on a `wide` one."""
     low, high = axis.get_view_interval()
     axis.set_major_locator(LogLocator(subs=(1.0,) if high / low >= wide else (1.0, 2.0, 5.0)))
-    axis.set_major_formatter(FuncFormatter(lambda value, _: general(value)))
+    axis.set_major_formatter(FuncFormatter(lambda value, _: six_digits(value)))
     axis.set_minor_formatter(NullFormatter())
 
 

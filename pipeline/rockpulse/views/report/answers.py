@@ -11,9 +11,9 @@ from rockpulse.config.study_settings import UncertaintySettings
 from rockpulse.model_table import is_upper_bound
 from rockpulse.views.report.records import record_label
 from rockpulse.views.shared import columns as col
+from rockpulse.views.shared.formatting import ratio, share
 from rockpulse.views.shared.notes import beyond_critical, factor_name, missed_step, none_found
-from rockpulse.views.shared.table import Cell, Heading, Mark, Table
-from rockpulse.views.shared.terminal import ratio, share
+from rockpulse.views.shared.table import Cell, CellMark, Heading, Table
 from rockpulse.views.shared.words import numerals, say
 
 #: The grade of the cell with the answer for a body under a record.
@@ -47,7 +47,7 @@ class AnswerCells:
         self._peak = Heading(say("head.peak"), note=peak)
 
     @property
-    def marks(self) -> set[Mark]:
+    def marks(self) -> set[CellMark]:
         """The marks of the answers of all models, and of the factors of the one that is counted."""
         return col.marks_of(cell for table in (*self.of_models.values(), self._factors) for cell in table)
 

@@ -17,8 +17,8 @@ from rockpulse.storage.variables.fragility import FRAGILITY
 from rockpulse.storage.variables.site import SITE_KIND
 from rockpulse.views.shared.columns import shown, tabulated, titled
 from rockpulse.views.shared.files_used import files_used
+from rockpulse.views.shared.formatting import share
 from rockpulse.views.shared.table import Cell, Heading, Table, number
-from rockpulse.views.shared.terminal import share
 from rockpulse.views.shared.words import counted, listed, say
 from rockpulse.views.text import fragility as curves_text
 from rockpulse.views.text.site import about_records, coverage, design, site_remarks, site_tables

@@ -23,8 +23,8 @@ from rockpulse.views.report.verdict import MOST, acceleration, basis, body_table
 from rockpulse.views.shared.columns import columns, grade_cell, headed
 from rockpulse.views.shared.facts import Known
 from rockpulse.views.shared.files_used import files_used
+from rockpulse.views.shared.formatting import ABSENT, restitution, three_digits
 from rockpulse.views.shared.table import Cell, Fact, Heading, Table
-from rockpulse.views.shared.terminal import ABSENT, figure, restitution
 from rockpulse.views.shared.words import named, say
 
 REFERENCE = (
@@ -165,7 +165,7 @@ def record_pages(cells: AnswerCells) -> list[SimpleNamespace]:
     for place, (record, event) in enumerate(zip(answers.records, answers["event"], strict=True)):
         worst = cells.verdict(place, cells.worst(place)) if answers.bodies else Cell(ABSENT)
         one = Known(answers.summary, record=record)
-        impulse = f"I {figure(one.value('main_impulse'), 'm/s')}"
+        impulse = f"I {three_digits(one.value('main_impulse'), 'm/s')}"
         brief = impulse if math.isnan(one.value(PGA)) else ", ".join(one.strength)
         pages.append(
             SimpleNamespace(

@@ -10,7 +10,7 @@ import numpy as np
 from rocking.body.outline import Outline, TieLine
 from rocking.pictures import thinned
 from rockpulse.record.record import STANDARD_GRAVITY
-from rockpulse.views.shared.terminal import figure
+from rockpulse.views.shared.formatting import three_digits
 from rockpulse.views.shared.words import say
 
 #: Size of the drawing, and the room around the body for its sizes and for what holds it.
@@ -106,7 +106,7 @@ def strip(acceleration: np.ndarray, dt: float, intense: tuple[float, float]) -> 
     if np.all(np.isfinite(intense)):
         start, stop = (LEFT + span * min(max(instant / end, 0.0), 1.0) for instant in intense)
         shade = f'<rect class="intense" x="{start:.1f}" y="{TOP}" width="{stop - start:.1f}" height="{high}"/>\n'
-    told, length = figure(peak / STANDARD_GRAVITY, "g"), figure(end, "s")
+    told, length = three_digits(peak / STANDARD_GRAVITY, "g"), three_digits(end, "s")
     return f"""<svg viewBox="0 0 {WIDTH} {HEIGHT}" class="strip" role="img" aria-label="{say("picture.label")}">
 {shade}<path class="axis" d="M{LEFT} {middle:.1f}H{WIDTH}"/><path class="trace" d="M{"L".join(points)}"/>
 <text x="{LEFT - 6}" y="{TOP + 9}" text-anchor="end">{told}</text>

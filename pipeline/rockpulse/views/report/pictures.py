@@ -16,7 +16,7 @@ from rockpulse.model_table import DRAWN
 from rockpulse.views.plots.selection import plain_bodies
 from rockpulse.views.report.beside import Paired
 from rockpulse.views.report.drawings import strip
-from rockpulse.views.shared.terminal import figure
+from rockpulse.views.shared.formatting import three_digits
 from rockpulse.views.shared.words import say
 
 #: Records that are drawn with their half-waves and impulses: all, or of more those that govern a body.
@@ -120,7 +120,7 @@ class Pictures:
             draw = partial(_spectra, self._tree, spectra)
             median = float(self._summary["restitution"].median())
             c = float(spectra["restitution"].sel(restitution=median, method="nearest"))
-            found.append(self._drawn(draw, "spectra", say("picture.spectra", c=figure(c))))
+            found.append(self._drawn(draw, "spectra", say("picture.spectra", c=three_digits(c))))
         if others := [one for one in self._found if one.body.block not in plain]:
             worst = max(others, key=lambda one: (one.overall, one.decides.value))
             found.append(self.body(worst.body.place, "front"))
@@ -149,11 +149,11 @@ class Pictures:
         from rockpulse.views.plots.picture import svg
 
         try:
-            figure = draw().get_figure(root=True)
+            three_digits = draw().get_figure(root=True)
         except ResultsError as reason:
             return Picture(Markup(""), str(reason))
-        assert figure is not None
-        return Picture(Markup(svg(figure, name)), caption)
+        assert three_digits is not None
+        return Picture(Markup(svg(three_digits, name)), caption)
 
 
 def _spectra(tree: xr.DataTree, spectra: xr.Dataset) -> Axes:
@@ -168,8 +168,8 @@ def _spectra(tree: xr.DataTree, spectra: xr.Dataset) -> Axes:
 
 def _bare(ax: Axes) -> Axes:
     """Axes on a figure without title and small print: the page has words of its own around it."""
-    figure = ax.get_figure(root=True)
-    assert figure is not None
-    figure.suptitle("")
-    figure.supxlabel("")
+    three_digits = ax.get_figure(root=True)
+    assert three_digits is not None
+    three_digits.suptitle("")
+    three_digits.supxlabel("")
     return ax

@@ -15,8 +15,8 @@ from rockpulse.record.record import STANDARD_GRAVITY
 from rockpulse.selection.events import UNKNOWN
 from rockpulse.views.shared.facts import Known
 from rockpulse.views.shared.files_used import failure_rows, reasons_of
+from rockpulse.views.shared.formatting import ratio, three_digits
 from rockpulse.views.shared.table import Cell, Fact, Heading, Table, number
-from rockpulse.views.shared.terminal import figure, ratio
 from rockpulse.views.shared.words import counted, listed, say
 from rockpulse.views.text.left_out import apart, by_kind
 
@@ -83,7 +83,7 @@ def _used(answers: Answers, rows: list[int]) -> tuple[Cell, ...]:
         Cell(first.place or (answers.records[rows[0]] if earthquake_words(first) else "")),
         Cell(shown),
         number(len(rows), str),
-        number(float(answers["pga"][strongest]) / STANDARD_GRAVITY, figure),
+        number(float(answers["pga"][strongest]) / STANDARD_GRAVITY, three_digits),
         _worst(answers, rows),
     )
 
@@ -125,7 +125,7 @@ def _of_earthquake(known: Sequence[Known]) -> tuple[Cell, Cell, Cell]:
     distances = [distance / 1000.0 for one in known if not math.isnan(distance := one.real("epicentral_distance"))]
     largest = max((one.real("magnitude") for one in known if one.magnitude), default=math.nan)
     nearest, farthest = min(distances, default=math.nan), max(distances, default=math.nan)
-    low, high = figure(nearest), figure(farthest)
+    low, high = three_digits(nearest), three_digits(farthest)
     reach = "" if not distances else low if low == high else say("between", low=low, high=high)
     return Cell(dates[0] if dates else ""), Cell(", ".join(magnitudes), largest), Cell(reach, nearest)
 

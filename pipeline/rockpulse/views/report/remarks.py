@@ -16,8 +16,8 @@ from rockpulse.remark import remarked
 from rockpulse.views.report.verdict import of_unknown_event
 from rockpulse.views.shared.columns import doubt_notes, record_cells
 from rockpulse.views.shared.files_used import FilesUsed
-from rockpulse.views.shared.notes import factor_title
-from rockpulse.views.shared.terminal import general, ratio, share
+from rockpulse.views.shared.formatting import ratio, share, six_digits
+from rockpulse.views.shared.notes import factor_heading
 from rockpulse.views.shared.words import counted, listed, say
 from rockpulse.views.text.site import coverage
 
@@ -99,7 +99,7 @@ def _few(found: Sequence[BodyVerdict]) -> list[Limit]:
     most: dict[str, int] = {}
     for demand in (demand for one in found for demand in one.demands if demand.few):
         most[demand.name] = max(demand.earthquakes, most.get(demand.name, 0))
-    fields = {"needed": FEWEST_AT_DEMAND, "most": general(FARTHEST[1])}
+    fields = {"needed": FEWEST_AT_DEMAND, "most": six_digits(FARTHEST[1])}
     return [
         _limit("decides", "few", name=name, events=counted(count, "earthquake"), **fields)
         for name, count in most.items()
@@ -111,7 +111,7 @@ def _confidence(motions: Motions, site: xr.Dataset | None) -> Limit:
         told = say("remark.site_confidence.ask") if site is None else coverage(site)
         return _limit("limits", "site_confidence", coverage=told)
     events = counted(motions.event_count, "earthquake")
-    few = say("remark.confidence.few", events=events, may=general(MAY_OVERTURN))
+    few = say("remark.confidence.few", events=events, may=six_digits(MAY_OVERTURN))
     return _limit(
         "limits",
         "confidence",
@@ -141,7 +141,7 @@ def _of_sequences(site: xr.Dataset, standing: Sequence[BodyVerdict]) -> tuple[li
     """Bodies that overturn within the interval of the main impulse, and those that records of the site overturn."""
     factor = float(site["design_upper"].sel(parameter="main")) / float(site["design"].sel(parameter="main"))
     near = [one for one in standing if one.margin.smallest <= factor]
-    within = [f"{one.body.name} ({factor_title('safety_factor')} {ratio(one.margin.smallest)})" for one in near]
+    within = [f"{one.body.name} ({factor_heading('safety_factor')} {ratio(one.margin.smallest)})" for one in near]
     overturned = np.isinf(site["rotation_ratio"].transpose("block", "record").values).sum(axis=1)
     named = zip(map(str, site["block"].values), overturned.tolist(), strict=True)
     fallen = [say("of_all", name=name, count=count, total=site.sizes["record"]) for name, count in named if count]
@@ -166,7 +166,7 @@ def _of_bodies(answers: Answers, found: Sequence[BodyVerdict]) -> list[Limit]:
         said.append(_limit("limits", "pedestal", name=alone, worst=worst.body.name, value=value))
     for one in sliding(answers):
         told = {"total": counted(one.total, "record"), "most": ratio(one.most)}
-        own = general(one.friction)
+        own = six_digits(one.friction)
         said.append(_limit("decides", "slides", name=one.body.name, count=one.above, friction=own, **told))
     return said
 

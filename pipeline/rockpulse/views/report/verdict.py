@@ -24,9 +24,9 @@ from rockpulse.views.report.drawings import Support, drawing
 from rockpulse.views.report.records import record_named
 from rockpulse.views.shared.columns import COLUMNS, GRADES, grade_cell, margin_cells, record_cells, unexplained
 from rockpulse.views.shared.facts import Known
-from rockpulse.views.shared.notes import factor_title
+from rockpulse.views.shared.formatting import ABSENT, ratio, share, six_digits, three_digits
+from rockpulse.views.shared.notes import factor_heading
 from rockpulse.views.shared.table import Cell, Heading, Table, number
-from rockpulse.views.shared.terminal import ABSENT, figure, general, ratio, share
 from rockpulse.views.shared.words import counted, in_numerals, say
 
 #: Between the ends of an interval, where no line breaks.
@@ -92,7 +92,7 @@ def drawings(tree: xr.DataTree) -> list[Drawing]:
         holds |= {"load": body.loads, "thrust": body.thrusts}
         held = ", ".join(say(f"drawing.{kind}") for kind, own in holds.items() if own)
         label = str(escape(say("drawing.label", name=name, held=f", {held}" if held else "")))
-        found.append(Drawing(Markup(drawing(body, support, label, lambda value: figure(value, "m"))), held))
+        found.append(Drawing(Markup(drawing(body, support, label, lambda value: three_digits(value, "m"))), held))
     return found
 
 
@@ -152,13 +152,13 @@ def counted_by(answers: Answers) -> str:
     what = say("counted.probability") if answers.probable else say("counted.share", model=model)
     told = say("counted.words", what=what, **_levels())
     if answers.demands:
-        told += " " + say("counted.demand", low=general(FARTHEST[0]), high=general(FARTHEST[1]))
+        told += " " + say("counted.demand", low=six_digits(FARTHEST[0]), high=six_digits(FARTHEST[1]))
     return told
 
 
 def _levels() -> dict[str, str]:
     """The probabilities from which on the verdict is another one."""
-    return {"overturns": general(OVERTURNS), "may": general(MAY_OVERTURN)}
+    return {"overturns": six_digits(OVERTURNS), "may": six_digits(MAY_OVERTURN)}
 
 
 def of_unknown_event(motions: Motions) -> str:
@@ -177,12 +177,12 @@ def model_words(model: str) -> str:
 
 def acceleration(value: float) -> str:
     """An acceleration [m/s2] in m/s² and g."""
-    return f"{figure(value, 'm/s²')} ({figure(value / STANDARD_GRAVITY, 'g')})"
+    return f"{three_digits(value, 'm/s²')} ({three_digits(value / STANDARD_GRAVITY, 'g')})"
 
 
 def body_table(answers: Answers, found: Sequence[BodyVerdict]) -> Table:
     """One row per body: verdict, probability at each demand and as it is, factor, the record that it rests on."""
-    motions, factor = answers.motions, factor_title(answers.factor)
+    motions, factor = answers.motions, factor_heading(answers.factor)
     c = COLUMNS["restitution"]
     of = say("head.probability" if answers.probable else "head.share")
     by_sequence = motions.kind == "sequence"  # of which there is one

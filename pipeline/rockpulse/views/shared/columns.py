@@ -15,17 +15,17 @@ from rockpulse.readers.kit.channel import CREDIBLE_PEAK_G
 from rockpulse.record.measures import PGA, STORED, STORED_OF_BODIES, Measure
 from rockpulse.record.record import STANDARD_GRAVITY
 from rockpulse.remark import remarked
-from rockpulse.views.shared.table import Cell, Heading, Mark, Table, number
-from rockpulse.views.shared.terminal import ABSENT, between, lower_bound, ratio, restitution, shortened
+from rockpulse.views.shared.formatting import ABSENT, between, lower_bound, ratio, restitution, shortened
+from rockpulse.views.shared.table import Cell, CellMark, Heading, Table, number
 from rockpulse.views.shared.words import say
 
 #: Longest id of a record and name of a block in a table.
 ID_WIDTH, NAME_WIDTH = 36, 29
 #: Marks at a peak, at a factor or a capacity, and beside the name of a record whose peak may not be what it seems.
-OUTSIDE, NO_ANSWER = Mark("outside", "*"), Mark("no_answer", "!")
-NONE_UP_TO, AT_MOST = Mark("none_up_to", ">", before=True), Mark("at_most", "≤", before=True)
-DRIFT = Mark("drift", "~", before=True)
-PEAK, CLIPPED = Mark("peak"), Mark("clipped")
+OUTSIDE, NO_ANSWER = CellMark("outside", "*"), CellMark("no_answer", "!")
+NONE_UP_TO, AT_MOST = CellMark("none_up_to", ">", before=True), CellMark("at_most", "≤", before=True)
+DRIFT = CellMark("drift", "~", before=True)
+PEAK, CLIPPED = CellMark("peak"), CellMark("clipped")
 #: Larger than any rotation: overturned sorts above it, unresolved at the end.
 _SORTED = {Outcome.AT_REST: 0.0, Outcome.OVERTURNS: math.inf, Outcome.UNRESOLVED: math.nan}
 
@@ -73,7 +73,7 @@ def tabulated(
 _NOTED = frozenset({"restitution", "uplift_ratio", "overturning_probability", "standing"})
 
 
-def doubt(pga: float, codes: str) -> tuple[Mark, ...]:
+def doubt(pga: float, codes: str) -> tuple[CellMark, ...]:
     """Marks of one record, by its PGA [m/s2], which is NaN of a sequence, and the codes of its warnings."""
     low, high = (STANDARD_GRAVITY * bound for bound in CREDIBLE_PEAK_G)
     peak = pga < low or pga > high or remarked(codes, "header_peak")
@@ -102,7 +102,7 @@ def answer_cell(outcome: int, peak: float, applicable: int) -> Cell:
 
 def factor_cell(factor: float, limit: float = math.nan, bound: bool = False, intervals: int = 1) -> Cell:
     """A factor (none up to `limit`) with its marks: of a lower bound, and the number of intervals above one."""
-    marks = ([NO_ANSWER] if bound else []) + ([Mark(sign=f" ({intervals})")] if intervals > 1 else [])
+    marks = ([NO_ANSWER] if bound else []) + ([CellMark(sign=f" ({intervals})")] if intervals > 1 else [])
     if math.isnan(factor):
         return Cell(ABSENT, factor)
     if not math.isinf(factor):
@@ -132,10 +132,10 @@ def smallest_of(margin: Margin, names: Sequence[str], width: int) -> list[Cell]:
 
 def unexplained(cell: Cell) -> Cell:
     """The cell with marks whose meaning is told elsewhere than below its table."""
-    return cell._replace(marks=tuple(Mark("", mark.shown, mark.before) for mark in cell.marks))
+    return cell._replace(marks=tuple(CellMark("", mark.shown, mark.before) for mark in cell.marks))
 
 
-def marks_of(cells: Iterable[Cell]) -> set[Mark]:
+def marks_of(cells: Iterable[Cell]) -> set[CellMark]:
     """The marks that some cells bear."""
     return {mark for cell in cells for mark in cell.marks}
 

@@ -12,7 +12,7 @@ from rocking.body.limits import radius_of_rectangle
 from rockpulse.record.record import STANDARD_GRAVITY
 from rockpulse.record.rotation import rotated_component
 from rockpulse.selection.events import UNKNOWN, words_of
-from rockpulse.views.shared.terminal import ABSENT, figure, general
+from rockpulse.views.shared.formatting import ABSENT, six_digits, three_digits
 from rockpulse.views.shared.words import counted, numerals, say
 
 #: A year, or a date with a year of two digits; a magnitude: what a title tells already is not told again.
@@ -92,7 +92,7 @@ class RecordFacts:
         if math.isnan(azimuth):
             return self.text("component")
         line = {0.0: "north_south", 90.0: "east_west"}.get(azimuth % 180.0)
-        return say(f"direction.{line}") if line else say("direction.azimuth", angle=general(azimuth))
+        return say(f"direction.{line}") if line else say("direction.azimuth", angle=six_digits(azimuth))
 
 
 class Known(RecordFacts):
@@ -112,7 +112,7 @@ class Known(RecordFacts):
     def number(self, name: str, unit: str = "") -> str:
         """A number with its unit."""
         found = self.value(name)
-        return ABSENT if found is None else figure(float(found), unit)
+        return ABSENT if found is None else three_digits(float(found), unit)
 
     def words(self, name: str) -> str:
         """A text."""
@@ -150,7 +150,7 @@ class Known(RecordFacts):
         found = []
         if self.value("one_sided"):
             facing = float(self.value("facing"))
-            falls = "" if math.isnan(facing) else say("support.facing", angle=general(facing))
+            falls = "" if math.isnan(facing) else say("support.facing", angle=six_digits(facing))
             found.append(say("support.wall") + falls)
         if self.value("alpha_2") not in (None, self.value("alpha_c")) and not self.value("one_sided"):
             one, other = self.number("alpha_c", "rad"), self.number("alpha_2", "rad")
@@ -158,15 +158,15 @@ class Known(RecordFacts):
         held = json.loads(str(self.value("restraints") or "{}"))
         found += [counted(len(held[name]), name[:-1]) for name in ("ties", "loads", "thrusts") if held.get(name)]
         if modes := json.loads(str(self.value("floors") or "[]")):
-            found.append(say("support.floor", periods=", ".join(general(one["period"]) for one in modes)))
+            found.append(say("support.floor", periods=", ".join(six_digits(one["period"]) for one in modes)))
         azimuth = self.value("body_azimuth")
         if azimuth is not None and not math.isnan(float(azimuth)) and float(azimuth) != self.value("facing"):
-            found.append(say("support.azimuth", angle=general(float(azimuth))))
+            found.append(say("support.azimuth", angle=six_digits(float(azimuth))))
         if self.value("pedestal_of"):
             found.append(say("support.pedestal", name=self.words("pedestal_of")))
         friction = self.value("friction")
         if friction is not None and not math.isnan(float(friction)):
-            found.append(say("support.friction", friction=general(friction)))
+            found.append(say("support.friction", friction=six_digits(friction)))
         return "; ".join(found)
 
     def impact_friction(self, c: float) -> float:
@@ -186,7 +186,7 @@ class Known(RecordFacts):
         """The component as its file words it; of a record that was turned here, that it was."""
         stated, azimuth = self.words("component"), self.real("azimuth")
         turned = not math.isnan(azimuth) and stated == rotated_component(azimuth)
-        return say("direction.rotated", angle=general(azimuth)) if turned else stated
+        return say("direction.rotated", angle=six_digits(azimuth)) if turned else stated
 
     @property
     def stated(self) -> list[tuple[str, str]]:
@@ -194,14 +194,14 @@ class Known(RecordFacts):
         depth = self.real("hypocentre_depth")
         hypocentre = (
             self._coordinates("hypocentre"),
-            "" if math.isnan(depth) else say("stated.depth", depth=figure(depth / 1000.0, "km")),
+            "" if math.isnan(depth) else say("stated.depth", depth=three_digits(depth / 1000.0, "km")),
         )
         told = {
             "agency": self.text("event_id"),
             "origin": self.text("origin_time"),
             "magnitude": self.magnitude,
             "hypocentre": ", ".join(filter(None, hypocentre)),
-            "distance": figure(self.real("epicentral_distance") / 1000.0, "km"),
+            "distance": three_digits(self.real("epicentral_distance") / 1000.0, "km"),
             "place": self._coordinates("station"),
             "vs30": self.number("vs30", "m/s"),
             "site_class": self.text("site_class"),
@@ -219,4 +219,4 @@ class Known(RecordFacts):
     @property
     def strength(self) -> list[str]:
         """PGA and PGV of a record."""
-        return [f"PGA {figure(self.value('pga') / STANDARD_GRAVITY, 'g')}", f"PGV {self.peak_velocity}"]
+        return [f"PGA {three_digits(self.value('pga') / STANDARD_GRAVITY, 'g')}", f"PGV {self.peak_velocity}"]

@@ -10,12 +10,12 @@ from rockpulse.assessment.answers import Answers, Motions, searched_up_to
 from rockpulse.assessment.verdict import BodyVerdict, sliding, worse_screens
 from rockpulse.model_table import MODELS, UPPER_BOUND, is_upper_bound
 from rockpulse.views.shared.columns import NONE_UP_TO, OUTSIDE, doubt_notes, factor_cell, record_cells
-from rockpulse.views.shared.table import Mark
-from rockpulse.views.shared.terminal import ratio, several
+from rockpulse.views.shared.formatting import ratio, several
+from rockpulse.views.shared.table import CellMark
 from rockpulse.views.shared.words import say
 
 
-def factor_title(factor: str) -> str:
+def factor_heading(factor: str) -> str:
     """The heading of a factor, by its variable."""
     return say(f"column.{factor}.head")
 
@@ -25,7 +25,7 @@ def factor_name(factor: str) -> str:
     return say(f"factor.{factor}")
 
 
-def uncertainty_words(answers: Answers) -> str:
+def stored_uncertainty(answers: Answers) -> str:
     """The uncertainty that the probability of overturning is stated under, as the results tell it."""
     return str(answers.summary["overturning_probability"].attrs.get("comment", "nonlinear model"))
 
@@ -41,8 +41,8 @@ def factor_notes(answers: Answers, swept: bool = False) -> list[str]:
     if answers.probable:
         own = "" if swept else "P: probability of overturning under the record as it is; "
         return [
-            f"{own}{factor_title('factor_10')}: {'smallest ' if swept else ''}factor on {of} at which P is 10 %; "
-            f"{uncertainty_words(answers)}.{none}"
+            f"{own}{factor_heading('factor_10')}: {'smallest ' if swept else ''}factor on {of} at which P is 10 %; "
+            f"{stored_uncertainty(answers)}.{none}"
         ]
     notes = [f"SF: smallest factor on {of} at which the block overturns by the {answers.model} model.{none}"]
     if missed := missed_step(answers):
@@ -76,7 +76,7 @@ def missed_step(answers: Answers) -> float:
     return max(float(np.nanmax(answers["search_step"], initial=1.0)) - 1.0, 0.0)
 
 
-def verdict_notes(answers: Answers, of_factors: list[str], marks: Collection[Mark]) -> list[str]:
+def verdict_notes(answers: Answers, of_factors: list[str], marks: Collection[CellMark]) -> list[str]:
     """Notes to a table of the verdicts of all models, whose figures have some marks; those on SF come second."""
     notes = [
         "Figures: largest rotation over the critical angle (theta_max/alpha_c). C: velocity ratio of an impact. "

@@ -6,11 +6,11 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
 
-from rockpulse.views.shared.terminal import figure, paragraph, shortened
+from rockpulse.views.shared.formatting import paragraph, shortened, three_digits
 from rockpulse.views.shared.words import say
 
 
-class Mark(NamedTuple):
+class CellMark(NamedTuple):
     """A sign behind or before the text of a cell, and the key of its note and of a sign that is a word."""
 
     key: str = ""
@@ -33,7 +33,7 @@ class Cell(NamedTuple):
 
     text: str  # without its marks
     value: float | None = None  # by which it is sorted, NaN last
-    marks: tuple[Mark, ...] = ()
+    marks: tuple[CellMark, ...] = ()
     grade: str = ""  # "", "good", "fair", "unknown" or "bad", which is in capitals on the terminal
     link: str = ""  # id of the part of the report that it leads to
 
@@ -109,7 +109,7 @@ class Fact:
     lines: tuple[str, ...]
 
 
-def number(value: float | None, show: Callable[[float], str] = figure, marks: tuple[Mark, ...] = ()) -> Cell:
+def number(value: float | None, show: Callable[[float], str] = three_digits, marks: tuple[CellMark, ...] = ()) -> Cell:
     """A cell of a number, with the marks only where the number is known."""
     known = math.nan if value is None else value
     return Cell(show(known), known, () if math.isnan(known) else marks)

@@ -6,8 +6,8 @@ from dataclasses import replace
 import xarray as xr
 
 from rockpulse.views.shared.columns import tabulated, titled
+from rockpulse.views.shared.formatting import ABSENT, paragraph, ratio, several, three_digits
 from rockpulse.views.shared.table import Cell, lines
-from rockpulse.views.shared.terminal import ABSENT, figure, paragraph, ratio, several
 
 #: Names of the codes.
 CODE_WORDS = {
@@ -18,7 +18,7 @@ CODE_WORDS = {
 
 
 def _value(value: float) -> Cell:
-    return Cell(ABSENT if math.isnan(value) else "inf" if math.isinf(value) else figure(value))
+    return Cell(ABSENT if math.isnan(value) else "inf" if math.isinf(value) else three_digits(value))
 
 
 def _word(value: float) -> Cell:

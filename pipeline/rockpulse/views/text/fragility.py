@@ -10,16 +10,16 @@ from rockpulse.selection.events import UNKNOWN
 from rockpulse.storage.variables.fragility import STATED, STRENGTH
 from rockpulse.views.shared.columns import count_of, shown, tabulated, titled
 from rockpulse.views.shared.files_used import files_used
-from rockpulse.views.shared.table import Cell, Heading, Mark, Table, number, text
-from rockpulse.views.shared.terminal import ABSENT, general, paragraph, ratio, several
+from rockpulse.views.shared.formatting import ABSENT, paragraph, ratio, several, six_digits
+from rockpulse.views.shared.table import Cell, CellMark, Heading, Table, number, text
 from rockpulse.views.shared.words import counted, named, numerals, remarks_of, say
 from rockpulse.views.text.left_out import unused
 from rockpulse.views.text.site import explained
 
 #: At a median that no record was looked at.
-BEYOND = Mark("beyond", "!")
+BEYOND = CellMark("beyond", "!")
 #: At the smallest dispersion of a limit state.
-SMALLEST = Mark("smallest", "*")
+SMALLEST = CellMark("smallest", "*")
 #: Level of the tests of sufficiency.
 LEVEL = 0.05
 
@@ -67,7 +67,7 @@ def median_table(tree: xr.DataTree) -> Table:
     """Median and dispersion of every body and limit state in the measure that is shown."""
     curves = tree["fragility"].to_dataset()
     own = curves.sel(measure=shown_measure(curves))
-    level = f"{general(100.0 * float(tree.attrs['confidence']))} %"
+    level = f"{six_digits(100.0 * float(tree.attrs['confidence']))} %"
 
     def beyond(median: float, extrapolated: int) -> Cell:
         return number(median, ratio, (BEYOND,) if extrapolated else ())
@@ -134,7 +134,7 @@ def sufficiency_tables(efficiency: xr.Dataset) -> list[Table]:
     qualities = p_value["quality"].values[shown].tolist()
     headings = (Heading(""), *(Heading(say(f"quality.{name}")) for name in qualities))
     note = say("fragility.tests", tests=tests, few=f"{LEVEL * tests:.0f}")
-    caption = say("fragility.sufficiency", level=general(LEVEL))
+    caption = say("fragility.sufficiency", level=six_digits(LEVEL))
     return [Table("fragility-sufficiency", caption, headings, tuple(rows), (note, *_told_by(efficiency, p_value)))]
 
 

@@ -10,12 +10,12 @@ import xarray as xr
 from rocking.response import Outcome
 from rockpulse.assessment.answers import Answers, Of, bodies_of, fullest_model
 from rockpulse.record.measures import PGA, STORED
-from rockpulse.storage.export.selection import Selection, rows
+from rockpulse.storage.export.row_selection import Selection, rows
 from rockpulse.storage.hdf5.netcdf4 import flag_words, pointwise
 from rockpulse.views.shared import columns as col
-from rockpulse.views.shared.notes import factor_name, factor_title
+from rockpulse.views.shared.formatting import paragraph, several, shortened
+from rockpulse.views.shared.notes import factor_heading, factor_name
 from rockpulse.views.shared.table import Cell, Heading, Table, lines, number
-from rockpulse.views.shared.terminal import paragraph, several, shortened
 from rockpulse.views.shared.words import say
 
 #: Columns of a list of cases; those of each factor, where it is known, and what they are.
@@ -129,11 +129,15 @@ def _of_motions(answers: Answers, selection: Selection, dim: str, names: Sequenc
         col.smallest_of(margins[place], opposite, col.NAME_WIDTH if of_records else col.ID_WIDTH) for place in at
     ]
     table = [(*cells, *more) for cells, more in zip(col.filled(selected, points), smallest, strict=True)]
-    headings = (*col.headed(selected), Heading(factor_title(answers.factor)), Heading("of" if of_records else "under"))
+    headings = (
+        *col.headed(selected),
+        Heading(factor_heading(answers.factor)),
+        Heading("of" if of_records else "under"),
+    )
     marks = col.marks_of(cell for row in table for cell in row)
     what = ("overturns: blocks", "of which block") if of_records else ("overturned by: records", "under which record")
     notes = [
-        f"{what[0]} that do, by the {answers.model} model; {factor_title(answers.factor)}: smallest known "
+        f"{what[0]} that do, by the {answers.model} model; {factor_heading(answers.factor)}: smallest known "
         f"{factor_name(answers.factor)}, and {what[1]}.",
         *(mark.note for mark in (col.DRIFT, col.NONE_UP_TO) if mark in marks),
         *(col.doubt_notes(row[0] for row in table) if of_records else ()),

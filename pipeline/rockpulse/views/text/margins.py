@@ -10,9 +10,9 @@ from rocking.response import Outcome
 from rockpulse.assessment.answers import Answers, Margin, lanes, swept_answers
 from rockpulse.record.record import STANDARD_GRAVITY
 from rockpulse.views.shared import columns as col
-from rockpulse.views.shared.notes import cautions, factor_name, factor_notes, factor_title
+from rockpulse.views.shared.formatting import ABSENT, paragraph, ratio, shortened, three_digits
+from rockpulse.views.shared.notes import cautions, factor_heading, factor_name, factor_notes
 from rockpulse.views.shared.table import Cell, Heading, Table, lines, number
-from rockpulse.views.shared.terminal import ABSENT, figure, paragraph, ratio, shortened
 
 
 def smallest_capacities(answers: Answers, blocks: Collection[int] | None = None) -> str:
@@ -98,7 +98,7 @@ def direction_table(summary: xr.Dataset, directions: xr.Dataset) -> str:
     # A block that stays at rest in all directions has no azimuth of the largest.
     largest_at = np.where(largest == 0.0, np.nan, swept("largest_azimuth"))
     fallen = [(swept("overturning_share", model), swept("unanswered_count", model)) for model in answers.models]
-    titles = [factor_title(answers.factor), "at"] if of_factors else []
+    titles = [factor_heading(answers.factor), "at"] if of_factors else []
     names = [_name(answers, directions.isel(pair=pair)) for pair in pairs]
     rows = [
         (
@@ -117,7 +117,7 @@ def direction_table(summary: xr.Dataset, directions: xr.Dataset) -> str:
     over = f"directions of {count} that overturn".rjust(len(head))  # above the columns of the models
     told, size = [], len(answers.bodies)
     for pair, name in enumerate(names):
-        title = "  ".join([name.marked, *_strength(directions.isel(pair=pair))])
+        title = "  ".join([name.marked, *_pair_strength(directions.isel(pair=pair))])
         told += ["", title, over, head, *laid[pair * size : (pair + 1) * size]]
     smallest_of = f" Smallest {factor_name(answers.factor)}, and its azimuth." if of_factors else ""
     notes = [
@@ -150,13 +150,13 @@ def _name(answers: Answers, pair: xr.Dataset) -> Cell:
     return Cell(str(pair["pair"].item()), marks=col.doubt(pair["pga_largest"].item(), codes))
 
 
-def _strength(pair: xr.Dataset) -> list[str]:
+def _pair_strength(pair: xr.Dataset) -> list[str]:
     parts = []
     for title, name, unit, scale in (("PGA", "pga", "g", STANDARD_GRAVITY), ("I", "main_impulse", "m/s", 1.0)):
         median, largest, azimuth = (pair[f"{name}_{what}"].item() for what in ("median", "largest", "azimuth"))
         if not math.isnan(largest):
-            shown = f"{figure(median / scale)} (median), {figure(largest / scale, unit)} (at {_degrees(azimuth)})"
-            parts.append(f"{title} {shown}")
+            most = f"{three_digits(largest / scale, unit)} (at {_degrees(azimuth)})"
+            parts.append(f"{title} {three_digits(median / scale)} (median), {most}")
     return parts
 
 

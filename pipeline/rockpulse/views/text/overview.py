@@ -9,13 +9,13 @@ from rocking.response import Outcome
 from rockpulse.assessment.answers import Answers, answers_of, lanes
 from rockpulse.record.measures import STORED
 from rockpulse.record.record import STANDARD_GRAVITY
-from rockpulse.storage.export.selection import Selection, unknown
+from rockpulse.storage.export.row_selection import Selection, unknown
 from rockpulse.views.shared.columns import doubt, doubt_notes, record_cells
 from rockpulse.views.shared.facts import Known
 from rockpulse.views.shared.files_used import files_used
+from rockpulse.views.shared.formatting import ABSENT, fixed, paragraph, restitution, several, three_digits
 from rockpulse.views.shared.notes import cautions
 from rockpulse.views.shared.table import Cell, Heading, Table, number, text
-from rockpulse.views.shared.terminal import ABSENT, figure, fixed, paragraph, restitution, several
 from rockpulse.views.text import verdicts
 from rockpulse.views.text.left_out import left_out, left_out_in_short, unused
 from rockpulse.views.text.lists import case_list, worst_first
@@ -80,7 +80,7 @@ def is_large(answers: Answers) -> bool:
 
 def _large(answers: Answers, directions: xr.Dataset | None) -> str:
     """Strength of the records, verdicts by model, the worst blocks, and the worst cases or pairs of a sweep."""
-    parts = [_strength(answers), _verdicts(answers), verdicts.body_verdicts(answers, WORST)]
+    parts = [_record_strength(answers), _verdicts(answers), verdicts.body_verdicts(answers, WORST)]
     if directions is None:
         parts.append(case_list(answers.summary, worst_first(answers, Selection(limit=WORST))))
     else:
@@ -92,7 +92,7 @@ def _large(answers: Answers, directions: xr.Dataset | None) -> str:
     return "\n\n".join(filter(None, parts))
 
 
-def _strength(answers: Answers) -> str:
+def _record_strength(answers: Answers) -> str:
     """The strength of the records."""
     rows = []
     for title, name, (_, unit, scale) in (
@@ -158,7 +158,7 @@ def record_details(summary: xr.Dataset, record: str) -> str:
     one = Known(answers.summary, record=record)
     number, words, pga = one.number, one.words, one.value("pga")
     marks = doubt(pga, one.value("warning_codes"))
-    strength = Cell(f"{figure(pga, 'm/s2')} ({figure(pga / STANDARD_GRAVITY, 'g')})", marks=marks).marked
+    strength = Cell(f"{three_digits(pga, 'm/s2')} ({three_digits(pga / STANDARD_GRAVITY, 'g')})", marks=marks).marked
     rows = [
         *(("in words", told) for told in (one.described,) if told),
         ("source", words("source")),
@@ -191,7 +191,7 @@ def block_details(summary: xr.Dataset, block: str) -> str:
     one = Known(answers.summary, block=block)
     number, restitutions = one.number, [body.restitution for body in answers.bodies]
     asked = [one.impact_friction(c) for c in restitutions]
-    friction = f"{', '.join(map(figure, asked))} in its instant, for information"
+    friction = f"{', '.join(map(three_digits, asked))} in its instant, for information"
     rows = [
         ("width, height", f"{number('width', 'm')}, {number('height', 'm')}"),
         ("half the diagonal R", one.radius),

@@ -11,8 +11,8 @@ from rockpulse.storage.variables.risk import INVENTORY, RISK, STANDING, RiskStat
 from rockpulse.studies.risk.frequency import OUTSIDE
 from rockpulse.studies.risk.integral import LEAST_EVENTS
 from rockpulse.views.shared.columns import Column, tabulated, titled
+from rockpulse.views.shared.formatting import ABSENT, paragraph, several, three_digits
 from rockpulse.views.shared.table import Cell, lines
-from rockpulse.views.shared.terminal import ABSENT, figure, paragraph, several
 
 #: Bodies of an inventory that are shown.
 SHOWN = 10
@@ -97,7 +97,7 @@ def _levels(one: xr.Dataset) -> str:
     edges = np.append(one["bin_low"].values, one["bin_high"].values[-1:]) / _unit(one)
     passed = np.append(0.0, np.cumsum(share)) / np.sum(share)
     low, high = np.exp(np.interp(ENDS, passed, np.log(edges))).tolist()
-    return f"{figure(low)} to {figure(high)}"
+    return f"{three_digits(low)} to {three_digits(high)}"
 
 
 def _unit(risk: xr.Dataset) -> float:
@@ -119,8 +119,8 @@ def inventory_overview(risk: xr.Dataset) -> str:
     selected = (
         *_of_frequency(risk, "body", lambda *shares: any(share > OUTSIDE for share in shares), *SIDES),
         _text("stands", _survival, "survival"),
-        _text(f"median [{risk.attrs['unit']}]", lambda value: figure(value / _unit(risk)), "median"),
-        _text("dispersion", figure, "dispersion"),
+        _text(f"median [{risk.attrs['unit']}]", lambda value: three_digits(value / _unit(risk)), "median"),
+        _text("dispersion", three_digits, "dispersion"),
     )
     order = np.argsort(np.where(known, -frequency, np.inf), kind="stable")[: min(SHOWN, int(known.sum()))]
     told = [
@@ -173,9 +173,9 @@ def standing_overview(standing: xr.Dataset) -> str:
     chance = standing["chance"].values
     selected = (
         titled("", lambda name: Cell(f"  {name}"), str(dim)),
-        _text("has stood", figure, "chance"),
-        _interval("interval", figure, "chance"),
-        _text("factor on the hazard", figure, "factor"),
+        _text("has stood", three_digits, "chance"),
+        _interval("interval", three_digits, "chance"),
+        _text("factor on the hazard", three_digits, "factor"),
         titled(" ", lambda code: Cell("contradicts this hazard" if code == 1 else "consistent"), "contradicted"),
     )
     order = np.argsort(chance, kind="stable")[: min(SHOWN, int(np.isfinite(chance).sum()))]
@@ -189,7 +189,7 @@ def standing_overview(standing: xr.Dataset) -> str:
 
 
 def _assumed(risk: xr.Dataset) -> list[str]:
-    return [f"fragility: {risk.attrs['fragility']}.", f"hazard: {risk.attrs['hazard_assumed']}."]
+    return [f"fragility: {risk.attrs['fragility']}.", f"hazard: {risk.attrs['hazard_conditions']}."]
 
 
 def _told(title: str, selected: Sequence[Column], rows: xr.Dataset, notes: Sequence[str]) -> str:

@@ -10,18 +10,18 @@ import xarray as xr
 from rockpulse.record.measures import MEASURES
 from rockpulse.views.shared.columns import Column, shown, tabulated, titled
 from rockpulse.views.shared.files_used import failure_rows, files_used
-from rockpulse.views.shared.table import Cell, Heading, Table, lines, number, text
-from rockpulse.views.shared.terminal import (
+from rockpulse.views.shared.formatting import (
     ABSENT,
     between,
-    figure,
     fixed,
-    general,
     paragraph,
     ratio,
     restitution,
     share,
+    six_digits,
+    three_digits,
 )
+from rockpulse.views.shared.table import Cell, Heading, Table, lines, number, text
 from rockpulse.views.shared.words import counted, listed, named, remarks_of, say
 from rockpulse.views.text.left_out import rows_not_used, unused
 
@@ -77,7 +77,7 @@ def about_records(site: xr.Dataset) -> list[str]:
     )
     if method == "spectrum":
         return [on_records, say(f"site.spectra.{site.attrs['spectrum']}", weights=weights)]
-    misfit, below = figure(_median(site["misfit"])), share(_median(site["unsafe_share"]))
+    misfit, below = three_digits(_median(site["misfit"])), share(_median(site["unsafe_share"]))
     return [on_records, say("site.sequences", method=method, weights=weights, misfit=misfit, share=below)]
 
 
@@ -105,17 +105,17 @@ def design(site: xr.Dataset) -> str:
     """The design sequence in a sentence."""
     value = dict(zip(site["parameter"].values.tolist(), site["design"].values.tolist(), strict=True))
     count, duration = value["main_count"], value["duration"]
-    interval = _range(site.sel(parameter="main"), "design", lambda limit: figure(limit, "m/s"))
+    interval = _range(site.sel(parameter="main"), "design", lambda limit: three_digits(limit, "m/s"))
     return say(
         "site.design",
-        quantile=general(_number(site, "quantile")),
-        main=figure(value["main"], "m/s"),
+        quantile=six_digits(_number(site, "quantile")),
+        main=three_digits(value["main"], "m/s"),
         confidence=_percent(site, "confidence"),
         interval=say("site.no_interval") if interval == ABSENT else interval,
-        secondary=figure(value["ratio"] * value["main"], "m/s"),
-        spacing=figure(value["interval"], "s"),
+        secondary=three_digits(value["ratio"] * value["main"], "m/s"),
+        spacing=three_digits(value["interval"], "s"),
         impulses=say("site.no_limit") if math.isnan(count) else counted(round(count), "main_impulse"),
-        within=say("site.for_ever") if math.isnan(duration) else say("site.within", time=figure(duration, "s")),
+        within=say("site.for_ever") if math.isnan(duration) else say("site.within", time=three_digits(duration, "s")),
         kind=site.attrs["spacing"],
     )
 
@@ -170,7 +170,7 @@ def _interval(title: str, name: str) -> Column:
 
 def _design_table(site: xr.Dataset) -> Table:
     """The design of every body that has one, in effective impulses and as a factor."""
-    quantile, confidence = (f"{general(100.0 * float(site[name]))} %" for name in ("quantile", "confidence"))
+    quantile, confidence = (f"{six_digits(100.0 * float(site[name]))} %" for name in ("quantile", "confidence"))
 
     def over(factor: float) -> Cell:
         words = say("site.factor_overturns", factor=ratio(factor))
@@ -246,7 +246,7 @@ def _percent(site: xr.Dataset, name: str) -> str:
     return f"{_number(site, name):.0%}"
 
 
-def _range(one: xr.Dataset, name: str, show: Callable[[float], str] = figure) -> str:
+def _range(one: xr.Dataset, name: str, show: Callable[[float], str] = three_digits) -> str:
     return between(_number(one, f"{name}_lower"), _number(one, f"{name}_upper"), show)
 
 

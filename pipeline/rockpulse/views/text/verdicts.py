@@ -15,17 +15,17 @@ from rockpulse.errors import some
 from rockpulse.record.measures import PGA, PGV
 from rockpulse.views.shared import columns as col
 from rockpulse.views.shared.facts import Known
+from rockpulse.views.shared.formatting import ABSENT, paragraph, ratio, several, shortened, three_digits
 from rockpulse.views.shared.notes import (
     body_notes,
     counted_motions,
+    factor_heading,
     factor_name,
     factor_notes,
-    factor_title,
-    uncertainty_words,
+    stored_uncertainty,
     verdict_notes,
 )
 from rockpulse.views.shared.table import Cell, Heading, Table, lines
-from rockpulse.views.shared.terminal import ABSENT, figure, paragraph, ratio, several, shortened
 
 #: Columns of every table below a record, and of the probability.
 DEMAND = ("block", "restitution", "uplift_ratio", "impulse_ratio")
@@ -54,7 +54,7 @@ def probability_table(answers: Answers) -> str:
     notes = [
         "P: probability of overturning under the record as it is, in brackets its interval of 90 %; factor of 10 %, of "
         f"50 %: factors on the record at which it is that; mean capacity: exp of the mean logarithm of the factor that "
-        f"overturns; {uncertainty_words(answers)}."
+        f"overturns; {stored_uncertainty(answers)}."
     ]
     notes += [col.NONE_UP_TO.note] if col.NONE_UP_TO in col.marks_of(cell for row in table for cell in row) else []
     title = "Probability of overturning, and the factors on the record that it grows with"
@@ -97,7 +97,7 @@ def _below_records(
     for place, cell in enumerate(col.record_cells(answers.summary)):
         record = Known(answers.summary, record=cell.text)
         impulse = record.value("main_impulse")
-        told = [*record.strength, *([] if math.isnan(impulse) else [f"I {figure(impulse, 'm/s')}"])]
+        told = [*record.strength, *([] if math.isnan(impulse) else [f"I {three_digits(impulse, 'm/s')}"])]
         found += ["", "  ".join([cell.marked, *told]), head, *laid[place * size : (place + 1) * size]]
     shown = [*([title] if title else []), *found[1:], "", *(paragraph(note, "  ") for note in notes)]
     return "\n".join(shown)
@@ -114,7 +114,7 @@ def overturned(answers: Answers, files: str = "") -> str:
     told = [f"What overturns (by the {answers.model} model):", *([paragraph(files, "    ", "  ! ")] if files else [])]
     rows, by_weaker = [], []
     for place, block in enumerate(answers.blocks):
-        weaker = [f"{names[row]} ({figure(factor[row, place])})" for row in np.flatnonzero(lucky[:, place])]
+        weaker = [f"{names[row]} ({three_digits(factor[row, place])})" for row in np.flatnonzero(lucky[:, place])]
         nothing = "nothing as recorded does, but see below" if weaker else "nothing does"
         named = ", ".join(names[row] for row in np.flatnonzero(fallen[:, place]))
         told.append(paragraph(named or nothing, "      ", f"  {block}: "))
@@ -241,7 +241,9 @@ def worst_motions(answers: Answers, most: int) -> str:
     selected = (
         col.titled("", Cell, "name"),
         *col.columns(PGA, PGV, "worst_for", *(["overturning_probability"] if answers.probable else [])),
-        col.titled(factor_title(answers.factor), lambda value: col.unexplained(col.factor_cell(value, limit)), "near"),
+        col.titled(
+            factor_heading(answers.factor), lambda value: col.unexplained(col.factor_cell(value, limit)), "near"
+        ),
         col.titled(title, lambda count: Cell(col.count_of(count, bodies).text), "fallen"),
     )
     which = f"The {len(order)} worst of {len(motions.names)}" if len(order) < len(motions.names) else "All"

@@ -17,7 +17,7 @@ from laboratory.accuracy.model_form import (
 )
 from laboratory.ensemble import blocks
 from rocking.response import Outcome
-from rockpulse.assessment.scene import prepare
+from rockpulse.assessment.scene import scene_of_record
 from rockpulse.config.configuration import Config
 from rockpulse.model_table import MODELS
 
@@ -113,7 +113,7 @@ def test_a_factor_is_the_same_as_a_stronger_record():
 
 
 def test_the_models_are_those_of_an_assessment(lanes):
-    scene = prepare(synthetic_records(7, 1)[0], Config())
+    scene = scene_of_record(synthetic_records(7, 1)[0], Config())
     for model in (*COMPARED, JUDGE):
         expected = MODELS[model].respond(blocks(), scene)
         whole = lanes[lanes["scale"] == 1.0]

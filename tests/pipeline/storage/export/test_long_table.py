@@ -12,7 +12,7 @@ from results_tree import BLOCKS, MODELS, RECORDS, demanding, results_tree, small
 import rockpulse as rp
 from rockpulse.errors import ResultsError
 from rockpulse.storage.export.long_table import long_table, results_table
-from rockpulse.storage.export.selection import Condition, Selection
+from rockpulse.storage.export.row_selection import Condition, Selection
 from rockpulse.storage.export.table_file import readme_of, write_table
 from rockpulse.storage.hdf5.results_file import open_results, save
 from rockpulse.storage.variables.assessment import ASSESSMENT_GROUPS, HALF_CYCLE, WAVES

@@ -12,7 +12,7 @@ import pytest
 import rockpulse as rp
 from rocking.body.block import Block
 from rocking.march.recorded import recorded_response
-from rockpulse.assessment.scene import prepare
+from rockpulse.assessment.scene import scene_of_record
 from rockpulse.config.configuration import Config
 from rockpulse.errors import ConfigError
 from rockpulse.record.half_wave import half_waves
@@ -26,12 +26,14 @@ from rockpulse.studies.fragility.likelihood import ABOVE, NOT_ABOVE, Observation
 def scene():
     t = np.arange(0.0, 6.0, 0.01)
     ground = 2.0 * np.sin(2.0 * np.pi * t) * np.exp(-((t - 3.0) ** 2))
-    return prepare(rp.Record(ground, dt=0.01, id="pulse", processed=True), Config())
+    return scene_of_record(rp.Record(ground, dt=0.01, id="pulse", processed=True), Config())
 
 
 def test_qualities_of_a_sine():
     t = np.arange(0.0, 10.005, 0.01)
-    found = record_qualities(prepare(rp.Record(np.sin(np.pi * t), dt=0.01, id="sine", processed=True), Config()))
+    found = record_qualities(
+        scene_of_record(rp.Record(np.sin(np.pi * t), dt=0.01, id="sine", processed=True), Config())
+    )
     assert found["duration"] == pytest.approx(9.0, abs=0.5)
     assert found["period"] == pytest.approx(4.0, rel=0.01)  # the velocity of a sine from rest is (1 - cos)/pi
     assert found["strong_half_waves"] == 10

@@ -173,7 +173,7 @@ def test_what_is_taken_for_granted_is_told(tree, law):
     told = rp.annual_frequency(tree, law, resamples=0).attrs
     assert "records scaled to levels (stripes); lognormal" in told["fragility"]
     assert "16 records of 8 earthquakes, in which records count alike" in told["fragility"]
-    assert "any single horizontal component" in told["hazard_assumed"]
+    assert "any single horizontal component" in told["hazard_conditions"]
 
 
 @pytest.mark.parametrize(

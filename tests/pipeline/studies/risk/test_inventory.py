@@ -83,7 +83,7 @@ def test_each_body_has_the_hazard_of_its_site_and_ground(results, tmp_path):
     expected = [tenth * math.cos(math.radians(42.5)), tenth, tenth * math.cos(math.radians(10.0)), 0.0]
     assert found["hazard_distance"].values == pytest.approx(expected, abs=5.0)
     assert "4 hazards of pgv in cm/s" in found.attrs["hazard"]
-    assert "of the place nearest to each body, up to 11.1 km away" in found.attrs["hazard_assumed"]
+    assert "of the place nearest to each body, up to 11.1 km away" in found.attrs["hazard_conditions"]
     # With soil factors that differ the curves do not end at the same levels.
     assert math.isnan(found.attrs["covered_low"])
 

@@ -20,8 +20,8 @@ from rockpulse.studies.site.calibration import design_of
 from rockpulse.views.report.beside import Paired, describe_fragility, paired
 from rockpulse.views.report.content import gather
 from rockpulse.views.report.writing import report_page
+from rockpulse.views.shared.formatting import shortened
 from rockpulse.views.shared.table import text
-from rockpulse.views.shared.terminal import shortened
 from rockpulse.views.text.fragility import BEYOND, fragility_overview, median_table, sufficiency_tables
 from rockpulse.views.text.site import site_overview, site_tables
 

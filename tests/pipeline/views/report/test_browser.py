@@ -9,7 +9,7 @@ from many_results import many_results
 from real_browser import NEEDS_BROWSER
 
 from rockpulse.views.report.writing import write_report
-from rockpulse.views.shared.notes import factor_title
+from rockpulse.views.shared.notes import factor_heading
 
 pytestmark = [NEEDS_BROWSER, pytest.mark.sweep]
 
@@ -98,7 +98,7 @@ def test_every_figure_is_visible_with_everything_open(page):
 
 
 def test_sorting_by_mouse_puts_infinity_above_and_the_unknown_last(page):
-    place, one = head(page, "answers", factor_title("factor_10"))
+    place, one = head(page, "answers", factor_heading("factor_10"))
     values = page.execute_script(
         "const cell = document.querySelector(`#answers tbody tr td:nth-child(${arguments[0] + 1})`);"
         "cell.dataset.v = 'nan'; cell.textContent = '-'; return null",
@@ -129,7 +129,7 @@ def test_sorting_by_keyboard_and_by_words(page):
     one.find_element("css selector", "[role=button]").send_keys(Keys.ENTER)
     names = column(page, "answers", place)
     assert names == sorted(names)
-    other = head(page, "answers", factor_title("factor_10"))[1]
+    other = head(page, "answers", factor_heading("factor_10"))[1]
     other.find_element("css selector", "[role=button]").send_keys(Keys.SPACE)
     assert one.get_attribute("aria-sort") is None
     assert other.get_attribute("aria-sort") == "ascending"

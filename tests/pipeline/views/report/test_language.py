@@ -21,7 +21,7 @@ from rockpulse.views.report.pictures import Pictures
 from rockpulse.views.report.writing import report_page
 from rockpulse.views.shared.columns import columns, filled
 from rockpulse.views.shared.files_used import files_used
-from rockpulse.views.shared.terminal import between, ratio
+from rockpulse.views.shared.formatting import between, ratio
 from rockpulse.views.shared.words import LANGUAGES, in_numerals, remark_words, say, table, writing
 
 WORDS = table("en")

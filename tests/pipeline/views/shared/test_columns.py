@@ -12,9 +12,9 @@ from rocking.response import Outcome
 from rockpulse.readers.kit.channel import build_record
 from rockpulse.readers.source import SourceFile
 from rockpulse.remark import with_codes
-from rockpulse.storage.export.selection import SHOWN
+from rockpulse.storage.export.row_selection import SHOWN
 from rockpulse.views.shared import columns as col
-from rockpulse.views.shared.table import Cell, Mark
+from rockpulse.views.shared.table import Cell, CellMark
 
 
 def shown(of, *names):
@@ -105,4 +105,4 @@ def test_peaks_out_of_all_bounds_are_marked_and_explained_once():
     assert signs(6.0, "of_vertical/full_scale of_channel/header_peak") == " (peak?) (clipped?)"
     doubtful = [Cell(name, marks=col.doubt(60.0, "")) for name in "ab"]
     assert [note[:8] for note in col.doubt_notes(doubtful)] == ["(peak?):"]
-    assert col.doubt_notes([Cell("a"), Cell("b (peak?)", marks=(Mark("outside", "?"),))]) == []
+    assert col.doubt_notes([Cell("a"), Cell("b (peak?)", marks=(CellMark("outside", "?"),))]) == []

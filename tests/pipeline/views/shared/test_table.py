@@ -2,10 +2,10 @@ import math
 
 import pytest
 
-from rockpulse.views.shared.table import Cell, Heading, Mark, Table, lines, number, text
-from rockpulse.views.shared.terminal import ratio
+from rockpulse.views.shared.formatting import ratio
+from rockpulse.views.shared.table import Cell, CellMark, Heading, Table, lines, number, text
 
-FAR, LEAST, ODD = Mark("beyond", "!"), Mark("none_up_to", ">", before=True), Mark("peak")
+FAR, LEAST, ODD = CellMark("beyond", "!"), CellMark("none_up_to", ">", before=True), CellMark("peak")
 HEADINGS = (Heading("wall", width=9), Heading("median", "m/s"), Heading("verdict"))
 
 

@@ -7,7 +7,7 @@ from results_tree import RECORDS, demanding, results_tree
 
 from rockpulse.assessment.answers import Answers
 from rockpulse.errors import Failure
-from rockpulse.storage.export.selection import Condition, Selection
+from rockpulse.storage.export.row_selection import Condition, Selection
 from rockpulse.storage.variables import failure_table
 from rockpulse.views.text import overview as overviews
 from rockpulse.views.text.left_out import left_out

@@ -6,7 +6,7 @@ import xarray as xr
 from results_tree import BLOCKS, RECORDS, results_tree
 
 from rockpulse.errors import ResultsError
-from rockpulse.storage.export.selection import SHOWN, Condition, Selection, label_positions, rows
+from rockpulse.storage.export.row_selection import SHOWN, Condition, Selection, positions_matching, rows
 from rockpulse.storage.hdf5.netcdf4 import pointwise, slab, worded
 from rockpulse.storage.variables.summary import SUMMARY
 
@@ -67,8 +67,8 @@ def test_nan_meets_no_comparison(summary):
 def test_names_are_patterns_or_exact(summary):
     labels = Selection({"record": ("CI.*",), "block": ("c*",), "model": ("nonlinear",)})
     assert lanes(summary, labels)[0] == [(0, 1, 2), (0, 2, 2), (1, 1, 2), (1, 2, 2)]
-    assert label_positions(["wall [a]", "wall a"], ["wall [a]"], "block").tolist() == [0]
-    assert label_positions(["wall [a]", "wall a"], ["wall *", "wall a"], "block").tolist() == [0, 1]
+    assert positions_matching(["wall [a]", "wall a"], ["wall [a]"], "block").tolist() == [0]
+    assert positions_matching(["wall [a]", "wall a"], ["wall *", "wall a"], "block").tolist() == [0, 1]
 
 
 def test_a_condition_on_a_text_takes_it_as_it_is_before_it_is_a_pattern(summary):

@@ -8,7 +8,7 @@ import pytest
 
 from rocking import Block, Outcome, OverturningSpectrum, recorded_response
 from rocking.body.limits import RATES
-from rocking.spectrum.lanes import (
+from rocking.spectrum.slender_lanes import (
     FIRST,
     LEAST_RESTITUTION,
     MIDDLE,

@@ -5,13 +5,22 @@ import math
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from rockpulse.views.shared.terminal import WIDTH, between, figure, lower_bound, paragraph, ratio, several, shortened
+from rockpulse.views.shared.formatting import (
+    WIDTH,
+    between,
+    lower_bound,
+    paragraph,
+    ratio,
+    several,
+    shortened,
+    three_digits,
+)
 
 
 def test_a_ratio_has_two_or_three_digits_and_what_is_absent_is_a_dash():
     values = (0.0, 9.99e-4, 0.0999, 0.1, 9.99, 10.04, -0.5, math.inf)
     assert list(map(ratio, values)) == ["0", "<0.001", "0.100", "0.10", "9.99", "10.0", "-0.50", "inf"]
-    assert ratio(math.nan) == figure(math.nan, "m/s") == between(math.nan, math.nan) == "-"
+    assert ratio(math.nan) == three_digits(math.nan, "m/s") == between(math.nan, math.nan) == "-"
 
 
 def test_intervals_and_counts_are_words():
@@ -32,7 +41,7 @@ def test_a_lower_bound_is_never_above_the_value_and_an_estimate_has_one_digit(va
 @settings(derandomize=True, deadline=None, max_examples=50)
 @given(value=st.floats(allow_nan=True, allow_infinity=True))
 def test_no_number_is_shown_as_nan(value):
-    assert "nan" not in ratio(value) + figure(value, "m")
+    assert "nan" not in ratio(value) + three_digits(value, "m")
 
 
 @settings(derandomize=True, deadline=None, max_examples=50)

@@ -36,14 +36,14 @@ def restitution(value: float) -> str:
     return numerals(f"{value:.3f}")
 
 
-def figure(value: float, unit: str = "") -> str:
+def three_digits(value: float, unit: str = "") -> str:
     """A number with three digits and its unit."""
     if math.isnan(value):
         return ABSENT
     return f"{numerals(f'{value:.3g}')} {unit}".rstrip()
 
 
-def general(value: float) -> str:
+def six_digits(value: float) -> str:
     """A number with the digits that it has, six at most."""
     return numerals(f"{value:g}")
 
@@ -53,7 +53,7 @@ def fixed(value: float, places: int = 2) -> str:
     return ABSENT if math.isnan(value) else numerals(f"{value:.{places}f}")
 
 
-def between(low: float, high: float, show: Callable[[float], str] = figure) -> str:
+def between(low: float, high: float, show: Callable[[float], str] = three_digits) -> str:
     """An interval; a dash where neither end is known."""
     if math.isnan(low) and math.isnan(high):
         return ABSENT

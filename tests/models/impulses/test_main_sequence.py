@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from rocking.body.block import Block
 from rocking.impulses.half_cycle import hop
-from rocking.impulses.main import (
+from rocking.impulses.main_sequence import (
     critical_impulse_at,
     critical_impulse_ratio,
     overturning_half_cycle,

@@ -128,7 +128,7 @@ class Selection:
         return told
 
 
-def label_positions(known: Sequence[str], patterns: Sequence[str], what: str) -> np.ndarray:
+def positions_matching(known: Sequence[str], patterns: Sequence[str], what: str) -> np.ndarray:
     """Positions of the labels that equal or match one of the patterns; all labels without patterns."""
     if not patterns:
         return np.arange(len(known))
@@ -180,7 +180,7 @@ def rows(
         if patterns and dim not in dataset.coords:
             raise ResultsError(f"this table has no {dim}, by which it could be filtered")
         if patterns:
-            among[dim] = label_positions([str(label) for label in dataset[dim].values], patterns, dim)
+            among[dim] = positions_matching([str(label) for label in dataset[dim].values], patterns, dim)
         else:
             among[dim] = np.arange(dataset.sizes[dim])
     mask = xr.DataArray(np.ones([among[dim].size for dim in every], dtype=bool), dims=every)
