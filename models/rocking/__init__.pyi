@@ -37,8 +37,8 @@ from .spectrum.half_waves import HalfWaveDemand as HalfWaveDemand
 from .spectrum.half_waves import demand_of_half_waves as demand_of_half_waves
 from .spectrum.half_waves import impulse_lobes as impulse_lobes
 from .spectrum.half_waves import lobe_shapes as lobe_shapes
-from .spectrum.slender_lanes import SpectrumLanes as SpectrumLanes
-from .spectrum.slender_lanes import spectrum_lanes as spectrum_lanes
 from .spectrum.overturning import OverturningFactors as OverturningFactors
 from .spectrum.overturning import OverturningSpectrum as OverturningSpectrum
 from .spectrum.probability import Uncertainty as Uncertainty
+from .spectrum.slender_lanes import SpectrumLanes as SpectrumLanes
+from .spectrum.slender_lanes import spectrum_lanes as spectrum_lanes
