@@ -30,7 +30,7 @@ def compiled():
 def plain():
     run = subprocess.run(
         [sys.executable, reduced_set.__file__],
-        env={**os.environ, "NUMBA_DISABLE_JIT": "1"},
+        env={**os.environ, "NUMBA_DISABLE_JIT": "1", "PYTHONPATH": os.pathsep.join(sys.path)},
         cwd=Path(__file__).parent,
         capture_output=True,
         text=True,
