@@ -4,14 +4,13 @@ Read from the source text. A name that is a word of something else there too is 
 """
 
 import ast
+from functools import cache
 
 import pytest
 from test_architecture import SOURCES, TOPS, dotted, parsed
 
 from rockpulse.model_table import MODELS
 from rockpulse.record.measures import MEASURES, ROWS
-
-PIPELINE = {dotted(path): parsed(path) for path in SOURCES if path.is_relative_to(TOPS[1])}
 
 #: Words that are names of models in their own table, and of something else in these modules.
 NO_MODEL = {
@@ -51,6 +50,12 @@ NO_MODEL = {
 HOMONYMS = {"impulse", "impulse_ratio"}
 
 
+@cache
+def pipeline():
+    """The syntax trees of the modules of rockpulse by their dotted names."""
+    return {dotted(path): parsed(path) for path in SOURCES if path.is_relative_to(TOPS[1])}
+
+
 def literals(tree, deciding=False):
     """The texts of a module; with ``deciding`` only the sides of comparisons, by which something is decided.
 
@@ -72,7 +77,7 @@ def literals(tree, deciding=False):
     ]
 
 
-def strays(names, home, allowed, modules=PIPELINE, deciding=(), foreign=()):
+def strays(names, home, allowed, modules=None, deciding=(), foreign=()):
     """Where names of the rows of a table stand as literals outside of it, and allowances that nothing needs any more.
 
     Parameters
@@ -80,11 +85,12 @@ def strays(names, home, allowed, modules=PIPELINE, deciding=(), foreign=()):
     names : the names of the rows.
     home : module of the table.
     allowed : reason why a name stands in another module, with the (module, name) that it holds for.
-    modules : syntax tree of every module, by its dotted name.
+    modules : syntax tree of every module, by its dotted name; those of rockpulse by default.
     deciding : beginnings of modules that may read a stored variable by such a name, but decide nothing by it.
     foreign : beginnings of modules that have words of their own.
     """
     excused = set().union(*allowed.values())
+    modules = pipeline() if modules is None else modules
     places = {
         (module, node.value): node.lineno
         for module, tree in modules.items()
