@@ -10,6 +10,8 @@ from functools import cache
 from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
+import pytest
+
 ROOT = Path(__file__).parents[1]
 TOPS = [ROOT / "models", ROOT / "pipeline"]
 SOURCES = [path for top in TOPS for path in sorted(top.rglob("*.py"))]
@@ -136,6 +138,7 @@ def graph_of_all():
     return module_graph({dotted(path): parsed(path) for path in SOURCES})
 
 
+@pytest.mark.sweep
 def test_no_import_is_relative():
     assert [f"{where}: {name}" for where, _, name in imports(SOURCES) if name.startswith(".")] == []
 
@@ -205,6 +208,7 @@ def test_no_file_grows_beyond_four_hundred_lines():
     assert {name: length for name, length in lengths.items() if length > 400} == {}
 
 
+@pytest.mark.sweep
 def test_no_error_is_caught_bare_or_passed_over():
     offenders = []
     for path in SOURCES:
@@ -216,6 +220,7 @@ def test_no_error_is_caught_bare_or_passed_over():
     assert offenders == []
 
 
+@pytest.mark.sweep
 def test_texts_reach_the_terminal_by_one_way():
     """The one that shows control characters as escapes; the command line itself finds out there who still reads."""
     offenders = [

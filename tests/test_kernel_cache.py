@@ -6,6 +6,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
 from kernel_cache import TOP, kernel_cache
 
 import rocking
@@ -29,6 +30,7 @@ def test_a_changed_kernel_has_another_folder(tmp_path):
     assert len(seen) == 3
 
 
+@pytest.mark.sweep
 def test_make_and_the_tests_use_the_folder_of_the_kernels_as_they_are(tmp_path):
     for name in ("Makefile", "tests/kernel_cache.py", "models/rocking/lanes.py"):
         (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)

@@ -47,10 +47,12 @@ def none_of(steps):
     return "import sys\n" + "\n".join(f"{step}\n{check}\nassert not heavy, ({step!r}, heavy)" for step in steps)
 
 
+@pytest.mark.sweep
 def test_the_help_does_not_load_numpy():
     assert "numpy" not in loaded(command("--help"), of=("numpy",))
 
 
+@pytest.mark.sweep
 def test_no_reader_loads_anything_heavy():
     paths = [path.relative_to(READERS.parent) for path in sorted(READERS.rglob("*.py")) if path.stem != "__init__"]
     names = [f"rockpulse.{'.'.join(path.with_suffix('').parts)}" for path in paths]
@@ -63,6 +65,7 @@ def test_small_verbs_the_faces_and_the_configuration_load_nothing_heavy():
     assert loaded(none_of([*(command(*one) for one in SMALL), *(f"import {name}" for name in faces)])) == []
 
 
+@pytest.mark.sweep
 def test_looking_at_results_loads_no_solver(golden):
     path = str(golden.results)
     commands = (["inspect", path, "--worst", "3"], ["diff", path, path])
@@ -70,6 +73,7 @@ def test_looking_at_results_loads_no_solver(golden):
     assert not set(loaded(script)) & {"numba", "scipy.signal", "obspy", "matplotlib"}
 
 
+@pytest.mark.sweep
 def test_the_measurement_sees_what_is_loaded():
     assert loaded("import colorsys", of=("colorsys", "h5py")) == ["colorsys"]
     with pytest.raises(subprocess.CalledProcessError) as stopped:

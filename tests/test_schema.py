@@ -83,6 +83,7 @@ def test_every_variable_is_taken_from_a_record_or_from_the_bodies():
             assert variable.take is not None or f"{group}/{name}" == EVENT, name
 
 
+@pytest.mark.sweep
 def test_every_attribute_of_the_root_is_named(golden):
     text = SCHEMA.split("## /half_cycles")[0] + SCHEMA.split("## Versions, checksums")[1]
     for name in rp.load(golden.results).attrs:
@@ -91,6 +92,7 @@ def test_every_attribute_of_the_root_is_named(golden):
         )
 
 
+@pytest.mark.sweep
 def test_the_examples_run(tmp_path, monkeypatch):
     tree = assessed(blocks=(replace(WALL, restitution=0.95), CHEST))
     rp.save(tree, tmp_path / "results.h5")

@@ -102,10 +102,12 @@ def strays(names, home, allowed, modules=None, deciding=(), foreign=()):
     return found + [f"{module}: {name!r} is allowed and not there" for module, name in sorted(excused - places.keys())]
 
 
+@pytest.mark.sweep
 def test_names_of_models_stand_in_their_table_alone():
     assert strays({*MODELS}, "rockpulse.model_table", NO_MODEL) == []
 
 
+@pytest.mark.sweep
 def test_names_of_measures_stand_in_their_table_alone():
     """The views read the variables that they have columns for by their names; below them nothing does."""
     names, views, readers = {*MEASURES, *ROWS} - HOMONYMS, ["rockpulse.views"], ["rockpulse.readers"]

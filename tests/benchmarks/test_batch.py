@@ -34,7 +34,7 @@ def test_blocks_are_as_slender_as_said(batch):
     assert batch.configuration(2, everything=True).search.intervals
 
 
-@pytest.mark.sweep
+@pytest.mark.slow
 @pytest.mark.skipif(not Path("/proc/self/status").is_file(), reason="the memory of a process is asked of Linux")
 def test_a_run_tells_its_steps_and_the_memory_of_the_parent(batch, files, tmp_path, capsys):
     config = batch.configuration(2)

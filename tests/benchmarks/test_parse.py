@@ -7,7 +7,7 @@ import pytest
 
 from rockpulse.readers import read
 
-pytestmark = pytest.mark.sweep
+pytestmark = pytest.mark.slow
 
 
 @pytest.fixture(scope="module")

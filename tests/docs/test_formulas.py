@@ -178,6 +178,7 @@ def test_free_decay():
         assert peak == pytest.approx(1.0 - math.sqrt(1.0 - energy), abs=1e-5)
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("ratio", [2.0, 3.0])
 @pytest.mark.parametrize("halves", [1, 2])
 def test_sine_pulses_that_overturn_without_an_impact(ratio, halves):
@@ -219,6 +220,7 @@ def test_gain_of_the_filters(order):
             assert np.max(np.abs(filtered)) == pytest.approx(1.0 / (1.0 + ratio ** (2 * order)), rel=2e-3, abs=1e-4)
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("height", [2.4])
 def test_sequence_of_the_rule(ridgecrest, height):
     """theory/calibration: D, I = D I_1c/[(1 - sigma) S_N + sigma/2], peak 1 - sqrt(1 - D^2), safety factor 1/D."""

@@ -86,6 +86,7 @@ def options_of_the_template():
     return keys
 
 
+@pytest.mark.sweep
 def test_every_option_is_spoken_of():
     """The template says what each option is; the pages say what it does."""
     text = "".join(page.read_text(encoding="utf-8") for page in PAGES)

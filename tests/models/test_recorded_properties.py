@@ -101,6 +101,7 @@ def test_constant_vertical_acceleration_is_another_gravity(lift):  # VALIDATION 
     assert lifted.rotation[part] == pytest.approx(heavier.rotation[part], abs=1e-10, nan_ok=True)
 
 
+@pytest.mark.sweep
 @settings(derandomize=True, deadline=None, max_examples=40)
 @given(
     share=st.floats(0.01, 0.98),

@@ -127,6 +127,7 @@ def test_overturned_is_a_bool_for_one_lane_and_an_array_for_several():
     assert EVERY.overturned.dtype == bool
 
 
+@pytest.mark.sweep
 def test_names_of_outcomes_are_those_that_results_store():
     from rockpulse.storage.variables.summary import SUMMARY
 

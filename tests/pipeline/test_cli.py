@@ -76,6 +76,7 @@ def test_what_stands_behind_two_dashes_is_no_option(capsys):
     assert "did you mean" not in capsys.readouterr().err
 
 
+@pytest.mark.sweep
 def test_the_help_of_every_verb_fits_the_terminal_and_shows_its_examples(capsys, monkeypatch):
     monkeypatch.setenv("COLUMNS", "80")
     for verb in VERBS:
@@ -105,6 +106,7 @@ def test_a_reader_that_leaves_early_is_no_error():
     assert done.returncode == 0
 
 
+@pytest.mark.sweep
 def test_standard_output_that_is_closed_does_not_stop_the_command(tmp_path):
     new = tmp_path / "new.toml"
     command = [sys.executable, "-m", "rockpulse", "init-config", "-o", str(new)]
@@ -133,6 +135,7 @@ def test_a_report_and_an_overview_are_made_where_standard_output_is_closed(tmp_p
     assert page.read_text(encoding="utf-8").rstrip().endswith("</html>")
 
 
+@pytest.mark.sweep
 @pytest.mark.skipif(not os.path.exists("/dev/full"), reason="this system has no device that is always full")  # noqa: PTH110
 def test_standard_output_that_is_full_is_a_message():
     with open("/dev/full", "w") as full:  # noqa: PTH123
@@ -152,6 +155,7 @@ def test_a_log_that_is_full_is_told_before_the_work_begins(samples, tmp_path, ca
     assert not (tmp_path / "new.h5").exists()
 
 
+@pytest.mark.sweep
 def test_letters_that_the_terminal_lacks_do_not_stop_the_command(tmp_path):
     environment = {**os.environ, "PYTHONIOENCODING": "ascii", "PYTHONUTF8": "0"}
     target = tmp_path / "città.toml"

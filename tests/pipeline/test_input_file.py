@@ -55,6 +55,7 @@ def nested(depth):
     return "a = " + "[" * depth + "]" * depth
 
 
+@pytest.mark.sweep
 def test_toml_is_read_up_to_a_depth():
     # The table is the first level and each array a further one; the innermost may be empty.
     parse_toml(nested(DEEPEST - 1), "x")

@@ -45,6 +45,7 @@ def scene(motion=MOTION, **options):
     return scene_of_record(Record(motion, 0.01, id="one", processed=True), Config(**options))
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("name", MODELS)
 def test_every_model_answers_and_is_searched(name):
     one, model = scene(), MODELS[name]
@@ -113,6 +114,7 @@ def test_models_are_told_apart_without_their_colour():
     assert len(lines) == len({look(name) for name in MODELS}) == len(MODELS)
 
 
+@pytest.mark.sweep
 def test_each_model_is_searched_with_its_own_input():
     one = scene(search=SearchSettings(factor_max=5.0, points=40, step=1.02))
     record, waves = one.record, one.waves
@@ -130,6 +132,7 @@ def test_each_model_is_searched_with_its_own_input():
         assert np.any(np.isfinite(scales.safety_factor)), model
 
 
+@pytest.mark.sweep
 def test_models_that_are_not_searched_have_no_factor():
     record, asked = Record(MOTION, 0.01, id="one", processed=True), SearchSettings(models=("linear", "sequence"))
     for intervals, searched in ((False, {"sequence"}), (True, {"linear", "sequence"})):

@@ -97,6 +97,7 @@ def test_resonance_builds_up_to_half_the_inverse_of_damping():
     assert found.amplification == pytest.approx(np.hypot(1.0, 2 * 0.05) / (2 * 0.05), rel=5e-3)
 
 
+@pytest.mark.sweep
 def test_modes_act_in_parallel_as_integrated():
     rng = np.random.default_rng(1)
     ground, dt = np.append(0.0, rng.normal(size=39)), 0.02

@@ -180,6 +180,7 @@ def test_half_cycle_of_v8(count, spacing, duration, speed):
         assert impact_speed_after(0.6, 0.26315, found, count, spacing) == pytest.approx(speed, abs=5e-9)
 
 
+@pytest.mark.sweep
 @PROPERTY
 @given(st.floats(1e-3, 1.6), st.floats(0.0, 1.0), st.integers(1, 10), st.sampled_from(CASES))
 def test_duration_is_the_smallest_root_and_the_speed_that_of_the_march(main, ratio, half_count, spacing):

@@ -25,6 +25,7 @@ def train(seed, count=12, length=6.0, strength=0.2):
     return np.sort(rng.uniform(0.0, length, count)), strength * rng.normal(size=count)
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("gain", sorted(GAINS))
 @pytest.mark.parametrize("restitution", [0.0, 1e-3, 0.5, 0.9])
 def test_lanes_agree_with_the_plain_march(restitution, gain):

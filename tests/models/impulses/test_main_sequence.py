@@ -161,6 +161,7 @@ def test_long_resonance_is_counted_and_not_followed():
     assert response.peak_rotation_ratio == pytest.approx(hop(0.75)[0], rel=1e-12)
 
 
+@pytest.mark.sweep
 def test_more_half_cycles_than_can_be_added_up_are_unresolved():
     body = block(2.0, 1.0)
     response = resonance(body, 1e-9 * body.critical_impulse, 10**8, table_rows=0)
@@ -214,6 +215,7 @@ def test_safety_factor_is_the_smallest_that_overturns_in_a_scan(restitution, hal
     assert outcome[-1] == Outcome.OVERTURNS
 
 
+@pytest.mark.sweep
 @PROPERTY
 @given(st.floats(0.0, 1.0), st.floats(0.05, 40.0))
 def test_safety_factor_with_a_duration_overturns_at_and_not_below(restitution, duration):

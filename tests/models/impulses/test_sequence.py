@@ -52,6 +52,7 @@ def test_secondary_impulses_calm_the_motion_and_restitution_and_main_impulse_sti
     assert np.all(peaks[0.5, 0.4] > peaks[0.5, 0.3])
 
 
+@pytest.mark.sweep
 @PROPERTY
 @given(st.floats(0.01, 1.2), st.sampled_from([0.0, 0.3, 0.6, 0.9, 0.97]), st.sampled_from(sorted(SPACINGS)))
 def test_without_secondary_impulses_it_is_resonance(main, restitution, spacing):
@@ -68,6 +69,7 @@ def test_without_secondary_impulses_it_is_resonance(main, restitution, spacing):
         assert found.peak_rotation_ratio == np.inf
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("restitution", [0.6, 0.9, "housner"])
 @pytest.mark.parametrize("ratio", [0.0, 0.1, 0.3, 0.5, 0.65])
 @pytest.mark.parametrize("spacing", sorted(SPACINGS))

@@ -125,6 +125,7 @@ def test_uplift_is_where_the_motion_begins():
         assert recorded_response(body, motion, 0.01, scale=lifting * (1.0 + 1e-9)).outcome == Outcome.ROCKS
 
 
+@pytest.mark.sweep
 def test_capacities_and_probabilities_are_those_of_single_runs():
     motion = synthetic(seed=11, peak=2.0)
     bodies = Block.stack(
@@ -147,6 +148,7 @@ def test_capacities_and_probabilities_are_those_of_single_runs():
     assert np.all((near > 0.6) & (near < 1.6))
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("side", [1, -1])
 def test_the_spectrum_before_a_wall_meets_marches_of_its_own(side):
     motion = synthetic(seed=13, n=1200, peak=2.0)

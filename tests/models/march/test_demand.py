@@ -24,6 +24,7 @@ def test_a_rectangular_pulse_has_the_demand_of_validation_f6():
         assert ground_demand(block, ground, 0.001).largest[0] == pytest.approx(1.0, abs=1e-3)
 
 
+@pytest.mark.sweep
 @settings(derandomize=True, deadline=None, max_examples=25)
 @given(factor=st.floats(0.01, 100.0), seed=st.integers(0, 50))
 def test_demand_grows_with_the_record_and_does_not_know_its_sign(factor, seed):

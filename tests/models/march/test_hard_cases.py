@@ -180,6 +180,7 @@ def test_chatter_to_rest_and_uplift_again(equation, restitution):
     assert both.impacts > alone.impacts
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize(("equation", "restitution"), [("linear", 0.7), ("nonlinear", 0.3)])
 def test_chatter_to_rest_and_uplift_again_inside_one_sample(equation, restitution):
     block = block_of(1.0, 5.0, restitution)
@@ -203,6 +204,7 @@ def test_block_of_5_cm_under_a_motion_of_50_hz(equation):
     assert_right(block, sines(8.0, 50.0, 2.0, 0.001, rest=0.01), 0.001, equation)
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("equation", EQUATIONS)
 def test_block_of_100_m(equation):
     block = Block(half_width=10.0, half_height=50.0)

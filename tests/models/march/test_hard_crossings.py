@@ -82,6 +82,7 @@ def crossings(equation, rotation):
     return len(precise.sign_changes(c, length))
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("share", [0.5, 0.999])
 @pytest.mark.parametrize("equation", EQUATIONS)
 def test_path_that_dips_through_the_ground_between_two_samples_has_an_impact(equation, share):

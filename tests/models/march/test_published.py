@@ -55,6 +55,7 @@ def after_impact(frequency, restitution):
     return brentq(spare, grid[enough[0]], grid[enough[0] - 1]) if enough.size and enough[0] else None
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("frequency", [2.0, 4.0, 6.0])
 def test_one_sine_has_two_modes_with_a_safe_region_between(frequency):
     """Zhang & Makris (2001): with an impact, and without one from a larger amplitude; between them the block stands."""
@@ -68,6 +69,7 @@ def test_one_sine_has_two_modes_with_a_safe_region_between(frequency):
         assert upper[0] == pytest.approx(after_impact(frequency, restitution), rel=4e-4)
 
 
+@pytest.mark.sweep
 def test_the_shape_of_the_safe_region_depends_on_the_restitution():
     """Zhang & Makris (2001). It widens as C falls, until no amplitude overturns with an impact; its top stays."""
     regions = {ratio: one_sine(4.0, ratio) for ratio in (0.95, 0.9, 0.85, 0.8)}

@@ -21,6 +21,7 @@ def spiky(seed, n):
     return np.where(rng.random(n) < 0.02, rng.uniform(-3.0, 3.0, n), rng.uniform(-0.1, 0.1, n))
 
 
+@pytest.mark.sweep
 @given(st.integers(0, 10_000), st.integers(2, 200), st.floats(0.05, 3.5))
 @settings(derandomize=True, deadline=None, max_examples=60)
 def test_next_exceedance_is_that_of_a_plain_search(seed, n, threshold):

@@ -47,6 +47,7 @@ def polynomial(f, j):
     return c
 
 
+@pytest.mark.sweep
 def test_quick_answers_are_those_of_the_careful_search():
     found = {NOTHING: 0, IMPACT: 0, LOOK_CLOSER: 0}
     for seed in range(60):

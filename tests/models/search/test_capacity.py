@@ -91,6 +91,7 @@ def double_impulse(block, interval, samples):
     return 0.5 * critical_scale(block, record, dt, factor_max=1.6, points=1000).safety_factor[0]
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize(("block", "velocity", "timing"), [(A, 0.698343, 0.611518), (B, 0.461962, 0.823083)])
 def test_double_impulse_at_its_best_timing(block, velocity, timing):  # V4 (P), nonlinear, Housner's C
     errors = [double_impulse(block, timing * (1.0 + 1.0 / n), n) / velocity - 1.0 for n in (200, 400)]
@@ -111,6 +112,7 @@ def check_against_the_fine_scan(found, cases):
     return counts, late
 
 
+@pytest.mark.sweep
 def test_every_wide_interval_of_the_fine_scan_is_found():
     check_against_the_fine_scan([one for seed in range(3) for one in fine_scan.comparisons(seed, 2)], 6)
 
@@ -125,6 +127,7 @@ def test_every_wide_interval_of_the_fine_scan_is_found_in_200_cases(equation):
     assert np.mean(late > 1.05) < 0.08
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("equation", ["nonlinear", "linear"])
 def test_edges_are_edges_of_the_full_equation(equation):
     some, record = blocks(12), 3.0 * motion(1)
@@ -144,6 +147,7 @@ def test_edges_are_edges_of_the_full_equation(equation):
     assert not overturns(found.safe_up_to[found.lane])[first].any()
 
 
+@pytest.mark.sweep
 def test_a_level_is_reached_at_its_factor_and_no_later_than_overturning():
     some, record = blocks(5), 3.0 * motion(2, 8.0)
     overturning = critical_scale(some, record, DT)
@@ -203,6 +207,7 @@ def test_a_record_of_zeros_lifts_nothing():
     assert np.all(found.safe_up_to == 10.0)
 
 
+@pytest.mark.sweep
 def test_a_vertical_acceleration_upwards_is_gravity():  # V21: constant a_v, scaled with the record
     some, record = blocks(5), 3.0 * motion(5)
     heavier = critical_scale(some, record, DT, vertical=np.full(record.size, 2.0))
@@ -231,6 +236,7 @@ def test_free_flight_is_not_called_safe():
     assert np.array_equal(found.factor_resolved, ~at_flight)
 
 
+@pytest.mark.sweep
 def test_factors_do_not_depend_on_threads_or_companions():
     some, record = blocks(4), 3.0 * motion(7, 6.0)
     together = critical_scale(some, record, DT, threads=2)
@@ -280,6 +286,7 @@ def test_a_factor_of_each_block_is_a_factor_on_its_impulses():
             impulsive_response(some, times, impulses, block_scale=wrong)
 
 
+@pytest.mark.sweep
 def test_one_impulse_and_main_impulses_at_the_impacts_have_their_closed_forms():
     block = Block(0.5, 1.936492, restitution=0.9, gravity=G)
     alone = impulsive_critical_scale(block, [1.0], [0.25 * block.critical_impulse])

@@ -61,6 +61,7 @@ def ends(name, values):
     return {name: values[0], f"{name}_low": low, f"{name}_high": high}
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("still_open", [False, True])
 def test_the_factors_of_a_body_are_those_of_its_lanes_added_one_by_one(still_open):
     lanes = mixed_lanes(still_open)
@@ -246,6 +247,7 @@ def test_the_draws_of_a_seed_are_the_same_and_those_of_another_one_are_not():
     assert other.factor_50[0] == pytest.approx(first.factor_50[0], rel=0.1)
 
 
+@pytest.mark.sweep
 def test_a_body_has_the_same_answer_alone_among_others_and_on_any_threads():
     blocks = Block([0.3, 0.1, 0.9], [1.2, 1.5, 1.5])
     together = overturning_probability(blocks, TRAIN, DT, factor_max=30.0, threads=2)

@@ -216,6 +216,7 @@ def test_a_march_through_one_wave_overturns_at_its_lobe():
     assert found.march_10 == pytest.approx(np.exp(tenth) * largest, rel=0.03)
 
 
+@pytest.mark.sweep
 def test_between_the_marches_the_answer_is_that_of_the_body_itself():
     waves, _ = even_triangles(11, count=12)
     block = Block.from_parameters(p=[0.4, 1.3, 2.9, 9.0], alpha=0.1, restitution=0.93)
@@ -227,6 +228,7 @@ def test_between_the_marches_the_answer_is_that_of_the_body_itself():
     assert np.all(found.march_10 > found.march)
 
 
+@pytest.mark.sweep
 def test_every_restitution_has_a_march():
     waves, _ = even_triangles(7, count=12)
     restitution = np.array([0.0, 0.03, 0.1, 0.3, 0.5, 0.7, 0.75, 0.9, 1.0])
@@ -236,6 +238,7 @@ def test_every_restitution_has_a_march():
     assert np.all(march[1:] > 0.9 * march[:-1])  # more with C, but for the scatter of the lanes
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize(("factor", "later", "seed"), [(0.013, -50.0, 3), (87.0, 7.3, 8)])
 def test_demand_grows_with_the_record_and_knows_neither_its_sign_nor_its_clock(factor, later, seed):
     (start, centroid, end, impulse), _ = even_triangles(seed, count=12)
@@ -248,6 +251,7 @@ def test_demand_grows_with_the_record_and_knows_neither_its_sign_nor_its_clock(f
     assert other.ratio == pytest.approx(one.ratio, rel=1e-6)
 
 
+@pytest.mark.sweep
 def test_a_block_alone_gets_the_answer_it_has_among_others_on_any_number_of_threads():
     waves, _ = even_triangles(5, count=8)
     many = demand_of_half_waves(BLOCK, *waves, threads=2)

@@ -212,6 +212,7 @@ def interpolated(spectrum, p, least, most):
     return (1.0 - share) * low[0] + share * high[0], np.sqrt((1.0 - share) ** 2 * low[1] + share**2 * high[1])
 
 
+@pytest.mark.sweep
 def test_the_factors_of_a_block_are_those_of_its_lanes_added_one_by_one(by_hand):
     found, own = by_hand.factors(BLOCKS), by_hand.factors(BLOCKS, least=np.full(6, 0.77), most=np.full(6, 0.9))
     levels = np.log(by_hand.level)

@@ -147,6 +147,7 @@ def known_verdicts(log_x, restitution):
     return np.where((along > 0.9) | ((along > 0.5) & (along < 0.6)), np.inf, 0.3)
 
 
+@pytest.mark.sweep
 def test_lanes_are_placed_and_weighed_as_their_notes_tell():
     """Against the same, lane by lane: a lattice of golden ratio, its second part where the verdicts nearby differ."""
     found = _filled(np.array([1.0, 2.0]), LOW, HIGH, known_verdicts, BETWEEN)

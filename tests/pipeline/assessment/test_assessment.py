@@ -141,6 +141,7 @@ def test_models_left_out_of_the_search_have_no_factor_and_records_are_left_out_w
     assert "demand" not in tree["summary"].dims
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("restitution", ["housner", (0.8, 0.9)])
 def test_capacity_is_compared_with_every_demand(restitution):
     demands = (DemandSettings(name="damage", acceleration=1.0), DemandSettings("collapse", 2.5, "475 years"))
@@ -213,6 +214,7 @@ def test_restitution_list_adds_a_dimension():
         )
 
 
+@pytest.mark.sweep
 def test_vertical_acceleration_serves_the_nonlinear_model_where_asked_for():
     horizontal = record("one", 0, 2.5, station="S", orientation="horizontal")
     up = record("one-up", 3, 3.0, station="S", orientation="vertical")
@@ -259,6 +261,7 @@ def test_every_estimator_gives_an_assessment_with_safety_factors():
         assert np.all(tree["summary"]["safety_factor"] > 0.0), options
 
 
+@pytest.mark.sweep
 def test_a_body_with_its_own_radius_answers_as_without_and_keeps_it():
     own = BlockSettings(name="own", p=2.385, alpha=0.2445, radius=1.136, restitution=[0.87, 0.92])
     without = BlockSettings(name="without", p=2.385, alpha=0.2445, restitution=[0.87, 0.92])
@@ -273,6 +276,7 @@ def test_a_body_with_its_own_radius_answers_as_without_and_keeps_it():
     assert block_of(summary, "without", 2).radius == pytest.approx(1.2930, abs=1e-4)
 
 
+@pytest.mark.sweep
 def test_body_beyond_the_reach_of_the_sequence_leaves_the_others_their_answers():
     island = BlockSettings(name="island", width=1e9, height=1e10, confirm_size=True)
     summary = assess([record("one")], Config(blocks=(WALL, island)))["summary"].sel(record="one")
@@ -283,6 +287,7 @@ def test_body_beyond_the_reach_of_the_sequence_leaves_the_others_their_answers()
     assert np.all(summary["outcome"].sel(block="wall") != Outcome.UNRESOLVED)
 
 
+@pytest.mark.sweep
 def test_numbers_that_a_model_refuses_are_a_failed_row_and_the_others_go_on():
     confirmed = RecordSettings(confirm=("strong",))
     config = Config(blocks=(WALL,), sequence=SequenceSettings(spacing="end"), records=confirmed)

@@ -104,6 +104,7 @@ def test_a_sequence_without_limits_is_told_as_such():
     assert summary["sequence_duration"].values.tolist() == [np.inf]
 
 
+@pytest.mark.sweep
 def test_under_a_design_spectrum_every_body_has_its_own_sequence():
     design = design_of(usual_site())
     bodies = {name: SPECTRUM_BLOCKS[name] for name in ("wall", "pier")}

@@ -36,6 +36,7 @@ def config(*blocks, **options):
     return rp.Config(blocks=blocks, models=asked, search=rp.SearchSettings(intervals=True, points=16), **options)
 
 
+@pytest.mark.sweep
 def test_a_body_aloft_is_shaken_by_its_floor_and_the_others_by_the_ground():
     blocks = body("ground"), body("aloft", floors=(FLOOR,)), body("below", friction=0.2)
     tree = rp.assess([RECORD], config(*blocks))
@@ -59,6 +60,7 @@ def test_a_body_aloft_is_shaken_by_its_floor_and_the_others_by_the_ground():
     assert np.max(known) <= history.peak + 1e-12
 
 
+@pytest.mark.sweep
 def test_histories_aloft_are_at_the_times_of_the_ground_however_long_the_floor_swings():
     """A floor of little damping swings for many times the length of the record."""
     floor = rp.FloorSettings(period=0.5, participation=1.3, damping=0.01)
@@ -160,6 +162,7 @@ def test_the_spectrum_of_the_results_is_that_of_the_ground():
             assert np.array_equal(spectrum.probability(np.array([0.9])), alone.probability(np.array([0.9])))
 
 
+@pytest.mark.sweep
 def test_aloft_the_strength_of_the_ground_is_brought_to_a_demand():
     demand = rp.DemandSettings(name="ULS", value=3.0)
     tree = rp.assess([RECORD], replace(config(body("ground"), body("aloft", floors=(FLOOR,))), demands=(demand,)))
@@ -259,6 +262,7 @@ def test_a_direction_of_its_own_is_the_same_in_every_direction_of_a_sweep():
     assert len(set(peaks.sel(block="others").values.tolist())) == 2
 
 
+@pytest.mark.sweep
 def test_a_turned_body_on_a_floor_is_shaken_by_the_floor_in_its_direction():
     tree = turned(body("one", azimuth=30.0, floors=(FLOOR,)), components="azimuth", azimuth=75.0)
     same = turned(body("one", floors=(FLOOR,)), components="azimuth", azimuth=30.0)
@@ -309,6 +313,7 @@ def test_fragility_of_each_body_is_that_of_its_place():
     assert reached[0] != reached[1]
 
 
+@pytest.mark.sweep
 def test_a_body_on_a_pedestal_is_assessed_alone_and_as_one_with_it():
     part = rp.PedestalSettings(width=0.5, height=1.0, mass=500.0)
     statue = body("statue", mass=900.0, friction=0.01, pedestals=(part,))

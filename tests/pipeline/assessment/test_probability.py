@@ -55,6 +55,7 @@ def found():
     return told(record("one"), configured(WALL, PIER, CHEST))
 
 
+@pytest.mark.sweep
 def test_slender_bodies_have_what_the_spectrum_of_the_record_tells(found):
     expected = direct(Block(half_width=np.array([0.2, 0.45]), half_height=np.array([1.5, 2.5])))
     assert found["probability_source"].tolist() == [SPECTRUM, SPECTRUM, OWN]
@@ -186,6 +187,7 @@ def test_factors_that_are_searched_wait_for_the_key():
     assert_allclose(plain["summary"]["interval_count"].values[0, 0, 3], -1)
 
 
+@pytest.mark.sweep
 def test_at_a_demand_the_probability_is_that_of_the_spectrum_at_its_factor():
     found = told(record("one"), configured(WALL, demands=(rp.DemandSettings(name="ULS", acceleration=4.0),)))
     factor = found["demand_factor"]
@@ -204,6 +206,7 @@ def test_a_demand_from_which_the_record_is_far_has_no_probability():
     assert np.isfinite(found["demand_probability"]).tolist() == [[False, True, True, False]] * 2
 
 
+@pytest.mark.sweep
 def test_the_variables_of_the_spectrum_lie_at_its_frequency_parameters_and_are_nan_elsewhere():
     config = configured(WALL)
     one = assess_scene(scene_of_record(record("one"), config), gather_bodies(config.blocks), config)

@@ -101,6 +101,7 @@ def test_results_are_told_in_a_line_and_drawn(tree):
     assert "boundary wall" in card
 
 
+@pytest.mark.sweep
 def test_many_bodies_are_drawn_in_part():
     many = rp.assess(WEAK, blocks={f"<b>{number}": (1.0, 4.0 + 0.01 * number) for number in range(30)})
     card = many.rockpulse._repr_html_()
@@ -134,6 +135,7 @@ def test_opened_results_are_those_that_are_loaded(path):
     assert kept.values.tolist() == loaded["summary"]["pga"].values.tolist()
 
 
+@pytest.mark.sweep
 def test_opened_results_are_read_when_they_are_asked_for(path):
     with rp.open_results(path) as tree:
         pga = tree["summary"]["pga"]

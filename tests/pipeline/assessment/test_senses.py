@@ -36,6 +36,7 @@ def config(*blocks, **uncertainty):
     )
 
 
+@pytest.mark.sweep
 def test_the_worse_sense_counts_and_a_known_one_decides():
     answers = {}
     for facing, azimuth in ((None, None), (90.0, 90.0), (90.0, 270.0)):
@@ -59,6 +60,7 @@ def test_the_worse_sense_counts_and_a_known_one_decides():
     assert float(turned["overturning_probability"]) == pytest.approx(float(nonlinear[90.0]["overturning_probability"]))
 
 
+@pytest.mark.sweep
 def test_each_model_answers_for_what_it_knows():
     held = rp.TieSettings(height=4.0, stiffness=1e6)
     blocks = (
@@ -82,6 +84,7 @@ def test_each_model_answers_for_what_it_knows():
     assert np.isfinite(summary["overturning_probability"].values).all()
 
 
+@pytest.mark.sweep
 def test_what_is_stored_makes_the_same_body_again(tmp_path):
     ties = (rp.TieSettings(height=4.0, stiffness=1e5),)
     corners = rp.BlockSettings(name="corners", b_1=0.2, b_2=0.3, centre=1.0, gyration=0.6)

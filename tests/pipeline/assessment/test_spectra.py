@@ -132,6 +132,7 @@ def test_an_unknown_method_is_refused():
         overturning_spectrum(RECORD, P, C, method="linear")
 
 
+@pytest.mark.sweep
 def test_by_the_rule_a_record_twice_as_strong_has_twice_the_spectrum():
     once, twice = (
         overturning_spectrum(rp.Record(f * RECORD.acceleration, dt=0.01, id="r", processed=True), P, C, method="rule")

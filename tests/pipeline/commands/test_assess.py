@@ -76,6 +76,7 @@ def test_the_results_hold_the_configuration_that_was_resolved(tree, tmp_path):
     assert [name.rpartition("/")[2] for name in config.records.paths] == ["strong.AT2", "weak.AT2"]
 
 
+@pytest.mark.sweep
 def test_a_folder_with_a_broken_record_is_exit_code_one_and_the_others_are_assessed(folder, quick, tmp_path, capsys):
     target = tmp_path / "results.h5"
     assert assess(folder, "-o", target, "--config", quick) == 1
@@ -106,6 +107,7 @@ def test_not_one_record_is_exit_code_one_and_writes_nothing(folder, tmp_path, ca
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.sweep
 def test_columns_are_read_once_the_unit_is_named(quick, tmp_path, capsys):
     path = tmp_path / "columns.csv"
     np.savetxt(

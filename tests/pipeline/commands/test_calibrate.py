@@ -129,6 +129,7 @@ def test_a_sequence_and_records_together_are_refused(done, config, tmp_path, cap
     assert "--sequence takes the place of the records" in capsys.readouterr().err
 
 
+@pytest.mark.sweep
 def test_files_of_another_kind_are_refused(assessed, motions, config, tmp_path, capsys):
     results, text = assessed[0], tmp_path / "notes.txt"
     text.write_text("no site")
@@ -189,6 +190,7 @@ def test_where_every_record_is_too_weak_a_quiet_run_says_so(config, tmp_path, ca
     assert said.count("\n") == 1
 
 
+@pytest.mark.sweep
 def test_by_default_the_spectrum_is_made_and_too_few_earthquakes_make_no_design(golden, tmp_path, capsys):
     assert "method" not in golden.config.read_text()
     assert rp.load(golden.site)["site"].attrs["method"] == "spectrum"

@@ -48,6 +48,7 @@ def test_bodies_are_checked_from_the_configuration_alone(site, tmp_path, capsys)
     assert "exists" in capsys.readouterr().err
 
 
+@pytest.mark.sweep
 def test_results_bring_the_probability_of_the_same_bodies(golden, loaded_once, capsys):
     assert main(["check", str(golden.results), "--code", "circolare_2019"]) == 0
     shown = capsys.readouterr().out
@@ -68,6 +69,7 @@ def test_other_bodies_of_the_same_name_bring_no_probability(golden, tmp_path, ca
     assert found.to_dict() == {"pier": 0, "statue": 0, "stele": 3}
 
 
+@pytest.mark.sweep
 def test_a_file_of_another_kind_is_refused(golden, capsys):
     assert main(["check", str(golden.site)]) == 2
     assert "site.h5: expected an assessment of rockpulse, found a site calibration" in capsys.readouterr().err

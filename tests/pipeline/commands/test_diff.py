@@ -33,6 +33,7 @@ def test_the_other_options_are_passed_on(files):
     assert main(["diff", *files, "--ignore", "/summary/pga"]) == 0
 
 
+@pytest.mark.sweep
 def test_exit_code_one_where_they_differ(files, capsys):
     assert main(["diff", *files]) == 1
     out = capsys.readouterr().out
@@ -61,11 +62,13 @@ def test_one_screen_or_all_of_it(files, tmp_path, capsys):
     assert "--full" not in whole
 
 
+@pytest.mark.sweep
 def test_an_unknown_variable_to_ignore_is_exit_code_two(files, capsys):
     assert main(["diff", *files, "--ignore", "nonsense"]) == 2
     assert "no variable 'nonsense'" in capsys.readouterr().err
 
 
+@pytest.mark.sweep
 def test_exit_code_two_for_what_is_no_results_file(files, tmp_path, capsys):
     (tmp_path / "notes.txt").write_text("no results")
     assert main(["diff", files[0], str(tmp_path / "notes.txt")]) == 2

@@ -44,6 +44,7 @@ def test_other_groups_and_rows(results, tmp_path, capsys):
     assert "l.csv: 5 of 27 rows" in capsys.readouterr().out
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize(
     ("options", "said"),
     [

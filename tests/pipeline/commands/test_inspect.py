@@ -19,6 +19,7 @@ def results(tmp_path_factory, loaded_once):
     return str(path)
 
 
+@pytest.mark.sweep
 def test_the_overview_names_records_verdicts_and_what_was_left_out(results, capsys):
     assert main(["inspect", results]) == 0
     out = capsys.readouterr().out
@@ -33,6 +34,7 @@ def test_the_overview_names_records_verdicts_and_what_was_left_out(results, caps
     assert "cut.AT2:4: expected 100 samples, found 3" in out
 
 
+@pytest.mark.sweep
 def test_one_record_and_one_block(results, capsys):
     assert main(["inspect", results, "--record", RECORDS[0]]) == 0
     assert "secondary impulse I_s" in capsys.readouterr().out
@@ -49,6 +51,7 @@ def test_record_block_and_failures_together(results, capsys):
     assert out.endswith("skipped (find) notes.txt: no record\n")
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("option", ["--record", "--block"])
 def test_an_unknown_name_is_exit_code_two_with_the_known_ones(results, capsys, option):
     assert main(["inspect", results, option, "nobody"]) == 2
@@ -57,6 +60,7 @@ def test_an_unknown_name_is_exit_code_two_with_the_known_ones(results, capsys, o
     assert "there are:\n  " in captured.err
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize(
     ("kind", "words"),
     [("site", "not enough earthquakes (5;"), ("fragility", "stele")],
@@ -66,6 +70,7 @@ def test_every_kind_of_file_is_shown(golden, kind, words, capsys):
     assert words in capsys.readouterr().out
 
 
+@pytest.mark.sweep
 def test_cases_records_and_blocks_are_listed_and_filtered(results, capsys):
     assert (
         main(["inspect", results, "--outcome", "overturns", "--model", "resonance", "--sort", "pga", "--limit", "3"])
@@ -84,6 +89,7 @@ def test_cases_records_and_blocks_are_listed_and_filtered(results, capsys):
     assert out.endswith("skipped (find) notes.txt: no record\n")
 
 
+@pytest.mark.sweep
 def test_worst_does_not_go_with_another_order_or_list(results, capsys):
     for beside in (["--sort", "pga"], ["--limit", "3"], ["--records"], ["--blocks"]):
         assert main(["inspect", results, "--worst", "2", *beside]) == 2
@@ -113,17 +119,20 @@ def unusual(tmp_path_factory):
     return str(path)
 
 
+@pytest.mark.sweep
 def test_names_of_several_lines_are_shown_in_one(unusual, capsys):
     assert main(["inspect", unusual, "--blocks"]) == 0
     out = capsys.readouterr().out
     assert all(name in out for name in ("a b ", "c d ", "e f "))
 
 
+@pytest.mark.sweep
 def test_no_failures_are_told_as_such(unusual, capsys):
     assert main(["inspect", unusual, "--failures"]) == 0
     assert capsys.readouterr().out == "nothing failed and nothing was skipped\n"
 
 
+@pytest.mark.sweep
 def test_the_worst_cases_and_those_of_a_pattern(results, capsys):
     assert main(["inspect", results, "--worst", "2"]) == 0
     out = capsys.readouterr().out

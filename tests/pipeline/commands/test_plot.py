@@ -23,6 +23,7 @@ def results(tmp_path_factory, loaded_once):
     return path
 
 
+@pytest.mark.sweep
 def test_the_suffix_chooses_the_format(results, tmp_path, capsys):
     target = tmp_path / "picture.png"
     assert main(["plot", str(results), "accelerogram", "-o", str(target)]) == 0
@@ -30,6 +31,7 @@ def test_the_suffix_chooses_the_format(results, tmp_path, capsys):
     assert capsys.readouterr().out == f"written: {target}\n"
 
 
+@pytest.mark.sweep
 def test_what_is_drawn_is_what_the_file_holds(results):
     with h5py.File(results) as file:
         stored = {
@@ -52,6 +54,7 @@ def test_what_is_drawn_is_what_the_file_holds(results):
     assert overturns[0].get_x() == lower[0]
 
 
+@pytest.mark.sweep
 def test_a_picture_is_the_same_on_every_run(results, tmp_path):
     pictures = [tmp_path / name for name in ("one.svg", "two.svg")]
     for picture in pictures:

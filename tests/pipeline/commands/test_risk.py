@@ -11,6 +11,7 @@ def fragility(golden, loaded_once):
     return golden.fragility
 
 
+@pytest.mark.sweep
 def test_the_hazard_of_the_fragility_or_of_a_file_gives_a_table(fragility, tmp_path, capsys):
     assert main(["risk", str(fragility), "--resamples", "0"]) == 0
     shown = capsys.readouterr().out
@@ -92,7 +93,7 @@ def test_wrong_arguments_are_told(fragility, tmp_path, capsys):
     assert "the file exists" in capsys.readouterr().err
 
 
-@pytest.mark.sweep
+@pytest.mark.slow
 def test_an_inventory_is_read_from_the_spectra_of_results(golden, tmp_path, capsys):
     (tmp_path / "site.toml").write_text('[models]\nuse = ["nonlinear"]\n[uncertainty]\nspectrum = "all"\n')
     results = tmp_path / "results.h5"

@@ -54,6 +54,7 @@ def flat(text):
     return " ".join(text.split())
 
 
+@pytest.mark.sweep
 def test_the_count_stands_beside_the_verdict_and_the_reason_is_told_once(folder, quick, tmp_path, capsys):
     given = ["--config", str(quick), *BLOCK, "-o", str(tmp_path / "results.h5")]
     assert main(["assess", str(folder), *given]) == 1

@@ -18,6 +18,7 @@ def assessed(golden, quick, tmp_path_factory):
     return folder
 
 
+@pytest.mark.sweep
 def test_all_as_it_was(assessed, capsys):
     assert main(["verify", str(assessed / "results.h5")]) == 0
     out = capsys.readouterr().out

@@ -144,6 +144,7 @@ def _configs(draw):
     return Config(**sections, blocks=tuple(blocks))
 
 
+@pytest.mark.sweep
 @settings(derandomize=True, deadline=None, max_examples=10)
 @given(config=_configs())
 def test_the_text_of_a_configuration_loads_back_to_it(tmp_path_factory, config):

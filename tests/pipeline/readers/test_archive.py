@@ -111,6 +111,7 @@ def test_an_encrypted_member_is_refused(tmp_path):
     assert "encrypted; unpack the archive with its password first" in failure.reason
 
 
+@pytest.mark.sweep
 def test_any_damage_to_an_archive_is_a_row(tmp_path):
     content = make_zip(tmp_path / "all.zip", **{"a.AT2": ONE[:600], "b.AT2": TWO[:600]}).read_bytes()
     random = np.random.default_rng(3)

@@ -43,6 +43,7 @@ def folder(tmp_path):
     return tmp_path
 
 
+@pytest.mark.sweep
 def test_the_samples_give_ten_channels_in_order(samples):
     records, failures = read_all([samples])
     assert ids(records) == [

@@ -198,6 +198,7 @@ def samples_of(content, name):
     return np.concatenate([record.acceleration for record in read(stream, **read_options().get(name, {}))])
 
 
+@pytest.mark.sweep
 def test_the_committed_files_are_what_the_generator_writes(written):
     assert sorted(path.name for path in FORMATS.iterdir()) == list(written), "make samples"
     for name, content in written.items():
@@ -217,6 +218,7 @@ def test_the_files_are_small_and_say_what_they_are(written):
         assert name.endswith((".mseed", ".g3")) or b"ROCKPULSE" in content.upper(), name
 
 
+@pytest.mark.sweep
 def test_every_reader_has_a_sample():
     claimed = {read(path, **read_options().get(path.name, {}))[0].format for path in PATHS}
     assert {row.name for row in READERS if row.unit != "-"} == claimed

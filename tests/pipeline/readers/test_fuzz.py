@@ -60,6 +60,7 @@ def say_nothing(file, options):
     raise RecordFormatError
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize(
     ("reader", "words"),
     [
@@ -83,7 +84,7 @@ def test_the_fuzzer_sees_what_is_wrong(monkeypatch, reader, words):
 pytestmark = pytest.mark.filterwarnings("ignore::UserWarning:obspy")
 
 
-@pytest.mark.sweep
+@pytest.mark.slow
 def test_kept_inputs_give_records_or_a_refusal():
     inputs = fuzz_inputs.kept_corpus()
     assert len(inputs) > 500
@@ -98,6 +99,7 @@ def test_the_kept_inputs_are_small_and_of_every_format():
     assert [row.name for row in read if not any(row.detect(head, "record.dat") for head in heads if head)] == []
 
 
+@pytest.mark.sweep
 def test_every_sample_is_a_seed_that_keeps_the_promises():
     seeds = fuzz_inputs.seeds()
     samples = fuzz_inputs.short_samples()

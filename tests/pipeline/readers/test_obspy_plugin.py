@@ -58,6 +58,7 @@ def same(one: Record, other: Record) -> bool:
     )
 
 
+@pytest.mark.sweep
 @settings(derandomize=True, max_examples=25, deadline=None)
 @given(RECORDS)
 def test_the_way_there_and_back_keeps_every_field(record):
@@ -308,6 +309,7 @@ def test_no_plugin_claims_a_file_of_obspy_s_own_formats():
     assert claimed == []
 
 
+@pytest.mark.sweep
 def test_a_file_is_claimed_by_one_plugin_at_most(samples):
     for path in sorted([*samples.iterdir(), *(samples.parent / "formats").iterdir()]):
         claims = [name for name, plugin in PLUGINS.items() if plugin.is_format(str(path))]
@@ -333,6 +335,7 @@ def path(tmp_path):
     return path
 
 
+@pytest.mark.sweep
 def test_paths_open_files_and_bytes_give_the_same(path):
     (record,) = rp.read(path)
     with path.open("rb") as stream:
@@ -356,6 +359,7 @@ def test_obspy_s_own_options(path):
     assert (cut.stats.npts, cut.data.dtype) == (51, np.float32)
 
 
+@pytest.mark.sweep
 def test_columns_are_read_where_they_are_asked_for_only(tmp_path):
     path = tmp_path / "a.txt"
     path.write_text("".join(f"{value:.6f}\n" for value in pulse(50)))

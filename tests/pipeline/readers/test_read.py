@@ -21,6 +21,7 @@ def write(folder, content: bytes, name: str):
     return path
 
 
+@pytest.mark.sweep
 def test_engineering_files_are_read_without_a_heavy_package(samples):
     code = (
         "import sys, rockpulse.readers.folders; from rockpulse.readers import read; "
@@ -102,6 +103,7 @@ def test_a_fact_that_differs_from_its_partner_is_told():
     assert named == [], "told: name its partner"
 
 
+@pytest.mark.sweep
 def test_a_reader_that_says_nothing_is_seen(monkeypatch, capsys):
     silent = HeaderFact("CLC090.AT2", "interval", rb"(?<=DT= )0\.0100", b"0.0200", "a partner that nobody asks")
     monkeypatch.setattr(header_facts, "facts", lambda: iter([silent, next(facts())]))

@@ -39,6 +39,7 @@ def plain(record):
     return replace(record, station_name="", event="", component="")
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("name", TEXTS)
 def test_line_ends_marks_encodings_and_compression_change_nothing(name):
     content, options = TEXTS[name], OPTIONS.get(name, {})

@@ -79,6 +79,7 @@ def come_back(folder, record, name, **options):
     return back
 
 
+@pytest.mark.sweep
 @settings(derandomize=True, max_examples=6, deadline=None)
 @given(record=RECORDS)
 def test_at2_is_exact_to_its_digits(tmp_path_factory, record):
@@ -88,6 +89,7 @@ def test_at2_is_exact_to_its_digits(tmp_path_factory, record):
     assert (back.dt, back.azimuth, back.processed) == (record.dt, record.azimuth % 360.0, record.processed)
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize(("name", "step"), [("a.csv", 1e-12), ("a.mseed", 1e-7)])
 @settings(derandomize=True, max_examples=6, deadline=None)
 @given(record=RECORDS)

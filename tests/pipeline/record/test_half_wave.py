@@ -311,6 +311,7 @@ def test_options_outside_their_ranges_are_errors(name, value):
         half_waves(triangles(1.0), **{name: value})
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("chosen", [{}, {"threshold": 0.05, "min_duration_s": 0.02}, {"threshold": 0.3}])
 def test_impulses_of_a_real_record_keep_its_velocity_and_displacement(ccc, chosen):  # VALIDATION F10, D
     for motion in ccc:

@@ -242,6 +242,7 @@ def test_significant_duration_of_a_real_record_holds_its_stated_peak(ccc):
     assert np.abs(ccc[0].acceleration).argmax() * ccc[0].dt == pytest.approx(39.41)
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize(("period", "dt"), [(0.8, 0.01), (0.1, 0.02), (2.5, 0.02)])
 def test_the_pseudo_acceleration_is_that_of_an_oscillator(period, dt):
     """Against the equation of motion integrated step by step, also where a period has five samples."""

@@ -32,6 +32,7 @@ def test_every_measure_is_proportional_to_the_factor():
     np.testing.assert_allclose(three, 3.0 * np.array(one), rtol=1e-9)
 
 
+@pytest.mark.sweep
 def test_measures_against_their_definitions():
     motion = scene()
     value = dict(zip(FRAGILITY, record_measures(motion, BLOCKS, FRAGILITY), strict=True))

@@ -110,6 +110,7 @@ def test_an_id_taken_already_gets_a_number():
     assert names == ["a", "b", "a~2", "a~3", "a~4"]
 
 
+@pytest.mark.sweep
 @given(st.lists(st.sampled_from(["a", "b", "a~2", "a~3"]), max_size=8))
 @settings(derandomize=True, deadline=None, max_examples=60)
 def test_ids_become_distinct_and_stay_so(names):

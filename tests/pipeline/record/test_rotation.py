@@ -264,6 +264,7 @@ def test_drift_is_judged_in_the_direction_that_is_assessed():
 # --- the strongest direction -------------------------------------------------------------------------------------
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("azimuth", [0.0, 17.25, 45.0, 90.0, 133.33, 179.9])
 def test_a_motion_in_one_direction_is_strongest_there(azimuth):
     line = noise(10)
@@ -321,6 +322,7 @@ def joined_within(low, high, azimuth, base, others):
 OTHERS = [10.0, 40.0, 70.0, 130.0, 160.0]
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize(
     ("low", "high", "azimuth", "base", "others", "expected"),
     [

@@ -97,6 +97,7 @@ def test_no_record_gives_the_empty_tree(assessed, tmp_path):
     assert_contents(tmp_path / "made.h5", contents(tmp_path / "saved.h5"))
 
 
+@pytest.mark.sweep
 def test_parts_from_a_journal_stand_in_the_order_of_the_keys(assessed, tmp_path):
     done, bodies, config, _ = assessed("plain")
     target = tmp_path / "results.h5"
@@ -166,6 +167,7 @@ def test_the_size_that_is_expected_is_that_of_the_file(assessed, tmp_path, monke
     assert expected < (tmp_path / "results.h5").stat().st_size < expected + 500_000
 
 
+@pytest.mark.sweep
 def test_a_disk_that_fills_up_meanwhile_leaves_the_old_file_and_the_journal(assessed, tmp_path, monkeypatch):
     done, bodies, config, _ = assessed("plain")
     target = tmp_path / "results.h5"
@@ -186,6 +188,7 @@ def test_a_disk_that_fills_up_meanwhile_leaves_the_old_file_and_the_journal(asse
     assert not list(tmp_path.glob("*.part"))
 
 
+@pytest.mark.sweep
 def test_parts_of_another_layout_are_refused(assessed, tmp_path):
     done, bodies, config, _ = assessed("plain")
     parts = list(done)

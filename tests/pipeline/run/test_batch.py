@@ -118,6 +118,7 @@ def test_two_workers_give_the_same_site_and_the_same_curves(folder, tmp_path, ve
     assert_contents(tmp_path / "1.h5", contents(tmp_path / "2.h5"))
 
 
+@pytest.mark.sweep
 def test_the_number_of_workers_is_that_of_the_configuration(folder, tmp_path, monkeypatch):
     hired = []
     without_results(monkeypatch)
@@ -170,6 +171,7 @@ class Bars:
         self.seen[-1]["done"] += n
 
 
+@pytest.mark.sweep
 def test_progress_and_report_say_what_was_done(folder, tmp_path, caplog, monkeypatch):
     without_results(monkeypatch)
     caplog.set_level(logging.INFO, "rockpulse")

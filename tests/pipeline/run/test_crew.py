@@ -53,6 +53,7 @@ def wait_for(condition, seconds):
     return condition()
 
 
+@pytest.mark.sweep
 def test_every_item_is_answered_once_whoever_works(pair):
     with Crew.inline() as alone:
         for crew, workers in ((alone, 1), (pair, 2)):
@@ -85,6 +86,7 @@ def test_items_are_taken_a_few_ahead_only(pair):
     results.close()
 
 
+@pytest.mark.sweep
 def test_a_worker_that_is_killed_costs_its_item_a_second_try(pair, tmp_path):
     jobs = [(number, tmp_path) for number in range(5)]
     answers = list(pair.run(toys.killed_once, jobs))
@@ -154,6 +156,7 @@ def numbers_of(folder, count):
     return [int(path.name) for path in folder.iterdir()]
 
 
+@pytest.mark.sweep
 def test_leaving_by_an_error_ends_busy_workers_at_once(tmp_path):
     def interrupted_with_two_at_work():
         yield from [tmp_path, tmp_path]
@@ -269,6 +272,7 @@ def test_a_crew_has_at_least_one_worker():
         Crew.local(0)
 
 
+@pytest.mark.sweep
 def test_workers_do_linear_algebra_on_one_thread_unless_the_user_says_otherwise(monkeypatch):
     for name in ALGEBRA:
         monkeypatch.delenv(name, raising=False)
@@ -280,6 +284,7 @@ def test_workers_do_linear_algebra_on_one_thread_unless_the_user_says_otherwise(
     assert dict(os.environ) == before
 
 
+@pytest.mark.sweep
 def test_a_worker_that_is_killed_half_way_through_its_answer_holds_up_nobody(pair):
     answers = dict(pair.run(toys.killed_while_answering, range(8)))
     assert isinstance(answers.pop(3), WorkerLost)

@@ -57,6 +57,7 @@ def stopped_at_the_end(paths, output, monkeypatch):
             assess_files(paths, CONFIG, output, BatchOptions(workers=1))
 
 
+@pytest.mark.sweep
 def test_a_result_that_was_damaged_in_the_journal_is_done_again_and_the_others_are_not(folder, tmp_path, monkeypatch):
     paths, output, told = sorted(folder.glob("r*")), tmp_path / "results.h5", []
     stopped_at_the_last(folder, output, monkeypatch)
@@ -103,7 +104,7 @@ FORGED = {
 }
 
 
-@pytest.mark.sweep
+@pytest.mark.slow
 def test_what_somebody_has_put_into_the_journal_as_a_result_is_done_again(tmp_path, monkeypatch):
     """Each in the place of a record of its own; the last record keeps its result."""
     records, output = records_in(tmp_path, len(FORGED) + 1), tmp_path / "results.h5"

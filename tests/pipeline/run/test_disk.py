@@ -94,7 +94,7 @@ def test_a_place_that_takes_no_results_is_refused_at_once(folder, tmp_path, caps
     assert (tmp_path / "file").read_text() == "mine"
 
 
-@pytest.mark.sweep
+@pytest.mark.slow
 def test_the_output_may_lie_on_another_disk_than_temporary_files(folder, tmp_path, undisturbed, monkeypatch):
     shared = Path("/dev/shm")
     if not shared.is_dir() or shared.stat().st_dev == tmp_path.stat().st_dev:

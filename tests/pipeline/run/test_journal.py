@@ -124,6 +124,7 @@ def test_a_stopped_run_is_neither_dropped_nor_resumed_unasked(target):
         assert journal.finished() == {}
 
 
+@pytest.mark.sweep
 def test_the_second_run_on_one_output_is_refused(target):
     with Journal.open(target) as journal:
         journal.add(done("a"))
@@ -221,6 +222,7 @@ def whole(target):
     return journal_path(target).read_bytes()
 
 
+@pytest.mark.sweep
 def test_any_byte_that_is_damaged_costs_the_record_that_it_belongs_to(target, whole):
     """Every 53rd byte, each with another bit changed; the first of the file does not hide what comes after it."""
     for place in range(0, len(whole), 53):

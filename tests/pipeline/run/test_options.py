@@ -50,6 +50,7 @@ def redone(monkeypatch):
     return keys
 
 
+@pytest.mark.sweep
 def test_resuming_does_what_is_missing(stopped, monkeypatch, capsys):
     mine, target = stopped
     keys = redone(monkeypatch)
@@ -68,6 +69,7 @@ def test_resuming_with_a_changed_file_does_that_one_again(stopped, monkeypatch):
     assert contents(target)["summary/pga"]["values"][1] == pytest.approx(0.9 * 9.80665, rel=0.01)
 
 
+@pytest.mark.sweep
 def test_resuming_on_the_wrong_files_loses_nothing(stopped, tmp_path, monkeypatch, capsys):
     mine, target = stopped
     (tmp_path / "wrong").mkdir()
@@ -80,6 +82,7 @@ def test_resuming_on_the_wrong_files_loses_nothing(stopped, tmp_path, monkeypatc
     assert len(keys) == 2
 
 
+@pytest.mark.sweep
 def test_resuming_what_never_began_begins_it(folder, tmp_path, capsys):
     target = tmp_path / "results.h5"
     assert command(folder, target, "--resume") == 0
@@ -105,7 +108,7 @@ def test_a_log_goes_to_the_end_of_no_other_file(folder, tmp_path, capsys):
     assert not (tmp_path / "results.h5").exists()
 
 
-@pytest.mark.sweep
+@pytest.mark.slow
 def test_the_log_file_tells_the_run_and_is_added_to(folder, tmp_path):
     log = tmp_path / "log.txt"
     log.write_text("2026-01-01 00:00:00,000 INFO what was there\n")

@@ -75,6 +75,7 @@ def samples_read(samples):
     return read_all(samples)
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("way", WAYS)
 def test_the_tasks_are_the_motions_of_the_assessment_in_memory(samples, samples_read, way):
     options = config(**WAYS[way])
@@ -122,6 +123,7 @@ def fingerprints(paths, options=None):
     return {task.key: task.fingerprint for task in planned(paths, options)[0]}
 
 
+@pytest.mark.sweep
 def test_a_fingerprint_is_the_same_in_every_run_and_another_for_every_record(samples):
     first = fingerprints(samples)
     assert fingerprints([samples]) == first  # surveyed again
@@ -139,6 +141,7 @@ def test_a_fingerprint_changes_with_the_samples_and_with_what_is_known_of_the_re
     assert len(set(seen)) == 4
 
 
+@pytest.mark.sweep
 def test_a_fingerprint_changes_with_the_vertical_channel(samples, tmp_path):
     for name in ("CICLC.v1", "CICCC.RAW"):
         shutil.copy(samples / name, tmp_path / name)

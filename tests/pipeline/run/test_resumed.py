@@ -76,7 +76,7 @@ def test_what_broke_off_is_done_by_a_run_that_resumes(folder, tmp_path, monkeypa
     assert not journal_path(output).exists()
 
 
-@pytest.mark.sweep
+@pytest.mark.slow
 def test_a_run_that_resumes_has_the_same_probabilities_and_so_have_two_workers(folder, tmp_path, monkeypatch):
     """A wall that is read from the spectrum, a chest that has lanes of its own, and the bodies that practice has."""
     others = (
@@ -110,6 +110,7 @@ def test_a_run_that_resumes_has_the_same_probabilities_and_so_have_two_workers(f
     assert np.all((resumed["summary/factor_50"]["values"] > 0.5) & (resumed["summary/factor_50"]["values"] < 10.0))
 
 
+@pytest.mark.sweep
 def test_a_run_that_ended_is_not_done_again_by_the_same_command(folder, tmp_path, monkeypatch):
     """As after a kill between the end of the journal and that of the process."""
     paths, output, told = sorted(folder.glob("r*")), tmp_path / "results.h5", []
@@ -134,6 +135,7 @@ def test_a_run_that_ended_is_not_done_again_by_the_same_command(folder, tmp_path
     assert output.read_bytes() == written
 
 
+@pytest.mark.sweep
 def test_the_results_of_another_run_are_not_replaced_by_resuming(folder, tmp_path, monkeypatch):
     paths, output = sorted(folder.glob("r*"))[:2], tmp_path / "results.h5"
     with monkeypatch.context() as patch:
@@ -152,6 +154,7 @@ def test_the_results_of_another_run_are_not_replaced_by_resuming(folder, tmp_pat
     assert assess_files(paths, CONFIG, output, BatchOptions(workers=1, resume=True, overwrite=True)).resumed == 2
 
 
+@pytest.mark.sweep
 def test_what_killed_writers_have_left_is_swept_up(folder, tmp_path):
     (tmp_path / ".results.h5.0123abcd.part").write_text("half")
     assess_files(folder / "r0.AT2", CONFIG, tmp_path / "results.h5", BatchOptions(workers=1))

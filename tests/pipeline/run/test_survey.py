@@ -96,6 +96,7 @@ def test_parts_that_do_not_join_keep_their_warning(folder):
     assert any("not joined: parts 1, 3" in note for one in located for note in one.record.warnings)
 
 
+@pytest.mark.sweep
 def test_a_located_record_is_small_however_many_samples_it_has(tmp_path):
     sizes = []
     for count in (400, 40_000):

@@ -118,6 +118,7 @@ def test_a_pair_of_which_no_direction_was_assessed_is_left_out_of_the_statistics
     assert sum("CLC" in reason for reason in tree["failures"]["reason"].values) == 4
 
 
+@pytest.mark.sweep
 def test_channels_without_a_partner_and_parallel_ones_are_failed_rows_and_the_others_go_on():
     alone, parallel = channel(90.0, "TOW2"), [channel(z, "CLC") for z in (90.0, 276.0)]
     models = ModelSettings(use=("linear",))
@@ -161,6 +162,7 @@ def test_the_group_holds_the_median_and_the_largest_of_the_records(tree):
     assert np.array_equal(found["smallest_safety_factor"].values, factors.min(axis=0))
 
 
+@pytest.mark.sweep
 def test_a_polarised_motion_is_worst_along_itself_and_nothing_across():
     """A body that rocks little: near overturning a smaller motion may do more."""
     pier = BlockSettings(name="pier", width=3.0, height=10.0)
@@ -199,6 +201,7 @@ def test_directions_that_cannot_be_assessed_are_unanswered_not_forgotten():
     assert f"0 +{missing.sum()}?" in direction_table(tree["summary"].to_dataset(), tree["directions"].to_dataset())
 
 
+@pytest.mark.sweep
 def test_the_vertical_of_the_station_acts_in_every_direction():
     models = ModelSettings(use=("nonlinear",))
     records = (channel(90.0), channel(0.0), upwards())
@@ -210,6 +213,7 @@ def test_the_vertical_of_the_station_acts_in_every_direction():
     assert np.all((lifted["peak_rotation_ratio"].values != plain["peak_rotation_ratio"].values)[strong])
 
 
+@pytest.mark.sweep
 def test_a_range_of_restitution_keeps_its_dimension():
     several = BlockSettings(name="wall", width=0.4, height=3.0, restitution=[0.6, 0.9])
     models = ModelSettings(use=("linear",))

@@ -298,6 +298,7 @@ def test_thousands_of_records_of_one_earthquake_by_its_id_or_name_are_grouped_at
     assert time.perf_counter() - began < 2.0
 
 
+@pytest.mark.sweep
 def test_records_of_one_name_are_joined_as_if_each_was_held_against_each():
     draw = random.Random(7)
     titles = ("Kobe", "KOBE 01/16/95", "Kobe-02", "Kobe-03", "Kobe-02 1995", "Kobe-04 2016", "Kobe 2016", "kobe 2017")
@@ -312,6 +313,7 @@ def test_records_of_one_name_are_joined_as_if_each_was_held_against_each():
         assert connected(free, _of_one_name(records, free)) == by_all
 
 
+@pytest.mark.sweep
 def test_few_pairs_of_thousands_of_shocks_of_one_name_are_held_against_each_other():
     """A national inventory: the name of the country, the date, no time; or the time and no date."""
     dated = [record(f"r{k}", f"Iran-{k % 100:02d}, 1/{k % 28 + 1}/{1920 + k // 28}") for k in range(1000)]

@@ -259,6 +259,7 @@ def test_a_long_record_that_is_left_out_for_a_short_one_is_told_as_such():
     assert "are not in it" not in reason(channel(), channel(0.0, "b", processed=True))
 
 
+@pytest.mark.sweep
 def test_thousands_of_records_of_many_stations_and_times_are_settled_at_once():
     records = [
         channel(azimuth, f"{source}{n}", station=f"S{n % 50}", late=1000.0 * (n // 50), id=f"{source}{n}.{azimuth}")

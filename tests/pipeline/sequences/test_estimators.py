@@ -111,6 +111,7 @@ def test_sine_is_its_own_secondary_sequence(main, secondary, interval):  # VALID
     assert sequence.interval == pytest.approx(0.5, rel=1e-12)
 
 
+@pytest.mark.sweep
 @properties
 @given(impulses, st.sampled_from(estimators), st.floats(0.0, 1.0), st.integers(1, 3))
 def test_secondary_impulse_is_never_above_the_main_one(sizes, chosen, quantile, m):
@@ -125,6 +126,7 @@ def test_rounding_does_not_put_the_secondary_impulse_above_an_equal_main_one(siz
     assert sequence.main == sequence.secondary == size
 
 
+@pytest.mark.sweep
 @properties
 @given(impulses, st.sampled_from(estimators), st.sampled_from([2.0**-3, 2.0, 2.0**5]))
 def test_scaled_and_mirrored_waves_give_the_scaled_sequence(sizes, chosen, factor):

@@ -51,6 +51,7 @@ def test_the_sequence_overturns_where_the_demand_reaches_one_and_peaks_in_closed
     assert np.array_equal(response.overturning_half_cycle[just], count[just])
 
 
+@pytest.mark.sweep
 def test_a_record_has_a_sequence_for_every_block():
     block, wave = bodies(), waves()
     demand, sequence = RULE.demand(wave, block), RULE.sequence(wave, block)
@@ -64,6 +65,7 @@ def test_a_record_has_a_sequence_for_every_block():
         assert alone.main == pytest.approx(sequence.main[lane : lane + 1])
 
 
+@pytest.mark.sweep
 def test_the_safety_factor_is_where_the_scaled_record_overturns():
     block = bodies()
     factor = RULE.safety_factor(waves(), block)
@@ -75,6 +77,7 @@ def test_the_safety_factor_is_where_the_scaled_record_overturns():
         assert verdicts[1] == Outcome.OVERTURNS
 
 
+@pytest.mark.sweep
 def test_what_does_not_lift_rests_and_the_safety_factor_is_at_least_that_of_uplift():
     block, wave = bodies(), waves(factor=0.1)
     ratio = np.max(np.abs(wave.peak)) / (block.gravity * np.tan(block.alpha_c))
@@ -92,6 +95,7 @@ def test_a_record_of_zeros_asks_for_nothing():
     assert np.all(sequence_response(block, RULE.sequence(silent, block), paired=True).outcome == Outcome.AT_REST)
 
 
+@pytest.mark.sweep
 def test_the_shipped_points_are_the_mean_capacity_and_the_factor_of_ten_per_cent():
     rules = {point: load_rule(point) for point in POINTS}
     assert {rule.point for rule in rules.values()} == set(POINTS)

@@ -11,7 +11,7 @@ from laboratory.accuracy.reference import load_reference, motion_of
 from rockpulse.errors import RockpulseError
 from rockpulse.record.conditioning import condition
 
-pytestmark = pytest.mark.sweep
+pytestmark = pytest.mark.slow
 
 
 @pytest.fixture(scope="module")

@@ -10,7 +10,7 @@ from laboratory.accuracy.convergence import convergence
 from laboratory.accuracy.diagram import diagram
 from rocking.march.polynomial import ORDER
 
-pytestmark = pytest.mark.sweep
+pytestmark = pytest.mark.slow
 
 
 def test_the_nonlinear_kernel_converges_with_the_order_of_its_series():

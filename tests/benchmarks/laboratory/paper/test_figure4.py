@@ -18,7 +18,7 @@ from rockpulse.models import (
     sequence_response,
 )
 
-pytestmark = pytest.mark.sweep
+pytestmark = pytest.mark.slow
 
 
 @pytest.fixture(scope="module")

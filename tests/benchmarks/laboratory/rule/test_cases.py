@@ -22,7 +22,7 @@ from rockpulse.record.intensity import pgv
 from rockpulse.sequences.rule import load_rule
 from synthetic import synthetic_motion
 
-pytestmark = pytest.mark.sweep
+pytestmark = pytest.mark.slow
 
 
 def test_one_shaking_by_way_of_two_agencies_is_taken_once(ridgecrest):

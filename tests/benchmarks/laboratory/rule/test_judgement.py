@@ -12,7 +12,7 @@ from laboratory.rule.judgement import fit_rules, judge_rules, too_few
 from laboratory.rule.measures import MEASURES
 from rockpulse.sequences.rule import POINTS, Rule, load_rule
 
-pytestmark = pytest.mark.sweep
+pytestmark = pytest.mark.slow
 
 
 def made_up(seed=0, events=6, records=10):

@@ -23,7 +23,7 @@ def thinned(blocks, every):
 
 THIRD = thinned(block_family(), 3)
 
-pytestmark = pytest.mark.sweep
+pytestmark = pytest.mark.slow
 
 
 @pytest.fixture(scope="module")

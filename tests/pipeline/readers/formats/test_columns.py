@@ -32,6 +32,7 @@ def test_units(write, units, factor):
     assert record.unit_factor == pytest.approx(factor, rel=1e-12)
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("delimiter", [" ", "   ", "\t", ",", ", ", ";"])
 def test_delimiters_headers_and_line_ends(write, delimiter):
     headers = ("", "time acc\n", "# a comment\n# another, with 2 numbers\n\n")

@@ -16,6 +16,7 @@ MOTION = np.round(pulse(403, peak=250.0), 3)
 NAME = "TEST.V2"
 
 
+@pytest.mark.sweep
 def test_the_channels_on_the_meloland_overpass_are_structural_and_the_free_field_is_not(records_folder):
     records, failures = read_all(records_folder / "csmip_v2" / "imperialvalley79_ce01336p.zip")
     assert len({record.id for record in records}) == len(records) == 26

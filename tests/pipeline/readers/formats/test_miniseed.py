@@ -309,6 +309,7 @@ def test_damaged_miniseed_and_station_files_are_named(tmp_path):
         read(path)
 
 
+@pytest.mark.sweep
 def test_warnings_of_the_process_survive_two_threads_that_use_obspy():
     inside, before = threading.Event(), (warnings.filters[:], warnings._showwarnmsg_impl)
     first_in, first_out = threading.Event(), threading.Event()

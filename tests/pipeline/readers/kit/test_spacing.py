@@ -41,6 +41,7 @@ def test_rounding_within_its_share_of_the_step_is_seen_through(step, count, deci
     assert found == pytest.approx(step, abs=(1.0 + 1e-6) * drift / (count - 1))
 
 
+@pytest.mark.sweep
 @QUICK
 @given(step=STEPS, count=st.integers(5, 400), decimals=st.integers(2, 7), data=st.data(), length=st.integers(1, 30))
 def test_missing_rows_never_pass_as_even_spacing(step, count, decimals, data, length):

@@ -93,6 +93,7 @@ def test_restitution_cases_have_a_column(tmp_path):
     assert table["restitution"].round(9).tolist() == [0.93, 0.83] * 3
 
 
+@pytest.mark.sweep
 def test_a_selection_takes_names_conditions_order_and_limit(results, opened):
     table = rp.results_table(results, block="c*", where=["outcome = overturns"], sort="pga", limit=2, columns=["pga"])
     assert table.to_dict("list") == {
@@ -157,6 +158,7 @@ def written(opened, target, group=None, **options):
     return write_table(table, target, "From a test.", **options)
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("suffix", [".csv", ".csv.gz"])
 def test_the_csv_reads_back_the_same(opened, table, tmp_path, suffix):
     target, _ = written(opened, tmp_path / f"table{suffix}")
@@ -174,6 +176,7 @@ def test_the_csv_reads_back_the_same(opened, table, tmp_path, suffix):
         assert sum(1 for _ in lines) == 28  # a row is a line, whatever the texts
 
 
+@pytest.mark.sweep
 def test_a_table_for_spreadsheets_with_decimal_commas(opened, table, tmp_path):
     target, readme = written(opened, tmp_path / "t.csv.gz", decimal_comma=True)
     content = gzip.decompress(target.read_bytes())
@@ -189,6 +192,7 @@ def test_a_table_for_spreadsheets_with_decimal_commas(opened, table, tmp_path):
             assert np.array_equal(back[name], table[name], equal_nan=True), name
 
 
+@pytest.mark.sweep
 def test_parts_make_the_same_table_as_the_whole(opened):
     table = long_table(opened, selection=Selection(sort="safety_factor"))
     parts = list(table.frames(4))
@@ -196,6 +200,7 @@ def test_parts_make_the_same_table_as_the_whole(opened):
     pd.testing.assert_frame_equal(pd.concat(parts, ignore_index=True), table.frame())
 
 
+@pytest.mark.sweep
 def test_the_readme_names_every_column_with_unit_meaning_and_what_is_missing(opened, table, tmp_path):
     target, readme = written(opened, tmp_path / "table.csv", selection=Selection(limit=9))
     assert readme == readme_of(target) == tmp_path / "table.README.md"
@@ -210,6 +215,7 @@ def test_the_readme_names_every_column_with_unit_meaning_and_what_is_missing(ope
     assert "`demand_acceleration`" in text.split("Not in this table")[1]
 
 
+@pytest.mark.sweep
 def test_nothing_is_replaced_unless_asked_for(opened, tmp_path):
     target = tmp_path / "table.csv"
     target.write_text("mine")
@@ -231,6 +237,7 @@ def test_other_names_are_refused(opened, tmp_path, name, said):
         written(opened, tmp_path / name)
 
 
+@pytest.mark.sweep
 def test_a_fault_leaves_the_old_table_and_no_rubbish(opened, tmp_path, monkeypatch):
     target, readme = written(opened, tmp_path / "table.csv")
     before = target.read_bytes(), readme.read_bytes()
@@ -257,6 +264,7 @@ def test_a_line_of_the_file_is_a_row_whatever_ends_a_line_in_a_text(tmp_path):
     assert len((tmp_path / "t.csv").read_text(encoding="utf-8").splitlines()) == 4
 
 
+@pytest.mark.sweep
 def test_results_that_cannot_be_read_are_no_fault_of_the_table(results, tmp_path, monkeypatch):
     def unread(table, size=0):
         raise OSError("Can't synchronously read data")

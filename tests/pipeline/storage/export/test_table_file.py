@@ -37,6 +37,7 @@ def written(opened, path, columns=None, **options):
     return write_table(long_table(opened, columns=columns), path, "", **options)
 
 
+@pytest.mark.sweep
 def test_parquet_is_the_table_itself(opened, table, tmp_path):
     target, readme = written(opened, tmp_path / "t.parquet")
     back = pd.read_parquet(target)
@@ -46,6 +47,7 @@ def test_parquet_is_the_table_itself(opened, table, tmp_path):
     assert "Parquet, SI units, numbers with all their digits" in readme.read_text()
 
 
+@pytest.mark.sweep
 def test_a_workbook_has_numbers_to_16_digits_and_texts_that_are_only_texts(opened, table, tmp_path, monkeypatch):
     parts = LongTable.frames
     monkeypatch.setattr(LongTable, "frames", lambda table: parts(table, 4))

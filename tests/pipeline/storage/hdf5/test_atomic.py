@@ -50,6 +50,7 @@ def test_overwrite_replaces_nothing_but_results(tmp_path, name, through_a_link):
     assert {item.name for item in tmp_path.iterdir()} == {path.name, named.name}
 
 
+@pytest.mark.sweep
 def test_a_foreign_file_that_is_in_use_is_not_taken_for_a_damaged_one(tmp_path):
     path = tmp_path / "foreign.h5"
     script = f"""
@@ -79,6 +80,7 @@ def test_a_name_too_long_for_the_file_system_is_refused_at_once(tmp_path, length
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.sweep
 def test_a_link_is_followed_and_the_check_leaves_nothing_behind(tmp_path):
     (tmp_path / "far").mkdir()
     link = tmp_path / "results.h5"

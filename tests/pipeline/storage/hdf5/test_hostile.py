@@ -254,6 +254,7 @@ def test_a_long_dimension_without_values_is_no_endless_array(small):
     assert "summary" in load(small).children
 
 
+@pytest.mark.sweep
 def test_a_record_file_that_results_name_is_hashed_only_if_it_is_a_file(small, place):
     with h5py.File(small, "r+") as file:
         sources = file["summary/source"]

@@ -30,6 +30,7 @@ def assert_same_nodes(one, other):
             assert list(back[name].dims) == list(variable.dims), name
 
 
+@pytest.mark.sweep
 def test_the_tree_comes_back_the_same(tmp_path):
     tree = results_tree(2)
     save(tree, tmp_path / "results.h5")
@@ -39,6 +40,7 @@ def test_the_tree_comes_back_the_same(tmp_path):
     assert back.attrs["configuration"] == CONFIGURATION
 
 
+@pytest.mark.sweep
 def test_a_tree_that_was_loaded_is_saved_and_loaded_again_the_same(tmp_path):
     (tmp_path / "first.h5").write_bytes(results_bytes())
     first = load(tmp_path / "first.h5")
@@ -257,6 +259,7 @@ def test_files_that_are_not_ours_are_refused(tmp_path):
         load(tmp_path / "none.h5")
 
 
+@pytest.mark.sweep
 @pytest.mark.skipif(not Path("/proc/self/fd").is_dir(), reason="needs /proc to list open files")
 def test_load_closes_the_file(tmp_path):
     target = tmp_path / "results.h5"

@@ -123,6 +123,7 @@ OF_ATTRIBUTES = {
 }
 
 
+@pytest.mark.sweep
 def test_changes_are_found_and_named(results):
     with h5py.File(results, "a") as file:
         for change, _ in CHANGES.values():
@@ -161,6 +162,7 @@ def test_any_damaged_byte_is_found_or_changes_nothing(results, count):
     assert found > count // 8
 
 
+@pytest.mark.sweep
 def test_a_file_without_checksums_says_so(results):
     with h5py.File(results, "a") as file:
         del file.attrs[CHECKSUM_OF_ATTRIBUTES]
@@ -188,6 +190,7 @@ OTHERS = {
 }
 
 
+@pytest.mark.sweep
 def test_an_input_that_changed_is_named(folder, results):
     before = {name: (folder / name).read_bytes() for name in OTHERS}
     try:
@@ -202,6 +205,7 @@ def test_an_input_that_changed_is_named(folder, results):
     assert len(differences) == 3
 
 
+@pytest.mark.sweep
 def test_an_input_inside_an_archive_that_changed_is_named(folder, results):
     before = (folder / "all.zip").read_bytes()
     with zipfile.ZipFile(folder / "all.zip", "w") as archive:
@@ -230,6 +234,7 @@ def test_a_name_too_long_for_a_file_is_the_name_of_a_member(folder, results):
     assert "no longer has this member" in str(why)
 
 
+@pytest.mark.sweep
 def test_inputs_are_found_from_any_folder(golden, tmp_path, monkeypatch):
     """They were named from a folder that is not this one; the configuration knows where they are."""
     config = Config(

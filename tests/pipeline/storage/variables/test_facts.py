@@ -48,6 +48,7 @@ def test_every_fact_is_a_field_of_a_record():
     assert facts_of(type("Of", (), {"record": replace(plain, **KNOWN)})) == STORED
 
 
+@pytest.mark.sweep
 def test_an_assessment_stores_the_facts_of_each_record(assessed, tmp_path):
     save(assessed, tmp_path / "results.h5")
     summary = load(tmp_path / "results.h5")["summary"].to_dataset()

@@ -117,6 +117,7 @@ def test_capacities_ascend_with_the_limit_state_and_uplift_is_exact(tree):
     assert str(tree["efficiency"]["most_efficient"].sel(block="wall", limit_state="uplift").values) == "pga"
 
 
+@pytest.mark.sweep
 def test_the_file_says_how_the_capacities_were_searched(records):
     few = options(limit_states=["uplift", "overturning"], measures=["pga"]).fragility
     site = rp.SiteSettings(name="Tower", description="A tower.")
@@ -187,6 +188,7 @@ def test_all_bodies_together_are_clustered_by_event(tree):
     assert np.isnan(tree["efficiency"]["pooled_beta"].sel(measure="pga")).all()  # no common scale
 
 
+@pytest.mark.sweep
 def test_the_acceleration_that_lifts_a_body_is_told_where_the_ground_does_it_alone(tree, records):
     capacity = [block.gravity * np.tan(block.alpha_c) for block in BLOCKS.values()]
     assert tree["fragility"]["uplift_acceleration"].values == pytest.approx(capacity, rel=1e-12)
@@ -288,6 +290,7 @@ def test_the_curves_come_again_from_the_capacities_of_a_file(records, tree, stri
     assert stored.sources == [record.source for record in records]
 
 
+@pytest.mark.sweep
 def test_weak_records_and_bad_ones_are_left_out_and_told(records):
     silent = rp.Record(np.zeros(100), dt=0.02, id="silent", processed=True)
     weak = pulse(9, "weak", size=0.2)
@@ -298,6 +301,7 @@ def test_weak_records_and_bad_ones_are_left_out_and_told(records):
     assert failures["reason"].str.contains(re.escape("is below [fragility] pga_min = 1 m/s2")).sum() == 1
 
 
+@pytest.mark.sweep
 def test_a_list_of_restitutions_makes_bodies_of_their_own(records):
     several = {"wall": Block(half_width=0.3, half_height=1.5, restitution=[0.85, 0.9])}
     found = rp.fragility_curves(records[:2], options(limit_states=["overturning"], measures=["pga"]), several)

@@ -100,6 +100,7 @@ def test_uplift_at_the_very_factor_is_none_and_a_peak_of_the_very_state_is_one()
     assert reached[0, 0, 0] == reached[1, 0, 1] == 1
 
 
+@pytest.mark.sweep
 def test_the_vertical_acceleration_belongs_to_the_nonlinear_equation():
     block, motion = BLOCKS, scene()
     shaken = replace(motion, vertical=np.full(motion.record.npts, -3.0))  # all is lighter by 3 m/s2
@@ -169,6 +170,7 @@ def test_a_row_of_weight_two_counts_as_two():
     assert abs(plain.median / weighted.median - 1.0) > 1e-3
 
 
+@pytest.mark.sweep
 def test_factors_of_the_table_are_looked_at_and_nothing_else(tmp_path):
     rows = [(f"r{number}", factor) for number in range(8) for factor in (0.6, 1.2, 2.4, 8.0)][:-1]
     tree = curves(tmp_path, "record,factor\n" + "".join(f"{name},{factor}\n" for name, factor in rows))
@@ -186,6 +188,7 @@ def test_factors_of_the_table_are_looked_at_and_nothing_else(tmp_path):
     assert failures["kind"].values[0] == "skipped"
 
 
+@pytest.mark.sweep
 def test_the_same_rows_as_stripes_give_the_same_curve(alike):
     stripes = options(stripe_levels=LEVELS, factors=(1e-6, 1e6))
     plain = rp.fragility_curves(RECORDS, rp.Config(fragility=stripes), WALL)
@@ -193,6 +196,7 @@ def test_the_same_rows_as_stripes_give_the_same_curve(alike):
         np.testing.assert_array_equal(alike["fragility"][name].values, plain["fragility"][name].values)
 
 
+@pytest.mark.sweep
 def test_weights_move_the_curve_and_the_annual_frequency(alike, tmp_path):
     weighted = curves(tmp_path, table("5.0"))
     place = {"block": "wall", "limit_state": "overturning", "measure": "pga"}

@@ -88,6 +88,7 @@ def drawn(earthquakes, seed=3):
     return Observations.of(level, kind, np.repeat(event, 6).astype(str))
 
 
+@pytest.mark.sweep
 def test_the_band_is_over_earthquakes():
     rows, hazard, family = drawn(12), rp.PowerLawHazard(1e-3, 2.5), FAMILIES["lognormal"]
     lines = fitted_lines(rows, family)
@@ -110,6 +111,7 @@ def test_draws_that_rest_on_one_earthquake_are_lost_and_told(tree, law):
     )
 
 
+@pytest.mark.sweep
 def test_few_earthquakes_are_told(tree):
     """In PGA the levels of these records overlap enough for a band of 8 earthquakes, in which some draws are lost."""
     found = rp.annual_frequency(tree, rp.PowerLawHazard(k0=2e-3, k=2.0), resamples=200).sel(block="wall")
@@ -118,6 +120,7 @@ def test_few_earthquakes_are_told(tree):
     assert float(found["probability_high"]) == pytest.approx(-math.expm1(-50.0 * float(found["frequency_high"])))
 
 
+@pytest.mark.sweep
 def test_no_ground_below_uplift_overturns_a_body(tree):
     law = rp.PowerLawHazard(k0=2e-3, k=30.0, measure="pga")
     wall = models.Block(width=0.3, height=2.4)

@@ -136,6 +136,7 @@ KINKED = rp.HazardCurve("pgv", [0.1, 0.2, 0.25, 2.0], [2e-2, 1e-2, 1e-4, 1e-6])
 STEEP = rp.HazardCurve("pga", [0.5, 1.6, 1.8, 4.0], [2e-2, 1e-2, 1e-4, 1e-6])
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("hazard", [KINKED, STEEP])
 def test_the_sum_over_a_hazard_is_exact_between_its_bends_and_from_the_uplift_on(results, hazard):
     """By adaptive quadrature of the same P, straight between stored levels, with the bends of both as ends."""
@@ -212,6 +213,7 @@ def test_nothing_overturns_below_the_acceleration_that_lifts(results):
     assert found < 0.99 * by_hand(results, body, steep, 1e-4, 1e4)
 
 
+@pytest.mark.sweep
 def test_the_shares_beyond_the_curve_and_beyond_the_factors_are_told(results):
     body = models.Block(width=[0.35], height=[2.6])
     curve = rp.HazardCurve("pgv", [0.25, 0.5], [8e-3, 2e-3])

@@ -73,11 +73,13 @@ def test_the_medians_are_those_of_the_logarithms(done):
     assert (done["dispersion_lower"] < done["dispersion"]).all()
 
 
+@pytest.mark.sweep
 def test_nothing_depends_on_the_order_of_the_records(done):
     mixed = site([RECORDS[place] for place in (5, 2, 7, 0, 1, 6, 3, 4)])
     assert mixed.identical(done)
 
 
+@pytest.mark.sweep
 def test_the_seed_decides_the_intervals_and_nothing_else(done):
     other = site(settings=dataclasses.replace(config(), run=RunSettings(seed=9)))
     assert (other["median"] == done["median"]).all()
@@ -96,11 +98,13 @@ def test_few_records_and_events_are_said_loudly(done):
     assert (widths[1] > 7.5).all()
 
 
+@pytest.mark.sweep
 def test_few_records_are_said_by_the_quantile(done):
     assert "about 1.3 of them lie above the quantile 0.84" in str(done["remarks"].item())
     assert "the quantile 0.5 lies among them" in str(site(quantile=0.5)["remarks"].item())
 
 
+@pytest.mark.sweep
 def test_events_that_lift_nothing_are_not_counted_as_more():
     still = [dataclasses.replace(shake(seed, 0.01), id=f"still{seed}") for seed in range(4, 8)]
     found = site([*RECORDS[:2], *still])
@@ -161,6 +165,7 @@ def test_one_record_alone_still_has_a_design():
     assert np.isnan(one["dispersion"]).all()
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("measure", SCALING)
 def test_scaling_to_twice_the_target_doubles_every_impulse(measure):
     weak, strong = (site(RECORDS[:3], scale_to=measure, target=target) for target in (1.5, 3.0))
@@ -179,6 +184,7 @@ def test_scaled_beyond_the_usual_is_said():
     assert "scaled by" in str(far["processing"][0].item())
 
 
+@pytest.mark.sweep
 def test_weights_by_event_give_every_event_the_same():
     records = [*RECORDS, *(shake(0, 1.5, name=f"more{number}") for number in range(3))]
     found = site(records, weights="event")
@@ -247,6 +253,7 @@ def test_a_body_of_several_restitutions_is_several_blocks():
     assert found["restitution"].values.tolist() == [0.7, 0.9]
 
 
+@pytest.mark.sweep
 def test_without_bodies_the_default_family_is_judged():
     found = rp.calibrate_site(RECORDS[:1], config())["site"]
     assert found.sizes["block"] == 100

@@ -97,6 +97,7 @@ def by_rule():
     return spectra("rule", record(), record(2.0, 1))
 
 
+@pytest.mark.sweep
 def test_the_rule_overturns_where_its_demand_does(by_rule):
     found = by_rule["spectrum"].sel(record="burst0").values
     p, c = (values.ravel() for values in np.meshgrid(RATES[[4, 8, 12]], RESTITUTIONS[[1, 4]], indexing="ij"))
@@ -136,6 +137,7 @@ def test_the_nonlinear_spectrum_is_that_of_the_record_scaled_to_the_target():
     np.testing.assert_allclose(found[0], own, rtol=1e-6)
 
 
+@pytest.mark.sweep
 def test_a_record_of_zeros_is_left_out_with_its_reason():
     still = rp.Record(np.zeros(400), dt=0.01, id="still", event="Earthquake Z", processed=True)
     tree = rp.calibrate_site([record(), still], rp.Config(calibration=CalibrationSettings(bootstrap=100)))
@@ -151,6 +153,7 @@ def speed(block):
     return block.gravity * np.tan(block.alpha_c) / block.p
 
 
+@pytest.mark.sweep
 def test_the_quantiles_are_those_of_the_records():
     spectra = usual_site()["spectra"]
     for name, strength in (("spectrum_50", 0.9), ("spectrum_84", 1.3), ("spectrum_design", 1.3)):
@@ -217,6 +220,7 @@ def test_too_few_earthquakes_are_said_in_one_line_and_give_no_number():
     np.testing.assert_allclose(spectra["spectrum"].isel(record=3), STRENGTHS[3] * BASE)
 
 
+@pytest.mark.sweep
 def test_without_bodies_the_spectrum_stands_alone():
     tree = site_of(STRENGTHS, blocks=None)
     assert tree["site"].sizes["block"] == 0
@@ -234,6 +238,7 @@ def test_the_file_holds_what_is_declared_and_nothing_else():
             assert one.attrs["units"] == declared[name].units
 
 
+@pytest.mark.sweep
 def test_the_stored_design_is_the_one_that_bodies_are_assessed_under(tmp_path):
     rp.save(usual_site(), tmp_path / "site.h5")
     design = rp.load_design(tmp_path / "site.h5")

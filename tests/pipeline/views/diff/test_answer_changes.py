@@ -33,6 +33,7 @@ BEFORE = [[1.41, 2.0, np.inf], [3.0, 2.0, np.inf], [np.inf] * 3]
 AFTER = [[1.41, 1.01, np.inf], [3.0, 0.9, np.inf], [np.inf] * 3]
 
 
+@pytest.mark.sweep
 def test_changed_margins_come_first_and_capacities_that_crossed_one_are_listed():
     fallen = np.array([[0, 0, 0], [0, 2, 0], [0, 0, 0]])
     _, text = compare(demanded(BEFORE, np.zeros((3, 3))), demanded(AFTER, fallen))
@@ -72,6 +73,7 @@ def test_a_body_counts_with_its_worst_restitution_and_the_lower_bound_is_marked(
     assert found.bodies == ["column: smallest SF 1.50! -> 1.20!, overturned 0 of 3 records"]
 
 
+@pytest.mark.sweep
 def test_what_was_not_found_is_told_up_to_where_it_was_sought():
     def made(limit):
         found = demanded([[1.5, 2.0, np.inf], [3.0, 2.0, np.inf], [np.inf] * 3])
@@ -97,6 +99,7 @@ def probable(probability, factor, **asked):
     return found
 
 
+@pytest.mark.sweep
 def test_a_changed_probability_and_factor_of_ten_percent_are_told_of_every_body():
     found, text = compare(probable(0.04, 1.2), probable(0.3, 0.8))
     (line,) = found.bodies
@@ -107,6 +110,7 @@ def test_a_changed_probability_and_factor_of_ten_percent_are_told_of_every_body(
     assert "Factors of 10 % that crossed 1" in " ".join(text.split())
 
 
+@pytest.mark.sweep
 def test_the_probability_at_a_demand_is_told_and_its_factor_is_that_of_the_file():
     """A factor to the demand that no PGA tells, as of a demand in PGV."""
 

@@ -87,6 +87,7 @@ def test_the_same_results_are_the_same(cases):
     assert "crossed 1" not in text
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize(
     ("group", "name", "place", "value", "told"),
     [
@@ -111,6 +112,7 @@ def test_a_changed_value_is_found_and_its_place_is_named(group, name, place, val
     assert np.isnan(one.largest) != number
 
 
+@pytest.mark.sweep
 def test_tolerances_are_relative_to_the_larger_plus_absolute_and_an_infinity_is_beyond_them():
     changed = tree()
     changed["summary"]["pga"].values[0] *= 1.0 + 1e-6
@@ -127,6 +129,7 @@ def test_tolerances_are_relative_to_the_larger_plus_absolute_and_an_infinity_is_
     assert found.variables[0].largest == np.inf
 
 
+@pytest.mark.sweep
 def test_verdicts_that_flipped_are_named():
     changed = tree()
     changed["summary"]["outcome"].values[0, 1, 1:] = 2, 3
@@ -148,6 +151,7 @@ def test_verdicts_that_flipped_are_named():
         assert told in line
 
 
+@pytest.mark.sweep
 def test_safety_factors_that_crossed_one_are_a_group_above_all_other_differences():
     changed = tree()
     factors = changed["summary"]["safety_factor"].values
@@ -189,6 +193,7 @@ def without_a_record(made, gone):
     return made
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("gone", [0, 2])
 def test_what_only_one_file_has_is_named_and_the_rest_compared(gone):
     found, text = compare(tree(), without_a_record(tree(), gone))
@@ -230,6 +235,7 @@ def test_another_number_of_rows_is_told_and_the_rest_compared():
     assert [one.name for one in found.variables] == ["/records/half_wave_peak"]
 
 
+@pytest.mark.sweep
 def test_units_and_attributes_that_differ_are_told_and_versions_do_not_count():
     other = tree()
     other["summary"]["pga"].attrs["units"] = "g"
@@ -287,6 +293,7 @@ def test_what_is_ignored_is_named_as_it_is_or_as_it_is_printed():
         compare(tree(), changed, ignore=["pgaa"])
 
 
+@pytest.mark.sweep
 def test_parts_are_compared_as_the_whole(monkeypatch):
     from rockpulse.views.diff import differences
 
@@ -307,6 +314,7 @@ def test_files_of_different_kinds_are_refused(saved, tmp_path):
         compare_results(one, two)
 
 
+@pytest.mark.sweep
 def test_failures_are_counted_whatever_the_rows_of_their_group_are_called(compare_files):
     failures = {name: variable.variable(["one", "two", "three"], ("row",)) for name, variable in FAILURE.items()}
     empty = {name: variable.variable([], ("row",)) for name, variable in FAILURE.items()}

@@ -31,6 +31,7 @@ def intervals(tree, record, block):
     return table["lower"], table["upper"]
 
 
+@pytest.mark.sweep
 def test_a_map_shows_the_stored_intervals_and_the_windows_between(assessed, first, changed):
     ax = overturning_map(assessed, record=first)
     for place, block in enumerate(assessed["summary"]["block"].values):
@@ -64,6 +65,7 @@ def test_every_restitution_has_a_row_of_its_own(clc):
     assert "C = 0.980" in critical_scale(tree, case=2).figure.get_suptitle()
 
 
+@pytest.mark.sweep
 def test_what_the_model_cannot_answer_is_not_drawn_as_overturning(assessed, changed, first):
     table = assessed["overturning_intervals"].to_dataset()
     doubted = table.assign(resolved=table["resolved"].copy(data=np.zeros(table.sizes["interval"], np.int8)))
@@ -81,6 +83,7 @@ def test_what_the_model_cannot_answer_is_not_drawn_as_overturning(assessed, chan
     assert "Outside the range of the model: wall." in small_print(ax)
 
 
+@pytest.mark.sweep
 def test_resonance_is_named_an_upper_bound_and_the_narrowest_interval_is_seen(assessed, changed, first):
     ax = overturning_map(assessed, block="wall", model="resonance")
     assert "upper-bound type input" in ax.figure.get_suptitle()
@@ -129,6 +132,7 @@ def marks(ax, label):
     return [line for line in ax.lines if line.get_color() == color and len(line.get_xdata())]
 
 
+@pytest.mark.sweep
 def test_critical_scales_are_those_of_the_results(assessed, changed):
     ax = critical_scale(assessed, block="wall")
     summary = assessed["summary"].to_dataset()
@@ -164,6 +168,7 @@ def asked_for(assessed, changed):
     return lambda level, **variables: changed({"/summary": demanding(summary, {"damage": level})}, **variables)
 
 
+@pytest.mark.sweep
 def test_a_demand_is_a_tick_on_every_record(assessed, asked_for, first):
     summary, tree = assessed["summary"].to_dataset(), asked_for(2.94)
     by_factor = np.argsort(summary["safety_factor"].sel(block="wall", model="nonlinear").values)
@@ -175,6 +180,7 @@ def test_a_demand_is_a_tick_on_every_record(assessed, asked_for, first):
     assert ticks(overturning_map(tree, record=first)) == pytest.approx([own, own])  # of two blocks
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("draw", [overturning_map, critical_scale])
 def test_a_demand_is_seen_below_every_factor_and_beyond_the_search_said_to_be_there(asked_for, draw):
     weak = draw(asked_for(0.1), block="wall")
@@ -184,6 +190,7 @@ def test_a_demand_is_seen_below_every_factor_and_beyond_the_search_said_to_be_th
     assert "No tick: the demand lies beyond the search." in small_print(strong)
 
 
+@pytest.mark.sweep
 def test_a_tick_does_not_stand_in_the_words_of_its_row(assessed, asked_for, first):
     none = assessed["overturning_intervals"].to_dataset().isel(interval=slice(0))
     endless = np.full(assessed["summary"]["safety_factor"].shape, np.inf)
@@ -200,6 +207,7 @@ def test_a_tick_does_not_stand_in_the_words_of_its_row(assessed, asked_for, firs
             assert not box.x0 < pixel.transform((tick, 0.0))[0] < box.x1
 
 
+@pytest.mark.sweep
 def test_of_many_records_those_of_the_smallest_factors_are_shown(assessed, changed):
     summary = assessed["summary"].to_dataset()
     many = summary.isel(record=np.zeros(70, dtype=int)).assign_coords(record=[f"record {k}" for k in range(70)])

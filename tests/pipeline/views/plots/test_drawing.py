@@ -17,12 +17,14 @@ def record():
     return rp.Record(3.0 * np.sin(np.arange(0.0, 20.0, 0.1)), dt=0.1, id="sine", processed=True)
 
 
+@pytest.mark.sweep
 def test_every_public_object_has_a_picture(record):
     response = rp.models.recorded_response(BLOCK, record.acceleration, record.dt)
     panels = [len(rp.plot(what).axes) for what in (record, rp.half_waves(record), SEQUENCE, response, BLOCK)]
     assert panels == [3, 1, 1, 1, 4]
 
 
+@pytest.mark.sweep
 def test_a_block_gives_a_sequence_its_times_and_spectra_are_drawn(record):
     figure = rp.plot(SEQUENCE, block=BLOCK)
     assert [ax.get_xlabel() for ax in figure.axes] == ["", "time from the first main impulse [s]"]
@@ -32,6 +34,7 @@ def test_a_block_gives_a_sequence_its_times_and_spectra_are_drawn(record):
         rp.plot(xr.Dataset({"pga": 1.0}))
 
 
+@pytest.mark.sweep
 def test_results_are_drawn_by_their_kind(assessed, fragility_tree, tmp_path):
     assert rp.plot(assessed).axes[0].get_title() == "wall"  # without spectra its bodies
     assert rp.plot(fragility_tree).axes[0].get_ylabel().startswith("probability")

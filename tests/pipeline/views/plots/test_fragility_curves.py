@@ -47,6 +47,7 @@ def test_every_limit_state_has_its_curve(fragility_tree):
     assert line.get_ydata().tolist() == [0.0, 0.0, 1.0, 1.0]
 
 
+@pytest.mark.sweep
 def test_the_records_and_the_acceleration_that_lifts_stand_beside_the_curve(fragility_tree):
     ax = fragility(fragility_tree, block="wall", limit_states=["overturning"])
     capacities = fragility_tree["capacities"].to_dataset().sel(block="wall")
@@ -98,6 +99,7 @@ def test_one_band_is_filled_and_said(fragility_tree, asked, expected):
     assert same_color(band.get_facecolor()[0][:3], color)
 
 
+@pytest.mark.sweep
 def test_a_curve_above_that_of_a_milder_state_is_said(fragility_tree):
     words = "Fitted one by one: where a curve lies above that of a milder limit state it says nothing."
 
@@ -151,6 +153,7 @@ def test_the_measure_of_the_hazard_stands_beside_where_the_file_has_it(fragility
     assert [ax.get_xlabel().split()[0] for ax in panels] == units
 
 
+@pytest.mark.sweep
 def test_what_a_curve_lacks_is_said_in_the_legend(fragility_tree):
     assert not any("(" in words for words in labelled(fragility(fragility_tree)))
     tree = fragility_tree.copy(deep=True)

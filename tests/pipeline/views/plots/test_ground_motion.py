@@ -65,6 +65,7 @@ def test_impulses_stand_at_their_centroids(motion, panels):
     assert {main, -main} <= {line.get_ydata()[0] for line in panels[2].lines}
 
 
+@pytest.mark.sweep
 def test_a_record_without_a_sequence_and_results_without_samples_say_so(changed, assessed):
     record = Record(np.sin(np.linspace(0.0, np.pi, 50)), dt=0.02, id="one half-wave")
     drawn = accelerogram(motion_of_record(record))

@@ -35,7 +35,7 @@ def spectra():
     return xr.Dataset(values, axes)
 
 
-@pytest.mark.sweep
+@pytest.mark.slow
 def test_the_spectrum_of_a_record_is_whole_though_it_is_stored_next_to_the_bodies_alone(assessed, changed):
     some = spectra()
     some["spectrum"].values[:, ::2] = np.nan
@@ -49,6 +49,7 @@ def test_the_spectrum_of_a_record_is_whole_though_it_is_stored_next_to_the_bodie
     assert any(line.get_ydata() == pytest.approx(expected["spectrum"].values[:, 0]) for line in both.lines)
 
 
+@pytest.mark.sweep
 def test_the_spectrum_is_that_of_the_record_with_the_bodies(assessed, changed):
     tree = changed({"/spectra": spectra().assign_coords(record=assessed["summary"]["record"].values)})
     figure = draw(tree, "spectrum", record=str(assessed["summary"]["record"].values[1]), restitution=0.9)

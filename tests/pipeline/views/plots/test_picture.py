@@ -38,6 +38,7 @@ def test_the_bytes_are_the_same_on_every_run(form, begin):
     assert first.startswith(begin)
 
 
+@pytest.mark.sweep
 def test_svgs_of_threads_are_the_same_and_leave_the_settings_as_they_were():
     before = dict(matplotlib.rcParams)
     with ThreadPoolExecutor(2) as pool:
@@ -46,6 +47,7 @@ def test_svgs_of_threads_are_the_same_and_leave_the_settings_as_they_were():
     assert dict(matplotlib.rcParams) == before
 
 
+@pytest.mark.sweep
 def test_any_number_of_svgs_stand_in_a_page():
     one, two = svg(figure(), "one"), svg(figure('id="x" url(#y)'))
     assert one.startswith("<svg")

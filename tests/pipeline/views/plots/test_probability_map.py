@@ -29,6 +29,7 @@ def drawn(ax):
     return named_rows(ax), values.filled(np.nan)
 
 
+@pytest.mark.sweep
 def test_every_record_has_the_stored_probability_of_every_body():
     ax = probability_map(tree_of(bodies(probable([0.02, 0.9, 0.3]), 1.0, 0.5)))
     names, values = drawn(ax)
@@ -82,6 +83,7 @@ def test_of_a_pair_of_channels_the_worst_direction_counts():
     assert "Of a pair of channels the direction" in small_print(ax)
 
 
+@pytest.mark.sweep
 def test_of_many_the_likeliest_are_shown_on_a_page():
     rng = np.random.default_rng(0)
     chance, factors = rng.uniform(0.0, 1.0, ROWS + 10), rng.uniform(0.0, 1.0, COLUMNS + 10)

@@ -106,6 +106,7 @@ def test_what_the_model_could_not_say_and_a_vertical_that_is_not_stored_are_told
     assert len(histories(tree, first, "wall", ["linear"])) == 1
 
 
+@pytest.mark.sweep
 def test_a_design_sequence_has_its_own_time_and_no_accelerogram():
     sequence = rp.models.ImpulseSequence(0.2, 0.05, interval=0.1, duration=5.0, main_count=3, spacing="middle")
     config = rp.Config(models=rp.ModelSettings(use=["resonance", "sequence"]))
@@ -122,6 +123,7 @@ def test_a_design_sequence_has_its_own_time_and_no_accelerogram():
         draw(tree, "accelerogram")
 
 
+@pytest.mark.sweep
 def test_a_motion_far_below_alpha_c_is_shown_large_and_rest_is_drawn_too():
     time = np.arange(0.0, 5.0, 0.1)
     moving, _ = rotation_history([History("linear", time, 1e-5 * np.cos(time), peak=1e-5)])

@@ -64,6 +64,7 @@ def test_the_fit_and_the_intervals_are_those_of_the_file(tree):
     assert ax.get_xscale() == "log"
 
 
+@pytest.mark.sweep
 def test_records_without_a_limit_are_counted_and_too_few_earthquakes_are_said(tree):
     copy = tree.copy(deep=True)
     copy["site"]["value"].values[:2, 3] = np.nan

@@ -28,6 +28,7 @@ def lines(ax):
     return {line.get_label(): line.get_ydata() for line in ax.lines}
 
 
+@pytest.mark.sweep
 def test_one_record_has_its_curve_and_the_median_counts_every_earthquake_once():
     ax = overturning_spectra(spectra(1.0), restitution=0.86)
     assert lines(ax)["spectrum of the record"] == pytest.approx([0.2, 0.5, 0.4])
@@ -40,6 +41,7 @@ def test_one_record_has_its_curve_and_the_median_counts_every_earthquake_once():
     assert lines(overturning_spectra(many, restitution=0.85))["median"] == pytest.approx([0.2, 0.5, 0.4])
 
 
+@pytest.mark.sweep
 def test_a_body_stands_at_its_speed_and_the_median_at_a_demand_is_that_of_scaled_records():
     ax = overturning_spectra(spectra(1.0, 2.0), bodies={"a $wall$": (2.0, 0.2)})
     ax.figure.draw_without_rendering()
@@ -130,6 +132,7 @@ def test_a_rotation_beyond_alpha_that_comes_back_is_no_overturning(spectrum):
     assert not ax.patches[0].get_path().contains_point((far["p"][column], far["alpha_c"][row]))
 
 
+@pytest.mark.sweep
 def test_labels_and_legend(spectrum):
     ax = rocking_spectrum(spectrum, bodies={"a $wall$": (2.0, 0.2)})
     ax.figure.draw_without_rendering()

@@ -66,6 +66,7 @@ def test_a_curve_of_another_body_of_the_same_name_is_refused(results, fragility,
     assert paired(results, changed(fragility, "fragility", **{number: 1.0 + 1e-9}), "fragility", "it").missing == ()
 
 
+@pytest.mark.sweep
 def test_a_site_of_another_body_is_refused_and_a_file_is_named(results, site, tmp_path, fragility):
     with pytest.raises(ResultsError, match=r'this site file has another body of the name "stele"'):
         report_page(results, changed(site, "site", alpha_c=1.01))
@@ -75,6 +76,7 @@ def test_a_site_of_another_body_is_refused_and_a_file_is_named(results, site, tm
         report_page(results, fragility=path)
 
 
+@pytest.mark.sweep
 def test_bodies_of_one_file_only_are_named_and_their_curves_left_out(results, bursts, bodies):
     stele, other = bodies["stele"], Block(0.3, 2.0)
     found = curves_of(results, rp.fragility_curves(bursts, CURVES, {"stele": stele, "other": other}))
@@ -101,6 +103,7 @@ def test_restitutions_are_matched_by_their_numbers(bursts):
         paired(other, curves, "fragility", "it")
 
 
+@pytest.mark.sweep
 def test_curves_of_other_ground_motions_say_so(results, bursts, bodies, fragility):
     words = "The curves are of other ground motions than the verdict"
     assert curves_of(results, fragility).remarks == ()
@@ -122,6 +125,7 @@ def test_records_that_are_compared_by_name_only_say_so(results, bursts, bodies, 
     assert by_name not in curves_of(results, fragility).remarks
 
 
+@pytest.mark.sweep
 def test_other_settings_another_gravity_and_another_equation_are_told(results, bursts, bodies, fragility):
     fragility = rp.fragility_curves(bursts, replace(CURVES, conditioning=ConditioningSettings(order=4)), bodies)
     assert curves_of(results, fragility).remarks == (
@@ -190,6 +194,7 @@ def cells(table):
     return table.key, table.headings, [[cell.marked for cell in row] for row in table.rows]
 
 
+@pytest.mark.sweep
 def test_the_page_and_the_terminal_show_the_same_tables(results, site, fragility):
     """The small print of the headings is a note on the terminal."""
     beside = site_of(results, site), curves_of(results, fragility)

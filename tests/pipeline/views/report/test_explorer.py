@@ -149,6 +149,7 @@ def test_the_curve_has_the_stored_probability_of_the_record_as_it_is(shown, resu
     assert curves
 
 
+@pytest.mark.sweep
 def test_without_accelerograms_the_page_says_what_to_do(results, undrawn):
     other = results.copy(deep=True)
     other["records"] = type(results)(other["records"].to_dataset().drop_vars(["acceleration", "row_size"]))

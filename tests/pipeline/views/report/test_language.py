@@ -88,6 +88,7 @@ def test_a_remark_is_told_by_its_code_and_values():
         assert remark_words(Remark("clipped", count=8, end="largest")).startswith("8 samples")  # a reader's
 
 
+@pytest.mark.sweep
 def test_an_italian_page():
     page = report_page(results_tree(), language="it")
     assert '<html lang="it">' in page

@@ -42,6 +42,7 @@ def scripted(monkeypatch, path, script):
     monkeypatch.setattr(printing, "browser", lambda: str(path))
 
 
+@pytest.mark.sweep
 def test_a_browser_that_prints_nothing_or_never_ends_is_an_error_in_words(monkeypatch, tmp_path):
     scripted(monkeypatch, tmp_path / "fails", "echo no display >&2; exit 3")
     with pytest.raises(ResultsError, match=r"printed no PDF \(exit code 3\): no display; write the report as \.html"):
@@ -52,7 +53,7 @@ def test_a_browser_that_prints_nothing_or_never_ends_is_an_error_in_words(monkey
         printing.printed("<p>")
 
 
-@pytest.mark.sweep
+@pytest.mark.slow
 @pytest.mark.skipif(shutil.which("chromium") is None, reason="no browser: apt-get install chromium")
 def test_only_a_pdf_of_ours_is_replaced(tmp_path, monkeypatch):
     target = tmp_path / "report.pdf"

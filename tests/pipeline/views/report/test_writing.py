@@ -128,6 +128,7 @@ def test_without_factors_answers_or_records_a_body_is_not_called_safe(known, res
     assert [card.verdict.text for card in found.cards] == ["not known"] * 3
 
 
+@pytest.mark.sweep
 def test_the_resonance_model_is_named_for_what_it_is_where_it_judges(undrawn):
     tree = results_tree()
     summary = tree["summary"].to_dataset().sel(model=["resonance"])
@@ -167,6 +168,7 @@ def cells(table):
     return [cell.marked for row in table.rows for cell in row]
 
 
+@pytest.mark.sweep
 def test_a_record_of_a_doubtful_peak_is_marked_and_said_first(results):
     assert not any("peak?" in text for text in cells(gather(results).answers))
     found = gather(changed(results, pga=98.1))
@@ -230,6 +232,7 @@ def test_the_files_are_named_with_their_hashes(tmp_path):
     assert html.escape(str(path)) in page
 
 
+@pytest.mark.sweep
 def test_a_record_is_told_in_words_with_what_its_file_states():
     tree = results_tree()
     stated = {"magnitude": [7.1, 7.1, np.nan], "vs30": [391.0, np.nan, np.nan]}

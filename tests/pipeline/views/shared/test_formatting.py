@@ -2,6 +2,7 @@
 
 import math
 
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -29,6 +30,7 @@ def test_intervals_and_counts_are_words():
     assert (several(1, "body"), several(2, "body")) == ("1 body", "2 bodies")
 
 
+@pytest.mark.sweep
 @settings(derandomize=True, deadline=None, max_examples=200)
 @given(value=st.floats(0.0, 30.0))
 def test_a_lower_bound_is_never_above_the_value_and_an_estimate_has_one_digit(value):
@@ -44,6 +46,7 @@ def test_no_number_is_shown_as_nan(value):
     assert "nan" not in ratio(value) + three_digits(value, "m")
 
 
+@pytest.mark.sweep
 @settings(derandomize=True, deadline=None, max_examples=50)
 @given(words=st.text(max_size=60), width=st.integers(5, 40))
 def test_a_shortened_text_fits_and_keeps_both_ends(words, width):

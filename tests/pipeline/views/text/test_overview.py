@@ -57,6 +57,7 @@ def test_what_a_model_cannot_say_is_marked_and_explained(summary):
     assert row(verdict_table(summary), "boundary wall", RECORDS[0])[-1] == "-"
 
 
+@pytest.mark.sweep
 def test_nowhere_does_it_say_nan():
     for cases in (None, 3):
         tree = results_tree(cases)
@@ -133,6 +134,7 @@ def test_what_a_search_may_miss_is_said(searched, step, models, told):
     assert told.replace("|", words) in text if told else "Bands narrower" not in text
 
 
+@pytest.mark.sweep
 def test_notes_count_what_is_shown(searched):
     for shown in ({"record": [0]}, {"block": [1]}):
         text = " ".join(verdict_table(searched.isel(shown)).split())
@@ -172,6 +174,7 @@ def with_demands(summary):
     return demanding(summary, {"damage": 1.0, "collapse": 2.5}, capacity_ratio=((*cube, "demand"), ratio))
 
 
+@pytest.mark.sweep
 def test_capacities_are_compared_with_every_demand_and_shown_only_where_one_is(searched):
     assert smallest_capacities(Answers(searched)) == ""
     text = smallest_capacities(Answers(with_demands(searched)))

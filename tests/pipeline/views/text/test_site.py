@@ -120,6 +120,7 @@ def test_the_effective_impulse_is_shown_before_the_sequence():
     assert not re.search(r"\bnan\b", text, re.I)
 
 
+@pytest.mark.sweep
 def test_without_bodies_the_spectrum_is_shown_and_of_few_earthquakes_one_line():
     text = site_overview(site_of(np.linspace(0.5, 1.4, 10), blocks=None, quantile=0.8))
     assert "Effective impulse I_eff of blocks with C = 0.9" in text

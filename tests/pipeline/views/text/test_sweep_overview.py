@@ -69,6 +69,7 @@ def test_a_table_of_a_sweep_marks_a_doubtful_peak_and_says_how_far_was_searched(
         assert next(line for line in text.splitlines() if line.startswith("  wall")).split()[5] == shown
 
 
+@pytest.mark.sweep
 def test_the_overview_of_a_sweep_shows_the_smallest_factor_and_capacity_over_direction():
     demands = (DemandSettings(name="collapse", acceleration=2.5),)
     options = config("sweep", (WALL,), ModelSettings(use=("nonlinear",)), azimuth_step=20.0)
@@ -104,6 +105,7 @@ def capacity_part(text):
     return text[text.index("Capacity (safety factor x strength") :].split("\n\n")[:3]
 
 
+@pytest.mark.sweep
 def test_all_views_of_a_sweep_tell_the_same_margins(monkeypatch):
     """Over all rotated records of two pairs of different strength the median would be another than over the pairs."""
     records = [channel(azimuth, f"S{k}", across=(1.0 - 0.3 * k) * ACROSS) for k in range(2) for azimuth in (90.0, 0.0)]
