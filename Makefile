@@ -21,7 +21,7 @@ install: .venv/bin/python  ## make .venv and install the package with everything
 run:  ## the main job on the shipped samples
 	$(PYTHON) -m rockpulse assess data/samples/records --config data/samples/site.toml -o results.h5 --overwrite
 
-test:  ## the default tests (four minutes on two cores)
+test:  ## the default tests (two minutes on two cores)
 	$(PYTHON) -m pytest -n 2 --dist worksteal
 
 test-slow:  ## the long sweeps

@@ -1,5 +1,6 @@
 """Folders of real records that several tests read, and a kernel cache, filled once, that never serves stale code."""
 
+import gc
 import os
 from pathlib import Path
 
@@ -15,6 +16,12 @@ os.environ.setdefault("NUMBA_CACHE_DIR", str(kernel_cache(Path(rocking.__file__)
 
 #: Tests in a run from which on all kernels are needed.
 LONG_RUN = 1000
+
+
+def pytest_collection_finish():
+    """Thousands of tests are no garbage: to look through them again and again takes a tenth of a run."""
+    gc.collect()
+    gc.freeze()
 
 
 @pytest.hookimpl(tryfirst=True)

@@ -143,6 +143,7 @@ def test_no_import_is_relative():
     assert [f"{where}: {name}" for where, _, name in imports(SOURCES) if name.startswith(".")] == []
 
 
+@pytest.mark.sweep
 def test_rocking_imports_only_numerics_and_itself():
     allowed = set(sys.stdlib_module_names) | {"numpy", "scipy", "numba", "rocking"}
     offenders = []
@@ -154,16 +155,19 @@ def test_rocking_imports_only_numerics_and_itself():
     assert offenders == []
 
 
+@pytest.mark.sweep
 def test_every_module_has_a_room_and_every_room_a_module():
     homeless = [name for name in graph_of_all() if not room_of(name)]
     assert set(homeless) == HALLS
     assert {room_of(name) for name in graph_of_all()} - {""} == set(LEVEL)
 
 
+@pytest.mark.sweep
 def test_no_import_leads_upward():
     assert upward(graph_of_all()) == []
 
 
+@pytest.mark.sweep
 def test_no_modules_import_each_other_in_a_circle():
     assert circle(graph_of_all()) == []
 
