@@ -95,7 +95,9 @@ def sample_cases() -> Iterator[Case]:
     """Every horizontal channel of the strong sample records, every body, both equations."""
     folder = TOP / "data" / "samples" / "records"
     bodies = {block.name: block.block() for block in load_config(folder.parent / "site.toml").blocks}
-    bodies |= {name: Block(0.5 * width, 0.5 * height) for name, (width, height) in MORE_BODIES.items()}
+    bodies |= {
+        name: Block(half_width=0.5 * width, half_height=0.5 * height) for name, (width, height) in MORE_BODIES.items()
+    }
     for file in SAMPLE_FILES:
         for record in read(folder / file):
             if record.orientation != "horizontal":

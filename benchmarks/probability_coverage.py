@@ -117,7 +117,7 @@ def cases() -> list[Case]:
         records, name, acceleration, dt = shaken[rng.integers(len(shaken))]
         radius, angle = math.exp(rng.uniform(math.log(0.3), math.log(8.0))), math.atan(1.0 / rng.uniform(2.0, 18.0))
         share = rng.choice([0.95, 1.0])
-        block = Block(radius * math.sin(angle), radius * math.cos(angle), log=False)
+        block = Block(half_width=radius * math.sin(angle), half_height=radius * math.cos(angle), log=False)
         block = Block.from_parameters(block.p, block.alpha_c, share * block.restitution, log=False)
         found.append(Case(records, name, block, acceleration, dt))
     return found

@@ -29,7 +29,9 @@ def synthetic(seed=1, n=1500, dt=0.01, peak=4.0):
 def block_of(radius, slenderness, restitution="housner", gravity=G):
     """A rectangle by its half-diagonal [m] and slenderness."""
     alpha = np.arctan(1.0 / slenderness)
-    return Block(radius * np.sin(alpha), radius * np.cos(alpha), restitution, gravity)
+    return Block(
+        half_width=radius * np.sin(alpha), half_height=radius * np.cos(alpha), restitution=restitution, gravity=gravity
+    )
 
 
 def shaking(seed, count, dt, low=0.3, high=8.0):

@@ -26,7 +26,7 @@ def test_outcomes_and_reasons_count_up_from_0_and_each_has_a_word():
         assert [*every] == list(range(len(every)))
 
 
-BODIES = Block(0.5, [2.0, 3.0], restitution=0.9, gravity=9.81)
+BODIES = Block(half_width=0.5, half_height=[2.0, 3.0], restitution=0.9, gravity=9.81)
 KNOWN = np.array([True, False, True])
 
 

@@ -16,14 +16,12 @@ logger = logging.getLogger("rockpulse")
 
 
 class Block(BlockLanes):
-    """A rigid block, or an array of them, by its half sizes or by its full ones; the fields broadcast to (m,), or ().
+    """A rigid block, or an array of them, by its full sizes or by its half ones; the fields broadcast to (m,), or ().
 
     Parameters
     ----------
-    half_width, half_height : float or (m,) array_like
-        b and a, half the base in the plane of rocking and half the height [m].
     width, height : float or (m,) array_like
-        2b and 2a, the full sizes [m], in place of the two halves.
+        2b and 2a, the full base in the plane of rocking and the full height [m].
     restitution : "housner", float or (m,) array_like
         Velocity ratio C = theta'(after)/theta'(before) of an impact [-], 0 <= C <= 1. "housner" is 1 - 1.5
         sin^2(alpha_c), the bound of angular-momentum conservation (Housner's own r is its square).
@@ -32,6 +30,8 @@ class Block(BlockLanes):
     offset, lean : float or (m,) array_like
         Distance of the centre of mass from the middle of the base, positive towards the right-hand corner [m]; tilt of
         the body on a base that is cut horizontal, positive to the same side [rad].
+    half_width, half_height : float or (m,) array_like
+        b and a, half the base and half the height [m], in place of the full sizes; by keyword only.
     one_sided : bool
         Whether the body leans on a wall and turns towards theta > 0 only, away from it.
     rebound : "sorrentino", float or (m,) array_like, optional
@@ -83,20 +83,20 @@ class Block(BlockLanes):
     >>> block = Block(half_width=0.5, half_height=1.93649167, gravity=9.81)
     >>> round(float(block.p), 7), round(float(block.restitution), 5)
     (1.9180068, 0.90625)
-    >>> wall = Block(width=0.25, height=2.2)
+    >>> wall = Block(0.25, 2.2)
     >>> wall.half_width, wall.half_height, wall.width, wall.height
     (0.125, 1.1, 0.25, 2.2)
     """
 
     def __init__(
         self,
-        half_width: ArrayLike | None = None,
-        half_height: ArrayLike | None = None,
+        width: ArrayLike | None = None,
+        height: ArrayLike | None = None,
         restitution: ArrayLike = "housner",
         gravity: float = STANDARD_GRAVITY,
         *,
-        width: ArrayLike | None = None,
-        height: ArrayLike | None = None,
+        half_width: ArrayLike | None = None,
+        half_height: ArrayLike | None = None,
         offset: ArrayLike = 0.0,
         lean: ArrayLike = 0.0,
         one_sided: bool = False,
@@ -109,11 +109,11 @@ class Block(BlockLanes):
         length: ArrayLike | None = None,
         log: bool = True,
     ) -> None:
-        sizes = {"half_width": half_width, "half_height": half_height, "width": width, "height": height}
+        sizes = {"width": width, "height": height, "half_width": half_width, "half_height": half_height}
         given = {name: positive(name, value, "m") for name, value in sizes.items() if value is not None}
         if set(given) not in ({"half_width", "half_height"}, {"width", "height"}):
             found = " and ".join(given) or "no size"
-            raise ValueError(f"block: expected half_width and half_height, or width and height, in m; got {found}")
+            raise ValueError(f"block: expected width and height, or half_width and half_height, in m; got {found}")
         base, rise = together(**given)
         if "width" in given:
             base, rise = base / 2.0, rise / 2.0
@@ -182,7 +182,7 @@ class Block(BlockLanes):
         >>> radius, inertia = np.hypot(0.25, 1.0), 0.25**2 / 4 + 2.0**2 / 12 + 0.25**2 + 1.0**2
         >>> p = np.sqrt(STANDARD_GRAVITY * radius / inertia)
         >>> column = Block.from_parameters(p, np.arctan(0.25), "housner", radius=radius)
-        >>> round(column.restitution, 4), round(Block(0.25, 1.0).restitution, 4)
+        >>> round(column.restitution, 4), round(Block(0.5, 2.0).restitution, 4)
         (0.9114, 0.9118)
         """
         given = {"p": positive("p", p, "1/s"), "alpha": positive("alpha", alpha, "rad")}

@@ -10,7 +10,7 @@ from rocking.body.block_lanes import STANDARD_GRAVITY
 
 
 def block(radius, **options):
-    return Block(0.5, np.sqrt(radius**2 - 0.25), gravity=9.81, **options)
+    return Block(half_width=0.5, half_height=np.sqrt(radius**2 - 0.25), gravity=9.81, **options)
 
 
 @pytest.mark.parametrize(
@@ -46,30 +46,35 @@ def test_gain_of_the_paper_is_that_of_its_geometry():  # F1: Eq. (3) with (4) is
 
 
 def test_gravity_of_a_block_is_standard_unless_given_and_one_number():
-    assert Block(0.5, 2.0).gravity == STANDARD_GRAVITY == 9.80665
-    assert Block(0.5, 2.0).side == 0
+    assert Block(half_width=0.5, half_height=2.0).gravity == STANDARD_GRAVITY == 9.80665
+    assert Block(half_width=0.5, half_height=2.0).side == 0
     for make, numbers in ((Block, (0.5, 2.0)), (Block.from_parameters, (2.0, 0.2)), (Block.from_corners, [0.3] * 4)):
         with pytest.raises(ValueError, match=r"^gravity: .*not an array"):
             make(*numbers, 0.9, [9.81])
 
 
 def test_fields_broadcast_to_the_lanes():
-    body = Block(0.5, [2.0, 3.0, 4.0], restitution=0.9)
+    body = Block(half_width=0.5, half_height=[2.0, 3.0, 4.0], restitution=0.9)
     assert body.shape == (3,)
     assert body.restitution.tolist() == [0.9] * 3
     assert body.half_width.tolist() == [0.5] * 3
-    assert Block(0.5, 2.0, restitution=[0.8, 0.9]).shape == (2,)
-    assert Block(0.5, 2.0).shape == ()
-    assert isinstance(Block(0.5, 2.0).p, float)
+    assert Block(half_width=0.5, half_height=2.0, restitution=[0.8, 0.9]).shape == (2,)
+    assert Block(half_width=0.5, half_height=2.0).shape == ()
+    assert isinstance(Block(half_width=0.5, half_height=2.0).p, float)
 
 
 def test_full_sizes_are_twice_the_halves():
-    full, halves = Block(width=0.6, height=[2.4, 3.0]), Block(0.3, [1.2, 1.5])
+    full, halves = Block(width=0.6, height=[2.4, 3.0]), Block(half_width=0.3, half_height=[1.2, 1.5])
     for name in ("half_width", "half_height", "width", "height", "p", "alpha_c", "restitution", "radius"):
         assert np.array_equal(getattr(full, name), getattr(halves, name))
     assert full.width.tolist() == [0.6, 0.6]
     assert full.lane(1).height == 3.0
     assert np.isnan(Block.from_parameters(2.0, 0.2, 0.9).width)
+
+
+def test_sizes_by_position_are_full_ones():
+    block = Block(0.9, 9.0, 0.95, 9.81)
+    assert (block.half_width, block.half_height, block.restitution, block.gravity) == (0.45, 4.5, 0.95, 9.81)
 
 
 def test_a_block_can_still_be_replaced_field_by_field():
@@ -83,13 +88,13 @@ def test_a_block_can_still_be_replaced_field_by_field():
         ({}, "no size"),
         ({"half_width": 0.3}, "half_width"),
         ({"width": 0.6}, "width"),
-        ({"half_width": 0.3, "height": 2.4}, "half_width and height"),
-        ({"half_width": 0.3, "half_height": 1.2, "width": 0.6, "height": 2.4}, "half_width and half_height and width"),
+        ({"half_width": 0.3, "height": 2.4}, "height and half_width"),
+        ({"half_width": 0.3, "half_height": 1.2, "width": 0.6, "height": 2.4}, "width and height and half_width and"),
     ],
 )
 def test_one_pair_of_sizes_is_expected(sizes, found):
     with pytest.raises(
-        ValueError, match=f"expected half_width and half_height, or width and height, in m; got {found}"
+        ValueError, match=f"expected width and height, or half_width and half_height, in m; got {found}"
     ):
         Block(**sizes)
 
@@ -105,14 +110,14 @@ def test_mass_is_that_of_the_full_size_or_the_one_given():
 
 
 def test_arrays_of_a_block_cannot_be_changed():
-    body = Block(0.5, [2.0, 3.0])
+    body = Block(half_width=0.5, half_height=[2.0, 3.0])
     with pytest.raises(ValueError, match="read-only"):
         body.p[0] = 1.0
 
 
 def test_blocks_in_different_gravity_do_not_stack():
     with pytest.raises(ValueError, match="one gravity"):
-        Block.stack([Block(0.5, 2.0), Block(0.5, 2.0, gravity=9.81)])
+        Block.stack([Block(half_width=0.5, half_height=2.0), Block(half_width=0.5, half_height=2.0, gravity=9.81)])
 
 
 def test_body_that_is_no_rectangle_has_the_constants_given():
@@ -153,7 +158,7 @@ def test_bad_parameters_are_named(p, alpha, message):
 
 @pytest.mark.parametrize("width", [0.1, 0.3, 0.35, 0.5, 0.7, 1.1])
 def test_block_of_exactly_the_least_slenderness_is_within_the_range(width):
-    exact, below = Block(width, 3.0 * width), Block(width, 2.999 * width)
+    exact, below = Block(half_width=width, half_height=3.0 * width), Block(half_width=width, half_height=2.999 * width)
     assert (exact.slender, below.slender) == (True, False)
     assert not any("slenderness" in warning for warning in exact.warnings)
     assert any("slenderness" in warning for warning in below.warnings)

@@ -193,7 +193,7 @@ def test_sizes_that_are_doubted(size, doubt):
         assert not any("check" in warning for warning in Block(width=size[0], height=size[1]).warnings)
         return
     assert doubt in Block(width=size[0], height=size[1], restitution=0.5).warnings[0]
-    assert doubt in Block(size[0] / 2.0, size[1] / 2.0, restitution=0.5).warnings[0]
+    assert doubt in Block(half_width=size[0] / 2.0, half_height=size[1] / 2.0, restitution=0.5).warnings[0]
 
 
 def test_warnings_are_logged_unless_that_is_declined(caplog):

@@ -17,7 +17,7 @@ G = 9.81
 
 
 def block(radius=2.0, restitution=0.6):
-    return Block(0.5, np.sqrt(radius**2 - 0.25), restitution=restitution, gravity=G)
+    return Block(half_width=0.5, half_height=np.sqrt(radius**2 - 0.25), restitution=restitution, gravity=G)
 
 
 def random_train(seed, body, strength, count=7, length=5.0):
@@ -225,7 +225,7 @@ def test_order_of_impulses_at_an_impact_decides():
 
 
 def test_scale_factors_and_blocks_are_lanes():
-    bodies = Block(0.5, [2.0, 3.0, 4.0], restitution=[0.6, 0.7, 0.9], gravity=G)
+    bodies = Block(half_width=0.5, half_height=[2.0, 3.0, 4.0], restitution=[0.6, 0.7, 0.9], gravity=G)
     times, impulses = random_train(3, bodies.lane(0), 0.3)
     scale = np.array([0.0, 1.0, 2.5])
     response = impulsive_response(bodies, times, impulses, 6.0, scale=scale, history_dt=0.5)

@@ -11,7 +11,7 @@ from rocking.impulses.impulsive import GAINS, impulsive_response
 from rocking.response import IMPACT_CUTOFF, Outcome
 
 G = 9.81
-BODY = Block(0.5, np.sqrt(3.75), restitution=0.6, gravity=G)
+BODY = Block(half_width=0.5, half_height=np.sqrt(3.75), restitution=0.6, gravity=G)
 
 
 def gain_of(gain, theta, side):

@@ -17,7 +17,9 @@ FIELDS = ("peak_rotation_ratio", "outcome", "reason", "overturning_time", "overt
 def bodies(count, seed, restitution):
     rng = np.random.default_rng(seed)
     alpha, radius = np.arctan(1.0 / rng.uniform(3.0, 12.0, count)), rng.uniform(0.5, 6.0, count)
-    return Block(radius * np.sin(alpha), radius * np.cos(alpha), restitution=restitution, gravity=G)
+    return Block(
+        half_width=radius * np.sin(alpha), half_height=radius * np.cos(alpha), restitution=restitution, gravity=G
+    )
 
 
 def train(seed, count=12, length=6.0, strength=0.2):

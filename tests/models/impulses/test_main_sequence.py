@@ -20,7 +20,7 @@ PROPERTY = settings(derandomize=True, deadline=None, max_examples=30)
 
 
 def block(radius=2.0, restitution=0.9):
-    return Block(0.5, np.sqrt(radius**2 - 0.25), restitution=restitution, gravity=9.81)
+    return Block(half_width=0.5, half_height=np.sqrt(radius**2 - 0.25), restitution=restitution, gravity=9.81)
 
 
 @pytest.mark.parametrize(
@@ -179,7 +179,7 @@ def test_no_impulse_leaves_the_block_at_rest():
 
 def test_small_impulse_gives_similar_blocks_the_same_top_displacement():  # V18 (P)
     sizes = np.array([1.0, 2.0, 4.0, 8.0])
-    bodies = Block(0.25 * sizes, sizes, restitution=0.9, gravity=9.81)
+    bodies = Block(half_width=0.25 * sizes, half_height=sizes, restitution=0.9, gravity=9.81)
     impulse = 0.09 * bodies.critical_impulse[0]
     response = resonance(bodies, impulse, 1)
     displacement = 2.0 * bodies.radius * response.peak_rotation_ratio * bodies.alpha_c
@@ -187,7 +187,7 @@ def test_small_impulse_gives_similar_blocks_the_same_top_displacement():  # V18 
 
 
 def test_lanes_are_every_impulse_on_every_block():
-    bodies = Block(0.5, [2.0, 3.0, 4.0], restitution=[0.5, 0.7, 0.9], gravity=9.81)
+    bodies = Block(half_width=0.5, half_height=[2.0, 3.0, 4.0], restitution=[0.5, 0.7, 0.9], gravity=9.81)
     impulses = np.array([0.1, 0.4])
     response = resonance(bodies, impulses, 6)
     assert response.peak_rotation_ratio.shape == (2, 3)

@@ -17,7 +17,7 @@ PROPERTY = settings(derandomize=True, deadline=None, max_examples=30)
 
 
 def block(radius=2.0, restitution=0.9):
-    return Block(0.5, np.sqrt(radius**2 - 0.25), restitution=restitution, gravity=9.81)
+    return Block(half_width=0.5, half_height=np.sqrt(radius**2 - 0.25), restitution=restitution, gravity=9.81)
 
 
 def sequence(body, main, ratio, interval=0.1, duration=20.0, **options):
@@ -253,7 +253,7 @@ def test_train_without_end_is_refused():
     with pytest.raises(ValueError, match="shorter duration or a main_count"):
         impulse_train(body, sequence(body, 0.3, 0.5, duration=np.inf))
     with pytest.raises(ValueError, match="one block and one sequence"):
-        impulse_train(Block(0.5, [2.0, 3.0], gravity=9.81), sequence(body, 0.3, 0.5))
+        impulse_train(Block(half_width=0.5, half_height=[2.0, 3.0], gravity=9.81), sequence(body, 0.3, 0.5))
 
 
 def test_a_train_has_the_most_impulses_and_no_more(monkeypatch):
@@ -281,7 +281,9 @@ def test_march_through_the_ground_is_reported(caplog):
 def test_interval_that_cannot_be_told_from_the_limit_is_refused():
     body = block()
     close = sequence(body, 0.3, 0.5, interval=1e-6)
-    both = sequence_response(Block.stack([body, Block(5e6, 4e7, restitution=0.9, gravity=9.81)]), close)
+    both = sequence_response(
+        Block.stack([body, Block(half_width=5e6, half_height=4e7, restitution=0.9, gravity=9.81)]), close
+    )
     for response in (sequence_response(body, close), sequence_response(Block.stack([body, body]), close), both):
         assert np.all(np.equal(response.outcome, Outcome.UNRESOLVED))
         assert np.all(np.equal(response.reason, Reason.SHORT_INTERVAL))
@@ -298,7 +300,7 @@ def test_interval_that_cannot_be_told_from_the_limit_is_refused():
 
 
 def body_of(restitution):
-    return Block(0.5, np.sqrt(3.75), restitution=restitution, gravity=9.81)
+    return Block(half_width=0.5, half_height=np.sqrt(3.75), restitution=restitution, gravity=9.81)
 
 
 def continuous(body, main, ratio):
@@ -351,7 +353,7 @@ def test_critical_limit_is_stable_and_never_reached():
 
 def test_two_sequences_on_two_blocks_have_the_closed_form_of_each_pair():
     """u* = u_1 (1 - C s)/(1 - C), v* = u* - u_1 s/2, x* = 1 - sqrt(1 - v*^2), 2 atanh(v*)/p."""
-    bodies = Block([0.5, 0.4], [2.0, 3.0], restitution=[0.6, 0.7], gravity=9.81)
+    bodies = Block(half_width=[0.5, 0.4], half_height=[2.0, 3.0], restitution=[0.6, 0.7], gravity=9.81)
     main, secondary = np.array([0.2, 0.35]), np.array([0.05, 0.2])
     steady = steady_state(bodies, ImpulseSequence(main, secondary, np.nan, np.inf, spacing="continuous"))
     for q, m in np.ndindex(2, 2):

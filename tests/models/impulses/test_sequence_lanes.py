@@ -17,7 +17,9 @@ def bodies(count=6, restitution=None):
     rng = np.random.default_rng(1)
     alpha, radius = np.arctan(1.0 / rng.uniform(3.0, 12.0, count)), rng.uniform(0.5, 6.0, count)
     restitution = rng.uniform(0.5, 0.9, count) if restitution is None else restitution
-    return Block(radius * np.sin(alpha), radius * np.cos(alpha), restitution=restitution, gravity=G)
+    return Block(
+        half_width=radius * np.sin(alpha), half_height=radius * np.cos(alpha), restitution=restitution, gravity=G
+    )
 
 
 def sequences(count=40, spacing="end"):

@@ -38,7 +38,12 @@ def fallen(request, motions):
     """(motions, PGA, slenderness, R): whether the block overturns, with Housner's restitution."""
     slenderness, radius = np.meshgrid(SLENDERNESS, RADII, indexing="ij")
     alpha = np.arctan(1.0 / slenderness).ravel()
-    block = Block(radius.ravel() * np.sin(alpha), radius.ravel() * np.cos(alpha), "housner", gravity=GRAVITY)
+    block = Block(
+        half_width=radius.ravel() * np.sin(alpha),
+        half_height=radius.ravel() * np.cos(alpha),
+        restitution="housner",
+        gravity=GRAVITY,
+    )
     outcome = np.array([recorded_response(block, motion, DT, request.param, scale=PGA).outcome for motion in motions])
     assert set(np.unique(outcome)) == {Outcome.AT_REST, Outcome.ROCKS, Outcome.OVERTURNS}
     return (outcome == Outcome.OVERTURNS).reshape(MOTIONS, len(PGA), len(SLENDERNESS), len(RADII))
@@ -76,8 +81,8 @@ RUBBER, CONCRETE_LOW, CONCRETE_HIGH, HOUSNER = 0.67, 0.95, 0.97, 1.0
 
 def column(*ratios):
     """A column of 0.5 m x 3 m, one lane for each multiple of Housner's restitution."""
-    housner = Block(0.25, 1.5, "housner", gravity=GRAVITY).restitution
-    return Block(0.25, 1.5, restitution=np.array(ratios) * housner, gravity=GRAVITY)
+    housner = Block(half_width=0.25, half_height=1.5, restitution="housner", gravity=GRAVITY).restitution
+    return Block(half_width=0.25, half_height=1.5, restitution=np.array(ratios) * housner, gravity=GRAVITY)
 
 
 @pytest.fixture(scope="module", params=BOTH)

@@ -94,7 +94,7 @@ def test_of_similar_blocks_the_larger_bears_more_than_its_static_share():
     """Housner (1963): a scale effect makes tall slender structures more stable than might have been expected."""
     sizes = np.array([0.5, 1.0, 2.0, 4.0, 8.0])
     alpha = np.arctan(1.0 / 6.0)
-    blocks = Block(sizes * np.sin(alpha), sizes * np.cos(alpha), gravity=G)
+    blocks = Block(half_width=sizes * np.sin(alpha), half_height=sizes * np.cos(alpha), gravity=G)
     wave = np.sin(np.pi * np.arange(101) / 100)
     wave[-1] = 0.0
     bears = critical_scale(blocks, wave * G * np.tan(alpha), 0.5 / 100, points=200, factor_max=50.0).safety_factor
@@ -106,7 +106,9 @@ def test_similar_blocks_far_from_overturning_have_the_same_top_displacement():
     """Reggiani Manzo & Vassiliou (2019): of analytical pulses and records, if not close to overturning."""
     sizes = np.array([2.0, 4.0, 8.0])
     alpha = np.arctan(1.0 / 5.0)
-    blocks = Block(sizes * np.sin(alpha), sizes * np.cos(alpha), restitution=0.9, gravity=G, log=False)
+    blocks = Block(
+        half_width=sizes * np.sin(alpha), half_height=sizes * np.cos(alpha), restitution=0.9, gravity=G, log=False
+    )
     apart = []
     for seed in range(40):
         motion = synthetic_motion(seed, duration=30.0, dt=0.01, pga=3.0)
@@ -122,7 +124,7 @@ def test_similar_blocks_have_the_same_top_displacement_under_one_impulse():
     """Reggiani Manzo & Vassiliou (2019), VALIDATION V18: within 1 % for u below 0.1."""
     sizes, speed = np.array([1.0, 2.0, 4.0, 8.0]), 0.03
     alpha = np.arctan(1.0 / 5.0)
-    blocks = Block(sizes * np.sin(alpha), sizes * np.cos(alpha), gravity=G)
+    blocks = Block(half_width=sizes * np.sin(alpha), half_height=sizes * np.cos(alpha), gravity=G)
     # An impulse gives a block the speed p^2 cos(alpha) I/g; one that is 1 sample long does the same to 1e-3.
     start = blocks.p**2 * np.cos(alpha) * speed / G
     quiet = np.zeros(2000)
@@ -140,7 +142,9 @@ def test_histories_differ_and_the_distribution_of_their_maxima_does_not():
     """
     alpha, half = np.arctan(1.0 / 6.0), 2.0
     size = half * np.sin(alpha), half * np.cos(alpha)
-    blocks = Block([size[0]] * 2, [size[1]] * 2, restitution=[0.92, 0.99 * 0.92], gravity=G, log=False)
+    blocks = Block(
+        half_width=[size[0]] * 2, half_height=[size[1]] * 2, restitution=[0.92, 0.99 * 0.92], gravity=G, log=False
+    )
     motions = [synthetic_motion(seed, duration=20.0, dt=0.01, pga=4.0) for seed in range(150)]
     peaks = np.array([recorded_response(blocks, one, 0.01).peak_rotation_ratio for one in motions])
     both = np.isfinite(peaks).all(axis=1)

@@ -158,12 +158,14 @@ def test_lanes_are_those_of_single_calls():
     assert lanes.rotation.shape == (3, 3, record.size)
     for i, factor in enumerate(factors):
         for j, half_width in enumerate((0.2, 0.35, 0.5)):
-            single = recorded_response(Block(half_width, 2.0, gravity=G), record, 0.01, scale=factor, history=True)
+            single = recorded_response(
+                Block(half_width=half_width, half_height=2.0, gravity=G), record, 0.01, scale=factor, history=True
+            )
             assert single.peak_rotation_ratio == lanes.peak_rotation_ratio[i, j]
             assert np.array_equal(single.rotation, lanes.rotation[i, j], equal_nan=True)
     assert np.all(lanes.outcome[0] == Outcome.AT_REST)
     assert recorded_response(blocks, record, 0.01).outcome.shape == (3,)
-    assert recorded_response(Block(0.2, 2.0), record, 0.01, scale=factors).outcome.shape == (3,)
+    assert recorded_response(Block(half_width=0.2, half_height=2.0), record, 0.01, scale=factors).outcome.shape == (3,)
 
 
 def test_history_after_overturning_is_nan_and_before_it_is_not():
@@ -186,7 +188,10 @@ def test_history_after_overturning_is_nan_and_before_it_is_not():
         ({"vertical": [0.0, 0.0]}, "vertical: expected 3 samples"),
         ({"vertical": [0.0, 0.0, 0.0], "equation": "linear"}, "vertical"),
         ({"initial_rotation": np.nan}, "initial_rotation"),
-        ({"initial_rotation": [0.0, 0.1], "block": Block([0.5, 0.6, 0.7], 2.0)}, "one for each of the blocks"),
+        (
+            {"initial_rotation": [0.0, 0.1], "block": Block(half_width=[0.5, 0.6, 0.7], half_height=2.0)},
+            "one for each of the blocks",
+        ),
         ({"acceleration": ["a", "b"]}, "acceleration: expected"),
         ({"scale": "a"}, "scale: expected"),
         ({"scale": [1.0, 1e300]}, "m/s2"),

@@ -167,7 +167,11 @@ def test_no_impulse_never_overturns(spacing):
 @pytest.mark.parametrize("threads", [1, 2])
 def test_factors_of_many_blocks_are_those_of_each_alone(threads):
     rng = np.random.default_rng(6)
-    many = Block(rng.uniform(0.2, 0.8, 30), rng.uniform(1.5, 4.0, 30), restitution=rng.uniform(0.5, 0.85, 30))
+    many = Block(
+        half_width=rng.uniform(0.2, 0.8, 30),
+        half_height=rng.uniform(1.5, 4.0, 30),
+        restitution=rng.uniform(0.5, 0.85, 30),
+    )
     sequence = ImpulseSequence(main=0.2, secondary=0.08, interval=0.2, duration=15.0, main_count=6)
     found = sequence_critical_scale(many, sequence, 4.0, 1.05, threads=threads)
     assert np.any(np.isinf(found.safety_factor))

@@ -9,7 +9,7 @@ from rocking.spectrum import body_lanes as lane_march
 from rocking.spectrum.body_lanes import LaneMarch, probability_lanes
 
 PUSH = np.array([0.0, 1.0, 0.5, 0.0])
-BODIES = Block([0.3, 0.4], [1.2, 1.6], restitution=0.9)
+BODIES = Block(half_width=[0.3, 0.4], half_height=[1.2, 1.6], restitution=0.9)
 KNOWN = Uncertainty(factor=0.1, geometry=0.05)
 #: ln of the factor that lifts the body that lost the most of its angle: 9.80665 tan(alpha exp(-0.2)) over 1 m/s2.
 UPLIFT = np.log(9.80665 * np.tan(np.arctan(0.25) * np.exp(-0.2)))
@@ -133,7 +133,7 @@ def test_without_a_guess_lanes_lie_where_the_build_up_is_what_overturns(monkeypa
 
 
 def test_bodies_that_no_draw_lifts_have_no_lanes():
-    bodies = Block([0.3, 0.9], [1.2, 1.2], restitution=0.9)
+    bodies = Block(half_width=[0.3, 0.9], half_height=[1.2, 1.2], restitution=0.9)
     march = march_of((1.2, 9.0), block=bodies)
     bottom, lanes = probability_lanes(march, 1.5)
     assert bottom[0] < 1.5 < bottom[1]

@@ -148,7 +148,7 @@ def test_lanes_that_count_less_than_a_hundredth_of_the_most_do_not_disagree(apar
 DT = 0.01
 PULSE = np.append(np.sin(np.linspace(0.0, np.pi, 51)), np.zeros(50))  # half a sine of 0.5 s, 1 m/s2
 TRAIN = np.sin(2.0 * np.pi * np.arange(0.0, 4.005, DT)) * np.hanning(401)
-WALL = Block(0.3, 1.2)
+WALL = Block(half_width=0.3, half_height=1.2)
 FACTOR_ONLY = Uncertainty(factor=0.1, restitution=(1.0, 1.0), geometry=0.0)
 FACTORS = ("factor_10", "factor_50", "capacity_mean")
 NUMBERS = [f"{name}{end}" for name in ("at_one", *FACTORS) for end in ("", "_low", "_high")]
@@ -189,7 +189,7 @@ def test_a_slender_body_of_uncertain_angle_has_the_skew_normal_shift(one_edge):
 
 def test_a_squat_body_under_a_vertical_against_fresh_draws():
     """P at the factors of 10 and 50 %: 1500 draws of factor, C and alpha each, four standard errors and the lanes'."""
-    block, up = Block(0.6, 1.0), -0.4 * np.cos(3.0 * np.pi * np.arange(TRAIN.size) * DT)
+    block, up = Block(half_width=0.6, half_height=1.0), -0.4 * np.cos(3.0 * np.pi * np.arange(TRAIN.size) * DT)
     found = overturning_probability(block, TRAIN, DT, vertical=up, factor_max=30.0)
     rng, known, n = np.random.default_rng(3), Uncertainty(), 1500
     lanes = Block.from_parameters(
@@ -214,7 +214,7 @@ def test_free_flight_counts_as_overturning():
 
 def test_a_vertical_of_zeros_is_none():
     """And the marches that end where their verdict is settled tell the same as whole ones."""
-    blocks = Block([0.3, 0.6], [1.2, 1.5])
+    blocks = Block(half_width=[0.3, 0.6], half_height=[1.2, 1.5])
     without = overturning_probability(blocks, TRAIN, DT, factor_max=30.0)
     assert np.array_equal(values(without), values(overturning_probability(blocks, TRAIN, DT, None, 0.0 * TRAIN, 30.0)))
 
@@ -234,7 +234,7 @@ def test_a_stronger_record_has_lower_factors():
 def test_a_larger_body_of_the_same_shape_and_restitution_has_larger_factors():
     """As it does under each lane: P falls with the size (Yim, Chopra & Penzien 1980)."""
     sizes = np.array([0.5, 1.0, 2.0, 4.0])
-    found = overturning_probability(Block(0.2 * sizes, sizes), PULSE, DT, factor_max=1000.0)
+    found = overturning_probability(Block(half_width=0.2 * sizes, half_height=sizes), PULSE, DT, factor_max=1000.0)
     for name in FACTORS:
         assert np.all(np.diff(getattr(found, name)) > 0.0)
     assert np.all(np.diff(found.probability, axis=0) <= 1e-4)  # no mass beyond four standard deviations is looked at
@@ -249,7 +249,7 @@ def test_the_draws_of_a_seed_are_the_same_and_those_of_another_one_are_not():
 
 @pytest.mark.sweep
 def test_a_body_has_the_same_answer_alone_among_others_and_on_any_threads():
-    blocks = Block([0.3, 0.1, 0.9], [1.2, 1.5, 1.5])
+    blocks = Block(half_width=[0.3, 0.1, 0.9], half_height=[1.2, 1.5, 1.5])
     together = overturning_probability(blocks, TRAIN, DT, factor_max=30.0, threads=2)
     assert np.array_equal(
         values(together), values(overturning_probability(blocks, TRAIN, DT, factor_max=30.0, threads=1))
@@ -320,7 +320,7 @@ def test_a_body_that_bounces_without_loss_is_answered():
 
 
 def test_intervals_hold_their_value():
-    found = overturning_probability(Block([0.3, 0.1, 0.9], [1.2, 1.5, 1.5]), 5.0 * TRAIN, DT)
+    found = overturning_probability(Block(half_width=[0.3, 0.1, 0.9], half_height=[1.2, 1.5, 1.5]), 5.0 * TRAIN, DT)
     for name in ("at_one", *FACTORS):
         low, value, high = (getattr(found, f"{name}{end}") for end in ("_low", "", "_high"))
         assert np.all(low <= value)
@@ -346,7 +346,7 @@ def test_an_argument_out_of_range_is_named(change, named):
 
 @pytest.mark.parametrize(("share", "expected"), [(0.5, True), (0.9, True), (10.0, False)])
 def test_the_lanes_of_a_body_that_stands_at_the_largest_factor_are_open(one_edge, share, expected):
-    body = Block(np.array([0.3]), np.array([1.2]))
+    body = Block(half_width=np.array([0.3]), half_height=np.array([1.2]))
     ends = np.array([1.0])
     march = LaneMarch(body, PULSE, DT, None, FACTOR_ONLY, ends, ends, 1, 1)
     _, (found,) = probability_lanes(march, float(np.log(share * one_edge)))
@@ -369,7 +369,7 @@ def test_levels_are_those_from_uplift_to_the_largest_factor():
 
 
 def test_probabilities_between_levels_are_linear_in_the_logarithm_of_the_factor():
-    blocks = Block([0.3, 0.2], [1.2, 1.2])
+    blocks = Block(half_width=[0.3, 0.2], half_height=[1.2, 1.2])
     found = overturning_probability(blocks, 2.0 * TRAIN, DT, factor_max=30.0)
     k = int(np.argmax(found.probability[1] > 0.3))
     low, high = np.log(found.level[k : k + 2])

@@ -75,7 +75,7 @@ def calibrate_site(
     ...     for size, name in ((2.5, "Kobe"), (3.0, "Maule"))
     ... ]
     >>> config = rp.Config(calibration=rp.CalibrationSettings(method="statistics"))
-    >>> tree = rp.calibrate_site(shake, config, blocks={"pier": rp.models.Block(0.5, 3.0)})
+    >>> tree = rp.calibrate_site(shake, config, blocks={"pier": rp.models.Block(1.0, 6.0)})
     >>> int(tree["site"]["event_count"])
     2
     """

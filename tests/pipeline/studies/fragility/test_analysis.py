@@ -356,7 +356,11 @@ def test_the_lobes_of_the_impulse_on_the_time_scale_of_the_block_are_efficient_o
         fragility=ida(pga_min=1.471, factors=(0.001, 1000.0), limit_states=[0.4, "overturning"]),
     )
     alpha = np.arctan(1.0 / np.array([4.0, 8.0]))
-    bodies = {f"{a:.3f} R {r:g}": Block(r * np.sin(a), r * np.cos(a)) for a in alpha for r in (1.0, 4.0)}
+    bodies = {
+        f"{a:.3f} R {r:g}": Block(half_width=r * np.sin(a), half_height=r * np.cos(a))
+        for a in alpha
+        for r in (1.0, 4.0)
+    }
     efficiency = rp.fragility_curves(strong, config, bodies)["efficiency"].to_dataset()
     ratio = efficiency["pooled_beta_ratio"].sel(limit_state="overturning")
     print(ratio.to_series())
