@@ -12,7 +12,7 @@ import argparse
 
 import numpy as np
 
-from rockpulse import CalibrationSettings, ConditioningSettings, Config, calibrate_site, condition, read_all
+from rockpulse import CalibrationSettings, ConditioningSettings, Config, calibrate, condition, read_all
 from rockpulse.errors import RockpulseError
 from rockpulse.models import Block
 from rockpulse.record.components import select_horizontal
@@ -59,7 +59,7 @@ def main() -> None:
     args = parser.parse_args()
     calibration = CalibrationSettings(method="statistics", scale_to=args.scale_to, target=args.target)
     config = Config(conditioning=CONDITIONING, calibration=calibration)
-    site = calibrate_site(strong(args.records, args.pga), config, blocks())["site"].to_dataset()
+    site = calibrate(strong(args.records, args.pga), config, blocks())["site"].to_dataset()
     sample = SiteSample(
         values=site["value"].values,
         peaks=rotation_to_cover(site["rotation_ratio"].values),

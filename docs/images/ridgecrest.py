@@ -19,7 +19,7 @@ config = rp.load_config("data/samples/site.toml")
 block = next(body for body in config.blocks if body.name == BODY).block()
 record = rp.condition(next(r for r in rp.read("data/samples/records/CICCC.RAW") if r.id == RECORD))
 waves, phase = rp.half_waves(record), rp.intense_phase(record)
-sequence = rp.calibrate(waves, phase=phase)
+sequence = rp.record_sequence(waves, phase=phase)
 responses = {
     equation: rp.models.recorded_response(block, record.acceleration, record.dt, equation=equation, history=True)
     for equation in ("nonlinear", "linear")

@@ -4,4 +4,16 @@ import lazy_loader
 
 from rockpulse.version import __version__ as __version__
 
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+_of_stub, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+
+
+def __getattr__(name: str) -> object:
+    """A public name, imported on first use; the AttributeError of another names the nearest public one."""
+    try:
+        return _of_stub(name)
+    except AttributeError:
+        from difflib import get_close_matches
+
+        near = get_close_matches(name.lower(), __all__, n=1)
+        did_you_mean = f"; did you mean {near[0]!r}?" if near and not name.startswith("_") else ""
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}{did_you_mean}") from None

@@ -40,6 +40,7 @@ from .errors import TooWeak as TooWeak
 from .errors import UnitError as UnitError
 from .model_table import ModelSettings as ModelSettings
 from .model_table import SearchSettings as SearchSettings
+from .models import Block as Block
 from .readers import read as read
 from .readers.conversion import write as write
 from .readers.folders import read_all as read_all
@@ -62,19 +63,19 @@ from .run.batch import fragility_files as fragility_files
 from .run.options import BatchOptions as BatchOptions
 from .run.options import BatchReport as BatchReport
 from .sequences.design_spectrum import DesignSpectrum as DesignSpectrum
-from .sequences.estimators import calibrate as calibrate
+from .sequences.estimators import record_sequence as record_sequence
 from .sequences.rule import Rule as Rule
 from .sequences.rule import load_rule as load_rule
 from .storage.export.long_table import results_table as results_table
 from .storage.hdf5.results_file import save as save
-from .studies.check.bodies import code_check as code_check
+from .studies.check.bodies import check as check
 from .studies.check.codes import KinematicCheck as KinematicCheck
 from .studies.check.codes import kinematic_check as kinematic_check
-from .studies.fragility.analysis import fragility_curves as fragility_curves
+from .studies.fragility.analysis import fragility as fragility
 from .studies.fragility.curves import fit_capacities as fit_capacities
 from .studies.fragility.curves import fit_stripes as fit_stripes
 from .studies.risk.free_bodies import free_body_fragility as free_body_fragility
-from .studies.risk.frequency import annual_frequency as annual_frequency
+from .studies.risk.frequency import risk as risk
 from .studies.risk.frequency import standing_test as standing_test
 from .studies.risk.hazard import HazardCurve as HazardCurve
 from .studies.risk.hazard import PowerLawHazard as PowerLawHazard
@@ -82,9 +83,9 @@ from .studies.risk.hazard import SiteHazards as SiteHazards
 from .studies.risk.hazard_files import load_hazard as load_hazard
 from .studies.risk.hazard_files import load_site_hazards as load_site_hazards
 from .studies.risk.inventory import inventory_frequency as inventory_frequency
-from .studies.site.calibration import calibrate_site as calibrate_site
+from .studies.site.calibration import calibrate as calibrate
 from .studies.site.calibration import load_design as load_design
 from .views.plots.drawing import plot as plot
-from .views.report.writing import write_report as write_report
+from .views.report.writing import report as report
 
 __version__: str

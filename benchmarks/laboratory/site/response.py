@@ -21,7 +21,7 @@ from rockpulse.errors import ConfigError
 from rockpulse.record.half_wave import half_waves
 from rockpulse.record.intensity import intense_phase
 from rockpulse.record.record import Record
-from rockpulse.sequences.estimators import calibrate
+from rockpulse.sequences.estimators import record_sequence
 
 
 def calibrate_response(
@@ -52,7 +52,7 @@ def calibrate_response(
     family = recorded_family(record, threads, vertical) if blocks is None else blocks
     targets = recorded_targets(record, family, smallest, threads, vertical)
     if start is None:
-        start = calibrate(half_waves(record), phase=intense_phase(record), spacing=spacing)
+        start = record_sequence(half_waves(record), phase=intense_phase(record), spacing=spacing)
     rng = np.random.default_rng(np.random.SeedSequence([seed, *record.id.encode()]))
     fit = fit_sequence(targets, start, spacing, confidence, rng, threads, record.id)
     if blocks is None:

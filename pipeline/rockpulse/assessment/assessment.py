@@ -1,6 +1,7 @@
 """From records, or the design sequence of a site, and bodies to the tree of results."""
 
 import math
+import os
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from functools import cached_property, partial
@@ -23,7 +24,7 @@ from rockpulse.record.half_wave import HalfWaves
 from rockpulse.record.intensity import IntensePhase
 from rockpulse.record.record import Record
 from rockpulse.remark import Remark
-from rockpulse.run.analysis import Analysis, Blocks, Part, Watch, Work, run
+from rockpulse.run.analysis import Analysis, Blocks, Part, Records, Watch, Work, run
 from rockpulse.selection.directions import Motion, PlannedMotion, swept_directions
 from rockpulse.sequences.design_spectrum import DesignSpectrum
 from rockpulse.storage.hdf5.atomic import ASSESSMENT
@@ -31,9 +32,9 @@ from rockpulse.storage.variables.assessment import ASSESSMENT_GROUPS
 
 
 def assess(
-    records: Iterable[Record],
-    config: Config | None = None,
-    blocks: Blocks | None = None,
+    records: Records,
+    config: Config | str | os.PathLike[str] | None = None,
+    bodies: Blocks | None = None,
     failures: Iterable[Failure] = (),
     progress: Callable[[Sequence[PlannedMotion]], Iterable[PlannedMotion]] | None = None,
 ) -> xr.DataTree:
@@ -41,12 +42,13 @@ def assess(
 
     Parameters
     ----------
-    records : iterable of Record
-        All channels, as :func:`rockpulse.read` returns them. Vertical channels and, unless asked for, structural ones
+    records : path, Record, or iterable of either
+        Files, folders, globs and zip archives, read by ``[records]`` as by :func:`rockpulse.read_all`; or all channels,
+        as :func:`rockpulse.read` returns them. Vertical channels and, unless asked for, structural ones
         are listed, not assessed; ``[records] components`` says whether pairs of horizontal channels are rotated.
-    config : Config, optional
+    config : Config or path, optional
         Options; the defaults without.
-    blocks : mapping of str to (width, height), Block or BlockSettings, or sequence of BlockSettings, optional
+    bodies : mapping of str to (width, height), Block or BlockSettings, or sequence of BlockSettings, optional
         The bodies, in place of those of the configuration; full sizes in m.
     failures : iterable of Failure
         Files and channels that reading has left out, to be stored with the results.
@@ -70,11 +72,11 @@ def assess(
     >>> import numpy as np, rockpulse as rp
     >>> t = np.arange(0.0, 4.0, 0.01)
     >>> record = rp.Record(3.0 * np.sin(2.0 * np.pi * t), dt=0.01, id="sine", processed=True)
-    >>> tree = rp.assess([record], blocks={"pier": (1.0, 3.873)})
+    >>> tree = rp.assess([record], bodies={"pier": (1.0, 3.873)})
     >>> tree["summary"]["model"].values.tolist()
     ['sequence', 'nonlinear']
     """
-    return registered(run(Assessment(given_config(config), blocks), records, failures, progress))
+    return registered(run(Assessment(given_config(config), bodies), records, failures, progress))
 
 
 class Assessment(Analysis):
@@ -86,9 +88,9 @@ class Assessment(Analysis):
     in_order_of_ids = False
     event_name = EVENT
 
-    def __init__(self, config: Config, blocks: Blocks | None = None) -> None:
+    def __init__(self, config: Config, bodies: Blocks | None = None) -> None:
         super().__init__(config)
-        self.bodies: Bodies = gather_bodies(config.blocks if blocks is None else blocks, config.records)
+        self.bodies: Bodies = gather_bodies(config.blocks if bodies is None else bodies, config.records)
 
     @property
     def work(self) -> Work:
@@ -132,8 +134,8 @@ NAME = "design sequence"
 
 def assess_sequence(
     sequence: ImpulseSequence | DesignSpectrum,
-    config: Config | None = None,
-    blocks: Blocks | None = None,
+    config: Config | str | os.PathLike[str] | None = None,
+    bodies: Blocks | None = None,
     name: str = NAME,
     source: str = "",
 ) -> xr.DataTree:
@@ -143,9 +145,9 @@ def assess_sequence(
     ----------
     sequence : ImpulseSequence or DesignSpectrum
         One sequence, or a design spectrum, as :func:`rockpulse.load_design` reads them.
-    config : Config, optional
+    config : Config or path, optional
         Sections site, models, search and the bodies are used; a [[demand]] is one on the PGA, which a sequence has not.
-    blocks : mapping of str to (width, height), Block or BlockSettings, or sequence of BlockSettings, optional
+    bodies : mapping of str to (width, height), Block or BlockSettings, or sequence of BlockSettings, optional
         The bodies, in place of those of the configuration; full sizes in m.
     name, source : str
         Id of the row in place of a record, and file that the sequence comes from.
@@ -167,22 +169,22 @@ def assess_sequence(
     --------
     >>> import rockpulse as rp
     >>> sequence = rp.models.ImpulseSequence(0.5, 0.1, interval=0.1, duration=10.0, main_count=3)
-    >>> tree = rp.assess_sequence(sequence, blocks={"pier": (1.0, 3.873)})
+    >>> tree = rp.assess_sequence(sequence, bodies={"pier": (1.0, 3.873)})
     >>> tree["summary"]["model"].values.tolist()
     ['sequence']
     """
     asked_for = given_config(config)
-    bodies = gather_bodies(asked_for.blocks if blocks is None else blocks)
-    refuse_aloft(bodies, "a design sequence is one of the ground")
+    gathered = gather_bodies(asked_for.blocks if bodies is None else bodies)
+    refuse_aloft(gathered, "a design sequence is one of the ground")
     answering: tuple[str, ...] = SEQUENCE_MODELS
     what = "a sequence"
     if isinstance(sequence, DesignSpectrum):
         what, answering = "a design spectrum", tuple(name for name in SEQUENCE_MODELS if MODELS[name].paired)
-        inside = np.all(bodies.per_case(sequence.covers(bodies.lanes)), axis=1)
+        inside = np.all(gathered.per_case(sequence.covers(gathered.lanes)), axis=1)
         try:
-            sequence = sequence.sequence(bodies.lanes)
+            sequence = sequence.sequence(gathered.lanes)
         except ValueError as error:
-            outside = [body for body, covered in zip(bodies.names, inside, strict=True) if not covered]
+            outside = [body for body, covered in zip(gathered.names, inside, strict=True) if not covered]
             told = f"[[block]] {', '.join(outside)}: leave out of the assessment under this design. " if outside else ""
             raise ConfigError(f"{told}{error}") from None
     elif sequence.shape:
@@ -214,7 +216,7 @@ def assess_sequence(
     waves = HalfWaves(none, none, none, none, none, none, dt=rest.dt, record_id=name)
     phase = IntensePhase(0.0, float(np.max(sequence.duration)))
     scene = Scene(rest, None, waves, phase, sequence, **solver_options(config))
-    done = replace(assess_scene(scene, bodies, config), shaken=False)
+    done = replace(assess_scene(scene, gathered, config), shaken=False)
     warnings = list(done.record.warnings)
     if dropped:
         verb = "is" if len(dropped) == 1 else "are"
@@ -222,6 +224,6 @@ def assess_sequence(
     if asked_for.demands:
         warnings.append(Remark("demand_not_compared"))
     done = replace(done, scene=replace(done.scene, record=replace(done.record, warnings=tuple(warnings))))
-    tree = build_tree([record_part(done) | {EVENT: np.array([""])}], bodies, config, [])
+    tree = build_tree([record_part(done) | {EVENT: np.array([""])}], gathered, config, [])
     tree.attrs["title"] = config.site.name or "Rocking response of rigid blocks to a sequence of impulses"
     return registered(tree)

@@ -41,7 +41,7 @@ class Results(Shown):
     --------
     >>> import numpy as np, rockpulse as rp
     >>> sine = rp.Record(3.0 * np.sin(np.arange(0.0, 40.0, 0.1)), dt=0.1, id="sine", processed=True)
-    >>> tree = rp.assess([sine], blocks={"chest": (1.0, 1.2), "wall": (0.25, 2.2)})
+    >>> tree = rp.assess([sine], bodies={"chest": (1.0, 1.2), "wall": (0.25, 2.2)})
     >>> tree.rockpulse.verdicts()["verdict"].to_dict()
     {'chest': 'stays', 'wall': 'overturns'}
     >>> tree.rockpulse

@@ -25,7 +25,7 @@ from rockpulse.record.record import STANDARD_GRAVITY, Record
 from rockpulse.record.rotation import rotate
 from rockpulse.remark import Remark
 from rockpulse.selection.directions import FACING_WITHIN
-from rockpulse.sequences.estimators import calibrate
+from rockpulse.sequences.estimators import record_sequence
 
 
 def scene_of_record(record: Record, config: Config, vertical: Record | None = None) -> Scene:
@@ -46,7 +46,7 @@ def extract(conditioned: Record, config: Config, up: Record | None = None) -> Sc
     waves = half_waves(conditioned, **config.half_waves)
     phase = intense_phase(conditioned, **config.intense_phase)
     try:
-        sequence = calibrate(waves, phase=phase, **config.sequence.statistics)
+        sequence = record_sequence(waves, phase=phase, **config.sequence.statistics)
     except RecordRefused as error:
         sequence = None
         conditioned = conditioned.with_warning(Remark("no_sequence", reason=str(error)))

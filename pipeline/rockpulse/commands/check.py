@@ -16,7 +16,7 @@ def _run(args: argparse.Namespace) -> int:
     from rockpulse.storage.export.table_file import csv_bytes
     from rockpulse.storage.hdf5.atomic import ASSESSMENT, named
     from rockpulse.storage.hdf5.results_file import load
-    from rockpulse.studies.check.bodies import code_check
+    from rockpulse.studies.check.bodies import check
     from rockpulse.views.text.check import check_overview
 
     if args.output is not None:
@@ -31,7 +31,7 @@ def _run(args: argparse.Namespace) -> int:
     else:
         assert tree is not None
         config = config_from_text(str(tree.attrs["configuration"]))
-    found = code_check(config, args.code or CODES, tree)
+    found = check(config, args.code or CODES, tree)
     if args.output is not None:
         write_files({Path(args.output): csv_bytes(found.to_dataframe().reset_index())})
     if not args.quiet:

@@ -8,11 +8,11 @@ from rockpulse.commands.terminal import tell
 
 def _run(args: argparse.Namespace) -> int:
     from rockpulse.config.configuration import load_config
-    from rockpulse.views.report.writing import write_report
+    from rockpulse.views.report.writing import report
 
     config = load_config(args.config) if args.config else None
     given = (args.results, args.output, args.site, args.fragility, args.overwrite)
-    path = write_report(*given, language=args.language, config=config)
+    path = report(*given, language=args.language, config=config)
     tell(f"report: {path} ({path.stat().st_size / 1e6:.1f} MB)")
     return 0
 

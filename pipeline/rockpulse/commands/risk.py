@@ -16,7 +16,7 @@ def _run(args: argparse.Namespace) -> int:
     from rockpulse.files import check_file, write_files
     from rockpulse.storage.export.table_file import csv_bytes
     from rockpulse.storage.hdf5.results_file import load
-    from rockpulse.studies.risk.frequency import annual_frequency, standing_test
+    from rockpulse.studies.risk.frequency import risk, standing_test
     from rockpulse.studies.risk.hazard_files import hazard_of, site_hazards_of
     from rockpulse.studies.risk.inventory import inventory_frequency, read_inventory
     from rockpulse.views.text import risk as text
@@ -57,7 +57,7 @@ def _run(args: argparse.Namespace) -> int:
         found = inventory_frequency(tree, bodies.block, hazards, years).assign_coords(body=bodies.names)
     else:
         resamples = 500 if args.resamples is None else args.resamples
-        found = annual_frequency(tree, hazard_of(settings, folder), limit_state, years, resamples=resamples)
+        found = risk(tree, hazard_of(settings, folder), limit_state, years, resamples=resamples)
     standing = None if args.age is None else standing_test(found, args.age)
     if args.bodies is not None:
         contents = [text.inventory_table(found, standing)]

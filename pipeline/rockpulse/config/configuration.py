@@ -145,15 +145,14 @@ def stored_sections(text: str) -> dict[str, Any]:
     return found
 
 
-def given_config(config: Config | None) -> Config:
-    """The configuration that was given, the defaults without one; a ConfigError for anything else."""
+def given_config(config: Config | str | os.PathLike[str] | None) -> Config:
+    """The configuration that was given or that a file holds, the defaults without one; else a ConfigError."""
     if config is None:
         return Config()
+    if isinstance(config, (str, os.PathLike)):
+        return load_config(Path(config))
     if not isinstance(config, Config):
-        raise ConfigError(
-            f"config: expected a Config, found {type(config).__name__} {config!r:.60}; "
-            "rockpulse.load_config reads one from a file"
-        )
+        raise ConfigError(f"config: expected a Config or the path of one, found {type(config).__name__} {config!r:.60}")
     return config
 
 

@@ -132,7 +132,7 @@ class IntensePhaseSettings(Section):
 
 @dataclass(frozen=True)
 class SequenceSettings(Section):
-    """The sequence that stands for a record; all but the method are keyword arguments of :func:`rockpulse.calibrate`.
+    """The sequence that stands for a record; all but the method are arguments of :func:`rockpulse.record_sequence`.
 
     The method "rule" gives every body a sequence of its own, by the conservative point of the rule; "statistics" one
     for all bodies, from the half-waves of the record.
@@ -151,7 +151,7 @@ class SequenceSettings(Section):
 
     @property
     def statistics(self) -> dict[str, Any]:
-        """The keyword arguments of :func:`rockpulse.calibrate`."""
+        """The keyword arguments of :func:`rockpulse.record_sequence`."""
         return {name: value for name, value in {**self}.items() if name != "method"}
 
 
@@ -198,7 +198,7 @@ class DemandSettings(Section):
 
 @dataclass(frozen=True)
 class CalibrationSettings(Section):
-    """The way from the records of a site to its design sequence (:func:`rockpulse.calibrate_site`).
+    """The way from the records of a site to its design sequence (:func:`rockpulse.calibrate`).
 
     Without `weights` earthquakes are alike with the method "spectrum", and records are with "statistics".
     """

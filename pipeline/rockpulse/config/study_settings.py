@@ -98,7 +98,7 @@ class UncertaintySettings(Section):
 
 @dataclass(frozen=True)
 class FragilitySettings(Section):
-    """Limit states, measures and fits of :func:`rockpulse.fragility_curves`.
+    """Limit states, measures and fits of :func:`rockpulse.fragility`.
 
     `selection` is a table of records that were chosen elsewhere, with their factors or levels and weights, in place of
     `stripe_levels`, `factors` and `pga_min`.

@@ -1,20 +1,22 @@
 """The analysis of a set of records in this process: plan the motions, work on each, collect the tree of results."""
 
 import logging
+import os
 from abc import ABC, abstractmethod
 from collections import Counter, defaultdict
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
-from pathlib import Path
-from typing import Any, ClassVar
+from typing import Any, ClassVar, TypeAlias, cast
 
 import numpy as np
 import xarray as xr
 
 from rockpulse.config.bodies import Blocks
 from rockpulse.config.configuration import Config
-from rockpulse.errors import ConfigError, Failure, TooWeak
+from rockpulse.config.settings import RecordSettings
+from rockpulse.errors import ConfigError, Failure, RecordRefused, TooWeak
+from rockpulse.readers.folders import read_all
 from rockpulse.record.record import Record
 from rockpulse.selection.directions import (
     Motion,
@@ -27,8 +29,10 @@ from rockpulse.selection.directions import (
 from rockpulse.selection.events import event_table, events_by_id
 from rockpulse.selection.votes import one_vote_each, unmatched_patterns
 
-__all__ = ["Analysis", "Blocks", "Part", "Plan", "Watch", "Work", "joined", "run", "worked"]
+__all__ = ["Analysis", "Blocks", "Part", "Plan", "Records", "Watch", "Work", "joined", "run", "worked"]
 logger = logging.getLogger("rockpulse")
+#: What an analysis is given: channels, or the files, folders, globs and zip archives that they are read from.
+Records: TypeAlias = str | os.PathLike[str] | Record | Iterable[str | os.PathLike[str]] | Iterable[Record]
 #: The arrays that one motion adds to the results, by variable; the first dimension is the one that grows.
 Part = Mapping[str, np.ndarray]
 #: Measures the time of a step, by its name: ``with watch("solve"): ...``
@@ -55,7 +59,7 @@ class Analysis(ABC):
     in_order_of_ids: ClassVar[bool] = True  # whether the records are sorted by id
     event_name: ClassVar[str] = "event"  # variable of a part with the earthquake of its motion
 
-    def __init__(self, config: Config, blocks: Blocks | None = None) -> None:
+    def __init__(self, config: Config, bodies: Blocks | None = None) -> None:
         self.config = config
         self.named_events: dict[str, str] = event_table(config)
 
@@ -123,12 +127,12 @@ class Analysis(ABC):
 
 def run(
     analysis: Analysis,
-    records: Iterable[Record],
+    records: Records,
     failures: Iterable[Failure] = (),
     progress: Callable[[Sequence[PlannedMotion]], Iterable[PlannedMotion]] | None = None,
 ) -> xr.DataTree:
     """Carries out an analysis in this process; `progress` wraps the list of planned motions, as ``tqdm.tqdm`` does."""
-    plan = analysis.plan(_checked(records), failures)
+    plan = analysis.plan(*_given(records, failures, analysis.config.records))
     rows, parts = list(plan.failures), []
     for one in plan.planned if progress is None else progress(plan.planned):
         for outcome in worked(one, analysis.work, analysis.name, analysis.config):
@@ -139,14 +143,24 @@ def run(
     return analysis.collect(parts, plan.planned, rows)
 
 
-def _checked(records: Iterable[Record]) -> list[Record]:
-    found: list[Any] = [records] if isinstance(records, (str, Path, Record)) else list(records)
-    for one in found:
-        if not isinstance(one, Record):
+def _given(
+    records: Records, failures: Iterable[Failure], options: RecordSettings
+) -> tuple[list[Record], list[Failure]]:
+    """The records, read first if they are paths, and the failures with those of reading."""
+    one = isinstance(records, (str, os.PathLike, Record))
+    every: list[Any] = [records] if one else list(cast(Iterable[Any], records))
+    if every and all(isinstance(item, (str, os.PathLike)) for item in every):
+        found, unread = read_all(every, options.units, None, options.dt, options.response, options.files)
+        if not found:
+            reasons = "; ".join(f"{row.reason}" for row in unread[:3])
+            raise RecordRefused(f"records: no record in {', '.join(map(str, every))}{': ' * bool(reasons)}{reasons}")
+        return found, [*failures, *unread]
+    for item in every:
+        if not isinstance(item, Record):
             raise ConfigError(
-                f"records: expected Records, as rockpulse.read and rockpulse.read_all return them, found {one!r:.80}"
+                f"records: expected paths, or Records as rockpulse.read returns them, not both, found {item!r:.80}"
             )
-    return found
+    return every, list(failures)
 
 
 def worked(

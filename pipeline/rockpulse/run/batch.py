@@ -67,7 +67,7 @@ def assess_files(paths: Paths, config: Config, output: PathLike, options: BatchO
 
 
 def calibrate_files(paths: Paths, config: Config, output: PathLike, options: BatchOptions | None = None) -> BatchReport:
-    """Calibrate the design of a site on all records of some files (:func:`rockpulse.calibrate_site`); write the file.
+    """Calibrate the design of a site on all records of some files (:func:`rockpulse.calibrate`); write the file.
 
     Arguments, outcome and errors are those of :func:`assess_files`; a table of weights that does not fit raises
     ConfigError, records that make no site RecordRefused.
@@ -79,7 +79,7 @@ def calibrate_files(paths: Paths, config: Config, output: PathLike, options: Bat
 
 
 def fragility_files(paths: Paths, config: Config, output: PathLike, options: BatchOptions | None = None) -> BatchReport:
-    """Fit fragility curves to all records of some files (:func:`rockpulse.fragility_curves`); write the file.
+    """Fit fragility curves to all records of some files (:func:`rockpulse.fragility`); write the file.
 
     Arguments, outcome and errors are those of :func:`assess_files`.
     """

@@ -55,7 +55,7 @@ MAIN_COUNT: dict[str, Callable[[np.ndarray], int | None]] = {
 }
 
 
-def calibrate(
+def record_sequence(
     waves: HalfWaves,
     main: str = "largest",
     secondary: str = "rms",

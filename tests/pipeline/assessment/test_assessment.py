@@ -158,7 +158,7 @@ def test_capacity_is_compared_with_every_demand(restitution):
 
 
 def test_squat_block_is_marked_outside_the_range_of_the_linear_models(tree):
-    squat = assess([record("one")], Config(), blocks=[BlockSettings(name="chest", width=1.0, height=1.5)])["summary"]
+    squat = assess([record("one")], Config(), bodies=[BlockSettings(name="chest", width=1.0, height=1.5)])["summary"]
     applicable = squat["applicable"].squeeze().values
     assert list(applicable) == [0, 0, 0, 0, 1]
     assert np.all(tree["summary"]["applicable"] == 1)

@@ -90,7 +90,7 @@ def test_a_configuration_without_a_sequence_model_is_refused():
 
 def test_several_sequences_and_no_body_are_refused():
     with pytest.raises(ConfigError, match="expected one sequence, found 2"):
-        rp.assess_sequence(SEQUENCE.scaled([1.0, 2.0]), blocks=BLOCKS)
+        rp.assess_sequence(SEQUENCE.scaled([1.0, 2.0]), bodies=BLOCKS)
     with pytest.raises(ConfigError, match="no block to assess"):
         rp.assess_sequence(SEQUENCE)
 
@@ -124,8 +124,8 @@ def test_under_a_design_spectrum_every_body_has_its_own_sequence():
 def test_a_body_outside_the_design_spectrum_is_refused_by_name():
     (name,) = list(SPECTRUM_BLOCKS)[2:]
     with pytest.raises(ConfigError, match=rf"^\[\[block\]\] {name}: leave out"):
-        rp.assess_sequence(design_of(usual_site()), blocks=SPECTRUM_BLOCKS)
+        rp.assess_sequence(design_of(usual_site()), bodies=SPECTRUM_BLOCKS)
     with pytest.raises(ConfigError, match=r"slenderness 3.5 and more, .* not for 1 of 3, the first one at place 2"):
-        rp.assess_sequence(design_of(usual_site()), blocks=SPECTRUM_BLOCKS)
+        rp.assess_sequence(design_of(usual_site()), bodies=SPECTRUM_BLOCKS)
     with pytest.raises(ConfigError, match="resonance cannot answer a design spectrum; it is answered by sequence"):
         rp.assess_sequence(design_of(usual_site()), Config(models=ModelSettings(use=["resonance"])), BLOCKS)

@@ -196,7 +196,7 @@ def test_what_is_of_the_ground_refuses_bodies_aloft():
     with pytest.raises(
         rp.ConfigError, match=r"\[\[block.floor\]\] of aloft: a site is calibrated on the motion of its"
     ):
-        rp.calibrate_site([RECORD], aloft)
+        rp.calibrate([RECORD], aloft)
     sequence = models.ImpulseSequence(0.5, 0.1, interval=0.1, duration=10.0, main_count=3)
     with pytest.raises(rp.ConfigError, match=r"\[\[block.floor\]\] of aloft: a design sequence"):
         rp.assess_sequence(sequence, aloft)
@@ -275,7 +275,7 @@ def test_a_direction_needs_a_pair():
     with pytest.raises(rp.ConfigError, match=r'"own" azimuth: a direction of its own needs pairs of channels'):
         config(own)
     with pytest.raises(rp.ConfigError, match="needs pairs of channels"):
-        rp.assess(PAIR, blocks=[own])
+        rp.assess(PAIR, bodies=[own])
     # A channel that faces the direction of the records stands for it, and not for another one.
     tree = turned(body("others"), own, records=PAIR[:1], components="azimuth", azimuth=90.0)
     assert tree["summary"].sizes["record"] == 0
@@ -303,8 +303,8 @@ def test_fragility_of_each_body_is_that_of_its_place():
     blocks = body("others"), body("own", azimuth=30.0), body("aloft", floors=(FLOOR,))
     there, here = (rp.RecordSettings(components="azimuth", azimuth=azimuth) for azimuth in (75.0, 30.0))
     levels = rp.FragilitySettings(stripe_levels=(0.5, 1.0), measures=("pga", "velocity_ratio"))
-    tree = rp.fragility_curves(PAIR, rp.Config(blocks=blocks, records=there, fragility=levels))["capacities"]
-    own = rp.fragility_curves(PAIR, rp.Config(blocks=[body("own")], records=here, fragility=levels))["capacities"]
+    tree = rp.fragility(PAIR, rp.Config(blocks=blocks, records=there, fragility=levels))["capacities"]
+    own = rp.fragility(PAIR, rp.Config(blocks=[body("own")], records=here, fragility=levels))["capacities"]
     for name in ("factor", "reached", "measure_value"):
         assert np.array_equal(tree[name].sel(block="own"), own[name].sel(block="own"), equal_nan=True), name
     # Aloft the measure is that of the ground: at the same factors the body is asked about its floor's motion.

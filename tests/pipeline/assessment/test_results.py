@@ -24,7 +24,7 @@ DEMAND = rp.DemandSettings(name="SLV", measure="pga", value=3.0)
 @pytest.fixture(scope="module")
 def tree():
     models = rp.ModelSettings(use=("nonlinear",))
-    return rp.assess([SINE, WEAK], rp.Config(models=models, demands=(DEMAND,)), blocks=BODIES)
+    return rp.assess([SINE, WEAK], rp.Config(models=models, demands=(DEMAND,)), bodies=BODIES)
 
 
 @pytest.fixture
@@ -103,7 +103,7 @@ def test_results_are_told_in_a_line_and_drawn(tree):
 
 @pytest.mark.sweep
 def test_many_bodies_are_drawn_in_part():
-    many = rp.assess(WEAK, blocks={f"<b>{number}": (1.0, 4.0 + 0.01 * number) for number in range(30)})
+    many = rp.assess(WEAK, bodies={f"<b>{number}": (1.0, 4.0 + 0.01 * number) for number in range(30)})
     card = many.rockpulse._repr_html_()
     assert card.count("<circle") == 20
     assert "<b>" not in card

@@ -112,13 +112,13 @@ def test_fragility_takes_both_senses_of_an_earthquake():
     records = [record(name=f"pulse {number}") for number in range(3)]
     levels = rp.FragilitySettings(stripe_levels=(0.5, 1.0), measures=("pga", "velocity_ratio"))
     asked = replace(config(settings()), models=rp.ModelSettings(), fragility=levels)
-    tree = rp.fragility_curves(records, asked)
+    tree = rp.fragility(records, asked)
     ids = tree["capacities"]["record"].values.tolist()
     assert len(ids) == 6
     assert sum(name.endswith("reversed") for name in ids) == 3
     assert len(set(tree["capacities"]["event"].values.tolist())) == 1
     assert tree["fragility"]["uplift_acceleration"].item() == pytest.approx(9.80665 * 0.5 / 5.0)  # whichever way
-    turned = rp.fragility_curves([record(sign=-1.0, name="pulse 0")], asked)
+    turned = rp.fragility([record(sign=-1.0, name="pulse 0")], asked)
     one, other = (found["capacities"].to_dataset() for found in (tree, turned))
     assert not np.array_equal(one["reached"].sel(record="pulse 0"), one["reached"].sel(record="pulse 0 reversed"))
     for name in ("pulse 0", "pulse 0 reversed"):

@@ -91,7 +91,7 @@ def test_the_summary_says_first_what_few_records_cannot_tell(calibrated, motions
 
 def test_the_file_comes_back_as_it_was_calibrated(motions, config, loaded):
     records, failures = rp.read_all([motions])
-    tree = rp.calibrate_site(records, rp.load_config(config), failures=failures)
+    tree = rp.calibrate(records, rp.load_config(config), failures=failures)
     assert loaded.attrs["kind"] == "site calibration"
     assert loaded.attrs["title"] == "An old town"
     assert loaded["site"].to_dataset().identical(tree["site"].to_dataset())

@@ -19,7 +19,7 @@ def results(tmp_path_factory, loaded_once):
     time = 0.01 * np.arange(400)
     burst = 6.0 * np.sin(2.0 * np.pi * time) * np.exp(-((time - 2.0) ** 2))
     strong = rp.Record(burst, dt=0.01, id="CI.CCC..360@20190706T031937", processed=True)
-    rp.save(rp.assess([strong], settings, blocks={"pinnacle": body}), path)
+    rp.save(rp.assess([strong], settings, bodies={"pinnacle": body}), path)
     return path
 
 

@@ -3,18 +3,9 @@
 import numpy as np
 import pytest
 
-from rockpulse import (
-    BlockSettings,
-    Config,
-    PedestalSettings,
-    Record,
-    RecordSettings,
-    assess,
-    calibrate_site,
-    fragility_curves,
-)
+from rockpulse import BlockSettings, Config, PedestalSettings, Record, RecordSettings, assess, calibrate, fragility
 from rockpulse.config.bodies import gather_bodies, given_bodies
-from rockpulse.errors import ConfigError
+from rockpulse.errors import ConfigError, RecordRefused
 from rockpulse.models import Block
 
 WALL = BlockSettings(name="wall", width=0.25, height=2.2)
@@ -69,19 +60,21 @@ def test_what_is_no_body_is_refused_in_words(blocks, message):
         gather_bodies(blocks)
 
 
-@pytest.mark.parametrize("question", [assess, fragility_curves, calibrate_site])
+@pytest.mark.parametrize("question", [assess, fragility, calibrate])
 def test_records_and_a_configuration_are_asked_for_in_words(question):
     sizes = {"wall": (0.25, 2.2)}
-    with pytest.raises(ConfigError, match=r"config: expected a Config, found str 'site.toml'; rockpulse\.load_config"):
-        question([SHAKING], "site.toml", blocks=sizes)
-    with pytest.raises(ConfigError, match=r"records: expected Records, as rockpulse\.read .* found 'a folder'"):
-        question("a folder", blocks=sizes)
+    with pytest.raises(ConfigError, match="config: expected a Config or the path of one, found int 3"):
+        question([SHAKING], 3, bodies=sizes)
+    with pytest.raises(RecordRefused, match="records: no record in a folder: a folder: "):
+        question("a folder", bodies=sizes)
+    with pytest.raises(ConfigError, match="not both, found "):
+        question([SHAKING, "a folder"], bodies=sizes)
     with pytest.raises(ConfigError, match=r"found 3$"):
-        question([SHAKING, 3], Config(), blocks=sizes)
+        question([SHAKING, 3], Config(), bodies=sizes)
 
 
 @pytest.mark.sweep
 def test_one_record_and_sizes_are_enough_for_an_assessment():
-    tree = assess(SHAKING, blocks={"wall": (0.25, 2.2), "chest": (1.0, 1.2)})
+    tree = assess(SHAKING, bodies={"wall": (0.25, 2.2), "chest": (1.0, 1.2)})
     assert tree["summary"]["record"].values.tolist() == ["sine"]
     assert tree["summary"]["width"].values.tolist() == [0.25, 1.0]

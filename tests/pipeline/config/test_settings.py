@@ -58,7 +58,7 @@ def test_a_section_has_the_names_and_defaults_of_the_function_it_serves(section)
         "conditioning": rp.condition,
         "half_waves": rp.half_waves,
         "intense_phase": rp.intense_phase,
-        "sequence": rp.calibrate,
+        "sequence": rp.record_sequence,
     }
     parameters = list(inspect.signature(functions[section]).parameters.values())[1:]
     stated = dict(**getattr(Config(), section))

@@ -69,7 +69,7 @@ def test_the_file_of_an_assessment_is_the_tree_in_memory(folder, tmp_path):
 
 
 #: The other analyses by their verbs, each in memory and of files.
-OTHERS = {"calibrate": (rp.calibrate_site, calibrate_files), "fragility": (rp.fragility_curves, fragility_files)}
+OTHERS = {"calibrate": (rp.calibrate, calibrate_files), "fragility": (rp.fragility, fragility_files)}
 
 
 @pytest.mark.parametrize("verb", OTHERS)

@@ -58,8 +58,8 @@ def work(kind):
         )
     warm_up(Assessment(config, blocks))
     yield
-    rp.assess(records, config, blocks=blocks)
-    rp.assess(records[:1], config, blocks={"a": rp.models.Block(half_width=0.3, half_height=2.0)})
+    rp.assess(records, config, bodies=blocks)
+    rp.assess(records[:1], config, bodies={"a": rp.models.Block(half_width=0.3, half_height=2.0)})
 
 
 for module in KERNELS:

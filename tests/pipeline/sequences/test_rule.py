@@ -251,10 +251,10 @@ def test_assessments_mark_bodies_unlike_those_of_the_fit():
     config = replace(config, models=replace(config.models, use=("balanced", "conservative", "linear")))
     record = rp.Record(synthetic_motion(4, duration=6.0, pga=3.5), dt=0.01, id="four", processed=True)
     bodies = {"pier": Block(0.2, 1.6), "tiny": Block(0.02, 0.16), "soft": Block(0.2, 1.6, restitution=0.6)}
-    summary = rp.assess([record], config, blocks=bodies)["summary"]
+    summary = rp.assess([record], config, bodies=bodies)["summary"]
     assert summary["applicable"].values[0].tolist() == [[1, 1, 1], [0, 0, 1], [0, 0, 1]]
     warnings = str(summary["warnings"].values[0])
     assert "balanced: 2 of 3 bodies lie outside" in warnings
     assert "slenderness 4 to 12" in warnings
-    fine = rp.assess([record], config, blocks={"pier": bodies["pier"]})["summary"]
+    fine = rp.assess([record], config, bodies={"pier": bodies["pier"]})["summary"]
     assert "outside" not in str(fine["warnings"].values[0])

@@ -22,7 +22,7 @@ from rockpulse.studies.check.spectra import DemandSpectrum, TableEnds, spectrum_
 NOT_OF_A_CODE = {"name", "restitution", "rebound", "facing", "azimuth", "friction", "confirm_size"}
 
 
-def code_check(config: Config, codes: Sequence[str] = CODES, results: xr.DataTree | None = None) -> xr.Dataset:
+def check(config: Config, codes: Sequence[str] = CODES, results: xr.DataTree | None = None) -> xr.Dataset:
     """Check the bodies of a configuration by codes, from their geometry and the demand of [check].
 
     Parameters
@@ -54,7 +54,7 @@ def code_check(config: Config, codes: Sequence[str] = CODES, results: xr.DataTre
     >>> import rockpulse as rp
     >>> wall = rp.BlockSettings(name="wall", width=0.4, height=4.0)
     >>> config = rp.Config(blocks=(wall,), check=rp.CheckSettings(spectrum="en_1998_1", ag=0.15, confidence_factor=1.0))
-    >>> found = code_check(config, ["circolare_2009"])
+    >>> found = check(config, ["circolare_2009"])
     >>> [round(found[name].item(), 3) for name in ("multiplier", "activation_ratio", "period", "displacement_ratio")]
     [0.1, 1.333, 1.238, 1.734]
     """

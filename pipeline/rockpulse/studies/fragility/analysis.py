@@ -1,5 +1,6 @@
 """Fragility of the bodies of a site under a set of records, and the tree of a fragility file (docs/schema.md)."""
 
+import os
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from functools import cached_property, partial
@@ -15,7 +16,7 @@ from rockpulse.config.configuration import Config, given_config
 from rockpulse.errors import Failure, some
 from rockpulse.record.measures import MEASURES, REFERENCE
 from rockpulse.record.record import Record
-from rockpulse.run.analysis import Analysis, Blocks, Part, Plan, Work, run
+from rockpulse.run.analysis import Analysis, Blocks, Part, Plan, Records, Work, run
 from rockpulse.selection.directions import PlannedMotion, planned_ids
 from rockpulse.selection.tables import selection_of
 from rockpulse.selection.votes import unmatched_patterns
@@ -29,10 +30,10 @@ from rockpulse.studies.fragility.ensemble import Ensemble, Fits, dispersion_rati
 POINTS, REACH, FARTHEST = 41, 3.0, 600.0
 
 
-def fragility_curves(
-    records: Iterable[Record],
-    config: Config | None = None,
-    blocks: Blocks | None = None,
+def fragility(
+    records: Records,
+    config: Config | str | os.PathLike[str] | None = None,
+    bodies: Blocks | None = None,
     failures: Iterable[Failure] = (),
     progress: Callable[[Sequence[PlannedMotion]], Iterable[PlannedMotion]] | None = None,
 ) -> xr.DataTree:
@@ -40,11 +41,11 @@ def fragility_curves(
 
     Parameters
     ----------
-    records : iterable of Record
-        All channels; selected, rotated and conditioned as by :func:`rockpulse.assess`. Their order does not matter.
-    config : Config, optional
+    records : path, Record, or iterable of either
+        Paths or all channels; read, selected, rotated and conditioned as by :func:`rockpulse.assess`, in any order.
+    config : Config or path, optional
         Sections records, conditioning, half_waves, intense_phase, search, fragility and the bodies.
-    blocks : mapping of str to (width, height), Block or BlockSettings, or sequence of BlockSettings, optional
+    bodies : mapping of str to (width, height), Block or BlockSettings, or sequence of BlockSettings, optional
         The bodies, in place of those of the configuration; full sizes in m.
     failures, progress
         As for :func:`rockpulse.assess`.
@@ -73,11 +74,11 @@ def fragility_curves(
     >>> import numpy as np, rockpulse as rp
     >>> t = np.arange(0.0, 4.0, 0.01)
     >>> record = rp.Record(3.0 * np.sin(2.0 * np.pi * t), dt=0.01, id="sine", processed=True)
-    >>> tree = rp.fragility_curves([record], blocks={"pier": (1.0, 3.873)})
+    >>> tree = rp.fragility([record], bodies={"pier": (1.0, 3.873)})
     >>> str(tree["fragility"]["statement"].sel(block="pier", limit_state="overturning", measure="pga").values)
     'no curve: one record only, 1.04 to 5.81 reached; a dispersion needs several'
     """
-    return run(FragilityAnalysis(given_config(config), blocks), records, failures, progress)
+    return run(FragilityAnalysis(given_config(config), bodies), records, failures, progress)
 
 
 class FragilityAnalysis(Analysis):
@@ -87,11 +88,11 @@ class FragilityAnalysis(Analysis):
     doing = "scaling"
     kind = stored.FRAGILITY
 
-    def __init__(self, config: Config, blocks: Blocks | None = None) -> None:
+    def __init__(self, config: Config, bodies: Blocks | None = None) -> None:
         super().__init__(config)
-        bodies = gather_bodies(config.blocks if blocks is None else blocks, config.records)
-        self.block_names, block, owner = bodies.apart()
-        self.lanes = Lanes(block, bodies, owner)
+        gathered = gather_bodies(config.blocks if bodies is None else bodies, config.records)
+        self.block_names, block, owner = gathered.apart()
+        self.lanes = Lanes(block, gathered, owner)
         self.selection = selection_of(config)
 
     @property

@@ -146,7 +146,7 @@ def free_body_fragility(results: xr.DataTree, block: Block, levels: Any, measure
     ...     rp.Record(3.0 * np.sin(2.0 * np.pi * f * t), dt=0.01, id=f"sine {f}", processed=True) for f in (0.7, 1.1)
     ... ]
     >>> config = rp.Config(uncertainty=rp.UncertaintySettings(spectrum="all"))
-    >>> tree = rp.assess(shake, config, blocks={"pier": rp.models.Block(width=1.0, height=5.0)})
+    >>> tree = rp.assess(shake, config, bodies={"pier": rp.models.Block(width=1.0, height=5.0)})
     >>> found = rp.free_body_fragility(tree, rp.models.Block(width=[1.0], height=[5.0]), [1.0, 3.0, 30.0])
     >>> bool(found["probability"][0, 0] == 0.0), bool(found["probability"][0, 2] > 0.9)
     (True, True)

@@ -8,6 +8,7 @@
 """
 
 import math
+import os
 from collections.abc import Iterable
 from typing import Any, NamedTuple
 
@@ -18,6 +19,7 @@ from rockpulse.config.configuration import Config
 from rockpulse.config.study_settings import OVERTURNING, UPLIFT
 from rockpulse.errors import ConfigError, ResultsError
 from rockpulse.record.measures import PGA
+from rockpulse.storage.hdf5.results_file import load
 from rockpulse.storage.variables.fragility import FRAGILITY, Status
 from rockpulse.storage.variables.risk import RISK, STANDING, RiskStatus
 from rockpulse.studies.fragility.ensemble import stored_ensemble
@@ -83,8 +85,8 @@ class _Asked(NamedTuple):
     uplift: bool
 
 
-def annual_frequency(
-    fragility: xr.DataTree,
+def risk(
+    fragility: xr.DataTree | str | os.PathLike[str],
     hazard: Hazard,
     limit_state: str = "overturning",
     years: float = 50.0,
@@ -96,8 +98,8 @@ def annual_frequency(
 
     Parameters
     ----------
-    fragility : xarray.DataTree
-        Of :func:`rockpulse.fragility_curves`, or a loaded file, with the measure of the hazard.
+    fragility : xarray.DataTree or path
+        Of :func:`rockpulse.fragility`, or a file of ``rockpulse fragility``, with the measure of the hazard.
     hazard : PowerLawHazard or HazardCurve
         Annual rate of exceedance of that measure at the ground below the bodies.
     limit_state : str
@@ -139,13 +141,15 @@ def annual_frequency(
     ... ]
     >>> config = rp.Config(fragility=rp.FragilitySettings(overturning_model="lognormal"))
     >>> pier = {"pier": rp.models.Block(half_width=0.5, half_height=1.9365)}
-    >>> tree = rp.fragility_curves(shake, config, pier)
-    >>> found = rp.annual_frequency(tree, rp.PowerLawHazard(k0=1e-4, k=2.5), years=100.0)
+    >>> tree = rp.fragility(shake, config, pier)
+    >>> found = rp.risk(tree, rp.PowerLawHazard(k0=1e-4, k=2.5), years=100.0)
     >>> bool(0.0 < found["frequency"].item() < 1e-3), bool(found["survival"].item() > 0.9)
     (True, True)
     """
     if not isinstance(hazard, PowerLawHazard | HazardCurve):
         raise ConfigError(f"hazard: expected one of one site, a PowerLawHazard or a HazardCurve, got {hazard!r:.80}")
+    if isinstance(fragility, (str, os.PathLike)):
+        fragility = load(fragility)
     if fragility.attrs.get("kind") != FRAGILITY:
         raise ResultsError("fragility: expected the tree or file of rockpulse fragility; results of assess have none")
     table = fragility["fragility"].to_dataset()
@@ -300,7 +304,7 @@ def standing_test(risk: xr.Dataset, age: float, confidence: float = 0.95) -> xr.
     Parameters
     ----------
     risk : xarray.Dataset
-        Of :func:`rockpulse.annual_frequency` for overturning, or of :func:`rockpulse.inventory_frequency`.
+        Of :func:`rockpulse.risk` for overturning, or of :func:`rockpulse.inventory_frequency`.
     age : float
         Time for which the bodies have stood [years].
     confidence : float

@@ -126,7 +126,7 @@ def inventory_frequency(
     ...     rp.Record(3.0 * np.sin(2.0 * np.pi * f * t), dt=0.01, id=f"sine {f}", processed=True) for f in (0.7, 1.1)
     ... ]
     >>> config = rp.Config(uncertainty=rp.UncertaintySettings(spectrum="all"))
-    >>> tree = rp.assess(shake, config, blocks={"pier": rp.models.Block(width=1.0, height=5.0)})
+    >>> tree = rp.assess(shake, config, bodies={"pier": rp.models.Block(width=1.0, height=5.0)})
     >>> many = rp.models.Block(width=np.linspace(0.5, 1.0, 100), height=np.full(100, 5.0))
     >>> found = rp.inventory_frequency(tree, many, rp.PowerLawHazard(k0=1e-2, k=2.5))
     >>> bool(found["frequency"][-1] < found["frequency"][0])

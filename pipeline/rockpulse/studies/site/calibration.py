@@ -1,6 +1,7 @@
 """The design of a site from its records, with uncertainties."""
 
 import math
+import os
 from collections.abc import Callable, Iterable, Sequence
 from functools import cached_property, partial
 from pathlib import Path
@@ -15,7 +16,7 @@ from rockpulse.config.configuration import Config, given_config, located
 from rockpulse.config.settings import WEIGHTS
 from rockpulse.errors import ConfigError, Failure, RecordRefused, ResultsError, alike, told
 from rockpulse.record.record import Record
-from rockpulse.run.analysis import Analysis, Blocks, Part, Plan, Work, joined, run
+from rockpulse.run.analysis import Analysis, Blocks, Part, Plan, Records, Work, joined, run
 from rockpulse.selection.directions import PlannedMotion, planned_ids
 from rockpulse.selection.tables import read_weight_table, record_weights
 from rockpulse.sequences.design_spectrum import DesignSpectrum
@@ -28,10 +29,10 @@ from rockpulse.studies.site.sequence_design import sequence_design
 from rockpulse.studies.site.spectrum_design import no_spectrum_record, site_spectrum_record, spectrum_design
 
 
-def calibrate_site(
-    records: Iterable[Record],
-    config: Config | None = None,
-    blocks: Blocks | None = None,
+def calibrate(
+    records: Records,
+    config: Config | str | os.PathLike[str] | None = None,
+    bodies: Blocks | None = None,
     failures: Iterable[Failure] = (),
     progress: Callable[[Sequence[PlannedMotion]], Iterable[PlannedMotion]] | None = None,
 ) -> xr.DataTree:
@@ -42,11 +43,11 @@ def calibrate_site(
 
     Parameters
     ----------
-    records : iterable of Record
-        All channels; selected, rotated and conditioned as by :func:`rockpulse.assess`. Their order does not matter.
-    config : Config, optional
+    records : path, Record, or iterable of either
+        Paths or all channels; read, selected, rotated and conditioned as by :func:`rockpulse.assess`, in any order.
+    config : Config or path, optional
         Sections records, conditioning, half_waves, intense_phase, sequence, calibration, run and the bodies.
-    blocks : mapping of str to (width, height), Block or BlockSettings, or sequence of BlockSettings, optional
+    bodies : mapping of str to (width, height), Block or BlockSettings, or sequence of BlockSettings, optional
         The bodies of the design, in place of those of the configuration. Without any, the spectrum is stored alone, and
         one sequence covers a family of 100 (:func:`rockpulse.studies.site.records.block_family`).
     failures, progress
@@ -75,11 +76,11 @@ def calibrate_site(
     ...     for size, name in ((2.5, "Kobe"), (3.0, "Maule"))
     ... ]
     >>> config = rp.Config(calibration=rp.CalibrationSettings(method="statistics"))
-    >>> tree = rp.calibrate_site(shake, config, blocks={"pier": rp.models.Block(1.0, 6.0)})
+    >>> tree = rp.calibrate(shake, config, bodies={"pier": rp.models.Block(1.0, 6.0)})
     >>> int(tree["site"]["event_count"])
     2
     """
-    return run(SiteCalibration(given_config(config), blocks), records, failures, progress)
+    return run(SiteCalibration(given_config(config), bodies), records, failures, progress)
 
 
 class NothingCalibrated(RecordRefused):
@@ -97,9 +98,9 @@ class SiteCalibration(Analysis):
     doing = "calibrating"
     kind = SITE_KIND
 
-    def __init__(self, config: Config, blocks: Blocks | None = None) -> None:
+    def __init__(self, config: Config, bodies: Blocks | None = None) -> None:
         super().__init__(config)
-        self.block_names, self.lanes = self._bodies(config.blocks if blocks is None else blocks)
+        self.block_names, self.lanes = self._bodies(config.blocks if bodies is None else bodies)
         rule = config.calibration.weighting
         self.weights = None if rule in WEIGHTS else read_weight_table(located(rule, config.folder))
 

@@ -39,7 +39,7 @@ def fragility(
     Parameters
     ----------
     tree : xarray.DataTree
-        As :func:`rockpulse.fragility_curves` returns it.
+        As :func:`rockpulse.fragility` returns it.
     block : str, optional
         Name; none where there is one only.
     measure : str, optional

@@ -12,7 +12,7 @@ from rockpulse.errors import RecordRefused, ResultsError
 from rockpulse.record.half_wave import STRONG, VISIBLE, HalfWaves, half_waves
 from rockpulse.record.intensity import IntensePhase, intense_phase
 from rockpulse.record.record import Record
-from rockpulse.sequences.estimators import calibrate
+from rockpulse.sequences.estimators import record_sequence
 from rockpulse.storage.variables import real
 from rockpulse.storage.variables.assessment import WAVES
 from rockpulse.storage.variables.summary import RECORD
@@ -63,8 +63,8 @@ def motion_of_record(
     record : Record
         Conditioned.
     waves, phase, sequence : HalfWaves, IntensePhase, ImpulseSequence, optional
-        By default of :func:`rockpulse.half_waves`, :func:`rockpulse.intense_phase` and :func:`rockpulse.calibrate`;
-        no sequence where the phase holds too few half-waves.
+        By default of :func:`rockpulse.half_waves`, :func:`rockpulse.intense_phase` and
+        :func:`rockpulse.record_sequence`; no sequence where the phase holds too few half-waves.
 
     Returns
     -------
@@ -83,7 +83,7 @@ def motion_of_record(
     phase = intense_phase(record) if phase is None else phase
     if sequence is None:
         try:
-            sequence = calibrate(waves, phase=phase)
+            sequence = record_sequence(waves, phase=phase)
         except RecordRefused:
             sequence = None
     scalars = {

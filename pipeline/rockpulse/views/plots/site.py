@@ -29,7 +29,7 @@ def calibration(tree: xr.DataTree, axes: Panels | None = None) -> np.ndarray:
     Parameters
     ----------
     tree : xarray.DataTree
-        As :func:`rockpulse.calibrate_site` returns it.
+        As :func:`rockpulse.calibrate` returns it.
     axes : array_like of six matplotlib Axes, optional
         Where to draw; by default on a figure of their own. A site by the spectrum takes the first one.
 

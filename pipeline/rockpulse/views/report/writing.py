@@ -65,7 +65,7 @@ PRINTING = (
 )
 
 
-def write_report(
+def report(
     results: xr.DataTree | str | Path,
     path: str | Path,
     site: xr.DataTree | str | Path | None = None,
@@ -84,9 +84,9 @@ def write_report(
     path : str or Path
         File to write, `.html` or `.pdf`; a PDF is printed by the Chrome, Chromium or Edge of this machine.
     site : xarray.DataTree or path, optional
-        A site calibration to show beside them (:func:`rockpulse.calibrate_site`).
+        A site calibration to show beside them (:func:`rockpulse.calibrate`).
     fragility : xarray.DataTree or path, optional
-        Fragility curves to show beside them (:func:`rockpulse.fragility_curves`).
+        Fragility curves to show beside them (:func:`rockpulse.fragility`).
     overwrite : bool
         Whether a report that exists may be replaced; no other file ever is.
     language : str
@@ -151,7 +151,7 @@ def report_page(
     language: str = "en",
     config: Config | None = None,
 ) -> str:
-    """The page of :func:`write_report` as a text."""
+    """The page of :func:`report` as a text."""
     from jinja2 import Environment, PackageLoader, StrictUndefined
     from markupsafe import Markup
 

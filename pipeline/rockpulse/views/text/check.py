@@ -43,7 +43,7 @@ _OF_RESULTS = (titled("P", lambda chance: Cell(ratio(chance)), "probability"), t
 
 
 def check_overview(check: xr.Dataset) -> str:
-    """The dataset of :func:`rockpulse.code_check` as text."""
+    """The dataset of :func:`rockpulse.check` as text."""
     beside = "probability" in check
     names, codes = (check[dim].values.tolist() for dim in ("block", "code"))
     rows = check.stack(row=("block", "code"))

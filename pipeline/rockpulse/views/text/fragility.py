@@ -25,7 +25,7 @@ LEVEL = 0.05
 
 
 def fragility_overview(tree: xr.DataTree) -> str:
-    """The tree of :func:`rockpulse.fragility_curves` as text, on a screen or two."""
+    """The tree of :func:`rockpulse.fragility` as text, on a screen or two."""
     curves, efficiency = tree["fragility"].to_dataset(), tree["efficiency"].to_dataset()
     bodies = several(curves.sizes["block"], "body")
     parts = [

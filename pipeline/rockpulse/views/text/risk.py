@@ -67,7 +67,7 @@ def _of_frequency(risk: xr.Dataset, dim: str, doubt: Callable[..., bool], *of: s
 
 
 def risk_overview(risk: xr.Dataset) -> str:
-    """The dataset of :func:`rockpulse.annual_frequency` as text."""
+    """The dataset of :func:`rockpulse.risk` as text."""
     years, measure = float(risk.attrs["years"]), risk.attrs["measure"]
     selected = (
         *_of_frequency(risk, "block", bool, "warning"),

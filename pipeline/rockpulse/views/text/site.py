@@ -33,7 +33,7 @@ _UNITS = {"m s-1": "m/s", "s": "s", "1": ""}
 
 
 def site_overview(tree: xr.DataTree) -> str:
-    """The tree of :func:`rockpulse.calibrate_site` as text for the terminal."""
+    """The tree of :func:`rockpulse.calibrate` as text for the terminal."""
     site = tree["site"].to_dataset()
     if site.attrs["method"] == "spectrum":
         own = [explained(table) for table in site_tables(site) or _spectrum_tables(tree["spectra"].to_dataset(), site)]

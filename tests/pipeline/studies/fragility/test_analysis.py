@@ -43,18 +43,18 @@ def records():
 
 @pytest.fixture(scope="module")
 def tree(records):
-    return rp.fragility_curves(records, options(), BLOCKS)
+    return rp.fragility(records, options(), BLOCKS)
 
 
 @pytest.fixture(scope="module")
 def striped(records):
-    return rp.fragility_curves(records, options(data="stripes", stripe_levels=LEVELS), BLOCKS)
+    return rp.fragility(records, options(data="stripes", stripe_levels=LEVELS), BLOCKS)
 
 
 def test_the_facts_of_each_record_are_stored():
     known = {"magnitude": 6.3, "epicentral_distance": 5300.0, "vs30": 717.0, "event_id": "IT-2009-0009"}
     shaken = [replace(pulse(0, "Kobe"), **known), pulse(1, "Maule")]
-    found = rp.fragility_curves(shaken, options(data="cloud"), BLOCKS)["capacities"].to_dataset()
+    found = rp.fragility(shaken, options(data="cloud"), BLOCKS)["capacities"].to_dataset()
     assert {name: found[name].values[0].item() for name in known} == known
     assert np.isnan(found["epicentral_distance"].values[1])
     assert found["event_id"].values[1] == ""
@@ -64,7 +64,7 @@ def test_the_facts_of_each_record_are_stored():
 def test_capacity_is_tested_to_depend_on_what_the_files_state(records, tree):
     magnitudes = {"Kobe": 6.9, "Maule": 8.8, "Izmit": 7.6, "Duzce": np.nan}
     stated = [replace(record, magnitude=magnitudes[record.event], vs30=300.0) for record in records]
-    found = rp.fragility_curves(stated, options(), BLOCKS)["efficiency"].to_dataset()
+    found = rp.fragility(stated, options(), BLOCKS)["efficiency"].to_dataset()
     qualities = ["duration", "period", "strong_half_waves", "strength", "magnitude", "epicentral_distance", "vs30"]
     assert found["quality"].values.tolist() == qualities
     assert found["quality_records"].values.tolist() == [6, 6, 6, 6, 5, 0, 6]
@@ -101,7 +101,7 @@ def test_a_body_in_a_direction_of_its_own_is_shaken_in_it():
     own = {"others": {}, "own": {"azimuth": 30.0}}
     blocks = tuple(rp.BlockSettings(name=name, width=0.6, height=3.0, **known) for name, known in own.items())
     config = replace(options(), blocks=blocks, records=rp.RecordSettings(components="azimuth", azimuth=75.0))
-    found = rp.fragility_curves(pair, config)["capacities"]["measure_value"].sel(measure="pga").isel(record=0)
+    found = rp.fragility(pair, config)["capacities"]["measure_value"].sel(measure="pga").isel(record=0)
     assert found.values.tolist() == pytest.approx([rotate(Pair(*pair), azimuth).pga for azimuth in (75.0, 30.0)])
 
 
@@ -122,7 +122,7 @@ def test_the_file_says_how_the_capacities_were_searched(records):
     few = options(limit_states=["uplift", "overturning"], measures=["pga"]).fragility
     site = rp.SiteSettings(name="Tower", description="A tower.")
     coarse = Config(site=site, fragility=few, search=SearchSettings(factor_max=25.0, points=9))
-    found = rp.fragility_curves(records[:2], coarse, BLOCKS)
+    found = rp.fragility(records[:2], coarse, BLOCKS)
     assert (found.attrs["title"], found.attrs["site_description"]) == ("Tower", "A tower.")
     capacities = found["capacities"].to_dataset()
     assert (capacities.attrs["points"], capacities.attrs["factor_max"]) == (9, 25.0)
@@ -138,7 +138,7 @@ def test_one_record_that_overturns_several_bodies_is_one_record(records):
     search = SearchSettings(factor_max=1.0, points=16)
     confirmed = rp.RecordSettings(confirm=("strong",))  # its peak is 6 g
     config = Config(fragility=options(measures=["velocity_ratio"]).fragility, search=search, records=confirmed)
-    found = rp.fragility_curves([strong, *records[1:]], config, block)
+    found = rp.fragility([strong, *records[1:]], config, block)
     assert int((found["capacities"]["reached"].sel(limit_state="overturning") == 1).sum()) == 3
     pooled = found["efficiency"].to_dataset().sel(limit_state="overturning", measure="velocity_ratio")
     assert np.isnan(float(pooled["pooled_median"]))
@@ -147,13 +147,13 @@ def test_one_record_that_overturns_several_bodies_is_one_record(records):
 
 def test_the_order_of_the_records_does_not_matter(records):
     few = options(data="cloud", limit_states=[0.4], measures=["pga"])
-    one, other = (rp.fragility_curves(every, few, BLOCKS) for every in (records, records[::-1]))
+    one, other = (rp.fragility(every, few, BLOCKS) for every in (records, records[::-1]))
     xr.testing.assert_identical(one, other)
 
 
 @pytest.mark.parametrize("data", ["stripes", "cloud"])
 def test_stripes_and_clouds_count_what_is_reached(records, striped, data):
-    found = striped if data == "stripes" else rp.fragility_curves(records, options(data=data), BLOCKS)
+    found = striped if data == "stripes" else rp.fragility(records, options(data=data), BLOCKS)
     capacities = found["capacities"].to_dataset()
     value = capacities["measure_value"].sel(measure="velocity_ratio")
     if data == "stripes":
@@ -197,7 +197,7 @@ def test_the_acceleration_that_lifts_a_body_is_told_where_the_ground_does_it_alo
     few = options(limit_states=["uplift"], measures=["pga"])
     for vertical, known in ((False, [True, False]), (True, [False, False])):
         config = replace(few, blocks=bodies, records=rp.RecordSettings(include_vertical=vertical))
-        found = rp.fragility_curves(records[:2], config)["fragility"]["uplift_acceleration"].values
+        found = rp.fragility(records[:2], config)["fragility"]["uplift_acceleration"].values
         assert np.isfinite(found).tolist() == known
 
 
@@ -206,7 +206,7 @@ def test_a_tree_of_no_motion_has_every_variable_and_no_row():
     for data in ("ida", "stripes", "cloud"):
         config = options(data=data, stripe_levels=(0.4, 0.7))
         silent = rp.Record(np.zeros(100), dt=0.02, id="silent", processed=True)
-        found = rp.fragility_curves([silent], config, BLOCKS)
+        found = rp.fragility([silent], config, BLOCKS)
         table = found["capacities"].to_dataset()
         assert table.sizes["record"] == 0
         shapes[data] = dict(table.sizes)
@@ -227,7 +227,7 @@ def test_a_record_is_scaled_within_the_factors_and_both_ends_belong_to_them():
     chosen = {"limit_states": ["uplift", 0.2], "measures": ["pga"], "factors": (0.5, 2.0), "pga_min": 2.0}
     stripes = {"stripe_measure": "pga", "stripe_levels": (0.99, 1.0, 3.0, 4.0, 4.01)}
     weaker = replace(of_two(1), acceleration=0.999 * of_two(1).acceleration, id="weaker")
-    found = rp.fragility_curves([of_two(0), weaker], options(data="stripes", **chosen, **stripes), BLOCKS)
+    found = rp.fragility([of_two(0), weaker], options(data="stripes", **chosen, **stripes), BLOCKS)
     table = found["capacities"].to_dataset()
     assert table["record"].values.tolist() == ["packet.0"]  # as strong as pga_min
     assert table["factor"].sel(block="wall").values.ravel() == pytest.approx([0.495, 0.5, 1.5, 2.0, 2.005])
@@ -236,7 +236,7 @@ def test_a_record_is_scaled_within_the_factors_and_both_ends_belong_to_them():
     lifting = BLOCKS["wall"].gravity * np.tan(BLOCKS["wall"].alpha_c)
     assert reached[0, 1:4].tolist() == [int(level > lifting) for level in (1.0, 3.0, 4.0)]
     # A cloud takes each record as it is, whatever the factors are.
-    cloud = rp.fragility_curves([of_two(0)], options(data="cloud", **chosen | {"factors": (3.0, 5.0)}), BLOCKS)
+    cloud = rp.fragility([of_two(0)], options(data="cloud", **chosen | {"factors": (3.0, 5.0)}), BLOCKS)
     table = cloud["capacities"].to_dataset()
     assert np.all(table["reached"].values != -1)
     assert np.all(table["factor"].values == 1.0)
@@ -245,7 +245,7 @@ def test_a_record_is_scaled_within_the_factors_and_both_ends_belong_to_them():
     for end, most in ((1.5, 30.0), (20.0, 1.5)):
         config = options(**chosen | {"factors": (0.5, end)})
         config = replace(config, search=SearchSettings(factor_max=most, points=16))
-        table = rp.fragility_curves([of_two(0)], config, BLOCKS)["capacities"].to_dataset()
+        table = rp.fragility([of_two(0)], config, BLOCKS)["capacities"].to_dataset()
         start = table["factor"].sel(block="wall", limit_state="uplift").item()
         assert start == pytest.approx(lifting / 2.0)
         assert table["search_step"].sel(block="wall").item() == pytest.approx((1.5 / start) ** (1 / 15))
@@ -294,7 +294,7 @@ def test_the_curves_come_again_from_the_capacities_of_a_file(records, tree, stri
 def test_weak_records_and_bad_ones_are_left_out_and_told(records):
     silent = rp.Record(np.zeros(100), dt=0.02, id="silent", processed=True)
     weak = pulse(9, "weak", size=0.2)
-    found = rp.fragility_curves([*records, weak, silent], options(pga_min=1.0, limit_states=["uplift"]), BLOCKS)
+    found = rp.fragility([*records, weak, silent], options(pga_min=1.0, limit_states=["uplift"]), BLOCKS)
     assert found["capacities"].sizes["record"] == 6
     failures = found["failures"].to_dataset().to_dataframe()
     assert sorted(failures["kind"]) == ["failed", "skipped"]
@@ -304,13 +304,13 @@ def test_weak_records_and_bad_ones_are_left_out_and_told(records):
 @pytest.mark.sweep
 def test_a_list_of_restitutions_makes_bodies_of_their_own(records):
     several = {"wall": Block(half_width=0.3, half_height=1.5, restitution=[0.85, 0.9])}
-    found = rp.fragility_curves(records[:2], options(limit_states=["overturning"], measures=["pga"]), several)
+    found = rp.fragility(records[:2], options(limit_states=["overturning"], measures=["pga"]), several)
     assert found["fragility"]["block"].values.tolist() == ["wall C 0.85", "wall C 0.9"]
 
 
 def test_the_schema_names_every_variable(tree, records):
     text = SCHEMA.read_text(encoding="utf-8").partition("## The fragility file")[2].partition("\n## ")[0]
-    cloud = rp.fragility_curves(records[:2], options(data="cloud", limit_states=["uplift"]), BLOCKS)
+    cloud = rp.fragility(records[:2], options(data="cloud", limit_states=["uplift"]), BLOCKS)
     for one in (tree, cloud):
         for group in ("fragility", "capacities", "efficiency"):
             for name in one[group].to_dataset().variables:
@@ -361,7 +361,7 @@ def test_the_lobes_of_the_impulse_on_the_time_scale_of_the_block_are_efficient_o
         for a in alpha
         for r in (1.0, 4.0)
     }
-    efficiency = rp.fragility_curves(strong, config, bodies)["efficiency"].to_dataset()
+    efficiency = rp.fragility(strong, config, bodies)["efficiency"].to_dataset()
     ratio = efficiency["pooled_beta_ratio"].sel(limit_state="overturning")
     print(ratio.to_series())
     assert float(ratio.sel(measure="demand_build_up")) < 0.85

@@ -136,7 +136,7 @@ def options(**more):
 def curves(tmp_path, text):
     (tmp_path / "chosen.csv").write_text(text)
     config = rp.Config(fragility=options(selection="chosen.csv"), folder=tmp_path)
-    return rp.fragility_curves(RECORDS, config, WALL)
+    return rp.fragility(RECORDS, config, WALL)
 
 
 def table(weight=""):
@@ -191,7 +191,7 @@ def test_factors_of_the_table_are_looked_at_and_nothing_else(tmp_path):
 @pytest.mark.sweep
 def test_the_same_rows_as_stripes_give_the_same_curve(alike):
     stripes = options(stripe_levels=LEVELS, factors=(1e-6, 1e6))
-    plain = rp.fragility_curves(RECORDS, rp.Config(fragility=stripes), WALL)
+    plain = rp.fragility(RECORDS, rp.Config(fragility=stripes), WALL)
     for name in ("median", "beta", "median_low", "median_high"):
         np.testing.assert_array_equal(alike["fragility"][name].values, plain["fragility"][name].values)
 
@@ -203,7 +203,7 @@ def test_weights_move_the_curve_and_the_annual_frequency(alike, tmp_path):
     medians = [tree["fragility"]["median"].sel(place).item() for tree in (weighted, alike)]
     assert abs(medians[0] / medians[1] - 1.0) > 1e-3
     hazard = rp.PowerLawHazard(k0=1e-3, k=2.0)
-    found, beta = rp.annual_frequency(weighted, hazard, resamples=0), weighted["fragility"]["beta"].sel(place).item()
+    found, beta = rp.risk(weighted, hazard, resamples=0), weighted["fragility"]["beta"].sel(place).item()
     # The closed form of the weighted curve, for nothing below uplift matters here.
     assert found["frequency"].item() == pytest.approx(1e-3 * medians[0] ** -2.0 * np.exp(2.0 * beta**2), rel=0.2)
     assert stored_ensemble(weighted).weight.max() == 5.0

@@ -33,10 +33,10 @@ def tree():
     settings = rp.FragilitySettings(
         measures=("pga", "pgv", "velocity_ratio"), overturning_model="lognormal", limit_states=("uplift", "overturning")
     )
-    return rp.fragility_curves(
+    return rp.fragility(
         records,
         rp.Config(fragility=settings),
-        blocks={"wall": rp.models.Block(width=0.3, height=2.4), "rock": rp.models.Block(width=3.0, height=6.0)},
+        bodies={"wall": rp.models.Block(width=0.3, height=2.4), "rock": rp.models.Block(width=3.0, height=6.0)},
     )
 
 
@@ -46,7 +46,7 @@ def law():
 
 
 def test_the_frequency_is_that_of_the_fitted_curve(tree, law):
-    found = rp.annual_frequency(tree, law, years=100.0, resamples=0)
+    found = rp.risk(tree, law, years=100.0, resamples=0)
     curve = tree["fragility"].to_dataset().sel(limit_state="overturning", measure="pgv", block="wall")
     expected = 2e-3 * float(curve["median"]) ** -2.0 * math.exp(0.5 * (2.0 * float(curve["beta"])) ** 2)
     wall = found.sel(block="wall")
@@ -60,15 +60,15 @@ def test_the_frequency_is_that_of_the_fitted_curve(tree, law):
     again = rp.PowerLawHazard(k0=2e-3 * 100.0**2.0, k=2.0, measure="pgv", unit="cm/s")
     level = np.geomspace(0.01, 20.0, 30)
     for other in (again, rp.HazardCurve("pgv", level, law.rate(level))):
-        same = rp.annual_frequency(tree, other, resamples=0).sel(block="wall")
+        same = rp.risk(tree, other, resamples=0).sel(block="wall")
         assert float(same["frequency"]) == pytest.approx(expected, rel=1e-6)
 
 
 def test_the_levels_that_nothing_was_looked_at_are_told(tree, law):
-    whole = rp.annual_frequency(tree, law, resamples=0).sel(block="wall")
+    whole = rp.risk(tree, law, resamples=0).sel(block="wall")
     # The curve ends at 0.3 m/s, below the strongest levels that records were looked at.
     curve = rp.HazardCurve("pgv", [0.05, 0.3], law.rate(np.array([0.05, 0.3])))
-    found = rp.annual_frequency(tree, curve, resamples=0).sel(block="wall")
+    found = rp.risk(tree, curve, resamples=0).sel(block="wall")
     assert float(found["frequency"]) == pytest.approx(float(whole["frequency"]), rel=1e-6)
     edges = np.log([*whole["bin_low"].values, whole["bin_high"].values[-1]])
     below = np.interp(math.log(0.3), edges, [0.0, *np.cumsum(whole["share"].values)])
@@ -104,7 +104,7 @@ def test_the_band_is_over_earthquakes():
 @pytest.mark.sweep
 def test_draws_that_rest_on_one_earthquake_are_lost_and_told(tree, law):
     """Draws with no curve without one of their earthquakes have no standard error: left out, they would narrow it."""
-    found = rp.annual_frequency(tree, law, resamples=200).sel(block="wall")
+    found = rp.risk(tree, law, resamples=200).sel(block="wall")
     assert np.isnan(found["frequency_low"])
     assert str(found["statement"].values) == (
         "no band: 44% of the draws of the earthquakes make no curve, or none without one of them"
@@ -114,7 +114,7 @@ def test_draws_that_rest_on_one_earthquake_are_lost_and_told(tree, law):
 @pytest.mark.sweep
 def test_few_earthquakes_are_told(tree):
     """In PGA the levels of these records overlap enough for a band of 8 earthquakes, in which some draws are lost."""
-    found = rp.annual_frequency(tree, rp.PowerLawHazard(k0=2e-3, k=2.0), resamples=200).sel(block="wall")
+    found = rp.risk(tree, rp.PowerLawHazard(k0=2e-3, k=2.0), resamples=200).sel(block="wall")
     told = str(found["statement"].values)
     assert "the band is too narrow: 8 earthquakes, 14 are needed" in told
     assert float(found["probability_high"]) == pytest.approx(-math.expm1(-50.0 * float(found["frequency_high"])))
@@ -126,19 +126,19 @@ def test_no_ground_below_uplift_overturns_a_body(tree):
     wall = models.Block(width=0.3, height=2.4)
     lifting = wall.gravity * math.tan(wall.alpha_c)
     assert float(tree["fragility"]["uplift_acceleration"].sel(block="wall")) == pytest.approx(lifting)
-    found = rp.annual_frequency(tree, law, resamples=100).sel(block="wall")
+    found = rp.risk(tree, law, resamples=100).sel(block="wall")
     assert float(found["bin_low"].min()) >= lifting * (1.0 - 1e-9)
     assert float(found["frequency"]) < float(law.rate(lifting))
     assert float(found["frequency_low"]) < float(found["frequency"]) < float(found["frequency_high"])
     # Without it the curve's tail alone would count where the hazard is so steep.
     other, curves = tree.copy(), tree["fragility"].to_dataset()
     other["fragility"] = curves.assign(uplift_acceleration=curves["uplift_acceleration"] * np.nan)
-    tail = rp.annual_frequency(other, law, resamples=0)["frequency"].sel(block="wall")
+    tail = rp.risk(other, law, resamples=0)["frequency"].sel(block="wall")
     assert float(tail) > 1e3 * float(found["frequency"])
 
 
 def test_a_body_without_a_curve_has_no_frequency_and_says_why(tree, law):
-    rock = rp.annual_frequency(tree, law, resamples=0).sel(block="rock")
+    rock = rp.risk(tree, law, resamples=0).sel(block="rock")
     assert np.isnan(rock["frequency"])
     assert str(rock["statement"].values).startswith("no curve: none of 16 records reached the limit state")
     assert int(rock["status"]) == RiskStatus.NO_CURVE
@@ -148,7 +148,7 @@ def test_a_fragility_that_falls_too_little_has_no_frequency(tree):
     settings = tree.attrs["configuration"].replace('overturning_model = "lognormal"', 'overturning_model = "logistic"')
     other = tree.copy()
     other.attrs["configuration"] = settings
-    found = rp.annual_frequency(other, rp.PowerLawHazard(k0=1e-3, k=30.0, measure="pgv")).sel(block="wall")
+    found = rp.risk(other, rp.PowerLawHazard(k0=1e-3, k=30.0, measure="pgv")).sel(block="wall")
     assert np.isnan(found["frequency"])
     assert int(found["status"]) == RiskStatus.NO_LIMIT
     assert "falls towards small levels less than the hazard rises" in str(found["statement"].values)
@@ -156,15 +156,15 @@ def test_a_fragility_that_falls_too_little_has_no_frequency(tree):
 
 def test_uplift_in_pga_is_the_rate_of_the_acceleration_that_lifts(tree):
     """g b/h = 9.80665 0.3/2.4 = 1.22583 m/s2 for the wall, half of g for the rock, whatever records were scaled to."""
-    found = rp.annual_frequency(tree, rp.PowerLawHazard(k0=2e-3, k=2.0), "uplift")
+    found = rp.risk(tree, rp.PowerLawHazard(k0=2e-3, k=2.0), "uplift")
     assert found["frequency"].values == pytest.approx([2e-3 * 1.2258312**-2.0, 2e-3 * 4.903325**-2.0], rel=1e-6)
     assert "exact, no band" in str(found["statement"].values[0])
     curve = rp.HazardCurve("pga", [0.5, 2.0], [8e-3, 5e-4])
-    wall = rp.annual_frequency(tree, curve, "uplift").sel(block="wall")
+    wall = rp.risk(tree, curve, "uplift").sel(block="wall")
     assert float(wall["above"]) == pytest.approx(5e-4 / float(wall["frequency"]), rel=1e-6)
     assert "where the hazard curve ends" in str(wall["warning"].values)
     # In another measure a curve is fitted, or the statement of the fragility says why not.
-    other = rp.annual_frequency(tree, rp.PowerLawHazard(k0=2e-3, k=2.0, measure="pgv"), "uplift", resamples=0)
+    other = rp.risk(tree, rp.PowerLawHazard(k0=2e-3, k=2.0, measure="pgv"), "uplift", resamples=0)
     assert all(
         len(words) > 20
         for words, known in zip(other["statement"].values, np.isfinite(other["frequency"].values), strict=True)
@@ -173,7 +173,7 @@ def test_uplift_in_pga_is_the_rate_of_the_acceleration_that_lifts(tree):
 
 
 def test_what_is_taken_for_granted_is_told(tree, law):
-    told = rp.annual_frequency(tree, law, resamples=0).attrs
+    told = rp.risk(tree, law, resamples=0).attrs
     assert "records scaled to levels (stripes); lognormal" in told["fragility"]
     assert "16 records of 8 earthquakes, in which records count alike" in told["fragility"]
     assert "any single horizontal component" in told["hazard_conditions"]
@@ -191,12 +191,12 @@ def test_what_is_taken_for_granted_is_told(tree, law):
 def test_what_is_not_there_is_refused(tree, law, options, message):
     given = {"hazard": law} | options
     with pytest.raises(rp.RockpulseError, match=message):
-        rp.annual_frequency(tree, given.pop("hazard"), **given)
+        rp.risk(tree, given.pop("hazard"), **given)
 
 
 def test_results_of_an_assessment_are_no_fragility(law):
     with pytest.raises(rp.ResultsError, match="results of assess have none"):
-        rp.annual_frequency(xr.DataTree(), law)
+        rp.risk(xr.DataTree(), law)
 
 
 def risk(frequency):

@@ -37,7 +37,7 @@ def shaking(number):
 @pytest.fixture(scope="module")
 def results():
     config = rp.Config(models=rp.ModelSettings(use=("nonlinear",)), uncertainty=rp.UncertaintySettings(spectrum="all"))
-    return rp.assess([shaking(n) for n in range(5)], config, blocks={"wall": models.Block(width=0.4, height=3.0)})
+    return rp.assess([shaking(n) for n in range(5)], config, bodies={"wall": models.Block(width=0.4, height=3.0)})
 
 
 def test_many_bodies_are_read_like_one_and_larger_ones_fall_less_often(results):
@@ -166,7 +166,7 @@ def test_what_the_spectra_do_not_stand_for_is_nan_and_gaps_are_told(results):
     bodies = models.Block(width=[0.4, 1.0], height=[3.0, 1.0], restitution=[0.9, 0.9])
     assert np.isnan(rp.inventory_frequency(results, bodies, LAW)["frequency"].values).tolist() == [False, True]
     config = rp.Config(models=rp.ModelSettings(use=("nonlinear",)))
-    partial = rp.assess([shaking(0)], config, blocks={"wall": models.Block(width=0.4, height=3.0)})
+    partial = rp.assess([shaking(0)], config, bodies={"wall": models.Block(width=0.4, height=3.0)})
     with pytest.raises(rp.ResultsError, match=r'gaps at the p of these bodies; assess again with .* spectrum = "all"'):
         rp.inventory_frequency(partial, models.Block(width=[1.6], height=[12.0]), LAW)
     found = rp.inventory_frequency(partial, models.Block(width=[0.4], height=[3.0]), LAW)
@@ -179,7 +179,7 @@ def test_what_cannot_be_answered_is_refused(results):
         rp.inventory_frequency(results, body, rp.PowerLawHazard(1e-3, 2.0, "sa_1"))
     with pytest.raises(rp.ConfigError, match="expected a positive time"):
         rp.inventory_frequency(results, body, LAW, years=-1.0)
-    bare = rp.assess([shaking(0)], rp.Config(models=rp.ModelSettings(use=("sequence",))), blocks={"a": body.lane(0)})
+    bare = rp.assess([shaking(0)], rp.Config(models=rp.ModelSettings(use=("sequence",))), bodies={"a": body.lane(0)})
     with pytest.raises(rp.ResultsError, match="with overturning spectra, found none"):
         rp.inventory_frequency(bare, body, LAW)
 

@@ -37,7 +37,7 @@ def config(**calibration):
 
 
 def site(records=RECORDS, settings=None, **calibration):
-    return rp.calibrate_site(records, settings or config(**calibration), BLOCKS)["site"].to_dataset()
+    return rp.calibrate(records, settings or config(**calibration), BLOCKS)["site"].to_dataset()
 
 
 @pytest.fixture(scope="module")
@@ -58,7 +58,7 @@ def test_every_record_has_its_sequence_event_and_rotations(done):
     assert done["record"].values.tolist() == [record.id for record in RECORDS]
     assert done["event"].values.tolist() == [record.event for record in RECORDS]
     for record in RECORDS:
-        sequence = rp.calibrate(rp.half_waves(record), phase=rp.intense_phase(record))
+        sequence = rp.record_sequence(rp.half_waves(record), phase=rp.intense_phase(record))
         expected = [sequence.main, sequence.secondary / sequence.main, sequence.interval, sequence.main_count]
         found = done["value"].sel(record=record.id).values
         np.testing.assert_allclose(found, [*expected, sequence.duration], rtol=1e-12)
@@ -233,29 +233,29 @@ def test_tables_of_weights_that_do_not_fit_are_refused(tmp_path, text, message):
 
 def test_a_record_that_fails_is_a_row_and_never_the_end():
     dead = rp.Record(np.zeros(1000), dt=0.01, id="dead", event="Nowhere", processed=True)
-    tree = rp.calibrate_site([RECORDS[0], dead], config(), BLOCKS)
+    tree = rp.calibrate([RECORDS[0], dead], config(), BLOCKS)
     assert "dead" not in tree["site"]["record"].values
     rows = tree["failures"].to_dataset()
     assert (rows["kind"].values.tolist(), rows["stage"].values.tolist()) == (["failed"], ["calibrate"])
     assert "dead" in str(rows["reason"].values[0])
     with pytest.raises(RecordRefused, match=r"not one record could be calibrated[\s\S]*dead"):
-        rp.calibrate_site([dead], config(), BLOCKS)
+        rp.calibrate([dead], config(), BLOCKS)
 
 
 def test_bodies_that_nothing_lifts_have_no_design():
     with pytest.raises(RecordRefused, match="no record sets any block rocking"):
-        rp.calibrate_site(RECORDS, config(), {"slab": Block(3.0, 3.0)})
+        rp.calibrate(RECORDS, config(), {"slab": Block(3.0, 3.0)})
 
 
 def test_a_body_of_several_restitutions_is_several_blocks():
-    found = rp.calibrate_site(RECORDS[:2], config(), {"pier": Block(0.4, 1.8, restitution=[0.7, 0.9])})["site"]
+    found = rp.calibrate(RECORDS[:2], config(), {"pier": Block(0.4, 1.8, restitution=[0.7, 0.9])})["site"]
     assert found["block"].values.tolist() == ["pier C 0.7", "pier C 0.9"]
     assert found["restitution"].values.tolist() == [0.7, 0.9]
 
 
 @pytest.mark.sweep
 def test_without_bodies_the_default_family_is_judged():
-    found = rp.calibrate_site(RECORDS[:1], config())["site"]
+    found = rp.calibrate(RECORDS[:1], config())["site"]
     assert found.sizes["block"] == 100
 
 
@@ -278,12 +278,12 @@ def test_horizontal_pairs_are_rotated_and_verticals_act_as_in_an_assessment():
         config(scale_to="pga", target=3.0),
         records=RecordSettings(components="azimuth", azimuth=30.0, include_vertical=True),
     )
-    tree = rp.calibrate_site([north, east, up], settings, BLOCKS)
+    tree = rp.calibrate([north, east, up], settings, BLOCKS)
     found = tree["site"].to_dataset()
     assert found.sizes["record"] == 1
     assert found["event"].values.tolist() == ["Kobe"]
     assert "vertical acceleration" in str(found["processing"].values[0])
     plain = dataclasses.replace(settings, records=RecordSettings(components="azimuth", azimuth=30.0))
-    level = rp.calibrate_site([north, east, up], plain, BLOCKS)["site"]
+    level = rp.calibrate([north, east, up], plain, BLOCKS)["site"]
     assert (found["rotation_ratio"].values != level["rotation_ratio"].values).any()
     assert tree["failures"]["kind"].values.tolist() == ["vertical"]

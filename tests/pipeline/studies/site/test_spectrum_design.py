@@ -85,7 +85,7 @@ def record(size=1.0, number=0):
 
 def spectra(word, *records, **calibration):
     config = rp.Config(calibration=CalibrationSettings(spectrum=word, bootstrap=100, **calibration))
-    return rp.calibrate_site(records, config)["spectra"]
+    return rp.calibrate(records, config)["spectra"]
 
 
 def test_every_word_of_the_configuration_has_a_spectrum():
@@ -140,7 +140,7 @@ def test_the_nonlinear_spectrum_is_that_of_the_record_scaled_to_the_target():
 @pytest.mark.sweep
 def test_a_record_of_zeros_is_left_out_with_its_reason():
     still = rp.Record(np.zeros(400), dt=0.01, id="still", event="Earthquake Z", processed=True)
-    tree = rp.calibrate_site([record(), still], rp.Config(calibration=CalibrationSettings(bootstrap=100)))
+    tree = rp.calibrate([record(), still], rp.Config(calibration=CalibrationSettings(bootstrap=100)))
     assert tree["site"]["record"].values.tolist() == ["burst0"]
     assert "still" in str(tree["failures"]["reason"].values)
 

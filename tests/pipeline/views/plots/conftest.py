@@ -31,14 +31,14 @@ def config():
 @pytest.fixture(scope="session")
 def assessed(clc, config):
     """Both channels on a wall that overturns and a column that rocks."""
-    return rp.assess(clc, config, blocks=BLOCKS)
+    return rp.assess(clc, config, bodies=BLOCKS)
 
 
 @pytest.fixture(scope="session")
 def with_histories(clc, config):
     """One channel with its histories."""
     stored = ModelSettings(use=("nonlinear", "linear"), histories=True)
-    return rp.assess(clc[:1], replace(config, models=stored, search=SearchSettings(models=())), blocks=BLOCKS)
+    return rp.assess(clc[:1], replace(config, models=stored, search=SearchSettings(models=())), bodies=BLOCKS)
 
 
 @pytest.fixture(scope="session")
@@ -62,7 +62,7 @@ def fragility_tree(clc):
         search=SearchSettings(points=16),
         fragility=ida(limit_states=("uplift", 0.4, "overturning"), measures=("pga", "velocity_ratio")),
     )
-    return rp.fragility_curves(clc, settings, blocks={"wall": BLOCKS["wall"]})
+    return rp.fragility(clc, settings, bodies={"wall": BLOCKS["wall"]})
 
 
 @pytest.fixture(scope="session")

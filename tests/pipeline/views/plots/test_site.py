@@ -16,7 +16,7 @@ from rockpulse.views.plots.site import calibration, site_spectrum
 def tree(ridgecrest):
     settings = Config(calibration=CalibrationSettings(method="statistics", bootstrap=100))
     wall = rp.models.Block(half_width=0.2, half_height=1.0)
-    return rp.calibrate_site([one for one in ridgecrest if "Up" not in one.id], settings, blocks={"wall": wall})
+    return rp.calibrate([one for one in ridgecrest if "Up" not in one.id], settings, bodies={"wall": wall})
 
 
 @pytest.fixture(scope="module")

@@ -74,13 +74,13 @@ def results(bursts, bodies, config):
 @pytest.fixture(scope="session")
 def site(bursts, bodies, config):
     """Calibration on the same records."""
-    return rp.calibrate_site(bursts, config, bodies)
+    return rp.calibrate(bursts, config, bodies)
 
 
 @pytest.fixture(scope="session")
 def fragility(bursts, bodies, config):
     """Curves of the same records."""
-    return rp.fragility_curves(bursts, config, bodies)
+    return rp.fragility(bursts, config, bodies)
 
 
 @pytest.fixture(scope="session")

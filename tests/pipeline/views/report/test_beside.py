@@ -79,19 +79,19 @@ def test_a_site_of_another_body_is_refused_and_a_file_is_named(results, site, tm
 @pytest.mark.sweep
 def test_bodies_of_one_file_only_are_named_and_their_curves_left_out(results, bursts, bodies):
     stele, other = bodies["stele"], Block(0.3, 2.0)
-    found = curves_of(results, rp.fragility_curves(bursts, CURVES, {"stele": stele, "other": other}))
+    found = curves_of(results, rp.fragility(bursts, CURVES, {"stele": stele, "other": other}))
     assert "Left out, for they are not among the bodies assessed here: the curves of other." in found.remarks
     assert any(words.startswith("Without curves, for the fragility file lacks them: pier") for words in found.remarks)
     assert found.blocks == ("stele",)
     assert {row[0].text for row in found.tables[0].rows} == {"stele"}
     with pytest.raises(ResultsError, match=r"none of its bodies \(other\) is a body of the results \(stele"):
-        report_page(results, fragility=rp.fragility_curves(bursts, CURVES, {"other": other}))
+        report_page(results, fragility=rp.fragility(bursts, CURVES, {"other": other}))
 
 
 def test_restitutions_are_matched_by_their_numbers(bursts):
     """A body of one restitution keeps its name beside one of two."""
     two = {"wall": Block(0.125, 1.1, restitution=np.array([0.8, 0.9])), "column": Block(0.5, 3.5, restitution=0.97)}
-    curves = rp.fragility_curves(bursts, CURVES, two)
+    curves = rp.fragility(bursts, CURVES, two)
     found = paired(rp.assess(bursts[:1], CURVES, two), curves, "fragility", "it")
     assert found.tree["fragility"]["block"].values.tolist() == ["wall C 0.8", "wall C 0.9", "column"]
     one = rp.assess(bursts[:1], CURVES, {"wall": Block(0.125, 1.1, restitution=0.9)})
@@ -108,7 +108,7 @@ def test_curves_of_other_ground_motions_say_so(results, bursts, bodies, fragilit
     words = "The curves are of other ground motions than the verdict"
     assert curves_of(results, fragility).remarks == ()
     part = rp.assess(bursts[:1], CURVES, bodies)
-    assert curves_of(part, rp.fragility_curves(bursts[1:], CURVES, bodies)).remarks[0].startswith(words)
+    assert curves_of(part, rp.fragility(bursts[1:], CURVES, bodies)).remarks[0].startswith(words)
     assert paired(results, fragility, "fragility", "it").same == 4
     stronger = changed(results, "summary", pga=1.1)
     found = paired(stronger, fragility, "fragility", "it")
@@ -121,13 +121,13 @@ def test_curves_of_other_ground_motions_say_so(results, bursts, bodies, fragilit
 def test_records_that_are_compared_by_name_only_say_so(results, bursts, bodies, fragility):
     by_name = "Their records were compared by name only: PGA is not among the measures of the file."
     without = replace(CURVES, fragility=ida(limit_states=("uplift",), measures=("pgv",)))
-    assert by_name in curves_of(results, rp.fragility_curves(bursts, without, bodies)).remarks
+    assert by_name in curves_of(results, rp.fragility(bursts, without, bodies)).remarks
     assert by_name not in curves_of(results, fragility).remarks
 
 
 @pytest.mark.sweep
 def test_other_settings_another_gravity_and_another_equation_are_told(results, bursts, bodies, fragility):
-    fragility = rp.fragility_curves(bursts, replace(CURVES, conditioning=ConditioningSettings(order=4)), bodies)
+    fragility = rp.fragility(bursts, replace(CURVES, conditioning=ConditioningSettings(order=4)), bodies)
     assert curves_of(results, fragility).remarks == (
         "The motions were made with other settings: [conditioning] order = 4, here 2.",
     )
@@ -137,7 +137,7 @@ def test_other_settings_another_gravity_and_another_equation_are_told(results, b
     )
     assert paired(here, there, "fragility", "it").settings == ("[[block]] gravity = 9.81, here 9.80665",)
     linear = replace(CURVES, fragility=replace(CURVES.fragility, equation="linear"))
-    assert curves_of(results, rp.fragility_curves(bursts, linear, bodies)).remarks == (
+    assert curves_of(results, rp.fragility(bursts, linear, bodies)).remarks == (
         "The curves are by the linear equation of motion, the verdict is by the nonlinear model.",
     )
 
@@ -145,7 +145,7 @@ def test_other_settings_another_gravity_and_another_equation_are_told(results, b
 @pytest.mark.sweep
 def test_a_site_of_other_records_says_so(results, site, bodies, bursts):
     part = rp.assess(bursts[:1], CURVES, bodies)
-    others = rp.calibrate_site(
+    others = rp.calibrate(
         bursts[1:], rp.Config(calibration=CalibrationSettings(method="statistics", bootstrap=100)), bodies
     )
     words = "The calibration and its design are of other ground motions than the verdict"
@@ -157,25 +157,25 @@ def test_a_site_of_other_records_says_so(results, site, bodies, bursts):
 def test_a_sequence_that_is_not_the_design_of_the_site_is_refused(tmp_path, site, bodies):
     rp.save(site, tmp_path / "site.h5")
     design = rp.load_design(tmp_path / "site.h5")
-    words = " ".join(site_of(rp.assess_sequence(design, blocks=bodies), site).statements)
+    words = " ".join(site_of(rp.assess_sequence(design, bodies=bodies), site).statements)
     assert "The verdict of this report is that of its design sequence." in words
     assert "among the" not in words
     for other in (replace(design, main=1.01 * design.main), replace(design, spacing="middle")):
         with pytest.raises(ResultsError, match="is not the design of this site: I "):
-            site_of(rp.assess_sequence(other, blocks=bodies), site)
+            site_of(rp.assess_sequence(other, bodies=bodies), site)
 
 
 @pytest.mark.sweep
 def test_a_site_by_the_spectrum_is_shown_beside_its_design_and_another_is_refused():
     bodies = {name: BLOCKS[name] for name in ("wall", "pier")}
-    assessed = rp.assess_sequence(design_of(usual_site()), blocks=bodies)
+    assessed = rp.assess_sequence(design_of(usual_site()), bodies=bodies)
     part = site_of(assessed, usual_site())
     assert any("quantile of the overturning spectra of 10 records of 10 earthquakes" in one for one in part.statements)
     assert [table.key for table in part.tables] == ["site-design", "site-sequence"]
     remarks = gather(assessed, paired(assessed, usual_site(), SITE_KIND, "it")).remarks
     assert not [one for one in remarks if one.head.startswith("records of the site")]  # none overturns the pier
     with pytest.raises(ResultsError, match="is not that of this site: the factor of wall is "):
-        site_of(rp.assess_sequence(design_of(spectrum_site(np.linspace(0.6, 1.5, 10))), blocks=bodies), usual_site())
+        site_of(rp.assess_sequence(design_of(spectrum_site(np.linspace(0.6, 1.5, 10))), bodies=bodies), usual_site())
 
 
 @pytest.fixture

@@ -8,7 +8,7 @@ import pytest
 from many_results import many_results
 from real_browser import NEEDS_BROWSER
 
-from rockpulse.views.report.writing import write_report
+from rockpulse.views.report.writing import report
 from rockpulse.views.shared.notes import factor_heading
 
 pytestmark = [NEEDS_BROWSER, pytest.mark.sweep]
@@ -174,7 +174,7 @@ def test_it_prints_on_a4(page):
 
 @pytest.mark.slow
 def test_two_hundred_records_on_twenty_bodies_open_in_a_second_and_a_half(browser, tmp_path):
-    path = write_report(many_results(200, 20, samples=12000), tmp_path / "report.html")
+    path = report(many_results(200, 20, samples=12000), tmp_path / "report.html")
     assert path.stat().st_size < 15e6
     browser.get(path.as_uri())  # the first one warms the disk
     browser.get(path.as_uri())

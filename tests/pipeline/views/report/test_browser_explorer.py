@@ -11,7 +11,7 @@ from many_results import many_results
 from real_browser import NEEDS_BROWSER
 
 from rockpulse.cli import main
-from rockpulse.views.report.writing import write_report
+from rockpulse.views.report.writing import report
 
 pytestmark = [NEEDS_BROWSER, pytest.mark.sweep]
 
@@ -216,7 +216,7 @@ def test_a_phone_needs_no_sideways_scrolling(page):
 
 @pytest.mark.slow
 def test_any_of_twenty_bodies_is_drawn_at_once(browser, tmp_path):
-    path = write_report(many_results(200, 20, samples=12000), tmp_path / "report.html")
+    path = report(many_results(200, 20, samples=12000), tmp_path / "report.html")
     browser.get(path.as_uri())
     bodies = data(browser)["bodies"]
     assert [len(body["scenes"]) for body in bodies] == [3] * 20

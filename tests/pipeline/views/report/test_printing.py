@@ -9,7 +9,7 @@ from results_tree import results_tree
 
 from rockpulse.errors import ResultsError
 from rockpulse.views.report import writing as printing
-from rockpulse.views.report.writing import PDF_MARK, write_report
+from rockpulse.views.report.writing import PDF_MARK, report
 
 
 @pytest.fixture
@@ -23,7 +23,7 @@ def nowhere(monkeypatch, tmp_path):
 
 def test_without_a_browser_nothing_is_written_and_it_is_said_what_to_do(nowhere, tmp_path):
     with pytest.raises(ResultsError, match=r"no Chrome, Chromium or Edge was found .* write the report as \.html"):
-        write_report(results_tree(), tmp_path / "report.pdf")
+        report(results_tree(), tmp_path / "report.pdf")
     assert list(tmp_path.iterdir()) == []
 
 
@@ -57,14 +57,14 @@ def test_a_browser_that_prints_nothing_or_never_ends_is_an_error_in_words(monkey
 @pytest.mark.skipif(shutil.which("chromium") is None, reason="no browser: apt-get install chromium")
 def test_only_a_pdf_of_ours_is_replaced(tmp_path, monkeypatch):
     target = tmp_path / "report.pdf"
-    write_report(results_tree(), target)
+    report(results_tree(), target)
     content = target.read_bytes()
     assert content.startswith(b"%PDF-")
     assert content.endswith(PDF_MARK)
     assert len(re.findall(rb"/Type /Page\b", content)) > 3
     monkeypatch.setattr(printing, "printed", lambda page: content)
-    write_report(results_tree(), target, overwrite=True)
+    report(results_tree(), target, overwrite=True)
     other = tmp_path / "other.pdf"
     other.write_bytes(b"%PDF-1.4\n%%EOF\n")
     with pytest.raises(ResultsError, match="not replaced even with"):
-        write_report(results_tree(), other, overwrite=True)
+        report(results_tree(), other, overwrite=True)

@@ -15,7 +15,7 @@ import rockpulse as rp
 from rockpulse.errors import ResultsError
 from rockpulse.views.report import writing
 from rockpulse.views.report.content import gather
-from rockpulse.views.report.writing import report_page, write_report
+from rockpulse.views.report.writing import report, report_page
 
 
 class Page(HTMLParser):
@@ -147,7 +147,7 @@ def test_cases_of_restitution_are_bodies_of_their_own():
 def test_the_design_sequence_of_a_site(tmp_path, site, bodies, undrawn):
     rp.save(site, tmp_path / "site.h5")
     sequence = rp.load_design(tmp_path / "site.h5")
-    words = Page(report_page(rp.assess_sequence(sequence, blocks=bodies), site)).text
+    words = Page(report_page(rp.assess_sequence(sequence, bodies=bodies), site)).text
     assert "under one design sequence" in words
     said = words[words.index("the confidence is that of the site calibration") :].split("Site calibration")[0]
     assert "a design made without the event of a record covers" in said or "is not known" in said
@@ -194,20 +194,20 @@ def test_where_nothing_was_found_the_page_says_up_to_where(results):
 def test_the_file_is_written_and_only_a_report_is_replaced(tmp_path, monkeypatch, known):
     tree, path = results_tree(), tmp_path / "report.html"
     monkeypatch.setattr(writing, "report_page", lambda *given: known)
-    assert write_report(tree, path) == path
+    assert report(tree, path) == path
     assert path.read_text(encoding="utf-8").startswith("<!DOCTYPE html>")
     with pytest.raises(ResultsError, match="--overwrite"):
-        write_report(tree, path)
-    write_report(tree, path, overwrite=True)
+        report(tree, path)
+    report(tree, path, overwrite=True)
     other = tmp_path / "notes.html"
     other.write_text("mine")
     with pytest.raises(ResultsError, match="not replaced even with"):
-        write_report(tree, other, overwrite=True)
+        report(tree, other, overwrite=True)
     assert other.read_text() == "mine"
     with pytest.raises(ResultsError, match="no folder"):
-        write_report(tree, tmp_path / "none" / "report.html")
+        report(tree, tmp_path / "none" / "report.html")
     with pytest.raises(ResultsError, match="no regular file"):
-        write_report(tree, tmp_path, overwrite=True)
+        report(tree, tmp_path, overwrite=True)
 
 
 @pytest.mark.sweep
@@ -215,9 +215,9 @@ def test_files_of_another_kind_are_refused(tmp_path, results, site):
     rp.save(site, tmp_path / "site.h5")
     rp.save(results, tmp_path / "results.h5")
     with pytest.raises(ResultsError, match="expected an assessment of rockpulse, found a site calibration"):
-        write_report(tmp_path / "site.h5", tmp_path / "report.html")
+        report(tmp_path / "site.h5", tmp_path / "report.html")
     with pytest.raises(ResultsError, match="expected a fragility of rockpulse, found a site calibration"):
-        write_report(tmp_path / "results.h5", tmp_path / "report.html", fragility=tmp_path / "site.h5")
+        report(tmp_path / "results.h5", tmp_path / "report.html", fragility=tmp_path / "site.h5")
     with pytest.raises(ResultsError, match="found a tree of another kind"):
         report_page(xr.DataTree())
     assert not (tmp_path / "report.html").exists()

@@ -32,7 +32,7 @@ def tree():
         for number in range(6)
     ]
     blocks = {"stele": Block(0.1, 1.5), "pier": Block(0.5, 2.0)}
-    return rp.calibrate_site(records, config, blocks, failures=[Failure("a.AT2", "read", "why", "failed")])
+    return rp.calibrate(records, config, blocks, failures=[Failure("a.AT2", "read", "why", "failed")])
 
 
 def test_everything_is_there_and_nothing_is_nan(tree):
