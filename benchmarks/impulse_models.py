@@ -42,7 +42,7 @@ def median(runs: int, call: Callable[[], Any]) -> float:
 def bodies(count: int, seed: int) -> Block:
     rng = np.random.default_rng(seed)
     alpha, radius = np.arctan(1.0 / rng.uniform(4.0, 12.0, count)), rng.uniform(1.0, 6.0, count)
-    return Block(radius * np.sin(alpha), radius * np.cos(alpha), "housner")
+    return Block(half_width=radius * np.sin(alpha), half_height=radius * np.cos(alpha), restitution="housner")
 
 
 def impulses_of_records(runs: int, seed: int) -> None:

@@ -29,7 +29,9 @@ def blocks() -> dict[str, Block]:
     """The twelve."""
     alphas = {slenderness: np.arctan(1.0 / slenderness) for slenderness in (4, 6, 8, 12)}
     return {
-        f"slenderness {slenderness}, R {radius} m": Block(radius * np.sin(alpha), radius * np.cos(alpha))
+        f"slenderness {slenderness}, R {radius} m": Block(
+            half_width=radius * np.sin(alpha), half_height=radius * np.cos(alpha)
+        )
         for slenderness, alpha in alphas.items()
         for radius in (1, 2, 4)
     }

@@ -45,7 +45,7 @@ def many_results(records, blocks, samples=6000, seed=0):
             "model": SUMMARY["model"].variable(MODELS),
         },
     )
-    body = Block(numbers.uniform(0.1, 0.5, blocks), numbers.uniform(1.6, 3.0, blocks))
+    body = Block(half_width=numbers.uniform(0.1, 0.5, blocks), half_height=numbers.uniform(1.6, 3.0, blocks))
     for name in ("radius", "alpha_c", "p", "gravity", "slenderness", "critical_impulse", "restitution"):
         summary[name].values[:] = getattr(body, name)
     summary["width"].values[:], summary["height"].values[:] = 2.0 * body.half_width, 2.0 * body.half_height

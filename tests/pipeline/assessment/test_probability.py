@@ -97,7 +97,9 @@ def test_where_the_vertical_acts_every_body_has_lanes_of_its_own():
     summary = assess(records, config)["summary"]
     assert summary["probability_source"].values.tolist() == [[OWN]]
     seed = int(np.random.SeedSequence([0, *b"one"]).generate_state(1)[0])
-    own = overturning_probability(Block(0.2, 1.5), motion(), DT, vertical=motion(3, 3.0), seed=seed)
+    own = overturning_probability(
+        Block(half_width=0.2, half_height=1.5), motion(), DT, vertical=motion(3, 3.0), seed=seed
+    )
     assert summary["factor_50"].values[0, 0] == own.factor_50[0]
 
 
@@ -106,11 +108,14 @@ def test_a_list_of_restitutions_is_the_range_of_all_of_them():
     several = replace(WALL, restitution=(0.95, 0.8))
     summary = assess([record("one")], configured(several, PIER))["summary"]
     assert summary["factor_50"].dims == ("record", "block", "case")
-    expected = direct(Block(0.2, 1.5).lanes(1), least=np.array([0.8]), most=np.array([0.95]))
+    expected = direct(Block(half_width=0.2, half_height=1.5).lanes(1), least=np.array([0.8]), most=np.array([0.95]))
     for name in NAMES:
         assert_allclose(summary[name].values[0, 0], np.repeat(expected[name], 2), rtol=1e-12, err_msg=name)
     # A body with one value keeps the shares of it.
-    assert_array_equal(summary["factor_50"].values[0, 1], direct(Block(0.45, 2.5).lanes(1))["factor_50"].repeat(2))
+    assert_array_equal(
+        summary["factor_50"].values[0, 1],
+        direct(Block(half_width=0.45, half_height=2.5).lanes(1))["factor_50"].repeat(2),
+    )
 
 
 def test_the_uncertainty_is_that_of_the_configuration():
@@ -118,7 +123,9 @@ def test_the_uncertainty_is_that_of_the_configuration():
     config = configured(WALL, uncertainty=known, search=rp.SearchSettings(factor_max=3.0))
     found = told(record("one"), config)
     expected = direct(
-        Block(0.2, 1.5).lanes(1), limit=3.0, uncertainty=Uncertainty(factor=0.05, restitution=(0.8, 0.95), geometry=0.0)
+        Block(half_width=0.2, half_height=1.5).lanes(1),
+        limit=3.0,
+        uncertainty=Uncertainty(factor=0.05, restitution=(0.8, 0.95), geometry=0.0),
     )
     for name in NAMES:
         assert_array_equal(found[name], expected[name], err_msg=name)

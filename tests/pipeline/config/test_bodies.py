@@ -66,9 +66,18 @@ def test_names_of_bodies_apart_differ_however_close_the_restitutions_are():
     ("blocks", "message"),
     [
         ({}, "no block to assess"),
-        ({"a": Block(0.5, 2.0, [0.8, 0.9]), "b": Block(0.5, 2.0, [0.7, 0.8, 0.9])}, "one length"),
-        ({"a": Block(0.5, 2.0), "b": Block(0.5, 2.0, gravity=9.81)}, "gravity"),
-        ({"a": Block([0.5, 0.6], 2.0)}, "restitution only"),
+        (
+            {
+                "a": Block(half_width=0.5, half_height=2.0, restitution=[0.8, 0.9]),
+                "b": Block(half_width=0.5, half_height=2.0, restitution=[0.7, 0.8, 0.9]),
+            },
+            "one length",
+        ),
+        (
+            {"a": Block(half_width=0.5, half_height=2.0), "b": Block(half_width=0.5, half_height=2.0, gravity=9.81)},
+            "gravity",
+        ),
+        ({"a": Block(half_width=[0.5, 0.6], half_height=2.0)}, "restitution only"),
         ({"a": Block.from_parameters(2.0, 0.2, 0.9, radius=[1.0, 1.1])}, "restitution only"),
     ],
 )

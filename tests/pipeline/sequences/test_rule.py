@@ -147,7 +147,7 @@ def test_the_range_is_that_of_the_bodies_of_the_fit():
     rule = load_rule()
     slenderness, radius = np.array([(a, r) for a in (4.0, 6.0, 8.0, 12.0) for r in (1.0, 2.0, 4.0)]).T
     of_fit = np.arctan(1.0 / slenderness)
-    assert rule.applicable(Block(radius * np.sin(of_fit), radius * np.cos(of_fit))).all()
+    assert rule.applicable(Block(half_width=radius * np.sin(of_fit), half_height=radius * np.cos(of_fit))).all()
     alpha = np.arctan(1.0 / 8.0)
     usual = {"p": 2.0, "alpha": alpha, "restitution": 1.0 - 1.5 * np.sin(alpha) ** 2}
     for other, inside in (
@@ -162,8 +162,10 @@ def test_the_range_is_that_of_the_bodies_of_the_fit():
         ({"alpha": np.arctan(1.0 / 13.0)}, False),
     ):
         assert rule.applicable(Block.from_parameters(**usual | other)).tolist() == [inside], other
-    assert rule.applicable(Block(0.5, 0.3, restitution=0.5)).tolist() == [False]  # no Housner's C
-    assert Rule("balanced", 1.0).applicable(Block(0.5, 0.6)).tolist() == [True]
+    assert rule.applicable(Block(half_width=0.5, half_height=0.3, restitution=0.5)).tolist() == [
+        False
+    ]  # no Housner's C
+    assert Rule("balanced", 1.0).applicable(Block(half_width=0.5, half_height=0.6)).tolist() == [True]
 
 
 def test_a_file_of_whole_numbers_and_of_one_value_is_a_rule(tmp_path):
@@ -250,7 +252,11 @@ def test_assessments_mark_bodies_unlike_those_of_the_fit():
     config = Config()
     config = replace(config, models=replace(config.models, use=("balanced", "conservative", "linear")))
     record = rp.Record(synthetic_motion(4, duration=6.0, pga=3.5), dt=0.01, id="four", processed=True)
-    bodies = {"pier": Block(0.2, 1.6), "tiny": Block(0.02, 0.16), "soft": Block(0.2, 1.6, restitution=0.6)}
+    bodies = {
+        "pier": Block(half_width=0.2, half_height=1.6),
+        "tiny": Block(half_width=0.02, half_height=0.16),
+        "soft": Block(half_width=0.2, half_height=1.6, restitution=0.6),
+    }
     summary = rp.assess([record], config, bodies=bodies)["summary"]
     assert summary["applicable"].values[0].tolist() == [[1, 1, 1], [0, 0, 1], [0, 0, 1]]
     warnings = str(summary["warnings"].values[0])
