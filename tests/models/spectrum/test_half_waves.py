@@ -229,7 +229,6 @@ def test_between_the_marches_the_answer_is_that_of_the_body_itself():
     assert np.all(found.march_10 > found.march)
 
 
-@pytest.mark.sweep
 def test_bodies_of_the_parameters_of_the_default_spectrum_are_marched_themselves():
     waves, _ = even_triangles(11, count=12)
     block = Block.from_parameters(p=DEFAULT_RATES[[0, 4, -2]], alpha=0.1, restitution=0.93)
