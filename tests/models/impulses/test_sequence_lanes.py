@@ -59,6 +59,7 @@ def test_combinations_in_one_call_answer_as_one_by_one(spacing):
             assert np.array_equal(getattr(response, name)[q], getattr(alone, name), equal_nan=True)
         rows = alone.half_cycles.peak.shape[0]
         assert np.array_equal(response.half_cycles.peak[:rows, q], alone.half_cycles.peak, equal_nan=True)
+        assert np.all(response.half_cycles.impulse_count[rows:, q] == -1)
 
 
 def test_main_count_broadcasts_with_scalar_impulses():

@@ -49,6 +49,19 @@ def test_nothing_up_to_the_end_of_the_search_is_infinity():
     assert found.lane.size == found.lower.size == found.upper.size == found.open.size == 0
 
 
+def test_a_factor_without_an_answer_is_told_of_its_own_lane():
+    """Three lanes of no interval, one and two; the only one of the second and the last of the third have no answer."""
+    found = exceedance_intervals(
+        lambda lanes, factors: (lanes > 0) & (factors > 2.0) & (factors < 3.0) | (factors > 5.0 + 10.0 * (lanes < 2)),
+        np.full(3, 0.5),
+        10.0,
+        64,
+    )
+    assert found.lane.tolist() == [1, 2, 2]
+    answered = found.changed(resolved=np.array([False, True, False])).factor_resolved
+    assert answered.tolist() == [True, False, True]
+
+
 @pytest.mark.parametrize("start", [12.0, np.inf])
 def test_a_start_beyond_the_search_is_not_asked_for(start):
     def never(lanes, factors):

@@ -92,6 +92,12 @@ def test_lanes_are_added_downwards_while_the_lowest_ones_overturn():
     assert stretches(march, 0) == approx(*down)
     assert stretches(march, 1) == approx((0.8, 2.4, 64), (0.8, 2.4, 192))
     assert (lanes[0].bottom, lanes[0].top) == pytest.approx((bottom[0], 3.8))
+    # A lane stands for 1 over the density of the parts that it lies in.
+    *_, (last, row) = [(part, row) for part in march.parts for row in np.flatnonzero(part.body == 0)]
+    at = lanes[0].log_factor
+    density = np.interp(at, last.grid[row], last.density[row])
+    density += sum(number / (high - low) * ((at >= low) & (at <= high)) for low, high, number in down[:3])
+    assert lanes[0].weight == pytest.approx(1.0 / density)
     # A part of even density stands for its length over its lanes, 64 over 1.6 as 32 over 0.8.
     assert [part.density[0].tolist() for part in march.parts[:2]] == [pytest.approx([40.0, 40.0])] * 2
 

@@ -366,6 +366,7 @@ def test_levels_are_those_from_uplift_to_the_largest_factor():
     assert np.log(least.level[-1]) / 0.04 == pytest.approx(55)
     # One is asked for, too, where the largest factor lies below it.
     assert overturning_probability(WALL, 5.0 * PULSE, DT, factor_max=0.5).level[-1] == 1.0
+    assert overturning_probability(WALL, 100.0 * PULSE, DT).level[-1] == 1.0
 
 
 def test_probabilities_between_levels_are_linear_in_the_logarithm_of_the_factor():

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from rocking import Block, OverturningSpectrum, Uncertainty, critical_scale, ground_demand, recorded_response
+from rocking.body.limits import RATES as DEFAULT_RATES
 from rocking.march.demand import HANDED_ON
 from rocking.response import Outcome
 from rocking.spectrum.half_waves import (
@@ -226,6 +227,14 @@ def test_between_the_marches_the_answer_is_that_of_the_body_itself():
     direct = 1.0 / mean_capacity(level, own[:, 0]) / lift(block)
     assert found.march == pytest.approx(direct, rel=0.08)  # docs/decisions/009: 2 % on records
     assert np.all(found.march_10 > found.march)
+
+
+def test_bodies_of_the_parameters_of_the_default_spectrum_are_marched_themselves():
+    waves, _ = even_triangles(11, count=12)
+    block = Block.from_parameters(p=DEFAULT_RATES[[0, 4, -2]], alpha=0.1, restitution=0.93)
+    spectrum = OverturningSpectrum(half_wave_lanes(*waves, p=block.p))
+    direct = 1.0 / mean_capacity(spectrum.level, spectrum.probability([0.93])[:, 0]) / lift(block)
+    assert demand_of_half_waves(block, *waves).march == pytest.approx(direct, rel=2e-3)
 
 
 @pytest.mark.sweep

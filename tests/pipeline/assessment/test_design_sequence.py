@@ -87,6 +87,16 @@ def test_models_that_need_a_record_are_left_out_in_words(tree):
     assert one.attrs["title"] == "Borgo"
 
 
+@pytest.mark.parametrize(("share", "touching"), [(0.3, 0), (0.9, 3)])
+def test_bodies_that_march_through_the_ground_are_counted_in_a_warning(share, touching):
+    through = dataclasses.replace(SEQUENCE, spacing="start", secondary=share * SEQUENCE.main)
+    assert np.count_nonzero(sequence_response(LANES, through).ground_contact) == touching
+    summary = rp.assess_sequence(through, Config(models=ModelSettings(use=["sequence"])), BLOCKS)["summary"]
+    (warnings,) = summary["warnings"].values.tolist()
+    assert (f"{touching} of 3 bodies" in warnings) is (touching > 0)
+    assert (warnings == "") is (touching == 0)
+
+
 def test_a_configuration_without_a_sequence_model_is_refused():
     with pytest.raises(ConfigError, match="nonlinear cannot answer a sequence; it is answered by resonance and seq"):
         rp.assess_sequence(SEQUENCE, Config(models=ModelSettings(use=["nonlinear"])), BLOCKS)

@@ -78,6 +78,17 @@ def test_mirrored_record_is_conditioned_to_the_mirror_image(baseline):
     )
 
 
+@pytest.mark.parametrize(
+    ("baseline", "told"),
+    [
+        ("mean", "mean of all samples, 3 m/s2, subtracted"),
+        ("linear", "line of all samples, 1 m/s2 at the start, 5 at the end, subtracted"),
+    ],
+)
+def test_the_note_of_a_baseline_says_what_was_subtracted(baseline, told):
+    assert condition(record(np.arange(1.0, 6.0)), baseline).processing == (f"baseline: {told}",)
+
+
 def test_baseline_none_changes_nothing_and_says_nothing():
     conditioned = condition(event(offset=0.7), baseline="none")
     np.testing.assert_array_equal(conditioned.acceleration, event(offset=0.7).acceleration)
@@ -225,9 +236,11 @@ def test_half_of_an_impulse_at_the_first_sample_is_cut_off_with_the_pad(corner, 
 
 def test_taper_is_a_cosine_that_leaves_the_middle_alone():
     tapered = condition(record(np.ones(1001)), "none", taper_s=2.0).acceleration
-    notes = [condition(record(own), "none", taper_s=2.0).processing[0] for own in (np.ones(1001), np.zeros(1001))]
-    # Of 4 s of 10 s 3/8 are left.
-    assert [note.partition("took ")[2] for note in notes] == ["25 % of the energy", "0 % of the energy"]
+    # Of 4 s of 10 s 3/8 are left; of three equal impulses that in the middle.
+    impulses = np.where(np.isin(np.arange(1001), [0, 500, 1000]), 1.0, 0.0)
+    motions = (record(own) for own in (np.ones(1001), np.zeros(1001), impulses))
+    notes = [condition(motion, "none", taper_s=2.0).processing[0].partition("took ")[2] for motion in motions]
+    assert notes == ["25 % of the energy", "0 % of the energy", "67 % of the energy"]
     assert tapered[[0, 50, 100, 150, 200, 500, 800, 900, 1000]] == pytest.approx(
         [0.0, 0.5 - 0.125**0.5, 0.5, 0.5 + 0.125**0.5, 1.0, 1.0, 1.0, 0.5, 0.0]
     )

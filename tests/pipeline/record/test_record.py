@@ -81,6 +81,9 @@ def test_a_record_survives_pickling():
     # Thousands of records have one text and one NaN in common.
     assert one.network is other.network
     assert one.vs30 is other.azimuth is math.nan
+    # A text from an array of numpy is taken as it is.
+    of_array = Record(np.zeros(2), dt=0.01, id="a", event=np.array(["Friuli"])[0])
+    assert pickle.loads(pickle.dumps(of_array)).event == "Friuli"
 
 
 @pytest.mark.parametrize(

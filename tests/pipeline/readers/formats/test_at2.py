@@ -133,6 +133,7 @@ def test_a_header_without_unit_asks_for_one(write):
         (at2(pulse(), count_line="NPTS= {n}, DT= VARIABLE"), r"RSN1.AT2:4: expected 'NPTS= n"),
         (at2(pulse(), series="ACCELERATION IN UNITS OF ELLS"), r"RSN1.AT2:3: unknown unit"),
         (at2([*pulse(20), np.nan, 0.1]), r"RSN1.AT2:9: expected a finite number, found 'NAN'"),
+        (at2([], count_line="NPTS= 2, DT= .01 SEC\nno\nnumbers"), r"RSN1.AT2:5: expected a finite number, found 'no'"),
         (at2([0.1]), "at least 2 samples, found 1"),
         (at2(pulse())[:150], "expected 400 samples|expected 'NPTS"),
     ],

@@ -37,6 +37,12 @@ def test_azimuths(azimuths, expected):
     assert [record.orientation for record in (first, vertical, third)] == ["horizontal", "vertical", "horizontal"]
 
 
+def test_the_epicentre_is_not_the_place_of_the_station():
+    for record in got(bhrc(THREE)):
+        assert (record.station_latitude, record.station_longitude) == (38.474, 47.059)
+        assert (record.hypocentre_latitude, record.hypocentre_longitude) == (38.52, 46.86)
+
+
 def test_rows_beyond_the_declared_count_are_reported():
     records = got(bhrc(THREE, count=400))
     assert [record.npts for record in records] == [400] * 3

@@ -58,6 +58,7 @@ def test_other_series_are_refused(write, kind):
         ("", "20080512142804_051WCW_ORIG_NS.dat", "horizontal", 0.0, True),
         ("", "051NSW080512142801.dat", "unknown", np.nan, False),
         ("EW", "051WCW080512142801.UD.dat", "unknown", np.nan, True),
+        ("EW", "051WCW080512142801NS.dat", "unknown", np.nan, True),
     ],
 )
 def test_the_component_is_that_of_the_header_else_of_the_name(write, component, name, orientation, azimuth, noted):

@@ -122,7 +122,7 @@ def test_other_series_are_refused(kind):
         (dyna(VALUES, without=["DATA_TYPE"]), "stream:63: expected 'DATA_TYPE: ACCELERATION' in"),
         (dyna(VALUES, UNITS="furlong"), "stream:33: unknown unit of acceleration 'furlong'"),
         (dyna(VALUES, UNITS=""), "stream:33: unknown unit of acceleration ''"),
-        (dyna(VALUES).replace(b"\n98.0000", b"\n98.0x00"), r"stream:\d+: expected a finite number"),
+        (dyna(VALUES).replace(b"\n98.0000", b"\n98.0x00"), "stream:77: expected a finite number"),
         (dyna(VALUES).replace(b"\n98.0000", b"\n98.0 00"), "stream:77: expected one number on"),
         (dyna(VALUES).replace(b"STREAM:", b"STREAM "), "stream:31: expected 'DATA_TYPE"),
     ],

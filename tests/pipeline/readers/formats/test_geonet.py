@@ -27,6 +27,7 @@ def test_only_the_accelerations_of_both_volumes_are_read(corrected, end):
     for record, values in zip(records, THREE, strict=True):
         assert record.acceleration == pytest.approx(0.001 * values, rel=1e-12)
         assert (record.dt, record.start_time) == (0.005, START)
+        assert (record.station, record.station_name) == ("HSES", "Hanmer Springs Emergency Centre")
 
 
 def test_readings_in_another_unit_are_multiplied():

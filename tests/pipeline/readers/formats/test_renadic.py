@@ -111,6 +111,13 @@ def test_parts_whose_times_begin_anew_are_joined_by_their_clocks(tmp_path):
     assert [(record.id, record.npts) for record in records] == [("a.EW", 400), ("a.NS", 400), ("a.V", 400)]
 
 
+def test_parts_whose_times_run_on_are_joined_whatever_their_clocks_say(tmp_path):
+    clocks = ("2/27/2010 3:55:14.000 GMT", "2/27/2010 4:55:16.000 GMT")
+    put(tmp_path, a_parte1=part(0, 200, trigger=clocks[0]), a_parte2=part(200, 400, trigger=clocks[1]))
+    records, _ = read_all(tmp_path)
+    assert [record.npts for record in records] == [400] * 3
+
+
 @pytest.mark.parametrize(("begin", "count"), [(2.002, 3), (1.998, 3), (2.003, 6), (1.997, 6)])
 def test_printed_times_of_parts_may_be_off_by_a_quarter_of_a_step(tmp_path, begin, count):
     put(tmp_path, a_parte1=part(0, 200), a_parte2=part(200, 400, first=begin))

@@ -40,6 +40,13 @@ def test_a_corrected_accelerogram(write, end):
     assert record.start_time == datetime(2011, 8, 23, 17, 50, 56, 250000, tzinfo=UTC)
 
 
+def test_a_header_without_the_number_of_its_comments_has_none(write):
+    values = pulse(250, peak=120.0)
+    content = smc(values, codes={16: -32768}).replace(b"|\n| written by a test\n", b"")
+    (record,) = read(write(content))
+    assert record.acceleration == pytest.approx(0.01 * values, rel=1e-4, abs=1e-9)
+
+
 def test_raw_pairs_are_made_equal_in_step(write):
     times = np.array([0.0, 0.004, 0.0105, 0.015, 0.021, 0.025, 0.031])
     values = np.column_stack([times, 1000.0 * times]).ravel()

@@ -23,6 +23,18 @@ def record(peak=0.3, unit="g", samples=None, **known):
     return build_record(FILE, samples, 0.01, unit, number=1, format="test", processed=None, **known)
 
 
+def test_two_samples_are_a_record_and_one_is_none():
+    assert record(samples=np.array([0.1, 0.2])).npts == 2
+    with pytest.raises(RecordFormatError, match="expected at least 2 samples, found 1"):
+        record(samples=np.array([0.1]))
+
+
+def test_a_channel_of_zeros_is_dead_whatever_peak_its_header_states():
+    for stated in (np.nan, 0.0, 0.3):
+        (note,) = record(samples=np.zeros(9), header_peak=(stated, 0.0)).warnings
+        assert code_of(note) == "dead_channel"
+
+
 @pytest.mark.parametrize(
     ("peak", "unit", "words"),
     [

@@ -283,7 +283,9 @@ def test_two_numbers_above_times_that_would_run_backwards_are_count_and_interval
     assert found("0.01 3", "0.00 1.5", width=2) == Numbered(1, 3, 0.01)
 
 
-@pytest.mark.parametrize("rows", [["3 0.01", "3.5 1.5"], ["0 0.01", "0 1.5"], ["3 0.0", "1 2"], ["0.0 3", "0.0 2"]])
+@pytest.mark.parametrize(
+    "rows", [["3 0.01", "3.5 1.5"], ["0 0.01", "0 1.5"], ["3 0.0", "1 2"], ["0.0 3", "0.0 2"], ["3 0.01"]]
+)
 def test_two_numbers_that_are_no_count_and_interval_are_a_row(rows):
     assert found(*rows, width=2) == Numbered(0)
 

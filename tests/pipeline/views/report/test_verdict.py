@@ -1,10 +1,12 @@
 """The verdict in words: its sentences, and its table."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 import xarray as xr
+from markupsafe import Markup
 from report_cases import answers, motions, probable, summary_of, verdict
 from results_tree import results_tree
 
@@ -13,7 +15,18 @@ from rockpulse.assessment.verdict import Grade
 from rockpulse.errors import ResultsError
 from rockpulse.selection.events import UNKNOWN
 from rockpulse.storage.variables.summary import SUMMARY
-from rockpulse.views.report.verdict import TO, basis, body_table, counted_by, motions_words, of_unknown_event, sentence
+from rockpulse.views.report.verdict import (
+    TO,
+    Drawing,
+    basis,
+    body_table,
+    cards,
+    counted_by,
+    drawings,
+    motions_words,
+    of_unknown_event,
+    sentence,
+)
 from rockpulse.views.report.writing import report_page
 from rockpulse.views.shared.columns import grade_cell
 
@@ -35,6 +48,18 @@ def test_a_body_in_a_word_and_in_a_sentence(probability, words, grade, value):
     told = sentence(answers(summary), found)
     assert told.startswith(f"Probability of overturning {value}, up to ")
     assert told.endswith("(end of the 90 % interval), under 2 records of 2 earthquakes, as they were recorded.")
+
+
+def test_of_bodies_without_a_verdict_that_of_the_smaller_factor_comes_first():
+    """Whether the probability at the demand is not known at all, or that of the records that are known is 0."""
+    summary = probable([0.0, 0.0], factor_10=[3.0, 3.0], at_demand=[0.0, math.nan], demand=1.0)
+    high = verdict(summary)
+    low = verdict(probable([0.0, 0.0], factor_10=[0.9, 0.9], at_demand=[math.nan] * 2, demand=1.0))
+    low = replace(low, body=low.body._replace(block="low", place=1))
+    assert high.overall == low.overall == Grade.NOT_KNOWN
+    assert (high.decides.value, math.isnan(low.decides.value)) == (0.0, True)
+    drawn = [Drawing(Markup("<svg/>"), "")] * 2
+    assert [card.name for card in cards(answers(summary), [high, low], drawn)] == ["low", high.body.block]
 
 
 def test_the_demand_of_the_site_decides_from_five_earthquakes_on():
@@ -158,6 +183,18 @@ def test_what_the_verdicts_rest_on_and_what_their_words_mean_is_said():
     assert "each by one factor, a pair by the geometric mean of both; factors outside 0.25 to 4 are left out" in words
     words = counted_by(answers(summary_of([2.0])))
     assert words.startswith("The share of earthquakes")
+
+
+def test_a_body_is_drawn_with_its_first_pedestal_and_with_both():
+    """The second and the third body of the results are the first one with a part of what it stands on."""
+    tree = results_tree()
+    summary = tree["summary"].to_dataset()
+    wall = str(summary["block"].values[0])
+    pedestals = "".join(f"[[block.pedestal]]\nwidth = {w}\nheight = 0.5\nmass = 900.0\n" for w in (1.1, 0.9))
+    tree.attrs["configuration"] = f'[[block]]\nname = "{wall}"\nwidth = 0.5\nheight = 2.0\nmass = 500.0\n{pedestals}'
+    names = np.array(["", wall, wall], dtype=object)
+    tree["summary"] = xr.DataTree(summary.assign(pedestal_of=SUMMARY["pedestal_of"].variable(names)))
+    assert [one.svg.count('class="pedestal"') for one in drawings(tree)] == [2, 1, 0]
 
 
 def test_a_pedestal_of_a_body_that_is_not_there_is_an_error_in_words():
