@@ -51,10 +51,7 @@ def impulses_of_records(runs: int, seed: int) -> None:
     print(f"one synthetic record of 60 s, {len(waves)} half-waves; one thread; us per lane (ns per impulse and lane)")
     few = bodies(4, seed)
     scale = np.array([0.5, 1.0])
-    plain = median(
-        1,
-        lambda: [march(few.lane(m), waves.centroid, s * waves.impulse) for m in range(4) for s in scale],
-    )
+    plain = median(1, lambda: [march(few.lane(m), waves.centroid, s * waves.impulse) for m in range(4) for s in scale])
     base = plain / 8
     print(f"  {'plain Python march':34} {1e6 * base:10.1f}  ({1e9 * base / len(waves):9.1f})")
     for lanes in (8, 64, 512, 4096):

@@ -133,10 +133,7 @@ def marched(case: Case, log_factor: np.ndarray, rng: np.random.Generator) -> np.
 def over_at(case: Case, log_factor: np.ndarray, share: np.ndarray, loss: np.ndarray) -> np.ndarray:
     """Verdicts of lanes with given draws."""
     lanes = Block.from_parameters(
-        case.block.p,
-        case.block.alpha_c * np.exp(-loss),
-        np.minimum(case.block.restitution * share, 0.999),
-        log=False,
+        case.block.p, case.block.alpha_c * np.exp(-loss), np.minimum(case.block.restitution * share, 0.999), log=False
     )
     outcome = recorded_response(lanes, case.acceleration, case.dt, block_scale=np.exp(log_factor), threads=1).outcome
     return outcome >= Outcome.OVERTURNS

@@ -6,14 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from rocking import (
-    Block,
-    ImpulseSequence,
-    impulsive_response,
-    recorded_response,
-    resonance_safety,
-    sequence_response,
-)
+from rocking import Block, ImpulseSequence, impulsive_response, recorded_response, resonance_safety, sequence_response
 from rocking.body.restraint import Tie
 
 #: Longest time that a worker waits for the others [s]; then it compiles what it needs itself.
@@ -22,7 +15,7 @@ PATIENCE = 240.0
 
 def calls() -> list[Callable[[], object]]:
     """Calls of every large kernel, in an order that takes two workers equally long."""
-    plain = Block(half_width=0.2, half_height=1.0, gravity=9.81)
+    plain = Block(0.4, 2.0, gravity=9.81)
     corners = Block.from_corners(0.2, 0.3, 1.2, 0.7, gravity=9.81)
     tied = Block(width=0.4, height=2.0, mass=1e3, ties=[Tie(1.0, 1e5)])
     motion, times, impulses = np.array([0.0, 4.0, 0.0]), np.array([0.0, 0.5]), np.array([0.1, -0.1])

@@ -13,11 +13,7 @@ from rockpulse.studies.site.calibration import SiteCalibration
 from rockpulse.studies.site.records import facts_of_record
 
 #: Slendernesses 10 and 4.5, and one that no spectrum stands for.
-BLOCKS = {
-    "wall": Block(half_width=0.15, half_height=1.5),
-    "pier": Block(half_width=0.4, half_height=1.8),
-    "chest": Block(half_width=0.8, half_height=1.8, restitution=0.8),
-}
+BLOCKS = {"wall": Block(0.3, 3.0), "pier": Block(0.8, 3.6), "chest": Block(1.6, 3.6, restitution=0.8)}
 
 #: S of a record of strength 1 [m/s] over p and C: a power law, which interpolation in ln S, ln p and C meets exactly.
 BASE = 0.4 * RATES[:, np.newaxis] ** 0.5 * np.exp(2.0 * (RESTITUTIONS - 0.9))

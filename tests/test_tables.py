@@ -24,9 +24,7 @@ NO_MODEL = {
         ("rockpulse.assessment.answers", "sequence"),
         ("rockpulse.views.text.verdicts", "sequence"),
     },
-    "a file that holds a sequence": {
-        ("rockpulse.commands.terminal", "sequence"),
-    },
+    "a file that holds a sequence": {("rockpulse.commands.terminal", "sequence")},
     "a working point of the rule, after which its model is called": {
         ("rockpulse.sequences.rule", "balanced"),
         ("rockpulse.sequences.rule", "conservative"),

@@ -12,7 +12,7 @@ from rocking import Block, critical_scale
 def case(probability_coverage):
     """A slender block under half a sine: it overturns above one factor, whatever its restitution."""
     pulse = np.append(np.sin(np.linspace(0.0, np.pi, 51)), np.zeros(50))
-    return probability_coverage.Case("none", "pulse", Block(half_width=0.2, half_height=1.6, log=False), pulse, 0.01)
+    return probability_coverage.Case("none", "pulse", Block(0.4, 3.2, log=False), pulse, 0.01)
 
 
 def test_the_truth_of_one_edge_is_the_distribution_of_the_shift(probability_coverage, case):

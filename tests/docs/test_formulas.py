@@ -16,7 +16,7 @@ G = 9.81
 
 
 def block_a(restitution=0.9):
-    return models.Block(half_width=0.5, half_height=1.936492, restitution=restitution, gravity=G)
+    return models.Block(1.0, 3.872984, restitution=restitution, gravity=G)
 
 
 def impulse_train(velocity, size, count, step, first):

@@ -66,7 +66,7 @@ def test_refining_the_sampling_of_a_piecewise_linear_record_changes_nothing(equa
 
 
 def test_small_block_on_a_coarse_record_is_subdivided():
-    block = Block(half_width=0.01, half_height=0.025, gravity=G)
+    block = Block(0.02, 0.05, gravity=G)
     assert block.p * 0.02 > 0.3
     record = synthetic(2, n=400, dt=0.02, peak=5.2)
     fine = np.interp(np.arange(8 * (record.size - 1) + 1) / 8, np.arange(record.size), record)
@@ -92,8 +92,8 @@ def test_linear_response_depends_only_on_p_restitution_and_scale_over_alpha():  
 @pytest.mark.parametrize("lift", [-3.0, -0.5, 2.0])
 def test_constant_vertical_acceleration_is_another_gravity(lift):  # VALIDATION V21
     record = synthetic(6, peak=3.5)
-    block = Block(half_width=0.4, half_height=2.0, restitution=0.9, gravity=G)
-    other = Block(half_width=0.4, half_height=2.0, restitution=0.9, gravity=G + lift)
+    block = Block(0.8, 4.0, restitution=0.9, gravity=G)
+    other = Block(0.8, 4.0, restitution=0.9, gravity=G + lift)
     lifted = recorded_response(block, record, 0.01, vertical=np.full(record.size, lift), history=True)
     heavier = recorded_response(other, record, 0.01, history=True)
     part = slice(0, 700)

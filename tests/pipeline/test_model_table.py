@@ -179,11 +179,7 @@ def flights():
         demands=(DemandSettings(name="collapse", acceleration=1.0),),
     )
     records = [*with_free_flight(1.0, -10.5), *with_free_flight(0.5, -1.0)]
-    return assess(
-        records,
-        config,
-        {"tall": Block(half_width=0.5, half_height=2.5), "tower": Block(half_width=3.0, half_height=9.0)},
-    )
+    return assess(records, config, {"tall": Block(1.0, 5.0), "tower": Block(6.0, 18.0)})
 
 
 def test_what_the_model_cannot_answer_keeps_the_lower_bound_of_the_search(flights):

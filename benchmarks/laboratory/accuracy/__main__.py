@@ -18,12 +18,7 @@ import pandas as pd
 from laboratory.accuracy.bodies import bodies_table
 from laboratory.accuracy.convergence import convergence
 from laboratory.accuracy.diagram import diagram
-from laboratory.accuracy.model_form import (
-    classifier_table,
-    model_form_lanes,
-    model_form_table,
-    synthetic_records,
-)
+from laboratory.accuracy.model_form import classifier_table, model_form_lanes, model_form_table, synthetic_records
 from laboratory.accuracy.reference import SYNTHETIC, load_reference, motion_of, motion_sha256, sample_motion
 from laboratory.accuracy.statistics import grid_statistics
 from laboratory.accuracy.work_precision import (

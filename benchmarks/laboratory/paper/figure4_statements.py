@@ -26,9 +26,7 @@ _SAME = 2.01e-9
 ROUNDING = 1e-12
 
 
-@_stated(
-    "for a fixed value of the I/I_1c ratio, the maximum angle of rotation is decreasing with increasing I_s/I",
-)
+@_stated("for a fixed value of the I/I_1c ratio, the maximum angle of rotation is decreasing with increasing I_s/I")
 def peak_falls_with_secondary_impulses(figure: xr.Dataset) -> Finding:
     """Between neighbours along I_s/I at fixed I/I_1c, the larger ratio has the smaller peak or prevents overturning."""
     return _steps(figure, "secondary_ratio", sign=-1.0)
@@ -36,16 +34,14 @@ def peak_falls_with_secondary_impulses(figure: xr.Dataset) -> Finding:
 
 @_stated(
     "if the I_s/I ratio is fixed, the increase in the amplitude of the impulses I implies the increase of "
-    "alpha_max/alpha_c",
+    "alpha_max/alpha_c"
 )
 def peak_rises_with_the_main_impulse(figure: xr.Dataset) -> Finding:
     """Between neighbours along I/I_1c at fixed I_s/I, the larger impulse has the larger peak, or overturns."""
     return _steps(figure, "impulse_ratio", sign=1.0)
 
 
-@_stated(
-    "larger values of C, with the other parameters kept constant, imply the increase of the destabilizing effects",
-)
+@_stated("larger values of C, with the other parameters kept constant, imply the increase of the destabilizing effects")
 def larger_restitution_destabilises(figure: xr.Dataset) -> Finding:
     """Between neighbours along C, the larger one has a peak that is not smaller.
 
@@ -54,9 +50,7 @@ def larger_restitution_destabilises(figure: xr.Dataset) -> Finding:
     return _steps(figure.sortby("restitution"), "restitution", sign=1.0, equal=True)
 
 
-@_stated(
-    "these non-dimensional parameters allow obtaining results independent of the geometric features of the blocks",
-)
+@_stated("these non-dimensional parameters allow obtaining results independent of the geometric features of the blocks")
 def geometry_plays_no_part(figure: xr.Dataset) -> Finding:
     """The peak is the same for every p, at equal n."""
     one, others = figure.isel(p=[0]), figure.isel(p=slice(1, None))

@@ -42,7 +42,7 @@ def critical_impulse_depends_on_the_restitution(figure: xr.Dataset) -> Finding:
 
 @_stated(
     "for C = 0.9 a very good agreement can be observed between the two formulations [Nabeshima et al.] in terms "
-    "both of the amplitudes of the main impulses and of the critical timings t_0",
+    "both of the amplitudes of the main impulses and of the critical timings t_0"
 )
 def agrees_with_the_critical_double_impulse(figure: xr.Dataset) -> Finding:
     """I_2c and the time of the second impulse for the larger C, within 5 % of V_c and t_0 with Housner's C."""
@@ -62,7 +62,7 @@ def agrees_with_the_critical_double_impulse(figure: xr.Dataset) -> Finding:
 
 @_stated(
     "the critical impulse I_2c causing overturning at the second half-cycle if the secondary sequence is not taken "
-    "into account",
+    "into account"
 )
 def overturns_in_the_second_half_cycle_without_secondary_impulses(figure: xr.Dataset) -> Finding:
     """I_s = 0: overturning in half-cycle 2, both blocks and restitutions."""
@@ -86,16 +86,14 @@ def half_cycles_become_more_with_the_ratio(figure: xr.Dataset) -> Finding:
 
 @_stated(
     "the intermediate impulses imply the reduction of the maximum rotation angle at each half-cycle; increasing "
-    "with increasing I_s/I ratios",
+    "with increasing I_s/I ratios"
 )
 def each_peak_falls_with_the_ratio(figure: xr.Dataset) -> Finding:
     """Each half-cycle has a smaller peak than with the I_s/I before, both blocks and restitutions."""
     return Finding(_everywhere(_falls(figure["peak"], "secondary_ratio")), _first(figure, "peak"))
 
 
-@_stated(
-    "but also the reduction of the duration of the same half-cycles; increasing with increasing I_s/I ratios",
-)
+@_stated("but also the reduction of the duration of the same half-cycles; increasing with increasing I_s/I ratios")
 def each_half_cycle_shortens_with_the_ratio(figure: xr.Dataset) -> Finding:
     """Each half-cycle is shorter than with the I_s/I before, both blocks and restitutions."""
     return Finding(_everywhere(_falls(figure["duration"], "secondary_ratio")), _first(figure, "duration"))
@@ -109,9 +107,7 @@ def both_blocks_overturn_in_the_same_half_cycle(figure: xr.Dataset) -> Finding:
     return Finding(_everywhere((a == b) & (a > 0)), "")
 
 
-@_stated(
-    "the more slender block (R = 4 m) achieves the overturning in a longer time than the other (R = 2 m)",
-)
+@_stated("the more slender block (R = 4 m) achieves the overturning in a longer time than the other (R = 2 m)")
 def slender_block_overturns_later(figure: xr.Dataset) -> Finding:
     """The larger C, all I_s/I: B overturns at a later time than A."""
     a, b = _blocks(figure.sel(restitution=_high(figure))["overturning_time"])
@@ -120,9 +116,7 @@ def slender_block_overturns_later(figure: xr.Dataset) -> Finding:
     return Finding(_everywhere(b > a), f"time of B over that of A, {figure['spacing'].values[0]}, each I_s/I: {spans}")
 
 
-@_stated(
-    "I_s/I = 0.7 implies a slight increment also of the number of half-cycles for the more slender block",
-)
+@_stated("I_s/I = 0.7 implies a slight increment also of the number of half-cycles for the more slender block")
 def slender_block_takes_more_half_cycles_at_the_largest_ratio(figure: xr.Dataset) -> Finding:
     """The larger C, the largest I_s/I: both overturn, B after more half-cycles than A."""
     high = figure.sel(restitution=_high(figure))["overturning_half_cycle"].isel(secondary_ratio=-1)
@@ -133,8 +127,7 @@ def slender_block_takes_more_half_cycles_at_the_largest_ratio(figure: xr.Dataset
 
 
 @_stated(
-    "the influence of the different slenderness is mainly expressed in the reduction of the duration of the "
-    "half-cycles",
+    "the influence of the different slenderness is mainly expressed in the reduction of the duration of the half-cycles"
 )
 def slender_block_has_shorter_half_cycles(figure: xr.Dataset) -> Finding:
     """The larger C: each half-cycle of B is shorter than that of A."""
@@ -149,7 +142,7 @@ def slender_block_has_shorter_half_cycles(figure: xr.Dataset) -> Finding:
 
 @_stated(
     "the higher stability of the more slender block is justified in this case by the lower amplitude of the main "
-    "impulse",
+    "impulse"
 )
 def smaller_impulse_saves_the_slender_block(figure: xr.Dataset) -> Finding:
     """The main impulse of B is smaller than that of A in units of the impulse that overturns the block at once."""
@@ -158,17 +151,13 @@ def smaller_impulse_saves_the_slender_block(figure: xr.Dataset) -> Finding:
     return Finding(b < a * (1.0 - 1e-12), numbers + ", so not the amplitude but n decides, by p dT")
 
 
-@_stated(
-    "the lower value of the restitution coefficient: reduction of the maximum angle of rotation",
-)
+@_stated("the lower value of the restitution coefficient: reduction of the maximum angle of rotation")
 def smaller_restitution_lowers_each_peak(figure: xr.Dataset) -> Finding:
     """I_s > 0: each half-cycle has a smaller peak with the smaller C, both blocks."""
     return _with_restitution(figure, "peak")
 
 
-@_stated(
-    "the lower value of the restitution coefficient: reduction of the maximum angle of rotation",
-)
+@_stated("the lower value of the restitution coefficient: reduction of the maximum angle of rotation")
 def smaller_restitution_lowers_the_largest_angle(figure: xr.Dataset) -> Finding:
     """I_s > 0: the largest angle over the motion is smaller with the smaller C, both blocks."""
     largest = figure["peak"].where(figure["secondary_ratio"] > 0.0, drop=True).max("half_cycle")
@@ -196,7 +185,7 @@ def smaller_restitution_brings_more_half_cycles(figure: xr.Dataset) -> Finding:
 
 @_stated(
     "when C = 0.6, with increasing values of I_s/I, both the blocks tend to reach a stabilized phase with constant "
-    "values of the maximum rotational angle and of the duration of the half-cycles",
+    "values of the maximum rotational angle and of the duration of the half-cycles"
 )
 def motion_stabilises_with_the_smaller_restitution(figure: xr.Dataset) -> Finding:
     """The smaller C, the largest I_s/I: both blocks rock on, and peak and duration become constant."""

@@ -43,10 +43,7 @@ SEED = 2017
 
 
 def nonlinear_capacity(
-    bodies: Block,
-    acceleration: np.ndarray,
-    dt: float,
-    uncertainty: Uncertainty | None = None,
+    bodies: Block, acceleration: np.ndarray, dt: float, uncertainty: Uncertainty | None = None
 ) -> dict[str, np.ndarray]:
     """Capacities (m,) of bodies [-], as factors on a record, under the default uncertainty or a given one.
 

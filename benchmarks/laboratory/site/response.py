@@ -7,13 +7,7 @@ import numpy as np
 from laboratory.site import response_posterior as posterior
 from laboratory.site.response_result import ResponseCalibration, remarks
 from laboratory.site.response_search import explore, search_space, start_point
-from laboratory.site.response_targets import (
-    SMALL,
-    ResponseTargets,
-    describe_family,
-    recorded_family,
-    recorded_targets,
-)
+from laboratory.site.response_targets import SMALL, ResponseTargets, describe_family, recorded_family, recorded_targets
 from rocking.arguments import ArrayLike
 from rocking.body.block import Block
 from rocking.impulses.impulse_sequence import SPACINGS, ImpulseSequence

@@ -113,7 +113,7 @@ def record_sequence(
     >>> from rockpulse.record.half_wave import half_waves
     >>> from rockpulse.record.record import Record
     >>> waves = half_waves(Record([0.0, 2.0, -6.0, 3.0, 0.0], dt=0.1, id="three"))
-    >>> sequence = calibrate(waves, secondary="mean")
+    >>> sequence = record_sequence(waves, secondary="mean")
     >>> round(sequence.main, 6), round(sequence.secondary, 6), sequence.main_count
     (0.425, 0.1625, 1)
     """
@@ -125,18 +125,18 @@ def record_sequence(
     )
     for name, value, table in choices:
         if value not in table:
-            raise ConfigError(f"calibrate: {name}: expected one of {', '.join(table)}, got {value!r}")
+            raise ConfigError(f"record_sequence: {name}: expected one of {', '.join(table)}, got {value!r}")
     if not (main_count in MAIN_COUNT if isinstance(main_count, str) else _is_count(main_count)):
         raise ConfigError(
-            f"calibrate: main_count: expected one of {', '.join(MAIN_COUNT)} or a whole number from 1, "
+            f"record_sequence: main_count: expected one of {', '.join(MAIN_COUNT)} or a whole number from 1, "
             f"got {main_count!r}"
         )
     if duration_s is not None and not (math.isfinite(duration_s) and duration_s > 0.0):
-        raise ConfigError(f"calibrate: duration_s: expected a positive duration in s, got {duration_s!r}")
+        raise ConfigError(f"record_sequence: duration_s: expected a positive duration in s, got {duration_s!r}")
     if not _is_count(m):
-        raise ConfigError(f"calibrate: m: expected a whole number from 1, got {m!r}")
+        raise ConfigError(f"record_sequence: m: expected a whole number from 1, got {m!r}")
     if not 0.0 <= quantile <= 1.0:
-        raise ConfigError(f"calibrate: quantile: expected a level from 0 to 1, got {quantile!r}")
+        raise ConfigError(f"record_sequence: quantile: expected a level from 0 to 1, got {quantile!r}")
     inside = waves if phase is None else waves.between(phase.start, phase.end)
     where = waves.record_id or "half-waves"
     if len(inside) < FEWEST_WAVES:

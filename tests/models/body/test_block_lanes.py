@@ -133,10 +133,7 @@ def test_varied_bodies_have_other_angles_and_restitutions():
 
 
 def test_a_stack_keeps_every_remark_once_and_what_holds_each_body():
-    squat, short = (
-        Block(half_width=0.5, half_height=1.0, log=False),
-        Block(half_width=0.01, half_height=0.02, log=False),
-    )
+    squat, short = (Block(1.0, 2.0, log=False), Block(0.02, 0.04, log=False))
     stacked = Block.stack([squat, squat, short])
     assert len(squat.warnings) == 1
     assert len(short.warnings) == 2

@@ -81,8 +81,8 @@ RUBBER, CONCRETE_LOW, CONCRETE_HIGH, HOUSNER = 0.67, 0.95, 0.97, 1.0
 
 def column(*ratios):
     """A column of 0.5 m x 3 m, one lane for each multiple of Housner's restitution."""
-    housner = Block(half_width=0.25, half_height=1.5, restitution="housner", gravity=GRAVITY).restitution
-    return Block(half_width=0.25, half_height=1.5, restitution=np.array(ratios) * housner, gravity=GRAVITY)
+    housner = Block(0.5, 3.0, restitution="housner", gravity=GRAVITY).restitution
+    return Block(0.5, 3.0, restitution=np.array(ratios) * housner, gravity=GRAVITY)
 
 
 @pytest.fixture(scope="module", params=BOTH)

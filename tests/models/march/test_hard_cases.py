@@ -193,21 +193,21 @@ def test_chatter_to_rest_and_uplift_again_inside_one_sample(equation, restitutio
 )
 def test_block_of_5_cm_on_a_record_of_50_hz(equation, factor):
     """p dt = 0.34: the sample is divided."""
-    block = Block(half_width=0.00625, half_height=0.025)
+    block = Block(0.0125, 0.05)
     assert block.p * 0.02 > 0.3
     assert_right(block, shaking(3, 40, 0.02) * factor * block.gravity / 4.0, 0.02, equation)
 
 
 @pytest.mark.parametrize("equation", EQUATIONS)
 def test_block_of_5_cm_under_a_motion_of_50_hz(equation):
-    block = Block(half_width=0.00625, half_height=0.025)
+    block = Block(0.0125, 0.05)
     assert_right(block, sines(8.0, 50.0, 2.0, 0.001, rest=0.01), 0.001, equation)
 
 
 @pytest.mark.sweep
 @pytest.mark.parametrize("equation", EQUATIONS)
 def test_block_of_100_m(equation):
-    block = Block(half_width=10.0, half_height=50.0)
+    block = Block(20.0, 100.0)
     assert_right(block, sines(3.0, 0.5, 1.0, 0.04, rest=0.1), 0.04, equation)
 
 

@@ -185,8 +185,8 @@ def test_the_overturning_acceleration_is_constant_then_falls_with_one_over_p_and
 def test_a_lower_restitution_than_housners_lowers_amplitudes_and_periods_of_free_rocking(share):
     """ElGawady et al.: C 0.95 (concrete) and 0.67 (rubber) of Housner's at slenderness 5; models with his
     overestimate amplitudes and periods."""
-    block = Block(half_width=0.1, half_height=0.5, gravity=G)
-    measured = Block(half_width=0.1, half_height=0.5, restitution=share * block.restitution, gravity=G)
+    block = Block(0.2, 1.0, gravity=G)
+    measured = Block(0.2, 1.0, restitution=share * block.restitution, gravity=G)
     quiet, dt = np.zeros(4000), 0.001
     cycles = []
     for one in (block, measured):
@@ -206,8 +206,8 @@ def test_a_lower_restitution_than_housners_lowers_amplitudes_and_periods_of_free
 
 def test_a_restitution_above_housners_is_taken():
     """Kalliontzis et al. (2016): Housner's is consistently lower than what is measured. It is taken, with a remark."""
-    housner = Block(half_width=0.3, half_height=1.5, gravity=G, log=False)
-    higher = Block(half_width=0.3, half_height=1.5, restitution=housner.restitution + 0.03, gravity=G, log=False)
+    housner = Block(0.6, 3.0, gravity=G, log=False)
+    higher = Block(0.6, 3.0, restitution=housner.restitution + 0.03, gravity=G, log=False)
     assert any("above Housner's" in one for one in higher.warnings)
     motion = synthetic_motion(1, duration=20.0, dt=0.01, pga=4.0)
     assert recorded_response(higher, motion, 0.01).active_samples > 0

@@ -165,7 +165,7 @@ def test_lanes_are_those_of_single_calls():
             assert np.array_equal(single.rotation, lanes.rotation[i, j], equal_nan=True)
     assert np.all(lanes.outcome[0] == Outcome.AT_REST)
     assert recorded_response(blocks, record, 0.01).outcome.shape == (3,)
-    assert recorded_response(Block(half_width=0.2, half_height=2.0), record, 0.01, scale=factors).outcome.shape == (3,)
+    assert recorded_response(Block(0.4, 4.0), record, 0.01, scale=factors).outcome.shape == (3,)
 
 
 def test_history_after_overturning_is_nan_and_before_it_is_not():

@@ -42,9 +42,7 @@ def test_of_unlike_corners_under_both_components_sample_by_sample():
     One lane rocks, one overturns, one stays at rest; the motion is that of the solver.
     """
     motion, up = (synthetic(seed=one, n=2500, peak=peak) for one, peak in ((2, 2.4), (7, 1.5)))
-    bodies = Block.stack(
-        [Block.from_corners(0.2, 0.3, 1.0, 0.6), Block(width=0.22, height=2.5), Block(half_width=1.0, half_height=1.0)]
-    )
+    bodies = Block.stack([Block.from_corners(0.2, 0.3, 1.0, 0.6), Block(width=0.22, height=2.5), Block(2.0, 2.0)])
     friction = np.array([0.25, 0.2, np.nan])
     found = sliding_demand(bodies, motion, 0.01, friction=friction, vertical=up, scale=1.25)
     response = recorded_response(bodies, 1.25 * motion, 0.01, vertical=1.25 * up, history=True)

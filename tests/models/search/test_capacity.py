@@ -288,7 +288,7 @@ def test_a_factor_of_each_block_is_a_factor_on_its_impulses():
 
 @pytest.mark.sweep
 def test_one_impulse_and_main_impulses_at_the_impacts_have_their_closed_forms():
-    block = Block(half_width=0.5, half_height=1.936492, restitution=0.9, gravity=G)
+    block = Block(1.0, 3.872984, restitution=0.9, gravity=G)
     alone = impulsive_critical_scale(block, [1.0], [0.25 * block.critical_impulse])
     assert alone.safety_factor == pytest.approx([4.0], rel=1e-6)
     # Two impulses, the second at the impact of the first at the critical size, I_2c = I_1c/(1 + C) (V3).

@@ -148,7 +148,7 @@ def test_lanes_that_count_less_than_a_hundredth_of_the_most_do_not_disagree(apar
 DT = 0.01
 PULSE = np.append(np.sin(np.linspace(0.0, np.pi, 51)), np.zeros(50))  # half a sine of 0.5 s, 1 m/s2
 TRAIN = np.sin(2.0 * np.pi * np.arange(0.0, 4.005, DT)) * np.hanning(401)
-WALL = Block(half_width=0.3, half_height=1.2)
+WALL = Block(0.6, 2.4)
 FACTOR_ONLY = Uncertainty(factor=0.1, restitution=(1.0, 1.0), geometry=0.0)
 FACTORS = ("factor_10", "factor_50", "capacity_mean")
 NUMBERS = [f"{name}{end}" for name in ("at_one", *FACTORS) for end in ("", "_low", "_high")]
@@ -189,7 +189,7 @@ def test_a_slender_body_of_uncertain_angle_has_the_skew_normal_shift(one_edge):
 
 def test_a_squat_body_under_a_vertical_against_fresh_draws():
     """P at the factors of 10 and 50 %: 1500 draws of factor, C and alpha each, four standard errors and the lanes'."""
-    block, up = Block(half_width=0.6, half_height=1.0), -0.4 * np.cos(3.0 * np.pi * np.arange(TRAIN.size) * DT)
+    block, up = Block(1.2, 2.0), -0.4 * np.cos(3.0 * np.pi * np.arange(TRAIN.size) * DT)
     found = overturning_probability(block, TRAIN, DT, vertical=up, factor_max=30.0)
     rng, known, n = np.random.default_rng(3), Uncertainty(), 1500
     lanes = Block.from_parameters(

@@ -292,12 +292,12 @@ def test_only_factors_above_the_largest_one_are_not_reached():
 def test_only_free_bodies_alike_on_both_sides_or_those_before_a_wall_are_covered():
     """Of a restitution of 0.9, but for a rebound of 0.4."""
     free, wide = (Block(half_width=0.3, half_height=a, restitution=0.9, log=False).lanes(1) for a in (1.5, 0.9))
-    leaning = Block(half_width=0.3, half_height=1.5, restitution=0.9, offset=0.02, log=False).lanes(1)
+    leaning = Block(0.6, 3.0, restitution=0.9, offset=0.02, log=False).lanes(1)
     tied = Block(
         half_width=0.3, half_height=1.5, restitution=0.9, mass=1000.0, ties=[Tie(height=1.0, stiffness=1e5)], log=False
     ).lanes(1)
-    wall = Block(half_width=0.3, half_height=1.5, rebound=0.4, one_sided=True, log=False).lanes(1)
-    skewed = Block(half_width=0.3, half_height=1.5, rebound=0.4, one_sided=True, offset=0.02, log=False).lanes(1)
+    wall = Block(0.6, 3.0, rebound=0.4, one_sided=True, log=False).lanes(1)
+    skewed = Block(0.6, 3.0, rebound=0.4, one_sided=True, offset=0.02, log=False).lanes(1)
     ends = np.array([0.8]), np.array([0.9])
     assert [covered(one, *ends).tolist() for one in (free, wide, leaning, tied, wall)] == [
         [True], [False], [False], [False], [False]

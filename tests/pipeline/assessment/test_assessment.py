@@ -51,7 +51,7 @@ def test_every_record_block_and_model_has_an_answer(tree):
 
 
 def test_answers_are_those_of_the_model_called_directly(tree):
-    direct = recorded_response(Block(half_width=0.2, half_height=1.5), motion(0), DT)
+    direct = recorded_response(Block(0.4, 3.0), motion(0), DT)
     cell = tree["summary"].sel(record="one", block="wall", model="nonlinear")
     assert cell["peak_rotation_ratio"].item() == direct.peak_rotation_ratio
     assert cell["impacts"].item() == direct.impacts
@@ -83,7 +83,7 @@ def test_results_are_named_after_the_site(tree):
 
 
 def test_demand_ratios_follow_their_definitions(tree):
-    block = Block(half_width=0.2, half_height=1.5)
+    block = Block(0.4, 3.0)
     cell = tree["summary"].sel(record="one", block="wall")
     capacity = block.gravity * np.tan(block.alpha_c)
     assert cell["pga"].item() == pytest.approx(4.0)
@@ -195,9 +195,7 @@ def test_histories_of_several_restitutions_stand_at_their_lanes():
     kept = assess([record("two", 1, 1.5)], config, [several, TOWER])["records"]
     assert kept["history_lane_index"].values.tolist() == [0, 1, 2, 3]
     for place, restitution in enumerate((0.6, 0.9)):
-        direct = recorded_response(
-            Block(half_width=0.2, half_height=1.5, restitution=restitution), motion(1, 1.5), DT, history=True
-        )
+        direct = recorded_response(Block(0.4, 3.0, restitution=restitution), motion(1, 1.5), DT, history=True)
         own = kept["rotation"].values[1200 * place : 1200 * (place + 1)]
         assert np.array_equal(own, direct.rotation, equal_nan=True)
 
@@ -210,10 +208,7 @@ def test_restitution_list_adds_a_dimension():
     assert summary["peak_rotation_ratio"].dims == ("record", "block", "case", "model")
     assert list(summary["restitution"].sel(block="wall").values) == [0.6, 0.9]
     low, high = (
-        assess([record("one", 0, 2.5)], config, {"wall": Block(half_width=0.2, half_height=1.5, restitution=c)})[
-            "summary"
-        ]
-        for c in (0.6, 0.9)
+        assess([record("one", 0, 2.5)], config, {"wall": Block(0.4, 3.0, restitution=c)})["summary"] for c in (0.6, 0.9)
     )
     for case, single in enumerate((low, high)):
         assert np.array_equal(
@@ -231,9 +226,7 @@ def test_vertical_acceleration_serves_the_nonlinear_model_where_asked_for():
     without = Config(blocks=(WALL,), models=models, records=RecordSettings(include_vertical=False))
     lifted = assess([horizontal, up], with_up)["summary"]["peak_rotation_ratio"].values[0, 0]
     plain = assess([horizontal, up], without)["summary"]["peak_rotation_ratio"].values[0, 0]
-    direct = recorded_response(
-        Block(half_width=0.2, half_height=1.5), horizontal.acceleration, DT, vertical=up.acceleration
-    )
+    direct = recorded_response(Block(0.4, 3.0), horizontal.acceleration, DT, vertical=up.acceleration)
     assert lifted[2] == direct.peak_rotation_ratio != plain[2]
     assert np.array_equal(lifted[:2], plain[:2])
 

@@ -16,7 +16,7 @@ from rockpulse.config.settings import DemandSettings
 from rockpulse.record.intensity import pgv, spectral_acceleration, spectrum_intensity
 from rockpulse.record.measures import DEMAND, PERIODIC, ROWS, RecordOnBodies
 
-BODIES = {"wall": Block(half_width=0.15, half_height=1.2), "stele": Block(half_width=0.2, half_height=1.5)}
+BODIES = {"wall": Block(0.3, 2.4), "stele": Block(0.4, 3.0)}
 LANES = Block.stack([body.lanes(1) for body in BODIES.values()])
 TIME = np.arange(0.0, 8.0, 0.02)
 
@@ -126,7 +126,7 @@ def test_motions_of_a_body_itself_are_brought_to_the_demand_as_well():
     """A squat body has lanes of its own, read at the factor to the demand."""
     asked = DemandSettings(name="ULS", measure="pgv", value=1.6)
     config = rp.Config(models=rp.ModelSettings(use=["nonlinear"]), demands=(asked,))
-    bodies = {"chest": Block(half_width=0.25, half_height=0.6)}
+    bodies = {"chest": Block(0.5, 1.2)}
     tree = rp.assess(RECORDS[:1], config, bodies)
     factor = tree["summary"]["demand_factor"].item()
     by_hand = dataclasses.replace(RECORDS[0], acceleration=factor * RECORDS[0].acceleration)

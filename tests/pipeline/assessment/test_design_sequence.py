@@ -16,11 +16,7 @@ from rockpulse.models import Block, ImpulseSequence, resonance, resonance_safety
 from rockpulse.studies.site.calibration import design_of
 
 SEQUENCE = ImpulseSequence(main=0.35, secondary=0.12, interval=0.15, duration=12.0, main_count=4)
-BLOCKS = {
-    "wall": Block(half_width=0.15, half_height=1.5),
-    "pier": Block(half_width=0.4, half_height=1.8),
-    "column": Block(half_width=0.5, half_height=4.0),
-}
+BLOCKS = {"wall": Block(0.3, 3.0), "pier": Block(0.8, 3.6), "column": Block(1.0, 8.0)}
 LANES = Block.stack([block.lanes(1) for block in BLOCKS.values()])
 
 

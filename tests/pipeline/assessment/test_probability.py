@@ -66,14 +66,14 @@ def test_slender_bodies_have_what_the_spectrum_of_the_record_tells(found):
 
 def test_a_body_below_the_slenderness_of_the_spectrum_has_lanes_of_its_own(found):
     seed = int(np.random.SeedSequence([0, *b"one"]).generate_state(1)[0])
-    own = overturning_probability(Block(half_width=0.2, half_height=0.45), motion(), DT, seed=seed)
+    own = overturning_probability(Block(0.4, 0.9), motion(), DT, seed=seed)
     for name, field in READ.items():
         assert found[name][2] == getattr(own, field)[0], name
     assert 1.0 < found["factor_10"][2] < found["factor_50"][2] < 10.0
 
 
 def test_the_probability_of_uplift_is_that_of_draws(found):
-    block, rng = Block(half_width=0.45, half_height=2.5), np.random.default_rng(5)
+    block, rng = Block(0.9, 5.0), np.random.default_rng(5)
     strength = 1.8 * np.exp(0.1 * rng.standard_normal(200_000))
     alpha = block.alpha_c * np.exp(-0.05 * np.abs(rng.standard_normal(200_000)))
     drawn = np.mean(strength > block.gravity * np.tan(alpha))
@@ -97,9 +97,7 @@ def test_where_the_vertical_acts_every_body_has_lanes_of_its_own():
     summary = assess(records, config)["summary"]
     assert summary["probability_source"].values.tolist() == [[OWN]]
     seed = int(np.random.SeedSequence([0, *b"one"]).generate_state(1)[0])
-    own = overturning_probability(
-        Block(half_width=0.2, half_height=1.5), motion(), DT, vertical=motion(3, 3.0), seed=seed
-    )
+    own = overturning_probability(Block(0.4, 3.0), motion(), DT, vertical=motion(3, 3.0), seed=seed)
     assert summary["factor_50"].values[0, 0] == own.factor_50[0]
 
 
@@ -108,14 +106,11 @@ def test_a_list_of_restitutions_is_the_range_of_all_of_them():
     several = replace(WALL, restitution=(0.95, 0.8))
     summary = assess([record("one")], configured(several, PIER))["summary"]
     assert summary["factor_50"].dims == ("record", "block", "case")
-    expected = direct(Block(half_width=0.2, half_height=1.5).lanes(1), least=np.array([0.8]), most=np.array([0.95]))
+    expected = direct(Block(0.4, 3.0).lanes(1), least=np.array([0.8]), most=np.array([0.95]))
     for name in NAMES:
         assert_allclose(summary[name].values[0, 0], np.repeat(expected[name], 2), rtol=1e-12, err_msg=name)
     # A body with one value keeps the shares of it.
-    assert_array_equal(
-        summary["factor_50"].values[0, 1],
-        direct(Block(half_width=0.45, half_height=2.5).lanes(1))["factor_50"].repeat(2),
-    )
+    assert_array_equal(summary["factor_50"].values[0, 1], direct(Block(0.9, 5.0).lanes(1))["factor_50"].repeat(2))
 
 
 def test_the_uncertainty_is_that_of_the_configuration():
@@ -123,9 +118,7 @@ def test_the_uncertainty_is_that_of_the_configuration():
     config = configured(WALL, uncertainty=known, search=rp.SearchSettings(factor_max=3.0))
     found = told(record("one"), config)
     expected = direct(
-        Block(half_width=0.2, half_height=1.5).lanes(1),
-        limit=3.0,
-        uncertainty=Uncertainty(factor=0.05, restitution=(0.8, 0.95), geometry=0.0),
+        Block(0.4, 3.0).lanes(1), limit=3.0, uncertainty=Uncertainty(factor=0.05, restitution=(0.8, 0.95), geometry=0.0)
     )
     for name in NAMES:
         assert_array_equal(found[name], expected[name], err_msg=name)

@@ -61,10 +61,7 @@ def test_an_unknown_name_is_exit_code_two_with_the_known_ones(results, capsys, o
 
 
 @pytest.mark.sweep
-@pytest.mark.parametrize(
-    ("kind", "words"),
-    [("site", "not enough earthquakes (5;"), ("fragility", "stele")],
-)
+@pytest.mark.parametrize(("kind", "words"), [("site", "not enough earthquakes (5;"), ("fragility", "stele")])
 def test_every_kind_of_file_is_shown(golden, kind, words, capsys):
     assert main(["inspect", str(getattr(golden, kind))]) == 0
     assert words in capsys.readouterr().out

@@ -15,7 +15,7 @@ def results(tmp_path_factory, loaded_once):
     """One channel on one body: neither has to be named."""
     path = tmp_path_factory.mktemp("plot") / "results.h5"
     settings = Config(models=ModelSettings(use=("resonance", "nonlinear")), search=SearchSettings(points=8))
-    body = rp.models.Block(half_width=0.225, half_height=0.9)
+    body = rp.models.Block(0.45, 1.8)
     time = 0.01 * np.arange(400)
     burst = 6.0 * np.sin(2.0 * np.pi * time) * np.exp(-((time - 2.0) ** 2))
     strong = rp.Record(burst, dt=0.01, id="CI.CCC..360@20190706T031937", processed=True)

@@ -97,13 +97,7 @@ def test_wrong_arguments_are_told(fragility, tmp_path, capsys):
 def test_an_inventory_is_read_from_the_spectra_of_results(golden, tmp_path, capsys):
     (tmp_path / "site.toml").write_text('[models]\nuse = ["nonlinear"]\n[uncertainty]\nspectrum = "all"\n')
     results = tmp_path / "results.h5"
-    arguments = [
-        str(golden.records / "burst1.AT2"),
-        "--config",
-        str(tmp_path / "site.toml"),
-        "--block",
-        "any=0.4x3",
-    ]
+    arguments = [str(golden.records / "burst1.AT2"), "--config", str(tmp_path / "site.toml"), "--block", "any=0.4x3"]
     assert main(["assess", *arguments, "-o", str(results), "--quiet", "--workers", "1"]) == 0
     bodies, table, curve = (tmp_path / name for name in ("bodies.csv", "risk.csv", "curve.csv"))
     bodies.write_text("name,width [m],height [m]\n" + "".join(f"b{k},{0.3 + 0.02 * k},3\n" for k in range(15)))

@@ -29,7 +29,7 @@ def test_restitution_list_makes_cases_and_repeats_single_values():
 
 
 def test_mapping_of_blocks_is_taken_as_it_is():
-    bodies = gather_bodies({"pier": Block(half_width=0.5, half_height=2.0)})
+    bodies = gather_bodies({"pier": Block(1.0, 4.0)})
     assert bodies.width == pytest.approx([1.0])
     assert bodies.lanes.shape == (1,)
 
@@ -67,16 +67,10 @@ def test_names_of_bodies_apart_differ_however_close_the_restitutions_are():
     [
         ({}, "no block to assess"),
         (
-            {
-                "a": Block(half_width=0.5, half_height=2.0, restitution=[0.8, 0.9]),
-                "b": Block(half_width=0.5, half_height=2.0, restitution=[0.7, 0.8, 0.9]),
-            },
+            {"a": Block(1.0, 4.0, restitution=[0.8, 0.9]), "b": Block(1.0, 4.0, restitution=[0.7, 0.8, 0.9])},
             "one length",
         ),
-        (
-            {"a": Block(half_width=0.5, half_height=2.0), "b": Block(half_width=0.5, half_height=2.0, gravity=9.81)},
-            "gravity",
-        ),
+        ({"a": Block(1.0, 4.0), "b": Block(1.0, 4.0, gravity=9.81)}, "gravity"),
         ({"a": Block(half_width=[0.5, 0.6], half_height=2.0)}, "restitution only"),
         ({"a": Block.from_parameters(2.0, 0.2, 0.9, radius=[1.0, 1.1])}, "restitution only"),
     ],

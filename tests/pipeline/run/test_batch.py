@@ -74,8 +74,7 @@ OTHERS = {"calibrate": (rp.calibrate, calibrate_files), "fragility": (rp.fragili
 
 @pytest.mark.parametrize("verb", OTHERS)
 @pytest.mark.parametrize(
-    "components",
-    [pytest.param("horizontal", marks=pytest.mark.sweep), pytest.param("sweep", marks=pytest.mark.slow)],
+    "components", [pytest.param("horizontal", marks=pytest.mark.sweep), pytest.param("sweep", marks=pytest.mark.slow)]
 )
 def test_the_file_of_a_site_and_of_fragility_is_the_tree_in_memory(folder, tmp_path, verb, components):
     config = replace(SITE, records=RecordSettings(components=components, azimuth_step=60.0))

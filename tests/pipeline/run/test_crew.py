@@ -97,10 +97,7 @@ def test_a_worker_that_is_killed_costs_its_item_a_second_try(pair, tmp_path):
 @pytest.mark.sweep
 @pytest.mark.parametrize(
     ("function", "reason"),
-    [
-        (toys.killed_while_answering, "killed by signal 9 (Killed)"),
-        (toys.leave, "ended itself with exit code 7"),
-    ],
+    [(toys.killed_while_answering, "killed by signal 9 (Killed)"), (toys.leave, "ended itself with exit code 7")],
 )
 def test_an_item_that_always_kills_its_worker_is_lost_and_no_other(pair, function, reason):
     answers = dict(pair.run(function, range(2, 6)))

@@ -205,10 +205,7 @@ def test_the_channels_of_a_file_are_read_together(samples, monkeypatch):
 
 @pytest.mark.parametrize(
     ("fault", "reason"),
-    [
-        (KeyError("x"), "unexpected KeyError: 'x'; please report"),
-        (MemoryError(), "out of memory; use fewer workers"),
-    ],
+    [(KeyError("x"), "unexpected KeyError: 'x'; please report"), (MemoryError(), "out of memory; use fewer workers")],
 )
 def test_a_fault_of_the_program_costs_one_member(tmp_path, monkeypatch, fault, reason):
     path = tmp_path / "x.zip"

@@ -59,7 +59,7 @@ def work(kind):
     warm_up(Assessment(config, blocks))
     yield
     rp.assess(records, config, bodies=blocks)
-    rp.assess(records[:1], config, bodies={"a": rp.models.Block(half_width=0.3, half_height=2.0)})
+    rp.assess(records[:1], config, bodies={"a": rp.models.Block(0.6, 4.0)})
 
 
 for module in KERNELS:

@@ -162,10 +162,8 @@ def test_the_range_is_that_of_the_bodies_of_the_fit():
         ({"alpha": np.arctan(1.0 / 13.0)}, False),
     ):
         assert rule.applicable(Block.from_parameters(**usual | other)).tolist() == [inside], other
-    assert rule.applicable(Block(half_width=0.5, half_height=0.3, restitution=0.5)).tolist() == [
-        False
-    ]  # no Housner's C
-    assert Rule("balanced", 1.0).applicable(Block(half_width=0.5, half_height=0.6)).tolist() == [True]
+    assert rule.applicable(Block(1.0, 0.6, restitution=0.5)).tolist() == [False]  # no Housner's C
+    assert Rule("balanced", 1.0).applicable(Block(1.0, 1.2)).tolist() == [True]
 
 
 def test_a_file_of_whole_numbers_and_of_one_value_is_a_rule(tmp_path):
@@ -252,11 +250,7 @@ def test_assessments_mark_bodies_unlike_those_of_the_fit():
     config = Config()
     config = replace(config, models=replace(config.models, use=("balanced", "conservative", "linear")))
     record = rp.Record(synthetic_motion(4, duration=6.0, pga=3.5), dt=0.01, id="four", processed=True)
-    bodies = {
-        "pier": Block(half_width=0.2, half_height=1.6),
-        "tiny": Block(half_width=0.02, half_height=0.16),
-        "soft": Block(half_width=0.2, half_height=1.6, restitution=0.6),
-    }
+    bodies = {"pier": Block(0.4, 3.2), "tiny": Block(0.04, 0.32), "soft": Block(0.4, 3.2, restitution=0.6)}
     summary = rp.assess([record], config, bodies=bodies)["summary"]
     assert summary["applicable"].values[0].tolist() == [[1, 1, 1], [0, 0, 1], [0, 0, 1]]
     warnings = str(summary["warnings"].values[0])

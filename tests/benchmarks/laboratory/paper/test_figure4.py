@@ -12,11 +12,7 @@ from laboratory.paper.figure4 import figure4, no_motions
 from laboratory.paper.figure4_statements import FIGURE4_STATEMENTS
 from laboratory.paper.finding import examine
 from laboratory.paper.pictures import draw_figure4
-from rockpulse.models import (
-    ImpulseSequence,
-    Outcome,
-    sequence_response,
-)
+from rockpulse.models import ImpulseSequence, Outcome, sequence_response
 
 pytestmark = pytest.mark.slow
 

@@ -10,13 +10,7 @@ from laboratory.paper.__main__ import histories_text
 from laboratory.paper.blocks import RADII, critical_double_impulse, paper_block
 from laboratory.paper.figure5 import figure5, half_cycle_tables
 from laboratory.paper.pictures import draw_figure5
-from rockpulse.models import (
-    Block,
-    ImpulseSequence,
-    Outcome,
-    impulse_train,
-    impulsive_response,
-)
+from rockpulse.models import Block, ImpulseSequence, Outcome, impulse_train, impulsive_response
 
 pytestmark = pytest.mark.sweep
 
@@ -143,8 +137,8 @@ def test_published_values(name, impulse, interval):
 
 
 def test_it_grows_with_the_square_root_of_the_size():
-    small = critical_double_impulse(Block(half_width=0.1, half_height=0.6))
-    large = critical_double_impulse(Block(half_width=0.4, half_height=2.4))
+    small = critical_double_impulse(Block(0.2, 1.2))
+    large = critical_double_impulse(Block(0.8, 4.8))
     assert large == pytest.approx((2.0 * small[0], 2.0 * small[1]), rel=1e-12)
 
 

@@ -6,12 +6,7 @@ import pytest
 from laboratory.paper.__main__ import statements_text
 from laboratory.paper.blocks import RADII, RESTITUTIONS, paper_block
 from laboratory.paper.figure5 import figure5
-from rockpulse.models import (
-    Block,
-    ImpulseSequence,
-    critical_impulse_at,
-    sequence_response,
-)
+from rockpulse.models import Block, ImpulseSequence, critical_impulse_at, sequence_response
 
 pytestmark = pytest.mark.sweep
 

@@ -4,14 +4,7 @@ import numpy as np
 import pytest
 from scipy.stats import norm
 
-from laboratory.rule.statistics import (
-    between,
-    coefficient,
-    dispersion,
-    false_at,
-    resampled,
-    weighted_median,
-)
+from laboratory.rule.statistics import between, coefficient, dispersion, false_at, resampled, weighted_median
 
 pytestmark = pytest.mark.sweep
 

@@ -110,11 +110,7 @@ def test_a_selection_takes_names_conditions_order_and_limit(results, opened):
 
 @pytest.mark.parametrize(
     ("dims", "rows", "has", "lacks"),
-    [
-        (["record"], 3, "pga", "width"),
-        (["block"], 3, "width", "pga"),
-        (["demand"], 2, "demand_acceleration", "pga"),
-    ],
+    [(["record"], 3, "pga", "width"), (["block"], 3, "width", "pga"), (["demand"], 2, "demand_acceleration", "pga")],
 )
 def test_other_dimensions_make_other_tables(opened, dims, rows, has, lacks):
     table = selected(opened, dims=dims)

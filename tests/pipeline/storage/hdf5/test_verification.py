@@ -51,7 +51,7 @@ def folder(tmp_path_factory):
         for number, (source, checksum) in enumerate(sources.items())
     ]
     config = Config(models=Config().models.__class__(use=("resonance",)))
-    blocks = {"pier": rp.models.Block(half_width=0.5, half_height=1.9365)}
+    blocks = {"pier": rp.models.Block(1.0, 3.873)}
     save(rp.assess(records, config, blocks), folder / "results.h5")
     return folder
 
@@ -240,7 +240,7 @@ def test_inputs_are_found_from_any_folder(golden, tmp_path, monkeypatch):
     config = Config(
         records=RecordSettings(paths=(str(golden.records),), store="none"), models=ModelSettings(use=("resonance",))
     )
-    blocks = {"pier": rp.models.Block(half_width=0.5, half_height=1.9365)}
+    blocks = {"pier": rp.models.Block(1.0, 3.873)}
     monkeypatch.chdir(golden.folder)
     records, _ = rp.read_all("records")
     save(rp.assess(records, config, blocks), tmp_path / "results.h5")

@@ -39,9 +39,7 @@ def _record(name, size, **known):
 @pytest.fixture(scope="module")
 def assessed():
     records = [_record("known", 2.0, **KNOWN), _record("unknown", 1.0)]
-    return rp.assess(
-        records, Config(models=rp.ModelSettings(use=("resonance",))), {"wall": Block(half_width=0.15, half_height=1.5)}
-    )
+    return rp.assess(records, Config(models=rp.ModelSettings(use=("resonance",))), {"wall": Block(0.3, 3.0)})
 
 
 def test_every_fact_is_a_field_of_a_record():

@@ -18,7 +18,7 @@ from rockpulse.record.components import Pair
 from rockpulse.record.rotation import rotate
 from rockpulse.studies.fragility.ensemble import fit_ensemble, stored_ensemble
 
-BLOCKS = {"wall": Block(half_width=0.3, half_height=1.5), "pier": Block(half_width=0.5, half_height=1.9365)}
+BLOCKS = {"wall": Block(0.6, 3.0), "pier": Block(1.0, 3.873)}
 STATES, LEVELS = ("uplift", 0.4, "overturning"), (0.4, 0.7, 1.2)
 SCHEMA = Path(__file__).parents[4] / "docs" / "schema.md"
 
@@ -303,7 +303,7 @@ def test_weak_records_and_bad_ones_are_left_out_and_told(records):
 
 @pytest.mark.sweep
 def test_a_list_of_restitutions_makes_bodies_of_their_own(records):
-    several = {"wall": Block(half_width=0.3, half_height=1.5, restitution=[0.85, 0.9])}
+    several = {"wall": Block(0.6, 3.0, restitution=[0.85, 0.9])}
     found = rp.fragility(records[:2], options(limit_states=["overturning"], measures=["pga"]), several)
     assert found["fragility"]["block"].values.tolist() == ["wall C 0.85", "wall C 0.9"]
 

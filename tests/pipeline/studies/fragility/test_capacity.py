@@ -113,7 +113,7 @@ def test_the_vertical_acceleration_belongs_to_the_nonlinear_equation():
         assert np.array_equal(one, other) is same
 
 
-WALL = {"wall": rp.models.Block(half_width=0.2, half_height=1.5)}
+WALL = {"wall": rp.models.Block(0.4, 3.0)}
 
 
 def shake(number):

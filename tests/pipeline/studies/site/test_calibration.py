@@ -16,11 +16,7 @@ from rockpulse.record.measures import SCALING
 from rockpulse.studies.site import records as site_record
 
 TIME = 0.01 * np.arange(1200)
-BLOCKS = {
-    "wall": Block(half_width=0.15, half_height=1.5),
-    "pier": Block(half_width=0.4, half_height=1.8),
-    "column": Block(half_width=0.5, half_height=4.0),
-}
+BLOCKS = {"wall": Block(0.3, 3.0), "pier": Block(0.8, 3.6), "column": Block(1.0, 8.0)}
 
 
 def shake(seed, size=1.0, event=None, name=None):
@@ -248,13 +244,11 @@ def test_a_record_that_fails_is_a_row_and_never_the_end():
 
 def test_bodies_that_nothing_lifts_have_no_design():
     with pytest.raises(RecordRefused, match="no record sets any block rocking"):
-        rp.calibrate(RECORDS, config(), {"slab": Block(half_width=3.0, half_height=3.0)})
+        rp.calibrate(RECORDS, config(), {"slab": Block(6.0, 6.0)})
 
 
 def test_a_body_of_several_restitutions_is_several_blocks():
-    found = rp.calibrate(
-        RECORDS[:2], config(), {"pier": Block(half_width=0.4, half_height=1.8, restitution=[0.7, 0.9])}
-    )["site"]
+    found = rp.calibrate(RECORDS[:2], config(), {"pier": Block(0.8, 3.6, restitution=[0.7, 0.9])})["site"]
     assert found["block"].values.tolist() == ["pier C 0.7", "pier C 0.9"]
     assert found["restitution"].values.tolist() == [0.7, 0.9]
 

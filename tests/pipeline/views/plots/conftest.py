@@ -9,10 +9,7 @@ from nominal import Config, ida
 import rockpulse as rp
 from rockpulse import ModelSettings, SearchSettings
 
-BLOCKS = {
-    "wall": rp.models.Block(half_width=0.125, half_height=1.1),
-    "column of $one$ piece": rp.models.Block(half_width=0.55, half_height=4.0),
-}
+BLOCKS = {"wall": rp.models.Block(0.25, 2.2), "column of $one$ piece": rp.models.Block(1.1, 8.0)}
 
 
 @pytest.fixture(scope="session")

@@ -58,7 +58,7 @@ def test_a_map_shows_the_stored_intervals_and_the_windows_between(assessed, firs
 
 @pytest.mark.sweep
 def test_every_restitution_has_a_row_of_its_own(clc):
-    body = Block(half_width=0.125, half_height=1.1, restitution=[0.9, 0.98])
+    body = Block(0.25, 2.2, restitution=[0.9, 0.98])
     tree = rp.assess(clc, Config(models=ModelSettings(use=("resonance",))), bodies={"wall": body})
     rows = named_rows(overturning_map(tree, block="wall"))
     assert sorted(row.split(", ")[1] for row in rows) == ["C = 0.900"] * 2 + ["C = 0.980"] * 2

@@ -8,7 +8,7 @@ from rockpulse import models
 from rockpulse.views.plots.impulse_sequences import limit_accelerogram
 from rockpulse.views.plots.selection import block_of, sequence_of
 
-BLOCK = models.Block(half_width=0.5, half_height=1.936492, restitution=0.6, gravity=9.81)
+BLOCK = models.Block(1.0, 3.872984, restitution=0.6, gravity=9.81)
 
 
 def sequence(**options):

@@ -110,7 +110,7 @@ def test_what_the_model_could_not_say_and_a_vertical_that_is_not_stored_are_told
 def test_a_design_sequence_has_its_own_time_and_no_accelerogram():
     sequence = rp.models.ImpulseSequence(0.2, 0.05, interval=0.1, duration=5.0, main_count=3, spacing="middle")
     config = rp.Config(models=rp.ModelSettings(use=["resonance", "sequence"]))
-    tree = rp.assess_sequence(sequence, config, {"wall": rp.models.Block(half_width=0.25, half_height=1.5)})
+    tree = rp.assess_sequence(sequence, config, {"wall": rp.models.Block(0.5, 3.0)})
     (spacing,) = re.findall(r'(?m)^spacing = "(\w+)"', tree.attrs["configuration"])
     assert spacing == "middle"
     found = histories(tree, None, None)

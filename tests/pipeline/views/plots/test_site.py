@@ -15,7 +15,7 @@ from rockpulse.views.plots.site import calibration, site_spectrum
 @pytest.fixture(scope="module")
 def tree(ridgecrest):
     settings = Config(calibration=CalibrationSettings(method="statistics", bootstrap=100))
-    wall = rp.models.Block(half_width=0.2, half_height=1.0)
+    wall = rp.models.Block(0.4, 2.0)
     return rp.calibrate([one for one in ridgecrest if "Up" not in one.id], settings, bodies={"wall": wall})
 
 

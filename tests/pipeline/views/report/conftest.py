@@ -52,11 +52,7 @@ def bursts():
 @pytest.fixture(scope="session")
 def bodies():
     """One that every burst overturns, one of a hostile name, one that nothing lifts."""
-    return {
-        "stele": Block(half_width=0.1, half_height=1.5),
-        HOSTILE_BLOCK: Block(half_width=0.5, half_height=2.0),
-        "plinth": Block(half_width=1.0, half_height=1.2),
-    }
+    return {"stele": Block(0.2, 3.0), HOSTILE_BLOCK: Block(1.0, 4.0), "plinth": Block(2.0, 2.4)}
 
 
 @pytest.fixture(scope="session")

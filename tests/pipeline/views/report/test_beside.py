@@ -78,7 +78,7 @@ def test_a_site_of_another_body_is_refused_and_a_file_is_named(results, site, tm
 
 @pytest.mark.sweep
 def test_bodies_of_one_file_only_are_named_and_their_curves_left_out(results, bursts, bodies):
-    stele, other = bodies["stele"], Block(half_width=0.3, half_height=2.0)
+    stele, other = bodies["stele"], Block(0.6, 4.0)
     found = curves_of(results, rp.fragility(bursts, CURVES, {"stele": stele, "other": other}))
     assert "Left out, for they are not among the bodies assessed here: the curves of other." in found.remarks
     assert any(words.startswith("Without curves, for the fragility file lacks them: pier") for words in found.remarks)
@@ -90,14 +90,11 @@ def test_bodies_of_one_file_only_are_named_and_their_curves_left_out(results, bu
 
 def test_restitutions_are_matched_by_their_numbers(bursts):
     """A body of one restitution keeps its name beside one of two."""
-    two = {
-        "wall": Block(half_width=0.125, half_height=1.1, restitution=np.array([0.8, 0.9])),
-        "column": Block(half_width=0.5, half_height=3.5, restitution=0.97),
-    }
+    two = {"wall": Block(0.25, 2.2, restitution=np.array([0.8, 0.9])), "column": Block(1.0, 7.0, restitution=0.97)}
     curves = rp.fragility(bursts, CURVES, two)
     found = paired(rp.assess(bursts[:1], CURVES, two), curves, "fragility", "it")
     assert found.tree["fragility"]["block"].values.tolist() == ["wall C 0.8", "wall C 0.9", "column"]
-    one = rp.assess(bursts[:1], CURVES, {"wall": Block(half_width=0.125, half_height=1.1, restitution=0.9)})
+    one = rp.assess(bursts[:1], CURVES, {"wall": Block(0.25, 2.2, restitution=0.9)})
     found = paired(one, curves, "fragility", "it")
     assert found.tree["capacities"]["block"].values.tolist() == ["wall C 0.9"]
     assert found.foreign == ("wall C 0.8", "column")

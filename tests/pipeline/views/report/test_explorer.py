@@ -58,9 +58,7 @@ def test_the_motions_on_the_page_are_those_of_the_model(shown, results, bursts):
     summary = results["summary"].to_dataset()
     at_end = set()
     for place, body in enumerate(shown["bodies"][:2]):
-        block = {"stele": Block(half_width=0.1, half_height=1.5)}.get(
-            body["name"], Block(half_width=0.5, half_height=2.0)
-        )
+        block = {"stele": Block(0.2, 3.0)}.get(body["name"], Block(1.0, 4.0))
         assert body["scenes"], place
         for scene in body["scenes"]:
             record = bursts[[one.id for one in bursts].index(summary["record"].values[scene["record"]])]
@@ -177,7 +175,7 @@ def test_a_body_before_a_wall_turns_away_from_it(bursts, config):
     wanted = replace(
         config, models=rp.ModelSettings(use=("nonlinear",)), uncertainty=replace(config.uncertainty, probability=False)
     )
-    tree = rp.assess(bursts[:1], wanted, {"parapet": Block(half_width=0.1, half_height=1.5, one_sided=True)})
+    tree = rp.assess(bursts[:1], wanted, {"parapet": Block(0.2, 3.0, one_sided=True)})
     (body,) = json.loads(explorer(tree).data)["bodies"]
     assert body["wall"]
     for scene in body["scenes"]:

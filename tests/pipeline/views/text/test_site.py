@@ -31,7 +31,7 @@ def tree():
         )
         for number in range(6)
     ]
-    blocks = {"stele": Block(half_width=0.1, half_height=1.5), "pier": Block(half_width=0.5, half_height=2.0)}
+    blocks = {"stele": Block(0.2, 3.0), "pier": Block(1.0, 4.0)}
     return rp.calibrate(records, config, blocks, failures=[Failure("a.AT2", "read", "why", "failed")])
 
 
