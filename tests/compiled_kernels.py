@@ -31,7 +31,7 @@ def calls() -> list[Callable[[], object]]:
 
 
 def compile_share(worker: int, workers: int, cache: Path) -> None:
-    """Compile every so many of the kernels, and wait until the other workers have compiled theirs."""
+    """Compile the share of one worker, and wait until the other workers have compiled theirs."""
     done = [cache / f"compiled-{number}-of-{workers}" for number in range(workers)]
     if not done[worker].exists():
         for call in calls()[worker::workers]:

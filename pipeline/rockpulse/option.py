@@ -18,7 +18,7 @@ class KeyType:
     accepts: Callable[[Any], bool]
     convert: Callable[[Any], Any]  # to the stored value, of a list to a tuple, so that a section is immutable
     words: tuple[str, ...] = ()  # known ones, for "did you mean"
-    finite: bool = False  # whether they are numbers, so that the message on inf or nan tells what is wrong with it
+    finite: bool = False  # whether the value is a number, so that the error can name inf or nan
 
 
 #: Numbers of a configuration are no larger, and no smaller than one over it unless they are 0.

@@ -132,7 +132,7 @@ class IntensePhaseSettings(Section):
 
 @dataclass(frozen=True)
 class SequenceSettings(Section):
-    """The sequence that stands for a record; all but the method are arguments of :func:`rockpulse.record_sequence`.
+    """Options of a record's sequence; all but the method are arguments of :func:`rockpulse.record_sequence`.
 
     The method "rule" gives every body a sequence of its own, by the conservative point of the rule; "statistics" one
     for all bodies, from the half-waves of the record.

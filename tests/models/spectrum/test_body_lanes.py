@@ -77,7 +77,7 @@ def test_the_density_of_the_second_part_is_the_deviation_of_the_verdicts_nearby(
         np.sort(np.floor(np.interp(second.log_factor[0], grid, below) / 6.0)).tolist()
         == np.repeat(np.arange(32.0), 6).tolist()
     )
-    # A lane stands for 1 over the density of both parts at its place.
+    # The weight of a lane is 1 over the density of both parts at its place.
     at = np.concatenate([logs, second.log_factor[0]])
     assert lanes.log_factor.tolist() == at.tolist()
     assert lanes.weight == pytest.approx(1.0 / (64 / 1.6 + np.interp(at, grid, density)))
@@ -92,7 +92,7 @@ def test_lanes_are_added_downwards_while_the_lowest_ones_overturn():
     assert stretches(march, 0) == approx(*down)
     assert stretches(march, 1) == approx((0.8, 2.4, 64), (0.8, 2.4, 192))
     assert (lanes[0].bottom, lanes[0].top) == pytest.approx((bottom[0], 3.8))
-    # A lane stands for 1 over the density of the parts that it lies in.
+    # The weight of a lane is 1 over the summed density of the parts that contain it.
     *_, (last, row) = [(part, row) for part in march.parts for row in np.flatnonzero(part.body == 0)]
     at = lanes[0].log_factor
     density = np.interp(at, last.grid[row], last.density[row])

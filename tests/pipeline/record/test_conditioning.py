@@ -79,14 +79,14 @@ def test_mirrored_record_is_conditioned_to_the_mirror_image(baseline):
 
 
 @pytest.mark.parametrize(
-    ("baseline", "told"),
+    ("baseline", "note"),
     [
         ("mean", "mean of all samples, 3 m/s2, subtracted"),
         ("linear", "line of all samples, 1 m/s2 at the start, 5 at the end, subtracted"),
     ],
 )
-def test_the_note_of_a_baseline_says_what_was_subtracted(baseline, told):
-    assert condition(record(np.arange(1.0, 6.0)), baseline).processing == (f"baseline: {told}",)
+def test_the_note_of_a_baseline_says_what_was_subtracted(baseline, note):
+    assert condition(record(np.arange(1.0, 6.0)), baseline).processing == (f"baseline: {note}",)
 
 
 def test_baseline_none_changes_nothing_and_says_nothing():

@@ -103,16 +103,16 @@ def _told(summary: xr.Dataset, names: list[str]) -> dict[str, list[str]]:
     def smallest(*demand: str) -> list[str]:
         return [margin_cells(margin)[0].marked for margin in answers.margins("block", *demand)]
 
-    told = {}
+    shown = {}
     if answers.probable:
-        told["P"] = probability(answers["overturning_probability"])
+        shown["P"] = probability(answers["overturning_probability"])
     if answers.factor in names:
-        told[f"smallest {factor_heading(answers.factor)}"] = smallest()
+        shown[f"smallest {factor_heading(answers.factor)}"] = smallest()
     for demand in answers.demands:
         if answers.probable:
             at_demand = answers.at_demand(demand)
-            told[f"P at {demand}"] = probability(at_demand, np.isnan(at_demand))
-        told[f"smallest capacity/demand {demand}"] = smallest(demand)
+            shown[f"P at {demand}"] = probability(at_demand, np.isnan(at_demand))
+        shown[f"smallest capacity/demand {demand}"] = smallest(demand)
     if "outcome" in names:
-        told["overturned"] = [str(count) for count in answers.overturnings("block")]
-    return told
+        shown["overturned"] = [str(count) for count in answers.overturnings("block")]
+    return shown

@@ -106,9 +106,9 @@ def strip(acceleration: np.ndarray, dt: float, intense: tuple[float, float]) -> 
     if np.all(np.isfinite(intense)):
         start, stop = (LEFT + span * min(max(instant / end, 0.0), 1.0) for instant in intense)
         shade = f'<rect class="intense" x="{start:.1f}" y="{TOP}" width="{stop - start:.1f}" height="{high}"/>\n'
-    told, length = three_digits(peak / STANDARD_GRAVITY, "g"), three_digits(end, "s")
+    pga, length = three_digits(peak / STANDARD_GRAVITY, "g"), three_digits(end, "s")
     return f"""<svg viewBox="0 0 {WIDTH} {HEIGHT}" class="strip" role="img" aria-label="{say("picture.label")}">
 {shade}<path class="axis" d="M{LEFT} {middle:.1f}H{WIDTH}"/><path class="trace" d="M{"L".join(points)}"/>
-<text x="{LEFT - 6}" y="{TOP + 9}" text-anchor="end">{told}</text>
-<text x="{LEFT - 6}" y="{TOP + high}" text-anchor="end">−{told}</text>
+<text x="{LEFT - 6}" y="{TOP + 9}" text-anchor="end">{pga}</text>
+<text x="{LEFT - 6}" y="{TOP + high}" text-anchor="end">−{pga}</text>
 <text x="{LEFT}" y="{HEIGHT - 4}">0</text><text x="{WIDTH}" y="{HEIGHT - 4}" text-anchor="end">{length}</text></svg>"""

@@ -150,10 +150,10 @@ def counted_by(answers: Answers) -> str:
     if answers.motions.kind == "sequence":
         return say("counted.sequence", model=model)
     what = say("counted.probability") if answers.probable else say("counted.share", model=model)
-    told = say("counted.words", what=what, **_levels())
+    counted = say("counted.words", what=what, **_levels())
     if answers.demands:
-        told += " " + say("counted.demand", low=six_digits(FARTHEST[0]), high=six_digits(FARTHEST[1]))
-    return told
+        counted += " " + say("counted.demand", low=six_digits(FARTHEST[0]), high=six_digits(FARTHEST[1]))
+    return counted
 
 
 def _levels() -> dict[str, str]:

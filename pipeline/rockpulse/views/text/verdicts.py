@@ -97,8 +97,8 @@ def _below_records(
     for place, cell in enumerate(col.record_cells(answers.summary)):
         record = Known(answers.summary, record=cell.text)
         impulse = record.value("main_impulse")
-        told = [*record.strength, *([] if math.isnan(impulse) else [f"I {three_digits(impulse, 'm/s')}"])]
-        found += ["", "  ".join([cell.marked, *told]), head, *laid[place * size : (place + 1) * size]]
+        strength = [*record.strength, *([] if math.isnan(impulse) else [f"I {three_digits(impulse, 'm/s')}"])]
+        found += ["", "  ".join([cell.marked, *strength]), head, *laid[place * size : (place + 1) * size]]
     shown = [*([title] if title else []), *found[1:], "", *(paragraph(note, "  ") for note in notes)]
     return "\n".join(shown)
 

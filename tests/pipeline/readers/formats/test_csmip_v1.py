@@ -107,11 +107,11 @@ def test_damage_is_named_with_file_and_line(write, change, message):
         read(write(content))
 
 
-@pytest.mark.parametrize(("rate", "told"), [("33", False), ("34", True), ("33.37", False), ("33.36", True)])
-def test_the_rate_in_the_text_may_be_off_by_its_rounding_or_a_thousandth(write, rate, told):
+@pytest.mark.parametrize(("rate", "refused"), [("33", False), ("34", True), ("33.37", False), ("33.36", True)])
+def test_the_rate_in_the_text_may_be_off_by_its_rounding_or_a_thousandth(write, rate, refused):
     content = csmip_equal(np.round(pulse(400), 6), dt=1 / 33.4).replace(b"at 100 pts", b"at 33.4 pts")
     content = content.replace(b" SEC\r\n", f" SEC   AT {rate} SAMPLES/SEC\r\n".encode(), 1)
-    if told:
+    if refused:
         with pytest.raises(RecordFormatError, match=rf"expected {rate} samples/sec .* found a heading with 33.4"):
             read(write(content))
     else:
