@@ -15,7 +15,7 @@ _WIDE = (
 #: The text of each code of a warning on a record, or of a step of its processing.
 WARNINGS = {
     # a channel as it was read
-    "dead_channel": "all samples are zero: a dead channel",
+    "dead_channel": "all samples are equal: a dead channel",
     "clipped": "{count:d} samples in a row at the {end} value: the record may be clipped",
     "full_scale": "the peak is where the range of a 24-bit recorder ends ({counts:d} counts): the record may be "
     "clipped",
@@ -28,13 +28,28 @@ WARNINGS = {
     "part_of_record": "part {part:d} of a record that is cut into files: give all of them together",
     "vertical_by_code": "the channel code {channel} says vertical, the header {told}; taken as vertical",
     "positive_downwards": "positive downwards in the file; the sign is changed so that upwards is positive",
+    # its samples as they came
+    "noise_only": "no earthquake, but noise or a dead channel: {reason}",
+    "held_value": "the samples stay at one value for {length:.3g} s from {start:.4g} s on, as in a gap",
+    "filled_gap": "the samples are a straight line for {length:.3g} s from {start:.4g} s on, as in a filled gap",
+    "repeated_samples": "{share:.0f} % of the samples of the strong motion repeat the one before",
+    "repeated_block": "the samples of {length:.3g} s from {start:.4g} s on come again from {again:.4g} s on",
+    "spike": "spikes: samples far beyond those beside them, {count:d} in all, the largest of {peak:.3g} g at {time:.4g} s",
+    "starts_strong": "the record begins in strong motion, at {share:.0f} % of its peak (root mean square of the first "
+    "0.5 s): what came before is cut off",
+    "ends_strong": "the record ends in strong motion, at {share:.0f} % of its peak (root mean square of the last "
+    "0.5 s): what came after is cut off",
+    "coarse_sampling": "{rate:.3g} samples a second: frequencies above {nyquist:.3g} Hz are missing, and peaks between "
+    "samples are cut off",
+    "velocity_drift": "baseline drift or step in the samples as they came: whatever constant is subtracted, the ground "
+    "velocity has a slow part of {slow:.3g} m/s beside {rest:.3g} m/s of motion",
     # a record on its way to the models
     "on_structure": "on a structure, assessed as if this were ground motion",
     "orientation_unknown": "the orientation is unknown; assessed as horizontal",
     "baseline_guessed": "the format does not say whether the record is processed: the mean was subtracted; choose a "
     "baseline to keep or correct it",
-    "baseline_drift": "baseline drift: the ground velocity ends at {velocity:.3g} m/s, the PGV of {pgv:.3g} m/s may be "
-    "off by as much; compare with another baseline or a high-pass",
+    "baseline_drift": "baseline drift: the ground velocity ends at {velocity:.3g} m/s and has a slow part of "
+    "{slow:.3g} m/s, the PGV of {pgv:.3g} m/s may be off by as much; compare with another baseline or a high-pass",
     "start_assumed": "both channels are taken to start together, no times are known",
     "no_sequence": "no impulse sequence: {reason}",
     "scaled_far": "scaled by {factor:.3g}: outside {low:g} to {high:g} a scaled record stands for no recorded "

@@ -38,8 +38,8 @@ def from_records(output: str) -> Options:
         "--confirm-size": "take a --block that is larger than 30 m, less than 5 cm high or 1 mm wide, or wider than "
         "high",
         **READING,
-        "--confirm PATTERN ...": "a peak above 5 g is right in channels of this id, which fail without; * and ? stand "
-        "for any letters; repeatable",
+        "--confirm PATTERN ...": "channels of this id are right in spite of a peak above 5 g or a defect, and fail "
+        "without; * and ? stand for any letters; repeatable",
         "--overwrite": "replace results that exist; never any other file",
         "--quiet": QUIET,
     }

@@ -36,8 +36,8 @@ class SiteSettings(Section):
 class RecordSettings(Section):
     """The records that are read, their unit where the file does not say it, and the part of them that is stored.
 
-    `confirm` holds patterns of the ids of channels whose peak above 5 g is right; `files` the units and intervals of
-    some files only, in TOML [[records.file]].
+    `confirm` holds patterns of the ids of channels that are right in spite of a doubt (a peak above 5 g, a defect, a
+    twin that differs); `files` the units and intervals of some files only, in TOML [[records.file]].
 
     The azimuth is the direction in which the body rocks: for a wall or façade the one perpendicular to its plane, 45
     degrees for a façade that looks north-east. 45 and 225 are the same for a body that rocks to both sides.

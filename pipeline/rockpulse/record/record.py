@@ -24,10 +24,22 @@ BETWEEN = "; "
 STRONGEST = 1e9
 #: Fields whose texts many records of a batch have in common.
 SHARED = frozenset(
-    ("network", "channel", "component", "orientation", "format", "source_unit", "event", "event_id", "magnitude_type")
+    (
+        "network",
+        "channel",
+        "component",
+        "orientation",
+        "format",
+        "source_unit",
+        "event",
+        "event_id",
+        "magnitude_type",
+        "stage",
+    )
 )
 
 Orientation = Literal["horizontal", "vertical", "structural", "unknown"]
+Stage = Literal["read", "checked", "conditioned"]
 
 
 @dataclass(frozen=True, eq=False, repr=False, slots=True)
@@ -81,6 +93,8 @@ class Record(Shown):
         Time-averaged velocity of shear waves in the upper 30 m [m/s], NaN where unknown, and class of the ground.
     sensor_depth : float
         Depth of the sensor below the ground [m]; NaN where the file does not state it.
+    stage : {"read", "checked", "conditioned"}
+        How far it has come: its samples are checked for defects once, and it is conditioned for a verdict once.
     """
 
     acceleration: np.ndarray
@@ -118,6 +132,7 @@ class Record(Shown):
     vs30: float = float("nan")
     site_class: str = ""
     sensor_depth: float = float("nan")
+    stage: Stage = "read"
 
     def __post_init__(self) -> None:
         where = self.source or self.id

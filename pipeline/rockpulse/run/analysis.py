@@ -24,7 +24,7 @@ from rockpulse.selection.directions import (
     VerticalRefused,
     conditioned_motions,
     plan_motions,
-    unconfirmed_peaks,
+    unconfirmed_channels,
 )
 from rockpulse.selection.events import event_table, events_by_id
 from rockpulse.selection.votes import one_vote_each, unmatched_patterns
@@ -183,7 +183,7 @@ def worked(
         yield from (Failure(channel.source, "rotate", str(error), "failed") for channel in planned.channels)
         return
     with watch("condition"):
-        doubtful = unconfirmed_peaks(planned, motions, config, stage)
+        doubtful = unconfirmed_channels(planned, motions, config, stage)
     if doubtful:
         yield from doubtful
         return

@@ -13,6 +13,7 @@ from rockpulse.errors import Failure, RecordRefused, RockpulseError
 from rockpulse.readers.kit.channel import CREDIBLE_PEAK_G, odd_peak
 from rockpulse.record.components import Neighbours, Pair, find_pairs, matching_vertical, select_horizontal
 from rockpulse.record.conditioning import condition
+from rockpulse.record.defects import deciding
 from rockpulse.record.record import STANDARD_GRAVITY, Record, id_matches
 from rockpulse.record.rotation import condition_pair, pair_id, rotate, rotated_id, strongest_azimuth
 from rockpulse.remark import Remark
@@ -103,23 +104,28 @@ def conditioned_motions(planned: PlannedMotion, config: Config) -> list[Motion]:
         remarks, partner = planned.remarks, None
         if planned.partner is not None:
             try:
-                partner = condition(planned.partner, **config.conditioning)
+                partner = conditioned(planned.partner, config)
             except RockpulseError as error:
                 reason = f"the other channel, {planned.partner.id}, fails: {error}"
                 remarks = (*remarks, Remark("scaled_alone", reason=reason))
-        conditioned = condition(_remarked(planned.channels[0], remarks), **config.conditioning)
-        return [Motion(conditioned, up, (conditioned,), partner)]
+        motion = conditioned(_remarked(planned.channels[0], remarks), config)
+        return [Motion(motion, up, (motion,), partner)]
     pair = condition_pair(Pair(*planned.channels), **config.conditioning)
     azimuths = DIRECTIONS[config.records.components](pair, config)
     turned = [replace(rotate(pair, azimuth), id=planned.direction_id(azimuth)) for azimuth in azimuths]
     return [Motion(_remarked(record, planned.remarks), up, pair.channels) for record in turned]
 
 
+def conditioned(record: Record, config: Config) -> Record:
+    """The record conditioned as section [conditioning] says; as it is if it was conditioned before."""
+    return record if record.stage == "conditioned" else condition(record, **config.conditioning)
+
+
 def _conditioned_vertical(planned: PlannedMotion, config: Config) -> Record | None:
     if planned.vertical is None:
         return None
     try:
-        return condition(planned.vertical, **config.conditioning)
+        return conditioned(planned.vertical, config)
     except RockpulseError as error:
         raise VerticalRefused(
             f"the vertical channel {planned.vertical.id} of {planned.name} cannot be conditioned: {error}. "
@@ -202,16 +208,25 @@ def _copies(names: Iterable[str]) -> list[tuple[str, int]]:
     return [(name, next(seen[name])) for name in names]
 
 
-def unconfirmed(conditioned: Record, confirm: Iterable[str], configured: bool = True) -> str:
-    """Why a channel with an unconfirmed peak above 5 g does not count, and what to do; empty for every other one."""
-    if not conditioned.pga > LARGEST or id_matches(conditioned.id, confirm):
+def unconfirmed(conditioned: Record, confirm: Iterable[str]) -> str:
+    """Why a channel in doubt (a peak above 5 g, a defect that decides) does not count, what to do; empty for others."""
+    if id_matches(conditioned.id, confirm):
         return ""
-    found = odd_peak(conditioned.pga, conditioned.source_unit, conditioned.unit_factor)
-    return f"{conditioned.id}: {found}. {_advice([conditioned], configured)}"
+    if conditioned.pga > LARGEST:
+        found = odd_peak(conditioned.pga, conditioned.source_unit, conditioned.unit_factor)
+        return f"{conditioned.id}: {found}. {_advice([conditioned])}"
+    if defects := deciding(conditioned):
+        return (
+            f"{conditioned.id}: {'; '.join(defects)}. A record with such a defect does not count before it is confirmed: correct or "
+            f"leave out the file, or, if it is right, give {_options([conditioned])}"
+        )
+    return ""
 
 
-def unconfirmed_peaks(planned: PlannedMotion, motions: Sequence[Motion], config: Config, stage: str) -> list[Failure]:
-    """A row for each channel left out for an unconfirmed peak: its own, one acting with it, or the pair's."""
+def unconfirmed_channels(
+    planned: PlannedMotion, motions: Sequence[Motion], config: Config, stage: str
+) -> list[Failure]:
+    """A row for each channel left out with one in doubt: its own, one acting with it, or the pair's."""
     confirm = config.records.confirm
     channels, up = motions[0].channels, motions[0].vertical
     of_pair = f"{planned.name}: " if planned.rotated else ""
@@ -225,9 +240,11 @@ def unconfirmed_peaks(planned: PlannedMotion, motions: Sequence[Motion], config:
     rows = [Failure(one.source, stage, f"{whose}{doubted[id(one)]}", "failed") for whose, one in causes]
     if causes:
         cause = causes[0][1]
-        peak = f"whose peak of {cause.pga / STANDARD_GRAVITY:.3g} g nobody has confirmed"
+        peak = f"whose peak of {cause.pga / STANDARD_GRAVITY:.3g} g" if cause.pga > LARGEST else "whose defect"
         rows += [
-            Failure(one.source, stage, f"{of_pair}{one.id}: left out with {cause.id}, {peak}", "failed")
+            Failure(
+                one.source, stage, f"{of_pair}{one.id}: left out with {cause.id}, {peak} nobody has confirmed", "failed"
+            )
             for one in channels
             if id(one) not in doubted
         ]
@@ -241,12 +258,15 @@ def unconfirmed_peaks(planned: PlannedMotion, motions: Sequence[Motion], config:
     return rows
 
 
-def _advice(channels: Sequence[Record], configured: bool = True) -> str:
+def _options(channels: Sequence[Record]) -> str:
     options = " ".join(f"--confirm {one.id}" for one in channels)
     names = ", ".join(f'"{one.id}"' for one in channels)
-    units = "--units, units under [records] or [[records.file]], or the file" if configured else "--units, or the file"
-    confirm = f"{options}, or confirm = [{names}] under [records]" if configured else options
+    return f"{options}, or confirm = [{names}] under [records]"
+
+
+def _advice(channels: Sequence[Record]) -> str:
     return (
         f"A peak above {CREDIBLE_PEAK_G[1]:g} g after conditioning does not count before it is confirmed: correct the "
-        f"unit ({units}), or, if it is right, give {confirm}"
+        "unit (--units, units under [records] or [[records.file]], or the file), or, if it is right, give "
+        f"{_options(channels)}"
     )

@@ -12,6 +12,7 @@ from rocking.response import Outcome
 from rockpulse.assessment.answers import Answers, Margin
 from rockpulse.assessment.verdict import OVERTURNS, BodyVerdict, Grade
 from rockpulse.readers.kit.channel import CREDIBLE_PEAK_G
+from rockpulse.record.defects import DEFECTS
 from rockpulse.record.measures import PGA, STORED, STORED_OF_BODIES, Measure
 from rockpulse.record.record import STANDARD_GRAVITY
 from rockpulse.remark import remarked
@@ -25,7 +26,8 @@ ID_WIDTH, NAME_WIDTH = 36, 29
 OUTSIDE, NO_ANSWER = CellMark("outside", "*"), CellMark("no_answer", "!")
 NONE_UP_TO, AT_MOST = CellMark("none_up_to", ">", before=True), CellMark("at_most", "≤", before=True)
 DRIFT = CellMark("drift", "~", before=True)
-PEAK, CLIPPED = CellMark("peak"), CellMark("clipped")
+PEAK, CLIPPED, DEFECT = CellMark("peak"), CellMark("clipped"), CellMark("defect")
+DOUBTS = PEAK, CLIPPED, DEFECT
 #: Larger than any rotation: overturned sorts above it, unresolved at the end.
 _SORTED = {Outcome.AT_REST: 0.0, Outcome.OVERTURNS: math.inf, Outcome.UNRESOLVED: math.nan}
 
@@ -77,7 +79,8 @@ def doubt(pga: float, codes: str) -> tuple[CellMark, ...]:
     """Marks of one record, by its PGA [m/s2], which is NaN of a sequence, and the codes of its warnings."""
     low, high = (STANDARD_GRAVITY * bound for bound in CREDIBLE_PEAK_G)
     peak = pga < low or pga > high or remarked(codes, "header_peak")
-    return ((PEAK,) if peak else ()) + ((CLIPPED,) if remarked(codes, "clipped", "full_scale") else ())
+    found = (peak, remarked(codes, "clipped", "full_scale"), remarked(codes, *DEFECTS))
+    return tuple(mark for mark, marked in zip(DOUBTS, found, strict=True) if marked)
 
 
 def record_cell(name: str, pga: float, codes: str) -> Cell:
@@ -143,7 +146,7 @@ def marks_of(cells: Iterable[Cell]) -> set[CellMark]:
 def doubt_notes(cells: Iterable[Cell]) -> list[str]:
     """The meanings of the marks of doubt that some cells bear."""
     found = marks_of(cells)
-    return [mark.note for mark in (PEAK, CLIPPED) if mark in found]
+    return [mark.note for mark in DOUBTS if mark in found]
 
 
 #: The grade of the cell of a verdict.

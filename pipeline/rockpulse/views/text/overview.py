@@ -111,7 +111,7 @@ def _record_strength(answers: Answers) -> str:
         lines.append(f"  PGV of {of} baseline drifts (--where 'pgv_drift = drift').")
     found = [cell for cell in record_cells(answers.summary) if cell.marks]
     if found:
-        lines.append(paragraph(f"{len(found)} with a doubtful peak, marked wherever they are named.", "  "))
+        lines.append(paragraph(f"{len(found)} in doubt, marked wherever they are named.", "  "))
         lines += [paragraph(note, "  ") for note in doubt_notes(found)]
     return "\n".join(lines)
 
