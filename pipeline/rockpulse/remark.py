@@ -34,7 +34,8 @@ WARNINGS = {
     "filled_gap": "the samples are a straight line for {length:.3g} s from {start:.4g} s on, as in a filled gap",
     "repeated_samples": "{share:.0f} % of the samples of the strong motion repeat the one before",
     "repeated_block": "the samples of {length:.3g} s from {start:.4g} s on come again from {again:.4g} s on",
-    "spike": "spikes: samples far beyond those beside them, {count:d} in all, the largest of {peak:.3g} g at {time:.4g} s",
+    "spike": "spikes: samples far beyond those beside them, {count:d} in all, the largest of {peak:.3g} g at "
+    "{time:.4g} s",
     "starts_strong": "the record begins in strong motion, at {share:.0f} % of its peak (root mean square of the first "
     "0.5 s): what came before is cut off",
     "ends_strong": "the record ends in strong motion, at {share:.0f} % of its peak (root mean square of the last "
@@ -43,6 +44,11 @@ WARNINGS = {
     "samples are cut off",
     "velocity_drift": "baseline drift or step in the samples as they came: whatever constant is subtracted, the ground "
     "velocity has a slow part of {slow:.3g} m/s beside {rest:.3g} m/s of motion",
+    # the other channels and volumes of its motion
+    "twin_differs": "{other} of {source} should be of the same motion, but {differences}",
+    "components_apart": "its peak is {ratio:.3g} times that of {other}, the other component of its instrument: {cause}",
+    "same_samples": "the same samples as {other}, in another direction{sign}: one of the two is a copy",
+    "same_direction": "{other} of the same file has the same direction{sign}: one of the two labels is wrong",
     # a record on its way to the models
     "on_structure": "on a structure, assessed as if this were ground motion",
     "orientation_unknown": "the orientation is unknown; assessed as horizontal",

@@ -23,7 +23,13 @@ DEFECTS = (
     "ends_strong",
     "coarse_sampling",
     "velocity_drift",
+    "twin_differs",
+    "components_apart",
+    "same_samples",
+    "same_direction",
 )
+#: Shorter records are judged by nothing but that they are dead [samples].
+FEWEST = 100
 #: A straight line is reported from this length on [s] and this many samples; digitised film has shorter ones.
 LINE_LENGTH, LINE_SAMPLES = 0.12, 8
 #: On both sides of it the second differences are this many times those of a line.
@@ -43,9 +49,9 @@ END_LENGTH, END_SHARE = 0.5, 0.15
 #: Noise: the strongest second is below this many times the median one; white (energy of the differences over that of
 #: the samples), or weak [m/s2]; over this many windows at least. Steps of the resolution that a dead channel spans.
 NOISE_CONTRAST = {"white": 1.5, "weak": 2.2}
-WHITE, WEAK, NOISE_WINDOWS, DEAD_STEPS = 0.8, 0.05, 10, 8.0
-#: Longest interval that is not coarse [s]; it decides where the differences have this share of the energy of the samples,
-#: whose frequencies then go on beyond those that are in the record.
+WHITE, WEAK, NOISE_WINDOWS, DEAD_STEPS = 0.8, 0.02, 10, 8.0
+#: Longest interval that is not coarse [s]; it decides where the energy of the differences is this share of that of the
+#: samples, so that the frequencies go on beyond those that are in the record.
 COARSE, UNDERSAMPLED = 0.0999, 1.0
 #: Window of the mean that parts the slow velocity from the rest [s], at most this share of the record.
 SLOW_LENGTH, SLOW_SHARE = 10.0, 0.25
@@ -84,6 +90,8 @@ def defects(record: Record) -> list[Remark]:
     steps = steps[steps > 1e-9 * np.ptp(samples)]
     if not steps.size:
         return [Remark("dead_channel")]
+    if samples.size < FEWEST:
+        return []
     resolution = float(steps.min())
     centred = samples - np.median(samples)
     if dead := _noise(samples, dt, resolution):

@@ -88,6 +88,7 @@ def rotate(pair: Pair, azimuth: float) -> Record:
         source_unit=first.source_unit if same_unit else "",
         unit_factor=first.unit_factor if same_unit else float("nan"),
         header_peak=float("nan"),
+        stage="checked",  # the defects are those of the channels
         # Whether the velocity drifts is a matter of the direction.
         warnings=tuple(
             text for text in _of_both(first, second, "warnings") if not remarked(code_of(text), "baseline_drift")

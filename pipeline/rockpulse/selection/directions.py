@@ -17,6 +17,15 @@ from rockpulse.record.defects import deciding
 from rockpulse.record.record import STANDARD_GRAVITY, Record, id_matches
 from rockpulse.record.rotation import condition_pair, pair_id, rotate, rotated_id, strongest_azimuth
 from rockpulse.remark import Remark
+from rockpulse.selection.twins import (
+    Comparison,
+    clock_candidates,
+    compared,
+    component_comparisons,
+    label_faults,
+    partners,
+)
+from rockpulse.selection.votes import Twin
 
 logger = logging.getLogger("rockpulse")
 #: No larger peak counts before it is confirmed [m/s2].
@@ -35,6 +44,7 @@ class PlannedMotion:
     partner: Record | None = None  # as read: the other channel of its pair, whose strength counts beside its own
     remarks: tuple[str, ...] = ()  # warnings for every motion that comes of it
     copy: int = 1  # number, from 1, among the pairs whose rotated records would have one id
+    comparisons: tuple[Comparison, ...] = ()  # other records that its channels are held against
 
     @property
     def rotated(self) -> bool:
@@ -66,7 +76,9 @@ class VerticalRefused(RecordRefused):
     """The vertical channel that acts with a motion cannot be conditioned."""
 
 
-def plan_motions(records: Sequence[Record], config: Config) -> tuple[list[PlannedMotion], list[Failure]]:
+def plan_motions(
+    records: Sequence[Record], config: Config, twins: Iterable[Twin] = ()
+) -> tuple[list[PlannedMotion], list[Failure]]:
     """The channels and pairs that section [records] asks for, in order, and a row for each other channel.
 
     A channel within :data:`FACING_WITHIN` of the azimuth asked for needs no partner; if there is a demand it gets it.
@@ -89,6 +101,7 @@ def plan_motions(records: Sequence[Record], config: Config) -> tuple[list[Planne
         place = {id(record): number for number, record in enumerate(horizontal)}
         planned += [one for one in facing if one is not None]
         planned.sort(key=lambda one: place[id(one.channels[0])])
+    planned = _with_comparisons(planned, horizontal, twins)
     if config.demands:
         planned = _with_partners(planned, horizontal)
     if not config.records.include_vertical:
@@ -100,6 +113,7 @@ def plan_motions(records: Sequence[Record], config: Config) -> tuple[list[Planne
 def conditioned_motions(planned: PlannedMotion, config: Config) -> list[Motion]:
     """The conditioned channel, or the pair in every direction asked for; RockpulseError if one is refused."""
     up = _conditioned_vertical(planned, config)
+    planned = replace(planned, channels=tuple(compared(planned.channels, planned.comparisons)), comparisons=())
     if not planned.rotated:  # with the remarks first: conditioning adds its own behind them
         remarks, partner = planned.remarks, None
         if planned.partner is not None:
@@ -152,6 +166,27 @@ def swept_directions(planned: Iterable[PlannedMotion], config: Config) -> dict[s
     return {one.name: planned_ids(one, config) for one in planned} if config.records.components == "sweep" else None
 
 
+def _with_comparisons(
+    planned: Iterable[PlannedMotion], horizontal: Sequence[Record], twins: Iterable[Twin]
+) -> list[PlannedMotion]:
+    """The planned motions with the records that they are held against, and warnings on labels that contradict."""
+    of_voter: dict[str, list[Twin]] = defaultdict(list)
+    for twin in twins:
+        of_voter[twin.voter.id].append(twin)
+    partner, clocks, faults = partners(horizontal), clock_candidates(horizontal), label_faults(horizontal)
+    found = []
+    for one in planned:
+        comparisons = list(component_comparisons(one.channels, partner))
+        remarks = list(one.remarks)
+        for place, channel in enumerate(one.channels):
+            comparisons += [Comparison("volume", place, twin.record, twin.beside) for twin in of_voter[channel.id]]
+            if id(channel) in clocks:
+                comparisons.append(Comparison("clock", place, clocks[id(channel)]))
+            remarks += faults.get(id(channel), [])
+        found.append(replace(one, comparisons=tuple(comparisons), remarks=tuple(remarks)))
+    return found
+
+
 def _facing(record: Record, azimuth: float | None) -> PlannedMotion | None:
     """A channel without a partner that faces the direction asked for, or its opposite; else None."""
     if azimuth is None or not abs(math.remainder(record.azimuth - azimuth, 180.0)) <= FACING_WITHIN:
@@ -164,9 +199,7 @@ def _facing(record: Record, azimuth: float | None) -> PlannedMotion | None:
 
 def _with_partners(planned: Iterable[PlannedMotion], horizontal: Sequence[Record]) -> list[PlannedMotion]:
     """Channels with the other one of their pair, or with a remark that there is none; pairs as they are."""
-    partner = {
-        id(one): other for pair in find_pairs(horizontal)[0] for one, other in (pair.channels, pair.channels[::-1])
-    }
+    partner = partners(horizontal)
     alone = Remark("scaled_alone", reason="no other horizontal channel is known to go with it")
 
     def partnered(one: PlannedMotion) -> PlannedMotion:
@@ -217,8 +250,8 @@ def unconfirmed(conditioned: Record, confirm: Iterable[str]) -> str:
         return f"{conditioned.id}: {found}. {_advice([conditioned])}"
     if defects := deciding(conditioned):
         return (
-            f"{conditioned.id}: {'; '.join(defects)}. A record with such a defect does not count before it is confirmed: correct or "
-            f"leave out the file, or, if it is right, give {_options([conditioned])}"
+            f"{conditioned.id}: {'; '.join(defects)}. It does not count before it is confirmed: correct or leave out "
+            f"the file, or, if it is right, give {_options([conditioned])}"
         )
     return ""
 

@@ -1,0 +1,249 @@
+"""Records that should be of one motion, or of one instrument, held against each other before one of them counts."""
+
+import math
+from collections import defaultdict
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from itertools import combinations
+from typing import Literal
+
+import numpy as np
+
+from rockpulse.errors import Failure
+from rockpulse.record.components import concurrent, find_pairs, offset, sensor_level
+from rockpulse.record.defects import checked, deciding
+from rockpulse.record.record import Record, id_matches, outline_of
+from rockpulse.remark import Remark
+
+#: Two volumes of one motion differ by less in their peaks, and have at least this correlation.
+LARGEST_RATIO, LEAST_CORRELATION = 1.5, 0.7
+#: Peaks of the two horizontal components of one instrument differ by less.
+COMPONENTS_RATIO = 10.0
+#: Band in which records are compared [Hz], below this share of the lower sampling rate.
+BAND, BAND_SHARE = (0.5, 10.0), 0.4
+#: A clock is off by no more than this [s]; the correlation, and the agreement of the times of the energy, that tell so.
+CLOCK_S, CLOCK_CORRELATION, CLOCK_SHARE = 86400.0 + 60.0, 0.95, 0.02
+#: Azimuths within this of each other, or of the opposite, are of one line [degrees].
+SAME_LINE = 5.0
+#: Causes of a ratio of two peaks, within 3 %.
+CAUSES = {
+    10.0: "is one of them in mm/s2 and read as cm/s2, or in g/10 and read as g?",
+    9.80665: "is one of them in g and read as m/s2?",
+    98.0665: "is one of them in g/10 and read as cm/s2?",
+    100.0: "is one of them in cm/s2 and read as m/s2?",
+    980.665: "is one of them in g and read as cm/s2?",
+    1000.0: "is one of them in mm/s2 and read as m/s2?",
+}
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Comparison:
+    """Another record that a channel of a planned motion is held against."""
+
+    kind: Literal["volume", "clock", "component"]  # of one motion; perhaps of one, its clock off; of one instrument
+    channel: int  # place among the channels of the planned motion
+    other: Record  # as read
+    beside: tuple[Record, ...] = ()  # the other channels of its volume, as read
+
+    @property
+    def records(self) -> tuple[Record, ...]:
+        """The other record and those beside it."""
+        return self.other, *self.beside
+
+
+@dataclass(frozen=True)
+class Likeness:
+    """Two records of one motion after a common filter and alignment."""
+
+    ratio: float  # peak of the other over that of the first
+    correlation: float  # signed, in the time that both have
+
+
+def likeness(record: Record, other: Record) -> Likeness:
+    """The likeness of two records in :data:`BAND`, aligned by the largest absolute cross-correlation."""
+    dt = max(record.dt, other.dt)
+    first, second = (
+        np.interp(np.arange(0.0, one.duration + 0.5 * dt, dt), one.time, one.acceleration - np.mean(one.acceleration))
+        for one in (record, other)
+    )
+    size = 1 << (first.size + second.size - 1).bit_length()
+    frequency = np.fft.rfftfreq(size, dt)
+    low, high = BAND[0], min(BAND[1], BAND_SHARE / dt)
+    window = (frequency**4 / (frequency**4 + low**4)) / (1.0 + (frequency / high) ** 8)
+    spectra = [np.fft.rfft(one, size) * window for one in (first, second)]
+    one, two = (np.fft.irfft(spectrum, size)[: n.size] for spectrum, n in zip(spectra, (first, second), strict=True))
+    cross = np.fft.irfft(np.conj(spectra[0]) * spectra[1], size)
+    shift = int(np.argmax(np.abs(cross)))
+    shift -= size if shift >= second.size else 0
+    # A short stretch that happens to fit is no likeness: the energy counts at least half.
+    least = [0.5 * float(each @ each) for each in (one, two)]
+    begin, end = max(0, -shift), min(one.size, two.size - shift)
+    one, two = one[begin:end], two[begin + shift : end + shift]
+    norm = math.sqrt(max(float(one @ one), least[0]) * max(float(two @ two), least[1]))
+    peaks = float(np.max(np.abs(one), initial=0.0)), float(np.max(np.abs(two), initial=0.0))
+    if norm == 0.0 or peaks[0] == 0.0:
+        return Likeness(math.inf, 0.0)
+    return Likeness(peaks[1] / peaks[0], float(one @ two) / norm)
+
+
+def compared(channels: Sequence[Record], comparisons: Iterable[Comparison]) -> list[Record]:
+    """The channels of a planned motion, as read, with a warning for each comparison that leaves one in doubt."""
+    found = list(channels)
+    for one in comparisons:
+        channel = channels[one.channel]
+        told = _components(channel, one.other) if one.kind == "component" else _volumes(channel, one)
+        if told is not None:
+            found[one.channel] = found[one.channel].with_warning(told)
+    return found
+
+
+def clock_twin(
+    channels: Sequence[Record], comparisons: Iterable[Comparison], confirm: Sequence[str], stage: str
+) -> list[Failure]:
+    """Rows where a record turns out to be another one by a clock that is off, and is left out for it.
+
+    A confirmed record goes before one that is not, then a processed one before a raw one.
+    """
+
+    def place(record: Record) -> tuple[bool, int, str]:
+        return not id_matches(record.id, confirm), [True, None, False].index(record.processed), record.id
+
+    for one in comparisons:
+        channel = channels[one.channel]
+        if one.kind != "clock" or place(channel) < place(one.other):
+            continue
+        like = likeness(channel, one.other)
+        if abs(like.correlation) >= CLOCK_CORRELATION:
+            off = abs(offset(channel, one.other))
+            reason = (
+                f"the same motion as {one.other.id} of {one.other.source} (correlation {like.correlation:.3f}), "
+                f"which is taken in its place, by a clock that is {off:.6g} s off"
+            )
+            return [Failure(each.source, stage, f"{each.id}: {reason}", "duplicate") for each in channels]
+    return []
+
+
+def _volumes(channel: Record, against: Comparison) -> Remark | None:
+    like = likeness(channel, against.other)
+    if against.kind == "clock" and abs(like.correlation) < CLOCK_CORRELATION:
+        return None
+    expected = (
+        1.0 if channel.orientation == "vertical" else math.cos(math.radians(channel.azimuth - against.other.azimuth))
+    )
+    said = []
+    if abs(like.correlation) < LEAST_CORRELATION:
+        told = f"the correlation is {like.correlation:.2f}"
+        for other in against.beside:
+            crosswise = likeness(channel, other)
+            if abs(crosswise.correlation) >= LEAST_CORRELATION:
+                told += f", and {crosswise.correlation:.2f} with {other.id}: are the labels of the components swapped?"
+                break
+        said.append(told)
+    elif like.correlation * expected < 0.0:
+        said.append("the sign is opposite: is one of them positive the other way?")
+    if not 1.0 / LARGEST_RATIO <= like.ratio <= LARGEST_RATIO:
+        said.append(_ratio(like.ratio))
+    if not said:
+        return None
+    told = "; ".join(said)
+    return Remark("twin_differs", other=against.other.id, source=against.other.source, differences=told, decides=True)
+
+
+def _ratio(ratio: float) -> str:
+    size, word = (ratio, "stronger") if ratio > 1.0 else (1.0 / ratio, "weaker")
+    return f"it is {size:.3g} times {word}{_cause(size)}"
+
+
+def _cause(size: float) -> str:
+    near = [told for factor, told in CAUSES.items() if abs(size / factor - 1.0) < 0.015]
+    return f": {near[0]}" if near else ""
+
+
+def _components(channel: Record, other: Record) -> Remark | None:
+    """The warning on a component whose peak is far from that of the other one; None where a defect explains that."""
+    mine, others = (outline_of(one) for one in (channel, other))
+    if not mine or not others or any(deciding(checked(one)) for one in (channel, other)):
+        return None
+    ratio = mine[1] / others[1]
+    cause = _cause(max(ratio, 1.0 / ratio)).removeprefix(": ") or "is a unit or gain wrong?"
+    return Remark("components_apart", ratio=ratio, other=other.id, cause=cause, decides=True)
+
+
+def component_comparisons(channels: Sequence[Record], partner: dict[int, Record]) -> Iterator[Comparison]:
+    """Comparisons of channels with the other one of their pair, where their peaks as read are far apart."""
+    for place, channel in enumerate(channels):
+        other = partner.get(id(channel))
+        mine, others = outline_of(channel), outline_of(other) if other is not None else ()
+        if (
+            other is not None
+            and mine
+            and others
+            and not 1.0 < COMPONENTS_RATIO * mine[1] / others[1] < COMPONENTS_RATIO**2
+        ):
+            yield Comparison("component", place, other)
+
+
+def partners(horizontal: Sequence[Record]) -> dict[int, Record]:
+    """The other channel of the pair of each horizontal channel that has one, by the identity of the channel."""
+    return {id(one): other for pair in find_pairs(horizontal)[0] for one, other in (pair.channels, pair.channels[::-1])}
+
+
+def clock_candidates(records: Sequence[Record]) -> dict[int, Record]:
+    """By identity of a record another one that may be the same by a clock that is off: alike in the times of energy."""
+    groups: dict[tuple[object, ...], list[tuple[float, Record, np.ndarray]]] = defaultdict(list)
+    for record in records:
+        if not record.station or record.start_time is None or not (outline := outline_of(record)):
+            continue
+        if record.orientation != "vertical" and not math.isfinite(record.azimuth):
+            continue
+        line = -1 if record.orientation == "vertical" else round(record.azimuth % 180.0 / SAME_LINE) % 36
+        spans = np.diff(outline[2:])
+        floor = record.component if record.orientation == "structural" else ""
+        key = record.network, record.station, record.location, sensor_level(record), line, floor
+        groups[key].append((float(spans.sum()), record, spans))
+    found: dict[int, Record] = {}
+    for group in groups.values():
+        group.sort(key=lambda one: (one[0], one[1].id))
+        totals = np.array([total for total, _, _ in group])
+        spans = np.array([each for _, _, each in group])
+        starts = np.array([one.start_time.timestamp() for _, one, _ in group if one.start_time is not None])
+        lasts = np.searchsorted(totals, totals * (1.0 + CLOCK_SHARE) + 0.1, side="right").tolist()
+        for place, (total, record, own) in enumerate(group):
+            near = slice(place + 1, lasts[place])
+            alike = np.all(np.abs(spans[near] - own) <= CLOCK_SHARE * total + 2.0 * record.dt, axis=1)
+            alike &= np.abs(starts[near] - starts[place]) <= CLOCK_S
+            for step in np.flatnonzero(alike).tolist():
+                other = group[place + 1 + step][1]
+                if other.source != record.source and not concurrent(record, other):
+                    found.setdefault(id(record), other)
+                    found.setdefault(id(other), record)
+                    break
+    return found
+
+
+def label_faults(records: Sequence[Record]) -> dict[int, list[Remark]]:
+    """Warnings, by identity of the record, on horizontal channels of one file with equal samples or one direction."""
+    found: dict[int, list[Remark]] = defaultdict(list)
+    files: dict[str, list[Record]] = defaultdict(list)
+    for record in records:
+        if record.orientation in ("horizontal", "unknown"):
+            files[record.source].append(record)
+    for channels in files.values():
+        for one, other in combinations(channels, 2):
+            first, second = outline_of(one), outline_of(other)
+            turn = (
+                math.remainder(one.azimuth - other.azimuth, 360.0)
+                if math.isfinite(one.azimuth - other.azimuth)
+                else 90.0
+            )
+            against = abs(turn) > 90.0
+            code = ""
+            if min(abs(turn), 180.0 - abs(turn)) <= SAME_LINE and concurrent(one, other):
+                code = "same_direction"
+                sign = " or the opposite one" if against else ""
+            elif first and np.allclose(first, second or math.nan, rtol=1e-6, atol=0.0):
+                code, sign = "same_samples", " or of opposite sign"
+            if code:
+                found[id(one)].append(Remark(code, other=other.id, sign=sign))
+                found[id(other)].append(Remark(code, other=one.id, sign=sign))
+    return found
