@@ -46,7 +46,7 @@ WARNINGS = {
     "velocity has a slow part of {slow:.3g} m/s beside {rest:.3g} m/s of motion",
     # the other channels and volumes of its motion
     "twin_differs": "{other} of {source} should be of the same motion, but {differences}",
-    "components_apart": "its peak is {ratio:.3g} times that of {other}, the other component of its instrument: {cause}",
+    "components_apart": "its peak is {ratio} than that of {other}, the other component of its instrument: {cause}",
     "same_samples": "the same samples as {other}, in another direction{sign}: one of the two is a copy",
     "same_direction": "{other} of the same file has the same direction{sign}: one of the two labels is wrong",
     # a record on its way to the models

@@ -45,7 +45,7 @@ SPIKE_HALF, SPIKE_AROUND = 3, 50
 SPIKE_NEAR, SPIKE_NEAR_SHARE = 12.0, 0.1
 SPIKE_FAR, SPIKE_FAR_SHARE, SPIKE_COUNT = 3.0, 0.3, 12
 #: Length of the two ends of a record [s], and their root mean square over the peak from which one is in strong motion.
-END_LENGTH, END_SHARE = 0.5, 0.15
+END_LENGTH, END_SHARE = 0.5, 0.14
 #: Noise: the strongest second is below this many times the median one; white (energy of the differences over that of
 #: the samples), or weak [m/s2]; over this many windows at least. Steps of the resolution that a dead channel spans.
 NOISE_CONTRAST = {"white": 1.5, "weak": 2.2}
@@ -56,7 +56,7 @@ COARSE, UNDERSAMPLED = 0.0999, 1.0
 #: Window of the mean that parts the slow velocity from the rest [s], at most this share of the record.
 SLOW_LENGTH, SLOW_SHARE = 10.0, 0.25
 #: The slow velocity is reported from this many times the largest of the rest on; from the second on it decides.
-DRIFT, DECIDING_DRIFT = 1.5, 2.5
+DRIFT, DECIDING_DRIFT = 1.2, 2.5
 
 
 def checked(record: Record) -> Record:
@@ -233,9 +233,11 @@ def _block(samples: np.ndarray, dt: float, resolution: float) -> list[Remark]:
 
 def _spikes(centred: np.ndarray, dt: float) -> list[Remark]:
     """The warning on samples far beyond those beside them."""
-    padded = np.pad(centred, SPIKE_HALF, mode="reflect") if centred.size > SPIKE_HALF else centred
-    windows = np.lib.stride_tricks.sliding_window_view(padded, 2 * SPIKE_HALF + 1)
-    beyond = np.abs(centred - np.partition(windows, SPIKE_HALF, axis=1)[:, SPIKE_HALF])
+    windows = np.lib.stride_tricks.sliding_window_view(centred, 2 * SPIKE_HALF + 1)
+    beyond = np.zeros(centred.size)
+    beyond[SPIKE_HALF:-SPIKE_HALF] = np.abs(
+        centred[SPIKE_HALF:-SPIKE_HALF] - np.partition(windows, SPIKE_HALF, axis=1)[:, SPIKE_HALF]
+    )
     peak, largest = float(np.max(np.abs(centred))), int(np.argmax(np.abs(centred)))
     left, places, heights = beyond.copy(), [], []
     for _ in range(SPIKE_COUNT + 1):
@@ -248,11 +250,13 @@ def _spikes(centred: np.ndarray, dt: float) -> list[Remark]:
         if heights[count - 1] > max(SPIKE_FAR * heights[count], SPIKE_FAR_SHARE * peak):
             spikes = places[:count]
             break
-    for place, height in zip(places, heights, strict=True):
+    blocks = beyond[: beyond.size // SPIKE_AROUND * SPIKE_AROUND].reshape(-1, SPIKE_AROUND)
+    tops = np.argmax(blocks, axis=1) + SPIKE_AROUND * np.arange(len(blocks))
+    for place in tops[beyond[tops] > SPIKE_NEAR_SHARE * peak].tolist():
         near = beyond[max(place - SPIKE_AROUND, 0) : place + SPIKE_AROUND + 1].copy()
         own = place - max(place - SPIKE_AROUND, 0)
         near[max(own - SPIKE_HALF - 1, 0) : own + SPIKE_HALF + 2] = 0.0
-        if place not in spikes and height > max(SPIKE_NEAR * float(np.max(near)), SPIKE_NEAR_SHARE * peak):
+        if place not in spikes and beyond[place] > SPIKE_NEAR * float(np.max(near)):
             spikes.append(place)
     if not spikes:
         return []
@@ -271,6 +275,6 @@ def _ends(samples: np.ndarray, centred: np.ndarray, dt: float) -> list[Remark]:
         ("ends_strong", centred[-length:], samples[-1]),
     ):
         share = float(np.sqrt(np.mean(end**2))) / peak
-        if share > END_SHARE and edge != 0.0:
+        if share > END_SHARE and abs(edge) > 1e-6 * peak:
             found.append(Remark(code, share=100.0 * share))
     return found

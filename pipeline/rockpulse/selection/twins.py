@@ -19,20 +19,22 @@ from rockpulse.remark import Remark
 LARGEST_RATIO, LEAST_CORRELATION = 1.5, 0.7
 #: Peaks of the two horizontal components of one instrument differ by less.
 COMPONENTS_RATIO = 10.0
+#: The two components of a pair face lines that are further apart [degrees].
+LEAST_TURN = 45.0
 #: Band in which records are compared [Hz], below this share of the lower sampling rate.
 BAND, BAND_SHARE = (0.5, 10.0), 0.4
 #: A clock is off by no more than this [s]; the correlation, and the agreement of the times of the energy, that tell so.
 CLOCK_S, CLOCK_CORRELATION, CLOCK_SHARE = 86400.0 + 60.0, 0.95, 0.02
 #: Azimuths within this of each other, or of the opposite, are of one line [degrees].
 SAME_LINE = 5.0
-#: Causes of a ratio of two peaks, within 3 %.
+#: Causes of a ratio of two peaks, within 1.5 %.
 CAUSES = {
-    10.0: "is one of them in mm/s2 and read as cm/s2, or in g/10 and read as g?",
-    9.80665: "is one of them in g and read as m/s2?",
-    98.0665: "is one of them in g/10 and read as cm/s2?",
-    100.0: "is one of them in cm/s2 and read as m/s2?",
-    980.665: "is one of them in g and read as cm/s2?",
-    1000.0: "is one of them in mm/s2 and read as m/s2?",
+    10.0: "one of them may be in mm/s2 and read as cm/s2, or in g/10 and read as g",
+    9.80665: "one of them may be in g and read as m/s2",
+    98.0665: "one of them may be in g/10 and read as cm/s2",
+    100.0: "one of them may be in cm/s2 and read as m/s2",
+    980.665: "one of them may be in g and read as cm/s2",
+    1000.0: "one of them may be in mm/s2 and read as m/s2",
 }
 
 
@@ -130,19 +132,21 @@ def _volumes(channel: Record, against: Comparison) -> Remark | None:
     expected = (
         1.0 if channel.orientation == "vertical" else math.cos(math.radians(channel.azimuth - against.other.azimuth))
     )
-    said = []
+    said: list[str] = []
     if abs(like.correlation) < LEAST_CORRELATION:
         told = f"the correlation is {like.correlation:.2f}"
         for other in against.beside:
             crosswise = likeness(channel, other)
             if abs(crosswise.correlation) >= LEAST_CORRELATION:
-                told += f", and {crosswise.correlation:.2f} with {other.id}: are the labels of the components swapped?"
+                told += (
+                    f", and {crosswise.correlation:.2f} with {other.id}: the labels of the components may be swapped"
+                )
                 break
         said.append(told)
     elif like.correlation * expected < 0.0:
-        said.append("the sign is opposite: is one of them positive the other way?")
+        said.append("the sign is opposite: one of them may be positive the other way")
     if not 1.0 / LARGEST_RATIO <= like.ratio <= LARGEST_RATIO:
-        said.append(_ratio(like.ratio))
+        said.append(": ".join(filter(None, (f"it is {_ratio(like.ratio)}", _cause(like.ratio)))))
     if not said:
         return None
     told = "; ".join(said)
@@ -150,13 +154,12 @@ def _volumes(channel: Record, against: Comparison) -> Remark | None:
 
 
 def _ratio(ratio: float) -> str:
-    size, word = (ratio, "stronger") if ratio > 1.0 else (1.0 / ratio, "weaker")
-    return f"it is {size:.3g} times {word}{_cause(size)}"
+    return f"{ratio:.3g} times stronger" if ratio > 1.0 else f"{1.0 / ratio:.3g} times weaker"
 
 
-def _cause(size: float) -> str:
-    near = [told for factor, told in CAUSES.items() if abs(size / factor - 1.0) < 0.015]
-    return f": {near[0]}" if near else ""
+def _cause(ratio: float) -> str:
+    size = max(ratio, 1.0 / ratio)
+    return next((told for factor, told in CAUSES.items() if abs(size / factor - 1.0) < 0.015), "")
 
 
 def _components(channel: Record, other: Record) -> Remark | None:
@@ -165,22 +168,25 @@ def _components(channel: Record, other: Record) -> Remark | None:
     if not mine or not others or any(deciding(checked(one)) for one in (channel, other)):
         return None
     ratio = mine[1] / others[1]
-    cause = _cause(max(ratio, 1.0 / ratio)).removeprefix(": ") or "is a unit or gain wrong?"
-    return Remark("components_apart", ratio=ratio, other=other.id, cause=cause, decides=True)
+    cause = _cause(ratio) or "a unit or gain may be wrong"
+    return Remark("components_apart", ratio=_ratio(ratio), other=other.id, cause=cause, decides=True)
 
 
 def component_comparisons(channels: Sequence[Record], partner: dict[int, Record]) -> Iterator[Comparison]:
     """Comparisons of channels with the other one of their pair, where their peaks as read are far apart."""
     for place, channel in enumerate(channels):
         other = partner.get(id(channel))
-        mine, others = outline_of(channel), outline_of(other) if other is not None else ()
-        if (
-            other is not None
-            and mine
-            and others
-            and not 1.0 < COMPONENTS_RATIO * mine[1] / others[1] < COMPONENTS_RATIO**2
-        ):
+        if other is None or _between(channel, other) < LEAST_TURN:
+            continue
+        mine, others = outline_of(channel), outline_of(other)
+        if mine and others and not 1.0 < COMPONENTS_RATIO * mine[1] / others[1] < COMPONENTS_RATIO**2:
             yield Comparison("component", place, other)
+
+
+def _between(one: Record, other: Record) -> float:
+    """Angle between the lines of two channels [degrees], 90 where one is not known."""
+    between = one.azimuth - other.azimuth
+    return abs(math.remainder(between, 180.0)) if math.isfinite(between) else 90.0
 
 
 def partners(horizontal: Sequence[Record]) -> dict[int, Record]:
@@ -231,16 +237,9 @@ def label_faults(records: Sequence[Record]) -> dict[int, list[Remark]]:
     for channels in files.values():
         for one, other in combinations(channels, 2):
             first, second = outline_of(one), outline_of(other)
-            turn = (
-                math.remainder(one.azimuth - other.azimuth, 360.0)
-                if math.isfinite(one.azimuth - other.azimuth)
-                else 90.0
-            )
-            against = abs(turn) > 90.0
             code = ""
-            if min(abs(turn), 180.0 - abs(turn)) <= SAME_LINE and concurrent(one, other):
-                code = "same_direction"
-                sign = " or the opposite one" if against else ""
+            if _between(one, other) <= SAME_LINE and concurrent(one, other):
+                code, sign = "same_direction", " or the opposite one"
             elif first and np.allclose(first, second or math.nan, rtol=1e-6, atol=0.0):
                 code, sign = "same_samples", " or of opposite sign"
             if code:
