@@ -1,4 +1,4 @@
-"""Response to an accelerogram of the bodies that are not free-standing and symmetric: the call of their kernel."""
+"""Response to an accelerogram of bodies that are asymmetric, beside a wall or restrained: the call of their kernel."""
 
 from collections.abc import Callable
 from typing import Any
@@ -31,7 +31,7 @@ from rocking.response import Response, empty_results, response_of
 
 
 def run(kernel: Callable[..., None], shape: tuple[int, int], samples: int, threads: int | None) -> Response:
-    """The response of (q, m) lanes by ``kernel(first, last, results, active, motion)``; a history of some samples."""
+    """Run ``kernel(first, last, results, active, motion)`` on (q, m) lanes; return the response, history at `samples`."""
     total = shape[0] * shape[1]
     found = empty_results(total, codes=np.int8), np.empty(total, np.int64), np.zeros((total, samples, 2))
     split_lanes(lambda first, last: kernel(first, last, *found), total, threads)
@@ -49,7 +49,7 @@ def march_bodies(
     samples: int,
     threads: int | None,
 ) -> Response:
-    """March (m,) bodies, all with restraints or none, from theta, theta' = `start` under (q,) factors over gravity."""
+    """March (m,) bodies, all restrained or all free, from `start` (theta, theta') under (q,) factors over gravity."""
     side = np.asarray(block.side, dtype=float)
     rotation, spin = start
     into = (side * rotation < 0.0) | ((rotation == 0.0) & (side * spin < 0.0))
@@ -77,7 +77,7 @@ def march_bodies(
 
 
 def _held(block: Block, copies: int) -> Held:
-    """What acts on (m,) bodies, for the kernel, and room for the state of `copies` lanes of each."""
+    """Return the restraints of (m,) bodies for the kernel, with memory for the state of `copies` lanes of each."""
     base = block.radius * np.sin(block.alpha_c) + block.radius_2 * np.sin(block.alpha_2)
     every: list[Restraints] = [own or Restraints() for own in np.ravel(np.array(block.restraints, dtype=object))]
     tables = [own.elements(width) for own, width in zip(every, np.ravel(base).tolist(), strict=True)]
@@ -85,7 +85,7 @@ def _held(block: Block, copies: int) -> Held:
     elements = np.zeros((len(every), max(most, 1), COLUMNS))
     for place, table in enumerate(tables):
         elements[place, : table.shape[0]] = table
-    mass = np.where(np.isnan(block.mass), 1.0, block.mass)  # of a body that nothing acts on
+    mass = np.where(np.isnan(block.mass), 1.0, block.mass)  # a body without restraints
     weight = mass * block.gravity * np.array([block.radius, block.radius_2])
     distance = np.stack(
         [elements[:, :, NEAR], np.where(elements[:, :, KIND] == FRICTION, elements[:, :, FAR], elements[:, :, NEAR])],
@@ -105,7 +105,7 @@ def _held(block: Block, copies: int) -> Held:
 
 
 def rest_levels(block: Block) -> np.ndarray:
-    """What loads and thrusts add to abs(a_g)/g that lifts the resting (m,) bodies, by corner: (2, m)."""
+    """Return what loads and thrusts add to the uplift threshold abs(a_g)/g of (m,) bodies at each corner, (2, m)."""
     found = np.zeros((2, *np.shape(block.p)))
     if block.restraints is not None:
         held = _held(block, 1)
@@ -114,7 +114,7 @@ def rest_levels(block: Block) -> np.ndarray:
 
 
 def static_capacity(block: Block, rotation: ArrayLike, side: int = 1) -> np.ndarray:
-    """The static capacity curve of a body: the horizontal acceleration that holds it at a rotation, pushed there once.
+    """Static capacity curve of a body: the horizontal acceleration in equilibrium at a rotation that grows from zero.
 
     Parameters
     ----------
@@ -126,7 +126,7 @@ def static_capacity(block: Block, rotation: ArrayLike, side: int = 1) -> np.ndar
     Returns
     -------
     (k,) ndarray
-        Acceleration of the ground against the rotation [m/s2]: g tan(alpha - theta) under its weight alone.
+        Acceleration of the ground that drives the rotation [m/s2]: g tan(alpha - theta) for a body without restraints.
 
     Examples
     --------
