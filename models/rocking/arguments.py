@@ -48,7 +48,7 @@ def counts(name: str, value: Any, least: int, lanes: bool = True) -> Any:
     return int(array) if array.ndim == 0 else array.astype(np.int64)
 
 
-def together(**values: np.ndarray) -> tuple[np.ndarray, ...]:
+def common_shape(**values: np.ndarray) -> tuple[np.ndarray, ...]:
     """Repeat single values to the common length of the arrays; raise ValueError if the arrays differ in length."""
     try:
         return tuple(np.broadcast_arrays(*values.values()))

@@ -7,7 +7,7 @@ from typing import Any, Self
 
 import numpy as np
 
-from rocking.arguments import ArrayLike, numbers, positive, together
+from rocking.arguments import ArrayLike, common_shape, numbers, positive
 from rocking.body import limits
 from rocking.body.block_lanes import SLENDERNESS_RANGE, STANDARD_GRAVITY, BlockLanes
 from rocking.body.restraint import Load, Restraints, Thrust, Tie, carried
@@ -115,7 +115,7 @@ class Block(BlockLanes):
         if set(given) not in ({"half_width", "half_height"}, {"width", "height"}):
             found = " and ".join(given) or "no size"
             raise ValueError(f"block: expected width and height, or half_width and half_height, in m; got {found}")
-        base, rise = together(**given)
+        base, rise = common_shape(**given)
         if "width" in given:
             base, rise = base / 2.0, rise / 2.0
         if (density is None) != (length is None) or (density is not None and mass is not None):
@@ -189,7 +189,7 @@ class Block(BlockLanes):
         given = {"p": positive("p", p, "1/s"), "alpha": positive("alpha", alpha, "rad")}
         if radius is not None:
             given["radius"] = positive("radius", radius, "m")
-        p_, alpha_, *own = together(**given)
+        p_, alpha_, *own = common_shape(**given)
         if np.any(alpha_ >= np.pi / 2):
             raise ValueError(
                 f"alpha: expected an angle below pi/2 rad, got {alpha!r}; it is given in radians, not degrees"
@@ -241,7 +241,7 @@ class Block(BlockLanes):
         0.0
         """
         sizes = {"b_1": b_1, "b_2": b_2, "height": height, "gyration": gyration}
-        near, far, rise, rho = together(**{name: positive(name, value, "m") for name, value in sizes.items()})
+        near, far, rise, rho = common_shape(**{name: positive(name, value, "m") for name, value in sizes.items()})
         weight = float(positive("gravity", gravity, "m/s2", lanes=False))
         first, second, mass = limits.both_corners(near, far, rise, rho, mass, loads, weight)
         acting = Restraints(tuple(ties), tuple(carried(loads)[1]), tuple(thrusts))
@@ -267,7 +267,7 @@ class Block(BlockLanes):
         restraints, mass = held
         alone = {"size": first.alpha, "restitution": ratios[0]}
         known = np.asarray(np.nan) if mass is None else positive("mass", mass, "kg")
-        lanes = together(**alone, mass=known)[0].shape
+        lanes = common_shape(**alone, mass=known)[0].shape
         values = {
             "half_width": half[0],
             "half_height": half[1],
@@ -294,13 +294,13 @@ class Block(BlockLanes):
             whole = np.empty(lanes, dtype=object)
             whole[...] = restraints
             vars(self)["restraints"] = whole if lanes else restraints
-        remarks = limits.remarks_on(half, (first, second), ratios, shape, one_sided=wall[0])
+        warnings = limits.block_warnings(half, (first, second), ratios, shape, one_sided=wall[0])
         if not np.all(self.slender):
-            remarks.append(
+            warnings.append(
                 f"slenderness {np.min(values['slenderness']):.3g} is below {SLENDERNESS_RANGE:g}: "
                 "the models with linear motion (resonance, sequence, impulsive, linear) are outside their range"
             )
-        vars(self)["warnings"] = tuple(remarks)
+        vars(self)["warnings"] = tuple(warnings)
         if log:
             for warning in self.warnings:
                 logger.warning("block: %s", warning)

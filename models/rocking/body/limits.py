@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from rocking.arguments import ArrayLike, numbers, positive, together
+from rocking.arguments import ArrayLike, common_shape, numbers, positive
 from rocking.body.restraint import Load, Restraints, carried
 
 #: Slenderness above which the convention of the rebound from a wall holds: 1 - 1.5 cos^2 alpha is negative there.
@@ -91,7 +91,7 @@ def both_corners(
         for m, x, one in zip(weights, places, along, strict=True):
             inertia = inertia + m * ((x - shift) ** 2 + (one.height - centre) ** 2)
         near, far, height, gyration = near - shift, far + shift, centre, np.sqrt(inertia / mass)
-    near, far, height, gyration = together(near=near, far=far, height=height, gyration=gyration)
+    near, far, height, gyration = common_shape(near=near, far=far, height=height, gyration=gyration)
     return corner(near, far, height, gyration, gravity), corner(far, near, height, gyration, gravity), mass
 
 
@@ -176,7 +176,7 @@ def check_restraints(restraints: Restraints, first: Corner, second: Corner, bloc
             raise ValueError("loads, thrusts: expected a body that stands at rest, got ones that turn it over")
 
 
-def remarks_on(
+def block_warnings(
     half: tuple[np.ndarray, np.ndarray],
     corners: tuple[Corner, Corner],
     ratios: tuple[np.ndarray, np.ndarray],
@@ -189,13 +189,13 @@ def remarks_on(
     if shape in ("rectangle", "general"):
         across = 2.0 * half[0]
         along = 2.0 * half[1] if shape == "rectangle" else along
-    remarks = [size_remark(across, along, shape)]
+    warnings = [size_warning(across, along, shape)]
     if not one_sided:
-        remarks += [restitution_remark(ratio, one.most, shape) for ratio, one in zip(ratios, corners, strict=True)]
-    return list(dict.fromkeys(remark for remark in remarks if remark))
+        warnings += [restitution_warning(ratio, one.most, shape) for ratio, one in zip(ratios, corners, strict=True)]
+    return list(dict.fromkeys(warning for warning in warnings if warning))
 
 
-def restitution_remark(restitution: np.ndarray, most: np.ndarray, shape: str) -> str:
+def restitution_warning(restitution: np.ndarray, most: np.ndarray, shape: str) -> str:
     """Warn of a restitution above what angular momentum allows; `shape` is "rectangle", "own" (radius) or "unknown"."""
     above = restitution - most
     if not np.any(above > 1e-12):
@@ -217,7 +217,7 @@ def restitution_remark(restitution: np.ndarray, most: np.ndarray, shape: str) ->
     )
 
 
-def doubt_of_size(width: float, height: float) -> str:
+def size_problem(width: float, height: float) -> str:
     """Say why the full sizes [m] of a body look wrong, such as "wider than high"; empty if they do not."""
     if max(width, height) > LARGEST_SIZE:
         return f"larger than {LARGEST_SIZE:g} m"
@@ -229,11 +229,11 @@ def doubt_of_size(width: float, height: float) -> str:
     return "wider than high" if width > height * (1.0 + 1e-12) else ""
 
 
-def size_remark(width: np.ndarray, height: np.ndarray, shape: str) -> str:
+def size_warning(width: np.ndarray, height: np.ndarray, shape: str) -> str:
     """Warn of the first unusual size; bodies of other shapes are judged by the rectangle with their R and alpha."""
     sizes = (values.ravel().tolist() for values in np.broadcast_arrays(width, height))
     for base, rise in zip(*sizes, strict=True):
-        if doubt := doubt_of_size(base, rise):
+        if doubt := size_problem(base, rise):
             subject = "" if shape in ("rectangle", "general") else "a rectangle with its R and alpha would be "
             return f"{subject}{base:.4g} m wide and {rise:.4g} m high, {doubt}: check the numbers and their units"
     return ""

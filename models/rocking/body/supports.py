@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.signal import cont2discrete, lfilter
 
-from rocking.arguments import ArrayLike, numbers, positive, record_samples, together
+from rocking.arguments import ArrayLike, common_shape, numbers, positive, record_samples
 from rocking.body.block import Block
 
 
@@ -138,7 +138,7 @@ def floor_motion(
     given = {"period": positive("period", period, "s")}
     given["damping"] = numbers("damping", damping, "a share of critical damping")
     given["participation"] = numbers("participation", participation, "Gamma phi of each mode")
-    periods, dampings, shares = (np.atleast_1d(values) for values in together(**given))
+    periods, dampings, shares = (np.atleast_1d(values) for values in common_shape(**given))
     if not np.all((dampings > 0.0) & (dampings < 1.0)):
         raise ValueError(f"damping: expected shares of critical damping above 0 and below 1, got {damping!r}")
     quiet = float(positive("quiet", quiet, "m/s2", lanes=False))

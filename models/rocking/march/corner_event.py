@@ -128,7 +128,7 @@ def wake_corner(f, i, j, record):
 
 
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
-def hops_are_over(f, j, record, equation, far, held):
+def hops_have_ended(f, j, record, equation, far, held):
     """Whether slot j may be put to rest, as in event.chatter_is_over for the weaker corner and with restraints."""
     length, passed = f[row.LENGTH + j], f[row.PASSED + j]
     lift_end = f[row.SAMPLE_LIFT + j] + f[row.SAMPLE_LIFT_SLOPE + j] * length
@@ -158,7 +158,9 @@ def hops_are_over(f, j, record, equation, far, held):
     share = event.CHATTER_SHARE if f[row.HITS + j] < event.MANY_IMPACTS else 1.0
     speed, highest, cutoff = f[row.SPEED + j] / pull, share * peak / pull, IMPACT_CUTOFF * slowest / pull
     rise = f[row.THRESHOLD + j] if f[ONE_SIDED + j] == 1.0 else max(f[row.THRESHOLD + j], f[OTHER_THRESHOLD + j])
-    return event.dies_out(f, j, record, far, threshold, rise, demand, demand_end, restitution, speed, cutoff, highest)
+    return event.chatter_dies_out(
+        f, j, record, far, threshold, rise, demand, demand_end, restitution, speed, cutoff, highest
+    )
 
 
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
@@ -175,13 +177,13 @@ def after_impact(f, i, j, record, equation, far, held):
         if held is None:
             over = event.chatter_is_over(f, j, record, equation, far)
         else:
-            over = hops_are_over(f, j, record, equation, far, held)
+            over = hops_have_ended(f, j, record, equation, far, held)
         if over:
             return event.RESTING
         i[row.SLOW + j] += 1
         if i[row.SLOW + j] > event.SLOW_IMPACTS:
             return event.IMPACT_LIMITED
-    if equation == event.LINEAR and event.is_gone(f, j, record):
+    if equation == event.LINEAR and event.must_overturn(f, j, record):
         return event.OVERTURNED
     return event.MOVING
 
@@ -196,7 +198,7 @@ def top_of_hop(speed, alpha, linear):
 
 
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
-def first_fall(phi, speed, alpha, linear):
+def first_excursion(phi, speed, alpha, linear):
     """Largest phi of the free motion (inf: overturns), tau until it overturns or hits, impact speed or NaN."""
     if linear:
         xi, eta = phi / alpha, speed / alpha
@@ -236,7 +238,7 @@ def free_motion(f, j, linear):
     other_alpha, other_p, other_restitution = f[OTHER_ALPHA + j], f[OTHER_P + j], f[OTHER_RESTITUTION + j]
     if one_sided:
         other_alpha, other_p, other_restitution = alpha, p, restitution
-    top, wait, arrival = first_fall(f[row.PHI + j], f[row.SPEED + j], alpha, linear)
+    top, wait, arrival = first_excursion(f[row.PHI + j], f[row.SPEED + j], alpha, linear)
     time = wait / p
     if top == math.inf:
         return top, time, 0, 0

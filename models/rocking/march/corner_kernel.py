@@ -9,8 +9,8 @@ from rocking.march import corner_event as more
 from rocking.march import event, kernel, steps
 from rocking.march import slots as row
 from rocking.march.equations import linear_steps, nonlinear_steps
-from rocking.march.restrained import begin_held, land, rest_levels
-from rocking.march.restrained_event import finish_held, motion_after, restrained_steps
+from rocking.march.restrained import begin_restraint, rest_levels, restraint_after_impact
+from rocking.march.restrained_event import finish_restrained, motion_after, restrained_steps
 from rocking.march.slots import LEFT, Slots, empty_slots
 
 
@@ -56,7 +56,7 @@ def begin_corner_lane(f, i, j, lane, record, lanes, options, held):
         f[more.OTHER_THRESHOLD + j] = np.inf
     resting = kernel.take_state(f, i, j, lane, factor, side, rotation, spin, options.last_term)
     if held is not None:
-        begin_held(f, j, block, lane, held)
+        begin_restraint(f, j, block, lane, held)
         if resting:
             rest_levels(f, j, block, lane, held, True)
     if not event.enter_sample(f, j, record):
@@ -65,7 +65,7 @@ def begin_corner_lane(f, i, j, lane, record, lanes, options, held):
         return kernel.first_status(f, j, options.equation, record.extremes[LEFT, 0] * factor)
     status = more.wake_corner(f, i, j, record)
     if held is not None and status == event.MOVING:
-        land(f, j, block, lane, held)
+        restraint_after_impact(f, j, block, lane, held)
     return status
 
 
@@ -116,7 +116,7 @@ def decide_corner(f, i, j, record, equation, far, count, held):
         status = more.wake_corner(f, i, j, record)
         if status == event.MOVING:
             if held is not None:
-                land(f, j, block, lane, held)
+                restraint_after_impact(f, j, block, lane, held)
             event.begin_step(f, j)
     return status, status != event.MOVING
 
@@ -137,7 +137,7 @@ def march_corners(first, last, record, lanes, options, slots, results, active, h
     while running > 0 or coming < last:
         if held is not None:
             restrained_steps(f, width)
-            finish_held(f, i, width, c, count, held)
+            finish_restrained(f, i, width, c, count, held)
         else:
             if linear:
                 linear_steps(f, width)
@@ -165,7 +165,7 @@ def march_corners(first, last, record, lanes, options, slots, results, active, h
                 if lane >= 0:
                     active[lane] = int(f[row.ACTIVE + j])
                     ended = end_corner_lane(f, i, j, c, status, record, equation, count, held, work)
-                    kernel.keep_results(results, lane, *ended)
+                    kernel.store_results(results, lane, *ended)
                     if status > event.RESTING:
                         history[lane, int(f[row.SAMPLE + j]) + 1 :] = np.nan
                     running -= 1
@@ -183,4 +183,4 @@ def march_corners(first, last, record, lanes, options, slots, results, active, h
                 if not done:
                     event.begin_step(f, j)
         if coming >= last and 0 < running <= width - row.GROUP:
-            width = row.close_ranks(f, i, width)
+            width = row.compact_slots(f, i, width)

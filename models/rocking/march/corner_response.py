@@ -25,13 +25,13 @@ from rocking.lanes import split_lanes
 from rocking.march.corner_kernel import CornerLanes, corner_slots, march_corners
 from rocking.march.event import LINEAR
 from rocking.march.kernel import Options
-from rocking.march.restrained import Held
+from rocking.march.restrained import RestraintState
 from rocking.march.slots import Accelerogram
 from rocking.response import Response, empty_results, response_of
 
 
 def run(kernel: Callable[..., None], shape: tuple[int, int], samples: int, threads: int | None) -> Response:
-    """Run ``kernel(first, last, results, active, motion)`` on (q, m) lanes; return the response, history at `samples`."""
+    """Run ``kernel(first, last, results, active, motion)`` on (q, m) lanes; return the response with a history."""
     total = shape[0] * shape[1]
     found = empty_results(total, codes=np.int8), np.empty(total, np.int64), np.zeros((total, samples, 2))
     split_lanes(lambda first, last: kernel(first, last, *found), total, threads)
@@ -62,7 +62,7 @@ def march_bodies(
     if block.restraints is not None:
         if options.equation == LINEAR:
             raise ValueError("equation: expected 'nonlinear' for a body with ties, loads or thrusts, got 'linear'")
-        held = _held(block, factors.size)
+        held = _restraint_state(block, factors.size)
     alpha, p, restitution = (
         read_only(np.array([getattr(block, name), getattr(block, other)], dtype=float))
         for name, other in (("alpha_c", "alpha_2"), ("p", "p_2"), ("restitution", "restitution_2"))
@@ -76,7 +76,7 @@ def march_bodies(
     return run(march, (factors.size, side.size), samples, threads)
 
 
-def _held(block: Block, copies: int) -> Held:
+def _restraint_state(block: Block, copies: int) -> RestraintState:
     """Return the restraints of (m,) bodies for the kernel, with memory for the state of `copies` lanes of each."""
     base = block.radius * np.sin(block.alpha_c) + block.radius_2 * np.sin(block.alpha_2)
     every: list[Restraints] = [own or Restraints() for own in np.ravel(np.array(block.restraints, dtype=object))]
@@ -93,7 +93,7 @@ def _held(block: Block, copies: int) -> Held:
     )
     height = elements[:, :, HEIGHT, np.newaxis]
     angle = np.array([block.alpha_c, block.alpha_2]).T
-    return Held(
+    return RestraintState(
         elements=elements,
         constant=np.stack([own.constant(width) for own, width in zip(every, base.tolist(), strict=True)]),
         points=np.stack([distance, np.hypot(height, distance), np.arctan2(distance, height)], axis=3),
@@ -108,7 +108,7 @@ def rest_levels(block: Block) -> np.ndarray:
     """Return what loads and thrusts add to the uplift threshold abs(a_g)/g of (m,) bodies at each corner, (2, m)."""
     found = np.zeros((2, *np.shape(block.p)))
     if block.restraints is not None:
-        held = _held(block, 1)
+        held = _restraint_state(block, 1)
         found[:] = held.constant[:, :, 0].T / (held.weight.T * held.angle[:, :, 1].T)
     return found
 
@@ -141,7 +141,7 @@ def static_capacity(block: Block, rotation: ArrayLike, side: int = 1) -> np.ndar
         raise ValueError(f"rotation, side: expected angles from 0 to pi/2 and 1 or -1, got {rotation!r} and {side!r}")
     place, moment = (0, np.zeros(angles.shape)) if side == 1 else (1, np.zeros(angles.shape))
     if block.restraints is not None:
-        held = _held(block.lanes(1), 1)
+        held = _restraint_state(block.lanes(1), 1)
         factors = held.constant[0, place]
         moment = factors[0] * np.cos(angles) + factors[1] * np.sin(angles)
         for one in held.elements[0]:

@@ -11,7 +11,7 @@ import numpy as np
 from numba import njit
 
 from rocking.march import slots as row
-from rocking.march.steps import keep_step, speed_of, value_of
+from rocking.march.steps import speed_of, store_step, value_of
 
 # Coefficients of cosh and sinh.
 H2, H4, H6, H8, H10, H12 = (1.0 / math.factorial(k) for k in range(2, 14, 2))
@@ -58,7 +58,7 @@ def linear_steps(f, width):
         d8 = (1 / 42) * d6
         d9 = (1 / 56) * d7
         d10 = (1 / 72) * d8
-        keep_step(f, j, end, end_speed, end_pull, strongest, gone, r, d3, d4, d5, d6, d7, d8, d9, d10)
+        store_step(f, j, end, end_speed, end_pull, strongest, gone, r, d3, d4, d5, d6, d7, d8, d9, d10)
 
 
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
@@ -170,7 +170,7 @@ def nonlinear_steps(f, width):
             2 * d3
             + h * (3 * d4 + h * (4 * d5 + h * (5 * d6 + h * (6 * d7 + h * (7 * d8 + h * (8 * d9 + h * (9 * d10)))))))
         )
-        keep_step(f, j, end, end_speed, end_pull, strongest, short | fallen, d2, d3, d4, d5, d6, d7, d8, d9, d10)
+        store_step(f, j, end, end_speed, end_pull, strongest, short | fallen, d2, d3, d4, d5, d6, d7, d8, d9, d10)
 
 
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)

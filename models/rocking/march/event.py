@@ -66,7 +66,7 @@ def chatter_ends(speed, demand, largest, slope, restitution, window, cutoff, hig
 
 
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
-def dies_out(f, j, record, far, level, rise, demand, demand_end, restitution, speed, cutoff, highest):
+def chatter_dies_out(f, j, record, far, level, rise, demand, demand_end, restitution, speed, cutoff, highest):
     """Apply :func:`chatter_ends` to slot j: in its sample and, if `far`, to the end of the next block of samples.
 
     `level` is the abs(a_g)/g that lifts the body, `rise` its derivative with respect to 1 + a_v/g.
@@ -103,7 +103,9 @@ def chatter_is_over(f, j, record, equation, far):
     speed, highest = f[row.SPEED + j] * per_scale, share * f[row.PEAK + j] * per_scale
     cutoff = IMPACT_CUTOFF * f[row.ALPHA + j] * per_scale
     restitution, level = f[row.RESTITUTION + j], weakest * threshold
-    return dies_out(f, j, record, far, level, threshold, demand, demand_end, restitution, speed, cutoff, highest)
+    return chatter_dies_out(
+        f, j, record, far, level, threshold, demand, demand_end, restitution, speed, cutoff, highest
+    )
 
 
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
@@ -178,7 +180,7 @@ def wake(f, i, j, record):
 
 
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
-def is_gone(f, j, record):
+def must_overturn(f, j, record):
     """Whether slot j must overturn (linear equation): its growing mode exceeds the rest of the record."""
     growing = f[row.PHI + j] - f[row.ALPHA + j] + f[row.SPEED + j]
     if growing <= f[row.LIMIT + j]:
@@ -225,4 +227,4 @@ def resolve_step(f, j, c, record, equation):
         f[row.PASSED + j] += impact
         f[row.EVENT + j] = IMPACT
         return
-    f[row.EVENT + j] = OVER if equation == LINEAR and is_gone(f, j, record) else NOTHING
+    f[row.EVENT + j] = OVER if equation == LINEAR and must_overturn(f, j, record) else NOTHING

@@ -56,7 +56,7 @@ def build_up_left(sample, factor, levels, last):
 
 
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
-def calm_from(factor, levels, last, settled):
+def first_safe_sample(factor, levels, last, settled):
     """First sample from which a lane may be ended as safe; inf if there is none."""
     for k in range(levels.size):
         if levels[k] * factor < settled:
@@ -123,7 +123,7 @@ def begin_lane(f, i, j, lane, record, lanes, options):
     if lanes.levels.size > 0:
         # Beyond this angle the ground cannot stop a block that moves outward.
         f[row.TOP + j] = min(0.5 * math.pi, alpha + math.atan(strongest))
-        f[row.CALM_FROM + j] = calm_from(factor, lanes.levels[block], lanes.above[block], options.settled)
+        f[row.CALM_FROM + j] = first_safe_sample(factor, lanes.levels[block], lanes.above[block], options.settled)
     if resting and strongest <= f[row.THRESHOLD + j] and record.vertical.size == 0:
         return event.RESTING
     if not event.enter_sample(f, j, record):
@@ -171,7 +171,7 @@ def end_lane(f, i, j, status, record, equation):
 
 
 @njit(cache=True, nogil=True, error_model="numpy", forceinline=True, _nrt=False)
-def keep_results(results, lane, peak, outcome, reason, time, half_cycle, impacts):
+def store_results(results, lane, peak, outcome, reason, time, half_cycle, impacts):
     """Write the results of a lane that has ended."""
     results.peak_rotation_ratio[lane], results.overturning_time[lane] = peak, time
     results.outcome[lane], results.reason[lane] = outcome, reason
@@ -239,7 +239,7 @@ def march_lanes(first, last, record, lanes, options, slots, results, active, his
             while done:
                 if lane >= 0:
                     active[lane] = int(f[row.ACTIVE + j])
-                    keep_results(results, lane, *end_lane(f, i, j, status, record, options.equation))
+                    store_results(results, lane, *end_lane(f, i, j, status, record, options.equation))
                     if status > event.RESTING:
                         history[lane, int(f[row.SAMPLE + j]) + 1 :] = np.nan
                     running -= 1
@@ -257,4 +257,4 @@ def march_lanes(first, last, record, lanes, options, slots, results, active, his
                 if not done:
                     event.begin_step(f, j)
         if coming >= last and 0 < running <= width - row.GROUP:
-            width = row.close_ranks(f, i, width)
+            width = row.compact_slots(f, i, width)

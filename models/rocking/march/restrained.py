@@ -25,7 +25,7 @@ LONGEST_PHASE = 0.3
 TOUCHING = 1e-13
 
 
-class Held(NamedTuple):
+class RestraintState(NamedTuple):
     """The restraints of the (m,) bodies of a march, and the state of their elements in each lane."""
 
     elements: np.ndarray  #: (m, e, 9), see :mod:`rocking.body.restraint`; a height of 0 for none
@@ -45,8 +45,8 @@ def sides(f, j):
 
 
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
-def turn_of(displacement, point):
-    """Return phi at which a point of :class:`Held` has moved outward by `displacement`; inf if it cannot."""
+def rotation_at(displacement, point):
+    """Return phi at which a point of :class:`RestraintState` has outward_displacement outward by `displacement`; inf if it cannot."""
     if displacement == 0.0:
         return 0.0
     share = (displacement - point[0]) / point[1]
@@ -56,14 +56,14 @@ def turn_of(displacement, point):
 
 
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
-def moved(phi, height, distance):
+def outward_displacement(phi, height, distance):
     """Outward displacement of a point at a height and a distance behind the corner [m]."""
     half = math.sin(0.5 * phi)
     return height * math.sin(phi) + distance * 2.0 * half * half
 
 
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
-def act(f, j, block, lane, held):
+def set_restraint(f, j, block, lane, held):
     """Set moment factors, range of phi and longest step of slot j from the states of its elements."""
     place, side = sides(f, j)
     one, two = held.constant[block, place, 0], held.constant[block, place, 1]
@@ -83,8 +83,8 @@ def act(f, j, block, lane, held):
             own = side * rest
             most = part[YIELD_FORCE] / stiffness
             if mode == SPRING:
-                floor = max(floor, turn_of(own - most, point))
-                ceiling = min(ceiling, turn_of(own + most, point))
+                floor = max(floor, rotation_at(own - most, point))
+                ceiling = min(ceiling, rotation_at(own + most, point))
             else:
                 outward = (mode == SLIDES_UP) == (side > 0.0)
                 slides = 1.0 if outward else -1.0
@@ -98,9 +98,9 @@ def act(f, j, block, lane, held):
                 continue
             own = part[GAP] + rest
             if mode == SLACK:
-                ceiling = min(ceiling, turn_of(own, point))
+                ceiling = min(ceiling, rotation_at(own, point))
                 continue
-            last = turn_of(part[GAP] + part[ULTIMATE], point)
+            last = rotation_at(part[GAP] + part[ULTIMATE], point)
             if mode == YIELDS:
                 slides = 1.0
                 one += part[YIELD_FORCE] * height
@@ -108,8 +108,8 @@ def act(f, j, block, lane, held):
                 fixed += part[YIELD_FORCE] * (height + distance)
                 ceiling = min(ceiling, last)
                 continue
-            floor = max(floor, turn_of(own, point))
-            ceiling = min(ceiling, min(last, turn_of(own + part[YIELD_FORCE] / stiffness, point)))
+            floor = max(floor, rotation_at(own, point))
+            ceiling = min(ceiling, min(last, rotation_at(own + part[YIELD_FORCE] / stiffness, point)))
         one += stiffness * height * (distance - own)
         two += stiffness * distance * (distance - own)
         cosine_2 -= stiffness * height * distance
@@ -131,7 +131,7 @@ def act(f, j, block, lane, held):
 
 
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
-def begin_held(f, j, block, lane, held):
+def begin_restraint(f, j, block, lane, held):
     """Set the elements of slot j for its first phi and speed, and the restraint that follows from them."""
     place, side = sides(f, j)
     phi, outward = f[row.PHI + j], f[row.SPEED + j] > 0.0
@@ -139,10 +139,10 @@ def begin_held(f, j, block, lane, held):
         part = held.elements[block, e]
         held.mode[lane, e], held.set[lane, e] = SLACK, 0.0
         if part[KIND] == FRICTION:
-            outside = moved(phi, part[HEIGHT], held.points[block, e, place, 0])
+            outside = outward_displacement(phi, part[HEIGHT], held.points[block, e, place, 0])
             held.mode[lane, e], held.set[lane, e] = SPRING, side * outside
         elif part[SIDE] == side and part[HEIGHT] > 0.0:
-            over = moved(phi, part[HEIGHT], part[NEAR]) - part[GAP]
+            over = outward_displacement(phi, part[HEIGHT], part[NEAR]) - part[GAP]
             most = part[YIELD_FORCE] / part[STIFFNESS]
             if over >= part[ULTIMATE]:
                 held.mode[lane, e] = BROKEN
@@ -151,11 +151,11 @@ def begin_held(f, j, block, lane, held):
                 held.set[lane, e] = over - most
             elif over > 0.0 or (over == 0.0 and outward):
                 held.mode[lane, e] = SPRING
-    act(f, j, block, lane, held)
+    set_restraint(f, j, block, lane, held)
 
 
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
-def land(f, j, block, lane, held):
+def restraint_after_impact(f, j, block, lane, held):
     """Set the elements of slot j after an impact, when it begins to turn about its new corner."""
     _, side = sides(f, j)
     for e in range(held.elements.shape[1]):
@@ -165,15 +165,15 @@ def land(f, j, block, lane, held):
         if part[KIND] == FRICTION:
             outward = SLIDES_UP if side > 0.0 else SLIDES_DOWN
             if held.mode[lane, e] != SPRING and held.mode[lane, e] != outward:
-                stop(part, held, lane, e, 0.0, side)  # rebounded from the wall while the load slid
+                make_spring(part, held, lane, e, 0.0, side)  # rebounded from the wall while the load slid
         elif held.mode[lane, e] != BROKEN:
             free = part[SIDE] != side or part[GAP] + held.set[lane, e] > 0.0
             held.mode[lane, e] = SLACK if free else SPRING
-    act(f, j, block, lane, held)
+    set_restraint(f, j, block, lane, held)
 
 
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
-def stop(part, held, lane, e, outward, side):
+def make_spring(part, held, lane, e, outward, side):
     """Turn an element that yields or slides into a spring at the displacement `outward` [m] of its point."""
     most = part[YIELD_FORCE] / part[STIFFNESS]
     if part[KIND] == FRICTION:
@@ -184,7 +184,7 @@ def stop(part, held, lane, e, outward, side):
 
 
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
-def change(f, j, block, lane, held, direction):
+def change_elements(f, j, block, lane, held, direction):
     """Change the elements whose range ends at phi: passed outward (`direction` 1), inward (-1), or turned back (0)."""
     place, side = sides(f, j)
     phi, outward, turned = f[row.PHI + j], direction > 0.0, direction == 0.0
@@ -192,7 +192,7 @@ def change(f, j, block, lane, held, direction):
         part = held.elements[block, e]
         if part[HEIGHT] == 0.0:
             continue
-        x = moved(phi, part[HEIGHT], held.points[block, e, place, 0])
+        x = outward_displacement(phi, part[HEIGHT], held.points[block, e, place, 0])
         near = TOUCHING * (x + part[HEIGHT])
         mode, most = held.mode[lane, e], part[YIELD_FORCE] / part[STIFFNESS]
         if part[KIND] == FRICTION:
@@ -203,13 +203,13 @@ def change(f, j, block, lane, held, direction):
                 elif not outward and own <= near - most:
                     held.mode[lane, e] = SLIDES_DOWN if side > 0.0 else SLIDES_UP
             elif mode != SPRING and turned:
-                stop(part, held, lane, e, x, side)
+                make_spring(part, held, lane, e, x, side)
             continue
         if part[SIDE] != side or mode == BROKEN:
             continue
         over = x - part[GAP]
         if mode == YIELDS and turned:
-            stop(part, held, lane, e, x, side)
+            make_spring(part, held, lane, e, x, side)
         elif mode != SLACK and outward and over >= part[ULTIMATE] - near:
             held.mode[lane, e] = BROKEN
         elif mode == SLACK and outward and over - held.set[lane, e] >= -near:
@@ -219,7 +219,7 @@ def change(f, j, block, lane, held, direction):
                 held.mode[lane, e] = YIELDS
             elif not outward and over - held.set[lane, e] <= near:
                 held.mode[lane, e] = SLACK
-    act(f, j, block, lane, held)
+    set_restraint(f, j, block, lane, held)
 
 
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
@@ -234,7 +234,7 @@ def rest_levels(f, j, block, lane, held, at_rest):
                 if not at_rest:
                     most += part[YIELD_FORCE] * part[HEIGHT]
                     continue
-                stop(part, held, lane, e, 0.0, side)
+                make_spring(part, held, lane, e, 0.0, side)
             friction -= part[STIFFNESS] * held.set[lane, e] * part[HEIGHT]  # resists theta > 0
     weight = held.weight[block, place] * held.angle[block, place, 1]
     other = held.weight[block, 1 - place] * held.angle[block, 1 - place, 1]

@@ -9,8 +9,8 @@ from rocking.march import slots as row
 from rocking.march.equations import sine_and_cosine
 from rocking.march.event import SHORTEST, impacts_above_cutoff
 from rocking.march.polynomial import ORDER, PULL, SPEED, acceleration, bracketed_root, first_impact, value, velocity
-from rocking.march.restrained import act, change, land
-from rocking.march.steps import HALVED, IMPACT, LOOK_CLOSER, NOTHING, OVER, finish_steps, keep_step, speed_of, value_of
+from rocking.march.restrained import change_elements, restraint_after_impact, set_restraint
+from rocking.march.steps import HALVED, IMPACT, LOOK_CLOSER, NOTHING, OVER, finish_steps, speed_of, store_step, value_of
 from rocking.response import IMPACT_CUTOFF
 
 
@@ -114,7 +114,7 @@ def restrained_steps(f, width):
             + h * (3 * d4 + h * (4 * d5 + h * (5 * d6 + h * (6 * d7 + h * (7 * d8 + h * (8 * d9 + h * (9 * d10)))))))
         )
         marked = short | out | back | turns
-        keep_step(f, j, end, end_speed, end_pull, strongest, marked, d2, d3, d4, d5, d6, d7, d8, d9, d10)
+        store_step(f, j, end, end_speed, end_pull, strongest, marked, d2, d3, d4, d5, d6, d7, d8, d9, d10)
 
 
 #: Number of steps after the record after which the motion counts as bounded.
@@ -140,7 +140,7 @@ def first_turn(c, h, slides):
 
 
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
-def resolve_held(f, j, c, block, lane, held):
+def resolve_restrained(f, j, c, block, lane, held):
     """Resolve a step as :func:`rocking.march.event.resolve_step`, up to the first impact or change of restraint."""
     phi, speed, h, alpha = f[row.PHI + j], f[row.SPEED + j], f[row.STEP + j], f[row.ALPHA + j]
     push = abs(f[row.LIFT + j]) + abs(f[row.GROUND + j]) + h * (abs(f[row.SLOPE + j]) + abs(f[row.LIFT_SLOPE + j]))
@@ -211,11 +211,11 @@ def resolve_held(f, j, c, block, lane, held):
         end_speed = 0.0
     f[row.PHI + j], f[row.SPEED + j] = end, end_speed
     if down >= 0.0 or up >= 0.0 or turn >= 0.0:
-        change(f, j, block, lane, held, 1.0 if up >= 0.0 else (-1.0 if down >= 0.0 else 0.0))
+        change_elements(f, j, block, lane, held, 1.0 if up >= 0.0 else (-1.0 if down >= 0.0 else 0.0))
 
 
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
-def finish_held(f, i, width, c, lanes, held):
+def finish_restrained(f, i, width, c, lanes, held):
     """Finish the steps of the first `width` slots of restrained lanes (of `lanes` blocks), with impacts and changes."""
     finish_steps(f, width)
     for j in range(width):
@@ -223,10 +223,10 @@ def finish_held(f, i, width, c, lanes, held):
         if lane < 0:
             continue
         if f[row.EVENT + j] == LOOK_CLOSER:
-            resolve_held(f, j, c, lane % lanes, lane, held)
+            resolve_restrained(f, j, c, lane % lanes, lane, held)
         if f[row.EVENT + j] == IMPACT:
             more.turn_over(f, j)
-            land(f, j, lane % lanes, lane, held)
+            restraint_after_impact(f, j, lane % lanes, lane, held)
 
 
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
@@ -247,7 +247,7 @@ def motion_after(f, i, j, c, lanes, held, g):
     w[row.PEAK] = w[row.PHI]
     w[more.OTHER_PEAK] = 0.0
     w[row.STEP] = w[row.LONGEST]
-    act(w, 0, block, lane, held)
+    set_restraint(w, 0, block, lane, held)
     peak, impacts, turns, tops = 0.0, 0, 0, 0
     arrival, p = math.nan, w[row.P]
     for _ in range(MOST_STEPS):
@@ -257,7 +257,7 @@ def motion_after(f, i, j, c, lanes, held, g):
         w[row.EVENT] = NOTHING
         finish_steps(w, 1)
         if w[row.EVENT] == LOOK_CLOSER:
-            resolve_held(w, 0, c, block, lane, held)
+            resolve_restrained(w, 0, c, block, lane, held)
         event = w[row.EVENT]
         time += w[row.PASSED] / p
         w[row.PASSED] = 0.0
@@ -274,7 +274,7 @@ def motion_after(f, i, j, c, lanes, held, g):
             last = w[row.ARRIVAL] / w[row.ALPHA]
             more.turn_over(w, 0)
             w[row.PASSED] = 0.0
-            land(w, 0, block, lane, held)
+            restraint_after_impact(w, 0, block, lane, held)
             impacts += 1 if last >= IMPACT_CUTOFF else 0
             if tops >= 3 or w[row.SPEED] <= IMPACT_CUTOFF * w[row.ALPHA]:
                 arrival = last

@@ -199,7 +199,7 @@ def empty_slots(rows: int = FLOAT_ROWS, *positive: int) -> Slots:
 
 
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
-def close_ranks(f, i, width):
+def compact_slots(f, i, width):
     """Move the lanes of the last group into empty slots before it; return the number of slots in use."""
     empty = 0
     for j in range(width - GROUP, width):

@@ -38,7 +38,7 @@ def speed_of(t, d1, d2, d3, d4, d5, d6, d7, d8, d9, d10):
 
 
 @njit(inline="always")
-def keep_step(f, j, end, end_speed, end_pull, strongest, marked, d2, d3, d4, d5, d6, d7, d8, d9, d10):
+def store_step(f, j, end, end_speed, end_pull, strongest, marked, d2, d3, d4, d5, d6, d7, d8, d9, d10):
     """Write the results of the step of slot j into the rows that :func:`finish_steps` reads."""
     f[row.RATE_2 + j] = d2
     f[row.RATE_3 + j] = d3

@@ -121,7 +121,7 @@ def _at_one(lanes: BodyLanes, probability: np.ndarray, first: int, shift: Uncert
 
 @dataclass(frozen=True, eq=False)
 class OverturningProbability(OverturningFactors):
-    """Probability of overturning of (m,) bodies over the factor on a record, by lanes of their own.
+    """Probability of overturning of (m,) bodies over the factor on a record, from marches of each body.
 
     Attributes
     ----------

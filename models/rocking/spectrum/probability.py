@@ -129,7 +129,7 @@ def mean_capacity(level: np.ndarray, probability: np.ndarray) -> np.ndarray:
 
 
 def lane_bells(log_factor: np.ndarray, weight: np.ndarray, log_level: np.ndarray, shift: Uncertainty) -> np.ndarray:
-    """What each lane counts at each level, w_i h(t_i - ln f) (n, k), w_i its stretch of ln f."""
+    """Weight of each lane at each level, w_i h(t_i - ln f) (n, k), with w_i its width in ln f."""
     return shift.density(log_factor[:, np.newaxis] - log_level) * weight[:, np.newaxis]
 
 

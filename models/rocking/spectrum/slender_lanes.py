@@ -179,7 +179,7 @@ def _filled(
     march: Callable[..., np.ndarray],
     between: tuple[float, float],
 ) -> SpectrumLanes:
-    """Fill lanes from `bottom` (uplift) to `top` (a,) in ln x; `march(log_x, restitution)` gives inf if they overturn."""
+    """Lanes from `bottom` (uplift) to `top` (a,) in ln x, by `march(log_x, restitution)`, which gives inf for overturning."""
     restitution = np.tile(_restitutions(FIRST, 0.5, between), (rates.size, 1))
     for _ in range(WIDENINGS):
         log_x = bottom[:, np.newaxis] + (top - bottom)[:, np.newaxis] * ((np.arange(FIRST) + 0.5) / FIRST)

@@ -10,7 +10,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from rocking.body.limits import LARGEST_SIZE, doubt_of_size, radius_of_rectangle
+from rocking.body.limits import LARGEST_SIZE, radius_of_rectangle, size_problem
 from rockpulse.errors import ConfigError
 from rockpulse.option import KeyType, Section, boolean, choice, entries, is_number, key, number
 from rockpulse.record.record import STANDARD_GRAVITY
@@ -347,7 +347,7 @@ def _doubt(block: BlockSettings) -> str:
         source = "p and alpha" if block.radius is None else "radius and alpha"
         found = f"{source} of a rectangle of {width:.3g} x {height:.3g} m."
         advice = "give p = sqrt(M g R/I_0) in 1/s, alpha in rad, the radius in m"
-    doubt = doubt_of_size(width, height)
+    doubt = size_problem(width, height)
     return doubt and f"{found} A body {doubt} is taken only where that is confirmed: {advice}"
 
 
