@@ -48,8 +48,7 @@ class Block(BlockLanes):
     ----------
     alpha_c, p, radius : float or (m,) ndarray
         For the right-hand corner (theta > 0): angle of the line to the centre of mass with the vertical [rad],
-        frequency parameter [1/s], distance R from the centre of mass [m] (if unknown, that of the rectangle with the
-        same p).
+        frequency parameter [1/s], distance R from the centre of mass [m] (if unknown, for a rectangle).
     alpha_2, p_2, radius_2, restitution_2 : float or (m,) ndarray
         The same for the left-hand corner (theta < 0), and C of the impact that ends the rotation about it; e against a
         wall.

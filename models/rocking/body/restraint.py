@@ -177,7 +177,7 @@ class Restraints:
         )
 
     def elements(self, base: float) -> np.ndarray:
-        """Table (e, 9) of ties and the friction of loads on a `base` [m]; the constants from KIND on name its columns."""
+        """Table (e, 9) of the ties and the friction of loads on a `base` [m]; the columns are named from KIND on."""
         rows = []
         for tie in self.ties:
             for name, side in (("positive", 1.0), ("negative", -1.0)):

@@ -24,8 +24,7 @@ import math
 import numpy as np
 from numba import njit
 
-#: A velocity this close to the critical one counts as critical [-]: some hundred rounding errors, far below data
-#: errors.
+#: A velocity this close to the critical one counts as critical [-]; it is some hundred rounding errors.
 CRITICAL_TOLERANCE = 1e-13
 #: exp of more than this overflows.
 _LARGEST_EXPONENT = 700.0

@@ -58,8 +58,7 @@ def impulsive_response(
     Response
         Lanes (q, m), a scalar axis dropped; with a history `time` (h,), `rotation` and `velocity` (q, m, h), NaN once
         the block lies on the ground. UNRESOLVED (IMPACT_LIMIT) after 100 000 impacts between two impulses. With
-        `gain="exact"` an impulse in flight may lift the block again; passing alpha_c alone does not count as
-        overturning.
+        `gain="exact"` an impulse in flight may lift the block again; passing alpha_c is not overturning.
 
     Raises
     ------

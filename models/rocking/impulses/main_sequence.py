@@ -38,7 +38,7 @@ class Lanes(NamedTuple):
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def amplification(restitution, half_cycle):
-    """Ratio u_i/u_1 = (1 - C^i)/(1 - C) = 1 + C + ... + C^(i-1), the bracket of Eq. (5) with the erratum [-]."""
+    """Ratio Ratio u_i/u_1 = (1 - C^i)/(1 - C) = 1 + C + ... + C^(i-1), the bracket of Eq. (5) with the erratum [-]."""
     if restitution == 1.0:
         return float(half_cycle)
     if restitution == 0.0:

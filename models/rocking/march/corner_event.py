@@ -1,8 +1,8 @@
 """Events of a slot whose body turns about two different corners, or about one corner beside a wall.
 
 .. note:: Units and signs of slots.py, with alpha, p and tau = p t of the current corner; the rows OTHER_... hold those
-of the other corner, and both are exchanged at an impact. A body beside a wall stays on its corner. A restrained body
-lifts at (1 + a_v/g) THRESHOLD + EXTRA.
+   of the other corner, and both are exchanged at an impact. A body beside a wall stays on its corner. A restrained body
+   lifts at (1 + a_v/g) THRESHOLD + EXTRA.
 """
 
 import math

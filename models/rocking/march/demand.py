@@ -47,8 +47,7 @@ def _lobes(
     largest: np.ndarray,
     last: np.ndarray,
 ) -> None:
-    """Largest abs(E) of the lobes of E(t0), descending, and the last sample with more remaining build-up than each
-    level.
+    """Largest abs(E) of the lobes of E(t0), descending, and the last sample with a build-up above each level.
 
     E is exact for piecewise linear ground acceleration and computed in one backward pass.
     """

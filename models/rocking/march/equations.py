@@ -175,8 +175,7 @@ def nonlinear_steps(f, width):
 
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
 def flight_time(excess, start, stop):
-    """Time p t of the free motion from psi = `start` to psi = `stop`, psi = phi - alpha, without a turning point
-    between.
+    """Time p t of the free motion from psi = `start` to `stop`, psi = phi - alpha, without a turning point between.
 
     `excess` = phi'^2/2 + cos(psi) - 1 is the energy above that of rest at the top; the time is inf if it is 0 and the
     top is passed. With k^2 = abs(excess)/2 and sin(psi/2) = k sinh z (over the top) or k cosh z (below it), dtau =

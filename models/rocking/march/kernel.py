@@ -32,9 +32,8 @@ class Lanes(NamedTuple):
     restitution: np.ndarray  #: (m,) C [-]
     rotation: np.ndarray  #: (m,) theta at the first sample [rad]
     spin: np.ndarray  #: (m,) theta' there [rad/s]
-    levels: np.ndarray #: (m, l) levels of the build-up over the factor, descending [m/s2]; (m, 0) if lanes are not
-    ended early above: np.ndarray #: (m, l) of int, last sample above each level, see
-    :class:`rocking.march.demand.Demand`
+    levels: np.ndarray  #: (m, l) levels of the build-up over the factor, descending [m/s2]; (m, 0) for none
+    above: np.ndarray  #: (m, l) of int, last sample above each level, see :class:`rocking.march.demand.Demand`
 
 
 class Options(NamedTuple):

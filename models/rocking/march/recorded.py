@@ -318,8 +318,7 @@ def sliding_demand(
 
 
 def impact_friction(block: Block, restitution: ArrayLike | None = None) -> Floats:
-    """Ratio of the horizontal to the vertical impulse of the impact that ends a rotation about the right-hand corner
-    [-].
+    """Ratio of the horizontal to the vertical impulse of an impact that ends a rotation about the right corner [-].
 
     h (1 - C)/(b_1 + C b_2), with the centre of mass h above the corners: the friction that an impact without sliding
     requires. The impact lasts an instant, so this number is for information only. `restitution` replaces the body's C.

@@ -30,11 +30,12 @@ class RestraintState(NamedTuple):
 
     elements: np.ndarray  #: (m, e, 9), see :mod:`rocking.body.restraint`; a height of 0 for none
     constant: np.ndarray  #: (m, 2, 2) moments of weights and thrusts as factors of cos and sin, by corner [N m]
-    points: np.ndarray #: (m, e, 2, 3) position of each element relative to each corner: horizontal distance and
-    distance [m], and the angle of the line between them to the vertical [rad] weight: np.ndarray #: (m, 2) M g R by
-    corner [N m] angle: np.ndarray #: (m, 2, 2) sin(alpha) and cos(alpha) by corner mode: np.ndarray #: (lanes, e) of
-    int, state of each element set: np.ndarray #: (lanes, e) displacement without force: for a tie minus its gap, for a
-    load towards
+    points: np.ndarray  #: (m, e, 2, 3) horizontal distance and distance of each element from each corner [m],
+    # and the angle of the line between them to the vertical [rad]
+    weight: np.ndarray  #: (m, 2) M g R by corner [N m]
+    angle: np.ndarray  #: (m, 2, 2) sin(alpha) and cos(alpha) by corner
+    mode: np.ndarray  #: (lanes, e) of int, state of each element
+    set: np.ndarray  #: (lanes, e) displacement without force: for a tie minus its gap, for a load towards
     # theta > 0 [m]
 
 
@@ -46,7 +47,7 @@ def sides(f, j):
 
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
 def rotation_at(displacement, point):
-    """Return phi at which a point of :class:`RestraintState` has outward_displacement outward by `displacement`; inf if it cannot."""
+    """Return phi at which a point of :class:`RestraintState` has moved outward by `displacement`; inf if it cannot."""
     if displacement == 0.0:
         return 0.0
     share = (displacement - point[0]) / point[1]

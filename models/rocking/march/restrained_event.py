@@ -16,8 +16,7 @@ from rocking.response import IMPACT_CUTOFF
 
 @njit(inline="always")
 def restrained_rates(phi, speed, flat, flat_slope, steep, steep_slope, sine_2, cosine_2):
-    """Taylor rates as nonlinear_rates, of -phi'' = flat cos(phi) + steep sin(phi) + cosine_2 cos(2 phi) + sine_2 sin(2
-    phi).
+    """Rates as nonlinear_rates, for -phi'' = flat cos(phi) + steep sin(phi) + cosine_2 cos(2 phi) + sine_2 sin(2 phi).
 
     With the series s_k, z_k of sin(phi), cos(phi) and w = steep + 2 sine_2 cos(phi) - 2 cosine_2 sin(phi): (k + 1)
     d_(k+2) = -[flat z + s w + cosine_2]_k.

@@ -1,8 +1,8 @@
 """Nonlinear marches of bodies in lanes, each with one factor on the record and a random restitution and angle.
 
 .. note:: All bodies of a call share one scrambled Sobol set, so that the result of a body does not depend on the
-others. Free flight is UNRESOLVED and counts as overturning. Without vertical acceleration, and for bodies in the
-measured range, a march ends as soon as its outcome is certain (docs/decisions/006).
+   others. Free flight is UNRESOLVED and counts as overturning. Without vertical acceleration, and for bodies in the
+   measured range, a march ends as soon as its outcome is certain (docs/decisions/006).
 
 The first part of the lanes lies around an estimate of the capacity and is extended while its lowest lanes overturn or
 its highest ones survive. The density of the second part follows the standard deviation sqrt(P (1 - P)) of an outcome, P

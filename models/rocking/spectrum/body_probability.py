@@ -1,8 +1,8 @@
 """Probability of overturning P(f) of any body under a record times f, from nonlinear marches of this body.
 
 .. note:: The intervals of 90 % come from resampling the lanes with replacement as if they were independent (Sobol
-points scatter less). If all n effective lanes near the factor one agree, n = (sum w)^2/sum w^2, resampling gives no
-spread: the end of the interval is then the binomial bound for n equal outcomes, 1 - 0.05^(1/n).
+   points scatter less). If all n effective lanes near the factor one agree, n = (sum w)^2/sum w^2, resampling gives no
+   spread: the end of the interval is then the binomial bound for n equal outcomes, 1 - 0.05^(1/n).
 """
 
 import math

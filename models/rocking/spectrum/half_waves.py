@@ -1,10 +1,10 @@
 """Overturning spectrum and demand computed from the half-waves of a record instead of its accelerations.
 
 .. note:: A half-wave is replaced by the triangle with the same ends, impulse and centroid. `march` is 1 over the factor
-at which the linear equation (Eqs. 1-2), with uplift at g tan(alpha), overturns under the half-waves. A single march is
-chaotic; with the uncertainty of body and strength the factor has a distribution (:class:`rocking.OverturningSpectrum`),
-of which the mean logarithm and the value at P = 10 % are used. The lobes of the weighted impulse E (demand.py) give the
-number of effective impulses.
+   at which the linear equation (Eqs. 1-2), with uplift at g tan(alpha), overturns under the half-waves. A single march
+   is chaotic; with the uncertainty of body and strength the factor has a distribution
+   (:class:`rocking.OverturningSpectrum`), of which the mean logarithm and the value at P = 10 % are used. The lobes of
+   the weighted impulse E (demand.py) give the number of effective impulses.
 """
 
 import math

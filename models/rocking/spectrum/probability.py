@@ -1,10 +1,9 @@
 """The uncertainty of a body and of the strength of a record, and its effect on the scale factor.
 
 .. note:: In a random sample the factor f becomes f F with ln F normal, C is a share of the nominal one, and alpha
-becomes alpha exp(-g abs(N)), N standard normal, with the R, p and C of the nominal body. For a slender body factor and
-geometry are
-   one shift of ln f: Z = s N_1 + g abs(N_2), skew-normal with the scale hypot(s, g) and the shape g/s (Azzalini 1985,
-   Scand. J. Stat. 12(2), 171-178).
+   becomes alpha exp(-g abs(N)), N standard normal, with the R, p and C of the nominal body. For a slender body factor
+   and geometry are one shift of ln f: Z = s N_1 + g abs(N_2), skew-normal with the scale hypot(s, g) and the shape g/s
+   (Azzalini 1985, Scand. J. Stat. 12(2), 171-178).
 
 Lane i was marched at ln f_i with the outcome v_i, 1 if it overturned. A block under f experiences f exp(Z), so P(f) is
 the outcome smoothed by the density h of Z,
@@ -47,8 +46,7 @@ class Uncertainty:
     restitution : (float, float)
         Limits of the uniform distribution of the restitution over the nominal C [-]; above 0, at most 1.
     geometry : float
-        Random reduction of the angle alpha [-]: alpha exp(-geometry abs(N)), N standard normal, at fixed R and p; 0 to
-        1.
+        Random reduction of alpha [-]: alpha exp(-geometry abs(N)), N standard normal, at fixed R and p; 0 to 1.
 
     Examples
     --------

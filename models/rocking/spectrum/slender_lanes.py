@@ -1,7 +1,7 @@
 """Lanes of an overturning spectrum: marches of slender blocks over ranges of strength, p and restitution.
 
 .. note:: The motion of a slender block under a record times f depends only on x = f p/(g tan alpha) [s/m], p and C:
-with phi = theta/alpha and tau = p t the nonlinear equation tends, as alpha -> 0, to
+   with phi = theta/alpha and tau = p t the nonlinear equation tends, as alpha -> 0, to
 
    phi'' = phi - s - (x/p) a_g(tau/p),  lifted at abs(a_g) > p/x,  phi' -> C phi' at an impact
 
@@ -179,7 +179,7 @@ def _filled(
     march: Callable[..., np.ndarray],
     between: tuple[float, float],
 ) -> SpectrumLanes:
-    """Lanes from `bottom` (uplift) to `top` (a,) in ln x, by `march(log_x, restitution)`, which gives inf for overturning."""
+    """Lanes from `bottom` (uplift) to `top` (a,) in ln x, by `march(log_x, restitution)`, inf if they overturn."""
     restitution = np.tile(_restitutions(FIRST, 0.5, between), (rates.size, 1))
     for _ in range(WIDENINGS):
         log_x = bottom[:, np.newaxis] + (top - bottom)[:, np.newaxis] * ((np.arange(FIRST) + 0.5) / FIRST)
