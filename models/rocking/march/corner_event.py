@@ -158,9 +158,7 @@ def hops_have_ended(f, j, record, equation, far, held):
     share = event.CHATTER_SHARE if f[row.HITS + j] < event.MANY_IMPACTS else 1.0
     speed, highest, cutoff = f[row.SPEED + j] / pull, share * peak / pull, IMPACT_CUTOFF * slowest / pull
     rise = f[row.THRESHOLD + j] if f[ONE_SIDED + j] == 1.0 else max(f[row.THRESHOLD + j], f[OTHER_THRESHOLD + j])
-    return event.chatter_dies_out(
-        f, j, record, far, threshold, rise, demand, demand_end, restitution, speed, cutoff, highest
-    )
+    return event.hops_end(f, j, record, far, threshold, rise, demand, demand_end, restitution, speed, cutoff, highest)
 
 
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)

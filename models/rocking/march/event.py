@@ -66,7 +66,7 @@ def chatter_ends(speed, demand, largest, slope, restitution, window, cutoff, hig
 
 
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
-def chatter_dies_out(f, j, record, far, level, rise, demand, demand_end, restitution, speed, cutoff, highest):
+def hops_end(f, j, record, far, level, rise, demand, demand_end, restitution, speed, cutoff, highest):
     """Apply :func:`chatter_ends` to slot j: in its sample and, if `far`, to the end of the next block of samples.
 
     `level` is the abs(a_g)/g that lifts the body, `rise` its derivative with respect to 1 + a_v/g.
@@ -103,9 +103,7 @@ def chatter_is_over(f, j, record, equation, far):
     speed, highest = f[row.SPEED + j] * per_scale, share * f[row.PEAK + j] * per_scale
     cutoff = IMPACT_CUTOFF * f[row.ALPHA + j] * per_scale
     restitution, level = f[row.RESTITUTION + j], weakest * threshold
-    return chatter_dies_out(
-        f, j, record, far, level, threshold, demand, demand_end, restitution, speed, cutoff, highest
-    )
+    return hops_end(f, j, record, far, level, threshold, demand, demand_end, restitution, speed, cutoff, highest)
 
 
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)

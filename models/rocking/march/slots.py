@@ -89,8 +89,7 @@ def next_exceedance(k, record, factor, threshold):
 def next_lift(k, record, factor, side, threshold, extra, other, other_extra):
     """First sample from k on at which a resting block may lift about either corner or lose contact; n for none.
 
-    The corner of `side` lifts at abs(a_g)/g = (1 + a_v/g) threshold + extra; `factor` is the scale factor over gravity
-    [s2/m].
+    The corner of `side` lifts at abs(a_g)/g = (1 + a_v/g) threshold + extra; `factor` is over gravity [s2/m].
     """
     n = record.acceleration.size
     while k < n:
