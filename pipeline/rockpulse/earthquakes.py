@@ -281,8 +281,8 @@ def _dispersion_interval(
     """Chi-square interval of a dispersion, its degrees of freedom from the resamples.
 
     The variance of the mean gives the effective number of records, s^2/var m, times (z/t)^2, at least 1; the variance
-    of the dispersion gives 2 s^4/var s^2, which is less for heavy tails. The smaller of both is used, at most the
-    number of records minus one.
+    of the dispersion gives 2 s^4/var s^2, which is less for heavy tails. The smaller is used, at most the number of
+    records minus one.
     """
     from scipy.stats import chi2, norm
 

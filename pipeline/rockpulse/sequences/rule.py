@@ -100,8 +100,7 @@ class Rule:
         )
 
     def sequence(self, waves: HalfWaves, block: Block) -> ImpulseSequence:
-        """Impulse sequences equivalent to a record on (m,) blocks, spacing "continuous"; 0 for blocks that are not
-        lifted.
+        """Impulse sequences equivalent to a record on (m,) blocks, spacing "continuous"; 0 if not lifted.
 
         Use with ``sequence_response(..., paired=True)``. In the limit n -> infinity (VALIDATION F4) half-cycle i
         overturns iff v_i = u_1 [(1 - sigma) S_i + sigma/2] >= 1, S_i = (1 - C^i)/(1 - C), which grows with i. So N main
