@@ -27,7 +27,7 @@ rocking.impulses
 rocking.search
 rocking.spectrum
 rocking
-rockpulse.version rockpulse.remark rockpulse.earthquakes
+rockpulse.version rockpulse.warning_text rockpulse.earthquakes
 rockpulse.errors
 rockpulse.option rockpulse.foreign_text
 rockpulse.files
