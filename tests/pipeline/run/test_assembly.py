@@ -132,6 +132,7 @@ def test_records_with_little_in_them_are_put_together_in_as_little_memory_as_oth
     assert max(together) <= chunk / sys.getsizeof(np.zeros(1)[:]) / 2  # arrays alone, the rest is for their values
 
 
+@pytest.mark.sweep
 def test_parts_that_can_be_gone_through_once_are_refused(assessed, tmp_path):
     done, bodies, config, _ = assessed("plain")
     with pytest.raises(TypeError, match="iterated twice"):

@@ -59,6 +59,7 @@ def saved(tree, path):
     return contents(path)
 
 
+@pytest.mark.sweep
 def test_the_file_of_an_assessment_is_the_tree_in_memory(folder, tmp_path):
     config = replace(CONFIG, records=RecordSettings(components="sweep", azimuth_step=90.0), blocks=CONFIG.blocks[:1])
     records, failures = read_all(folder)

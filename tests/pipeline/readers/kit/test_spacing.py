@@ -53,6 +53,7 @@ def test_missing_rows_never_pass_as_even_spacing(step, count, decimals, data, le
     assert not printed_at(holed, step)
 
 
+@pytest.mark.sweep
 @QUICK
 @given(step=STEPS, count=st.integers(20, 400), data=st.data(), length=st.floats(1.0, 500.0))
 def test_a_hole_of_any_length_in_equal_steps_is_a_gap(step, count, data, length):

@@ -151,6 +151,7 @@ def test_the_order_of_the_records_does_not_matter(records):
     xr.testing.assert_identical(one, other)
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("data", ["stripes", "cloud"])
 def test_stripes_and_clouds_count_what_is_reached(records, striped, data):
     found = striped if data == "stripes" else rp.fragility(records, options(data=data), BLOCKS)
