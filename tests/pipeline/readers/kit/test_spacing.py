@@ -30,7 +30,7 @@ QUICK = settings(derandomize=True, deadline=None, max_examples=50)
 STEPS = st.sampled_from([0.0014, 0.0025, 1 / 300, 0.005, 1 / 128, 0.01, 0.02, 1 / 3])
 
 
-@pytest.mark.sweep
+@pytest.mark.slow
 @QUICK
 @given(step=STEPS, count=st.integers(5, 400), decimals=st.integers(3, 7), start=st.sampled_from([0.0, 1.0, 12.5]))
 def test_rounding_within_its_share_of_the_step_is_seen_through(step, count, decimals, start):
