@@ -50,8 +50,8 @@ WARNINGS = {
     "demand_not_compared": "a sequence has no PGA, nor any other strength to bring to the demand of the site "
     "([[demand]]): nothing is compared with it",
     # a warning on another record that this one uses
-    "of_vertical": "vertical channel: {remark}",
-    "of_channel": "{channel}: {remark}",
+    "of_vertical": "vertical channel: {warning}",
+    "of_channel": "{channel}: {warning}",
 }
 
 #: Text of each code of a warning on results.
@@ -142,23 +142,23 @@ TEMPLATES = WARNINGS | STATEMENTS
 PLAIN = "plain"
 
 
-class Remark(str):
+class WarningText(str):
     """A warning as English text, with its code, a key of `TEMPLATES` (nested ones as ``of_vertical/clipped``).
 
-    >>> Remark("clipped", count=8, end="largest")
+    >>> WarningText("clipped", count=8, end="largest")
     '8 samples in a row at the largest value: the record may be clipped'
     """
 
     code: str
     values: dict[str, Any]
 
-    def __new__(cls, code: str, /, **values: Any) -> "Remark":
+    def __new__(cls, code: str, /, **values: Any) -> "WarningText":
         """Make the warning of a code from the values of its template."""
         shown = {name: ", ".join(one) if isinstance(one, list) else one for name, one in values.items()}
-        remark = super().__new__(cls, TEMPLATES[code].format_map(shown))
-        remark.code = f"{code}/{code_of(values['remark'])}" if "remark" in values else code
-        remark.values = values
-        return remark
+        warning = super().__new__(cls, TEMPLATES[code].format_map(shown))
+        warning.code = f"{code}/{code_of(values['warning'])}" if "warning" in values else code
+        warning.values = values
+        return warning
 
     def __getnewargs_ex__(self) -> tuple[tuple[str], dict[str, Any]]:
         return (self.code.partition("/")[0],), self.values
@@ -166,38 +166,38 @@ class Remark(str):
 
 def code_of(text: str) -> str:
     """Return the code of a warning; `PLAIN` for any other text."""
-    return text.code if isinstance(text, Remark) else PLAIN
+    return text.code if isinstance(text, WarningText) else PLAIN
 
 
-def find(remarks: Iterable[str], code: str) -> Remark | None:
+def find(warnings: Iterable[str], code: str) -> WarningText | None:
     """Return the first warning with a code, or None."""
-    return next((one for one in remarks if isinstance(one, Remark) and one.code == code), None)
+    return next((one for one in warnings if isinstance(one, WarningText) and one.code == code), None)
 
 
-def remarked(codes: str, *wanted: str) -> bool:
+def has_warning(codes: str, *wanted: str) -> bool:
     """Whether one of some codes is among the stored ones, also as warning on a source channel."""
     return not set(wanted).isdisjoint(re.split("[ /]", codes))
 
 
-def with_codes(remarks: Iterable[str]) -> tuple[str, str]:
+def with_codes(warnings: Iterable[str]) -> tuple[str, str]:
     """Return warnings as stored: texts, one per line, and the codes of the lines, separated by blanks."""
-    lines = [(line, code_of(one)) for one in remarks for line in one.splitlines() if line]
+    lines = [(line, code_of(one)) for one in warnings for line in one.splitlines() if line]
     return "\n".join(line for line, _ in lines), " ".join(code for _, code in lines)
 
 
-def counted(count: int, noun: str) -> Remark:
+def counted(count: int, noun: str) -> WarningText:
     """Return a number with its noun, "record" or "event", as part of a warning."""
-    return Remark(noun if count == 1 else f"{noun}s", count=int(count))
+    return WarningText(noun if count == 1 else f"{noun}s", count=int(count))
 
 
-def as_stored(remarks: Iterable[str]) -> str:
+def as_stored(warnings: Iterable[str]) -> str:
     """Return warnings as JSON of codes and values; other texts get the code `PLAIN`."""
-    coded = (one if isinstance(one, Remark) else Remark(PLAIN, text=one) for one in remarks)
+    coded = (one if isinstance(one, WarningText) else WarningText(PLAIN, text=one) for one in warnings)
     return json.dumps([_packed(one) for one in coded], ensure_ascii=False)
 
 
 def _packed(value: Any) -> Any:
-    if isinstance(value, Remark):
+    if isinstance(value, WarningText):
         return {
             "code": value.code.partition("/")[0],
             "values": {name: _packed(one) for name, one in value.values.items()},
@@ -205,10 +205,10 @@ def _packed(value: Any) -> Any:
     return [_packed(one) for one in value] if isinstance(value, list) else value
 
 
-def restored(stored: str) -> list[Remark]:
+def restored(stored: str) -> list[WarningText]:
     """Read the warnings of :func:`as_stored`; an empty text gives none."""
     return json.loads(stored, object_hook=_unpacked) if stored else []
 
 
 def _unpacked(found: dict[str, Any]) -> Any:
-    return Remark(found["code"], **found["values"]) if set(found) == {"code", "values"} else found
+    return WarningText(found["code"], **found["values"]) if set(found) == {"code", "values"} else found
