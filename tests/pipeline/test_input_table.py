@@ -9,7 +9,7 @@ from rockpulse.files import numbers, table_of
 @pytest.mark.parametrize(
     "text",
     [
-        "name,a [m],b\nx,1.5,\n\n# a remark\ny,-2e-1,3\n",
+        "name,a [m],b\nx,1.5,\n\n# a warning\ny,-2e-1,3\n",
         "name;a [m];b\nx;1,5;\ny;-2e-1;3\n",
         "name\ta [m]\tb\n x \t1.5\ny\t-,2\t3\n",
         '"name", "a [m]", b,,\nx,1.5,,,\ny,-0.2,3,,\n',

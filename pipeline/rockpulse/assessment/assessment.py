@@ -23,12 +23,12 @@ from rockpulse.record.components import Pair
 from rockpulse.record.half_wave import HalfWaves
 from rockpulse.record.intensity import IntensePhase
 from rockpulse.record.record import Record
-from rockpulse.remark import Remark
 from rockpulse.run.analysis import Analysis, Blocks, Part, Records, Watch, Work, run
 from rockpulse.selection.directions import Motion, PlannedMotion, swept_directions
 from rockpulse.sequences.design_spectrum import DesignSpectrum
 from rockpulse.storage.hdf5.atomic import ASSESSMENT
 from rockpulse.storage.variables.assessment import ASSESSMENT_GROUPS
+from rockpulse.warning_text import WarningText
 
 
 def assess(
@@ -222,7 +222,7 @@ def assess_sequence(
         verb = "is" if len(dropped) == 1 else "are"
         warnings.append(f"{what}, not a record: {', '.join(dropped)} cannot answer it and {verb} left out")
     if asked_for.demands:
-        warnings.append(Remark("demand_not_compared"))
+        warnings.append(WarningText("demand_not_compared"))
     done = replace(done, scene=replace(done.scene, record=replace(done.record, warnings=tuple(warnings))))
     tree = build_tree([record_part(done) | {EVENT: np.array([""])}], gathered, config, [])
     tree.attrs["title"] = config.site.name or "Rocking response of rigid blocks to a sequence of impulses"

@@ -122,7 +122,7 @@ def assess_scene(
         there = aloft(below, place, config)
         stronger = there.record.pga / below.record.pga
         parts.append(_assess_at(there, bodies.chosen(numbers), config, channels or [record], stronger))
-    warnings = dict.fromkeys(remark for part in parts for remark in part.record.warnings)
+    warnings = dict.fromkeys(warning for part in parts for warning in part.record.warnings)
     record = replace(record, warnings=(*record.warnings, *(one for one in warnings if one not in record.warnings)))
     steps = [round(record.dt / part.record.dt) for part in parts]
     lanes = [(one[1][:, np.newaxis] * bodies.cases + np.arange(bodies.cases)).reshape(-1) for one in places]

@@ -23,9 +23,9 @@ from rockpulse.record.half_wave import half_waves
 from rockpulse.record.intensity import intense_phase
 from rockpulse.record.record import STANDARD_GRAVITY, Record
 from rockpulse.record.rotation import rotate
-from rockpulse.remark import Remark
 from rockpulse.selection.directions import FACING_WITHIN
 from rockpulse.sequences.estimators import record_sequence
+from rockpulse.warning_text import WarningText
 
 
 def scene_of_record(record: Record, config: Config, vertical: Record | None = None) -> Scene:
@@ -39,17 +39,19 @@ def extract(conditioned: Record, config: Config, up: Record | None = None) -> Sc
     lift = None
     if up is not None:
         lift = align(up, conditioned)
-        warnings = (*conditioned.warnings, *(Remark("of_vertical", remark=warning) for warning in up.warnings))
-        conditioned = replace(conditioned, warnings=warnings).with_note(Remark("vertical_acceleration", record=up.id))
+        warnings = (*conditioned.warnings, *(WarningText("of_vertical", warning=warning) for warning in up.warnings))
+        conditioned = replace(conditioned, warnings=warnings).with_note(
+            WarningText("vertical_acceleration", record=up.id)
+        )
         if (missing := uncovered(up, conditioned)) > up.dt:
-            conditioned = conditioned.with_warning(Remark("vertical_short", missing=missing))
+            conditioned = conditioned.with_warning(WarningText("vertical_short", missing=missing))
     waves = half_waves(conditioned, **config.half_waves)
     phase = intense_phase(conditioned, **config.intense_phase)
     try:
         sequence = record_sequence(waves, phase=phase, **config.sequence.statistics)
     except RecordRefused as error:
         sequence = None
-        conditioned = conditioned.with_warning(Remark("no_sequence", reason=str(error)))
+        conditioned = conditioned.with_warning(WarningText("no_sequence", reason=str(error)))
     rule = RULE_POINT if config.sequence.method == "rule" else ""
     return Scene(conditioned, lift, waves, phase, sequence, rule=rule, **solver_options(config))
 

@@ -48,7 +48,7 @@ class Bodies:
     floors: tuple[tuple[FloorSettings, ...], ...]
     #: Name of the body that each takes together with its pedestal; empty for all others.
     pedestal_of: tuple[str, ...]
-    #: Remarks on each body, one a line.
+    #: Warnings on each body, one a line.
     warnings: tuple[str, ...]
 
     def places(self, azimuth: float | None, within: float = 0.0) -> list[tuple[Place, np.ndarray]]:
@@ -161,7 +161,7 @@ def _told(given: Mapping[str, BlockSettings], named: Mapping[str, Block], key: s
 
 
 def _heavy(body: BlockSettings, block: Block) -> list[str]:
-    """A remark on a body that is heavy beside its floor."""
+    """A warning on a body that is heavy beside its floor."""
     masses = [floor.mass for floor in body.floors if floor.mass is not None]
     mass = float(np.max(block.mass))
     if not masses or not mass > LIGHT * min(masses):

@@ -170,7 +170,7 @@ def test_aloft_the_strength_of_the_ground_is_brought_to_a_demand():
 
 
 @pytest.mark.sweep
-def test_what_is_told_of_a_floor_is_a_remark_of_the_record_once():
+def test_what_is_told_of_a_floor_is_a_warning_of_the_record_once():
     asked = rp.Config(models=rp.ModelSettings(use=("balanced",)))
     squat = [rp.BlockSettings(name=f"{number}", width=1.0, height=1.0, floors=floors)
              for number, floors in enumerate(((FLOOR,), (rp.FloorSettings(period=0.3),), ()))]  # fmt: skip
@@ -185,7 +185,7 @@ def test_a_stiff_building_is_the_ground():
     assert pgv(floor) == pytest.approx(pgv(RECORD), rel=0.01)
 
 
-def test_a_body_heavy_beside_its_floor_gets_a_remark():
+def test_a_body_heavy_beside_its_floor_gets_a_warning():
     floor = rp.FloorSettings(period=0.5, mass=1e4)
     summary = rp.assess([RECORD], config(body("heavy", mass=2e3, floors=(floor,))))["summary"]
     assert "is 0.2 of its floor's" in str(summary["block_warnings"].values[0])
@@ -293,7 +293,7 @@ def test_histories_of_a_turned_body_are_those_that_are_stored():
             own = rp.plots.histories(tree, "XX.STA..H075", "own")[0]
             assert np.nanmax(np.abs(own.rotation)) == pytest.approx(own.peak, rel=0.05)
             continue
-        assert rp.plots.histories(tree, "XX.STA..H075", "others")[0].remark == ""
+        assert rp.plots.histories(tree, "XX.STA..H075", "others")[0].warning == ""
         with pytest.raises(rp.ResultsError, match="shaken in a direction of its own"):
             rp.plots.histories(tree, "XX.STA..H075", "own")
 

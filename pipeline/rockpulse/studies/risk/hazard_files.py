@@ -45,10 +45,10 @@ class _Sheet(NamedTuple):
     level: np.ndarray
     rates: np.ndarray
     places: np.ndarray | None = None  #: (n, 2) longitude and latitude [degrees]
-    remarks: tuple[str, ...] = ()
+    warnings: tuple[str, ...] = ()
     rock: bool = False  #: whether the levels are those on rock
 
-    def curve(self, row: int, soil_factor: float, remarks: tuple[str, ...] = ()) -> HazardCurve:
+    def curve(self, row: int, soil_factor: float, warnings: tuple[str, ...] = ()) -> HazardCurve:
         """The curve of a row in SI units, without the points at which a probability was 1 or 0."""
         in_si = unit_factor(self.measure, self.unit, self.path)
         where = self.path if self.places is None else f"{self.path}, place {named(*self.places[row])}"
@@ -60,10 +60,10 @@ class _Sheet(NamedTuple):
                 f"{where}: expected two or more levels at which the rate is finite and not zero, found {kept.size} of "
                 f"{level.size}"
             )
-        remarks += self.remarks
+        warnings += self.warnings
         if self.rock and soil_factor == 1.0:
-            remarks += ("a_g is that on rock: soil_factor brings it to other ground",)
-        return HazardCurve(self.measure, in_si * level[kept], rate[kept], where, self.unit, soil_factor, remarks)
+            warnings += ("a_g is that on rock: soil_factor brings it to other ground",)
+        return HazardCurve(self.measure, in_si * level[kept], rate[kept], where, self.unit, soil_factor, warnings)
 
     def at(self, site: tuple[float, float] | None) -> tuple[int, tuple[str, ...]]:
         """The row of a site, and the distance of its place in words; ConfigError if none can be chosen."""
@@ -112,8 +112,8 @@ def load_hazard(path: str | Path, site: tuple[float, float] | None = None, soil_
         For another file, one of several sites without `site`, or of none near it.
     """
     sheet = _read(path)
-    row, remarks = sheet.at(site)
-    return sheet.curve(row, soil_factor, remarks)
+    row, warnings = sheet.at(site)
+    return sheet.curve(row, soil_factor, warnings)
 
 
 def load_site_hazards(path: str | Path, sites: ArrayLike, soil_factor: ArrayLike = 1.0) -> SiteHazards:
@@ -204,8 +204,8 @@ def _of_factor(settings: HazardSettings, folder: Path) -> Callable[[float], Haza
             "[hazard]: expected a file or the power law k0, k in the configuration, or --hazard, found neither"
         )
     sheet = _read(folder / settings.file)
-    row, remarks = sheet.at(site)
-    return lambda factor: sheet.curve(row, factor, remarks)
+    row, warnings = sheet.at(site)
+    return lambda factor: sheet.curve(row, factor, warnings)
 
 
 def _read(path: str | Path) -> _Sheet:

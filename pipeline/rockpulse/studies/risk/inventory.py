@@ -154,7 +154,7 @@ def inventory_frequency(
     risk = xr.Dataset({name: variable.variable(found[name]) for name, variable in INVENTORY.items()})
     risk.attrs.update(
         hazard=hazard.words,
-        hazard_conditions=hazard_conditions(hazard.remarks, config),
+        hazard_conditions=hazard_conditions(hazard.warnings, config),
         fragility=f"the mean of each record's own P of overturning, without a fit: {events.shape[1]} records of "
         f"{several_events(events.shape[0])}, in which earthquakes count alike",
         measure=hazard.measure,

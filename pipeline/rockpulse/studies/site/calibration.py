@@ -57,7 +57,7 @@ def calibrate(
     -------
     xarray.DataTree
         /site, /failures and by the spectrum /spectra, see docs/schema.md. Numbers that few records or events do not
-        determine are NaN, inf or a wide interval, with the reason in `remarks`.
+        determine are NaN, inf or a wide interval, with the reason in `site_warnings`.
 
     Raises
     ------
@@ -65,7 +65,7 @@ def calibrate(
         For two records of one id, or tables of events or weights that do not fit.
     RecordRefused
         If no record could be calibrated, or the records make no design sequence: nothing rocks, or one record has no
-        quantile. Too few earthquakes for a quantile of the spectrum are a line of `remarks`.
+        quantile. Too few earthquakes for a quantile of the spectrum are a line of `site_warnings`.
 
     Examples
     --------
@@ -161,12 +161,12 @@ class SiteCalibration(Analysis):
         ids, events = done["record"].tolist(), done["event"].tolist()
         weights = record_weights(ids, events, self.config.calibration.weighting, self.weights)
         rows = sorted(failures, key=lambda row: row.stage == "events")
-        remarks = [row.reason for row in rows if row.stage == "events"]
+        warnings = [row.reason for row in rows if row.stage == "events"]
         if self.lanes is None or self.by_spectrum:
-            nodes = spectrum_design(done, weights, self.block_names, self.lanes, self.config, remarks)
+            nodes = spectrum_design(done, weights, self.block_names, self.lanes, self.config, warnings)
             title = "Overturning spectrum of a site"
         else:
-            nodes = sequence_design(done, weights, self.block_names, self.lanes, self.config, remarks)
+            nodes = sequence_design(done, weights, self.block_names, self.lanes, self.config, warnings)
             title = "Design sequence of impulses of a site"
         settings = self.config.calibration
         nodes["/site"].attrs |= {
@@ -209,7 +209,7 @@ def design_of(tree: xr.DataTree, name: str = "site") -> DesignSpectrum | Impulse
     if site.attrs["method"] == "spectrum":
         spectra = tree["spectra"].to_dataset()
         if np.isnan(spectra["spectrum_design"].values).any():
-            raise ResultsError(f"{name}: no design: {str(site['remarks'].item()).splitlines()[0]}")
+            raise ResultsError(f"{name}: no design: {str(site['site_warnings'].item()).splitlines()[0]}")
         return DesignSpectrum(
             spectra["p"].values,
             spectra["restitution"].values,

@@ -19,12 +19,12 @@ from rockpulse.errors import RecordRefused, TooWeak
 from rockpulse.record.half_wave import half_waves
 from rockpulse.record.measures import IMPULSE, MEASURES, STORED_LEVELS, RecordOnBodies
 from rockpulse.record.record import Record
-from rockpulse.remark import Remark, find
 from rockpulse.run.analysis import Part, Watch
 from rockpulse.selection.directions import Motion
 from rockpulse.storage.variables.site import OF_RECORDS
 from rockpulse.storage.variables.summary import facts_of
 from rockpulse.studies.site.design import PARAMETERS
+from rockpulse.warning_text import WarningText, find
 
 #: Smallest recorded peak in a misfit: just after uplift no sequence is comparable [-].
 SMALLEST_PEAK = 0.01
@@ -110,9 +110,9 @@ def scaled_motion(motion: Motion, config: Config) -> tuple[Record, float]:
     conditioned, factor, scale_to = motion.record, scale_factor(motion.record, config), config.calibration.scale_to
     if not USUAL_FACTORS[0] <= factor <= USUAL_FACTORS[1]:
         low, high = USUAL_FACTORS
-        conditioned = conditioned.with_warning(Remark("scaled_far", factor=factor, low=low, high=high))
+        conditioned = conditioned.with_warning(WarningText("scaled_far", factor=factor, low=low, high=high))
     if scale_to != "none" and MEASURES[scale_to].drifts and find(conditioned.warnings, "baseline_drift"):
-        conditioned = conditioned.with_warning(Remark("scaled_to_drift"))
+        conditioned = conditioned.with_warning(WarningText("scaled_to_drift"))
     return scaled(conditioned, factor), factor
 
 

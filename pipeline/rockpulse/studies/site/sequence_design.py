@@ -13,7 +13,6 @@ from rocking.impulses.sequence import sequence_response
 from rockpulse.config.configuration import Config
 from rockpulse.earthquakes import draw_earthquakes, fit_lognormal, share_interval, weighted_quantile
 from rockpulse.errors import RecordRefused
-from rockpulse.remark import as_stored
 from rockpulse.storage.variables import with_values
 from rockpulse.storage.variables.site import COORDINATES, PARAMETER, VARIABLES
 from rockpulse.studies.site.design import (
@@ -27,7 +26,8 @@ from rockpulse.studies.site.design import (
     overturning_limit,
 )
 from rockpulse.studies.site.records import parameters_of, rotation_to_cover
-from rockpulse.studies.site.remarks import site_remarks
+from rockpulse.studies.site.site_warnings import site_warnings
+from rockpulse.warning_text import as_stored
 
 #: Value of a pair that does not count.
 NOT_COUNTED = -1
@@ -97,7 +97,7 @@ def sequence_design(
     block_names: Sequence[str],
     blocks: Block,
     config: Config,
-    remarks: Sequence[str],
+    warnings: Sequence[str],
 ) -> dict[str, xr.Dataset]:
     """Fits, designs, judges: nodes of a site file by path, weights of mean one; RecordRefused without a design."""
     settings = config.calibration
@@ -143,8 +143,8 @@ def sequence_design(
     }
     unjudged = {str(names[event]): reason for event, reason in unjudged_events(left_out, sample).items()}
     told = site | {"share_below": below, "design_upper": per_parameter["design_upper"][0]}
-    remarks = [*remarks, *site_remarks(told, done["scale_factor"], done["event"], weights, unjudged)]
-    site |= {"remarks": "\n".join(remarks), "remark_values": as_stored(remarks)}
+    warnings = [*warnings, *site_warnings(told, done["scale_factor"], done["event"], weights, unjudged)]
+    site |= {"site_warnings": "\n".join(warnings), "site_warning_values": as_stored(warnings)}
     of_events = [coverage_of(marks[numbers == one], sample.part(numbers == one), 0.9)[0] for one in range(names.size)]
     columns = {**done, "weight": weights, "left_out_main": left_out.main}
     of_records = [name for name, one in VARIABLES.items() if one.dims in (("record",), ("record", "parameter"))]

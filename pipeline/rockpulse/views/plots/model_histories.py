@@ -25,7 +25,7 @@ from rockpulse.views.plots.motion_history import HalfCycle, rotation_history
 from rockpulse.views.shared.formatting import three_digits
 from rockpulse.views.shared.words import say
 
-#: Difference of peaks [-] from which on a history has a remark, and instants of the history of a sequence.
+#: Difference of peaks [-] from which on a history has a warning, and instants of the history of a sequence.
 _SAME, _INSTANTS = 1e-3, 4000
 #: Remedies where the file does not hold the motion of a body.
 _AGAIN, _OTHERS = "assess again with [models] histories = true", "draw other models (--model)"
@@ -41,7 +41,7 @@ class History(NamedTuple):
     impact_count: int = -1  # of the model; -1 where they never end or are not known
     overturning: float = math.nan  # time from which it is certain [s]; NaN without
     peak: float = math.nan  # theta_max/alpha_c [-]; inf where the block overturns, NaN where the model cannot say
-    remark: str = ""  # doubts about the motion
+    warning: str = ""  # doubts about the motion
 
 
 def histories(
@@ -62,7 +62,7 @@ def histories(
         Names; none where there is one only.
     models : sequence of str, optional
         Some of nonlinear, linear, impulsive, sequence and resonance; by default those of the results that follow the
-        record, the first three. One that could not say (UNRESOLVED) has an empty history and a remark.
+        record, the first three. One that could not say (UNRESOLVED) has an empty history and a warning.
     case : int
         Number of the restitution, from 1.
     factor : float
@@ -93,7 +93,7 @@ def histories(
         return [_history(tree, record, block, name, case) for name in models]
     body = selection.block_of(summary, block, case)
     scaled = [recomputed(tree, record, block, body, name, [factor])[0] for name in models]
-    return [History(one.model, remark=say("unknown.unresolved")) if np.isnan(one.peak) else one for one in scaled]
+    return [History(one.model, warning=say("unknown.unresolved")) if np.isnan(one.peak) else one for one in scaled]
 
 
 def _history(tree: xr.DataTree, record: str, block: str, model: str, case: int) -> History:
@@ -102,9 +102,9 @@ def _history(tree: xr.DataTree, record: str, block: str, model: str, case: int) 
     peak, outcome = float(answer["peak_rotation_ratio"]), int(answer["outcome"])
     overturning = float(answer["overturning_time"]) if "overturning_time" in answer else np.nan
     count = int(answer["impacts"]) if "impacts" in answer else -1
-    remarks = [] if "applicable" not in answer or int(answer["applicable"]) else [say("unknown.outside")]
+    warnings = [] if "applicable" not in answer or int(answer["applicable"]) else [say("unknown.outside")]
     if outcome == Outcome.UNRESOLVED:
-        return History(model, remark="; ".join([say("unknown.unresolved"), *remarks]))
+        return History(model, warning="; ".join([say("unknown.unresolved"), *warnings]))
     body = selection.block_of(summary, block, case)
     if model in SEQUENCE_MODELS:
         # A design sequence stands for no record: its own time is the only one.
@@ -120,8 +120,8 @@ def _history(tree: xr.DataTree, record: str, block: str, model: str, case: int) 
             again, before = (
                 say("limit_state.overturning") if np.isinf(one) else three_digits(one) for one in (found, peak)
             )
-            remarks.append(say("plot.motion.again", again=again, stored=before))
-    return History(model, time, rotation, hits, count, overturning, peak, "; ".join(remarks))
+            warnings.append(say("plot.motion.again", again=again, stored=before))
+    return History(model, time, rotation, hits, count, overturning, peak, "; ".join(warnings))
 
 
 def stored_history(

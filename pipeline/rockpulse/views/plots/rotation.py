@@ -68,7 +68,7 @@ def rotation_history(histories: Sequence[History], axes: Panels | None = None, t
     moving.yaxis.set_major_formatter(lambda value, _: six_digits(value))  # of small ones too, no power beside the axis
     style.legend_above(moving, 2, across=True, lift=4.0)
     style.title(moving, title, rows=(len(histories) + 1) // 2)
-    style.caption(below, " ".join(_remarks(histories)))
+    style.caption(below, " ".join(_warnings(histories)))
     return panels
 
 
@@ -109,11 +109,11 @@ def moving_stretch(motions: Sequence[tuple[np.ndarray, np.ndarray]]) -> tuple[fl
     return max(first - around, 0.0), last + around
 
 
-def _remarks(histories: Sequence[History]) -> list[str]:
+def _warnings(histories: Sequence[History]) -> list[str]:
     words = style.notes(
         dashed_alpha=_limits(histories)[1] > 1.0,
         impacts=True,
         cross=any(np.isfinite(history.overturning) for history in histories),
         own_time=0 < sum(history.model in SEQUENCE_MODELS for history in histories) < len(histories),
     )
-    return words + [f"{_model(history)}: {history.remark}." for history in histories if history.remark]
+    return words + [f"{_model(history)}: {history.warning}." for history in histories if history.warning]

@@ -90,9 +90,9 @@ def rocking_spectrum(
     style.title(ax, words, rows=3 - (-len(handles) // 3))
     low, high = (restitution(float(end(spectrum["restitution"]))) for end in (np.min, np.max))
     span = low if low == high else say("plot.spectra.housner", low=low, high=high)
-    remarks = [say("plot.spectra.equation", c=span)]
-    remarks += style.notes(all_at_rest=bool(np.all(outcome == Outcome.AT_REST)), other_c=bool(bodies))
-    style.caption(ax, " ".join([*remarks, note]).strip())
+    warnings = [say("plot.spectra.equation", c=span)]
+    warnings += style.notes(all_at_rest=bool(np.all(outcome == Outcome.AT_REST)), other_c=bool(bodies))
+    style.caption(ax, " ".join([*warnings, note]).strip())
     return ax
 
 
@@ -203,13 +203,13 @@ def overturning_spectra(
     names = several["record"].values if "record" in several.coords else [several.attrs.get("record", "")]
     words = style.plain(names[known[0]]) if known.size == 1 else counted(known.size, "record")
     style.title(ax, f"{words}, $C$ = {six_digits(grid[chosen])}", rows=rows)
-    remarks = [*style.notes(below_curve=True), *below_the_picture(ax, curves)]
-    remarks += style.notes(larger_c=bool(bodies), no_spectrum=not known.size, straight=straight)
+    warnings = [*style.notes(below_curve=True), *below_the_picture(ax, curves)]
+    warnings += style.notes(larger_c=bool(bodies), no_spectrum=not known.size, straight=straight)
     if few:
-        remarks.append(say("plot.spectra.few", count=FEWEST_EVENTS))
+        warnings.append(say("plot.spectra.few", count=FEWEST_EVENTS))
     if known.size < len(names):
-        remarks.append(say("plot.spectra.without", count=len(names) - known.size, total=len(names)))
-    style.caption(ax, " ".join(remarks))
+        warnings.append(say("plot.spectra.without", count=len(names) - known.size, total=len(names)))
+    style.caption(ax, " ".join(warnings))
     return ax
 
 

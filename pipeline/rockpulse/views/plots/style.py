@@ -228,7 +228,7 @@ def unit(units: str) -> str:
 
 
 def readable(long_name: str) -> str:
-    """A long name with its symbols as mathematics, without the remarks that follow a semicolon."""
+    """A long name with its symbols as mathematics, without the warnings that follow a semicolon."""
     return _SYMBOL.sub(lambda found: _SYMBOLS[found.group()], long_name.split(";")[0].strip())
 
 

@@ -18,7 +18,7 @@ from rockpulse.storage.hdf5.results_file import WRITTEN_BY
 from rockpulse.views.report import records
 from rockpulse.views.report.answers import AnswerCells, answer_table, count_table, record_table, table_notes
 from rockpulse.views.report.beside import Paired, describe_fragility, describe_site
-from rockpulse.views.report.remarks import limits, remarks
+from rockpulse.views.report.report_warnings import limits, warnings
 from rockpulse.views.report.verdict import MOST, acceleration, basis, body_table, cards, counted_by, drawings, legend
 from rockpulse.views.shared.columns import columns, grade_cell, headed
 from rockpulse.views.shared.facts import Known
@@ -50,7 +50,7 @@ def gather(tree: xr.DataTree, site: Paired | None = None, fragility: Paired | No
     sections = stored_sections(configuration)
     files, drawn = files_used(tree), drawings(tree)
     calibrated = None if site is None else site.tree["site"].to_dataset()
-    said = remarks(answers, found, files, calibrated, str(sections.get("records", {}).get("components", "")))
+    said = warnings(answers, found, files, calibrated, str(sections.get("records", {}).get("components", "")))
     title = str(tree.attrs.get("title", ""))
     history = (line.partition(WRITTEN_BY) for line in str(tree.attrs.get("history", "")).splitlines())
     if configuration and not sections.get("site", {}).get("name"):
@@ -70,7 +70,7 @@ def gather(tree: xr.DataTree, site: Paired | None = None, fragility: Paired | No
         used=records.used_table(answers),
         left_out=records.left_out_table(site.tree if by_sequence and site else tree),
         counted_by=counted_by(answers),
-        remarks=said,
+        warnings=said,
         counts=count_table(answers),
         answers=answer_table(cells),
         earthquakes=records.event_table(answers),
@@ -87,7 +87,7 @@ def gather(tree: xr.DataTree, site: Paired | None = None, fragility: Paired | No
         versions=records.versions(tree),
         inputs=records.input_table(summary),
         failures=records.failure_table(tree),
-        warnings=records.warning_table(summary),
+        record_warnings=records.warning_table(summary),
         configuration=configuration,
     )
 

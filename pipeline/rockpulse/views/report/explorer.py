@@ -141,14 +141,14 @@ class _Scenes:
         except ResultsError:
             time, acceleration = as_it_is.time, np.full(as_it_is.time.size, np.nan)
         if time.size < 2:
-            raise ResultsError(f"{body.name} under {record}, {self._answers.model} model: {as_it_is.remark}")
+            raise ResultsError(f"{body.name} under {record}, {self._answers.model} model: {as_it_is.warning}")
         columns = _window(time, list(motions.values()))
         return {
             "start": round(columns.start, 4),
             "end": round(columns.end, 4),
             "columns": columns.count,
             "whole": round(float(time[-1]), 4),
-            "remark": as_it_is.remark,
+            "warning": as_it_is.warning,
             "ground": packed(columns.extremes(time, acceleration)),
             "curve": None if curve is None else [np.round(values, 4).tolist() for values in curve],
             "points": points,

@@ -101,7 +101,7 @@ class Pictures:
         def draw() -> Axes:
             found = histories(self._tree, record, body.block, [model], body.case + 1)
             if not found[0].time.size:
-                raise ResultsError(f"{body.name} under {record}, {model} model: {found[0].remark}.")
+                raise ResultsError(f"{body.name} under {record}, {model} model: {found[0].warning}.")
             ax: Axes = rotation_history(found)[0]
             return ax
 

@@ -187,7 +187,7 @@ def warning_table(summary: xr.Dataset) -> Table:
         for place, (label, text) in enumerate(zip(summary[kind].values, summary[name].values, strict=True)):
             key = f"{'body' if kind == 'block' else 'record'}-{place}"
             rows += [(Cell(record_label(str(label)), link=key), Cell(line)) for line in str(text).splitlines() if line]
-    return Table("warnings", say("page.warnings"), _headings("of_what", "warning"), tuple(rows))
+    return Table("record-warnings", say("page.warnings"), _headings("of_what", "warning"), tuple(rows))
 
 
 def versions(tree: xr.DataTree) -> tuple[Fact, ...]:

@@ -39,7 +39,7 @@ HEAD = 4096
 #: The kinds of files, by which words name them.
 _FILES = {ASSESSMENT: "assessment", SITE_KIND: "site", FRAGILITY: "fragility"}
 #: The parts of the annex, by their ids; one that the results have nothing for is left out.
-ANNEXES = ("remarks", "site", "fragility", "all-answers", "bodies", "records", "method", "sources")
+ANNEXES = ("warnings", "site", "fragility", "all-answers", "bodies", "records", "method", "sources")
 #: The letters and powers of a page for words of the terminal.
 LETTERS = {"theta_max": "θ_max", "alpha_c": "α_c", "theta": "θ", "alpha": "α", "beta": "β", "dT": "ΔT", "m/s2": "m/s²"}
 #: Names of these browsers on PATH.

@@ -14,10 +14,10 @@ from rockpulse.assessment.verdict import OVERTURNS, BodyVerdict, Grade
 from rockpulse.readers.kit.channel import CREDIBLE_PEAK_G
 from rockpulse.record.measures import PGA, STORED, STORED_OF_BODIES, Measure
 from rockpulse.record.record import STANDARD_GRAVITY
-from rockpulse.remark import remarked
 from rockpulse.views.shared.formatting import ABSENT, between, lower_bound, ratio, restitution, shortened
 from rockpulse.views.shared.table import Cell, CellMark, Heading, Table, number
 from rockpulse.views.shared.words import say
+from rockpulse.warning_text import has_warning
 
 #: Longest id of a record and name of a block in a table.
 ID_WIDTH, NAME_WIDTH = 36, 29
@@ -76,8 +76,8 @@ _NOTED = frozenset({"restitution", "uplift_ratio", "overturning_probability", "s
 def doubt(pga: float, codes: str) -> tuple[CellMark, ...]:
     """Marks of one record, by its PGA [m/s2], which is NaN of a sequence, and the codes of its warnings."""
     low, high = (STANDARD_GRAVITY * bound for bound in CREDIBLE_PEAK_G)
-    peak = pga < low or pga > high or remarked(codes, "header_peak")
-    return ((PEAK,) if peak else ()) + ((CLIPPED,) if remarked(codes, "clipped", "full_scale") else ())
+    peak = pga < low or pga > high or has_warning(codes, "header_peak")
+    return ((PEAK,) if peak else ()) + ((CLIPPED,) if has_warning(codes, "clipped", "full_scale") else ())
 
 
 def record_cell(name: str, pga: float, codes: str) -> Cell:

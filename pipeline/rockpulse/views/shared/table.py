@@ -75,7 +75,7 @@ class Table:
     caption: str
     headings: tuple[Heading, ...]
     rows: tuple[tuple[Cell, ...], ...]
-    remarks: tuple[str, ...] = ()
+    footnotes: tuple[str, ...] = ()
     searched: int = 20
 
     def __post_init__(self) -> None:
@@ -96,9 +96,9 @@ class Table:
 
     @cached_property
     def notes(self) -> tuple[str, ...]:
-        """The remarks of the table, then what the marks mean that occur in it, in the order of their appearance."""
+        """The footnotes of the table, then what the marks mean that occur in it, in the order of their appearance."""
         notes = dict.fromkeys(mark.note for row in self.rows for cell in row for mark in cell.marks if mark.note)
-        return *self.remarks, *notes
+        return *self.footnotes, *notes
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,7 @@ from typing import Any
 
 from rockpulse.errors import ConfigError
 from rockpulse.option import hint
-from rockpulse.remark import Remark, restored
+from rockpulse.warning_text import WarningText, restored
 
 _FOLDER = files("rockpulse.views").joinpath("words")
 #: Codes of the languages that there is a file of.
@@ -98,10 +98,10 @@ def in_numerals(text: str) -> str:
 
 
 class _Numerals(Formatter):
-    """Fills in fields, numbers in the form of the language that is written, remarks in its words."""
+    """Fills in fields, numbers in the form of the language that is written, warnings in its words."""
 
     def get_value(self, key: int | str, args: Sequence[Any], kwargs: Mapping[str, Any]) -> Any:
-        """A value, a remark in the words of the language."""
+        """A value, a warning in the words of the language."""
         return _told(super().get_value(key, args, kwargs))
 
     def format_field(self, value: Any, format_spec: str) -> Any:
@@ -111,17 +111,17 @@ class _Numerals(Formatter):
 
 
 def _told(value: Any) -> Any:
-    if isinstance(value, Remark):
-        return remark_words(value)
+    if isinstance(value, WarningText):
+        return warning_words(value)
     return ", ".join(map(_told, value)) if isinstance(value, list) else value
 
 
-def remark_words(remark: Remark) -> str:
-    """A remark in the language that is written."""
-    words = named(f"remarks.{remark.code.partition('/')[0]}", "")
-    return _Numerals().vformat(words, (), remark.values) if words else str(remark)
+def warning_words(warning: WarningText) -> str:
+    """A warning in the language that is written."""
+    words = named(f"warnings.{warning.code.partition('/')[0]}", "")
+    return _Numerals().vformat(words, (), warning.values) if words else str(warning)
 
 
-def remarks_of(stored: str) -> list[str]:
-    """Remarks as they are stored by codes and values, in the language that is written."""
-    return [remark_words(one) for one in restored(stored)]
+def warnings_of(stored: str) -> list[str]:
+    """Warnings as they are stored by codes and values, in the language that is written."""
+    return [warning_words(one) for one in restored(stored)]

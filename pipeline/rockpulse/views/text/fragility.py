@@ -12,7 +12,7 @@ from rockpulse.views.shared.columns import count_of, shown, tabulated, titled
 from rockpulse.views.shared.files_used import files_used
 from rockpulse.views.shared.formatting import ABSENT, paragraph, ratio, several, six_digits
 from rockpulse.views.shared.table import Cell, CellMark, Heading, Table, number, text
-from rockpulse.views.shared.words import counted, named, numerals, remarks_of, say
+from rockpulse.views.shared.words import counted, named, numerals, say, warnings_of
 from rockpulse.views.text.left_out import unused
 from rockpulse.views.text.site import explained
 
@@ -60,7 +60,7 @@ def state_words(name: str) -> str:
 
 def statement(one: xr.Dataset) -> str:
     """What there is to say of a curve, of a body and limit state in one measure; empty for nothing."""
-    return "; ".join(remarks_of(str(one["statement_values"].item())))
+    return "; ".join(warnings_of(str(one["statement_values"].item())))
 
 
 def median_table(tree: xr.DataTree) -> Table:
@@ -152,7 +152,7 @@ def _told_by(efficiency: xr.Dataset, p_value: xr.DataArray) -> list[str]:
 
 
 def _statements(curves: xr.Dataset) -> str:
-    """A remark of each kind, by the state of curve, band and median, and how many others there are like it."""
+    """A warning of each kind, by the state of curve, band and median, and how many others there are like it."""
     statements = curves["statement"]
     found: dict[tuple[int, ...], list[str]] = {}
     for place in zip(*np.nonzero(statements.values), strict=True):
@@ -161,4 +161,4 @@ def _statements(curves: xr.Dataset) -> str:
         found.setdefault(kind, []).append(f"{', '.join(labels)}: {statements.values[place]}")
     like = {first: f" (and {len(others)} more like it)" if others else "" for first, *others in found.values()}
     said = [paragraph(first + more, "      ", "  ") for first, more in like.items()]
-    return "\n".join(["remarks", *said]) if said else ""
+    return "\n".join(["warnings", *said]) if said else ""

@@ -7,9 +7,9 @@ from textwrap import shorten
 import xarray as xr
 
 from rockpulse.errors import NO_RECORD, Failure, alike, last_part, some, told
-from rockpulse.remark import PLAIN
 from rockpulse.views.shared.files_used import failure_rows
 from rockpulse.views.shared.formatting import WIDTH, paragraph
+from rockpulse.warning_text import PLAIN
 
 #: Rows of a kind other than "failed" in the overview, those of one reason as one; and in a brief one.
 LISTED, FEW = 12, 3

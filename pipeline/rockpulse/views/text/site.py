@@ -22,7 +22,7 @@ from rockpulse.views.shared.formatting import (
     three_digits,
 )
 from rockpulse.views.shared.table import Cell, Heading, Table, lines, number, text
-from rockpulse.views.shared.words import counted, listed, named, remarks_of, say
+from rockpulse.views.shared.words import counted, listed, named, say, warnings_of
 from rockpulse.views.text.left_out import rows_not_used, unused
 
 #: Rows of a table of blocks, and names of events, that are listed one by one.
@@ -43,7 +43,7 @@ def site_overview(tree: xr.DataTree) -> str:
         own = [explained(parameters), correlation, paragraph(design(site), "  ", ""), _coverage(site, blocks)]
     parts = [
         unused(files_used(tree).line),
-        "\n".join(paragraph(line, "  ", "! ") for line in site_remarks(site)),
+        "\n".join(paragraph(line, "  ", "! ") for line in site_warnings(site)),
         "\n".join(paragraph(line, "  ", "") for line in about_records(site)),
         *own,
         _warnings(site),
@@ -52,9 +52,9 @@ def site_overview(tree: xr.DataTree) -> str:
     return "\n\n".join(part for part in parts if part)
 
 
-def site_remarks(site: xr.Dataset) -> list[str]:
+def site_warnings(site: xr.Dataset) -> list[str]:
     """Sentences on the limits of the calibration, the gravest first."""
-    return remarks_of(site["remark_values"].item())
+    return warnings_of(site["site_warning_values"].item())
 
 
 def site_tables(site: xr.Dataset) -> list[Table]:
@@ -235,7 +235,7 @@ def explained(table: Table) -> str:
         if heading.note:
             titles.setdefault(heading.note, []).append(heading.title)
     note = " ".join(f"{', '.join(named)}: {words}." for words, named in titles.items())
-    return text(replace(table, remarks=(note, *table.remarks)))
+    return text(replace(table, footnotes=(note, *table.footnotes)))
 
 
 def _number(site: xr.Dataset, name: str) -> float:

@@ -62,11 +62,11 @@ def test_the_curves_are_the_histories(drawn):
 def test_the_computed_history_reaches_the_stored_peak(assessed, first, changed):
     for history in histories(assessed, first, COLUMN, ["nonlinear", "linear", "impulsive"]):
         assert np.nanmax(np.abs(history.rotation)) == pytest.approx(history.peak, rel=0.02)
-        assert history.remark == ""
+        assert history.warning == ""
     peak = assessed["summary"]["peak_rotation_ratio"].values.copy()
     peak[..., 3] = 0.9
     (found,) = histories(changed(peak_rotation_ratio=peak), first, COLUMN, ["linear"])
-    assert "stored is 0.9" in found.remark
+    assert "stored is 0.9" in found.warning
 
 
 def test_impacts_are_ticks_in_a_row_of_each_model_and_the_legend_says_how_it_ends(drawn, assessed, first):

@@ -82,7 +82,7 @@ def test_names_with_html_or_mathematics_are_text_and_the_parts_come_in_order(pag
     for words in ('Quake <script>alert("1")</script>', 'why <script>alert("1")</script>', "$\\frac{"):
         assert words in found.text, words
     assert int(results["summary"]["outcome"].max()) == Outcome.OVERTURNS
-    sections = ("verdict", "grounds", "annex", "remarks", "site", "fragility", "bodies", "records")
+    sections = ("verdict", "grounds", "annex", "warnings", "site", "fragility", "bodies", "records")
     parts = ("Not covered", "Assumptions", "Left out", "Versions", "Configuration")
     heads = [f'<section id="{name}"' for name in sections] + [f"<h3>{words}" for words in parts]
     assert (places := [page.index(words) for words in heads]) == sorted(places)
@@ -172,7 +172,7 @@ def cells(table):
 def test_a_record_of_a_doubtful_peak_is_marked_and_said_first(results):
     assert not any("peak?" in text for text in cells(gather(results).answers))
     found = gather(changed(results, pga=98.1))
-    first = found.remarks[0]
+    first = found.warnings[0]
     assert (first.grade, first.head) == ("decides", "the peak of 1 record is doubtful")
     assert found.limits[0].startswith("What may change a verdict: the peak of 1 record is doubtful")
     assert first.text.startswith("burst0 (peak?). (peak?): a peak above 5 g")
@@ -188,7 +188,7 @@ def test_where_nothing_was_found_the_page_says_up_to_where(results):
     assert "none" not in cells(found.answers)
     assert any(">10: none found up to there, where the search ends" in note for note in found.notes)
     assert "at rest" in cells(found.answers)
-    assert any("1 of 3 bodies lifted by none of these motions" in one.head for one in found.remarks)
+    assert any("1 of 3 bodies lifted by none of these motions" in one.head for one in found.warnings)
 
 
 def test_the_file_is_written_and_only_a_report_is_replaced(tmp_path, monkeypatch, known):
@@ -210,7 +210,7 @@ def test_the_file_is_written_and_only_a_report_is_replaced(tmp_path, monkeypatch
         report(tree, tmp_path, overwrite=True)
 
 
-@pytest.mark.sweep
+@pytest.mark.slow
 def test_files_of_another_kind_are_refused(tmp_path, results, site):
     rp.save(site, tmp_path / "site.h5")
     rp.save(results, tmp_path / "results.h5")

@@ -1,4 +1,4 @@
-"""The remarks of a report, to be known before its numbers are used: what decides, what limits, what only explains."""
+"""The warnings of a report, to be known before its numbers are used: what decides, what limits, what only explains."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -12,7 +12,6 @@ from rockpulse.assessment.demand import FARTHEST
 from rockpulse.assessment.verdict import FEWEST_AT_DEMAND, MAY_OVERTURN, BodyVerdict, Grade, sliding, worse_screens
 from rockpulse.earthquakes import CONFIDENCE, FEWEST_EVENTS, probability_interval
 from rockpulse.model_table import is_full, is_upper_bound
-from rockpulse.remark import remarked
 from rockpulse.views.report.verdict import of_unknown_event
 from rockpulse.views.shared.columns import doubt_notes, record_cells
 from rockpulse.views.shared.files_used import FilesUsed
@@ -20,6 +19,7 @@ from rockpulse.views.shared.formatting import ratio, share, six_digits
 from rockpulse.views.shared.notes import factor_heading
 from rockpulse.views.shared.words import counted, listed, say
 from rockpulse.views.text.site import coverage
+from rockpulse.warning_text import has_warning
 
 #: From the gravest: what may turn a verdict over, what bounds it, what only explains it.
 GRADES = ("decides", "limits", "notes")
@@ -34,23 +34,23 @@ class Limit:
     text: str
 
 
-def remarks(
+def warnings(
     answers: Answers,
     found: Sequence[BodyVerdict],
     files: FilesUsed,
     site: xr.Dataset | None = None,
     components: str = "",
 ) -> list[Limit]:
-    """The remarks on the verdicts, the gravest first, with the node /site of a site file and [records] components."""
+    """The warnings on the verdicts, the gravest first, with the node /site of a site file and [records] components."""
     summary, motions = answers.summary, answers.motions
     said = [_doubtful(summary), *_few(found), *_of_model(answers), _unknown(answers, found)]
     if motions.kind == "sequence":
-        if any(remarked(str(codes), "demand_not_compared") for codes in summary["warning_codes"].values):
+        if any(has_warning(str(codes), "demand_not_compared") for codes in summary["warning_codes"].values):
             said.append(_limit("decides", "not_compared"))  # a sequence has no PGA
         said += [] if site is None else _of_design(site, found)
     said += [_confidence(motions, site), _at_rest(found, motions)]
     if files.line:
-        told = files.counted or say("remark.files.none")
+        told = files.counted or say("warning.files.none")
         said.append(_limit("limits", "files", counted=told, reasons=files.reasons))
     said += _of_bodies(answers, found)
     if drifting := int(answers["pgv_drift"].sum()):
@@ -70,7 +70,7 @@ def limits(said: Sequence[Limit], found: Sequence[BodyVerdict], motions: Motions
     more = say("limits.more", count=len(grave) - 2) if len(grave) > 2 else ""
     lines = [say("limits.decides", heads="; ".join(grave[:2]), more=more)] if grave else []
     if motions.kind == "sequence":
-        lines += [one.text for one in said if one.head == say("remark.site_confidence.head")]
+        lines += [one.text for one in said if one.head == say("warning.site_confidence.head")]
     else:
         counts = [one.deciding.earthquakes if one.deciding else motions.event_count for one in found]
         fewest = min(counts, default=motions.event_count)
@@ -80,11 +80,11 @@ def limits(said: Sequence[Limit], found: Sequence[BodyVerdict], motions: Motions
 
 
 def _limit(grade: Literal["decides", "limits", "notes"], key: str, **fields: object) -> Limit:
-    return Limit(grade, say(f"remark.{key}.head", **fields), say(f"remark.{key}.text", **fields))
+    return Limit(grade, say(f"warning.{key}.head", **fields), say(f"warning.{key}.text", **fields))
 
 
 def _of_model(answers: Answers) -> list[Limit]:
-    """The remark on a model that is not the full equation of motion."""
+    """The warning on a model that is not the full equation of motion."""
     if is_upper_bound(answers.model):
         return [_limit("decides", "upper_bound", model=say(f"models.{answers.model}"))]
     if answers.motions.kind == "sequence":
@@ -95,7 +95,7 @@ def _of_model(answers: Answers) -> list[Limit]:
 
 
 def _few(found: Sequence[BodyVerdict]) -> list[Limit]:
-    """The remarks on demands to which too few earthquakes can be brought."""
+    """The warnings on demands to which too few earthquakes can be brought."""
     most: dict[str, int] = {}
     for demand in (demand for one in found for demand in one.demands if demand.few):
         most[demand.name] = max(demand.earthquakes, most.get(demand.name, 0))
@@ -108,10 +108,10 @@ def _few(found: Sequence[BodyVerdict]) -> list[Limit]:
 
 def _confidence(motions: Motions, site: xr.Dataset | None) -> Limit:
     if motions.kind == "sequence":
-        told = say("remark.site_confidence.ask") if site is None else coverage(site)
+        told = say("warning.site_confidence.ask") if site is None else coverage(site)
         return _limit("limits", "site_confidence", coverage=told)
     events = counted(motions.event_count, "earthquake")
-    few = say("remark.confidence.few", events=events, may=six_digits(MAY_OVERTURN))
+    few = say("warning.confidence.few", events=events, may=six_digits(MAY_OVERTURN))
     return _limit(
         "limits",
         "confidence",
@@ -124,7 +124,7 @@ def _confidence(motions: Motions, site: xr.Dataset | None) -> Limit:
 
 
 def _of_design(site: xr.Dataset, found: Sequence[BodyVerdict]) -> list[Limit]:
-    """The remarks on bodies that stand under the design of their site."""
+    """The warnings on bodies that stand under the design of their site."""
     standing = [one for one in found if one.grade < Grade.MAY_OVERTURN]
     confidence = share(float(site["confidence"]))
     kind = "spectrum" if site.attrs["method"] == "spectrum" else "sequences"
@@ -159,7 +159,7 @@ def _of_spectrum(site: xr.Dataset, standing: Sequence[BodyVerdict]) -> tuple[lis
 
 
 def _of_bodies(answers: Answers, found: Sequence[BodyVerdict]) -> list[Limit]:
-    """Remarks on bodies that stand on a pedestal, and on those whose friction does not hold them."""
+    """Warnings on bodies that stand on a pedestal, and on those whose friction does not hold them."""
     said = []
     for alone, worst in worse_screens(answers, found):
         value = ratio(worst.decides.value)
@@ -172,11 +172,11 @@ def _of_bodies(answers: Answers, found: Sequence[BodyVerdict]) -> list[Limit]:
 
 
 def _unknown(answers: Answers, found: Sequence[BodyVerdict]) -> Limit | None:
-    """The remark that motions are left out of the probability."""
+    """The warning that motions are left out of the probability."""
     count, total = sum(one.share.unknown for one in found), len(found) * len(answers.motions.names)
     if not count:
         return None
-    why = "" if answers.probable else say("remark.unknown.why")
+    why = "" if answers.probable else say("warning.unknown.why")
     return _limit("decides", "unknown", count=count, total=total, why=why)
 
 
