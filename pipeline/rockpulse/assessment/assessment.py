@@ -13,7 +13,7 @@ from rocking.impulses.impulse_sequence import ImpulseSequence
 from rockpulse.assessment.record_assessment import assess_scene
 from rockpulse.assessment.results import registered
 from rockpulse.assessment.scene import extract, solver_options
-from rockpulse.assessment.tree import EVENT, build_tree, nothing, record_part, template
+from rockpulse.assessment.tree import EVENT, build_tree, empty_rows, empty_tree, record_part
 from rockpulse.config.bodies import Bodies, gather_bodies, refuse_aloft
 from rockpulse.config.configuration import Config, given_config
 from rockpulse.errors import ConfigError, Failure
@@ -100,7 +100,7 @@ class Assessment(Analysis):
     @cached_property
     def nothing(self) -> Part:
         """Empty variables of a record without results."""
-        return nothing(self.bodies, self.config)
+        return empty_rows(self.bodies, self.config)
 
     def dimension_of(self, name: str) -> str:
         """Return the first dimension of a variable, given by its path."""
@@ -110,7 +110,7 @@ class Assessment(Analysis):
     @property
     def template(self) -> xr.DataTree:
         """Return the tree of results without records."""
-        return template(self.bodies, self.config)
+        return empty_tree(self.bodies, self.config)
 
     def collect(self, parts: Sequence[Part], planned: Sequence[PlannedMotion], failures: list[Failure]) -> xr.DataTree:
         """Join the parts, and for a sweep compute the statistics over direction."""

@@ -12,7 +12,7 @@ from rocking.body.supports import floor_motion
 from rocking.response import Outcome, Response
 from rocking.search.factors import ScaleIntervals
 from rockpulse.config.block_settings import FloorSettings
-from rockpulse.config.bodies import Bodies, Place
+from rockpulse.config.bodies import Bodies, FeltMotion
 from rockpulse.config.configuration import Config
 from rockpulse.errors import RecordRefused
 from rockpulse.model_row import Scene
@@ -68,7 +68,7 @@ def solver_options(config: Config) -> dict[str, Any]:
 QUIET = 1e-4
 
 
-def places_of(bodies: Bodies, record: Record, pair: Pair | None, config: Config) -> list[tuple[Place, np.ndarray]]:
+def places_of(bodies: Bodies, record: Record, pair: Pair | None, config: Config) -> list[tuple[FeltMotion, np.ndarray]]:
     """Return the places of bodies, each with the indices of its bodies; raise RecordRefused for a missing direction."""
     if config.records.components == "horizontal":
         return bodies.places(None)
@@ -83,7 +83,7 @@ def places_of(bodies: Bodies, record: Record, pair: Pair | None, config: Config)
     return found
 
 
-def turned(scene: Scene, place: Place, pair: Pair | None, config: Config) -> Scene:
+def turned(scene: Scene, place: FeltMotion, pair: Pair | None, config: Config) -> Scene:
     """Return the scene in the direction of a place, rotated from the two channels of the record."""
     if place.azimuth is None:
         return scene
@@ -91,7 +91,7 @@ def turned(scene: Scene, place: Place, pair: Pair | None, config: Config) -> Sce
     return replace(extract(rotate(pair, place.azimuth), config), vertical=scene.vertical)
 
 
-def aloft(scene: Scene, place: Place, config: Config) -> Scene:
+def aloft(scene: Scene, place: FeltMotion, config: Config) -> Scene:
     """Return the scene on the floor of a place; the vertical motion is that of the ground."""
     if not place.floors:
         return scene

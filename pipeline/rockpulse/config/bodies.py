@@ -19,7 +19,7 @@ from rockpulse.errors import ConfigError
 LIGHT = 0.05
 
 
-class Place(NamedTuple):
+class FeltMotion(NamedTuple):
     """The direction and the floor that determine the motion under a body."""
 
     azimuth: float | None  #: direction to which the pair of channels is rotated [degrees]; None for the record's own
@@ -51,12 +51,12 @@ class Bodies:
     #: Warnings on each body, one per line.
     warnings: tuple[str, ...]
 
-    def places(self, azimuth: float | None, within: float = 0.0) -> list[tuple[Place, np.ndarray]]:
+    def places(self, azimuth: float | None, within: float = 0.0) -> list[tuple[FeltMotion, np.ndarray]]:
         """Group body indices by place, the record's own place (`within` degrees of `azimuth`) first."""
         own = []
         for direction, floors in zip(self.azimuth.tolist(), self.floors, strict=True):
             other = azimuth is not None and abs(math.remainder(direction - azimuth, 180.0)) > within
-            own.append(Place(direction if other else None, floors))
+            own.append(FeltMotion(direction if other else None, floors))
         every = sorted(dict.fromkeys(own), key=lambda place: (place.azimuth is not None, len(place.floors)))
         return [(one, np.flatnonzero([place == one for place in own])) for one in every]
 

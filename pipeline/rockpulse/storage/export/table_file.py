@@ -148,7 +148,7 @@ def safe_texts(frame: pd.DataFrame) -> pd.DataFrame:
     )
 
 
-def csv_bytes(table: pd.DataFrame) -> bytes:
+def table_csv(table: pd.DataFrame) -> bytes:
     """Return a table as CSV with one header line, all digits of numbers, and texts made safe by :func:`safe_texts`."""
     return safe_texts(table).to_csv(index=False).encode()
 

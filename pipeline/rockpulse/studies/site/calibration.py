@@ -14,18 +14,18 @@ from rocking.impulses.impulse_sequence import ImpulseSequence
 from rockpulse.config.bodies import gather_bodies, refuse_aloft
 from rockpulse.config.configuration import Config, given_config, located
 from rockpulse.config.settings import WEIGHTS
-from rockpulse.errors import ConfigError, Failure, RecordRefused, ResultsError, alike, told
+from rockpulse.errors import ConfigError, Failure, RecordRefused, ResultsError, alike, reasons_in_words
 from rockpulse.record.record import Record
 from rockpulse.run.analysis import Analysis, Blocks, Part, Plan, Records, Work, joined, run
 from rockpulse.selection.directions import PlannedMotion, planned_ids
 from rockpulse.selection.tables import read_weight_table, record_weights
 from rockpulse.sequences.design_spectrum import DesignSpectrum
-from rockpulse.storage.hdf5.atomic import ASSESSMENT, named
+from rockpulse.storage.hdf5.atomic import ASSESSMENT, kind_in_words
 from rockpulse.storage.hdf5.results_file import load
 from rockpulse.storage.variables import failure_table
 from rockpulse.storage.variables.site import SITE_KIND
-from rockpulse.studies.site.records import block_family, no_site_record, site_record
 from rockpulse.studies.site.sequence_design import sequence_design
+from rockpulse.studies.site.site_records import block_family, no_site_record, site_record
 from rockpulse.studies.site.spectrum_design import no_spectrum_record, site_spectrum_record, spectrum_design
 
 
@@ -49,7 +49,7 @@ def calibrate(
         Sections records, conditioning, half_waves, intense_phase, sequence, calibration, run and the bodies.
     bodies : mapping of str to (width, height), Block or BlockSettings, or sequence of BlockSettings, optional
         The bodies of the design, instead of those of the configuration. Without bodies only the spectrum is stored, and
-        a single sequence is designed for 100 bodies (:func:`rockpulse.studies.site.records.block_family`).
+        a single sequence is designed for 100 bodies (:func:`rockpulse.studies.site.site_records.block_family`).
     failures, progress
         As for :func:`rockpulse.assess`.
 
@@ -154,7 +154,7 @@ class SiteCalibration(Analysis):
         """Compute the distribution over the records and the design."""
         if not parts:
             rows = [row for row in failures if row.kind != "vertical"]
-            reasons = "".join(f"\n  {told(group)}" for group in alike(rows))
+            reasons = "".join(f"\n  {reasons_in_words(group)}" for group in alike(rows))
             what = f"not one record could be calibrated, so there is no site to describe{reasons}"
             raise NothingCalibrated(what, failures)
         done = joined(parts)
@@ -199,7 +199,7 @@ def load_design(path: str | Path) -> DesignSpectrum | ImpulseSequence:
     tree = load(path)
     kind = tree.attrs.get("kind", ASSESSMENT)
     if kind != SITE_KIND:
-        raise ResultsError(f"{path}: expected a site file of 'rockpulse calibrate', found {named(kind)}")
+        raise ResultsError(f"{path}: expected a site file of 'rockpulse calibrate', found {kind_in_words(kind)}")
     return design_of(tree, str(path))
 
 

@@ -20,12 +20,12 @@ from rockpulse.studies.site.design import (
     PARAMETERS,
     SiteSample,
     correlation,
-    covered,
+    covered_rotations,
     design_sequence,
     main_impulse_interval,
     overturning_limit,
 )
-from rockpulse.studies.site.records import parameters_of, rotation_to_cover
+from rockpulse.studies.site.site_records import parameters_of, rotation_to_cover
 from rockpulse.studies.site.site_warnings import site_warnings
 from rockpulse.warning_text import as_stored
 
@@ -36,7 +36,7 @@ NOT_COUNTED = -1
 class Coverage(NamedTuple):
     """Coverage of each earthquake by a design fitted without it; NaN without a design."""
 
-    covered: np.ndarray  # (n, m) codes of :func:`rockpulse.studies.site.design.covered`
+    covered: np.ndarray  # (n, m) codes of :func:`rockpulse.studies.site.design.covered_rotations`
     main: np.ndarray  # (n,) main impulse of that design [m/s]
 
 
@@ -52,7 +52,7 @@ def leave_one_event_out(sample: SiteSample, quantile: float) -> Coverage:
             sequence = design_sequence(sample.part(others), quantile)
         except RecordRefused:  # the other earthquakes give no design
             continue
-        marks[out] = covered(sample.part(out), sequence)
+        marks[out] = covered_rotations(sample.part(out), sequence)
         mains[out] = sequence.main
     return Coverage(marks, mains)
 
@@ -118,7 +118,7 @@ def sequence_design(
     left_out = leave_one_event_out(sample, settings.quantile)
     marks = left_out.covered
     coverage = coverage_of(marks, sample, settings.confidence)
-    in_sample = covered(fitted, design)
+    in_sample = covered_rotations(fitted, design)
     per_parameter = _per_parameter(fitted, design, draws, config)
     counted, rests = ~np.isnan(fitted.peaks), judged(marks, sample)
     fallen, below = overturning_limit(fitted, design, settings.quantile)

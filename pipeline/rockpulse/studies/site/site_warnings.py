@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from rockpulse.studies.site.records import USUAL_FACTORS
+from rockpulse.studies.site.site_records import USUAL_FACTORS
 from rockpulse.warning_text import WarningText
 
 #: Smallest number of records and events for usable intervals.

@@ -28,7 +28,7 @@ from rockpulse.sequences.design_spectrum import DesignSpectrum
 from rockpulse.storage.variables import with_values
 from rockpulse.storage.variables.probability import RESTITUTIONS
 from rockpulse.storage.variables.site import OF_RECORDS, SITE, SITE_AXES, SPECTRA, SPECTRA_AXES
-from rockpulse.studies.site.records import facts_of_record, no_facts, scaled_motion
+from rockpulse.studies.site.site_records import facts_of_record, no_facts, scaled_motion
 from rockpulse.studies.site.site_warnings import FEWEST_EVENTS, scaled_far
 from rockpulse.warning_text import WarningText, as_stored
 

@@ -32,7 +32,7 @@ SMALLEST_PEAK = 0.01
 USUAL_FACTORS = (0.25, 4.0)
 
 
-def measured(name: str, record: Record, config: Config) -> float:
+def measured_value(name: str, record: Record, config: Config) -> float:
     """Compute a measure of a conditioned record."""
     return float(MEASURES[name].value(RecordOnBodies(record, partial(half_waves, record, **config.half_waves))))
 
@@ -42,7 +42,7 @@ def scale_factor(record: Record, config: Config) -> float:
     settings = config.calibration
     if settings.scale_to == "none" or settings.target is None:
         return 1.0
-    measure = measured(settings.scale_to, record, config)
+    measure = measured_value(settings.scale_to, record, config)
     if not (math.isfinite(measure) and measure > 0.0):
         raise RecordRefused(f"{record.id}: its {settings.scale_to} is {measure:g}: it cannot be scaled to a target")
     return settings.target / measure
@@ -125,8 +125,8 @@ def facts_of_record(record: Record, factor: float, config: Config) -> dict[str, 
         "warnings": "\n".join(record.warnings),
         "processing": "\n".join(record.processing),
         "scale_factor": factor,
-        **{one.name: measured(one.name, record, config) for one in STORED_LEVELS},
-        "largest_impulse": measured(IMPULSE, record, config),
+        **{one.name: measured_value(one.name, record, config) for one in STORED_LEVELS},
+        "largest_impulse": measured_value(IMPULSE, record, config),
         **facts_of(SimpleNamespace(record=record)),
     }
 
