@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from rockpulse.record.record import STANDARD_GRAVITY, Record
-from rockpulse.remark import Remark, code_of, find, remarked
+from rockpulse.warning_text import WarningText, code_of, find, has_warning
 
 #: Codes of the warnings on defects.
 DEFECTS = (
@@ -68,11 +68,11 @@ def checked(record: Record) -> Record:
     return replace(record, warnings=(*record.warnings, *found), stage="checked")
 
 
-def deciding(record: Record) -> list[Remark]:
+def deciding(record: Record) -> list[WarningText]:
     """The defects of a conditioned record that make its verdict: it does not count before they are confirmed."""
-    found = [one for one in record.warnings if isinstance(one, Remark) and one.values.get("decides")]
+    found = [one for one in record.warnings if isinstance(one, WarningText) and one.values.get("decides")]
     if find(record.warnings, "dead_channel"):
-        found += [Remark("dead_channel")]
+        found += [WarningText("dead_channel")]
     # What a filter or a baseline has taken out makes no velocity any more.
     left = find(record.warnings, "baseline_drift") is not None
     return [one for one in found if one.code != "velocity_drift" or left]
@@ -80,16 +80,16 @@ def deciding(record: Record) -> list[Remark]:
 
 def drifts(record: Record) -> bool:
     """Whether the ground velocity of a record drifts, or did so before its baseline was subtracted."""
-    return any(remarked(code_of(one), "baseline_drift", "velocity_drift") for one in record.warnings)
+    return any(has_warning(code_of(one), "baseline_drift", "velocity_drift") for one in record.warnings)
 
 
-def defects(record: Record) -> list[Remark]:
+def defects(record: Record) -> list[WarningText]:
     """The defects of the samples of a record as read, in the order of `DEFECTS`."""
     samples, dt = record.acceleration, record.dt
     steps = np.diff(np.unique(samples))
     steps = steps[steps > 1e-9 * np.ptp(samples)]
     if not steps.size:
-        return [Remark("dead_channel")]
+        return [WarningText("dead_channel")]
     if samples.size < FEWEST:
         return []
     resolution = float(steps.min())
@@ -106,13 +106,13 @@ def defects(record: Record) -> list[Remark]:
     ]
     if dt > COARSE:
         decides = bool(np.sum(np.diff(samples) ** 2) > UNDERSAMPLED * np.sum((samples - np.mean(samples)) ** 2))
-        found.append(Remark("coarse_sampling", rate=1.0 / dt, nyquist=0.5 / dt, decides=decides))
+        found.append(WarningText("coarse_sampling", rate=1.0 / dt, nyquist=0.5 / dt, decides=decides))
     slow, rest = min(
         (slow_velocity(samples - constant, dt) for constant in (0.0, np.mean(samples), np.median(samples))),
         key=lambda one: one[0] / one[1],
     )
     if slow > DRIFT * rest:
-        found.append(Remark("velocity_drift", slow=slow, rest=rest, decides=bool(slow > DECIDING_DRIFT * rest)))
+        found.append(WarningText("velocity_drift", slow=slow, rest=rest, decides=bool(slow > DECIDING_DRIFT * rest)))
     return found
 
 
@@ -128,11 +128,11 @@ def slow_velocity(acceleration: np.ndarray, dt: float) -> tuple[float, float]:
     return float(np.max(np.abs(slow))), float(max(np.max(np.abs(velocity - slow)), np.finfo(float).tiny))
 
 
-def _noise(samples: np.ndarray, dt: float, resolution: float) -> Remark | None:
+def _noise(samples: np.ndarray, dt: float, resolution: float) -> WarningText | None:
     """The warning on a channel that spans a few steps of its resolution only, or never rises above its noise."""
     span = float(np.ptp(samples))
     if span <= DEAD_STEPS * resolution:
-        return Remark("noise_only", reason=f"the samples span {span / resolution:.0f} steps only", decides=True)
+        return WarningText("noise_only", reason=f"the samples span {span / resolution:.0f} steps only", decides=True)
     length = max(round(1.0 / dt), 20)
     count = samples.size // length
     if count < NOISE_WINDOWS:
@@ -144,7 +144,7 @@ def _noise(samples: np.ndarray, dt: float, resolution: float) -> Remark | None:
     weak = 0.5 * span < WEAK
     if (white and contrast < NOISE_CONTRAST["white"]) or (weak and contrast < NOISE_CONTRAST["weak"]):
         reason = f"the strongest second has {contrast:.2g} times the level of the median one"
-        return Remark("noise_only", reason=reason, decides=True)
+        return WarningText("noise_only", reason=reason, decides=True)
     return None
 
 
@@ -153,12 +153,12 @@ def _runs(mask: np.ndarray) -> np.ndarray:
     return np.flatnonzero(np.diff(np.concatenate(([0], mask.view(np.int8), [0])))).reshape(-1, 2)
 
 
-def _lines(record: Record, centred: np.ndarray, resolution: float, strong: np.ndarray) -> list[Remark]:
+def _lines(record: Record, centred: np.ndarray, resolution: float, strong: np.ndarray) -> list[WarningText]:
     """Warnings on the longest constant stretch and the longest straight line amid samples that curve."""
     bend = np.abs(np.diff(centred, 2))
     straight = max(2.1 * resolution, 1e-6 * float(np.max(np.abs(centred))))
     clipped = find(record.warnings, "clipped") is not None
-    found: dict[str, list[Remark]] = {"held_value": [], "filled_gap": []}
+    found: dict[str, list[WarningText]] = {"held_value": [], "filled_gap": []}
     for begin, end in _runs(bend <= straight).tolist():
         length = (end - begin + 1) * record.dt
         if end - begin + 2 < LINE_SAMPLES or length < LINE_LENGTH:
@@ -179,13 +179,13 @@ def _lines(record: Record, centred: np.ndarray, resolution: float, strong: np.nd
             continue
         code = "held_value" if held else "filled_gap"
         decides = bool(end >= strong[0] and begin <= strong[1])
-        found[code].append(Remark(code, length=length, start=begin * record.dt, decides=decides))
+        found[code].append(WarningText(code, length=length, start=begin * record.dt, decides=decides))
     return [
         max(every, key=lambda one: (one.values["decides"], one.values["length"])) for every in found.values() if every
     ]
 
 
-def _repeated(samples: np.ndarray, dt: float, resolution: float, strong: np.ndarray) -> list[Remark]:
+def _repeated(samples: np.ndarray, dt: float, resolution: float, strong: np.ndarray) -> list[WarningText]:
     """Warnings on samples that repeat the one before throughout the strong part, and on a block that comes twice."""
     change = np.abs(np.diff(samples[strong[0] : strong[1] + 1]))
     moved = change[change > 0.0]
@@ -197,11 +197,11 @@ def _repeated(samples: np.ndarray, dt: float, resolution: float, strong: np.ndar
     longest = int(np.max(runs[:, 1] - runs[:, 0], initial=0))
     share = share if len(runs) > 2 * longest else 0.0
     if share > REPEATED_SHARE:
-        return [Remark("repeated_samples", share=100.0 * share, decides=True)]
+        return [WarningText("repeated_samples", share=100.0 * share, decides=True)]
     return _block(samples, dt, resolution)
 
 
-def _block(samples: np.ndarray, dt: float, resolution: float) -> list[Remark]:
+def _block(samples: np.ndarray, dt: float, resolution: float) -> list[WarningText]:
     """The warning on a block of samples that comes twice, not more often as in a periodic signal."""
     width = 8
     bits = samples.view(np.uint64)
@@ -227,11 +227,11 @@ def _block(samples: np.ndarray, dt: float, resolution: float) -> list[Remark]:
             rich = length >= BLOCK_SAMPLES and np.median(np.abs(np.diff(block))) > STEP_CONTRAST * resolution
             if rich and not np.array_equal(block, third) and not (begin >= shift and np.array_equal(block, before)):
                 values = {"start": begin * dt, "length": length * dt, "again": (begin + shift) * dt}
-                return [Remark("repeated_block", **values, decides=True)]
+                return [WarningText("repeated_block", **values, decides=True)]
     return []
 
 
-def _spikes(centred: np.ndarray, dt: float) -> list[Remark]:
+def _spikes(centred: np.ndarray, dt: float) -> list[WarningText]:
     """The warning on samples far beyond those beside them."""
     windows = np.lib.stride_tricks.sliding_window_view(centred, 2 * SPIKE_HALF + 1)
     beyond = np.zeros(centred.size)
@@ -263,10 +263,10 @@ def _spikes(centred: np.ndarray, dt: float) -> list[Remark]:
     decides = any(abs(place - largest) <= SPIKE_HALF for place in spikes)
     strongest = max(spikes, key=lambda place: beyond[place])
     height = float(np.abs(centred[strongest])) / STANDARD_GRAVITY
-    return [Remark("spike", count=len(spikes), peak=height, time=strongest * dt, decides=decides)]
+    return [WarningText("spike", count=len(spikes), peak=height, time=strongest * dt, decides=decides)]
 
 
-def _ends(samples: np.ndarray, centred: np.ndarray, dt: float) -> list[Remark]:
+def _ends(samples: np.ndarray, centred: np.ndarray, dt: float) -> list[WarningText]:
     """Warnings on a record that begins or ends in strong motion; a first or last sample of zero is a rest."""
     peak, length = float(np.max(np.abs(centred))), max(round(END_LENGTH / dt), 3)
     found = []
@@ -276,5 +276,5 @@ def _ends(samples: np.ndarray, centred: np.ndarray, dt: float) -> list[Remark]:
     ):
         share = float(np.sqrt(np.mean(end**2))) / peak
         if share > END_SHARE and abs(edge) > 1e-6 * peak:
-            found.append(Remark(code, share=100.0 * share))
+            found.append(WarningText(code, share=100.0 * share))
     return found

@@ -13,7 +13,7 @@ from rockpulse.errors import Failure
 from rockpulse.record.components import concurrent, find_pairs, offset, sensor_level
 from rockpulse.record.defects import checked, deciding
 from rockpulse.record.record import Record, id_matches, outline_of
-from rockpulse.remark import Remark
+from rockpulse.warning_text import WarningText
 
 #: Two volumes of one motion differ by less in their peaks, and have at least this correlation.
 LARGEST_RATIO, LEAST_CORRELATION = 1.5, 0.7
@@ -125,7 +125,7 @@ def clock_twin(
     return []
 
 
-def _volumes(channel: Record, against: Comparison) -> Remark | None:
+def _volumes(channel: Record, against: Comparison) -> WarningText | None:
     like = likeness(channel, against.other)
     if against.kind == "clock" and abs(like.correlation) < CLOCK_CORRELATION:
         return None
@@ -150,7 +150,9 @@ def _volumes(channel: Record, against: Comparison) -> Remark | None:
     if not said:
         return None
     told = "; ".join(said)
-    return Remark("twin_differs", other=against.other.id, source=against.other.source, differences=told, decides=True)
+    return WarningText(
+        "twin_differs", other=against.other.id, source=against.other.source, differences=told, decides=True
+    )
 
 
 def _ratio(ratio: float) -> str:
@@ -162,14 +164,14 @@ def _cause(ratio: float) -> str:
     return next((told for factor, told in CAUSES.items() if abs(size / factor - 1.0) < 0.015), "")
 
 
-def _components(channel: Record, other: Record) -> Remark | None:
+def _components(channel: Record, other: Record) -> WarningText | None:
     """The warning on a component whose peak is far from that of the other one; None where a defect explains that."""
     mine, others = (outline_of(one) for one in (channel, other))
     if not mine or not others or any(deciding(checked(one)) for one in (channel, other)):
         return None
     ratio = mine[1] / others[1]
     cause = _cause(ratio) or "a unit or gain may be wrong"
-    return Remark("components_apart", ratio=_ratio(ratio), other=other.id, cause=cause, decides=True)
+    return WarningText("components_apart", ratio=_ratio(ratio), other=other.id, cause=cause, decides=True)
 
 
 def component_comparisons(channels: Sequence[Record], partner: dict[int, Record]) -> Iterator[Comparison]:
@@ -227,9 +229,9 @@ def clock_candidates(records: Sequence[Record]) -> dict[int, Record]:
     return found
 
 
-def label_faults(records: Sequence[Record]) -> dict[int, list[Remark]]:
+def label_faults(records: Sequence[Record]) -> dict[int, list[WarningText]]:
     """Warnings, by identity of the record, on horizontal channels of one file with equal samples or one direction."""
-    found: dict[int, list[Remark]] = defaultdict(list)
+    found: dict[int, list[WarningText]] = defaultdict(list)
     files: dict[str, list[Record]] = defaultdict(list)
     for record in records:
         if record.orientation in ("horizontal", "unknown"):
@@ -243,6 +245,6 @@ def label_faults(records: Sequence[Record]) -> dict[int, list[Remark]]:
             elif first and np.allclose(first, second or math.nan, rtol=1e-6, atol=0.0):
                 code, sign = "same_samples", " or of opposite sign"
             if code:
-                found[id(one)].append(Remark(code, other=other.id, sign=sign))
-                found[id(other)].append(Remark(code, other=one.id, sign=sign))
+                found[id(one)].append(WarningText(code, other=other.id, sign=sign))
+                found[id(other)].append(WarningText(code, other=one.id, sign=sign))
     return found

@@ -11,7 +11,7 @@ from rockpulse.readers.folders import read_all
 from rockpulse.record.conditioning import BASELINES, condition
 from rockpulse.record.defects import checked, deciding, defects, drifts
 from rockpulse.record.record import Record
-from rockpulse.remark import Remark, code_of, find
+from rockpulse.warning_text import WarningText, code_of, find
 
 TIME = DT * np.arange(4000)
 BURST = np.exp(-(((TIME - 15.0) / 4.0) ** 2))
@@ -134,5 +134,5 @@ def test_samples_are_judged_once_as_they_came():
     assert checked(one) is one
     conditioned = condition(condition(one, highpass_hz=0.5), "linear")
     assert [code_of(text) for text in conditioned.warnings].count("held_value") == 1
-    known = replace(record(np.zeros(300)), warnings=(Remark("dead_channel"),))
+    known = replace(record(np.zeros(300)), warnings=(WarningText("dead_channel"),))
     assert [code_of(text) for text in checked(known).warnings] == ["dead_channel"]
