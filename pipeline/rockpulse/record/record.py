@@ -230,10 +230,10 @@ def outline_of(record: Record) -> tuple[float, ...]:
     """Number of samples, peak about the mean [m/s2], times of 5, 25, 50, 75, 95 % of the energy [s]; empty if flat."""
     if _spread(record.acceleration):
         return record.outline if record.outline[:1] == (record.npts,) else ()
+    if not np.ptp(record.acceleration):
+        return ()
     about = record.acceleration - np.mean(record.acceleration)
     peak = float(np.max(np.abs(about)))
-    if peak == 0.0:
-        return ()
     energy = np.cumsum(about**2)
     times = np.searchsorted(energy, energy[-1] * np.array((0.05, 0.25, 0.5, 0.75, 0.95))) * record.dt
     return (record.npts, peak, *times.tolist())

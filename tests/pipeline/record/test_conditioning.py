@@ -14,7 +14,7 @@ from rockpulse.record.conditioning import BASELINES, condition, quiet_samples
 from rockpulse.record.half_wave import half_waves
 from rockpulse.record.intensity import pgv
 from rockpulse.record.record import Record
-from rockpulse.remark import find
+from rockpulse.warning_text import find
 
 properties = settings(derandomize=True, deadline=None, max_examples=25)
 coefficients = st.tuples(*[st.floats(-5.0, 5.0)] * 3)
