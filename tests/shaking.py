@@ -104,7 +104,7 @@ def coarse(samples, dt, strength):
 
 #: By a name, the code of the defect, the function that makes it, and three strengths of which the larger two are found.
 MADE = {
-    "step": ("velocity_drift", step, (1.0, 15.0, 25.0)),
+    "step": ("velocity_drift", step, (1.0, 20.0, 40.0)),
     "line": ("velocity_drift", line, (2.0, 30.0, 80.0)),
     "held": ("held_value", held, (0.05, 0.3, 1.0)),
     "filled": ("filled_gap", filled, (0.05, 0.3, 1.0)),
@@ -112,7 +112,7 @@ MADE = {
     "twice": ("repeated_block", twice, (16, 64, 200)),
     "spike": ("spike", spike, (0.5, 5.0, 10.0)),
     "noise": ("noise_only", noise, (2.0, 0.05, 0.0)),
-    "late": ("starts_strong", late, (1e-4, 0.2, 0.4)),
-    "early": ("ends_strong", early, (0.9999, 0.7, 0.5)),
+    "late": ("starts_strong", late, (1e-4, 0.3, 0.4)),
+    "early": ("ends_strong", early, (0.9999, 0.65, 0.4)),
     "coarse": ("coarse_sampling", coarse, (0.05, 0.1, 0.2)),
 }

@@ -120,11 +120,11 @@ def slow_velocity(acceleration: np.ndarray, dt: float) -> tuple[float, float]:
     """Largest slow velocity, the mean over a window of 10 s or a quarter of the record, and largest rest [m/s]."""
     velocity = np.concatenate(([0.0], np.cumsum(0.5 * dt * (acceleration[1:] + acceleration[:-1]))))
     size = velocity.size
-    half = max(int(0.5 * min(SLOW_LENGTH, SLOW_SHARE * size * dt) / dt), 1)
+    width = min(max(int(min(SLOW_LENGTH, SLOW_SHARE * size * dt) / dt), 2), size)
     total = np.concatenate(([0.0], np.cumsum(velocity)))
-    place = np.arange(size)
-    low, high = np.maximum(place - half, 0), np.minimum(place + half + 1, size)
-    slow = (total[high] - total[low]) / (high - low)
+    # Near an end the window stays whole: part of a cycle would have a mean of its own.
+    low = np.clip(np.arange(size) - width // 2, 0, size - width)
+    slow = (total[low + width] - total[low]) / width
     return float(np.max(np.abs(slow))), float(max(np.max(np.abs(velocity - slow)), np.finfo(float).tiny))
 
 
