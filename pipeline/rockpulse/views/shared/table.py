@@ -109,7 +109,9 @@ class Fact:
     lines: tuple[str, ...]
 
 
-def number(value: float | None, show: Callable[[float], str] = three_digits, marks: tuple[CellMark, ...] = ()) -> Cell:
+def number_cell(
+    value: float | None, show: Callable[[float], str] = three_digits, marks: tuple[CellMark, ...] = ()
+) -> Cell:
     """A cell of a number, with the marks only where the number is known."""
     known = math.nan if value is None else value
     return Cell(show(known), known, () if math.isnan(known) else marks)
@@ -129,7 +131,7 @@ def lines(table: Table) -> list[str]:
     return ["  ".join(row).rstrip() for row in zip(*columns, strict=True)]
 
 
-def text(table: Table) -> str:
+def table_text(table: Table) -> str:
     """The table for the terminal: caption where there is one, indented rows, notes."""
     caption = [paragraph(table.caption)] if table.caption else []
     rows = ["  " + line for line in lines(table)]
