@@ -44,8 +44,9 @@ SPIKE_HALF, SPIKE_AROUND = 3, 50
 #: are this many times all other deviations, from a larger share on.
 SPIKE_NEAR, SPIKE_NEAR_SHARE = 12.0, 0.1
 SPIKE_FAR, SPIKE_FAR_SHARE, SPIKE_COUNT = 3.0, 0.3, 12
-#: Length of the two ends of a record [s], and their root mean square over the peak from which one is in strong motion.
-END_LENGTH, END_SHARE = 0.5, 0.14
+#: Length of the two ends of a record [s], and their root mean square over the peak from which one is in strong motion;
+#: over that of the quietest such stretch, or a weak motion in noise would begin and end in strong motion.
+END_LENGTH, END_SHARE, END_CONTRAST = 0.5, 0.14, 1.5
 #: Noise: the strongest second is below this many times the median one; white (energy of the differences over that of
 #: the samples), or weak [m/s2]; over this many windows at least. Steps of the resolution that a dead channel spans.
 NOISE_CONTRAST = {"white": 1.5, "weak": 2.2}
@@ -268,13 +269,13 @@ def _spikes(centred: np.ndarray, dt: float) -> list[WarningText]:
 
 def _ends(samples: np.ndarray, centred: np.ndarray, dt: float) -> list[WarningText]:
     """Warnings on a record that begins or ends in strong motion; a first or last sample of zero is a rest."""
-    peak, length = float(np.max(np.abs(centred))), max(round(END_LENGTH / dt), 3)
+    peak, length = float(np.max(np.abs(centred))), min(max(round(END_LENGTH / dt), 3), centred.size)
+    whole = centred[: centred.size // length * length].reshape(-1, length)
+    quietest = float(np.sqrt(np.min(np.mean(whole**2, axis=1))))
+    ends = (("starts_strong", centred[:length], samples[0]), ("ends_strong", centred[-length:], samples[-1]))
     found = []
-    for code, end, edge in (
-        ("starts_strong", centred[:length], samples[0]),
-        ("ends_strong", centred[-length:], samples[-1]),
-    ):
-        share = float(np.sqrt(np.mean(end**2))) / peak
-        if share > END_SHARE and abs(edge) > 1e-6 * peak:
-            found.append(WarningText(code, share=100.0 * share))
+    for code, end, edge in ends:
+        level = float(np.sqrt(np.mean(end**2)))
+        if level > max(END_SHARE * peak, END_CONTRAST * quietest) and abs(edge) > 1e-6 * peak:
+            found.append(WarningText(code, share=100.0 * level / peak))
     return found

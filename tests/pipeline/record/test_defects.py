@@ -69,6 +69,11 @@ def test_a_flat_channel_is_dead_and_one_of_few_steps_is_noise():
     assert codes(0.3 + 0.001 * np.random.default_rng(0).integers(0, 3, 3000)) == ["noise_only"]
 
 
+def test_a_weak_motion_in_noise_neither_begins_nor_ends_in_strong_motion():
+    weak = shaking() + 0.5 * np.random.default_rng(4).normal(size=shaking().size)
+    assert not {"starts_strong", "ends_strong"} & set(codes(weak))
+
+
 def test_a_short_array_is_judged_by_nothing_else():
     assert codes([1.0, 2.0, 1.0], 0.1) == []
     assert codes(np.ones(5)) == ["dead_channel"]
