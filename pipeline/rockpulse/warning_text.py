@@ -54,8 +54,8 @@ WARNINGS = {
     "orientation_unknown": "the orientation is unknown; assessed as horizontal",
     "baseline_guessed": "the format does not say whether the record is processed: the mean was subtracted; choose a "
     "baseline to keep or correct it",
-    "baseline_drift": "baseline drift: the ground velocity ends at {velocity:.3g} m/s and has a slow part of "
-    "{slow:.3g} m/s, the PGV of {pgv:.3g} m/s may be off by as much; compare with another baseline or a high-pass",
+    "baseline_drift": "baseline drift: the ground velocity ends at {velocity:.3g} m/s, with a slow part of {slow:.3g} "
+    "m/s, the PGV of {pgv:.3g} m/s may be off by as much; compare with another baseline or a high-pass",
     "start_assumed": "both channels are taken to start together, no times are known",
     "no_sequence": "no impulse sequence: {reason}",
     "scaled_far": "scaled by {factor:.3g}: outside {low:g} to {high:g} a scaled record stands for no recorded "
