@@ -17,6 +17,7 @@ from numba import njit
 
 from rocking.arguments import ArrayLike, positive, record_samples
 from rocking.body.block import Block
+from rocking.pictures import one_line
 
 #: Lobes of E(t0) that are kept, the largest ones.
 LOBES = 16
@@ -108,6 +109,8 @@ class Demand:
         The verdict of a lane that rocks is settled right after an impact if its speed, over that which overturns it on
         a still ground, and the build-up that is left sum up to no more than this [-].
     """
+
+    __repr__ = one_line
 
     largest: np.ndarray
     lobes: np.ndarray

@@ -9,6 +9,7 @@ import numpy as np
 
 from rocking.arguments import ArrayLike
 from rocking.lanes import OF_LANES, LaneValues
+from rocking.pictures import one_line
 
 #: Below the first exceedance, where the safety factor is read, a step of the scan is halved for the k-th time where the
 #: lane may come this near the limit in it (docs/decisions/008).
@@ -45,6 +46,8 @@ class ScaleIntervals(LaneValues):
         Ratio of neighbouring factors of the scan [-]: narrower intervals, and gaps, may be missed. One if nothing can
         be missed (closed form, or a start beyond the end of the search); NaN if nothing was searched.
     """
+
+    __repr__ = one_line
 
     safety_factor: np.ndarray = field(metadata=OF_LANES)
     safe_up_to: np.ndarray = field(metadata=OF_LANES)

@@ -44,7 +44,7 @@ class VariableDifference:
     after: str
 
 
-@dataclass
+@dataclass(repr=False)
 class Differences:
     """The changes between two files; ``sides`` are the verdicts and ratios that changed sides, by variable."""
 
@@ -57,6 +57,14 @@ class Differences:
     bodies: list[str] = field(default_factory=list)  # changes of the margins by that model
     sides: dict[str, Changes] = field(default_factory=dict)
     compared: int = 0  # values
+    text: str = field(default="", repr=False)  # of :func:`rockpulse.diff`
+
+    def __str__(self) -> str:
+        return self.text
+
+    def __repr__(self) -> str:
+        found = f"{len(self.variables)} variables differ" if not self.same else "the same"
+        return f"<Differences {found}, {self.compared} values compared>"
 
     @property
     def same(self) -> bool:
