@@ -15,7 +15,7 @@ RECORD = rp.Record(
     3.0 * np.sin(6.0 * TIME), dt=0.01, id="a long name of a network.station.location.channel@20091231T235959" * 2
 )
 LEVELS, RATES = np.geomspace(0.1, 10.0, 50), np.geomspace(1e-1, 1e-6, 50)
-HAZARD = rp.HazardCurve(LEVELS, RATES, "pga")
+HAZARD = rp.HazardCurve("pga", LEVELS, RATES)
 
 
 def sections():
@@ -51,7 +51,7 @@ INSTANCES = [
     rp.BatchOptions(written=("a" * 200,)),
     rp.BatchReport(seconds={"read": 1.0 / 3.0, "condition": 1.0 / 3.0, "solve": 2.0 / 3.0, "pack": 1.0 / 7.0}),
     rp.Pair(RECORD, dataclasses.replace(RECORD, id=RECORD.id + "2")),
-    rp.load_rule("mean"),
+    rp.load_rule(),
     BLOCKS,
     models.Uncertainty(),
     models.ImpulseSequence(np.ones(99), np.full(99, 0.1), interval=0.1, duration=10.0),

@@ -8,7 +8,7 @@ from glob import escape, has_magic
 from pathlib import Path
 from typing import Any, cast
 
-from rocking.pictures import one_line
+from rocking.pictures import shortened_line
 from rockpulse.config import settings, study_settings
 from rockpulse.config.block_settings import BlockSettings, require_pairs
 from rockpulse.config.study_settings import logo_bytes
@@ -48,7 +48,12 @@ class Config:
     'largest'
     """
 
-    __repr__ = one_line
+    def __repr__(self) -> str:
+        changed = [repr(getattr(self, name)) for name, cls in SECTIONS.items() if getattr(self, name) != cls()]
+        several = [
+            f"{len(found)} {what}" for found, what in ((self.bodies, "bodies"), (self.demands, "demands")) if found
+        ]
+        return shortened_line(f"<Config {', '.join([*several, *changed]) or 'defaults'}>")
 
     site: settings.SiteSettings = field(default_factory=settings.SiteSettings)
     records: settings.RecordSettings = field(default_factory=settings.RecordSettings)

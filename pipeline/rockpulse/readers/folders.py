@@ -93,7 +93,7 @@ def read(
     >>> [record.component for record in rp.read("data/samples/records/CICLC.v1")]
     ['2', 'up', '1']
     >>> len(rp.read("data/samples/records"))
-    99
+    10
     """
     if not isinstance(path, str | os.PathLike) or not Path(path).is_dir():
         return read_file(path, units, dt, response, stationxml)

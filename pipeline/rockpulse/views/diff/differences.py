@@ -28,7 +28,7 @@ FACTOR = "/summary/factor_10"
 LISTED = 8
 #: Root attributes that say where a file comes from; their change alone makes no other results.
 ABOUT = ("title", "site_description")
-APART = ("history", "configuration", "kind", "Conventions", "run_id", "run_digest", *ABOUT)
+APART = ("history", "configuration", "kind", "Conventions", "run_id", "run_digest", "_NCProperties", *ABOUT)
 
 
 @dataclass(frozen=True)
