@@ -30,7 +30,7 @@ def risk(
     soil_factor: float | None = None,
     bodies: Inventory | str | os.PathLike[str] | None = None,
 ) -> xr.Dataset:
-    """The annual frequency at which each body reaches a limit state.
+    """Compute the annual frequency at which each body reaches a limit state.
 
     Parameters
     ----------
@@ -43,11 +43,11 @@ def risk(
     limit_state : str
         Of the fragility.
     years : float, optional
-        Time of the probability [years]; by default that of [hazard].
+        Exposure time for `probability` and `survival` [years]; by default that of [hazard].
     confidence : float, optional
-        Of the bands; by default that of the fragility.
+        Confidence level of the bands; by default that of the fragility.
     resamples, seed : int
-        Draws of the earthquakes for the bands, 0 for no band; seed of the draws.
+        Number of bootstrap samples of the earthquakes for the bands, 0 for no band; seed of the random numbers.
     config : Config or path, optional
         With a section [hazard]; by default the configuration of the fragility.
     site : (float, float), optional
