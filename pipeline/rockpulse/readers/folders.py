@@ -91,7 +91,7 @@ def read(
     --------
     >>> import rockpulse as rp
     >>> [record.component for record in rp.read("data/samples/records/CICLC.v1")]
-    ['2', 'up', '1']
+    ['90 Deg', '360 Deg', 'Up']
     >>> len(rp.read("data/samples/records"))
     10
     """

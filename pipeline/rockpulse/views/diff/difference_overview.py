@@ -68,8 +68,8 @@ def diff(
     >>> import numpy as np, rockpulse as rp
     >>> sine = rp.Record(3.0 * np.sin(np.arange(0.0, 40.0, 0.1)), dt=0.1, id="sine", processed=True)
     >>> before, after = (rp.assess(sine, bodies={"wall": (width, 2.2)}) for width in (0.25, 0.8))
-    >>> rp.diff(before, after).same, rp.diff(before, before)
-    (False, <Differences the same, 155 values compared>)
+    >>> rp.diff(before, after).same, rp.diff(before, before).same
+    (False, True)
     """
     with ExitStack() as stack:
         first, second = (
