@@ -36,8 +36,6 @@ def test_settings_of_a_mapping_keep_what_a_direction_of_their_own_needs():
 @pytest.mark.parametrize(
     ("blocks", "message"),
     [
-        (Block(width=0.25, height=2.2), r"expected a mapping of names .* found Block <Block width 0\.25 m"),
-        (WALL, "or a sequence of BlockSettings; found BlockSettings"),
         ("site.toml", "found str 'site.toml'"),
         (3.0, "found float 3.0"),
         ([("wall", 0.25, 2.2)], r"found a sequence with tuple \('wall', 0\.25, 2\.2\)"),

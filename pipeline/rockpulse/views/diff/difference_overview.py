@@ -14,14 +14,14 @@ from rockpulse.views.diff.differences import CAPACITY, FACTOR, OUTCOME, SAFETY, 
 from rockpulse.views.shared.formatting import ABSENT, paragraph, shortened
 from rockpulse.views.shared.table import Cell, Heading, Table, lines, number_cell, table_text
 
-#: Names that are listed of what only one file has, and half of the lines of the configuration and of bodies; and how
-#: many for one screen, which shows as many variables as lines.
+#: Largest number of listed names that only one file has, and half the number of lines of configuration and bodies; the
+#: same for one screen.
 LISTED, ON_SCREEN = 12, 3
-#: Longest place and text in a table, and name in a place.
+#: Largest width of a place and of a text in a table, and of a name in a place.
 PLACE_WIDTH = 44
 TEXT_WIDTH = 20
 NAME_WIDTH = 34
-#: What is said of ratios that crossed one.
+#: Text on ratios that crossed one.
 CROSSED = {
     FACTOR: "Factors of 10 % that crossed 1 (below it the record as it is overturns with more than 10 % probability)",
     SAFETY: "Safety factors that crossed 1 (below it a weaker copy of the record overturns)",
@@ -86,7 +86,7 @@ def diff(
 def difference_overview(
     found: Differences, first: ResultsFile, second: ResultsFile, tolerance: str, full: bool = True
 ) -> str:
-    """The differences as text: bodies, flipped verdicts, crossed ratios and the rest; one screen without `full`."""
+    """Return the differences as text: bodies, verdicts, crossed ratios and others; one screen unless `full`."""
     most = LISTED if full else ON_SCREEN
     parts = ["\n".join(map(_file, "-+", (first, second)))]
     if not found.same:
@@ -133,18 +133,18 @@ def _only(one: OnlyIn, most: int) -> str:
 
 
 def _list(title: str, every: Sequence[str], most: int, indent: str = "      ") -> str:
-    """The title, and the first of some lines; empty where there are none."""
+    """Return the title and the first lines of a list; empty for an empty list."""
     said = [paragraph(line, indent, "  ") for line in every]
     return "\n".join([title, *_first(said, most)]) if said else ""
 
 
 def _first(said: list[str], most: int, noun: str = "") -> list[str]:
-    """The first lines, and how many more there are."""
+    """Return the first lines and the number of further ones."""
     return said if len(said) <= most else [*said[:most], f"  and {len(said) - most} more{noun}"]
 
 
 def _changes(title: str, by_model: str, model: str, changes: Changes) -> str:
-    """The title, then a line for each change that is listed, and how many more there are."""
+    """Return the title, a line for each listed change, and the number of further ones."""
     rows = tuple(
         (*(Cell(shortened(name, NAME_WIDTH)) for name in change.place), Cell(f"{change.before} -> {change.after}"))
         for change in changes.named
@@ -177,7 +177,7 @@ def _variables(found: Differences, tolerance: str, most: int) -> str:
 
 
 def _place(names: Sequence[str]) -> str:
-    """Names in one line, each cut as far as the longest of them have to be."""
+    """Join names in one line, shortening the longest ones to fit."""
     room = PLACE_WIDTH - 2 * (len(names) - 1)
     width = max(map(len, names), default=0)
     while sum(min(len(name), width) for name in names) > room:
@@ -186,7 +186,7 @@ def _place(names: Sequence[str]) -> str:
 
 
 def _cut(name: str, width: int) -> str:
-    """The end of a record id is its time: what stands before it tells more, and is kept where it can be."""
+    """Shorten a name at its end, as the end of a record id is only its time."""
     channel, at, start = name.partition("@")
     room = width - len(channel) - len("@…")
     if len(name) > width and at and room > 0:

@@ -1,4 +1,4 @@
-"""The kinds of pictures: what each shows, which file it is drawn from, and what may be chosen."""
+"""The kinds of pictures: content, source file and options of each."""
 
 from dataclasses import dataclass
 
@@ -12,10 +12,10 @@ class PictureKind:
     """One kind of picture."""
 
     options: tuple[str, ...]  # keywords of :func:`~rockpulse.plots.draw`
-    summary: str  # what it shows
-    command: str = "rockpulse assess"  # makes a file from which it is drawn
-    file: str = ASSESSMENT  # the kind of that file
-    group: str = ""  # that the file must have
+    summary: str  # content of the picture
+    command: str = "rockpulse assess"  # command that makes its file
+    file: str = ASSESSMENT  # kind of that file
+    group: str = ""  # groups that the file must have
 
 
 _STORED = 'rockpulse assess with [records] store = "all"'
@@ -69,7 +69,11 @@ KINDS = {
     ),
 }
 
+<<<<<<< HEAD
 #: Options of the command line by the keywords of :func:`~rockpulse.plots.draw`.
+=======
+#: Options of the command line, in the singular, by the keywords of :func:`~rockpulse.plots.draw`.
+>>>>>>> main
 OPTIONS = {
     name: f"--{name.replace('_', '-')}"
     for name in ("record", "block", "model", "demand", "case", "factor", "measure", "limit_state", "restitution")
@@ -77,7 +81,7 @@ OPTIONS = {
 
 
 def kind_list() -> str:
-    """The kinds, what each shows, the command that makes its file and its options, as text."""
+    """Return the list of kinds as text: content, command that makes the file, and options of each."""
     from rockpulse.views.shared.formatting import paragraph
 
     lines = []
