@@ -40,13 +40,9 @@ from rockpulse.views.shared.words import say
 
 #: Largest number of records whose spectra are recomputed for a picture, which takes some seconds.
 MARCHED = 12
-<<<<<<< HEAD
 #: Options of which there may be several.
 SEVERAL = ("model", "limit_state")
-#: The pictures of results where no kind is asked for, by the kind of their file.
-=======
 #: Default pictures of results, by the kind of file.
->>>>>>> main
 FIRST = {ASSESSMENT: ("spectrum", "bodies"), FRAGILITY: ("fragility",), SITE_KIND: ("calibration",)}
 
 
@@ -164,17 +160,10 @@ def draw(tree: xr.DataTree, kind: str, **options: Any) -> Figure:
     kind : str
         One of :data:`~rockpulse.plots.KINDS`.
     **options
-<<<<<<< HEAD
-        Options of the kind: `record`, `block`, `demand`, `measure` (names), `model`, `limit_state` (a name or
-        several), `case` (number of the restitution, from 1), `factor` (on the record), `restitution` (a number or
-        "housner"). None is the default. A record or a block may be left out where there is one only; a pattern (* and
-        ?) that only one name meets stands for that name.
-=======
-        Options of the kind: `record`, `block`, `demand`, `measure` (names), `models`, `limit_states` (sequences of
+        Options of the kind: `record`, `block`, `demand`, `measure` (names), `model`, `limit_state` (a name or several
         names), `case` (number of the restitution, from 1), `factor` (on the record), `restitution` (a number or
         "housner"). None is the default. A record or a block may be omitted if there is only one; a pattern (* and ?)
         that matches a single name stands for that name.
->>>>>>> main
 
     Returns
     -------

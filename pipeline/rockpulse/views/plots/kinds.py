@@ -69,11 +69,7 @@ KINDS = {
     ),
 }
 
-<<<<<<< HEAD
 #: Options of the command line by the keywords of :func:`~rockpulse.plots.draw`.
-=======
-#: Options of the command line, in the singular, by the keywords of :func:`~rockpulse.plots.draw`.
->>>>>>> main
 OPTIONS = {
     name: f"--{name.replace('_', '-')}"
     for name in ("record", "block", "model", "demand", "case", "factor", "measure", "limit_state", "restitution")

@@ -79,14 +79,8 @@ def report(
     Parameters
     ----------
     results : xarray.DataTree or path
-<<<<<<< HEAD
-        As :func:`rockpulse.assess` or :func:`rockpulse.assess_sequence` returns them, or a file of
-        ``rockpulse assess``.
-    output : str or Path
-=======
         Results of :func:`rockpulse.assess` or :func:`rockpulse.assess_sequence`, or a file of ``rockpulse assess``.
-    path : str or Path
->>>>>>> main
+    output : str or Path
         File to write, `.html` or `.pdf`; a PDF is printed by the Chrome, Chromium or Edge of this machine.
     site : xarray.DataTree or path, optional
         A site calibration to include (:func:`rockpulse.calibrate`).
@@ -95,15 +89,9 @@ def report(
     overwrite : bool
         Whether an existing report may be replaced; other files are never replaced.
     language : str
-<<<<<<< HEAD
-        Of the words and numbers of the report: "en" or "it". Readers' warnings and reasons stay English.
-    config : Config or path, optional
-        Its author, client, project and logo ([report]) take the place of those in the results.
-=======
         Language of texts and numbers: "en" or "it". Warnings and reasons of readers stay English.
-    config : Config, optional
+    config : Config or path, optional
         Configuration whose author, client, project and logo ([report]) replace those in the results.
->>>>>>> main
 
     Returns
     -------
@@ -122,19 +110,11 @@ def report(
     target = check_report_target(output, overwrite)
     as_pdf = target.suffix.lower() == ".pdf"
     if as_pdf:
-<<<<<<< HEAD
-        browser()  # asked for before any work is done
+        browser()  # checked before any work
     page = report_page(results, site, fragility, language, None if config is None else given_config(config))
     with FileSet() as parts:
         parts.add(target, printed(page) + PDF_MARK if as_pdf else page.encode("utf-8", "replace"))
-        check_report_target(output, overwrite)  # somebody else may have written it in the meantime
-=======
-        browser()  # checked before any work
-    page = report_page(results, site, fragility, language, config)
-    with FileSet() as parts:
-        parts.add(target, printed(page) + PDF_MARK if as_pdf else page.encode("utf-8", "replace"))
-        check_report_target(path, overwrite)  # another process may have written it in the meantime
->>>>>>> main
+        check_report_target(output, overwrite)  # another process may have written it in the meantime
         parts.commit()
     return target
 
