@@ -44,7 +44,7 @@ class PlannedMotion:
     partner: Record | None = None  # as read: the other channel of its pair, whose strength counts beside its own
     warnings: tuple[str, ...] = ()  # warnings for every motion that comes of it
     copy: int = 1  # number, from 1, among the pairs whose rotated records would have one id
-    comparisons: tuple[Comparison, ...] = ()  # other records that its channels are held against
+    comparisons: tuple[Comparison, ...] = ()  # other records that its channels are compared with
 
     @property
     def rotated(self) -> bool:
@@ -169,7 +169,7 @@ def swept_directions(planned: Iterable[PlannedMotion], config: Config) -> dict[s
 def _with_comparisons(
     planned: Iterable[PlannedMotion], horizontal: Sequence[Record], twins: Iterable[Twin]
 ) -> list[PlannedMotion]:
-    """The planned motions with the records that they are held against, and warnings on labels that contradict."""
+    """Return the planned motions with the records that they are compared with, and warnings on contradictory labels."""
     of_voter: dict[str, list[Twin]] = defaultdict(list)
     for twin in twins:
         of_voter[twin.voter.id].append(twin)

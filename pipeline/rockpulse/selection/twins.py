@@ -1,4 +1,4 @@
-"""Records that should be of one motion, or of one instrument, held against each other before one of them counts."""
+"""Comparison of records of one motion, and of components of one instrument, before one of them counts."""
 
 import math
 from collections import defaultdict
@@ -40,7 +40,7 @@ CAUSES = {
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Comparison:
-    """Another record that a channel of a planned motion is held against."""
+    """Another record that a channel of a planned motion is compared with."""
 
     kind: Literal["volume", "clock", "component"]  # of one motion; perhaps of one, its clock off; of one instrument
     channel: int  # place among the channels of the planned motion

@@ -1,4 +1,4 @@
-"""Volumes of one motion, and components of one instrument, held against each other before one of them counts."""
+"""Volumes of one motion, and components of one instrument, compared before one of them counts."""
 
 import time
 from dataclasses import replace
