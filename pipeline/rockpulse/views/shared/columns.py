@@ -248,12 +248,12 @@ COLUMNS = {
         Column("overturned_by", ("fallen", "total"), count_of),
         # the verdict on a body over all motions, and the worst for a motion
         Column("verdict", ("found",), grade_cell),
-        Column("up_to", ("high",), shown(ratio)),
+        Column("probability_upper", ("high",), shown(ratio)),
         Column("uplift", ("uplift",), shown(ratio, STANDARD_GRAVITY), "g"),
         Column("median_factor_50", ("median",), unexplained),
         Column("median_safety_factor", ("median",), unexplained),
         Column("top", ("top",), shown(ratio), "cm"),
-        Column("turn", ("turn",), shown(ratio), "deg"),
+        Column("rotation", ("rotation",), shown(ratio), "deg"),
         Column("worst", ("worst",), Cell),
         Column("worst_for", ("worst_for",), Cell),
     )
