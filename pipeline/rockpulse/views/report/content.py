@@ -25,7 +25,7 @@ from rockpulse.views.shared.facts import Known
 from rockpulse.views.shared.files_used import files_used
 from rockpulse.views.shared.formatting import ABSENT, restitution, three_digits
 from rockpulse.views.shared.table import Cell, Fact, Heading, Table
-from rockpulse.views.shared.words import named, say
+from rockpulse.views.shared.words import in_dates, named, say
 
 REFERENCE = (
     "C. Casapulla, A. Maione (2017), Rocking resonance conditions of large and slender rigid blocks under the "
@@ -58,7 +58,10 @@ def gather(tree: xr.DataTree, site: Paired | None = None, fragility: Paired | No
     return SimpleNamespace(
         title=title,
         description=str(tree.attrs.get("site_description", "")),
-        history=[say("page.written_by", when=when, version=version) if by else when for when, by, version in history],
+        history=[
+            say("page.written_by", when=in_dates(when), version=version) if by else when
+            for when, by, version in history
+        ],
         motions=motions,
         found=found,
         basis=basis(answers, files.counted),
@@ -229,7 +232,7 @@ def _of_record(one: Known, event: str) -> tuple[Fact, ...]:
         facts = {
             "component": f"{own('station')}, {one.component} ({known('azimuth', '°')})",
             "station_name": own("station_name"),
-            "start": own("start_time"),
+            "start": in_dates(own("start_time")),
             "samples": say("fact.at_interval", count=one.value("npts"), interval=known("dt", "s")),
             "pga": acceleration(one.value(PGA)),
             "pgv": one.peak_velocity,

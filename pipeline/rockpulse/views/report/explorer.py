@@ -3,7 +3,7 @@
 import base64
 import json
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -68,8 +68,8 @@ class Explorer(NamedTuple):
     model: str
 
 
-def explorer(tree: xr.DataTree, file: str = "results.h5") -> Explorer | None:
-    """The motions to explore; None under a design sequence, without a record, by a model without motions in time."""
+def explorer(tree: xr.DataTree, file: str = "results.h5", stored: Sequence[str] = ()) -> Explorer | None:
+    """The motions to explore, None where no body moves in time; `stored`: names of the blocks in the file."""
     answers, told = Answers(tree["summary"].to_dataset()), section("explorer")
     if answers.model not in FOLLOWING or not answers.bodies or not (answers["npts"] >= 0).any():
         return None
@@ -88,7 +88,7 @@ def explorer(tree: xr.DataTree, file: str = "results.h5") -> Explorer | None:
         "bodies": [
             {
                 "name": body.name,
-                "block": body.block,
+                "block": stored[body.place] if stored else body.block,
                 "case": body.case + 1 if body.several else 0,
                 **_outline(block_of(answers.summary, body.block, body.case + 1)),
                 "scenes": scenes.of_body(lane, body) if lane in shown else [],

@@ -13,7 +13,7 @@ from rockpulse.record.record import STANDARD_GRAVITY
 from rockpulse.record.rotation import rotated_component
 from rockpulse.selection.events import UNKNOWN, words_of
 from rockpulse.views.shared.formatting import ABSENT, six_digits, three_digits
-from rockpulse.views.shared.words import counted, numerals, say
+from rockpulse.views.shared.words import counted, in_dates, numerals, say
 
 #: A year, or a date with a year of two digits; a magnitude: what a title tells already is not told again.
 _DATED = re.compile(r"\b(?:19|20)\d\d\b|\b\d{1,2}[/-]\d{1,2}[/-]\d\d\b", re.ASCII)
@@ -50,7 +50,7 @@ class RecordFacts:
     @property
     def _earthquake(self) -> str:
         """Title, date and magnitude; of a title that is only a date or a number what is stored in its place."""
-        title, date, magnitude = self._named, self.date, self.magnitude
+        title, date, magnitude = self._named, in_dates(self.date), self.magnitude
         if title:
             more = ("" if _DATED.search(title) else date, "" if _MEASURED.search(title) else magnitude)
             return " ".join(filter(None, (title, *more)))
@@ -62,7 +62,7 @@ class RecordFacts:
     def title(self) -> str:
         """The name of the earthquake, with its date where that is not in it; empty where it has no name."""
         title = self._named
-        return title if not title or _DATED.search(title) else f"{title} {self.date}".rstrip()
+        return title if not title or _DATED.search(title) else f"{title} {in_dates(self.date)}".rstrip()
 
     @property
     def date(self) -> str:
@@ -198,7 +198,7 @@ class Known(RecordFacts):
         )
         told = {
             "agency": self.text("event_id"),
-            "origin": self.text("origin_time"),
+            "origin": in_dates(self.text("origin_time")),
             "magnitude": self.magnitude,
             "hypocentre": ", ".join(filter(None, hypocentre)),
             "distance": three_digits(self.real("epicentral_distance") / 1000.0, "km"),

@@ -20,6 +20,8 @@ LANGUAGES = tuple(sorted(one.name.removesuffix(".toml") for one in _FOLDER.iterd
 _LANGUAGE = ContextVar("language", default="en")
 #: The point of a number; that of an id or a version stands beside letters or a second point.
 _POINT = re.compile(r"(?<![\w.])([-−+~<>≤]?\d+)\.(\d+)(?![\w.]*\.\d)(?![A-Za-z_]*@)")
+#: A date, and the T between it and a time.
+_DATE = re.compile(r"\b(\d{4})-(\d\d)-(\d\d)(T(?=\d)|\b)")
 
 
 @contextmanager
@@ -97,6 +99,21 @@ def in_numerals(text: str) -> str:
     return text if language() == "en" else _POINT.sub(rf"\1{say('decimal')}\2", text)
 
 
+def in_dates(text: str) -> str:
+    """A text with its dates, ISO 8601 as they are stored, in the form of the language that is written."""
+
+    def shown(found: re.Match[str]) -> str:
+        return say("date", year=found[1], month=found[2], day=found[3]) + found[4].replace("T", " ")
+
+    return text if language() == "en" else _DATE.sub(shown, text)
+
+
+def own_name(name: str) -> str:
+    """A name of a body or a site of the samples, alone or with its pedestal, in the language that is written."""
+    body, pedestal, number = name.partition(" with pedestal")
+    return named(f"names.{body}", body) + (named("names.with pedestal", pedestal) + number if pedestal else "")
+
+
 class _Numerals(Formatter):
     """Fills in fields, numbers in the form of the language that is written, warnings in its words."""
 
@@ -107,7 +124,9 @@ class _Numerals(Formatter):
     def format_field(self, value: Any, format_spec: str) -> Any:
         """A value as text."""
         shown = super().format_field(value, format_spec)
-        return numerals(shown) if isinstance(value, int | float) else shown
+        if isinstance(value, int | float):
+            return numerals(shown if language() == "en" else shown.replace("%", " %"))
+        return shown
 
 
 def _told(value: Any) -> Any:

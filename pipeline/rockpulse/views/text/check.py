@@ -41,7 +41,7 @@ _OF_CODE = (
 )
 _OF_RESULTS = (
     titled("P", lambda chance: Cell(ratio(chance)), "probability"),
-    titled(say("column.median_factor_50.head"), _value, "factor_50"),
+    titled("median scale factor", _value, "factor_50"),
 )
 
 

@@ -11,7 +11,7 @@ from rockpulse.storage.variables.risk import INVENTORY, RISK, STANDING, RiskStat
 from rockpulse.studies.risk.frequency import OUTSIDE
 from rockpulse.studies.risk.integral import LEAST_EVENTS
 from rockpulse.views.shared.columns import Column, tabulated, titled
-from rockpulse.views.shared.formatting import ABSENT, paragraph, several, three_digits
+from rockpulse.views.shared.formatting import ABSENT, paragraph, several, share, three_digits
 from rockpulse.views.shared.table import Cell, lines
 
 #: Bodies of an inventory that are shown.
@@ -60,7 +60,7 @@ def _of_frequency(risk: xr.Dataset, dim: str, doubt: Callable[..., bool], *of: s
     return (
         titled("", lambda name: Cell(f"  {name}"), dim),
         titled("per year", lambda value, *why: Cell(f"{_rate(value)}{'!' if doubt(*why) else ''}"), "frequency", *of),
-        _interval(f"{float(risk.attrs['confidence']):.0%} interval", _rate, "frequency"),
+        _interval(f"{share(float(risk.attrs['confidence']))} interval", _rate, "frequency"),
         _text("return period", _period, "frequency"),
         _text(years, _chance, "probability"),
     )
@@ -117,7 +117,7 @@ def inventory_overview(risk: xr.Dataset) -> str:
     frequency = risk["frequency"].values
     known = np.isfinite(frequency)
     selected = (
-        *_of_frequency(risk, "body", lambda *shares: any(share > OUTSIDE for share in shares), *SIDES),
+        *_of_frequency(risk, "body", lambda *shares: any(one > OUTSIDE for one in shares), *SIDES),
         _text("survival", _survival, "survival"),
         _text(f"median [{risk.attrs['unit']}]", lambda value: three_digits(value / _unit(risk)), "median"),
         _text("dispersion", three_digits, "dispersion"),
@@ -162,7 +162,7 @@ def inventory_warnings(risk: xr.Dataset) -> list[str]:
         if count := int(np.sum(risk[name].values > OUTSIDE)):
             told.append(
                 f"of {count} of {several(risk.sizes['body'], 'body')} more than a tenth of the frequency, up to "
-                f"{float(np.nanmax(risk[name].values)):.0%}, comes from {words}"
+                f"{share(float(np.nanmax(risk[name].values)))}, comes from {words}"
             )
     return told
 
@@ -183,8 +183,9 @@ def standing_overview(standing: xr.Dataset) -> str:
     largest = _rate(float(np.max(standing["largest"].values, initial=0.0)))
     note = (
         f"survival: exp(-lambda {age:g}), its probability; factor on the hazard: multiplier of the annual rates at "
-        f"which survival would be {1.0 - confidence:.0%} and lambda {largest} per year; a body with a factor below 1 "
-        f"contradicts the hazard at a confidence of {confidence:.0%}."
+        f"which survival would be {share(1.0 - confidence)} and lambda {largest} per year; a body with a factor "
+        f"below 1 "
+        f"contradicts the hazard at a confidence of {share(confidence)}."
     )
     return _told(f"Bodies that have survived {age:g} years", selected, standing.isel({dim: order}), [note])
 

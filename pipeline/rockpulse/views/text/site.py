@@ -243,7 +243,7 @@ def _number(site: xr.Dataset, name: str) -> float:
 
 
 def _percent(site: xr.Dataset, name: str) -> str:
-    return f"{_number(site, name):.0%}"
+    return share(_number(site, name))
 
 
 def _range(one: xr.Dataset, name: str, show: Callable[[float], str] = three_digits) -> str:
