@@ -192,6 +192,7 @@ def test_the_build_takes_the_two_packages_and_installs_them_in_place():
     assert packages == {"rockpulse", "rocking"}
 
 
+@pytest.mark.sweep
 def test_every_module_and_every_public_function_has_a_docstring():
     offenders = []
     for path in SOURCES:

@@ -65,7 +65,7 @@ def test_records_are_counted_by_title_and_those_that_tell_nothing_as_one(folder,
     assert "2 motions whose earthquake neither" in of_unknown_event(motions)
 
 
-@pytest.mark.sweep
+@pytest.mark.slow
 def test_the_table_decides(folder, tmp_path):
     names = [one.id for one in read_all(folder)[0]]
     config = with_table(tmp_path, f"record,event\n{names[1]},aftershock\n{names[3]},Maule\n")

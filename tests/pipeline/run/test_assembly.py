@@ -114,7 +114,7 @@ def test_parts_from_a_journal_stand_in_the_order_of_the_keys(assessed, tmp_path)
     assert verify(target, inputs=False).differences == ()
 
 
-@pytest.mark.sweep
+@pytest.mark.slow
 def test_records_with_little_in_them_are_put_together_in_as_little_memory_as_others(assessed, tmp_path, monkeypatch):
     """An array of one number takes as much memory as one of sixty: what is put together at once counts both."""
     done, bodies, config, _ = assessed("no records")
@@ -132,6 +132,7 @@ def test_records_with_little_in_them_are_put_together_in_as_little_memory_as_oth
     assert max(together) <= chunk / sys.getsizeof(np.zeros(1)[:]) / 2  # arrays alone, the rest is for their values
 
 
+@pytest.mark.sweep
 def test_parts_that_can_be_gone_through_once_are_refused(assessed, tmp_path):
     done, bodies, config, _ = assessed("plain")
     with pytest.raises(TypeError, match="iterated twice"):

@@ -77,7 +77,7 @@ for kind in sys.argv[2:]:
 """
 
 
-@pytest.mark.sweep
+@pytest.mark.slow
 def test_nothing_is_compiled_after_warming_up(samples):
     kinds = ("default", "calibrate", "fragility", "everything")
     run = subprocess.run(

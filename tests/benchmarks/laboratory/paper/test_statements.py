@@ -8,7 +8,7 @@ from laboratory.paper.blocks import RADII, RESTITUTIONS, paper_block
 from laboratory.paper.figure5 import figure5
 from rockpulse.models import Block, ImpulseSequence, critical_impulse_at, sequence_response
 
-pytestmark = pytest.mark.sweep
+pytestmark = pytest.mark.slow
 
 
 INTERVALS = [0.02, 0.05, 0.12, 0.148, 0.166, 0.2, 0.3, 0.4, 0.45, 0.46, 0.5, 0.55, 0.6]

@@ -130,7 +130,7 @@ def test_number_and_ratio_are_those_of_the_rule(by_rule):
     np.testing.assert_allclose(by_rule["record_ratio"].values[0, [6, 18]], sequence.secondary / sequence.main)
 
 
-@pytest.mark.sweep
+@pytest.mark.slow
 def test_the_nonlinear_spectrum_is_that_of_the_record_scaled_to_the_target():
     found = spectra("nonlinear", record(), scale_to="pga", target=2.0 * record().pga)["spectrum"]
     own = rp.overturning_spectrum(record(2.0))["spectrum"]

@@ -262,7 +262,7 @@ def test_units_and_attributes_that_differ_are_told_and_versions_do_not_count():
     assert '  + [[block]] "wall" width = 0.4' in text
 
 
-@pytest.mark.sweep
+@pytest.mark.slow
 def test_values_that_another_program_has_changed_are_found_though_the_checksums_are_equal(saved, tmp_path):
     places = {"summary/pga": 0, "summary/outcome": (0, 0, 0), "half_cycles/peak": 3, "summary/source": 1}
     shutil.copy(saved, tmp_path / "b.h5")

@@ -117,7 +117,7 @@ def test_curves_of_other_ground_motions_say_so(results, bursts, bodies, fragilit
     assert found.other_motions("fragility", 4) == [told]
 
 
-@pytest.mark.sweep
+@pytest.mark.slow
 def test_records_that_are_compared_by_name_only_say_so(results, bursts, bodies, fragility):
     by_name = "Their records were compared by name only: PGA is not among the measures of the file."
     without = replace(CURVES, fragility=ida(limit_states=("uplift",), measures=("pgv",)))
@@ -153,7 +153,7 @@ def test_a_site_of_other_records_says_so(results, site, bodies, bursts):
     assert not any(words in warning for warning in site_of(results, site).warnings)
 
 
-@pytest.mark.sweep
+@pytest.mark.slow
 def test_a_sequence_that_is_not_the_design_of_the_site_is_refused(tmp_path, site, bodies):
     rp.save(site, tmp_path / "site.h5")
     design = rp.load_design(tmp_path / "site.h5")

@@ -127,7 +127,10 @@ def of_sequence(site, bodies, config, tmp_path_factory):
 
 @pytest.mark.sweep
 @pytest.mark.parametrize("language", OTHERS)
-@pytest.mark.parametrize("case", ["results", "of_intervals", "of_sequence", "by hand"])
+@pytest.mark.parametrize(
+    "case",
+    ["results", "by hand", *(pytest.param(one, marks=pytest.mark.slow) for one in ("of_intervals", "of_sequence"))],
+)
 def test_no_english_word_is_left_on_a_page(request, language, case, site, fragility, letters_alone):
     beside = () if case in ("of_intervals", "by hand") else (site, fragility)
     results = results_tree(cases=2) if case == "by hand" else request.getfixturevalue(case)

@@ -18,6 +18,7 @@ def labels(picture):
     return re.findall(r">(\w+) \(\d+\)<", picture.svg)
 
 
+@pytest.mark.sweep
 def test_a_motion_is_that_of_the_model_of_the_verdict_where_it_has_one(results):
     found = motion(results)
     assert labels(found) == ["nonlinear"]

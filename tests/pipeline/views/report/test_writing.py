@@ -210,7 +210,7 @@ def test_the_file_is_written_and_only_a_report_is_replaced(tmp_path, monkeypatch
         report(tree, tmp_path, overwrite=True)
 
 
-@pytest.mark.sweep
+@pytest.mark.slow
 def test_files_of_another_kind_are_refused(tmp_path, results, site):
     rp.save(site, tmp_path / "site.h5")
     rp.save(results, tmp_path / "results.h5")

@@ -25,12 +25,12 @@ def test_numbers_are_flush_right_with_hanging_marks_and_words_flush_left():
     ]
 
 
-def test_only_marks_that_occur_are_explained_and_each_once_behind_the_warnings():
+def test_only_marks_that_occur_are_explained_and_each_once_behind_the_footnotes():
     rows = (
         (Cell("a"), number(0.4, ratio, (FAR,)), Cell("")),
         (Cell("b", marks=(ODD,)), number(0.5, ratio, (FAR,)), Cell("")),
     )
-    made = table(*rows, warnings=("Of the wall.",))
+    made = table(*rows, footnotes=("Of the wall.",))
     assert made.notes == ("Of the wall.", FAR.note, ODD.note)
     assert text(made).splitlines()[0] == "Every wall"
     assert text(made).splitlines()[4:6] == ["  Of the wall.", f"  {FAR.note}"]
