@@ -16,7 +16,7 @@ from rockpulse.record.measures import PGA, STORED, STORED_OF_BODIES, Measure
 from rockpulse.record.record import STANDARD_GRAVITY
 from rockpulse.views.shared.formatting import ABSENT, between, lower_bound, ratio, restitution, shortened
 from rockpulse.views.shared.table import Cell, CellMark, Heading, Table, number
-from rockpulse.views.shared.words import say
+from rockpulse.views.shared.words import named, say
 from rockpulse.warning_text import has_warning
 
 #: Longest id of a record and name of a block in a table.
@@ -51,7 +51,7 @@ class Column:
     @property
     def heading(self) -> Heading:
         """The heading with its small print."""
-        title = say(f"column.{self.name}.head") if self.title is None else self.title
+        title = say(f"column.{self.name}.head") if self.title is None else named(f"column.{self.name}.head", self.title)
         note = say(f"column.{self.name}.note") if self.name in _NOTED else self.note
         return Heading(title, self.unit, note, self.width)
 
@@ -70,7 +70,7 @@ def tabulated(
 
 
 #: Columns with small print below their heading.
-_NOTED = frozenset({"restitution", "uplift_ratio", "overturning_probability", "standing"})
+_NOTED = frozenset({"restitution", "overturning_probability"})
 
 
 def doubt(pga: float, codes: str) -> tuple[CellMark, ...]:

@@ -213,8 +213,10 @@ class Known(RecordFacts):
         north, east = (self.real(f"{of}_{side}") for side in ("latitude", "longitude"))
         if math.isnan(north) or math.isnan(east):
             return ""
-        signed = ((north, "NS"), (east, "EW"))
-        return ", ".join(f"{numerals(f'{abs(angle):.5g}')}° {names[angle < 0.0]}" for angle, names in signed)
+        signed = ((north, say("direction.north_south")), (east, say("direction.east_west")))
+        return ", ".join(
+            f"{numerals(f'{abs(angle):.5g}')}° {names[-1 if angle < 0.0 else 0]}" for angle, names in signed
+        )
 
     @property
     def strength(self) -> list[str]:

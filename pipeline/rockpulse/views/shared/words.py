@@ -105,7 +105,7 @@ def in_dates(text: str) -> str:
     def shown(found: re.Match[str]) -> str:
         return say("date", year=found[1], month=found[2], day=found[3]) + found[4].replace("T", " ")
 
-    return text if language() == "en" else _DATE.sub(shown, text)
+    return text if language() == "en" else _DATE.sub(shown, text.removesuffix("+00:00"))
 
 
 def own_name(name: str) -> str:
