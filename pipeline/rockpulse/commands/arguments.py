@@ -101,7 +101,7 @@ def read_selection(args: argparse.Namespace) -> Selection:
     from rockpulse.storage.export.row_selection import SHOWN, Condition, Selection
 
     if args.descending and args.sort is None:
-        raise ResultsError("--descending goes with --sort VARIABLE")
+        raise ResultsError("--descending: expected --sort VARIABLE beside it, found none; add --sort VARIABLE")
     names = {dim: tuple(getattr(args, dim)) for dim in ("record", "block", "model") if getattr(args, dim)}
     conditions = [Condition.parse(words) for words in args.where]
     if args.outcome:
@@ -116,10 +116,10 @@ def reading_options(args: argparse.Namespace, settings: RecordSettings | None = 
 
     records = settings or RecordSettings()
     if args.units is not None:
-        canonical_unit(args.units, "option --units")
+        canonical_unit(args.units, "--units")
         records = replace(records, units=args.units)
     elif records.units is not None:
-        canonical_unit(records.units, f"option [records] units of {args.config}")
+        canonical_unit(records.units, f"{args.config}: [records] units")
     if args.dt is not None:
         try:
             records = replace(records, dt=args.dt)

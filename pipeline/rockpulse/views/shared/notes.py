@@ -83,7 +83,7 @@ def verdict_notes(answers: Answers, of_factors: list[str], marks: Collection[Cel
     """Notes to a table of the verdicts of all models, whose figures have some marks; those on SF come second."""
     notes = [
         "Figures below the models: largest rotation over the critical angle (theta_max/alpha_c). C: velocity ratio of "
-        "an impact. PGA/uplift PGA: PGA over the PGA that lifts the body. I/I_1c: main impulse over the single impulse "
+        "an impact. Uplift ratio: PGA over the PGA that lifts the body. I/I_1c: main impulse over the single impulse "
         "that overturns the body.",
         *([say("note.beyond_critical")] if beyond_critical(answers) else []),
         *of_factors,

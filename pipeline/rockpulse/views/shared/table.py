@@ -10,8 +10,8 @@ from typing import NamedTuple
 from rockpulse.views.shared.formatting import paragraph, shortened, three_digits
 from rockpulse.views.shared.words import say
 
-#: Characters of a heading on the terminal that stand in one line, also above narrower cells.
-HEADING_WIDTH = 12
+#: Characters of a heading on the terminal that is left in one line, and of one line of a longer heading.
+UNWRAPPED, HEADING_WIDTH = 8, 12
 
 
 class CellMark(NamedTuple):
@@ -139,11 +139,11 @@ def lines(table: Table, indent: str = "") -> list[str]:
 
 def _wrapped(label: str, width: int) -> list[str]:
     """A heading in as few lines as fit above cells of a width, and as narrow as these allow."""
-    wide = max(width, HEADING_WIDTH)
-    if len(label) <= wide:
+    if len(label) <= max(width, UNWRAPPED):
         return [label]
-    count = len(_filled(label, wide))
-    narrow = next(size for size in range(1, wide + 1) if len(_filled(label, size)) == count)
+    wide = max(width, HEADING_WIDTH)
+    count = max(2, len(_filled(label, wide)))
+    narrow = next(size for size in range(1, wide + 1) if len(_filled(label, size)) <= count)
     return [line.replace("\N{NO-BREAK SPACE}", " ") for line in _filled(label, max(narrow, width))]
 
 

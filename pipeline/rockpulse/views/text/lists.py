@@ -81,7 +81,7 @@ def case_list(summary: xr.Dataset, selection: Selection) -> str:
     beyond = any(outcome == Outcome.ROCKS and peak > 1.0 for outcome, peak in rotations)
     marks = col.marks_of(cell for row in table for cell in row)
     notes = [
-        "Figures below the model: largest rotation over the critical angle (theta_max/alpha_c). PGA/uplift PGA: PGA "
+        "Figures below the model: largest rotation over the critical angle (theta_max/alpha_c). Uplift ratio: PGA "
         "over the PGA that lifts the body. I/I_1c: main impulse over the single impulse that overturns the body.",
         *(_MEANING[factor] for factor in factors),
         *([say("note.beyond_critical")] if beyond else []),

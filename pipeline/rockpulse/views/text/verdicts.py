@@ -202,16 +202,17 @@ def _legend(answers: Answers, found: Sequence[BodyVerdict], unsized: bool) -> li
     if answers.motions.kind == "sequence":
         return []
     few = answers.motions.event_count
-    little = f" (wide: it rests on {several(few, 'earthquake')})" if few < FEWEST_EVENTS else ""
-    what, middle = "share: share of the earthquakes that overturn the body", "at which it overturns"
+    little = f" (wide: {several(few, 'earthquake')})" if few < FEWEST_EVENTS else ""
+    what, middle = "share: share of earthquakes that overturn the body", "at which it overturns"
     if answers.probable:
-        what, middle = "P: probability of overturning, mean over the earthquakes", "at P = 50 %"
+        what, middle = "P: probability of overturning, mean over earthquakes", "at P = 50 %"
     of, grades = what.partition(":")[0], {one.overall for one in found}
     words = "; ".join(meaning.format(of) for grade, meaning in _MEANING.items() if grade in grades)
     return [
-        f"{what}; upper 90 %: upper end of its 90 % interval{little}. Verdict: {words}. Uplift PGA: PGA that lifts the "
-        f"body. Median scale factor: median over the records of the multiplier {middle}. Top displ., rotation: largest "
-        f"values without overturning{' (-: the height of the body is not given)' if unsized else ''}."
+        f"{what}; upper 90 %: end of its 90 % interval{little}. {words[:1].upper()}{words[1:]}. Uplift PGA: lifts "
+        f"the body. "
+        f"Median scale factor: median over records of the multiplier {middle}. Top displ., rotation: largest without "
+        f"overturning{' (-: height not given)' if unsized else ''}."
     ]
 
 
