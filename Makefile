@@ -92,9 +92,10 @@ LEAST ?= 0.90
 mutants:  ## COUNT=400 changes of operators and constants, drawn by SEED=1: the tests notice LEAST=0.90 of them (an hour)
 	$(PYTHON) tests/mutants/sample.py --count $(COUNT) --seed $(SEED) --least $(LEAST)
 
-lint:  ## ruff: format and rules
+lint:  ## ruff: format and rules; subjects of the branch's commits
 	$(PYTHON) -m ruff format --check .
 	$(PYTHON) -m ruff check .
+	$(PYTHON) tests/commit_subjects.py
 
 types:  ## mypy on both packages
 	$(PYTHON) -m mypy

@@ -17,7 +17,7 @@ from rockpulse.run.journal import journal_path
 from rockpulse.run.options import BatchOptions
 from rockpulse.run.tasks import configuration_fingerprint
 from rockpulse.selection.events import UNKNOWN
-from rockpulse.studies.fragility.analysis import FragilityAnalysis
+from rockpulse.studies.fragility.fragility import FragilityAnalysis
 from rockpulse.views.report.verdict import of_unknown_event
 
 CONFIG = Config(blocks=(BlockSettings(name="wall", width=0.3, height=2.4),), models=ModelSettings(use=("resonance",)))

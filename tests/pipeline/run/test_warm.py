@@ -21,7 +21,7 @@ from rockpulse import ModelSettings, RecordSettings, SearchSettings
 from rockpulse.assessment.assessment import Assessment
 from rockpulse.run.tasks import warm_up
 from rockpulse.run.analysis import run
-from rockpulse.studies.fragility.analysis import FragilityAnalysis
+from rockpulse.studies.fragility.fragility import FragilityAnalysis
 from rockpulse.studies.site.calibration import SiteCalibration
 
 ROOT = Path(import_module("rocking").__file__).parent

@@ -13,7 +13,7 @@ from rockpulse.views.plots import style
 from rockpulse.views.plots.selection import one_name, settings_of
 from rockpulse.views.plots.style import GREY, Look, Panels
 from rockpulse.views.shared.formatting import six_digits
-from rockpulse.views.shared.words import in_numerals, named, numerals, say
+from rockpulse.views.shared.words import in_numerals, numerals, say, translated
 from rockpulse.views.text.fragility import shown_measure, statement
 
 #: Probabilities below this, and above one less it, are not looked at when the range of the axis is chosen.
@@ -112,8 +112,8 @@ def fragility_panels(
 
 
 def _measure_words(own: xr.Dataset) -> str:
-    words = named(f"measures.{own['measure'].item()}", str(own["measure_long_name"].item()))
-    return style.readable(in_numerals(words))
+    words = translated(f"measures.{own['measure'].item()}", str(own["measure_long_name"].item()))
+    return style.readable_name(in_numerals(words))
 
 
 def _panel(
@@ -147,7 +147,7 @@ def _panel(
     first, last = (float(end(level[shown], initial=np.nan)) for end in (np.fmin.reduce, np.fmax.reduce))
     if first < last:
         ax.set_xlim(first, last)
-    counts = style.counts(int(own["records"].max()), int(own["events"].max()))
+    counts = style.record_counts(int(own["records"].max()), int(own["events"].max()))
     data = say(f"plot.fragility.data.{tree.attrs['data']}")
     notes = [say("plot.fragility.from", records=counts, data=data), *_band_notes(tree, own, banded, shown)]
     lifted = float(own["uplift_acceleration"]) if measure == PGA else np.nan

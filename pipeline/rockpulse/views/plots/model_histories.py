@@ -21,7 +21,7 @@ from rockpulse.record.record import Record
 from rockpulse.selection.directions import FACING_WITHIN
 from rockpulse.views.plots import selection
 from rockpulse.views.plots.ground_motion import STORE, had_vertical, stored_record
-from rockpulse.views.plots.motion_history import HalfCycle, rotation_history
+from rockpulse.views.plots.motion_history import HalfCycle, motion_samples
 from rockpulse.views.shared.formatting import three_digits
 from rockpulse.views.shared.words import say
 
@@ -31,7 +31,7 @@ _SAME, _INSTANTS = 1e-3, 4000
 _AGAIN, _OTHERS = "assess again with [models] histories = true", "draw other models (--model)"
 
 
-class History(NamedTuple):
+class ModelHistory(NamedTuple):
     """The motion of a block by one model; without an instant where it could not say."""
 
     model: str
@@ -51,7 +51,7 @@ def histories(
     models: Sequence[str] | None = None,
     case: int = 1,
     factor: float = 1.0,
-) -> list[History]:
+) -> list[ModelHistory]:
     """Motion of a block under a record by each model.
 
     Parameters
@@ -93,10 +93,10 @@ def histories(
         return [_history(tree, record, block, name, case) for name in models]
     body = selection.block_of(summary, block, case)
     scaled = [recomputed(tree, record, block, body, name, [factor])[0] for name in models]
-    return [History(one.model, warning=say("unknown.unresolved")) if np.isnan(one.peak) else one for one in scaled]
+    return [ModelHistory(one.model, warning=say("unknown.unresolved")) if np.isnan(one.peak) else one for one in scaled]
 
 
-def _history(tree: xr.DataTree, record: str, block: str, model: str, case: int) -> History:
+def _history(tree: xr.DataTree, record: str, block: str, model: str, case: int) -> ModelHistory:
     summary = tree["summary"].to_dataset()
     answer = summary.sel(record=record, block=block, model=model).isel(selection.chosen_case(summary, case))
     peak, outcome = float(answer["peak_rotation_ratio"]), int(answer["outcome"])
@@ -104,7 +104,7 @@ def _history(tree: xr.DataTree, record: str, block: str, model: str, case: int) 
     count = int(answer["impacts"]) if "impacts" in answer else -1
     warnings = [] if "applicable" not in answer or int(answer["applicable"]) else [say("unknown.outside")]
     if outcome == Outcome.UNRESOLVED:
-        return History(model, warning="; ".join([say("unknown.unresolved"), *warnings]))
+        return ModelHistory(model, warning="; ".join([say("unknown.unresolved"), *warnings]))
     body = selection.block_of(summary, block, case)
     if model in SEQUENCE_MODELS:
         # A design sequence stands for no record: its own time is the only one.
@@ -121,7 +121,7 @@ def _history(tree: xr.DataTree, record: str, block: str, model: str, case: int) 
                 say("limit_state.overturning") if np.isinf(one) else three_digits(one) for one in (found, peak)
             )
             warnings.append(say("plot.motion.again", again=again, stored=before))
-    return History(model, time, rotation, hits, count, overturning, peak, "; ".join(warnings))
+    return ModelHistory(model, time, rotation, hits, count, overturning, peak, "; ".join(warnings))
 
 
 def stored_history(
@@ -157,7 +157,7 @@ def _of_sequence(
     # An overturning half-cycle is followed a while beyond alpha_c, where the history ends by itself.
     last = (float(ends[-1]) if ends.size else 0.0) + (0.0 if np.isfinite(cycles[-1].duration) else 6.0 / p)
     time = np.linspace(0.0, last, _INSTANTS)
-    return time, rotation_history(cycles, p, share, sequence.spacing, time), ends
+    return time, motion_samples(cycles, p, share, sequence.spacing, time), ends
 
 
 def _impacts(time: np.ndarray, rotation: np.ndarray, body: Block) -> np.ndarray:
@@ -175,7 +175,7 @@ def _impacts(time: np.ndarray, rotation: np.ndarray, body: Block) -> np.ndarray:
 
 def recomputed(
     tree: xr.DataTree, record: str, block: str, body: Block, model: str, factors: Sequence[float]
-) -> list[History]:
+) -> list[ModelHistory]:
     """Motions of a block, `body`, under a record times factors; ResultsError without the motion that acts on it."""
     summary, row = tree["summary"].to_dataset(), MODELS[model]
     floors = floors_from_text(str(summary["floors"].sel(block=block).values))
@@ -230,7 +230,7 @@ def _scene(tree: xr.DataTree, record: Record, waves: dict[str, np.ndarray]) -> S
     )
 
 
-def _worse(model: str, body: Block, found: Sequence[Response]) -> list[History]:
+def _worse(model: str, body: Block, found: Sequence[Response]) -> list[ModelHistory]:
     """Of each factor the response with the larger peak, one that cannot say counting as the largest."""
     rank = [np.nan_to_num(one.peak_rotation_ratio, nan=np.finfo(float).max) for one in found]
     names = ("impacts", "overturning_time", "peak_rotation_ratio")
@@ -238,5 +238,5 @@ def _worse(model: str, body: Block, found: Sequence[Response]) -> list[History]:
     for lane, worse in enumerate(np.argmax(rank, axis=0)):
         rotation = body.ratio(np.asarray(found[worse].rotation)[lane])
         told = (getattr(found[worse], name)[lane].item() for name in names)
-        histories.append(History(model, time, rotation, _impacts(time, rotation, body), *told))
+        histories.append(ModelHistory(model, time, rotation, _impacts(time, rotation, body), *told))
     return histories

@@ -14,7 +14,7 @@ from rockpulse.views.plots import style
 from rockpulse.views.plots.spectra import below_the_picture, record_lines, spectrum_axes
 from rockpulse.views.plots.style import BLACK, BLUE, DOTTED, GREY, PALE, RED, SKY, SMALL, Panels
 from rockpulse.views.shared.formatting import six_digits, three_digits
-from rockpulse.views.shared.words import named, say
+from rockpulse.views.shared.words import say, translated
 from rockpulse.views.text.site import site_warnings
 
 #: Largest ratio to the range of the records up to which the axis follows the design; the longest warning [characters].
@@ -52,7 +52,7 @@ def calibration(tree: xr.DataTree, axes: Panels | None = None) -> np.ndarray:
     last.set_axis_off()
     handles, words = panels[0].get_legend_handles_labels()
     last.legend(handles, words, loc="center left", fontsize=SMALL, frameon=False, handlelength=2.4, labelspacing=0.8)
-    counts = style.counts(int(site["record_count"]), int(site["event_count"]))
+    counts = style.record_counts(int(site["record_count"]), int(site["event_count"]))
     name = style.plain(tree.attrs.get("title", ""))
     style.title(panels[0], say("plot.site.title", name=name, records=counts, method=site.attrs["method"]))
     style.caption(panels[-2], " ".join(_warnings(site)))
@@ -63,7 +63,7 @@ def _parameter(ax: Axes, own: xr.Dataset, name: str, weight: np.ndarray) -> None
     """Draw the distribution of a parameter over the records, its fit, and the design."""
     value, confidence = own["value"].values, six_digits(100.0 * float(own["confidence"]))
     known = np.isfinite(value) & (weight > 0.0)
-    words = style.readable(named(f"parameters.{name}", str(own["parameter_name"].item())))
+    words = style.readable_name(translated(f"parameters.{name}", str(own["parameter_name"].item())))
     style.panel_title(ax, words.replace(", $I_s/I$", ""), width=52)
     symbol = _SYMBOLS.get(name) or say(f"plot.site.{name}")
     ax.set_xlabel(f"{symbol} [{style.unit(str(own['parameter_unit'].item()))}]")

@@ -8,16 +8,16 @@ import numpy as np
 import xarray as xr
 
 from rockpulse.assessment.answers import Answers, Motions
-from rockpulse.assessment.demand import FARTHEST
+from rockpulse.assessment.site_demands import FARTHEST
 from rockpulse.assessment.verdict import FEWEST_AT_DEMAND, MAY_OVERTURN, BodyVerdict, Grade, sliding, worse_screens
 from rockpulse.earthquakes import CONFIDENCE, FEWEST_EVENTS, probability_interval
 from rockpulse.model_table import is_full, is_upper_bound
 from rockpulse.views.report.verdict import of_unknown_event
-from rockpulse.views.shared.columns import doubt_notes, record_cells
 from rockpulse.views.shared.files_used import FilesUsed
 from rockpulse.views.shared.formatting import ratio, share, six_digits
 from rockpulse.views.shared.notes import factor_heading
-from rockpulse.views.shared.words import counted, listed, say
+from rockpulse.views.shared.shown_columns import doubt_notes, record_cells
+from rockpulse.views.shared.words import counted_words, listed, say
 from rockpulse.views.text.site import coverage
 from rockpulse.warning_text import has_warning
 
@@ -54,10 +54,10 @@ def warnings(
         said.append(_limit("limits", "files", counted=told, reasons=files.reasons))
     said += _of_bodies(answers, found)
     if drifting := int(answers["pgv_drift"].sum()):
-        said.append(_limit("limits", "drift", count=counted(drifting, "record")))
+        said.append(_limit("limits", "drift", count=counted_words(drifting, "record")))
     blocks = {one.body.block for one in found}
     if len(blocks) < len(found):
-        words = {"blocks": counted(len(blocks), "block"), "bodies": counted(len(found), "body")}
+        words = {"blocks": counted_words(len(blocks), "block"), "bodies": counted_words(len(found), "body")}
         said.append(_limit("notes", "restitutions", **words))
     if components == "horizontal" and motions.kind == "record":
         said.append(_limit("notes", "as_recorded"))
@@ -75,7 +75,7 @@ def limits(said: Sequence[Limit], found: Sequence[BodyVerdict], motions: Motions
         counts = [one.deciding.earthquakes if one.deciding else motions.event_count for one in found]
         fewest = min(counts, default=motions.event_count)
         most = share(float(probability_interval(0.0, fewest)[1]))
-        lines.append(say("limits.earthquakes", events=counted(fewest, "earthquake"), most=most))
+        lines.append(say("limits.earthquakes", events=counted_words(fewest, "earthquake"), most=most))
     return [*lines, say("limits.not_covered")]
 
 
@@ -101,7 +101,7 @@ def _few(found: Sequence[BodyVerdict]) -> list[Limit]:
         most[demand.name] = max(demand.earthquakes, most.get(demand.name, 0))
     fields = {"needed": FEWEST_AT_DEMAND, "most": six_digits(FARTHEST[1])}
     return [
-        _limit("decides", "few", name=name, events=counted(count, "earthquake"), **fields)
+        _limit("decides", "few", name=name, events=counted_words(count, "earthquake"), **fields)
         for name, count in most.items()
     ]
 
@@ -110,7 +110,7 @@ def _confidence(motions: Motions, site: xr.Dataset | None) -> Limit:
     if motions.kind == "sequence":
         told = say("warning.site_confidence.ask") if site is None else coverage(site)
         return _limit("limits", "site_confidence", coverage=told)
-    events = counted(motions.event_count, "earthquake")
+    events = counted_words(motions.event_count, "earthquake")
     few = say("warning.confidence.few", events=events, may=six_digits(MAY_OVERTURN))
     return _limit(
         "limits",
@@ -165,7 +165,7 @@ def _of_bodies(answers: Answers, found: Sequence[BodyVerdict]) -> list[Limit]:
         value = ratio(worst.decides.value)
         said.append(_limit("limits", "pedestal", name=alone, worst=worst.body.name, value=value))
     for one in sliding(answers):
-        told = {"total": counted(one.total, "record"), "most": ratio(one.most)}
+        told = {"total": counted_words(one.total, "record"), "most": ratio(one.most)}
         own = six_digits(one.friction)
         said.append(_limit("decides", "slides", name=one.body.name, count=one.above, friction=own, **told))
     return said
@@ -186,7 +186,7 @@ def _at_rest(found: Sequence[BodyVerdict], motions: Motions) -> Limit | None:
         return None
     never = sum(one.grade == Grade.STAYS for one in found)
     if never:
-        bodies = counted(len(found), "body")
+        bodies = counted_words(len(found), "body")
         return _limit("decides", "never_lifted", never=never, bodies=bodies, idle=idle, total=total)
     return _limit("notes", "at_rest", idle=idle, total=total)
 
@@ -198,4 +198,4 @@ def _doubtful(summary: xr.Dataset) -> Limit | None:
         return None
     notes = " ".join(doubt_notes(named))
     records = listed([cell.marked for cell in named])
-    return _limit("decides", "doubtful", count=counted(len(named), "record"), records=records, notes=notes)
+    return _limit("decides", "doubtful", count=counted_words(len(named), "record"), records=records, notes=notes)

@@ -19,15 +19,15 @@ from rockpulse.config.configuration import Config
 from rockpulse.errors import ResultsError
 from rockpulse.files import FileSet
 from rockpulse.foreign_text import escaped
-from rockpulse.storage.hdf5.atomic import ASSESSMENT, named
+from rockpulse.storage.hdf5.atomic import ASSESSMENT, kind_in_words
 from rockpulse.storage.hdf5.results_file import load
 from rockpulse.storage.variables.fragility import FRAGILITY
 from rockpulse.storage.variables.site import SITE_KIND
 from rockpulse.version import __version__
 from rockpulse.views.report.beside import paired
-from rockpulse.views.report.content import gather, logo, parties
+from rockpulse.views.report.content import logo, page_content, parties
 from rockpulse.views.report.explorer import explorer
-from rockpulse.views.report.pictures import Pictures
+from rockpulse.views.report.report_pictures import Pictures
 from rockpulse.views.shared.table import Fact
 from rockpulse.views.shared.words import in_dates, own_name, say, writing
 
@@ -175,7 +175,7 @@ def report_page(
     environment.filters["typeset"] = typeset
     script = "".join(map(_text, ("report.js", "explorer_drawing.js", "explorer.js")))
     with writing(language):
-        content = gather(tree, *beside)
+        content = page_content(tree, *beside)
         curves = content.fragility.blocks if content.fragility else ()
         gravest = sorted(content.found, key=lambda one: (one.overall, one.decides.value), reverse=True)
         worst = [one.body.block for one in gravest]
@@ -223,7 +223,9 @@ def _loaded(source: xr.DataTree | str | Path, kind: str) -> xr.DataTree:
     groups = {"summary": ASSESSMENT, "site": SITE_KIND}  # a tree that was never saved may lack the attribute
     by_group = next((groups[name] for name in groups if name in tree.children), "tree of another kind")
     if (found := str(tree.attrs.get("kind", by_group))) != kind:
-        raise ResultsError(f"{_name(source)}: expected {named(kind)} of rockpulse, found {named(found)}")
+        raise ResultsError(
+            f"{_name(source)}: expected {kind_in_words(kind)} of rockpulse, found {kind_in_words(found)}"
+        )
     return tree
 
 

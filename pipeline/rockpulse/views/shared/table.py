@@ -113,7 +113,9 @@ class Fact:
     lines: tuple[str, ...]
 
 
-def number(value: float | None, show: Callable[[float], str] = three_digits, marks: tuple[CellMark, ...] = ()) -> Cell:
+def number_cell(
+    value: float | None, show: Callable[[float], str] = three_digits, marks: tuple[CellMark, ...] = ()
+) -> Cell:
     """A cell of a number, with the marks only where the number is known."""
     known = math.nan if value is None else value
     return Cell(show(known), known, () if math.isnan(known) else marks)
@@ -151,7 +153,7 @@ def _filled(label: str, width: int) -> list[str]:
     return wrap(label, width, break_long_words=False, break_on_hyphens=False)
 
 
-def text(table: Table) -> str:
+def table_text(table: Table) -> str:
     """The table for the terminal: caption where there is one, indented rows, notes."""
     caption = [paragraph(table.caption)] if table.caption else []
     return "\n".join([*caption, *lines(table, "  "), *(paragraph(note, "  ") for note in table.notes)])

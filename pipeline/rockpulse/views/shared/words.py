@@ -57,14 +57,14 @@ def _flat(nested: Mapping[str, Any], before: str = "") -> Iterator[tuple[str, st
             yield from _flat(value, f"{before}{key}.")
 
 
-def template(key: str) -> str:
+def raw_text(key: str) -> str:
     """The text of a key in the language that is written, with its fields as they stand."""
     return table(language())[key]
 
 
 def say(key: str, /, **fields: object) -> str:
     """The text of a key in the language that is written, its fields filled in."""
-    return template(key).format(**fields)
+    return raw_text(key).format(**fields)
 
 
 def section(name: str) -> dict[str, str]:
@@ -73,12 +73,12 @@ def section(name: str) -> dict[str, str]:
     return {key.removeprefix(f"{name}."): text for key, text in texts if key.startswith(f"{name}.")}
 
 
-def named(key: str, english: str) -> str:
+def translated(key: str, english: str) -> str:
     """The words for a text declared in English below the views, by its key in the other languages."""
     return english if language() == "en" else table(language()).get(key, english)
 
 
-def counted(count: int, noun: str) -> str:
+def counted_words(count: int, noun: str) -> str:
     """A number and what is counted, by a key of [count] that has a form for one and one for more."""
     return say(f"count.{noun}.{'one' if count == 1 else 'more'}", count=count)
 
@@ -111,7 +111,9 @@ def in_dates(text: str) -> str:
 def own_name(name: str) -> str:
     """A name of a body or a site of the samples, alone or with its pedestal, in the language that is written."""
     body, pedestal, number = name.partition(" with pedestal")
-    return named(f"names.{body}", body) + (named("names.with pedestal", pedestal) + number if pedestal else "")
+    return translated(f"names.{body}", body) + (
+        translated("names.with pedestal", pedestal) + number if pedestal else ""
+    )
 
 
 class _Numerals(Formatter):
@@ -137,7 +139,7 @@ def _told(value: Any) -> Any:
 
 def warning_words(warning: WarningText) -> str:
     """A warning in the language that is written."""
-    words = named(f"warnings.{warning.code.partition('/')[0]}", "")
+    words = translated(f"warnings.{warning.code.partition('/')[0]}", "")
     return _Numerals().vformat(words, (), warning.values) if words else str(warning)
 
 

@@ -11,7 +11,7 @@ from rockpulse.errors import RecordRefused
 from rockpulse.models import Block, ImpulseSequence, Outcome, sequence_response
 from rockpulse.record.conditioning import condition
 from rockpulse.record.record import Record
-from rockpulse.studies.site.records import block_family
+from rockpulse.studies.site.site_records import block_family
 
 NAMES = ("main", "ratio", "interval", "main_count")
 

@@ -13,7 +13,7 @@ from rockpulse.config.configuration import Config
 from rockpulse.errors import ConfigError, RecordRefused
 from rockpulse.models import Block
 from rockpulse.record.measures import SCALING
-from rockpulse.studies.site import records as site_record
+from rockpulse.studies.site import site_records as site_record
 
 TIME = 0.01 * np.arange(1200)
 BLOCKS = {"wall": Block(0.3, 3.0), "pier": Block(0.8, 3.6), "column": Block(1.0, 8.0)}

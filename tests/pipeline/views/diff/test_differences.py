@@ -14,8 +14,8 @@ from rockpulse.storage.hdf5.results_file import open_results, save
 from rockpulse.storage.variables import FAILURE
 from rockpulse.storage.variables.assessment import ASSESSMENT_GROUPS, HALF_CYCLE, WAVES
 from rockpulse.storage.variables.site import SITE_KIND
+from rockpulse.views.diff.difference_overview import difference_overview
 from rockpulse.views.diff.differences import OUTCOME, SAFETY, compare_results
-from rockpulse.views.diff.overview import difference_overview
 from rockpulse.views.diff.row_matching import OnlyIn
 
 #: (record, block, model) that the rows of /half_cycles point at.

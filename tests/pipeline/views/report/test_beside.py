@@ -17,10 +17,10 @@ from rockpulse.storage.variables import failure_table
 from rockpulse.storage.variables.site import SITE_KIND
 from rockpulse.studies.site.calibration import design_of
 from rockpulse.views.report.beside import Paired, describe_fragility, paired
-from rockpulse.views.report.content import gather
+from rockpulse.views.report.content import page_content
 from rockpulse.views.report.writing import report_page
 from rockpulse.views.shared.formatting import shortened
-from rockpulse.views.shared.table import text
+from rockpulse.views.shared.table import table_text
 from rockpulse.views.text.fragility import BEYOND, fragility_overview, median_table, sufficiency_tables
 from rockpulse.views.text.site import site_overview, site_tables
 from rockpulse.warning_text import WarningText, as_stored
@@ -45,12 +45,12 @@ def changed(tree, group, **values):
 
 def curves_of(results, fragility):
     """What the section on fragility says."""
-    return gather(results, fragility=paired(results, fragility, "fragility", "it")).fragility
+    return page_content(results, fragility=paired(results, fragility, "fragility", "it")).fragility
 
 
 def site_of(results, site):
     """What the section on the site says."""
-    return gather(results, paired(results, site, SITE_KIND, "it")).site
+    return page_content(results, paired(results, site, SITE_KIND, "it")).site
 
 
 @pytest.mark.parametrize("number", ["p", "alpha_c", "restitution"])
@@ -172,7 +172,7 @@ def test_a_site_by_the_spectrum_is_shown_beside_its_design_and_another_is_refuse
     part = site_of(assessed, usual_site())
     assert any("quantile of the overturning spectra of 10 records of 10 earthquakes" in one for one in part.statements)
     assert [table.key for table in part.tables] == ["site-design", "site-sequence"]
-    warnings = gather(assessed, paired(assessed, usual_site(), SITE_KIND, "it")).warnings
+    warnings = page_content(assessed, paired(assessed, usual_site(), SITE_KIND, "it")).warnings
     assert not [one for one in warnings if one.head.startswith("records of the site")]  # none overturns the pier
     with pytest.raises(ResultsError, match="is not that of this site: the factor of wall is "):
         site_of(rp.assess_sequence(design_of(spectrum_site(np.linspace(0.6, 1.5, 10))), bodies=bodies), usual_site())
@@ -215,7 +215,7 @@ def test_the_page_and_the_terminal_show_the_same_tables(results, site, fragility
 
 def test_a_median_beyond_every_level_is_marked_and_explained_only_where_there_is_one(fragility, curves):
     curves["extrapolated"][:] = 0
-    assert BEYOND.note not in text(median_table(with_curves(fragility, curves)))
+    assert BEYOND.note not in table_text(median_table(with_curves(fragility, curves)))
     curves["extrapolated"][:] = 1
     curves["median"][:] = 0.5
     curves["median"].loc[{"limit_state": "overturning"}] = np.nan

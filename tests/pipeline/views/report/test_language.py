@@ -15,12 +15,12 @@ from rocking.response import Reason
 from rockpulse.errors import ConfigError
 from rockpulse.model_table import MODELS
 from rockpulse.views.report.beside import paired
-from rockpulse.views.report.content import REFERENCE, gather
-from rockpulse.views.report.pictures import Pictures
+from rockpulse.views.report.content import REFERENCE, page_content
+from rockpulse.views.report.report_pictures import Pictures
 from rockpulse.views.report.writing import report_page
-from rockpulse.views.shared.columns import columns, filled
 from rockpulse.views.shared.files_used import files_used
 from rockpulse.views.shared.formatting import between, ratio
+from rockpulse.views.shared.shown_columns import columns, filled
 from rockpulse.views.shared.words import LANGUAGES, in_numerals, say, table, warning_words, writing
 from rockpulse.warning_text import TEMPLATES, WarningText
 
@@ -150,7 +150,7 @@ def test_no_english_word_is_left_on_a_page(request, language, case, site, fragil
 def test_the_numbers_of_pictures_have_the_decimal_sign_of_the_language(results, fragility):
     beside = paired(results, fragility, "fragility", "it")
     with writing("it"):
-        pictures = Pictures(results, None, beside, gather(results).found)
+        pictures = Pictures(results, None, beside, page_content(results).found)
         drawn = [str(one.svg) for one in (pictures.body(0), pictures.strip(0), pictures.fragility("stele"))]
     texts = [re.sub(r"<[^>]*>", "", text) for text in re.findall(r"<text[^>]*>(.*?)</text>", "".join(drawn), re.DOTALL)]
     assert [text for text in texts if re.search(r"\d\.\d", text)] == []

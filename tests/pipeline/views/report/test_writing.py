@@ -14,7 +14,7 @@ from results_tree import results_tree
 import rockpulse as rp
 from rockpulse.errors import ResultsError
 from rockpulse.views.report import writing
-from rockpulse.views.report.content import gather
+from rockpulse.views.report.content import page_content
 from rockpulse.views.report.writing import report, report_page
 
 
@@ -124,7 +124,7 @@ def test_without_factors_answers_or_records_a_body_is_not_called_safe(known, res
     assert "cut.AT2:4 expected 100 samples, found 3" in words
     tree = results.copy()
     tree["summary"] = xr.DataTree(tree["summary"].to_dataset().isel(record=[]))
-    found = gather(tree)
+    found = page_content(tree)
     assert [card.verdict.text for card in found.cards] == ["not known"] * 3
 
 
@@ -140,7 +140,7 @@ def test_the_resonance_model_is_named_for_what_it_is_where_it_judges(undrawn):
 
 
 def test_cases_of_restitution_are_bodies_of_their_own():
-    assert "column, C = 0.830" in [row[0].text for row in gather(results_tree(cases=2)).counts.rows]
+    assert "column, C = 0.830" in [row[0].text for row in page_content(results_tree(cases=2)).counts.rows]
 
 
 @pytest.mark.sweep
@@ -170,8 +170,8 @@ def cells(table):
 
 @pytest.mark.sweep
 def test_a_record_of_a_doubtful_peak_is_marked_and_said_first(results):
-    assert not any("peak?" in text for text in cells(gather(results).answers))
-    found = gather(changed(results, pga=98.1))
+    assert not any("peak?" in text for text in cells(page_content(results).answers))
+    found = page_content(changed(results, pga=98.1))
     first = found.warnings[0]
     assert (first.grade, first.head) == ("decides", "the peak of 1 record is doubtful")
     assert found.limits[0].startswith("What may change a verdict: the peak of 1 record is doubtful")
@@ -183,7 +183,7 @@ def test_a_record_of_a_doubtful_peak_is_marked_and_said_first(results):
 
 
 def test_where_nothing_was_found_the_page_says_up_to_where(results):
-    found = gather(results)
+    found = page_content(results)
     assert ">10" in cells(found.answers)
     assert "none" not in cells(found.answers)
     assert any(">10: no overturning up to this scale factor" in note for note in found.notes)

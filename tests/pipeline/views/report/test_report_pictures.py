@@ -5,12 +5,12 @@ import re
 import pytest
 
 from rocking.response import Outcome
-from rockpulse.views.report.content import gather
-from rockpulse.views.report.pictures import Pictures
+from rockpulse.views.report.content import page_content
+from rockpulse.views.report.report_pictures import Pictures
 
 
 def motion(tree, place=0):
-    return Pictures(tree, None, None, gather(tree).found).motion(place)
+    return Pictures(tree, None, None, page_content(tree).found).motion(place)
 
 
 def labels(picture):

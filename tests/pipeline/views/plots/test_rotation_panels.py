@@ -10,8 +10,8 @@ import rockpulse as rp
 from rockpulse.errors import ResultsError
 from rockpulse.views.plots.drawing import draw
 from rockpulse.views.plots.ground_motion import stored_record
-from rockpulse.views.plots.model_histories import History, histories
-from rockpulse.views.plots.rotation import rotation_history
+from rockpulse.views.plots.model_histories import ModelHistory, histories
+from rockpulse.views.plots.rotation_panels import rotation_history
 from rockpulse.views.plots.selection import block_of
 
 COLUMN = "column of $one$ piece"
@@ -126,12 +126,12 @@ def test_a_design_sequence_has_its_own_time_and_no_accelerogram():
 @pytest.mark.sweep
 def test_a_motion_far_below_alpha_c_is_shown_large_and_rest_is_drawn_too():
     time = np.arange(0.0, 5.0, 0.1)
-    moving, _ = rotation_history([History("linear", time, 1e-5 * np.cos(time), peak=1e-5)])
+    moving, _ = rotation_history([ModelHistory("linear", time, 1e-5 * np.cos(time), peak=1e-5)])
     moving.figure.draw_without_rendering()
     assert moving.get_ylim() == pytest.approx((-1.3e-5, 1.3e-5))
     assert "1e-05" in named_rows(moving)
     time = np.arange(5.0)
-    still = [History(model, time, 0.0 * time, peak=0.0) for model in ("nonlinear", "linear")]
+    still = [ModelHistory(model, time, 0.0 * time, peak=0.0) for model in ("nonlinear", "linear")]
     moving, below = rotation_history(still)
     assert [line.get_label() for line in curves(moving)] == ["nonlinear: at rest", "linear: at rest"]
     assert [text.get_text() for text in moving.texts] == ["at rest"]
