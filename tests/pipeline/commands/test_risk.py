@@ -71,7 +71,7 @@ def test_bodies_that_have_stood_are_a_test_of_the_hazard(fragility, capsys):
     assert float(row[0]) == pytest.approx(0.0498, rel=2e-2)
     assert float(row[2]) == pytest.approx(0.9986, rel=6e-3)
     assert main(["risk", str(fragility), "--age", "100", "--limit-state", "uplift"]) == 2
-    assert "--age: it says that bodies still stand" in capsys.readouterr().err
+    assert "--age: expected --limit-state overturning" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("option", [["--limit-state", "0.4"], ["--resamples", "3"]])

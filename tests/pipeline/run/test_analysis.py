@@ -108,7 +108,7 @@ def test_a_peak_above_five_g_does_not_count_before_it_is_confirmed():
         '--confirm XX.A..HNE@20230206T011732, or confirm = ["XX.A..HNE@20230206T011732"] under [records]'
     )
     assert seen([odd], confirm=("XX.A*",)) == ([odd.id], [])
-    with pytest.raises(ConfigError, match=r"confirm: no record has an id that fits XX.A; the ids are XX.A\.\."):
+    with pytest.raises(ConfigError, match=r"confirm: no record id matches XX.A; the ids are XX.A\.\."):
         seen([odd], confirm=("XX.A",))
 
 

@@ -54,7 +54,7 @@ def test_the_processed_volume_votes_and_the_raw_one_is_left_out_with_its_vertica
     assert vote(*raw, *processed) == (ids("b.V2A"), dict.fromkeys(ids("a.V1A"), "duplicate"))
     told = reason(raw[0], processed[0])
     assert told == (
-        "a.V1A.0: duplicate of b.V2A.0 of b.V2A, which is assessed in its place: a processed volume goes before "
+        "a.V1A.0: duplicate of b.V2A.0 in b.V2A, which is assessed instead: a processed volume goes before "
         "a raw one; [records] keep with this id assesses both"
     )
 

@@ -142,7 +142,7 @@ def lines(table: Table, indent: str = "") -> list[str]:
 def _wrapped(label: str, width: int) -> list[str]:
     """A heading in as few lines as fit above cells of a width, and as narrow as these allow."""
     if len(label) <= max(width, UNWRAPPED):
-        return [label]
+        return [label.replace("\N{NO-BREAK SPACE}", " ")]
     wide = max(width, HEADING_WIDTH)
     count = max(2, len(_filled(label, wide)))
     narrow = next(size for size in range(1, wide + 1) if len(_filled(label, size)) <= count)

@@ -72,7 +72,10 @@ def _capacity(answers: Answers) -> str:
 
 def _lines(answers: Answers, rows: Sequence[tuple[str, float, list[Cell]]], width: int | None) -> list[str]:
     """A table with a column for every demand."""
-    titles = [Heading(f"{name} ({demand.words})") for name, demand in answers.demands.items()]
+    titles = [
+        Heading(f"{name} ({demand.words})".replace(" ", "\N{NO-BREAK SPACE}"))
+        for name, demand in answers.demands.items()
+    ]
     c = col.COLUMNS["restitution"]
     cells = tuple((Cell(name), c.cell(value), *more) for name, value, more in rows)
     return lines(Table("", "", (Heading("", width=width), c.heading, *titles), cells), "  ")

@@ -270,4 +270,4 @@ def test_a_map_of_probability_has_bars_up_to_ten_and_fifty_percent_and_beyond(li
     ax = critical_scale(likely)
     (dots,) = (line for line in ax.lines if len(line.get_xdata()) == 2 and line.get_marker() == "o")
     assert dots.get_xdata() == pytest.approx([0.5, 2.0])
-    assert "Nonlinear: factor of 10 % probability." in small_print(ax)
+    assert "Nonlinear: scale factor at P = 10 %." in small_print(ax)

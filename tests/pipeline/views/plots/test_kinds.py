@@ -116,7 +116,7 @@ def test_a_picture_is_drawn_in_the_language_that_is_written(assessed):
         assert {"0,5", "1", "10"} < {ax.xaxis.get_major_formatter()(value) for value in ax.get_xticks()}
     assert ax.figure.get_suptitle() == "wall: fattore di scala di ribaltamento di ciascuna registrazione"
     assert in_legend(ax) == ["a sequenza", "non lineare"]
-    assert ax.get_xlabel() == "fattore minimo sull'ingresso del modello che ribalta [-]"
+    assert ax.get_xlabel() == "fattore di scala minimo di ribaltamento [-]"
     assert small_print(ax).startswith("In ordine del modello non lineare.")
 
 

@@ -96,7 +96,7 @@ def test_few_earthquakes_tell_no_small_probability_and_motions_that_lift_nothing
     said = heads(probable([0.0, 0.0]), "record")["the verdict rests on 2 earthquakes"]
     assert said.grade == "limits"
     assert "2 earthquakes are too few to estimate a probability of 0.05" in said.text
-    assert "by up to 0.78 of the motions" in said.text  # 1 - 0.05^(1/2)
+    assert "by up to 78 % of the motions" in said.text  # 1 - 0.05^(1/2)
     said = heads(probable([0.0] * 12), "record")["the verdict rests on 12 earthquakes"]
     assert "cannot tell" not in said.text
     rest = [Outcome.AT_REST, Outcome.ROCKS]

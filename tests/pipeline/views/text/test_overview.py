@@ -113,7 +113,7 @@ def test_the_factor_of_the_fullest_model_stands_beside_the_verdicts(searched):
     assert row(text, "boundary wall", RECORDS[2])[-1] == "none"
     words = " ".join(text.split())
     assert "SF: smallest scale factor on the record" in words
-    assert "1 with SF below 1 that rocks: a weaker record overturns it." in words
+    assert "1 with SF below 1 rocks only: a smaller scale factor overturns the body." in words
     assert row(factor_table(Answers(searched)), "column", RECORDS[0])[-2:] == ["0.84", "(3)"]
 
 
@@ -130,7 +130,7 @@ def test_what_a_search_may_miss_is_said(searched, step, models, told):
     searched["search_step"] = xr.full_like(searched["safety_factor"], step)
     shown = searched if models is None else searched.assign_coords(model=("model", models))
     text = " ".join(verdict_table(shown).split())
-    words = " may lie below it: do not read it to two digits "
+    words = " may lie below it: two digits of it are not reliable "
     assert told.replace("|", words) in text if told else "Bands narrower" not in text
 
 
@@ -161,7 +161,9 @@ def test_a_factor_at_which_the_model_cannot_answer_is_marked_and_explained(searc
         "!: a lower bound: from this scale factor on the model cannot answer (free flight, for one; 2 of 9)"
         in " ".join(text.split())
     )
-    assert "1 with SF below 1 that rocks: a weaker record overturns it, or may (!)." in " ".join(text.split())
+    assert "1 with SF below 1 rocks only: a smaller scale factor overturns the body, or may (!)." in " ".join(
+        text.split()
+    )
     assert row(factor_table(Answers(searched)), "column", RECORDS[0])[-2:] == ["0.84!", "(3)"]
     assert "!: a lower bound" in factor_table(Answers(searched))
     ends = {len(line.rstrip("!")) for line in text.splitlines() if line.startswith(("  column", "  boundary wall"))}
@@ -268,7 +270,7 @@ def test_what_overturns_is_named_and_counted_and_what_a_weaker_copy_does(summary
     assert "weaker copy" not in overturned(Answers(summary))
     summary["safety_factor"].loc[{"record": RECORDS[1], "block": "column", "model": "nonlinear"}] = 0.82
     text = overturned(Answers(summary))
-    assert "column: nothing as recorded does, but see below" in text
+    assert "column: none as recorded, but see below" in text
     assert text.endswith(
         f"What rocks, but a weaker copy of the record overturns it (SF in brackets):\n  column: {RECORDS[1]} (0.82)"
     )

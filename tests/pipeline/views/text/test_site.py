@@ -43,7 +43,7 @@ def test_everything_is_there_and_nothing_is_nan(tree):
         "Calibrated on 6 records of 6 earthquakes, not scaled: Quake AAA (1)",
         "main impulse I [m/s]",
         "number of main impulses",
-        "median, low  median, high",
+        "I_s/I",
         "dispersion, low, high: of the logarithm.",
         "correlation of",
         f"I = {float(site['design'][0]):.3g} m/s",
