@@ -29,7 +29,7 @@ def _run(args: argparse.Namespace) -> int:
     if not args.quiet and failures:
         tell(rows_not_used(failures, more_in="", listed=LISTED), sys.stderr)
     if not records:
-        told = "rockpulse: not one record could be read, nothing was written"
+        told = "rockpulse: no record could be read, nothing was written"
         tell(f"{told}: {failed}" if failed else told, sys.stderr)
         return 1
     if failed:

@@ -117,7 +117,7 @@ def test_a_picture_is_drawn_in_the_language_that_is_written(assessed):
     assert ax.figure.get_suptitle() == "wall: fattore di scala di ribaltamento di ciascuna registrazione"
     assert in_legend(ax) == ["a sequenza", "non lineare"]
     assert ax.get_xlabel() == "fattore di scala minimo di ribaltamento [-]"
-    assert small_print(ax).startswith("In ordine del modello non lineare.")
+    assert small_print(ax).startswith("In ordine secondo il modello non lineare.")
 
 
 def test_the_tables_agree():

@@ -42,7 +42,7 @@ def test_drift_and_a_rotation_beyond_the_critical_angle_are_marked_and_explained
     assert "drift" not in verdict_table(summary.sel(record=list(RECORDS[:1])))
     assert "Above 1" not in verdict_table(summary)
     summary["peak_rotation_ratio"][1, 1, 2] = 1.13
-    assert "Above 1: the body rocked beyond the critical angle and back" in verdict_table(summary)
+    assert "Above 1: the body rocked beyond the critical angle and came back" in verdict_table(summary)
     assert "Above 1" not in verdict_table(summary.sel(block=list(BLOCKS[:1])))
 
 
@@ -272,7 +272,7 @@ def test_what_overturns_is_named_and_counted_and_what_a_weaker_copy_does(summary
     text = overturned(Answers(summary))
     assert "column: none as recorded, but see below" in text
     assert text.endswith(
-        f"What rocks, but a weaker copy of the record overturns it (SF in brackets):\n  column: {RECORDS[1]} (0.82)"
+        f"Records that overturn the body only if scaled down (SF in brackets):\n  column: {RECORDS[1]} (0.82)"
     )
 
 

@@ -45,7 +45,7 @@ def test_everything_is_there_and_nothing_is_nan(tree):
         "number of main impulses",
         "I_s/I",
         "dispersion, low, high: of the logarithm.",
-        "correlation of",
+        "correlation",
         f"I = {float(site['design'][0]):.3g} m/s",
         "nominal 84 %",
         "stele",
