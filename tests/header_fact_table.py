@@ -274,6 +274,11 @@ TABLE: dict[str, list[Row]] = {
         ("unit", rb"gal(?=\. DC)", b"g  ", "a peak that can be"),
         ("sense of a channel", rb"N\(\+\)", b"N(-)", ""),
     ],
+    "clc_jma.csv": [
+        ("rate", rb"100(?=Hz)", b"200", ""),
+        ("unit", rb"gal(?=\()", b"g  ", "unit in brackets"),
+        ("order of the columns", rb"NS,EW", b"EW,NS", ""),
+    ],
     "clc_asa.061": [
         ("count of a channel", rb"1200(?=/1200/1200)", b"1199", "the other channels"),
         ("count, one short", rb"1200/1200/1200", b"1199/1199/1199", "rows"),

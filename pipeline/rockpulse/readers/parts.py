@@ -5,6 +5,7 @@ import re
 from collections import defaultdict
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields, replace
+from datetime import UTC, datetime
 from itertools import pairwise
 
 import numpy as np
@@ -15,6 +16,7 @@ from rockpulse.readers.source import SourceFile
 from rockpulse.record.record import BETWEEN, Record, distinct_ids, record_id
 from rockpulse.remark import Remark, code_of, find
 
+_NEVER = datetime.max.replace(tzinfo=UTC)
 _STEP_SHARE = 0.25  # largest gap or overlap between two parts, in steps; printed times are rounded
 
 
@@ -111,16 +113,23 @@ def whole_records(records: Sequence[Record]) -> list[tuple[Record, tuple[Record,
     """Join the parts of records that were cut into files; each record beside those that it is made of, in their order.
 
     Parts 1, 2, ... of one file name and station, which come last, are joined if they hold the same channels and each
-    begins one step behind the one before, by the columns of times or by the clocks. Else they get a warning.
+    begins one step behind the one before, by the columns of times or by the clocks. Else they get a warning. Files of
+    one channel of which each begins one step behind the end of the one before by their clocks, such as those of single
+    days, are joined too.
     """
     result: list[tuple[Record, tuple[Record, ...]]] = []
     groups: dict[tuple[str, str], dict[str, list[Part]]] = {}
+    channels: dict[tuple[object, ...], list[Record]] = defaultdict(list)
     for record in records:
         if isinstance(record, Part):
             files = groups.setdefault((record.whole.lower(), record.station_name), {})
             files.setdefault(record.source, []).append(record)
-        else:
+        elif record.start_time is None or not (record.station or record.station_name):
             result.append((record, (record,)))
+        else:
+            channels[_channel(record)].append(record)
+    for chain in (chain for one in channels.values() for chain in _chains(one)):
+        result.append((chain[0] if len(chain) == 1 else _continued(chain), tuple(chain)))
     for files in groups.values():
         parts = sorted(files.values(), key=lambda part: part[0].part)
         fault = _fault(parts)
@@ -129,6 +138,48 @@ def whole_records(records: Sequence[Record]) -> list[tuple[Record, tuple[Record,
         else:
             result += [(piece.with_warning(fault) if fault else piece, (piece,)) for part in parts for piece in part]
     return result
+
+
+def _channel(record: Record) -> tuple[object, ...]:
+    """The properties that all parts of one channel have in common."""
+    codes = (record.network, record.station, record.location, record.channel, record.station_name)
+    facing = (record.component, record.orientation, f"{record.azimuth:g}", f"{record.sensor_depth:g}")
+    return (
+        *codes,
+        *facing,
+        record.format,
+        record.source_unit,
+        record.unit_factor,
+        record.processed,
+        f"{record.dt:.6g}",
+    )
+
+
+def _chains(records: Sequence[Record]) -> list[list[Record]]:
+    """Records of one channel in the order of time, those together of which each begins one step behind the other."""
+    chains: list[list[Record]] = []
+    for record in sorted(records, key=lambda one: (one.start_time or _NEVER, one.source)):
+        before = chains[-1][-1] if chains else None
+        end = later(before.start_time, before.npts * before.dt) if before else None
+        if end and record.start_time and abs((record.start_time - end).total_seconds()) <= _STEP_SHARE * record.dt:
+            chains[-1].append(record)
+        else:
+            chains.append([record])
+    return chains
+
+
+def _continued(pieces: Sequence[Record]) -> Record:
+    """One channel that goes on from file to file, with the metadata of its first part."""
+    notes = dict.fromkeys(note for piece in pieces for note in piece.warnings)
+    return replace(
+        pieces[0],
+        acceleration=np.concatenate([piece.acceleration for piece in pieces]),
+        source=BETWEEN.join(piece.source for piece in pieces),
+        source_sha256=BETWEEN.join(piece.source_sha256 for piece in pieces),
+        header_peak=float(np.fmax.reduce([piece.header_peak for piece in pieces])),
+        warnings=tuple(notes),
+        processing=(*pieces[0].processing, f"{len(pieces)} files of one channel joined, each begins where one ends"),
+    )
 
 
 def _fault(parts: Sequence[Sequence[Part]]) -> str:

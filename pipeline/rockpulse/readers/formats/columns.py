@@ -5,12 +5,15 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from rockpulse.errors import RecordFormatError, UnitError
+from rockpulse.errors import RecordFormatError
 from rockpulse.readers import kit
 from rockpulse.readers.format import Format, ReadOptions
-from rockpulse.readers.kit.direction import BRACKET, heading_direction
+from rockpulse.readers.kit.columns import column_directions, column_units, same_directions, stated_peak
+from rockpulse.readers.kit.direction import BRACKET
 from rockpulse.readers.kit.headings import Heading, column_headings
-from rockpulse.readers.kit.spacing import agreed_step, climbs, counts_rows, names_time, time_column_step
+from rockpulse.readers.kit.kinds import means_size
+from rockpulse.readers.kit.spacing import agreed_step, at_even_times, climbs, counts_rows, names_time, time_column_step
+from rockpulse.readers.kit.stamps import without_stamps
 from rockpulse.readers.kit.table import (
     Layout,
     Numbered,
@@ -20,6 +23,7 @@ from rockpulse.readers.kit.table import (
     read_table,
     row_width,
 )
+from rockpulse.remark import Remark
 
 _LOOK_AT = 500  # rows of the table that decide whether it is one
 #: Columns beside the time that pass for the components of a station without headings, and one column more.
@@ -55,7 +59,7 @@ def is_columns(head: bytes, name: str) -> bool:
     """Whether rows of numbers, all with the same number of columns, follow a short header."""
     if b"\x00" in head:
         return False
-    lines = kit.text_lines(head)
+    lines, _ = without_stamps(kit.text_lines(head))
     layout = find_layout(lines)
     if layout is None:
         return False
@@ -70,7 +74,7 @@ def read_columns(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]
     A series that is wrapped into rows is read if the header states its number of values, or, with a warning, if unit
     and interval are known and the values run on from row to row. The prose of a header only has to agree.
     """
-    lines = kit.text_lines(file.content)
+    lines, start_time = without_stamps(kit.text_lines(file.content))
     layout = find_layout(lines)
     if layout is None:
         expected = "rows of numbers, all with the same number of columns"
@@ -97,23 +101,36 @@ def read_columns(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]
     climb = np.diff(columns.table[:, 0])
     if first.kind == "spectrum" and columns.width > 1 and (np.all(climb > 0.0) or np.all(climb < 0.0)):
         raise kit.no_acceleration(where, "accelerations over time", f"columns over {first.name!r}, a spectrum")
-    step = time_column_step(file.name, columns.table, columns.headings, numbered.start, declared)
+    step, times = time_column_step(file.name, columns.table, columns.headings, numbered.start, declared)
     if step is not None:
         if first.kind in ("acceleration", "velocity", "displacement"):
             expected = f"{first.kind} in the column {first.name!r}"
             raise kit.unexpected(where, expected, "that it runs like time", _NAME_THEM)
         columns = columns.picked(range(1, columns.width))
+    if times is not None:
+        table, remark = at_even_times(times, columns.table)
+        columns = replace(columns, table=table, warnings=(*columns.warnings, remark))
     wide = step is None and not columns.headings and columns.width > _NO_STATION
     if not lacking and wide and kit.runs_on(columns.table):
         columns = _in_reading_order(columns, np.empty(0), guessed=True)
     _check_apart(where, columns, step is not None, lacking)
-    columns = _accelerations(file.name, columns, prose)
+    columns = _accelerations(file, columns, prose)
     headings = columns.headings or (Heading(""),) * columns.width
-    units = _units(file.name, headings, prose, options)
+    units = column_units(file.name, headings, prose, options)
+    facing = column_directions(file, headings, prose)
     sources = {"time column": step, "first line": numbered.step, **steps}
     sources |= {options.said_by("dt").removeprefix("the "): options.dt}
     dt = agreed_step(file.name, sources, "correct the wrong one" if options.dt is None else options.advice("dt"))
-    notes = (*columns.warnings, *kit.held_units(zip((heading.name for heading in headings), units, strict=True)))
+    notes: list[str] = [
+        *columns.warnings,
+        *kit.held_units(zip((heading.name for heading in headings), units, strict=True)),
+    ]
+    notes += [
+        note for said in kit.stated_durations(prose) for note in kit.held_length(said.wording, len(columns.table), dt)
+    ]
+    notes += [Remark("scale_stated", factor=said.value) for said in kit.stated_scales(prose)]
+    notes += same_directions(headings, facing)
+    peaks = stated_peak(columns.table, units, prose)
     return [
         kit.build_record(
             file,
@@ -123,11 +140,15 @@ def read_columns(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]
             number=number,
             processed=None,
             component=heading.name,
-            facing=heading_direction(heading.name),
-            channel=BRACKET.sub("", heading.name).strip() or str(number),
+            facing=toward,
+            channel=BRACKET.sub("", heading.name).strip() or toward.label or str(number),
+            start_time=start_time,
             warnings=notes,
+            **peaks.get(number, {}),
         )
-        for number, (samples, heading, unit) in enumerate(zip(columns.table.T, headings, units, strict=True), 1)
+        for number, (samples, heading, unit, toward) in enumerate(
+            zip(columns.table.T, headings, units, facing, strict=True), 1
+        )
     ]
 
 
@@ -174,7 +195,7 @@ def _columns(
             left = len(table) - numbered.count
             warnings += (f"{left} rows beyond the {numbered.count} of the first line were left out",)
         table = table[: numbered.count]
-    elif said and min(said) > len(table):
+    elif said and (min(said) > len(table) or (kit.stated_npts(prose) and not counts & {len(table), values})):
         warnings += (_other_count(said, len(table), "rows"),)
     return _Columns(table, headings, warnings)
 
@@ -248,11 +269,13 @@ def _check_apart(where: str, columns: _Columns, timed: bool, lacking: Sequence[s
             raise kit.unexpected(where, "accelerations in all columns", found, _NAME_THEM)
 
 
-def _accelerations(name: str, columns: _Columns, prose: Sequence[str]) -> _Columns:
-    """The columns that are accelerations, by their headings or else by the prose above the table."""
+def _accelerations(file: kit.SourceFile, columns: _Columns, prose: Sequence[str]) -> _Columns:
+    """The columns that are accelerations, by their headings or else by the prose above the table or the file's name."""
+    name, sizes = file.name, _sizes(columns)
     headings = columns.headings or (Heading(""),) * columns.width
     named = any(heading.kind == "acceleration" for heading in headings)
     fits = [one.kind == "acceleration" or (not one.kind and (one.known or not named)) for one in headings]
+    fits = [fit and index not in sizes for index, fit in enumerate(fits)]
     kept = [index for index, fit in enumerate(fits) if fit]
     left = ", ".join(heading.name for heading, fit in zip(headings, fits, strict=True) if not fit)[:_LISTED]
     if not kept:
@@ -266,35 +289,36 @@ def _accelerations(name: str, columns: _Columns, prose: Sequence[str]) -> _Colum
             raise kit.NotAcceleration(f"{where}: expected accelerations, {found}")
         expected, found = "to know which columns are accelerations", f"a header that speaks of {listed}"
         raise kit.unexpected(where, expected, found, _NAME_THEM)
+    by_name = kit.kind_of_name(file)
+    if by_name not in ("", "acceleration"):
+        if not said and not any(headings[index].kind for index in kept):
+            raise kit.other_kind(name, by_name)
+        if not all(headings[index].kind for index in kept):
+            found = f"a header that speaks of acceleration under a name that says {by_name}"
+            raise kit.unexpected(name, "one kind of motion", found, _NAME_THEM)
+        told = f"the name of the file says {by_name}, the headings acceleration; check which is right"
+        columns = replace(columns, warnings=(*columns.warnings, told))
     return columns.picked(kept, f"columns left out, no acceleration: {left}") if left else columns
 
 
-def _units(name: str, headings: Sequence[Heading], prose: Sequence[str], options: ReadOptions) -> list[str]:
-    """The unit of each column: the one that the caller gives, checked against the header, or the one in the heading."""
-    units = []
-    said = [(kit.canonical_unit(unit.wording, f"{name}:{unit.line}"), unit) for unit in kit.stated_units(prose)]
-    asked = None if options.units is None else kit.canonical_unit(options.units, "option units")
-    says = f"{options.said_by('units')} says {asked}; {options.advice('units')}" if asked else ""
-    for heading in headings:
-        stated = kit.canonical_unit(heading.unit, f"{name}: column {heading.name!r}") if heading.unit else None
-        if stated is None and asked is None:
-            found = f"; line {said[0][1].line} of its header speaks of {said[0][1].wording!r}" if said else ""
-            raise UnitError(
-                f"{name}: plain columns do not state their unit{found}; give it with the option units, one of "
-                f"{', '.join(kit.UNITS)}: --units g on the command line, units = 'g' under [records] of the "
-                "configuration, or read(path, units='g')"
-            )
-        if stated and asked and kit.UNITS[stated] != kit.UNITS[asked]:
-            raise UnitError(f"{name}: the column {heading.name!r} is headed {stated}, {says}")
-        if asked and not stated and said and all(kit.UNITS[unit] != kit.UNITS[asked] for unit, _ in said):
-            raise UnitError(f"{name}:{said[0][1].line}: the header says {said[0][1].wording!r}, {says}")
-        units.append(asked or stated or "")
-    return units
+def _sizes(columns: _Columns) -> list[int]:
+    """Columns that hold the size of the vector of the others: so headed and never negative, or by their numbers."""
+    if columns.width < _COMPONENTS:
+        headed = [means_size(heading.name) and heading.kind == "acceleration" for heading in columns.headings]
+        return [index for index, size in enumerate(headed) if size and np.all(columns.table[:, index] >= 0.0)]
+    squares = columns.table**2
+    found = []
+    for index in np.flatnonzero(np.all(columns.table >= 0.0, axis=0) & np.any(columns.table > 0.0, axis=0)):
+        named = bool(columns.headings) and means_size(columns.headings[index].name)
+        before = np.sum(squares[:, max(index - _COMPONENTS, 0) : index], axis=1)
+        if named or (index > 1 and np.allclose(before, squares[:, index], rtol=0.01, atol=1e-4 * np.max(before))):
+            found.append(int(index))
+    return found
 
 
 COLUMNS = Format(
     name="columns",
-    what="columns of numbers (CSV, TXT), with or without time",
+    what="columns of numbers (CSV, TXT, XLSX, MAT, NPY, NPZ), with or without time",
     recognised="rows of numbers after a short header",
     unit="asked for (units), or in the headings",
     processed="unknown",

@@ -19,9 +19,21 @@ from rockpulse.readers.kit.checks import (
     repeated_marker,
     surplus,
 )
-from rockpulse.readers.kit.direction import Direction, direction, on_structure
+from rockpulse.readers.kit.direction import Direction, direction, heading_direction, name_direction, on_structure
 from rockpulse.readers.kit.facts import coordinates, instant, later, magnitudes, near_event, preferred, written
-from rockpulse.readers.kit.headings import stated_counts, stated_kinds, stated_steps, stated_units
+from rockpulse.readers.kit.kinds import kind_of_name
+from rockpulse.readers.kit.prose import (
+    other_units,
+    positive_downwards,
+    stated_counts,
+    stated_durations,
+    stated_kinds,
+    stated_npts,
+    stated_peaks,
+    stated_scales,
+    stated_steps,
+    stated_units,
+)
 from rockpulse.readers.kit.spacing import Block, declared_points, make_even, pair_block, pair_unit, printed_at
 from rockpulse.readers.kit.table import end_of_numbers, runs_on, split_row
 from rockpulse.readers.kit.text import (
@@ -40,7 +52,9 @@ from rockpulse.readers.kit.text import (
     free_rows,
     matched,
     no_acceleration,
+    other_kind,
     printed_number,
+    spelled_unit,
     text_lines,
     unexpected,
 )

@@ -11,6 +11,7 @@ from rockpulse.readers.kit.checks import surplus
 from rockpulse.readers.kit.headings import Heading
 from rockpulse.readers.kit.text import FILE_DAMAGED, UNITS, canonical_unit, check_count, fixed_width, unexpected
 from rockpulse.record.record import STANDARD_GRAVITY
+from rockpulse.remark import Remark
 
 #: A resampled record may have at most this many times the samples of the file.
 GROWTH_LIMIT = 10
@@ -18,6 +19,10 @@ GROWTH_LIMIT = 10
 ROUNDING_SHARE = 0.2
 #: A step above this many medians is a gap if all others are equal.
 LONG_STEP = 1.5
+#: Of a clock that jitters every step is longer than this share of the usual one; one that differs by more than the
+#: next share is odd, and fewer odd ones than the third share of all are damage.
+_SHORT_STEP, _ODD_STEP, _FEW_ODD = 0.3, 0.001, 0.02
+_SAME_CLOCK = 0.01  # the mean interval of a clock may differ by this share from the one declared
 _SAME_STEP = 1.001  # two statements of one sampling interval differ by no more than this ratio
 #: No times are beyond this, Unix time in ms included [s]; larger ones may overflow.
 LATEST = 1e13
@@ -210,10 +215,37 @@ def counts_rows(table: np.ndarray, headings: Sequence[Heading]) -> bool:
     return bool(counts and not names_time(headings))
 
 
+def jitters(times: np.ndarray) -> bool:
+    """Whether rising times (n,) are those of a clock that jitters or drifts, none of them missing or damaged.
+
+    No step is long or short as one beside a missing row, and many differ from the usual one, not one or two.
+    """
+    steps = np.diff(times)
+    usual = float(np.median(steps))
+    if not np.all(np.abs(times) <= LATEST) or steps.size < _CLIMB or not (steps > _SHORT_STEP * usual).all():
+        return False
+    odd = np.abs(steps - usual) > max(_ODD_STEP * usual, 1.01 * 2.0 * _half_digit(times - times[0]))
+    few = 0 < int(odd.sum()) < max(_FEW_ODD * steps.size, 3)
+    return bool(np.all(steps < LONG_STEP * usual)) and not few
+
+
+def at_even_times(times: np.ndarray, table: np.ndarray) -> tuple[np.ndarray, Remark]:
+    """The columns (n, m) at equal steps from the first of rising times (n,) to the last, by splines; and the remark."""
+    from scipy.interpolate import CubicSpline
+
+    step = float(times[-1] - times[0]) / (times.size - 1)
+    even = times[0] + step * np.arange(times.size)
+    uneven = float(np.max(np.abs(times - even))) / step
+    return CubicSpline(times, table)(even), Remark("resampled_clock", interval=step, uneven=uneven)
+
+
 def time_column_step(
     name: str, table: np.ndarray, headings: Sequence[Heading], start: int, declared: float | None
-) -> float | None:
-    """Interval [s] of a first column headed as time or hardly ever falling: even, or `declared` and rounded."""
+) -> tuple[float | None, np.ndarray | None]:
+    """Interval [s] of a first column headed as time or hardly ever falling: even, or `declared` and rounded.
+
+    The second value are the times [s] of a clock that jitters or drifts, whose mean interval the first is.
+    """
     named = names_time(headings)
     unit = headings[0].unit.lower() if headings else ""
     if named and any(letter.isdigit() for letter in unit):
@@ -223,7 +255,7 @@ def time_column_step(
     steps = np.diff(first)
     falls, changes = int(np.sum(steps < 0.0)), int(np.sum(steps != 0.0))
     if table.shape[1] < 2 or steps.size == 0 or not (named or (changes and falls < TIME_FALLS * changes)):
-        return None
+        return None, None
     other = next((index + 1 for index in range(1, table.shape[1]) if climbs(table[:, index])), None)
     if other:
         expected = "one column of times and accelerations beside it"
@@ -232,9 +264,12 @@ def time_column_step(
     rising = bool(np.all(steps > 0.0))
     step = even_step(first) if rising else None
     if step is not None:
-        return step
+        return step, None
     if not falls and declared is not None and printed_at(first, declared):
-        return declared
+        return declared, None
+    if rising and jitters(first):
+        mean = float(first[-1] - first[0]) / (first.size - 1)
+        return declared if declared and abs(declared / mean - 1.0) < _SAME_CLOCK else mean, first
     column = f"column {headings[0].name!r}" if named else "first column, which runs like time"
     if falls or (declared is None and not rising):
         at, advice = int(np.argmin(steps)), "repair the times"

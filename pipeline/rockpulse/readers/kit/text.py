@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from rockpulse.errors import RecordFormatError, UnitError
-from rockpulse.readers.source import NotAcceleration
+from rockpulse.readers.source import NotAcceleration, OtherKind
 from rockpulse.record.record import STANDARD_GRAVITY
 
 #: Acceleration in m/s2 = value in the file x factor.
@@ -44,7 +44,8 @@ _QUANTITIES = {
     "displacement": "m cm mm in ft",
     "frequency": "hz khz",
     # Not read, so that canonical_unit refuses them.
-    "acceleration": "mg millig milli-g %g ft/s2 in/s2 ft/s/s in/s/s mgal count counts volt volts",
+    "acceleration": "mg millig milli-g %g ft/s2 in/s2 ft/s/s in/s/s mgal count counts volt volts mv "
+    "millivolt millivolts",
 }
 _QUANTITY = {spelling: quantity for quantity, spellings in _QUANTITIES.items() for spelling in spellings.split()}
 _CREDIBLE_PGA_G = (1e-3, 3.0)
@@ -58,6 +59,12 @@ def unexpected(where: str, expected: str, found: str, advice: str = HEADER_DAMAG
 def no_acceleration(where: str, expected: str, found: str, advice: str = ACCELERATION_FILE) -> NotAcceleration:
     """The error about a file, or a channel, of another motion; `where` is ``file:line``."""
     return NotAcceleration(f"{where}: expected {expected}, found {found}; {advice}")
+
+
+def other_kind(where: str, kind: str) -> OtherKind:
+    """The error about a file whose name says that it holds another kind of motion, and whose content says none."""
+    advice = f"{ACCELERATION_FILE}, or give the file another name if it holds accelerations"
+    return OtherKind(f"{where}: {kind}, as its name says, expected accelerations; {advice}")
 
 
 def matched(pattern: re.Pattern[str], text: str, group: int = 1) -> str:
@@ -189,7 +196,7 @@ def free_rows(lines: Sequence[str], first: int, columns: int, where: str) -> np.
 
 def canonical_unit(text: str, where: str) -> str:
     """The key of `UNITS` that a spelling means; `where` is ``file:line`` or an option, for the UnitError."""
-    unit = _accepted(text)
+    unit = spelled_unit(text)
     if unit not in UNITS:
         quantity = quantity_of(text)
         of = f" ({quantity})" if quantity else ""
@@ -213,14 +220,15 @@ def _squeezed(text: str) -> str:
     return re.sub(r"se[cg](?:ond|undo)?s?|(?<=/)sn", "s", unit)
 
 
-def _accepted(text: str) -> str:
+def spelled_unit(text: str) -> str:
+    """The spelling of a unit in `UNITS`, where it means one of them."""
     unit = re.sub(r"(?:/s/s|[.·]?s-2|/?per/?s2|ps2|(?<=m)/s/2|/s?squared)$", "/s2", _squeezed(text).replace("_", "/"))
-    return {"gals": "gal", "(g)": "g"}.get(unit, unit)
+    return {"gals": "gal", "(g)": "g", "g's": "g", "gs": "g"}.get(unit, unit)
 
 
 def quantity_of(text: str) -> str:
     """Acceleration, velocity, displacement, time or frequency, which a unit alone measures; empty where it is none."""
-    return "acceleration" if _accepted(text) in UNITS else _QUANTITY.get(_squeezed(text), "")
+    return "acceleration" if spelled_unit(text) in UNITS else _QUANTITY.get(_squeezed(text), "")
 
 
 def mentioned_units(text: str) -> Iterator[tuple[str, str, int]]:
