@@ -40,7 +40,7 @@ def put(tmp_path):
     ],
 )
 def test_two_units_are_refused_and_both_named(put, header):
-    with pytest.raises(UnitError, match="states (two units|the unit)") as told:
+    with pytest.raises(UnitError, match=r"states (two units|the unit)") as told:
         read(put(header + table()))
     assert sum(word in str(told.value) for word in ("m/s2", "cm/s2", "cm_s2", "gal", "g")) >= 2
 
@@ -50,7 +50,7 @@ def test_two_units_are_refused_and_both_named(put, header):
 )
 @pytest.mark.parametrize("asked", ["g", "m/s2"])
 def test_a_unit_of_no_acceleration_is_refused_with_any_option(put, header, asked):
-    with pytest.raises(UnitError, match="V|counts|mm|mv"):
+    with pytest.raises(UnitError, match=r"V|counts|mm|mv"):
         read(put(header + table()), units=asked)
 
 
