@@ -9,12 +9,13 @@ from typing import Any
 import numpy as np
 
 from rockpulse.errors import RecordFormatError, RecordRefused, RockpulseError
-from rockpulse.readers.source import HEAD, NoRecord, SourceFile
+from rockpulse.readers.source import HEAD, SourceFile, Table, Unrecognised
 from rockpulse.record.record import Record
 
 _WORKBOOKS = (".xlsx", ".xlsm")
 _DELIMITER = ";"  # between the cells of the text; a cell may hold a comma
-_FEWEST_ROWS = 3
+#: Fewer rows make no series of a sheet, which may be a list of stations, and fewer numbers none of an array.
+_FEWEST_SAMPLES, _FEWEST_ROWS = 50, 3
 #: Names of single numbers, in small letters, by the words that the reader of columns knows.
 _NUMBERS = dict.fromkeys(("dt", "delta", "deltat", "step", "time_step", "timestep", "sampling_interval"), "dt")
 _NUMBERS |= dict.fromkeys(("fs", "sps", "sampling_rate", "samplerate", "sample_rate", "rate"), "sampling rate")
@@ -49,8 +50,9 @@ def read_tables(file: SourceFile, tables: list[SourceFile], read: Callable[[Sour
         except RockpulseError as fault:
             faults.append(fault)
     if not records:
-        told = [fault for fault in faults if not isinstance(fault, NoRecord)]
-        raise (told or faults or [NoRecord(f"{file.name}: no table of numbers in the file")])[0]
+        told = [fault for fault in faults if not isinstance(fault, Unrecognised)]
+        beside = f"{file.name}: no columns of samples in the file; it is taken for a table beside the records"
+        raise (told or [Table(beside)])[0]
     return [replace(record, source_sha256=file.sha256) for record in records]
 
 
@@ -68,7 +70,7 @@ def _workbook(file: SourceFile) -> Iterable[str]:
         raise RecordFormatError(f"{file.name}: {found}; save the sheet as CSV, with headings and units") from fault
     for sheet in sheets.values():
         filled = sheet.dropna(how="all").dropna(axis=1, how="all")
-        if len(filled) >= _FEWEST_ROWS:
+        if len(filled) >= _FEWEST_SAMPLES:
             yield "\n".join(_DELIMITER.join(map(_cell, row)).rstrip(_DELIMITER) for row in filled.values.tolist())
 
 

@@ -319,7 +319,7 @@ def _rows(content: bytes) -> dict[str, tuple[str, str, str, str]]:
             row = (event, entries.get("station name", ""), entries.get("magnitude", ""), vs30)
             found |= {name.replace("\\", "/").rpartition("/")[2].lower(): row for name in names}
     except csv.Error as fault:
-        raise RecordFormatError(f"{_LIST}: cannot be read as CSV: {fault}; download it again") from fault
+        raise RecordFormatError(f"{_LIST}: cannot be read as CSV: {fault}") from fault
     return found
 
 

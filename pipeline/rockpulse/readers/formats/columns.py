@@ -33,7 +33,8 @@ _SHOWN, _LISTED = 60, 200
 _INTEGRAL = 0.95  # correlation at which a column is the integral of the one before it, and no other component
 #: What one series in rows needs, as a message asks for it.
 _UNIT_TOO, _INTERVAL_TOO = "the unit too (option units, --units)", "the interval too (option dt, --dt)"
-_NAME_THEM = "name the columns in the line above the numbers, such as 'time acc_NS acc_EW'"
+#: Names for the columns of a station, in an example.
+_NAMES = ("acc_NS", "acc_EW", "acc_UD")
 
 
 @dataclass(frozen=True)
@@ -105,7 +106,7 @@ def read_columns(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]
     if step is not None:
         if first.kind in ("acceleration", "velocity", "displacement"):
             expected = f"{first.kind} in the column {first.name!r}"
-            raise kit.unexpected(where, expected, "that it runs like time", _NAME_THEM)
+            raise kit.unexpected(where, expected, "that it runs like time", _name_them(columns.width, True))
         columns = columns.picked(range(1, columns.width))
     if times is not None:
         table, remark = at_even_times(times, columns.table)
@@ -232,6 +233,13 @@ def _in_reading_order(columns: _Columns, end: np.ndarray, guessed: bool = False)
     return _Columns(series[:, None], (), (*columns.warnings, note) if guessed else columns.warnings)
 
 
+def _name_them(width: int, timed: bool, names: Sequence[str] = _NAMES) -> str:
+    """The advice to name the columns, with as many names as the file has columns, times first where they are some."""
+    named = [*names, *(f"acc_{number}" for number in range(len(names) + 1, width + 1))][: width - timed]
+    line = " ".join(["time"] * timed + named)
+    return f"name the columns in the line above the numbers, such as '{line}'"
+
+
 def _wrapped(where: str, width: int, found: str, lacking: Sequence[str]) -> RecordFormatError:
     if width <= _NO_STATION and "last row" not in found:
         series = f"Rows of up to {_NO_STATION} numbers are not taken for one series, for they may be those of a station"
@@ -242,7 +250,7 @@ def _wrapped(where: str, width: int, found: str, lacking: Sequence[str]) -> Reco
     return RecordFormatError(
         f"{where}: expected a time column, headings, or one column, found {found}. They may be channels side by side "
         f"or one series in rows of {width}. {series}. Or write one value to a line, state the number of values in the "
-        f"header (NPTS = ...), or {_NAME_THEM}"
+        f"header (NPTS = ...), or {_name_them(width, False)}"
     )
 
 
@@ -257,7 +265,9 @@ def _check_apart(where: str, columns: _Columns, timed: bool, lacking: Sequence[s
         return
     if timed and width > _COMPONENTS:
         expected = f"headings, or at most {_COMPONENTS} columns beside the times"
-        raise kit.unexpected(where, expected, f"{width} columns of numbers and no headings", _NAME_THEM)
+        raise kit.unexpected(
+            where, expected, f"{width} columns of numbers and no headings", _name_them(width + 1, True)
+        )
     if not timed:
         raise _wrapped(where, width, f"{width} columns of numbers", lacking)
     for before in range(width - 1):
@@ -266,7 +276,8 @@ def _check_apart(where: str, columns: _Columns, timed: bool, lacking: Sequence[s
             alike = growth.size > 2 and abs(np.corrcoef(growth, rate[1:] + rate[:-1])[0, 1])
         if alike > _INTEGRAL:
             found = f"that column {before + 3} is the integral of column {before + 2}, like velocity after acceleration"
-            raise kit.unexpected(where, "accelerations in all columns", found, _NAME_THEM)
+            advice = _name_them(width + 1, True, ("acc", "vel", "disp"))
+            raise kit.unexpected(where, "accelerations in all columns", found, advice)
 
 
 def _accelerations(file: kit.SourceFile, columns: _Columns, prose: Sequence[str]) -> _Columns:
@@ -288,14 +299,14 @@ def _accelerations(file: kit.SourceFile, columns: _Columns, prose: Sequence[str]
             found = f"the header speaks of {listed} only; {kit.ACCELERATION_FILE}"
             raise kit.NotAcceleration(f"{where}: expected accelerations, {found}")
         expected, found = "to know which columns are accelerations", f"a header that speaks of {listed}"
-        raise kit.unexpected(where, expected, found, _NAME_THEM)
+        raise kit.unexpected(where, expected, found, _name_them(columns.width, False))
     by_name = kit.kind_of_name(file)
     if by_name not in ("", "acceleration"):
         if not said and not any(headings[index].kind for index in kept):
             raise kit.other_kind(name, by_name)
         if not all(headings[index].kind for index in kept):
             found = f"a header that speaks of acceleration under a name that says {by_name}"
-            raise kit.unexpected(name, "one kind of motion", found, _NAME_THEM)
+            raise kit.unexpected(name, "one kind of motion", found, _name_them(columns.width, False))
         told = f"the name of the file says {by_name}, the headings acceleration; check which is right"
         columns = replace(columns, warnings=(*columns.warnings, told))
     return columns.picked(kept, f"columns left out, no acceleration: {left}") if left else columns

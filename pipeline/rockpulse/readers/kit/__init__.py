@@ -39,6 +39,7 @@ from rockpulse.readers.kit.table import end_of_numbers, runs_on, split_row
 from rockpulse.readers.kit.text import (
     ACCELERATION_FILE,
     FILE_DAMAGED,
+    LINE_DAMAGED,
     LONGEST_LINE,
     OWN_FILE,
     TRUNCATED,

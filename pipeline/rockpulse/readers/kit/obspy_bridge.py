@@ -80,7 +80,7 @@ def obspy_stream(file: SourceFile, format: str, content: bytes | None = None) ->
             stream.merge(-1)
     except Exception as fault:  # the plugins raise anything from TypeError to bare Exception on damaged bytes
         raise RecordFormatError(
-            f"{file.name}: obspy cannot read it as {format}: {fault}; the file may be damaged: download it again"
+            f"{file.name}: obspy cannot read it as {format}: {fault}; it may be damaged or of another format"
         ) from fault
     if len(stream) == 0:
         raise RecordFormatError(f"{file.name}: no waveform in the file; download it again")

@@ -9,7 +9,15 @@ import numpy as np
 from rockpulse.errors import RecordFormatError
 from rockpulse.readers.kit.checks import surplus
 from rockpulse.readers.kit.headings import Heading
-from rockpulse.readers.kit.text import FILE_DAMAGED, UNITS, canonical_unit, check_count, fixed_width, unexpected
+from rockpulse.readers.kit.text import (
+    FILE_DAMAGED,
+    UNITS,
+    canonical_unit,
+    check_count,
+    fixed_width,
+    for_one_file,
+    unexpected,
+)
 from rockpulse.record.record import STANDARD_GRAVITY
 from rockpulse.remark import Remark
 
@@ -120,7 +128,7 @@ def make_even(
     if np.any(steps <= 0.0):
         at = int(np.argmax(steps <= 0.0)) + 1
         found = f"{times[at]:g} s after {times[at - 1]:g} s (pair {at + 1})"
-        advice = "the file is damaged or holds more than one channel: download it again"
+        advice = "correct the times, or write each channel into a file of its own"
         raise unexpected(f"{name}:{first + at // per_row}", "increasing times", found, advice)
     even = even_step(times)
     if even is not None:
@@ -133,7 +141,7 @@ def make_even(
     if gap is not None:
         raise RecordFormatError(
             f"{name}:{first + (gap + 1) // per_row}: a step of {steps[gap]:g} s after {times[gap]:g} s among steps of "
-            f"{dt:g} s; samples are missing or the times are damaged: repair them or download the file again"
+            f"{dt:g} s; samples are missing or the times are damaged: repair them"
         )
     grid = times[0] + dt * np.arange(int(count + 1e-6) + 1)
     even_samples = np.interp(grid, times, samples)
@@ -300,7 +308,7 @@ def agreed_step(name: str, steps: dict[str, float | None], advice: str) -> float
         raise RecordFormatError(
             f"{name}: expected a time column, a first line 'N dt', or the option dt for the sampling interval, found "
             "none; give it: --dt 0.01 on the command line, dt = 0.01 under [records] of the configuration, or "
-            "read(path, units='g', dt=0.01)"
+            f"read(path, units='g', dt=0.01); beside files of other intervals {for_one_file(name, 'dt = 0.01')}"
         )
     for source, step in known.items():
         if not (np.isfinite(step) and step > 0.0):

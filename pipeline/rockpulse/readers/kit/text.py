@@ -18,9 +18,9 @@ UNITS |= {"g": STANDARD_GRAVITY, "g/10": STANDARD_GRAVITY / 10.0}
 #: No line of a header is longer; a damaged one may be.
 LONGEST_LINE = 200
 #: The advice in messages about a damaged header, another part of a file, its end.
-HEADER_DAMAGED = "the header is damaged: download the file again"
-FILE_DAMAGED = "the file is damaged: download it again"
-LINE_DAMAGED = "the line is damaged: download the file again"
+HEADER_DAMAGED = "correct the line, or write the samples as columns with their unit"
+FILE_DAMAGED = "correct the file"
+LINE_DAMAGED = "correct the line"
 TRUNCATED = "the file may be truncated: download it again"
 #: The advice in messages about a file of another motion, or of another record too.
 ACCELERATION_FILE = "read the acceleration file of the same record"
@@ -141,8 +141,8 @@ def _floats(fields: Sequence[bytes] | np.ndarray, where: str, located: Iterator[
     for line, field in located:
         if not _NUMBER.fullmatch(field) or not np.isfinite(float(field.translate(_FORTRAN_EXPONENT_TEXT))):
             found = repr(field.strip()[:40] or "a blank field")
-            raise unexpected(f"{where}:{line}", "a finite number", found, "repair the line or download the file again")
-    raise RecordFormatError(f"{where}: the numbers cannot be converted; download the file again")
+            raise unexpected(f"{where}:{line}", "a finite number", found, "correct the line")
+    raise RecordFormatError(f"{where}: the numbers cannot be converted; correct them")
 
 
 def fixed_width(lines: Sequence[str], first: int, width: int, per_row: int, count: int, where: str) -> np.ndarray:
@@ -207,11 +207,18 @@ def canonical_unit(text: str, where: str) -> str:
     return unit
 
 
+def for_one_file(name: str, setting: str) -> str:
+    """The advice to give a property of one file only, as the configuration has it."""
+    last = name.replace("\\", "/").rpartition("!")[2].rpartition("/")[2]
+    return f"for this one alone: [[records.file]] match = '{last}', {setting}"
+
+
 def for_other_files(option: str) -> str:
     """The advice where an option of the command line contradicts a statement in a file."""
     return (
-        f"correct the wrong one; or, if {option} is meant for other files, read these in a run of their own, or "
-        f"convert them first, so that they state it (rockpulse convert FILE {option} -o FILE.csv)"
+        f"correct the wrong one; or, if {option} is meant for other files, give it for these alone ([[records.file]] "
+        f"in the configuration), or convert them first, so that they state it (rockpulse convert FILE {option} -o "
+        "FILE.csv)"
     )
 
 
