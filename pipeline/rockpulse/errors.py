@@ -56,7 +56,7 @@ _LINE = re.compile(r":\d+(?=: )")
 #: The id of a record in front of a reason; an id has a point and no blank.
 _ID = re.compile(r"\S+\.\S*(?=: )")
 #: Examples of a reason that several files have.
-_EXAMPLES = 2
+_EXAMPLES = 10
 
 
 @dataclass(frozen=True)

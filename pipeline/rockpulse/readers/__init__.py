@@ -16,6 +16,10 @@ from rockpulse.record.record import Record
 __all__ = ["FORMATS", "UNITS", "FileSettings", "Format", "ReadOptions", "read", "read_source"]
 
 
+#: Suffixes that tell nothing of a format.
+_ANY = (".txt", ".csv", ".dat", ".asc")
+
+
 def read_source(file: SourceFile, options: ReadOptions = ReadOptions()) -> list[Record]:  # noqa: B008
     """Read every channel of an opened file, as `read` does for a path."""
     tables = text_tables(file)
@@ -40,7 +44,7 @@ def _read_text(file: SourceFile, options: ReadOptions) -> list[Record]:
 def _near(file: SourceFile) -> str:
     """The formats whose files have the suffix of a file that no reader recognises, for the message about it."""
     suffix = file.path.suffix.lower()
-    near = [row.name for row in FORMATS if suffix and row.example.lower().endswith(suffix)]
+    near = [row.name for row in FORMATS if suffix not in ("", *_ANY) and row.example.lower().endswith(suffix)]
     listed = f"files {suffix} are read as {', '.join(near)}; " if near else ""
     return f" ({listed}'rockpulse formats' lists what is read)"
 

@@ -9,10 +9,12 @@ from typing import Any
 import numpy as np
 
 from rockpulse.errors import RecordFormatError, RecordRefused, RockpulseError
+from rockpulse.readers.no_record import advice
 from rockpulse.readers.source import HEAD, SourceFile, Table, Unrecognised
 from rockpulse.record.record import Record
 
 _WORKBOOKS = (".xlsx", ".xlsm")
+_SAVE = "save it with save(name, '-v7'), or write columns of time and acceleration as text"
 _DELIMITER = ";"  # between the cells of the text; a cell may hold a comma
 #: Fewer rows make no series of a sheet, which may be a list of stations, and fewer numbers none of an array.
 _FEWEST_SAMPLES, _FEWEST_ROWS = 50, 3
@@ -63,11 +65,11 @@ def _workbook(file: SourceFile) -> Iterable[str]:
     try:
         sheets = pandas.read_excel(io.BytesIO(file.content), sheet_name=None, header=None, dtype=object)
     except ImportError as fault:
-        advice = "install openpyxl (pip install openpyxl), or save the sheet as CSV, with headings and units"
-        raise RecordRefused(f"{file.name}: a workbook, which pandas reads with openpyxl only; {advice}") from fault
+        found = "a workbook, which pandas reads with openpyxl: pip install openpyxl"
+        raise RecordRefused(f"{file.name}: {found}; or save it as CSV, with headings and units") from fault
     except Exception as fault:  # openpyxl raises whatever a damaged part leads to
-        found = f"cannot be read as a workbook: {fault}"
-        raise RecordFormatError(f"{file.name}: {found}; save the sheet as CSV, with headings and units") from fault
+        found = f"cannot be read as a workbook ({fault}); {advice(file)}"
+        raise RecordFormatError(f"{file.name}: {found}") from fault
     for sheet in sheets.values():
         filled = sheet.dropna(how="all").dropna(axis=1, how="all")
         if len(filled) >= _FEWEST_SAMPLES:
@@ -88,8 +90,8 @@ def _numpy(file: SourceFile) -> Iterable[str]:
         found = np.load(io.BytesIO(file.content), allow_pickle=False)
         arrays = {"": found} if isinstance(found, np.ndarray) else {name: found[name] for name in found.files}
     except (ValueError, OSError, EOFError, KeyError, zipfile.BadZipFile) as fault:
-        advice = "save plain arrays of numbers, or columns of time and acceleration as text"
-        raise RecordFormatError(f"{file.name}: cannot be read as arrays of numpy: {fault}; {advice}") from fault
+        found = f"cannot be read as arrays of numpy: {fault}; save plain arrays of numbers"
+        raise RecordFormatError(f"{file.name}: {found}") from fault
     return _texts(arrays)
 
 
@@ -100,11 +102,9 @@ def _matlab(file: SourceFile) -> Iterable[str]:
     try:
         found = loadmat(io.BytesIO(file.content), squeeze_me=True, struct_as_record=True)
     except NotImplementedError as fault:
-        advice = "save it with save(name, '-v7'), or write columns of time and acceleration as text"
-        raise RecordRefused(f"{file.name}: a MATLAB file of version 7.3, which is not read; {advice}") from fault
+        raise RecordRefused(f"{file.name}: a MATLAB file of version 7.3, which is not read; {_SAVE}") from fault
     except Exception as fault:  # scipy raises anything from ValueError to TypeError on damaged bytes
-        advice = "save it with save(name, '-v7'), or write columns of time and acceleration as text"
-        raise RecordFormatError(f"{file.name}: cannot be read as a MATLAB file: {fault}; {advice}") from fault
+        raise RecordFormatError(f"{file.name}: cannot be read as a MATLAB file: {fault}; {_SAVE}") from fault
     variables: dict[str, Any] = {}
     for name, value in found.items():
         if name.startswith("__"):

@@ -100,7 +100,7 @@ def may_be_record(file: SourceFile) -> bool:
     if suffix in _SPREADSHEETS or _BINARY.search(file.head) or _CODED.search(file.head):
         return True
     text = file.head.decode("utf-8", errors="replace")
-    if len(_DIGITS.findall(text)) < _FEWEST:
+    if is_table(file) or len(_DIGITS.findall(text)) < _FEWEST:
         return False
     return _is_series([line for line in text.splitlines() if any(map(str.isalnum, line))])
 

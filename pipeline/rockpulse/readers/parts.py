@@ -65,9 +65,10 @@ def settled(
     records: Sequence[Record], digest: Callable[[Record], str]
 ) -> tuple[list[tuple[Record, tuple[Record, ...]]], list[Failure]]:
     """Each content once, as `digest` tells, cut records joined, sorted, with the records each is made of; copies."""
-    kept, duplicates = _without_duplicates(sorted(records, key=_place), digest)
+    kept, duplicates, twins = _without_duplicates(sorted(records, key=_place), digest)
     whole = sorted(whole_records(kept), key=lambda item: _place(item[0]))
-    named = distinct_ids([record for record, _ in whole])
+    told = [record.with_warning(twins[id(pieces[0])]) if id(pieces[0]) in twins else record for record, pieces in whole]
+    named = distinct_ids(told)
     return [(record, pieces) for record, (_, pieces) in zip(named, whole, strict=True)], duplicates
 
 
@@ -77,36 +78,45 @@ def _place(record: Record) -> tuple[str, str]:
 
 def _without_duplicates(
     records: Sequence[Record], digest: Callable[[Record], str]
-) -> tuple[list[Record], list[Failure]]:
-    """Each content once, and rows for the others; kept is the record that knows its direction, else time and event."""
+) -> tuple[list[Record], list[Failure], dict[int, Remark]]:
+    """Each content once, and rows for the others; kept is the record that knows its direction, else time and event.
+
+    Third: a remark, by the identity of a record, on those of several files that are kept as other channels of equal
+    samples.
+    """
     alike: dict[str, list[Record]] = defaultdict(list)
     for record in records:
         alike[digest(record)].append(record)
     copies: dict[int, Failure] = {}
+    twins: dict[int, Remark] = {}
     for group in alike.values():
         kept: list[Record] = []
         group.sort(key=lambda one: (one.orientation == "unknown", one.start_time is None, not one.event))
         for record in group:
             first = next((one for one in kept if _same_motion(one, record)), None)
             if first is None:
+                twin = next((one for one in kept if one.source != record.source), None)
+                if twin is not None and not find(record.warnings, "dead_channel"):
+                    twins.setdefault(id(twin), Remark("same_samples", other=record.source, turned=""))
+                    twins[id(record)] = Remark("same_samples", other=twin.source, turned="")
                 kept.append(record)
                 continue
             told = f"channel {record.channel}: same samples and interval as {first.id} of {first.source}"
             copies[id(record)] = Failure(record.source, "read", told, "duplicate")
     failures = [copies[id(record)] for record in records if id(record) in copies]
-    return [record for record in records if id(record) not in copies], failures
+    return [record for record in records if id(record) not in copies], failures, twins
 
 
 def _same_motion(one: Record, other: Record) -> bool:
     """Whether two records of equal samples are one motion: channels of one file, and dead ones, need not be."""
+    same = np.array_equal(one.azimuth, other.azimuth, equal_nan=True) and one.orientation == other.orientation
+    if not same and "unknown" not in (one.orientation, other.orientation):
+        return False
     if one.component == other.component:
         return True
     if one.source == other.source or any(find(record.warnings, "dead_channel") for record in (one, other)):
         return False
-    if "unknown" in (one.orientation, other.orientation):
-        return True
-    same = np.array_equal(one.azimuth, other.azimuth, equal_nan=True)
-    return one.orientation == other.orientation and same
+    return same or "unknown" in (one.orientation, other.orientation)
 
 
 def whole_records(records: Sequence[Record]) -> list[tuple[Record, tuple[Record, ...]]]:

@@ -95,7 +95,7 @@ def test_a_name_and_a_header_of_two_kinds_are_told(tmp_path):
         *(("a_vert.csv", "vertical", np.nan), ("a_N-S.txt", "horizontal", 0.0), ("accEW.txt", "horizontal", 90.0)),
         *(("KUZEY.txt", "horizontal", 0.0), ("a_EW1.txt", "horizontal", 90.0), ("a_E_raw.txt", "horizontal", 90.0)),
         *(("TCU068.txt", "unknown", np.nan), ("TCU068-V.txt", "vertical", np.nan), ("SETUP.txt", "unknown", np.nan)),
-        *(("120111.txt", "unknown", np.nan), ("San_E_Street.txt", "unknown", np.nan), ("a_N_E.txt", "unknown", np.nan)),
+        *(("120111.txt", "unknown", np.nan), ("San_E_Street.txt", "unknown", np.nan)),
     ],
 )
 def test_the_name_of_a_file_says_its_direction(name, orientation, azimuth):

@@ -31,7 +31,7 @@ _TIME = re.compile(r"(\d{1,2}):\s*(\d{1,2}):\s*(\d{1,2}(?:[.,]\d{0,9})?)", re.AS
 _UTC = re.compile(r"GMT|UTC|TMG", re.IGNORECASE)
 _ON_STRUCTURE = re.compile(r"\b(?:azotea|s.{1,2}tano|entrepiso|cortina|corona|piso\s+\d+|nivel\s+\d+)\b", re.IGNORECASE)
 _DOUBTFUL = re.compile(r"incomplet|incorrect|sin tiempo|falla|no\s", re.IGNORECASE)
-_FIELD = 10
+_FIELD, _LOOK_AT = 10, 3  # characters of a field, and rows that show it
 _LONGEST_HEADER = 300  # lines of the header
 
 
@@ -41,6 +41,7 @@ class _Header:
     def __init__(self, name: str, lines: Sequence[str]) -> None:
         self.name, self.lines = name, lines
         parts = ((line.partition(":"), at) for at, line in enumerate(lines, 1))
+        self.ruler = 0  # channels that the line above the values numbers, whether they exist or not
         self.entries = [(key.strip(), value.strip(), at) for (key, colon, value), at in parts if colon]
 
     def entry(self, key: str) -> tuple[str, str, int]:
@@ -104,7 +105,7 @@ def read_asa(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
     unit_words, layout = header.text("UNIDADES DE LOS DATOS").partition("(")[0], header.text("FORMATO DATOS")
     unit = kit.canonical_unit(unit_words, header.where("UNIDADES DE LOS DATOS"))
     fields = _LAYOUT.match(layout)
-    if layout and (not fields or int(fields[1]) < len(numbers)):
+    if layout and (not fields or int(fields[1]) not in (len(numbers), header.ruler)):
         expected = f"the format {len(numbers)}F10.3, one field for each channel"
         raise kit.unexpected(header.where("FORMATO DATOS"), expected, repr(layout))
     width = int(fields[2]) if fields else _FIELD
@@ -171,6 +172,7 @@ def _header(name: str, lines: Sequence[str]) -> tuple[_Header, list[int], list[s
     header = _Header(name, head[:title])
     numbers = [int(number) for number in _CHANNELS.findall(head[at])]
     words, (_, listed, line) = lines[at + 1][: kit.LONGEST_LINE].split(), header.entry("ORIENTACION C1-C6")
+    header.ruler = len(numbers)
     # The line may be a ruler of eight channels, whatever their number is.
     if header.text("NUMERO DE CANALES").strip() == str(len(words)):
         numbers = numbers[: len(words)]
@@ -190,7 +192,7 @@ def _columns(
     rows = len(lines) - first
     kit.check_count(f"{name}:{len(lines)}", max(counts), rows, "rows")
     if len(set(counts)) == 1:
-        if len(lines[first].rstrip()) != width * len(counts) and len(lines[first].split()) == len(counts):
+        if all(len(line.rstrip()) != width * len(counts) for line in lines[first : first + _LOOK_AT]):
             table = kit.free_rows(lines[first:], first + 1, len(counts), name).ravel()
         else:
             table = kit.fixed_width(lines[first:], first + 1, width, len(counts), rows * len(counts), name)

@@ -140,7 +140,7 @@ def read_columns(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]
             unit,
             number=number,
             processed=None,
-            component=heading.name,
+            component=heading.name or toward.label,
             facing=toward,
             channel=BRACKET.sub("", heading.name).strip() or toward.label or str(number),
             start_time=start_time,
@@ -173,7 +173,7 @@ def _columns(
     said = {round(count.value) for count in kit.stated_counts(prose)}
     counts = {numbered.count, *said}
     warnings = _behind(name, len(lines) + 1, behind, layout, complete=not counts.isdisjoint({values, len(filled)}))
-    is_series = layout.width > 1 and values in counts and len(filled) not in counts
+    is_series = layout.width > 1 and not headings and values in counts and len(filled) not in counts
     is_short = layout.width > len(last) and not headings and layout.width > 2
     if is_series or is_short:
         body = _Columns(read_table(name, rows[: filled[-1]], layout, first), (), warnings)

@@ -185,7 +185,7 @@ def copies_told(records: Sequence[Record]) -> list[Record]:
     """The records of a file, with a warning on each whose samples are those of another, as they are or negative."""
     notes: dict[int, list[Remark]] = {}
     for (at, one), (behind, other) in combinations(enumerate(records), 2):
-        if one.npts != other.npts or not one.acceleration.any():
+        if one.component == other.component or one.npts != other.npts or not one.acceleration.any():
             continue
         near = slice(None, _FIRST)
         if not np.array_equal(abs(one.acceleration[near]), abs(other.acceleration[near])):

@@ -13,7 +13,7 @@ from rockpulse.readers.kit.checks import held_direction
 from rockpulse.readers.kit.direction import Direction, heading_direction, name_direction
 from rockpulse.readers.kit.headings import Heading
 from rockpulse.readers.kit.prose import other_units, positive_downwards, stated_peaks, stated_units
-from rockpulse.readers.kit.text import UNITS, canonical_unit, for_one_file, printed_number, spelled_unit
+from rockpulse.readers.kit.text import UNITS, canonical_unit, for_such_files, printed_number, spelled_unit
 from rockpulse.readers.source import SourceFile
 from rockpulse.remark import Remark
 
@@ -86,7 +86,7 @@ def column_units(name: str, headings: Sequence[Heading], prose: Sequence[str], o
             stated = named[0][0]
         if stated is None and asked is None:
             found = f"; line {said[0][1].line} of its header speaks of {said[0][1].wording!r}" if said else ""
-            alone = for_one_file(name, "units = 'g'")
+            alone = for_such_files(name, "units = 'g'")
             raise UnitError(
                 f"{name}: plain columns do not state their unit{found}; give it with the option units, one of "
                 f"{', '.join(UNITS)}: --units g on the command line, units = 'g' under [records] of the "

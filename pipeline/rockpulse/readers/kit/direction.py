@@ -14,8 +14,8 @@ from rockpulse.remark import Remark
 BRACKET = re.compile(r"[\[(]([^\])]*)[\])]")
 # "CH 12" is a number, "12 deg" an angle.
 _NUMBERED = re.compile(r"(?:^|[\W_])(?:ch|chan|channel|no|nr|sensor|col|column)[\W_]*\d+", re.IGNORECASE)
-# Small u and v stand for displacement and velocity.
-_LETTERS = frozenset("NEZUVnez")
+# Small u and v stand for displacement and velocity, a small s for seconds.
+_LETTERS = frozenset("NEZUVSWnez")
 _ANGLE = re.compile(r"(?<=\d)\s+(?=deg)", re.IGNORECASE)
 # Decimals and quantities are no azimuths, unless degrees.
 _QUANTITY = re.compile(

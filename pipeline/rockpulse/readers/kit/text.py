@@ -207,10 +207,11 @@ def canonical_unit(text: str, where: str) -> str:
     return unit
 
 
-def for_one_file(name: str, setting: str) -> str:
-    """The advice to give a property of one file only, as the configuration has it."""
+def for_such_files(name: str, setting: str) -> str:
+    """The advice to give a property of files of one suffix only, as the configuration has it; many share its words."""
     last = name.replace("\\", "/").rpartition("!")[2].rpartition("/")[2]
-    return f"for this one alone: [[records.file]] match = '{last}', {setting}"
+    pattern = f"*.{last.rpartition('.')[2]}" if "." in last else last
+    return f"for such files alone: [[records.file]], match = '{pattern}', {setting}"
 
 
 def for_other_files(option: str) -> str:

@@ -22,7 +22,7 @@ _OF_OPTIONS = frozenset({"events", "select"})
 #: Groups with a row for each record of the results, by the kind of file; the first that is there counts.
 _GROUPS = ("summary", "site", "capacities")
 #: Reasons in a sentence, files named with each, and characters of each.
-_REASONS, _NAMED, _LONGEST = 3, 2, 120
+_REASONS, _NAMED, _LONGEST = 3, 10, 120
 
 
 @dataclass(frozen=True)

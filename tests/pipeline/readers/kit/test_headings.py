@@ -189,16 +189,6 @@ def test_a_unit_that_is_not_read_is_refused(write, header):
         read(write(series(header, separator=",")), units="g")
 
 
-def test_jma_file(write):
-    path = write(columns(np.column_stack([VALUES] * 3), JMA, ","), "jma.csv")
-    records = read(path, units="gal")
-    assert [(record.dt, record.channel) for record in records] == [(0.01, "NS"), (0.01, "EW"), (0.01, "UD")]
-    with pytest.raises(UnitError, match=r"jma.csv:5: the header says 'gal', the option units says g"):
-        read(path, units="g")
-    with pytest.raises(RecordFormatError, match=r"disagree: 0.01 s \(line 4: 'sampling rate= 100'\), 0.005 s \(option"):
-        read(path, units="gal", dt=0.005)
-
-
 @pytest.mark.parametrize(
     ("header", "step"),
     [
