@@ -93,7 +93,7 @@ def alike(rows: Iterable[Failure]) -> list[list[Failure]]:
     return list(groups.values())
 
 
-def told(group: Sequence[Failure]) -> str:
+def reasons_in_words(group: Sequence[Failure]) -> str:
     """The reason of rows that are alike: of one with its place, of several with their number and two places."""
     first = group[0]
     if len(group) == 1:  # most reasons begin with the file and a line in it

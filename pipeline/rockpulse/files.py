@@ -119,7 +119,7 @@ def table_of(path: str, text: str) -> pd.DataFrame:
     return pd.DataFrame([row + [""] * (len(heads) - len(row)) for row in cells], columns=heads, dtype=str)
 
 
-def numbers(path: str, table: pd.DataFrame, column: str) -> np.ndarray:
+def column_numbers(path: str, table: pd.DataFrame, column: str) -> np.ndarray:
     """A column (n,) of finite numbers; ConfigError where a cell is none."""
     import pandas as pd
 

@@ -48,8 +48,8 @@ class Section:
                 continue
             if not allowed.accepts(value):
                 wrong = next((word for word in _strings(value) if word not in allowed.words), "")
-                remark = (_of_no_size(value) if allowed.finite else "") or hint(wrong, allowed.words)
-                raise ConfigError(f"{self.where} {item.name}: expected {allowed.expected}, found {value!r}{remark}")
+                advice = (_of_no_size(value) if allowed.finite else "") or hint(wrong, allowed.words)
+                raise ConfigError(f"{self.where} {item.name}: expected {allowed.expected}, found {value!r}{advice}")
             object.__setattr__(self, item.name, allowed.convert(value))
 
     def keys(self) -> list[str]:
@@ -81,7 +81,7 @@ def is_number(value: Any) -> bool:
 
 
 def _of_no_size(value: Any) -> str:
-    """The remark on a number that is too large or too small for any formula; empty for others."""
+    """The advice on a number that is too large or too small for any formula; empty for others."""
     if isinstance(value, bool) or not isinstance(value, int | float):
         return ""
     if isinstance(value, float) and not math.isfinite(value):

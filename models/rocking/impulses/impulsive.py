@@ -10,7 +10,16 @@ import numpy as np
 
 from rocking.arguments import ArrayLike, numbers
 from rocking.body.block import Block
-from rocking.impulses.impulsive_kernel import EXACT, LINEAR, PAPER, TANGENT, History, Lanes, Train, impulsive_lanes
+from rocking.impulses.impulsive_kernel import (
+    EXACT,
+    LINEAR,
+    PAPER,
+    TANGENT,
+    History,
+    ImpulsiveLanes,
+    Train,
+    impulsive_lanes,
+)
 from rocking.lanes import split_lanes
 from rocking.response import Response, empty_results, response_of
 
@@ -99,7 +108,7 @@ def impulsive_response(
     factors = np.multiply.outer(scale.reshape(-1), np.broadcast_to(own, alpha.shape))
     sizes = np.abs(impulses)
     train = Train(times, impulses, sizes, np.cumsum(sizes[::-1])[::-1].copy())
-    lanes = Lanes(factors, alpha, p, restitution, block.gravity, GAINS[gain])
+    lanes = ImpulsiveLanes(factors, alpha, p, restitution, block.gravity, GAINS[gain])
     results = empty_results(factors.size)
     history = History(grid, np.zeros((factors.size, grid.size, 2)))
 

@@ -37,7 +37,7 @@ class Train(NamedTuple):
     left: np.ndarray  #: (k,) sum of the sizes from each impulse on [m/s]
 
 
-class Lanes(NamedTuple):
+class ImpulsiveLanes(NamedTuple):
     """The (q m,) lanes: q factors on the impulses by m blocks."""
 
     scale: np.ndarray  #: (q, m) factor on the impulses [-]

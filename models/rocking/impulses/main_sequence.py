@@ -25,7 +25,7 @@ _AT_REST, _ROCKS, _OVERTURNS, _UNRESOLVED = (int(outcome) for outcome in Outcome
 _HALF_CYCLE_LIMIT_REASON = int(Reason.HALF_CYCLE_LIMIT)
 
 
-class Lanes(NamedTuple):
+class MainSequenceLanes(NamedTuple):
     """The lanes: each a block under a main sequence."""
 
     impulse: np.ndarray  #: (lanes,) I [m/s]
@@ -70,7 +70,7 @@ def overturning_half_cycle(main, restitution):
 
 @njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
 def resonance_lanes(first_lane, last_lane, lanes, results, table):
-    """Write what the lanes first_lane:last_lane answer, and their :class:`rocking.impulses.sequence_kernel.Table`."""
+    """Write what the lanes first_lane:last_lane answer, and their `HalfCycleTable`."""
     columns = table.columns
     rows = columns.shape[1]
     for lane in range(first_lane, last_lane):
@@ -242,8 +242,36 @@ def resonance(
     return tabulated_response(resonance_lanes, lanes, shape, drop, table_rows, threads)
 
 
-def critical_impulse_at(block: Block, half_cycle: int) -> Floats:
-    """The impulse I_1c (1 - C)/(1 - C^i) [m/s], (m,), that overturns in `half_cycle` i >= 1 (Eq. 9, erratum)."""
+def critical_impulse(block: Block, half_cycle: int = 1) -> Floats:
+    """The critical impulse I_ic of equal impulses at resonance, which overturns a block in half-cycle i (Eq. 9).
+
+    Parameters
+    ----------
+    block : Block
+        One block, or (m,), with its restitution C.
+    half_cycle : int
+        i >= 1; 1 is a single impulse, 2 the critical double impulse.
+
+    Returns
+    -------
+    impulse : float or (m,) ndarray
+        I_ic = I_1c (1 - C)/(1 - C^i) [m/s], with I_1c = g alpha_c/(p cos alpha_c) and the erratum of Eq. 9.
+
+    Raises
+    ------
+    ValueError
+        For a half-cycle that is no whole number from 1.
+
+    References
+    ----------
+    Casapulla, C., Maione, A. (2017), COMPDYN 2017, Eqs. (3), (5), (9).
+
+    Examples
+    --------
+    >>> block = Block(width=1.0, height=3.872983, restitution=0.9, gravity=9.81)
+    >>> [round(float(critical_impulse(block, half_cycle=i)), 3) for i in (1, 2, 3)]
+    [1.335, 0.703, 0.493]
+    """
     half_cycle = counts("half_cycle", half_cycle, least=1, lanes=False)
     return critical_impulse_ratio(block.restitution, half_cycle) * block.critical_impulse
 
@@ -252,7 +280,7 @@ def critical_impulse_ratio(restitution: ArrayLike, half_cycle: int) -> Any:
     """I_ic/I_1c = (1 - C)/(1 - C^i) of Eq. 9 for C a float or an (m,) array [-]."""
     ratios = np.array(restitution, dtype=float, ndmin=1)
     ones, factors = np.ones(ratios.size), np.empty(ratios.size)
-    lanes = Lanes(ones, np.full(ratios.size, np.inf), np.full(ratios.size, half_cycle), ones, ratios, ones)
+    lanes = MainSequenceLanes(ones, np.full(ratios.size, np.inf), np.full(ratios.size, half_cycle), ones, ratios, ones)
     safety_lanes(0, ratios.size, lanes, factors)
     return factors.item() if np.ndim(restitution) == 0 else factors
 
@@ -296,7 +324,7 @@ def resonance_safety(
 
 def _lanes(
     block: Block, impulse: ArrayLike, count: Any, duration: ArrayLike | None
-) -> tuple[tuple[int, int], tuple[bool, bool], Lanes]:
+) -> tuple[tuple[int, int], tuple[bool, bool], MainSequenceLanes]:
     """The lanes of a kernel, with their shape and the axes to drop."""
     sizes, ends = np.asarray(impulse, dtype=float), np.asarray(np.inf if duration is None else duration, dtype=float)
     if sizes.ndim > 1 or not np.all(np.isfinite(sizes) & (sizes >= 0.0)):
@@ -305,7 +333,7 @@ def _lanes(
         raise ValueError(f"duration: expected a positive number or a (q,) array [s], got {duration!r}")
     blocks = (block.p, block.restitution, block.critical_impulse)
     shape, drop, (impulses, until, most, *rest) = combined((sizes, ends, count), blocks)
-    return shape, drop, Lanes(impulses, until, most.astype(np.int64), *rest)
+    return shape, drop, MainSequenceLanes(impulses, until, most.astype(np.int64), *rest)
 
 
 def _half_cycles(value: Any, duration: ArrayLike | None) -> Any:

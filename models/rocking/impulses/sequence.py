@@ -16,7 +16,7 @@ from rocking.impulses.impulse_sequence import SPACINGS, ImpulseSequence
 from rocking.impulses.sequence_kernel import (
     HALF_CYCLE_LIMIT,
     TABLE_ROWS,
-    Lanes,
+    SequenceLanes,
     combined,
     empty_table,
     sequence_lanes,
@@ -131,7 +131,7 @@ def _combined(
     return combined(inputs, (block.p, block.restitution, block.critical_impulse), paired)
 
 
-def _lanes(sequence: ImpulseSequence, flat: list[np.ndarray]) -> tuple[Lanes, np.ndarray]:
+def _lanes(sequence: ImpulseSequence, flat: list[np.ndarray]) -> tuple[SequenceLanes, np.ndarray]:
     """The lanes of the kernel, and which of them have secondary impulses too close together for it."""
     main, secondary, interval, duration, main_count, p, restitution, critical = flat
     count = sequence.intermediate_count or 0
@@ -142,7 +142,7 @@ def _lanes(sequence: ImpulseSequence, flat: list[np.ndarray]) -> tuple[Lanes, np
     short = (secondary > 0.0) & (sequence.spacing != "continuous") & (count == 0) & (p * interval < _SHORTEST_INTERVAL)
     scaled, most = np.where(short, 0.0, main / critical), main_count.astype(np.int64)
     spacing = SPACINGS[sequence.spacing]
-    return Lanes(scaled, secondary / critical, p, restitution, interval, duration, most, count, spacing), short
+    return SequenceLanes(scaled, secondary / critical, p, restitution, interval, duration, most, count, spacing), short
 
 
 def _unresolved(response: Response, short: np.ndarray) -> Response:

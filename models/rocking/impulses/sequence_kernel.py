@@ -22,7 +22,7 @@ _AT_REST, _ROCKS, _OVERTURNS, _UNRESOLVED = (int(outcome) for outcome in Outcome
 _HALF_CYCLE_LIMIT_REASON = int(Reason.HALF_CYCLE_LIMIT)
 
 
-class Lanes(NamedTuple):
+class SequenceLanes(NamedTuple):
     """The lanes: each a block under a sequence, all with one spacing."""
 
     main: np.ndarray  #: (lanes,) u_1 [-]
@@ -36,7 +36,7 @@ class Lanes(NamedTuple):
     spacing: int  #: code of the spacing, see :mod:`rocking.impulses.half_cycle`
 
 
-class Table(NamedTuple):
+class HalfCycleTable(NamedTuple):
     """The half-cycles that a kernel writes beside its :class:`rocking.response.LaneResults`."""
 
     columns: np.ndarray  #: (COLUMNS, h, lanes) the first h half-cycles
@@ -179,9 +179,9 @@ def combined(
     return shape, (inputs[0].ndim == 0, blocks[0].ndim == 0), flat
 
 
-def empty_table(rows: int, lanes: int) -> Table:
+def empty_table(rows: int, lanes: int) -> HalfCycleTable:
     """A table with a number of half-cycles for a kernel to write to."""
-    table = Table(np.full((COLUMNS, rows, lanes), np.nan), np.empty(lanes), np.empty(lanes, dtype=np.int64))
+    table = HalfCycleTable(np.full((COLUMNS, rows, lanes), np.nan), np.empty(lanes), np.empty(lanes, dtype=np.int64))
     table.columns[3] = -1.0  # impulse_count
     return table
 
@@ -200,7 +200,7 @@ def tabulated_response(
     size = shape[0] * shape[1]
     results = empty_results(size)
 
-    def run(rows: int) -> Table:
+    def run(rows: int) -> HalfCycleTable:
         table = empty_table(rows, size)
         split_lanes(lambda first, last: kernel(first, last, lanes, results, table), size, threads)
         return table

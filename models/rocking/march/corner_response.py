@@ -30,7 +30,7 @@ from rocking.march.slots import Accelerogram
 from rocking.response import Response, empty_results, response_of
 
 
-def run(kernel: Callable[..., None], shape: tuple[int, int], samples: int, threads: int | None) -> Response:
+def run_kernel(kernel: Callable[..., None], shape: tuple[int, int], samples: int, threads: int | None) -> Response:
     """The response of (q, m) lanes by ``kernel(first, last, results, active, motion)``; a history of some samples."""
     total = shape[0] * shape[1]
     found = empty_results(total, codes=np.int8), np.empty(total, np.int64), np.zeros((total, samples, 2))
@@ -73,7 +73,7 @@ def march_bodies(
         work = None if held is None else corner_slots()
         march_corners(first, last, ground, lanes, options, corner_slots(), *found, held, work)
 
-    return run(march, (factors.size, side.size), samples, threads)
+    return run_kernel(march, (factors.size, side.size), samples, threads)
 
 
 def _held(block: Block, copies: int) -> Held:
@@ -104,7 +104,7 @@ def _held(block: Block, copies: int) -> Held:
     )
 
 
-def rest_levels(block: Block) -> np.ndarray:
+def uplift_additions(block: Block) -> np.ndarray:
     """What loads and thrusts add to abs(a_g)/g that lifts the resting (m,) bodies, by corner: (2, m)."""
     found = np.zeros((2, *np.shape(block.p)))
     if block.restraints is not None:

@@ -22,7 +22,7 @@ NO_REASON, IMPACT_LIMIT, FREE_FLIGHT = int(Reason.NONE), int(Reason.IMPACT_LIMIT
 STRICTLY = 1e-14
 
 
-class Lanes(NamedTuple):
+class MarchLanes(NamedTuple):
     """The (q m,) lanes of a march: q factors on the record by m blocks, the block running fastest."""
 
     factors: np.ndarray  #: (q,) factor on the record over gravity [s2/m]

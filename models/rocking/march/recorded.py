@@ -10,10 +10,10 @@ import numpy as np
 
 from rocking.arguments import ArrayLike, Floats, numbers, positive, read_only, record_samples
 from rocking.body.block import Block
-from rocking.march.corner_response import march_bodies, run
+from rocking.march.corner_response import march_bodies, run_kernel
 from rocking.march.demand import Demand
 from rocking.march.event import LINEAR, NONLINEAR
-from rocking.march.kernel import Lanes, Options, march_lanes
+from rocking.march.kernel import MarchLanes, Options, march_lanes
 from rocking.march.slots import Accelerogram, empty_slots, extremes
 from rocking.response import Response
 
@@ -207,12 +207,12 @@ def recorded_response(
         angle, rate, ratio, theta, speed = (
             read_only(values[some]) for values in (alpha, p, restitution, rotation, spin)
         )
-        blocks = Lanes(rows, gains[some], angle, rate, ratio, theta, speed, levels, above)
+        blocks = MarchLanes(rows, gains[some], angle, rate, ratio, theta, speed, levels, above)
 
         def march(first: int, last: int, *found: Any) -> None:
             march_lanes(first, last, ground, blocks, options, empty_slots(), *found)
 
-        return run(march, (rows.size, angle.size), samples, threads)
+        return run_kernel(march, (rows.size, angle.size), samples, threads)
 
     def march_others(some: Any) -> Response:
         start = read_only(rotation[some]), read_only(spin[some])

@@ -13,7 +13,7 @@ from rocking.impulses.impulse_sequence import ImpulseSequence
 from rocking.impulses.impulsive import impulsive_response
 from rocking.impulses.main_sequence import bands_of, resonance_safety
 from rocking.impulses.sequence import scaled_outcomes
-from rocking.march.corner_response import rest_levels
+from rocking.march.corner_response import uplift_additions
 from rocking.march.recorded import recorded_response
 from rocking.response import Outcome, Response
 from rocking.search.factors import ScaleIntervals, exceedance_intervals
@@ -155,7 +155,7 @@ def uplift_scale(
 ) -> np.ndarray:
     """Factor f on a record that lifts each of (m,) blocks, f abs(a_g) = (g + f a_v) tan(alpha) + restraints, or inf."""
     found = np.full(np.shape(block.p), np.inf)
-    more = rest_levels(block)
+    more = uplift_additions(block)
     for side, alpha, extra in ((1, block.alpha_c, more[0]), (-1, block.alpha_2, more[1])):
         threshold = np.asarray(alpha if equation == "linear" else np.tan(alpha))
         strongest = np.full(threshold.shape, np.max(-side * acceleration))

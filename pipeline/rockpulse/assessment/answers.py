@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 
 from rocking.response import Outcome
-from rockpulse.assessment.demand import Demand, stored_demands
+from rockpulse.assessment.site_demands import SiteDemand, stored_demands
 from rockpulse.earthquakes import members, probability_interval
 from rockpulse.model_table import fullest, is_full
 from rockpulse.selection.events import UNKNOWN
@@ -161,7 +161,7 @@ class Answers:
         return {name: others.get(name, self) for name in self.models}
 
     @cached_property
-    def demands(self) -> dict[str, Demand]:
+    def demands(self) -> dict[str, SiteDemand]:
         """Every demand by its name."""
         return stored_demands(self.summary)
 

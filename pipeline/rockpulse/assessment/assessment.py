@@ -13,7 +13,7 @@ from rocking.impulses.impulse_sequence import ImpulseSequence
 from rockpulse.assessment.record_assessment import assess_scene
 from rockpulse.assessment.results import registered
 from rockpulse.assessment.scene import extract, solver_options
-from rockpulse.assessment.tree import EVENT, build_tree, nothing, record_part, template
+from rockpulse.assessment.tree import EVENT, build_tree, empty_rows, empty_tree, record_part
 from rockpulse.config.bodies import Bodies, gather_bodies, refuse_aloft
 from rockpulse.config.configuration import Config, given_config
 from rockpulse.errors import ConfigError, Failure
@@ -23,12 +23,12 @@ from rockpulse.record.components import Pair
 from rockpulse.record.half_wave import HalfWaves
 from rockpulse.record.intensity import IntensePhase
 from rockpulse.record.record import Record
-from rockpulse.remark import Remark
 from rockpulse.run.analysis import Analysis, Blocks, Part, Records, Watch, Work, run
 from rockpulse.selection.directions import Motion, PlannedMotion, swept_directions
 from rockpulse.sequences.design_spectrum import DesignSpectrum
 from rockpulse.storage.hdf5.atomic import ASSESSMENT
 from rockpulse.storage.variables.assessment import ASSESSMENT_GROUPS
+from rockpulse.warning_text import WarningText
 
 
 def assess(
@@ -100,7 +100,7 @@ class Assessment(Analysis):
     @cached_property
     def nothing(self) -> Part:
         """Every variable that grows with the motions, without a row."""
-        return nothing(self.bodies, self.config)
+        return empty_rows(self.bodies, self.config)
 
     def dimension_of(self, name: str) -> str:
         """The first dimension of a variable, given by its path."""
@@ -110,7 +110,7 @@ class Assessment(Analysis):
     @property
     def template(self) -> xr.DataTree:
         """The tree of results without a motion."""
-        return template(self.bodies, self.config)
+        return empty_tree(self.bodies, self.config)
 
     def collect(self, parts: Sequence[Part], planned: Sequence[PlannedMotion], failures: list[Failure]) -> xr.DataTree:
         """The parts one after the other, and for a sweep the statistics over direction."""
@@ -222,7 +222,7 @@ def assess_sequence(
         verb = "is" if len(dropped) == 1 else "are"
         warnings.append(f"{what}, not a record: {', '.join(dropped)} cannot answer it and {verb} left out")
     if asked_for.demands:
-        warnings.append(Remark("demand_not_compared"))
+        warnings.append(WarningText("demand_not_compared"))
     done = replace(done, scene=replace(done.scene, record=replace(done.record, warnings=tuple(warnings))))
     tree = build_tree([record_part(done) | {EVENT: np.array([""])}], gathered, config, [])
     tree.attrs["title"] = config.site.name or "Rocking response of rigid blocks to a sequence of impulses"

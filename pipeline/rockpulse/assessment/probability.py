@@ -11,8 +11,8 @@ from rocking.spectrum.body_probability import overturning_probability
 from rocking.spectrum.overturning import OverturningFactors, OverturningSpectrum, covered
 from rocking.spectrum.probability import Uncertainty
 from rocking.spectrum.slender_lanes import LEAST_RESTITUTION, REBOUNDS, neighbours, spectrum_lanes
-from rockpulse.assessment.demand import FARTHEST, demand_factors
 from rockpulse.assessment.scene import senses
+from rockpulse.assessment.site_demands import FARTHEST, demand_factors
 from rockpulse.config.bodies import Bodies
 from rockpulse.config.configuration import Config
 from rockpulse.model_row import Scene

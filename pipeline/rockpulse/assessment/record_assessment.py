@@ -17,7 +17,7 @@ from rocking.spectrum.overturning import OverturningSpectrum
 from rockpulse.assessment.probability import record_probability
 from rockpulse.assessment.scene import aloft, joined_responses, places_of, senses, turned
 from rockpulse.assessment.spectra import stored_spectrum_values
-from rockpulse.config.bodies import Bodies, Place
+from rockpulse.config.bodies import Bodies, FeltMotion
 from rockpulse.config.configuration import Config
 from rockpulse.model_row import Scene
 from rockpulse.model_table import MODELS
@@ -27,7 +27,7 @@ from rockpulse.record.record import Record
 from rockpulse.storage.variables.probability import AXIS_SIZES, SPECTRUM
 
 
-class Rows(NamedTuple):
+class ModelRows(NamedTuple):
     """The rows that one model gives to a table of the results."""
 
     model: int  # its place in /summary
@@ -80,7 +80,7 @@ class RecordAssessment:
         return values.reshape(len(self.bodies.names), self.bodies.cases, *values.shape[1:])
 
     @cached_property
-    def half_cycles(self) -> list[Rows]:
+    def half_cycles(self) -> list[ModelRows]:
         """The rows of the half-cycles of all models that have a table of them."""
         found = []
         for place, response in enumerate(self.responses.values()):
@@ -90,12 +90,12 @@ class RecordAssessment:
         return found
 
     @cached_property
-    def intervals(self) -> list[Rows]:
+    def intervals(self) -> list[ModelRows]:
         """The rows of the intervals of overturning of all models."""
         return [self._rows(place, one.lane, one) for place, one in enumerate(self.scales.values())]
 
     @cached_property
-    def histories(self) -> list[Rows]:
+    def histories(self) -> list[ModelRows]:
         """The rows of the lanes of all models that have histories."""
         return [
             self._rows(place, np.arange(len(self.bodies.names) * self.bodies.cases), response)
@@ -103,9 +103,9 @@ class RecordAssessment:
             if response.rotation is not None and response.velocity is not None
         ]
 
-    def _rows(self, model: int, lane: np.ndarray, source: Any, cycle: np.ndarray | None = None) -> Rows:
+    def _rows(self, model: int, lane: np.ndarray, source: Any, cycle: np.ndarray | None = None) -> ModelRows:
         cases = self.bodies.cases
-        return Rows(model, lane, lane // cases, lane % cases, source, np.zeros(0, int) if cycle is None else cycle)
+        return ModelRows(model, lane, lane // cases, lane % cases, source, np.zeros(0, int) if cycle is None else cycle)
 
 
 def assess_scene(
@@ -113,7 +113,7 @@ def assess_scene(
 ) -> RecordAssessment:
     """Assess all bodies under one record, which was perhaps rotated from `pair`; ValueError if a model refuses it."""
     places = places_of(bodies, scene.record, pair, config)
-    of_record = places[0][0] == Place(None, ())  # on the ground, without a direction of its own
+    of_record = places[0][0] == FeltMotion(None, ())  # on the ground, without a direction of its own
     if len(places) == 1 and of_record:
         return _assess_at(scene, bodies, config, channels, 1.0)
     parts, record = [], scene.record
@@ -122,7 +122,7 @@ def assess_scene(
         there = aloft(below, place, config)
         stronger = there.record.pga / below.record.pga
         parts.append(_assess_at(there, bodies.chosen(numbers), config, channels or [record], stronger))
-    warnings = dict.fromkeys(remark for part in parts for remark in part.record.warnings)
+    warnings = dict.fromkeys(warning for part in parts for warning in part.record.warnings)
     record = replace(record, warnings=(*record.warnings, *(one for one in warnings if one not in record.warnings)))
     steps = [round(record.dt / part.record.dt) for part in parts]
     lanes = [(one[1][:, np.newaxis] * bodies.cases + np.arange(bodies.cases)).reshape(-1) for one in places]

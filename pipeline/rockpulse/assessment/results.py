@@ -17,7 +17,7 @@ from rockpulse.assessment.verdict import BodyVerdict, Grade, verdicts
 from rockpulse.errors import ResultsError
 from rockpulse.option import hint
 from rockpulse.storage.hdf5 import results_file
-from rockpulse.storage.hdf5.atomic import ASSESSMENT, named
+from rockpulse.storage.hdf5.atomic import ASSESSMENT, kind_in_words
 
 #: Colours of the verdicts in a picture, and the bodies that are drawn.
 COLOURS = {Grade.STAYS: GREY, Grade.ROCKS: BLUE, Grade.MAY_OVERTURN: ORANGE, Grade.NOT_KNOWN: INK, Grade.OVERTURNS: RED}
@@ -129,7 +129,7 @@ class Results(Shown):
     def _answers(self) -> Answers:
         if not self._assessed:
             found = str(self._tree.attrs.get("kind", ASSESSMENT))
-            what = named(found) if found != ASSESSMENT else "a tree without the group summary"
+            what = kind_in_words(found) if found != ASSESSMENT else "a tree without the group summary"
             raise ResultsError(f"expected results of rockpulse.assess, found {what}")
         return answers_of(self._tree)
 

@@ -12,7 +12,7 @@ from rocking.body.supports import floor_motion
 from rocking.response import Outcome, Response
 from rocking.search.factors import ScaleIntervals
 from rockpulse.config.block_settings import FloorSettings
-from rockpulse.config.bodies import Bodies, Place
+from rockpulse.config.bodies import Bodies, FeltMotion
 from rockpulse.config.configuration import Config
 from rockpulse.errors import RecordRefused
 from rockpulse.model_row import Scene
@@ -23,9 +23,9 @@ from rockpulse.record.half_wave import half_waves
 from rockpulse.record.intensity import intense_phase
 from rockpulse.record.record import STANDARD_GRAVITY, Record
 from rockpulse.record.rotation import rotate
-from rockpulse.remark import Remark
 from rockpulse.selection.directions import FACING_WITHIN
 from rockpulse.sequences.estimators import record_sequence
+from rockpulse.warning_text import WarningText
 
 
 def scene_of_record(record: Record, config: Config, vertical: Record | None = None) -> Scene:
@@ -39,17 +39,19 @@ def extract(conditioned: Record, config: Config, up: Record | None = None) -> Sc
     lift = None
     if up is not None:
         lift = align(up, conditioned)
-        warnings = (*conditioned.warnings, *(Remark("of_vertical", remark=warning) for warning in up.warnings))
-        conditioned = replace(conditioned, warnings=warnings).with_note(Remark("vertical_acceleration", record=up.id))
+        warnings = (*conditioned.warnings, *(WarningText("of_vertical", warning=warning) for warning in up.warnings))
+        conditioned = replace(conditioned, warnings=warnings).with_note(
+            WarningText("vertical_acceleration", record=up.id)
+        )
         if (missing := uncovered(up, conditioned)) > up.dt:
-            conditioned = conditioned.with_warning(Remark("vertical_short", missing=missing))
+            conditioned = conditioned.with_warning(WarningText("vertical_short", missing=missing))
     waves = half_waves(conditioned, **config.half_waves)
     phase = intense_phase(conditioned, **config.intense_phase)
     try:
         sequence = record_sequence(waves, phase=phase, **config.sequence.statistics)
     except RecordRefused as error:
         sequence = None
-        conditioned = conditioned.with_warning(Remark("no_sequence", reason=str(error)))
+        conditioned = conditioned.with_warning(WarningText("no_sequence", reason=str(error)))
     rule = RULE_POINT if config.sequence.method == "rule" else ""
     return Scene(conditioned, lift, waves, phase, sequence, rule=rule, **solver_options(config))
 
@@ -66,7 +68,7 @@ def solver_options(config: Config) -> dict[str, Any]:
 QUIET = 1e-4
 
 
-def places_of(bodies: Bodies, record: Record, pair: Pair | None, config: Config) -> list[tuple[Place, np.ndarray]]:
+def places_of(bodies: Bodies, record: Record, pair: Pair | None, config: Config) -> list[tuple[FeltMotion, np.ndarray]]:
     """The motions that bodies feel, each with the numbers of its bodies; RecordRefused for a missing direction."""
     if config.records.components == "horizontal":
         return bodies.places(None)
@@ -81,7 +83,7 @@ def places_of(bodies: Bodies, record: Record, pair: Pair | None, config: Config)
     return found
 
 
-def turned(scene: Scene, place: Place, pair: Pair | None, config: Config) -> Scene:
+def turned(scene: Scene, place: FeltMotion, pair: Pair | None, config: Config) -> Scene:
     """The scene in the direction of a place, from the channels that its record was rotated from."""
     if place.azimuth is None:
         return scene
@@ -89,7 +91,7 @@ def turned(scene: Scene, place: Place, pair: Pair | None, config: Config) -> Sce
     return replace(extract(rotate(pair, place.azimuth), config), vertical=scene.vertical)
 
 
-def aloft(scene: Scene, place: Place, config: Config) -> Scene:
+def aloft(scene: Scene, place: FeltMotion, config: Config) -> Scene:
     """The scene on the floor of a place; the vertical motion is that of the ground."""
     if not place.floors:
         return scene

@@ -255,7 +255,7 @@ def rocking_spectrum(
     """
     rates, angles = np.asarray(p, dtype=float), np.asarray(alpha, dtype=float)
     grid = [values.ravel() for values in np.meshgrid(angles, rates, indexing="ij")]
-    # The grid is no body of the user's, so no remark on one is logged.
+    # The grid is no body of the user's, so no warning on one is logged.
     block = Block.from_parameters(p=grid[1], alpha=grid[0], restitution=restitution, gravity=gravity, log=False)
     response = recorded_response(block, record.acceleration, record.dt, scale=scale, vertical=vertical, threads=threads)
     shape, dims = (angles.size, rates.size), ("alpha_c", "p")

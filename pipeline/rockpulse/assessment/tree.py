@@ -113,7 +113,7 @@ def build_tree(
     swept: Mapping[str, Sequence[str]] | None = None,
 ) -> xr.DataTree:
     """One tree from the parts of all records in order; `swept` has the record ids of the directions by pair."""
-    arrays = joined_parts([nothing(bodies, config), *parts])
+    arrays = joined_parts([empty_rows(bodies, config), *parts])
     groups: dict[str, dict[str, xr.Variable]] = defaultdict(dict)
     for path, variable in _variables(config).items():
         group, _, name = path.rpartition("/")
@@ -135,12 +135,12 @@ def build_tree(
     return tree
 
 
-def template(bodies: Bodies, config: Config) -> xr.DataTree:
+def empty_tree(bodies: Bodies, config: Config) -> xr.DataTree:
     """The tree without a record: what does not depend on the records, and every other variable empty."""
     return build_tree([], bodies, config, [], {} if config.records.components == "sweep" else None)
 
 
-def nothing(bodies: Bodies, config: Config) -> dict[str, np.ndarray]:
+def empty_rows(bodies: Bodies, config: Config) -> dict[str, np.ndarray]:
     """Every variable that grows with the records, without a row, by its path."""
     return {path: _absent(one, 0, bodies, config) for path, one in _variables(config).items() if one.dims[0] in GROWING}
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from rocking.response import Outcome, Reason
 from rockpulse.assessment.answers import Answers, Body, Margin, Share
-from rockpulse.assessment.demand import FARTHEST
+from rockpulse.assessment.site_demands import FARTHEST
 from rockpulse.model_table import is_upper_bound
 
 #: Probabilities of overturning from which on a body may overturn, and overturns [-].

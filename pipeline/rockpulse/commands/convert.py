@@ -3,8 +3,8 @@
 import argparse
 import sys
 
-from rockpulse.commands.arguments import QUIET, READING, reading_options
 from rockpulse.commands.parser import Verb
+from rockpulse.commands.shared_options import QUIET, READING, reading_options
 from rockpulse.commands.terminal import progress_bars, tell
 
 #: Reasons of a kind that is no failure.

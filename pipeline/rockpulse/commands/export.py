@@ -5,8 +5,8 @@ from __future__ import annotations
 import argparse
 from typing import TYPE_CHECKING
 
-from rockpulse.commands.arguments import SELECTION, read_selection
 from rockpulse.commands.parser import Verb
+from rockpulse.commands.shared_options import SELECTION, read_selection
 from rockpulse.commands.terminal import progress_bars, tell
 
 if TYPE_CHECKING:
@@ -41,7 +41,7 @@ def _run(args: argparse.Namespace) -> int:
 
 def _demands(file: ResultsFile, table: LongTable) -> str:
     """The demands, which have a dimension of their own and then no column in the table."""
-    from rockpulse.assessment.demand import stored_demands
+    from rockpulse.assessment.site_demands import stored_demands
 
     if "demand_acceleration" not in table.left_out:
         return ""

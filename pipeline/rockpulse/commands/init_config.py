@@ -16,7 +16,7 @@ from rockpulse.errors import ConfigError
 BEGIN, END = 28, 122
 
 
-def template() -> str:
+def config_template() -> str:
     """Every key of the configuration with its default and its meaning; models and measures by their tables."""
     from rockpulse.config.study_settings import HAZARD_UNITS
     from rockpulse.model_table import DEFAULT_MODELS, MODELS, NAMES, UPPER_BOUND
@@ -50,7 +50,7 @@ def _filled(line: str, told: dict[str, str]) -> str:
 
 
 def _run(args: argparse.Namespace) -> int:
-    text = template()
+    text = config_template()
     if args.output is None:
         tell(text.removesuffix("\n"))
         return 0

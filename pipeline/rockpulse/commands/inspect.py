@@ -6,8 +6,8 @@ import argparse
 from importlib import import_module
 from typing import TYPE_CHECKING
 
-from rockpulse.commands.arguments import SELECTION, count, read_selection
 from rockpulse.commands.parser import Verb
+from rockpulse.commands.shared_options import SELECTION, parse_count, read_selection
 from rockpulse.commands.terminal import tell
 from rockpulse.errors import ResultsError
 
@@ -124,7 +124,7 @@ VERB = Verb(
             "--failures": "what failed or was skipped, and why",
             "--records": "list the records",
             "--blocks": "list the blocks",
-            "--worst N": ("the N cases of smallest safety factor", {"type": count}),
+            "--worst N": ("the N cases of smallest safety factor", {"type": parse_count}),
             **SELECTION,
         },
     ),

@@ -134,7 +134,7 @@ def nothing_written(failures: Sequence[Failure], what: str, quiet: bool) -> int:
     return 1
 
 
-def told(tree: xr.DataTree, args: argparse.Namespace, overview: Callable[[xr.DataTree], str]) -> int:
+def print_overview(tree: xr.DataTree, args: argparse.Namespace, overview: Callable[[xr.DataTree], str]) -> int:
     """Print the overview, or with --quiet one line on what failed; the exit code."""
     from rockpulse.views.shared.files_used import files_used
 

@@ -3,8 +3,8 @@
 import argparse
 import math
 
-from rockpulse.commands.arguments import QUIET
 from rockpulse.commands.parser import Verb
+from rockpulse.commands.shared_options import QUIET
 from rockpulse.commands.terminal import compiling_told, tell
 
 #: Columns of the table and their widths.

@@ -19,7 +19,7 @@ from rockpulse.errors import ConfigError
 LIGHT = 0.05
 
 
-class Place(NamedTuple):
+class FeltMotion(NamedTuple):
     """The motion that a body feels, beside the record itself."""
 
     azimuth: float | None  #: direction of the pair of channels that it is taken in [degrees]; None for the record's own
@@ -48,15 +48,15 @@ class Bodies:
     floors: tuple[tuple[FloorSettings, ...], ...]
     #: Name of the body that each takes together with its pedestal; empty for all others.
     pedestal_of: tuple[str, ...]
-    #: Remarks on each body, one a line.
+    #: Warnings on each body, one a line.
     warnings: tuple[str, ...]
 
-    def places(self, azimuth: float | None, within: float = 0.0) -> list[tuple[Place, np.ndarray]]:
+    def places(self, azimuth: float | None, within: float = 0.0) -> list[tuple[FeltMotion, np.ndarray]]:
         """The motions that bodies feel, with their numbers, the record's own (`within` degrees of `azimuth`) first."""
         own = []
         for direction, floors in zip(self.azimuth.tolist(), self.floors, strict=True):
             other = azimuth is not None and abs(math.remainder(direction - azimuth, 180.0)) > within
-            own.append(Place(direction if other else None, floors))
+            own.append(FeltMotion(direction if other else None, floors))
         every = sorted(dict.fromkeys(own), key=lambda place: (place.azimuth is not None, len(place.floors)))
         return [(one, np.flatnonzero([place == one for place in own])) for one in every]
 
@@ -161,7 +161,7 @@ def _told(given: Mapping[str, BlockSettings], named: Mapping[str, Block], key: s
 
 
 def _heavy(body: BlockSettings, block: Block) -> list[str]:
-    """A remark on a body that is heavy beside its floor."""
+    """A warning on a body that is heavy beside its floor."""
     masses = [floor.mass for floor in body.floors if floor.mass is not None]
     mass = float(np.max(block.mass))
     if not masses or not mass > LIGHT * min(masses):

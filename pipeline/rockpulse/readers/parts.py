@@ -14,7 +14,7 @@ from rockpulse.errors import Failure
 from rockpulse.readers.kit.facts import later
 from rockpulse.readers.source import SourceFile
 from rockpulse.record.record import BETWEEN, Record, distinct_ids, record_id
-from rockpulse.remark import Remark, code_of, find
+from rockpulse.warning_text import WarningText, code_of, find
 
 _NEVER = datetime.max.replace(tzinfo=UTC)
 _STEP_SHARE = 0.25  # largest gap or overlap between two parts, in steps; printed times are rounded
@@ -42,7 +42,7 @@ class PartRule:
         name = self.name.fullmatch(file.path.stem)
         if not name:
             return records
-        times, note = self.first_times(file), Remark("part_of_record", part=int(name[2]))
+        times, note = self.first_times(file), WarningText("part_of_record", part=int(name[2]))
         parts = []
         for record in records:
             first_time = times[record.component]
@@ -78,7 +78,7 @@ def _place(record: Record) -> tuple[str, str]:
 
 def _without_duplicates(
     records: Sequence[Record], digest: Callable[[Record], str]
-) -> tuple[list[Record], list[Failure], dict[int, Remark]]:
+) -> tuple[list[Record], list[Failure], dict[int, WarningText]]:
     """Each content once, and rows for the others; kept is the record that knows its direction, else time and event.
 
     Third: a remark, by the identity of a record, on those of several files that are kept as other channels of equal
@@ -88,7 +88,7 @@ def _without_duplicates(
     for record in records:
         alike[digest(record)].append(record)
     copies: dict[int, Failure] = {}
-    twins: dict[int, Remark] = {}
+    twins: dict[int, WarningText] = {}
     for group in alike.values():
         kept: list[Record] = []
         group.sort(key=lambda one: (one.orientation == "unknown", one.start_time is None, not one.event))
@@ -97,8 +97,8 @@ def _without_duplicates(
             if first is None:
                 twin = next((one for one in kept if one.source != record.source), None)
                 if twin is not None and not find(record.warnings, "dead_channel"):
-                    twins.setdefault(id(twin), Remark("same_samples", other=record.source, turned=""))
-                    twins[id(record)] = Remark("same_samples", other=twin.source, turned="")
+                    twins.setdefault(id(twin), WarningText("same_samples", other=record.source, turned=""))
+                    twins[id(record)] = WarningText("same_samples", other=twin.source, turned="")
                 kept.append(record)
                 continue
             told = f"channel {record.channel}: same samples and interval as {first.id} of {first.source}"

@@ -19,7 +19,7 @@ from rockpulse.run.crew import Crew, WorkerLost
 from rockpulse.run.frames import unpack
 from rockpulse.run.journal import UNFINISHED, Journal, journal_path
 from rockpulse.run.options import BatchOptions, BatchReport, Interrupted
-from rockpulse.run.survey import Located, gather, survey_file
+from rockpulse.run.survey import Located, gather_survey, survey_file
 from rockpulse.run.tasks import Task, carry_out, digest_of, read_options, tasks_of, warm_up
 from rockpulse.storage.hdf5.atomic import check_target, remove_parts
 
@@ -83,7 +83,7 @@ def fragility_files(paths: Paths, config: Config, output: PathLike, options: Bat
 
     Arguments, outcome and errors are those of :func:`assess_files`.
     """
-    from rockpulse.studies.fragility.analysis import FragilityAnalysis
+    from rockpulse.studies.fragility.fragility import FragilityAnalysis
 
     return _Batch(FragilityAnalysis(config), output, options or BatchOptions()).carried_out(paths)
 
@@ -216,7 +216,7 @@ class _Batch:
                     _log(survey.messages)
                     self.stop_at(survey.failures)
                 bar.update(1)
-        return *gather(found, surveys, rows), unread
+        return *gather_survey(found, surveys, rows), unread
 
     def missing(self) -> list[Task]:
         """The tasks without results; raises StoppedAtFailure with `strict` for a failure of an earlier run."""

@@ -19,7 +19,7 @@ from rockpulse.record.record import Record
 
 
 @dataclass(frozen=True, slots=True)
-class Place:
+class SamplesLocation:
     """The place of the samples of one channel, and their checksums."""
 
     path: str  # the file, or the zip archive
@@ -34,7 +34,7 @@ class Located:
     """A record without its samples; small, and picklable."""
 
     record: Record  # zeros in place of the samples, in the memory of one
-    parts: tuple[Place, ...]  # several for a record in several files
+    parts: tuple[SamplesLocation, ...]  # several for a record in several files
 
     @property
     def digest(self) -> str:
@@ -51,7 +51,7 @@ class Located:
         return replace(self.record, acceleration=np.concatenate(samples))
 
 
-def _samples(part: Place, options: ReadOptions, source: str) -> np.ndarray:
+def _samples(part: SamplesLocation, options: ReadOptions, source: str) -> np.ndarray:
     file = Path(part.path).stat()
     state = (file.st_mtime_ns, file.st_size, file.st_ino)  # changes when the content does
     records = _channels(part.path, part.member, state, options)
@@ -104,7 +104,7 @@ def survey_file(found: Found, options: ReadOptions) -> FileSurvey:
             broken_off.append(name)  # an OSError without a number is about what is in the file
         if not isinstance(fault, RockpulseError | OSError):
             messages.append((logging.ERROR, f"{name}: {traceback.format_exc()}"))
-            fault = unexpected(fault)
+            fault = unexpected_fault(fault)
         failures.append(read_failure(found, name, fault))
 
     name = str(found.path)
@@ -112,7 +112,7 @@ def survey_file(found: Found, options: ReadOptions) -> FileSurvey:
         for opened in open_files(found, folder_station_files):
             try:
                 for channel, record in enumerate(read_opened(opened, options)):
-                    place = Place(name, opened.member, channel, record.source_sha256, sample_digest(record))
+                    place = SamplesLocation(name, opened.member, channel, record.source_sha256, sample_digest(record))
                     located.append(Located(record.without_samples(), (place,)))
             except Exception as fault:
                 leave_out(opened.name, fault)
@@ -121,14 +121,14 @@ def survey_file(found: Found, options: ReadOptions) -> FileSurvey:
     return FileSurvey(tuple(located), tuple(failures), tuple(messages), len(broken_off))
 
 
-def unexpected(fault: BaseException) -> RuntimeError:
+def unexpected_fault(fault: BaseException) -> RuntimeError:
     """The error reported for a fault that no input should cause."""
     if isinstance(fault, MemoryError):
         return RuntimeError("out of memory; use fewer workers, or a machine with more of it")
     return RuntimeError(f"unexpected {type(fault).__name__}: {fault}; please report it with this file")
 
 
-def gather(
+def gather_survey(
     found: Sequence[Found], surveys: Iterable[tuple[Found, FileSurvey]], failures: Iterable[Failure]
 ) -> tuple[list[Located], list[Failure]]:
     """All records of all files as of ``read_all``, without samples, and rows of failures; surveys come in any order."""

@@ -25,7 +25,7 @@ from rockpulse.record.record import BETWEEN, Record, id_matches
 from rockpulse.run.analysis import Analysis, Work, worked
 from rockpulse.run.frames import pack
 from rockpulse.run.journal import UNFINISHED, Done
-from rockpulse.run.survey import Located, Place, unexpected
+from rockpulse.run.survey import Located, SamplesLocation, unexpected_fault
 from rockpulse.selection.directions import PlannedMotion, conditioned_motions
 from rockpulse.selection.tables import selection_of
 from rockpulse.storage.hdf5.results_file import SCHEMA_VERSION
@@ -48,7 +48,7 @@ class Task:
     """A channel, or a pair to be rotated, without samples; small, and picklable."""
 
     planned: PlannedMotion
-    places: Mapping[str, tuple[Place, ...]]  # of the samples, by id of the record
+    places: Mapping[str, tuple[SamplesLocation, ...]]  # of the samples, by id of the record
     fingerprint: str  # SHA-256 of samples, metadata, configuration and version
 
     @property
@@ -82,7 +82,7 @@ def tasks_of(planned: Iterable[PlannedMotion], channels: Iterable[Located], conf
         told = [text for record in acting for text in _facts_of(record, places[record.id])]
         confirmed = [record.id for record in acting if id_matches(record.id, confirm)]
         roles = [str(len(one.channels)), str(one.vertical is not None)]
-        fingerprint = _digest([settings, one.name, *one.remarks, str(one.copy), *roles, *told, *confirmed])
+        fingerprint = _digest([settings, one.name, *one.warnings, str(one.copy), *roles, *told, *confirmed])
         tasks.append(Task(one, {record.id: places[record.id] for record in acting}, fingerprint))
     return tasks
 
@@ -143,7 +143,7 @@ def program_digest() -> str:
     return digest.hexdigest()
 
 
-def _facts_of(record: Record, places: tuple[Place, ...]) -> list[str]:
+def _facts_of(record: Record, places: tuple[SamplesLocation, ...]) -> list[str]:
     known = [repr(getattr(record, item.name)) for item in fields(Record) if item.name != "acceleration"]
     return [Located(record, places).digest, str(record.npts), *known]
 
@@ -181,7 +181,7 @@ def carry_out(task: Task, work: Work, stage: str, config: Config) -> Done:
         except Exception as fault:
             if not isinstance(fault, RockpulseError | OSError):
                 messages.append((logging.ERROR, f"{task.key}: {traceback.format_exc()}"))
-                fault = unexpected(fault)
+                fault = unexpected_fault(fault)
             fingerprint, parts = UNFINISHED, []
             failures = [Failure(task.source, at, f"{task.key}: {fault}", "failed")]
     return Done(task.key, fingerprint, tuple(parts), tuple(failures), tuple(messages), seconds)

@@ -8,7 +8,7 @@ from rockpulse.errors import RecordFormatError, UnitError
 from rockpulse.readers import read
 from rockpulse.readers.folders import read_all
 from rockpulse.readers.source import NotAcceleration, Table
-from rockpulse.remark import code_of
+from rockpulse.warning_text import code_of
 
 VALUES = pulse(400, 100.0)
 

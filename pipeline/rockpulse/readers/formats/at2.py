@@ -14,7 +14,7 @@ import numpy as np
 from rockpulse.errors import RecordFormatError, RockpulseError, UnitError
 from rockpulse.readers import kit
 from rockpulse.readers.format import Format, ReadOptions
-from rockpulse.remark import Remark
+from rockpulse.warning_text import WarningText
 
 _HEADER_LIMIT = 10
 # 5,000 is five thousand; 1/200 is no number.
@@ -201,7 +201,7 @@ def _told_otherwise(header: Sequence[str], end: int, step: float) -> list[str]:
         if other and number != end + 1 and float(other["step"].lower()) != step:
             told = f"an interval of {float(other['step'].lower()):g} s, line {end + 1} one of {step:g} s, which is used"
             notes.append(f"line {number} of the header states {told}")
-        notes += [Remark("scale_stated", factor=float(scale[1].lower()))] if scale else []
+        notes += [WarningText("scale_stated", factor=float(scale[1].lower()))] if scale else []
     return notes
 
 

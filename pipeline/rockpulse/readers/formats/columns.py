@@ -23,7 +23,7 @@ from rockpulse.readers.kit.table import (
     read_table,
     row_width,
 )
-from rockpulse.remark import Remark
+from rockpulse.warning_text import WarningText
 
 _LOOK_AT = 500  # rows of the table that decide whether it is one
 #: Columns beside the time that pass for the components of a station without headings, and one column more.
@@ -129,7 +129,7 @@ def read_columns(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]
     notes += [
         note for said in kit.stated_durations(prose) for note in kit.held_length(said.wording, len(columns.table), dt)
     ]
-    notes += [Remark("scale_stated", factor=said.value) for said in kit.stated_scales(prose)]
+    notes += [WarningText("scale_stated", factor=said.value) for said in kit.stated_scales(prose)]
     notes += same_directions(headings, facing)
     peaks = stated_peak(columns.table, units, prose)
     return [

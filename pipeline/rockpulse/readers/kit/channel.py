@@ -16,7 +16,7 @@ from rockpulse.readers.kit.text import TRUNCATED, UNITS, other_readings, unexpec
 from rockpulse.readers.source import NotAcceleration, SourceFile
 from rockpulse.record.components import SHALLOW
 from rockpulse.record.record import STANDARD_GRAVITY, Record, record_id
-from rockpulse.remark import Remark
+from rockpulse.warning_text import WarningText
 
 #: A stated peak further from the data than this, and than its own rounding, is reported.
 PEAK_TOLERANCE = 0.02
@@ -45,26 +45,28 @@ STEPS_BESIDE = 10
 FULL_SCALE, NEAR_FULL_SCALE = 2**23, 0.99
 
 
-def odd_peak(peak: float, unit: str, factor: float) -> Remark:
-    """The remark on a peak [m/s2] that is hardly an earthquake's; `factor` are the m/s2 of the unit, empty for m/s2."""
+def odd_peak(peak: float, unit: str, factor: float) -> WarningText:
+    """The warning on a peak [m/s2] that is hardly an earthquake's; `factor` is the unit in m/s2, empty for m/s2."""
     unit, factor = (unit, UNITS.get(unit, abs(factor))) if unit else ("m/s2", 1.0)
     named = unit if unit in UNITS else f"{unit} x {factor:.4g} m/s2"
     readings = other_readings(peak / factor, unit)
-    return Remark("odd_peak", peak=peak / STANDARD_GRAVITY, unit=named, readings=readings)
+    return WarningText("odd_peak", peak=peak / STANDARD_GRAVITY, unit=named, readings=readings)
 
 
-def _peak_warnings(peak: float, unit: str, factor: float, header_peak: float, rounding: float) -> list[Remark]:
+def _peak_warnings(peak: float, unit: str, factor: float, header_peak: float, rounding: float) -> list[WarningText]:
     if peak == 0.0:
-        return [Remark("dead_channel")]
+        return [WarningText("dead_channel")]
     warnings = []
     g, stated = STANDARD_GRAVITY, abs(header_peak)
     gap = abs(stated - peak)
     if gap > PEAK_TOLERANCE * max(peak, stated) and gap > rounding:
         if max(peak, stated) >= OTHER_PEAK * min(peak, stated):
-            warnings.append(Remark("header_peak", stated=stated / g, found=peak / g))
+            warnings.append(WarningText("header_peak", stated=stated / g, found=peak / g))
         else:
             sense, share = "less" if peak < stated else "more", 100.0 * gap / stated
-            warnings.append(Remark("header_peak_near", stated=stated / g, found=peak / g, share=share, sense=sense))
+            warnings.append(
+                WarningText("header_peak_near", stated=stated / g, found=peak / g, share=share, sense=sense)
+            )
     low, high = CREDIBLE_PEAK_G
     if not low <= peak / g <= high:
         warnings.append(odd_peak(peak, unit, factor))
@@ -121,7 +123,7 @@ def build_record(
     notes = [*warnings, *clipped]
     notes += _peak_warnings(samples_peak * abs(factor), unit, factor, stated_peak, rounding)
     if dt > CREDIBLE_INTERVAL:
-        notes.append(Remark("long_interval", interval=dt))
+        notes.append(WarningText("long_interval", interval=dt))
     fault = clock_fault(start_time) if start_time is not None else ""
     if fault:
         start_time = None
@@ -130,7 +132,7 @@ def build_record(
     if sensor_depth > SHALLOW:
         notes.append(f"the sensor lies {sensor_depth:g} m below the ground: motion at depth, not at the ground surface")
     if facing.sign < 0.0:
-        notes.append(Remark("positive_downwards"))
+        notes.append(WarningText("positive_downwards"))
     factor *= facing.sign
     with np.errstate(over="ignore"):  # Record refuses what is not finite
         acceleration = samples * factor
@@ -183,7 +185,7 @@ def with_warnings(records: Sequence[Record], notes: Sequence[str]) -> list[Recor
 
 def copies_told(records: Sequence[Record]) -> list[Record]:
     """The records of a file, with a warning on each whose samples are those of another, as they are or negative."""
-    notes: dict[int, list[Remark]] = {}
+    notes: dict[int, list[WarningText]] = {}
     for (at, one), (behind, other) in combinations(enumerate(records), 2):
         if one.component == other.component or one.npts != other.npts or not one.acceleration.any():
             continue
@@ -194,14 +196,14 @@ def copies_told(records: Sequence[Record]) -> list[Record]:
             (words for sign, words in _SIGNS if np.array_equal(one.acceleration, sign * other.acceleration)), "-"
         )
         if turned != "-":
-            notes.setdefault(at, []).append(Remark("same_samples", other=other.channel, turned=turned))
-            notes.setdefault(behind, []).append(Remark("same_samples", other=one.channel, turned=turned))
+            notes.setdefault(at, []).append(WarningText("same_samples", other=other.channel, turned=turned))
+            notes.setdefault(behind, []).append(WarningText("same_samples", other=one.channel, turned=turned))
     return [replace(one, warnings=(*one.warnings, *notes.get(at, ()))) for at, one in enumerate(records)]
 
 
-def clipping_warning(samples: np.ndarray, unit: str = "counts") -> list[Remark]:
+def clipping_warning(samples: np.ndarray, unit: str = "counts") -> list[WarningText]:
     """A warning where a raw record, before any filter, stays at an extreme value or reaches the 24 bits of counts."""
-    warnings: list[Remark] = []
+    warnings: list[WarningText] = []
     step = None
     for end, edge in (("largest", np.max(samples)), ("smallest", np.min(samples))):
         at = np.flatnonzero(samples == edge)
@@ -219,8 +221,8 @@ def clipping_warning(samples: np.ndarray, unit: str = "counts") -> list[Remark]:
         away = 0.5 * float(np.ptp(samples))
         fall = float(np.max(np.abs(edge - beside.astype(float))))
         if away >= STEPS_TO_EXTREME * step and fall >= STEPS_BESIDE * step:
-            warnings.append(Remark("clipped", count=length, end=end))
+            warnings.append(WarningText("clipped", count=length, end=end))
     peak = float(np.max(np.abs(samples.astype(float))))
     if unit == "counts" and NEAR_FULL_SCALE * FULL_SCALE <= peak <= FULL_SCALE:
-        warnings.append(Remark("full_scale", counts=FULL_SCALE))
+        warnings.append(WarningText("full_scale", counts=FULL_SCALE))
     return warnings

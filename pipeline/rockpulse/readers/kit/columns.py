@@ -15,7 +15,7 @@ from rockpulse.readers.kit.headings import Heading
 from rockpulse.readers.kit.prose import other_units, positive_downwards, stated_peaks, stated_units
 from rockpulse.readers.kit.text import UNITS, canonical_unit, for_such_files, printed_number, spelled_unit
 from rockpulse.readers.source import SourceFile
-from rockpulse.remark import Remark
+from rockpulse.warning_text import WarningText
 
 _HALF_TURN = 180.0  # degrees between two opposite directions
 
@@ -41,7 +41,7 @@ def same_directions(headings: Sequence[Heading], facing: Sequence[Direction]) ->
     for (first, one), (second, other) in combinations(named, 2):
         turn = (one.azimuth - other.azimuth) % _HALF_TURN
         if one.orientation == other.orientation and (one.orientation == "vertical" or turn == 0.0):
-            notes.append(Remark("same_direction", first=repr(first), second=repr(second)))
+            notes.append(WarningText("same_direction", first=repr(first), second=repr(second)))
     return notes
 
 

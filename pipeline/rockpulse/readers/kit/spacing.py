@@ -19,7 +19,7 @@ from rockpulse.readers.kit.text import (
     unexpected,
 )
 from rockpulse.record.record import STANDARD_GRAVITY
-from rockpulse.remark import Remark
+from rockpulse.warning_text import WarningText
 
 #: A resampled record may have at most this many times the samples of the file.
 GROWTH_LIMIT = 10
@@ -237,14 +237,14 @@ def jitters(times: np.ndarray) -> bool:
     return bool(np.all(steps < LONG_STEP * usual)) and not few
 
 
-def at_even_times(times: np.ndarray, table: np.ndarray) -> tuple[np.ndarray, Remark]:
+def at_even_times(times: np.ndarray, table: np.ndarray) -> tuple[np.ndarray, WarningText]:
     """The columns (n, m) at equal steps from the first of rising times (n,) to the last, by splines; and the remark."""
     from scipy.interpolate import CubicSpline
 
     step = float(times[-1] - times[0]) / (times.size - 1)
     even = times[0] + step * np.arange(times.size)
     uneven = float(np.max(np.abs(times - even))) / step
-    return CubicSpline(times, table)(even), Remark("resampled_clock", interval=step, uneven=uneven)
+    return CubicSpline(times, table)(even), WarningText("resampled_clock", interval=step, uneven=uneven)
 
 
 def time_column_step(

@@ -12,7 +12,7 @@ import xarray as xr
 
 from rockpulse.errors import ResultsError
 from rockpulse.option import hint
-from rockpulse.storage.export.row_selection import Condition, Selection, positions_matching, rows
+from rockpulse.storage.export.row_selection import Condition, RowSelection, positions_matching, rows
 from rockpulse.storage.hdf5.netcdf4 import flag_words, pointwise, worded
 from rockpulse.storage.hdf5.results_file import KINDS, ResultsFile, open_results
 
@@ -90,11 +90,11 @@ def long_table(
     file: ResultsFile,
     group: str | None = None,
     dims: Sequence[str] | None = None,
-    selection: Selection | None = None,
+    selection: RowSelection | None = None,
     columns: Sequence[str] | None = None,
 ) -> LongTable:
     """A group as a long table; the dims are those of the largest variables by default."""
-    selection = selection or Selection()
+    selection = selection or RowSelection()
     group = (group or KINDS[file.kind]).strip("/")
     dataset = file.dataset(group)
     dims = _dimensions(dataset, group) if dims is None else tuple(dims)
@@ -177,7 +177,7 @@ def results_table(
     >>> worst = rp.results_table("results.h5", model="nonlinear", sort="safety_factor", limit=20)  # doctest: +SKIP
     """
     names = {dim: (pattern,) for dim, pattern in (("record", record), ("block", block), ("model", model)) if pattern}
-    selection = Selection(names, tuple(map(Condition.parse, where)), sort, descending, limit)
+    selection = RowSelection(names, tuple(map(Condition.parse, where)), sort, descending, limit)
     with open_results(path) as file, file.reading():
         return long_table(file, group, dims, selection, columns).frame()
 
@@ -260,8 +260,8 @@ def _column(name: str, variable: xr.Variable, attrs: Mapping[str, Any] | None = 
 
 
 def _masks(
-    dataset: xr.Dataset, named: Mapping[str, np.ndarray], labels: Sequence[TableColumn], selection: Selection
-) -> tuple[list[tuple[tuple[str, ...], np.ndarray]], Selection]:
+    dataset: xr.Dataset, named: Mapping[str, np.ndarray], labels: Sequence[TableColumn], selection: RowSelection
+) -> tuple[list[tuple[tuple[str, ...], np.ndarray]], RowSelection]:
     """Filters by a name that the rows only point at, and the selection without them."""
     masks, left = [], dict(selection.names)
     for name, at in POINTS_AT.items():
@@ -273,4 +273,4 @@ def _masks(
             wanted = positions_matching([str(label) for label in column.labels], left.pop(column.name), column.name)
             sizes = np.diff(column.ends, prepend=0)
             masks.append(((str(column.variable.dims[0]),), np.repeat(np.isin(np.arange(sizes.size), wanted), sizes)))
-    return masks, Selection(left, selection.conditions, selection.sort, selection.descending, selection.limit)
+    return masks, RowSelection(left, selection.conditions, selection.sort, selection.descending, selection.limit)

@@ -107,7 +107,7 @@ class Condition:
 
 
 @dataclass(frozen=True)
-class Selection:
+class RowSelection:
     """The rows of a table that are asked for, by patterns of labels along dimensions; by default all."""
 
     names: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
@@ -161,7 +161,7 @@ def unknown(name: str, known: Sequence[str], what: str) -> ResultsError:
 def rows(
     dataset: xr.Dataset,
     dims: Sequence[str],
-    selection: Selection,
+    selection: RowSelection,
     masks: Iterable[tuple[tuple[str, ...], np.ndarray]] = (),
 ) -> tuple[dict[str, np.ndarray], int]:
     """Positions (r,) along each of `dims` of the rows of a table, and their number without the limit.

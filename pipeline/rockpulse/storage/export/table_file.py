@@ -148,7 +148,7 @@ def safe_texts(frame: pd.DataFrame) -> pd.DataFrame:
     )
 
 
-def csv_bytes(table: pd.DataFrame) -> bytes:
+def table_csv(table: pd.DataFrame) -> bytes:
     """A table as CSV, one header line, numbers with all digits, texts as of :func:`safe_texts`."""
     return safe_texts(table).to_csv(index=False).encode()
 

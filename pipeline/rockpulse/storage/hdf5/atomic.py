@@ -86,7 +86,7 @@ def journal_path(target: str | os.PathLike[str]) -> Path:
     return Path(os.path.realpath(target) + ".journal")
 
 
-def named(kind: str) -> str:
+def kind_in_words(kind: str) -> str:
     """A kind of file with its article."""
     return f"{'an' if kind[0] in 'aeiou' else 'a'} {kind}"
 
@@ -135,8 +135,8 @@ def _check_replaceable(target: Path, path: str | os.PathLike[str], overwrite: bo
         )
     if found not in (kind, DAMAGED):
         raise ResultsError(
-            f"{path}: expected {named(kind)} of rockpulse, found {named(found)}, which is not replaced even with "
-            "--overwrite; choose another name, or remove it by hand"
+            f"{path}: expected {kind_in_words(kind)} of rockpulse, found {kind_in_words(found)}, which is not replaced "
+            "even with --overwrite; choose another name, or remove it by hand"
         )
 
 

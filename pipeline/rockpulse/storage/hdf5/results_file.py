@@ -81,7 +81,7 @@ def load(path: str | os.PathLike[str]) -> xr.DataTree:
     """Read results into memory, as :func:`rockpulse.load` does, which adds the accessor of an assessment."""
     from rockpulse.storage.hdf5.netcdf4 import read_tree
 
-    with opened(path) as (hdf5, _), readable(path):
+    with opened(path) as (hdf5, _), damage_reported(path):
         tree = read_tree(hdf5)
     return tree.map_over_datasets(_as_saved)
 
@@ -126,7 +126,7 @@ def opened(path: str | os.PathLike[str]) -> Iterator[tuple[h5py.File, str]]:
     from rockpulse.storage.hdf5.layout import wrong_variables
 
     with checked(path) as (hdf5, kind, datasets):
-        with readable(path):
+        with damage_reported(path):
             wrong = next(wrong_variables(datasets, kind, units=False), "")
         if wrong:
             raise ResultsError(
@@ -136,7 +136,7 @@ def opened(path: str | os.PathLike[str]) -> Iterator[tuple[h5py.File, str]]:
 
 
 @contextmanager
-def readable(path: str | os.PathLike[str]) -> Iterator[None]:
+def damage_reported(path: str | os.PathLike[str]) -> Iterator[None]:
     """Within it, what is said of a damaged file becomes a ResultsError."""
     try:
         yield

@@ -19,7 +19,7 @@ from rockpulse.readers.source import open_source
 from rockpulse.record.record import BETWEEN
 from rockpulse.storage.hdf5.layout import missing_variables, wrong_variables
 from rockpulse.storage.hdf5.netcdf4 import attributes, groups_of, variables_of
-from rockpulse.storage.hdf5.results_file import checked, readable
+from rockpulse.storage.hdf5.results_file import checked, damage_reported
 from rockpulse.storage.hdf5.writer import CHECKSUM, CHECKSUM_OF_ATTRIBUTES, VariableChecksum, attributes_checksum
 
 #: Values that are read at once [bytes].
@@ -51,7 +51,7 @@ def verify(
     path: str | os.PathLike[str], inputs: bool = True, progress: Callable[[list[Any]], Any] = iter
 ) -> Verification:
     """Compare a results file with its checksums and schema, and with `inputs` also the files that it was made of."""
-    with checked(path) as (hdf5, kind, _), readable(path):
+    with checked(path) as (hdf5, kind, _), damage_reported(path):
         file = _listed(hdf5)
         root = file.attrs["/"]
         schema = str(root["schema_version"])

@@ -79,7 +79,7 @@ BLOCK = along(
     ),
     slenderness=real("height over width"),
     critical_impulse=real("I_1c, the impulse that overturns the resting block at once", "m s-1"),
-    block_warnings=text("remarks on the block", lambda bodies, config: bodies.warnings, explanation="one a line"),
+    block_warnings=text("warnings on the block", lambda bodies, config: bodies.warnings, explanation="one a line"),
 )
 
 CASE = {

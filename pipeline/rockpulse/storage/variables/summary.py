@@ -10,10 +10,10 @@ from rockpulse.config.bodies import Bodies
 from rockpulse.config.configuration import Config
 from rockpulse.config.settings import SPACINGS
 from rockpulse.record.measures import PGA, ROWS, STORED, STORED_OF_BODIES, Measure, RecordOnBodies
-from rockpulse.remark import find, with_codes
 from rockpulse.storage.variables import NOT_KNOWN, Declared, StoredVariable, along, flag, real, text, whole
 from rockpulse.storage.variables.bodies import BLOCK, CASE
 from rockpulse.storage.variables.probability import AT_DEMAND, PROBABILITY
+from rockpulse.warning_text import find, with_codes
 
 LANES = ("record", "block", "case")
 
@@ -159,9 +159,9 @@ RECORD = along(
         first=NOT_KNOWN,
     ),
     half_wave_count=whole("number of half-waves of the whole record", of_ground=True),
-    warnings=text("remarks on the record", explanation="one a line"),
+    warnings=text("warnings on the record", explanation="one a line"),
     warning_codes=text(
-        "codes of these remarks in their order; plain: a text without one",
+        "codes of these warnings in their order; plain: a text without one",
         explanation="with blanks between them, see below",
     ),
     processing=text("conditioning steps in their order", explanation="one a line"),

@@ -20,8 +20,7 @@ from rocking.body.block import Block
 from rockpulse.config import CODES
 from rockpulse.config.block_settings import FloorSettings
 from rockpulse.config.study_settings import CheckSettings
-from rockpulse.studies.check.mechanism import SENSES, Mechanism, senses_of
-from rockpulse.studies.check.spectra import (
+from rockpulse.studies.check.code_spectra import (
     DemandSpectrum,
     ElasticSpectrum,
     GivenSpectrum,
@@ -29,6 +28,7 @@ from rockpulse.studies.check.spectra import (
     damping_factor,
     displacement_of,
 )
+from rockpulse.studies.check.mechanism import SENSES, Mechanism, senses_of
 
 #: Circolare 617/2009: d_u* over d_0*, and d_s* over d_u* [-].
 ULTIMATE, SECANT = 0.4, 0.4

@@ -13,7 +13,6 @@ import numpy as np
 from rocking.arguments import ArrayLike
 from rockpulse.earthquakes import FEWEST_EVENTS, jackknife_half_width
 from rockpulse.errors import ConfigError
-from rockpulse.remark import as_stored
 from rockpulse.storage.variables.fragility import Band, Extrapolated, Status
 from rockpulse.studies.fragility.likelihood import ABOVE, EXACT, FAMILIES, NOT_ABOVE, Family, Observations, maximise
 from rockpulse.studies.fragility.statements import (
@@ -23,6 +22,7 @@ from rockpulse.studies.fragility.statements import (
     extrapolation_statement,
     missing,
 )
+from rockpulse.warning_text import as_stored
 
 
 @dataclass(frozen=True, eq=False)
@@ -193,15 +193,15 @@ def fit_curve(rows: Observations, model: str = "lognormal", confidence: float = 
     if status == Status.STEP:
         median = np.array([rows.level[rows.kind == EXACT][0], 0.0])
     if status == Status.FITTED:
-        remarks = [*band_statement(band, rows, theta[:, 1]), *extrapolation_statement(median[0], rows)]
+        warnings = [*band_statement(band, rows, theta[:, 1]), *extrapolation_statement(median[0], rows)]
     else:
-        remarks = [STATEMENTS[status](rows)]
+        warnings = [STATEMENTS[status](rows)]
     return Curve(
         status=status,
         band=band,
         extrapolated=extrapolated(median[0], rows) if status == Status.FITTED else Extrapolated.NO,
-        statement="; ".join(remarks),
-        statement_values=as_stored(remarks) if remarks else "",
+        statement="; ".join(warnings),
+        statement_values=as_stored(warnings) if warnings else "",
         records=rows.records,
         events=events,
         observations=rows.level.size,

@@ -20,9 +20,9 @@ from rockpulse.run.analysis import Part, joined
 from rockpulse.selection.tables import Selection
 from rockpulse.storage.variables.fragility import QUALITIES, STATED, TESTED, Status
 from rockpulse.storage.variables.summary import FACTS
-from rockpulse.studies.fragility.capacity import NOT_KNOWN, nothing
 from rockpulse.studies.fragility.curves import Curve, fit_curve, standardised
 from rockpulse.studies.fragility.likelihood import ABOVE, EXACT, FAMILIES, NOT_ABOVE, Observations, maximise
+from rockpulse.studies.fragility.motion_capacity import NOT_KNOWN, empty_capacity
 from rockpulse.studies.fragility.statements import missing
 
 
@@ -114,9 +114,9 @@ class Ensemble:
         return known.sum(axis=0).tolist(), [np.unique(clusters[own]).size for own in known.T]
 
 
-def gather(parts: Sequence[Part], lanes: int, config: Config, selection: Selection | None = None) -> Ensemble:
+def gather_ensemble(parts: Sequence[Part], lanes: int, config: Config, selection: Selection | None = None) -> Ensemble:
     """The capacities of any number of motions, in the order of their ids."""
-    done = joined([nothing(lanes, config, selection), *parts])
+    done = joined([empty_capacity(lanes, config, selection), *parts])
     return Ensemble(
         ids=done["record"].tolist(),
         clusters=done["event"].tolist(),

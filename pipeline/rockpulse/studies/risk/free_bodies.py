@@ -64,9 +64,9 @@ class BodyCurves(NamedTuple):
     def read_at(self, values: np.ndarray, log_level: np.ndarray) -> np.ndarray:
         """Values (m, r, l) interpolated at other levels (m or 1, r or 1): (m, r), constant beyond the ends."""
         step = self.step_of(log_level)
-        share = np.clip((log_level - chosen(self.at, step)) / self.spacing, 0.0, 1.0)
-        low = chosen(values, step)
-        return np.asarray(low + share * (chosen(values, step + 1) - low))
+        share = np.clip((log_level - values_at(self.at, step)) / self.spacing, 0.0, 1.0)
+        low = values_at(values, step)
+        return np.asarray(low + share * (values_at(values, step + 1) - low))
 
     def scatter(self, weights: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Weighted over records: ln of the level (m,) at which S is g tan(alpha)/p, the deviation of ln S."""
@@ -84,7 +84,7 @@ class BodyCurves(NamedTuple):
         return np.asarray(0.5 * (low + high))
 
 
-def chosen(values: np.ndarray, place: np.ndarray) -> np.ndarray:
+def values_at(values: np.ndarray, place: np.ndarray) -> np.ndarray:
     """The values (m, r, l) at the places (m, r) of the last axis."""
     return np.take_along_axis(values, place[:, :, np.newaxis], axis=2)[:, :, 0]
 

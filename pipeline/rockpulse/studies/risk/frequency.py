@@ -59,10 +59,10 @@ def several_events(count: int) -> str:
     return f"{count} earthquake{'' if count == 1 else 's'}"
 
 
-def hazard_conditions(remarks: Iterable[str], config: Config) -> str:
-    """The remarks on a hazard, and the ground and component for which it has to be given."""
+def hazard_conditions(warnings: Iterable[str], config: Config) -> str:
+    """The warnings on a hazard, and the ground and component for which it has to be given."""
     wanted = f"to be of the ground below the bodies, and of {COMPONENTS[config.records.components]}"
-    return "; ".join([*remarks, wanted])
+    return "; ".join([*warnings, wanted])
 
 
 def fragility_assumed(config: Config, model: str, records: int, events: int) -> str:
@@ -180,7 +180,7 @@ def risk(
     risk = xr.Dataset(columns, {"block": table["block"]})
     risk.attrs.update(
         hazard=hazard.words,
-        hazard_conditions=hazard_conditions(hazard.remarks, ensemble.config),
+        hazard_conditions=hazard_conditions(hazard.warnings, ensemble.config),
         fragility=fragility_assumed(ensemble.config, model, len(ensemble.ids), len(set(ensemble.clusters))),
         measure=hazard.measure,
         unit=hazard.unit,

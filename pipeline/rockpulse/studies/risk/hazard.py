@@ -82,8 +82,8 @@ class PowerLawHazard(_Hazard):
         Of the level of k0: "m/s2", "g", "cm/s2", or "m/s", "cm/s" of a velocity; SI by default.
     soil_factor : float
         Levels at the ground of the site over those of k0 and k [-].
-    remarks : tuple of str
-        Remarks on the hazard.
+    warnings : tuple of str
+        Warnings on the hazard.
 
     Raises
     ------
@@ -102,7 +102,7 @@ class PowerLawHazard(_Hazard):
     measure: str = PGA
     unit: str = ""
     soil_factor: float = 1.0
-    remarks: tuple[str, ...] = ()
+    warnings: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         self._check("[hazard]", k0=self.k0, k=self.k)
@@ -153,7 +153,7 @@ class HazardCurve(_Hazard):
         For messages.
     unit : str
         Of levels in texts; SI by default.
-    measure, soil_factor, remarks
+    measure, soil_factor, warnings
         As for :class:`PowerLawHazard`.
 
     Raises
@@ -175,7 +175,7 @@ class HazardCurve(_Hazard):
     source: str = "hazard"
     unit: str = ""
     soil_factor: float = 1.0
-    remarks: tuple[str, ...] = ()
+    warnings: tuple[str, ...] = ()
     knots: np.ndarray = field(init=False, repr=False)  #: Logarithms of the levels at which the slope changes
     slopes: np.ndarray = field(init=False, repr=False)  #: The slopes in the logarithms, from low levels to high ones
 
@@ -310,9 +310,9 @@ class SiteHazards:
         return low, high
 
     @property
-    def remarks(self) -> tuple[str, ...]:
-        """The remarks on all hazards, and the largest distance of their places."""
-        told = tuple(dict.fromkeys(text for one in self.hazards for text in one.remarks))
+    def warnings(self) -> tuple[str, ...]:
+        """The warnings on all hazards, and the largest distance of their places."""
+        told = tuple(dict.fromkeys(text for one in self.hazards for text in one.warnings))
         if np.all(np.isnan(self.distance)):
             return told
         return (f"of the place nearest to each body, up to {1e-3 * np.nanmax(self.distance):.1f} km away", *told)

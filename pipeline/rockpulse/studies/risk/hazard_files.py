@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from rockpulse.config.study_settings import HazardSettings
 from rockpulse.errors import ConfigError
-from rockpulse.files import numbers, read_text, separator, table_of
+from rockpulse.files import column_numbers, read_text, separator, table_of
 from rockpulse.record.measures import MEASURES, PGA, ROWS
 from rockpulse.studies.risk.hazard import (
     Hazard,
@@ -45,13 +45,13 @@ class _Sheet(NamedTuple):
     level: np.ndarray
     rates: np.ndarray
     places: np.ndarray | None = None  #: (n, 2) longitude and latitude [degrees]
-    remarks: tuple[str, ...] = ()
+    warnings: tuple[str, ...] = ()
     rock: bool = False  #: whether the levels are those on rock
 
-    def curve(self, row: int, soil_factor: float, remarks: tuple[str, ...] = ()) -> HazardCurve:
+    def curve(self, row: int, soil_factor: float, warnings: tuple[str, ...] = ()) -> HazardCurve:
         """The curve of a row in SI units, without the points at which a probability was 1 or 0."""
         in_si = unit_factor(self.measure, self.unit, self.path)
-        where = self.path if self.places is None else f"{self.path}, place {named(*self.places[row])}"
+        where = self.path if self.places is None else f"{self.path}, place {place_in_words(*self.places[row])}"
         level, rate = (values[row] if values.ndim > 1 else values for values in (self.level, self.rates))
         order = np.argsort(level, kind="stable")
         kept = order[np.isfinite(rate[order]) & (rate[order] > 0.0)]
@@ -60,10 +60,10 @@ class _Sheet(NamedTuple):
                 f"{where}: expected two or more levels at which the rate is finite and not zero, found {kept.size} of "
                 f"{level.size}"
             )
-        remarks += self.remarks
+        warnings += self.warnings
         if self.rock and soil_factor == 1.0:
-            remarks += ("a_g is that on rock: soil_factor brings it to other ground",)
-        return HazardCurve(self.measure, in_si * level[kept], rate[kept], where, self.unit, soil_factor, remarks)
+            warnings += ("a_g is that on rock: soil_factor brings it to other ground",)
+        return HazardCurve(self.measure, in_si * level[kept], rate[kept], where, self.unit, soil_factor, warnings)
 
     def at(self, site: tuple[float, float] | None) -> tuple[int, tuple[str, ...]]:
         """The row of a site, and the distance of its place in words; ConfigError if none can be chosen."""
@@ -112,8 +112,8 @@ def load_hazard(path: str | Path, site: tuple[float, float] | None = None, soil_
         For another file, one of several sites without `site`, or of none near it.
     """
     sheet = _read(path)
-    row, remarks = sheet.at(site)
-    return sheet.curve(row, soil_factor, remarks)
+    row, warnings = sheet.at(site)
+    return sheet.curve(row, soil_factor, warnings)
 
 
 def load_site_hazards(path: str | Path, sites: ArrayLike, soil_factor: ArrayLike = 1.0) -> SiteHazards:
@@ -204,8 +204,8 @@ def _of_factor(settings: HazardSettings, folder: Path) -> Callable[[float], Haza
             "[hazard]: expected a file or the power law k0, k in the configuration, or --hazard, found neither"
         )
     sheet = _read(folder / settings.file)
-    row, remarks = sheet.at(site)
-    return lambda factor: sheet.curve(row, factor, remarks)
+    row, warnings = sheet.at(site)
+    return lambda factor: sheet.curve(row, factor, warnings)
 
 
 def _read(path: str | Path) -> _Sheet:
@@ -217,7 +217,7 @@ def _read(path: str | Path) -> _Sheet:
         return _openquake(name, lines)
     table = table_of(name, _with_one_heading([line for line in lines if line.strip() and not line.startswith("#")]))
     heads = [str(column).strip() for column in table.columns]
-    places = coordinates(name, table)
+    places = place_coordinates(name, table)
     if places is not None:
         return _grid(name, table, heads, places)
     if heads and heads[0].lower().startswith("tr"):
@@ -247,9 +247,9 @@ def _levels(path: str, table: pd.DataFrame, heads: list[str]) -> _Sheet:
         or not (years or re.fullmatch(r"rate(\s*\[1/(a|year|yr)\])?", heads[1].lower()))
     ):
         raise ConfigError(f"{path}: {EXPECTED}; found the columns {', '.join(heads) or 'none'}")
-    second = numbers(path, table, heads[1])
+    second = column_numbers(path, table, heads[1])
     rate = _rates(path, second, float(years[1])) if years else second
-    return _Sheet(path, _measure_of(path, first[1]), first[2].strip(), numbers(path, table, heads[0]), rate)
+    return _Sheet(path, _measure_of(path, first[1]), first[2].strip(), column_numbers(path, table, heads[0]), rate)
 
 
 def _return_periods(path: str, table: pd.DataFrame, heads: list[str]) -> _Sheet:
@@ -257,7 +257,7 @@ def _return_periods(path: str, table: pd.DataFrame, heads: list[str]) -> _Sheet:
     unit = re.fullmatch(r"ag\s*\[(.+?)\]", heads[named["ag"]].lower()) if "ag" in named else None
     if unit is None:
         raise ConfigError(f'{path}: expected the column "ag [g]" beside the return periods, found {", ".join(heads)}')
-    period, level = numbers(path, table, heads[0]), numbers(path, table, heads[named["ag"]])
+    period, level = column_numbers(path, table, heads[0]), column_numbers(path, table, heads[named["ag"]])
     if np.any(period <= 0.0):
         raise ConfigError(f"{path}: expected positive return periods [years], found {period.min():g}")
     return _Sheet(path, PGA, unit[1].strip(), level, 1.0 / period, rock=True)
@@ -290,7 +290,7 @@ def _grid(path: str, table: pd.DataFrame, heads: list[str], places: np.ndarray) 
     period = np.array([float(told[1] or told[2]) for _, told in columns])
     if np.any(period <= 0.0):
         raise ConfigError(f"{path}: expected positive return periods [years], found {period.min():g}")
-    level = np.stack([numbers(path, table, heads[place]) for place, _ in columns], axis=1)
+    level = np.stack([column_numbers(path, table, heads[place]) for place, _ in columns], axis=1)
     unit = units.pop()
     return _Sheet(path, PGA, unit, level, 1.0 / period, places, (f"a_g read in {unit}",), rock=True)
 
@@ -308,14 +308,17 @@ def _openquake(path: str, lines: list[str]) -> _Sheet:
         raise ConfigError(f"{path}, line 1: expected imt among {', '.join(known)}, found {told['imt']}")
     table = table_of(path, "\n".join(lines[1:]))
     heads = [str(name) for name in table.columns]
-    columns, places = [place for place, name in enumerate(heads) if name.startswith("poe-")], coordinates(path, table)
+    columns, places = (
+        [place for place, name in enumerate(heads) if name.startswith("poe-")],
+        place_coordinates(path, table),
+    )
     if not columns or places is None:
         raise ConfigError(f"{path}, line 2: expected lon, lat and poe-LEVEL columns, found {', '.join(heads)}")
     try:
         level = np.array([float(heads[place].removeprefix("poe-")) for place in columns])
     except ValueError as error:
         raise ConfigError(f"{path}, line 2: expected a level behind poe-: {error}") from None
-    probability = np.stack([numbers(path, table, heads[place]) for place in columns], axis=1)
+    probability = np.stack([column_numbers(path, table, heads[place]) for place in columns], axis=1)
     return _Sheet(path, measure, unit, level, _rates(path, probability, years), places)
 
 
@@ -323,14 +326,14 @@ def _openquake(path: str, lines: list[str]) -> _Sheet:
 FARTHEST = 50.0
 
 
-def coordinates(path: str, table: pd.DataFrame) -> np.ndarray | None:
+def place_coordinates(path: str, table: pd.DataFrame) -> np.ndarray | None:
     """Longitude and latitude (n, 2) of each row [degrees]; None without these columns, ConfigError without a row."""
     columns = {str(name).lower(): str(name) for name in table.columns}
     if not {"lon", "lat"} <= columns.keys():
         return None
     if len(table) == 0:
         raise ConfigError(f"{path}: expected a row for a site, found none")
-    return np.stack([numbers(path, table, columns[name]) for name in ("lon", "lat")], axis=1)
+    return np.stack([column_numbers(path, table, columns[name]) for name in ("lon", "lat")], axis=1)
 
 
 def nearest_places(path: str, places: np.ndarray, sites: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -344,13 +347,13 @@ def nearest_places(path: str, places: np.ndarray, sites: np.ndarray) -> tuple[np
     far = int(np.argmax(distance))
     if not distance[far] <= FARTHEST:
         raise ConfigError(
-            f"{path}: the place nearest to the site {named(*sites[far])} is {named(*near[far])}, {distance[far]:,.0f} "
-            f"km away; expected one within {FARTHEST:g} km; longitude stands before latitude"
+            f"{path}: the place nearest to the site {place_in_words(*sites[far])} is {place_in_words(*near[far])}, "
+            f"{distance[far]:,.0f} km away; expected one within {FARTHEST:g} km; longitude stands before latitude"
         )
     return rows, 1e3 * distance
 
 
-def named(longitude: float, latitude: float) -> str:
+def place_in_words(longitude: float, latitude: float) -> str:
     """A place in words."""
     return f"{longitude:.4g} E {latitude:.4g} N"
 

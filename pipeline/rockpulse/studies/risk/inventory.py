@@ -17,10 +17,10 @@ from rocking.body.block import Block
 from rockpulse.config.configuration import config_from_text
 from rockpulse.earthquakes import lognormal_mean_half_width, mean_weights
 from rockpulse.errors import ConfigError
-from rockpulse.files import numbers, read_text, table_of
+from rockpulse.files import column_numbers, read_text, table_of
 from rockpulse.record.measures import PGA
 from rockpulse.storage.variables.risk import INVENTORY, RiskStatus
-from rockpulse.studies.risk.free_bodies import BodyCurves, chosen, curves_in_parts, spectra_of
+from rockpulse.studies.risk.free_bodies import BodyCurves, curves_in_parts, spectra_of, values_at
 from rockpulse.studies.risk.frequency import hazard_conditions, several_events
 from rockpulse.studies.risk.hazard import Hazard, SiteHazards
 from rockpulse.studies.risk.integral import FEWEST_EVENTS
@@ -53,7 +53,7 @@ def read_inventory(path: str | Path) -> Inventory:
     names = table["name"].tolist()
     if not names or "" in names or len(set(names)) < len(names):
         raise ConfigError(f"{path}: expected a name for each body, no two alike")
-    known = {name: numbers(str(path), table, name) for name in (*NEEDED[1:], *OPTIONAL) if name in table.columns}
+    known = {name: column_numbers(str(path), table, name) for name in (*NEEDED[1:], *OPTIONAL) if name in table.columns}
     for name, values in known.items():
         low, high = DEGREES.get(name, (0.0, np.inf))
         wrong = ~((low <= values) & (values <= high)) if name in DEGREES else values <= low
@@ -154,7 +154,7 @@ def inventory_frequency(
     risk = xr.Dataset({name: variable.variable(found[name]) for name, variable in INVENTORY.items()})
     risk.attrs.update(
         hazard=hazard.words,
-        hazard_conditions=hazard_conditions(hazard.remarks, config),
+        hazard_conditions=hazard_conditions(hazard.warnings, config),
         fragility=f"the mean of each record's own P of overturning, without a fit: {events.shape[1]} records of "
         f"{several_events(events.shape[0])}, in which earthquakes count alike",
         measure=hazard.measure,
@@ -188,8 +188,8 @@ def _of_bodies(
         bound = np.maximum(log_level, curves.floor[:, np.newaxis] if hazards.measure == PGA else -np.inf)
         inside = np.clip(bound, curves.at[:, :, 0], curves.at[:, :, -1])
         step, chance = curves.step_of(inside), curves.read_at(curves.probability, inside)
-        part = chosen(slope, step) * (hazards.integral_above(inside) - chosen(whole_above, step + 1))
-        found = chance * np.exp(hazards.log_rate(inside)) + part + chosen(tail, step + 1)
+        part = values_at(slope, step) * (hazards.integral_above(inside) - values_at(whole_above, step + 1))
+        found = chance * np.exp(hazards.log_rate(inside)) + part + values_at(tail, step + 1)
         top = np.exp(hazards.log_rate(np.maximum(bound, curves.at[:, :, -1])))
         return np.where(bound > curves.at[:, :, -1], top, found)
 

@@ -22,7 +22,7 @@ from rocking.march.recorded import recorded_response
 from rocking.response import Outcome
 from rockpulse.studies.selftest.baseline import response as by_solve_ivp
 
-__all__ = ["COLUMNS", "TABLE", "Case", "Stored", "Tried", "stored_cases", "tried"]
+__all__ = ["COLUMNS", "TABLE", "AnsweredCase", "Case", "Tried", "stored_cases", "tried"]
 TABLE = Path(__file__).with_name("cases.csv")
 #: Scale factors of a case that are solved in one call to measure its cost.
 FACTORS = np.linspace(0.9, 1.1, 64)
@@ -82,7 +82,7 @@ class Case:
         return Block(**size, restitution=self.restitution, ties=ties, mass=self.MASS if ties else None)
 
 
-class Stored(NamedTuple):
+class AnsweredCase(NamedTuple):
     """A case with its answer."""
 
     case: Case
@@ -94,7 +94,7 @@ class Stored(NamedTuple):
 class Tried(NamedTuple):
     """What this machine answers to a case."""
 
-    stored: Stored
+    stored: AnsweredCase
     outcome: str
     error: float  #: of theta_max/alpha_c [-]; 0 where both overturn, inf where the verdict is another
     cost: float  #: of an active sample [ns], many factors in a call; NaN without one
@@ -110,12 +110,12 @@ class Tried(NamedTuple):
 COLUMNS = (*(one.name for one in fields(Case)), "peak", "outcome", "bound")
 
 
-def stored_cases(path: Path = TABLE) -> list[Stored]:
+def stored_cases(path: Path = TABLE) -> list[AnsweredCase]:
     """The stored cases, in their order."""
     kinds = {one.name: {"float": float, "int": int}.get(str(one.type), str) for one in fields(Case)}
     with path.open(encoding="utf-8", newline="") as file:
         return [
-            Stored(
+            AnsweredCase(
                 Case(**{name: kind(row[name]) for name, kind in kinds.items()}),
                 Decimal(row["peak"]),
                 row["outcome"],
@@ -125,7 +125,7 @@ def stored_cases(path: Path = TABLE) -> list[Stored]:
         ]
 
 
-def tried(stored: Stored) -> Tried:
+def tried(stored: AnsweredCase) -> Tried:
     """A case solved here, by one thread."""
     case, block = stored.case, stored.case.block()
     ground, up = case.motions()
@@ -154,7 +154,7 @@ def _cost(start: float, active: int) -> float:
     return 1e9 * (time.perf_counter() - start) / active if active else np.nan
 
 
-def _error(stored: Stored, outcome: str, peak: float) -> float:
+def _error(stored: AnsweredCase, outcome: str, peak: float) -> float:
     """abs(peak - stored) to the digits of a float; the stored answer has more."""
     if outcome != stored.outcome:
         return np.inf

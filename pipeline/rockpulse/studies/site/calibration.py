@@ -14,18 +14,18 @@ from rocking.impulses.impulse_sequence import ImpulseSequence
 from rockpulse.config.bodies import gather_bodies, refuse_aloft
 from rockpulse.config.configuration import Config, given_config, located
 from rockpulse.config.settings import WEIGHTS
-from rockpulse.errors import ConfigError, Failure, RecordRefused, ResultsError, alike, told
+from rockpulse.errors import ConfigError, Failure, RecordRefused, ResultsError, alike, reasons_in_words
 from rockpulse.record.record import Record
 from rockpulse.run.analysis import Analysis, Blocks, Part, Plan, Records, Work, joined, run
 from rockpulse.selection.directions import PlannedMotion, planned_ids
 from rockpulse.selection.tables import read_weight_table, record_weights
 from rockpulse.sequences.design_spectrum import DesignSpectrum
-from rockpulse.storage.hdf5.atomic import ASSESSMENT, named
+from rockpulse.storage.hdf5.atomic import ASSESSMENT, kind_in_words
 from rockpulse.storage.hdf5.results_file import load
 from rockpulse.storage.variables import failure_table
 from rockpulse.storage.variables.site import SITE_KIND
-from rockpulse.studies.site.records import block_family, no_site_record, site_record
 from rockpulse.studies.site.sequence_design import sequence_design
+from rockpulse.studies.site.site_records import block_family, no_site_record, site_record
 from rockpulse.studies.site.spectrum_design import no_spectrum_record, site_spectrum_record, spectrum_design
 
 
@@ -49,7 +49,7 @@ def calibrate(
         Sections records, conditioning, half_waves, intense_phase, sequence, calibration, run and the bodies.
     bodies : mapping of str to (width, height), Block or BlockSettings, or sequence of BlockSettings, optional
         The bodies of the design, in place of those of the configuration. Without any, the spectrum is stored alone, and
-        one sequence covers a family of 100 (:func:`rockpulse.studies.site.records.block_family`).
+        one sequence covers a family of 100 (:func:`rockpulse.studies.site.site_records.block_family`).
     failures, progress
         As for :func:`rockpulse.assess`.
 
@@ -57,7 +57,7 @@ def calibrate(
     -------
     xarray.DataTree
         /site, /failures and by the spectrum /spectra, see docs/schema.md. Numbers that few records or events do not
-        determine are NaN, inf or a wide interval, with the reason in `remarks`.
+        determine are NaN, inf or a wide interval, with the reason in `site_warnings`.
 
     Raises
     ------
@@ -65,7 +65,7 @@ def calibrate(
         For two records of one id, or tables of events or weights that do not fit.
     RecordRefused
         If no record could be calibrated, or the records make no design sequence: nothing rocks, or one record has no
-        quantile. Too few earthquakes for a quantile of the spectrum are a line of `remarks`.
+        quantile. Too few earthquakes for a quantile of the spectrum are a line of `site_warnings`.
 
     Examples
     --------
@@ -154,19 +154,19 @@ class SiteCalibration(Analysis):
         """Describes the distribution over the records, and chooses the design."""
         if not parts:
             rows = [row for row in failures if row.kind != "vertical"]
-            reasons = "".join(f"\n  {told(group)}" for group in alike(rows))
+            reasons = "".join(f"\n  {reasons_in_words(group)}" for group in alike(rows))
             what = f"not one record could be calibrated, so there is no site to describe{reasons}"
             raise NothingCalibrated(what, failures)
         done = joined(parts)
         ids, events = done["record"].tolist(), done["event"].tolist()
         weights = record_weights(ids, events, self.config.calibration.weighting, self.weights)
         rows = sorted(failures, key=lambda row: row.stage == "events")
-        remarks = [row.reason for row in rows if row.stage == "events"]
+        warnings = [row.reason for row in rows if row.stage == "events"]
         if self.lanes is None or self.by_spectrum:
-            nodes = spectrum_design(done, weights, self.block_names, self.lanes, self.config, remarks)
+            nodes = spectrum_design(done, weights, self.block_names, self.lanes, self.config, warnings)
             title = "Overturning spectrum of a site"
         else:
-            nodes = sequence_design(done, weights, self.block_names, self.lanes, self.config, remarks)
+            nodes = sequence_design(done, weights, self.block_names, self.lanes, self.config, warnings)
             title = "Design sequence of impulses of a site"
         settings = self.config.calibration
         nodes["/site"].attrs |= {
@@ -199,7 +199,7 @@ def load_design(path: str | Path) -> DesignSpectrum | ImpulseSequence:
     tree = load(path)
     kind = tree.attrs.get("kind", ASSESSMENT)
     if kind != SITE_KIND:
-        raise ResultsError(f"{path}: expected a site file of 'rockpulse calibrate', found {named(kind)}")
+        raise ResultsError(f"{path}: expected a site file of 'rockpulse calibrate', found {kind_in_words(kind)}")
     return design_of(tree, str(path))
 
 
@@ -209,7 +209,7 @@ def design_of(tree: xr.DataTree, name: str = "site") -> DesignSpectrum | Impulse
     if site.attrs["method"] == "spectrum":
         spectra = tree["spectra"].to_dataset()
         if np.isnan(spectra["spectrum_design"].values).any():
-            raise ResultsError(f"{name}: no design: {str(site['remarks'].item()).splitlines()[0]}")
+            raise ResultsError(f"{name}: no design: {str(site['site_warnings'].item()).splitlines()[0]}")
         return DesignSpectrum(
             spectra["p"].values,
             spectra["restitution"].values,

@@ -121,7 +121,7 @@ def _range(sample: SiteSample) -> tuple[float, float]:
     return WEAKEST * float(critical.min()), 4.0 * float(critical.max())
 
 
-def covered(sample: SiteSample, sequence: ImpulseSequence) -> np.ndarray:
+def covered_rotations(sample: SiteSample, sequence: ImpulseSequence) -> np.ndarray:
     """Whether a sequence reaches the rotations (n, m): 1, 0, :data:`BEYOND` if it overturns, NaN if not counted."""
     reached = np.atleast_1d(sequence_response(sample.blocks, sequence, table_rows=0).peak_rotation_ratio)
     marks = np.where(np.isinf(reached), BEYOND, sample.peaks <= reached)
@@ -190,7 +190,7 @@ def main_impulse_interval(
     enough = ~_falls_short(draws @ kept_hits, draws @ kept, quantile)
     limited = (step > 0) & (step <= last) & enough[rows, np.clip(step - 1, 0, last - 1)]
     most = np.bincount(step[limited], minlength=1).max() / rows.size
-    if most > 0.5 or not np.any(covered(sample, sequence)[sample.counted] != BEYOND):
+    if most > 0.5 or not np.any(covered_rotations(sample, sequence)[sample.counted] != BEYOND):
         return math.nan, math.inf
     bounded = (step <= last) & (counted[rows, np.minimum(step, last)] > 0.0)
     resampled = np.where(bounded, np.log(mains)[np.minimum(step, last)], math.inf)

@@ -13,7 +13,6 @@ from rocking.impulses.sequence import sequence_response
 from rockpulse.config.configuration import Config
 from rockpulse.earthquakes import draw_earthquakes, fit_lognormal, share_interval, weighted_quantile
 from rockpulse.errors import RecordRefused
-from rockpulse.remark import as_stored
 from rockpulse.storage.variables import with_values
 from rockpulse.storage.variables.site import COORDINATES, PARAMETER, VARIABLES
 from rockpulse.studies.site.design import (
@@ -21,13 +20,14 @@ from rockpulse.studies.site.design import (
     PARAMETERS,
     SiteSample,
     correlation,
-    covered,
+    covered_rotations,
     design_sequence,
     main_impulse_interval,
     overturning_limit,
 )
-from rockpulse.studies.site.records import parameters_of, rotation_to_cover
-from rockpulse.studies.site.remarks import site_remarks
+from rockpulse.studies.site.site_records import parameters_of, rotation_to_cover
+from rockpulse.studies.site.site_warnings import site_warnings
+from rockpulse.warning_text import as_stored
 
 #: Value of a pair that does not count.
 NOT_COUNTED = -1
@@ -36,7 +36,7 @@ NOT_COUNTED = -1
 class Coverage(NamedTuple):
     """Coverage by designs that were fitted without the earthquake they are judged on; NaN without a design."""
 
-    covered: np.ndarray  # (n, m) values of :func:`rockpulse.studies.site.design.covered`
+    covered: np.ndarray  # (n, m) values of :func:`rockpulse.studies.site.design.covered_rotations`
     main: np.ndarray  # (n,) main impulse of that design [m/s]
 
 
@@ -52,7 +52,7 @@ def leave_one_event_out(sample: SiteSample, quantile: float) -> Coverage:
             sequence = design_sequence(sample.part(others), quantile)
         except RecordRefused:  # the others make no design
             continue
-        marks[out] = covered(sample.part(out), sequence)
+        marks[out] = covered_rotations(sample.part(out), sequence)
         mains[out] = sequence.main
     return Coverage(marks, mains)
 
@@ -97,7 +97,7 @@ def sequence_design(
     block_names: Sequence[str],
     blocks: Block,
     config: Config,
-    remarks: Sequence[str],
+    warnings: Sequence[str],
 ) -> dict[str, xr.Dataset]:
     """Fits, designs, judges: nodes of a site file by path, weights of mean one; RecordRefused without a design."""
     settings = config.calibration
@@ -118,7 +118,7 @@ def sequence_design(
     left_out = leave_one_event_out(sample, settings.quantile)
     marks = left_out.covered
     coverage = coverage_of(marks, sample, settings.confidence)
-    in_sample = covered(fitted, design)
+    in_sample = covered_rotations(fitted, design)
     per_parameter = _per_parameter(fitted, design, draws, config)
     counted, rests = ~np.isnan(fitted.peaks), judged(marks, sample)
     fallen, below = overturning_limit(fitted, design, settings.quantile)
@@ -143,8 +143,8 @@ def sequence_design(
     }
     unjudged = {str(names[event]): reason for event, reason in unjudged_events(left_out, sample).items()}
     told = site | {"share_below": below, "design_upper": per_parameter["design_upper"][0]}
-    remarks = [*remarks, *site_remarks(told, done["scale_factor"], done["event"], weights, unjudged)]
-    site |= {"remarks": "\n".join(remarks), "remark_values": as_stored(remarks)}
+    warnings = [*warnings, *site_warnings(told, done["scale_factor"], done["event"], weights, unjudged)]
+    site |= {"site_warnings": "\n".join(warnings), "site_warning_values": as_stored(warnings)}
     of_events = [coverage_of(marks[numbers == one], sample.part(numbers == one), 0.9)[0] for one in range(names.size)]
     columns = {**done, "weight": weights, "left_out_main": left_out.main}
     of_records = [name for name, one in VARIABLES.items() if one.dims in (("record",), ("record", "parameter"))]

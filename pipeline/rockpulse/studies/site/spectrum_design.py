@@ -22,15 +22,15 @@ from rockpulse.config.configuration import Config
 from rockpulse.earthquakes import ROUNDING, Quantiles, draw_earthquakes, record_quantiles
 from rockpulse.errors import RecordRefused
 from rockpulse.record.half_wave import half_waves
-from rockpulse.remark import Remark, as_stored
 from rockpulse.run.analysis import Part, Watch
 from rockpulse.selection.directions import Motion
 from rockpulse.sequences.design_spectrum import DesignSpectrum
 from rockpulse.storage.variables import with_values
 from rockpulse.storage.variables.probability import RESTITUTIONS
 from rockpulse.storage.variables.site import OF_RECORDS, SITE, SITE_AXES, SPECTRA, SPECTRA_AXES
-from rockpulse.studies.site.records import facts_of_record, no_facts, scaled_motion
-from rockpulse.studies.site.remarks import FEWEST_EVENTS, scaled_far
+from rockpulse.studies.site.site_records import facts_of_record, no_facts, scaled_motion
+from rockpulse.studies.site.site_warnings import FEWEST_EVENTS, scaled_far
+from rockpulse.warning_text import WarningText, as_stored
 
 #: Quantiles of every file beside that of the design, by name.
 STATED = {"spectrum_50": 0.5, "spectrum_84": 0.84}
@@ -74,7 +74,7 @@ def spectrum_design(
     block_names: Sequence[str],
     blocks: Block | None,
     config: Config,
-    remarks: Sequence[str],
+    warnings: Sequence[str],
 ) -> dict[str, xr.Dataset]:
     """The spectra of all records, their quantiles, the design of every body: nodes of a file; weights of mean one."""
     settings = config.calibration
@@ -92,8 +92,8 @@ def spectrum_design(
         own = {name: values[counted] for name, values in spectra.items()}
         spectra |= _interval_tables(quantiles, own, settings.quantile)
     else:
-        few = Remark("too_few_events", count=count, least=int(least), quantile=float(settings.quantile))
-        remarks = [few, *remarks]
+        few = WarningText("too_few_events", count=count, least=int(least), quantile=float(settings.quantile))
+        warnings = [few, *warnings]
         sizes = {"p": RATES.size, "restitution": RESTITUTIONS.size}
         others = {name: one.dims for name, one in SPECTRA.items() if name not in spectra}
         spectra |= {name: np.full([sizes[dim] for dim in dims], math.nan) for name, dims in others.items()}
@@ -101,18 +101,18 @@ def spectrum_design(
     effects = zip(block_names, of_bodies["effective_impulse"].tolist(), strict=True)
     outside = [str(name) for name, effect in effects if enough and math.isnan(effect)]
     if outside:
-        remarks = [*remarks, Remark("outside_spectrum", names=", ".join(outside))]
+        warnings = [*warnings, WarningText("outside_spectrum", names=", ".join(outside))]
     if config.records.include_vertical:
-        remarks = [*remarks, Remark("vertical_left_out")]
-    remarks = [*remarks, *scaled_far(done["scale_factor"])]
+        warnings = [*warnings, WarningText("vertical_left_out")]
+    warnings = [*warnings, *scaled_far(done["scale_factor"])]
     site = {
         "quantile": settings.quantile,
         "confidence": settings.confidence,
         "resamples": settings.bootstrap,
         "record_count": np.count_nonzero(counted),
         "event_count": count,
-        "remarks": "\n".join(remarks),
-        "remark_values": as_stored(remarks),
+        "site_warnings": "\n".join(warnings),
+        "site_warning_values": as_stored(warnings),
         **{name: done[name] for name in OF_RECORDS if name != "weight"},
         "weight": weights,
         "event_records": np.bincount(numbers),

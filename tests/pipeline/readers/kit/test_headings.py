@@ -98,14 +98,6 @@ TIMES = np.arange(COUNT) * STEP
 VALUES = np.round(pulse(COUNT, peak=3.0) + 0.01 * np.sin(300.0 * TIMES), 6)
 VELOCITY = np.cumsum(VALUES) * STEP
 PAIR = np.column_stack([TIMES, VALUES])
-JMA = """SITE CODE= 62501,KUMAMOTO
- LAT.= 32.8
- LON.= 130.7
- SAMPLING RATE= 100Hz
- UNIT  = gal(cm/s/s)
- INITIAL TIME = 2016 04 16 01 25 00
- NS,EW,UD
-"""
 
 
 def series(header: str, *more: np.ndarray, separator: str = " ") -> bytes:

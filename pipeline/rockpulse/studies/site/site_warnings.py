@@ -1,4 +1,4 @@
-"""Remarks on a site whose records are few or unusual."""
+"""Warnings on a site whose records are few or unusual."""
 
 import math
 from collections.abc import Mapping
@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from rockpulse.remark import Remark
-from rockpulse.studies.site.records import USUAL_FACTORS
+from rockpulse.studies.site.site_records import USUAL_FACTORS
+from rockpulse.warning_text import WarningText
 
 #: Fewest records and events for usable intervals.
 FEWEST_RECORDS, FEWEST_EVENTS = 10, 5
@@ -15,92 +15,92 @@ FEWEST_RECORDS, FEWEST_EVENTS = 10, 5
 WIDE = 0.5
 #: Fewest records beyond a quantile.
 FEWEST_BEYOND = 2.0
-#: Most names in a remark.
+#: Most names in a warning.
 LISTED = 5
 #: Share of lifted pairs that is few [-].
 FEW_LIFTED = 0.1
 
 
-def site_remarks(
+def site_warnings(
     site: Mapping[str, Any], factors: np.ndarray, events: np.ndarray, weights: np.ndarray, unjudged: Mapping[str, str]
-) -> list[Remark]:
-    """The remarks of a site file from its scalars, and a code for each event that is `unjudged`, the gravest first."""
+) -> list[WarningText]:
+    """The warnings of a site file from its scalars, and a code for each event that is `unjudged`, the gravest first."""
     records, count, quantile = site["record_count"], site["event_count"], float(site["quantile"])
-    remarks = []
+    warnings = []
     if count == 1:
         only = next(event for event, weight in zip(events, weights, strict=True) if weight > 0.0)
-        remarks.append(Remark("one_event", event=str(only)))
+        warnings.append(WarningText("one_event", event=str(only)))
     elif site["lifting_events"] < FEWEST_EVENTS:
         known = {"count": int(count), "needed": FEWEST_EVENTS}
         every = site["lifting_events"] == count
         lifting = {} if every else {"lifting": int(site["lifting_events"])}
-        remarks.append(Remark("few_events" if every else "few_lifting_events", **known, **lifting))
+        warnings.append(WarningText("few_events" if every else "few_lifting_events", **known, **lifting))
     if records < FEWEST_RECORDS:
         tail = _tail(records, quantile)
-        remarks.append(Remark("few_records", count=int(records), needed=FEWEST_RECORDS, tail=tail))
+        warnings.append(WarningText("few_records", count=int(records), needed=FEWEST_RECORDS, tail=tail))
     if site["unresolved_share"] > 0.0:
-        remarks.append(Remark("unresolved_pairs", share=float(site["unresolved_share"])))
+        warnings.append(WarningText("unresolved_pairs", share=float(site["unresolved_share"])))
     if site["standing_share"] == 0.0:
-        remarks.append(Remark("nothing_standing"))
+        warnings.append(WarningText("nothing_standing"))
     if site["design_set_by"]:
-        left = Remark("left_none" if site["standing_share"] == 0.0 else "left_without")
+        left = WarningText("left_none" if site["standing_share"] == 0.0 else "left_without")
         name, share = str(site["design_set_by"]), float(site["share_below"])
-        remarks.append(Remark("set_by", name=name, share=share, left=left))
+        warnings.append(WarningText("set_by", name=name, share=share, left=left))
     if math.isinf(site["design_upper"]):
-        remarks.append(Remark("open_interval"))
+        warnings.append(WarningText("open_interval"))
     if count > 1:
-        remarks += _judged(site, unjudged)
+        warnings += _judged(site, unjudged)
     if site["coverage_upper"] < quantile:
         share, most = float(site["coverage"]), float(site["coverage_upper"])
-        remarks.append(Remark("falls_short", share=share, most=most, nominal=quantile))
+        warnings.append(WarningText("falls_short", share=share, most=most, nominal=quantile))
     if site["lifted_share"] < FEW_LIFTED:
-        remarks.append(Remark("few_lifted", share=float(site["lifted_share"])))
-    return remarks + scaled_far(factors)
+        warnings.append(WarningText("few_lifted", share=float(site["lifted_share"])))
+    return warnings + scaled_far(factors)
 
 
-def scaled_far(factors: np.ndarray) -> list[Remark]:
-    """The remark on unusual scale factors (n,), if there are any."""
+def scaled_far(factors: np.ndarray) -> list[WarningText]:
+    """The warning on unusual scale factors (n,), if there are any."""
     low, high = USUAL_FACTORS
     odd = int(np.count_nonzero((factors < low) | (factors > high)))
     if not odd:
         return []
     ends = {"low": low, "high": high, "least": float(factors.min()), "most": float(factors.max())}
-    return [Remark("scaled_far_in_all", count=odd, total=factors.size, **ends)]
+    return [WarningText("scaled_far_in_all", count=odd, total=factors.size, **ends)]
 
 
-def _tail(records: int, quantile: float) -> Remark:
-    """The remark on the tail of a quantile of few records."""
+def _tail(records: int, quantile: float) -> WarningText:
+    """The warning on the tail of a quantile of few records."""
     beyond, side = (records * (1.0 - quantile), "above") if quantile >= 0.5 else (records * quantile, "below")
     if beyond < FEWEST_BEYOND:
-        return Remark(f"tail_{side}", beyond=float(beyond), quantile=quantile)
-    return Remark("tail_among", quantile=quantile)
+        return WarningText(f"tail_{side}", beyond=float(beyond), quantile=quantile)
+    return WarningText("tail_among", quantile=quantile)
 
 
-def _judged(site: Mapping[str, Any], unjudged: Mapping[str, str]) -> list[Remark]:
-    """The remark on few data of the coverage."""
+def _judged(site: Mapping[str, Any], unjudged: Mapping[str, str]) -> list[WarningText]:
+    """The warning on few data of the coverage."""
     groups = []
     for reason in dict.fromkeys(unjudged.values()):
         every = [name for name, why in unjudged.items() if why == reason]
         names: str = ", ".join(every[:LISTED])
         if len(every) > LISTED:
-            names = Remark("and_more", names=names, count=len(every) - LISTED)
-        groups.append(Remark(reason, names=names))
-    without = Remark("not_judged", groups=groups) if groups else ""
+            names = WarningText("and_more", names=names, count=len(every) - LISTED)
+        groups.append(WarningText(reason, names=names))
+    without = WarningText("not_judged", groups=groups) if groups else ""
     if not site["judged_events"]:
-        return [Remark("coverage_unknown", without=without)]
+        return [WarningText("coverage_unknown", without=without)]
     lower, upper = float(site["coverage_lower"]), float(site["coverage_upper"])
     wide = not upper - lower <= WIDE
     if not (unjudged or wide or site["judged_events"] < FEWEST_EVENTS):
         return []
     known = not math.isnan(lower)
-    interval = Remark("share_interval", low=lower, high=upper) if known else Remark("no_interval")
+    interval = WarningText("share_interval", low=lower, high=upper) if known else WarningText("no_interval")
     numbers = {"pairs": "judged_pairs", "judged": "judged_events", "total": "event_count"}
     return [
-        Remark(
+        WarningText(
             "coverage_of_few",
             coverage=float(site["coverage"]),
             interval=interval,
-            little=Remark("hardly_known") if wide else "",
+            little=WarningText("hardly_known") if wide else "",
             without=without,
             **{name: int(site[of]) for name, of in numbers.items()},
         )

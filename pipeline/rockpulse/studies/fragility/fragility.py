@@ -22,8 +22,8 @@ from rockpulse.selection.tables import selection_of
 from rockpulse.selection.votes import unmatched_patterns
 from rockpulse.storage.variables import failure_table, with_values
 from rockpulse.storage.variables import fragility as stored
-from rockpulse.studies.fragility.capacity import Lanes, motion_capacity, nothing
-from rockpulse.studies.fragility.ensemble import Ensemble, Fits, dispersion_ratio, fit_ensemble, gather
+from rockpulse.studies.fragility.ensemble import Ensemble, Fits, dispersion_ratio, fit_ensemble, gather_ensemble
+from rockpulse.studies.fragility.motion_capacity import BodyLanes, empty_capacity, motion_capacity
 
 #: Points of a curve, dispersions that they reach beyond the outermost medians of a body, and logarithm of the farthest
 #: level: a curve that hardly rises would leave the range of numbers.
@@ -92,7 +92,7 @@ class FragilityAnalysis(Analysis):
         super().__init__(config)
         gathered = gather_bodies(config.blocks if bodies is None else bodies, config.records)
         self.block_names, block, owner = gathered.apart()
-        self.lanes = Lanes(block, gathered, owner)
+        self.lanes = BodyLanes(block, gathered, owner)
         self.selection = selection_of(config)
 
     @property
@@ -103,7 +103,7 @@ class FragilityAnalysis(Analysis):
     @cached_property
     def nothing(self) -> Part:
         """Every array of a motion's capacities, without a row."""
-        return nothing(len(self.block_names), self.config, self.selection)
+        return empty_capacity(len(self.block_names), self.config, self.selection)
 
     def collect(self, parts: Sequence[Part], planned: Sequence[PlannedMotion], failures: list[Failure]) -> xr.DataTree:
         """Fits the curves and builds the tree."""
@@ -111,7 +111,7 @@ class FragilityAnalysis(Analysis):
         aloft = np.array([bool(self.lanes.bodies.floors[body]) for body in self.lanes.owner])
         known = ~aloft & (not self.config.records.include_vertical)
         uplift = np.where(known, uplift_scale(block, np.array([-1.0, 1.0]), settings.equation), np.nan)
-        ensemble = gather(parts, len(names), self.config, self.selection)
+        ensemble = gather_ensemble(parts, len(names), self.config, self.selection)
         lanes = list(range(len(names)))
         single, pooled = fit_ensemble(ensemble, [[lane] for lane in lanes]), fit_ensemble(ensemble, [lanes])
         states = [state if isinstance(state, str) else f"{state:g}" for state in settings.limit_states]

@@ -16,7 +16,7 @@ import numpy as np
 
 from rockpulse.config.study_settings import CheckSettings
 from rockpulse.errors import ConfigError
-from rockpulse.files import numbers, read_text, table_of
+from rockpulse.files import column_numbers, read_text, table_of
 from rockpulse.record.record import STANDARD_GRAVITY
 
 #: S, T_B, T_C, T_D [s] of the ground types of EN 1998-1: Tables 3.2 and 3.3.
@@ -185,5 +185,5 @@ def _tabled(path: Path) -> TabledSpectrum:
     if len(heads) != 2 or heads[0] != "period [s]" or heads[1] not in units:
         found = ", ".join(map(str, table.columns))
         raise ConfigError(f'{path}: expected the columns "period [s]" and "sa [g]" or "sa [m/s2]", found {found}')
-    period, acceleration = (numbers(str(path), table, name) for name in table.columns)
+    period, acceleration = (column_numbers(str(path), table, name) for name in table.columns)
     return TabledSpectrum(period, units[heads[1]] * acceleration, str(path))

@@ -14,9 +14,9 @@ from rockpulse.config.configuration import Config, config_from_text
 from rockpulse.config.study_settings import CheckSettings
 from rockpulse.errors import ConfigError
 from rockpulse.storage.variables.risk import CHECK
+from rockpulse.studies.check.code_spectra import DemandSpectrum, TableEnds, spectrum_of
 from rockpulse.studies.check.codes import CHECKS, Checked, worst
 from rockpulse.studies.check.mechanism import Mechanism, mechanisms
-from rockpulse.studies.check.spectra import DemandSpectrum, TableEnds, spectrum_of
 
 #: Settings of a body that no code uses.
 NOT_OF_A_CODE = {"name", "restitution", "rebound", "facing", "azimuth", "friction", "confirm_size"}

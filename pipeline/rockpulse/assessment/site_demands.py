@@ -18,7 +18,7 @@ from rockpulse.record.record import Record
 FARTHEST = (0.25, 4.0)
 
 
-class Demand(NamedTuple):
+class SiteDemand(NamedTuple):
     """The strength that a site asks for in a limit state: its value, and measure and value in words."""
 
     value: float
@@ -26,7 +26,7 @@ class Demand(NamedTuple):
     words: str
 
 
-def stored_demands(summary: xr.Dataset) -> dict[str, Demand]:
+def stored_demands(summary: xr.Dataset) -> dict[str, SiteDemand]:
     """The demands of the node /summary by their names."""
     if "demand" not in summary.dims:
         return {}
@@ -36,7 +36,7 @@ def stored_demands(summary: xr.Dataset) -> dict[str, Demand]:
         period, value = float(own["demand_period"]), float(own["demand_value"])
         measure = ROWS[str(own["demand_measure"].values)].at(None if math.isnan(period) else period)
         words = f"{measure.title} {value:.4g} {measure.shown_unit}".rstrip()
-        found[str(name)] = Demand(value, str(own["limit_state"].values), words)
+        found[str(name)] = SiteDemand(value, str(own["limit_state"].values), words)
     return found
 
 

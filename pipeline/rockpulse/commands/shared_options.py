@@ -13,7 +13,7 @@ from rockpulse.errors import ConfigError, ResultsError
 if TYPE_CHECKING:
     from rockpulse.config.configuration import Config
     from rockpulse.config.settings import RecordSettings
-    from rockpulse.storage.export.row_selection import Selection
+    from rockpulse.storage.export.row_selection import RowSelection
 
 
 #: What --quiet does.
@@ -77,7 +77,7 @@ BATCH: tuple[Options, ...] = (
 )
 
 
-def count(words: str) -> int:
+def parse_count(words: str) -> int:
     """Parse a whole number from 1."""
     number = int(words) if words.isdecimal() else 0
     if number < 1:
@@ -93,13 +93,13 @@ SELECTION: Options = {
     "0.5', 'source = *.AT2'; repeatable, all have to hold",
     "--sort VARIABLE": "by this variable or column, smallest first; what is not known last",
     "--descending": "with --sort: largest first",
-    "--limit N": ("at most so many rows", {"type": count}),
+    "--limit N": ("at most so many rows", {"type": parse_count}),
 }
 
 
-def read_selection(args: argparse.Namespace) -> Selection:
+def read_selection(args: argparse.Namespace) -> RowSelection:
     """The selection of the options SELECTION, ``record`` and ``block``; a ResultsError for an invalid condition."""
-    from rockpulse.storage.export.row_selection import SHOWN, Condition, Selection
+    from rockpulse.storage.export.row_selection import SHOWN, Condition, RowSelection
 
     if args.descending and args.sort is None:
         raise ResultsError("--descending goes with --sort VARIABLE")
@@ -107,7 +107,7 @@ def read_selection(args: argparse.Namespace) -> Selection:
     conditions = [Condition.parse(words) for words in args.where]
     if args.outcome:
         conditions.append(Condition("outcome", "=", "|".join(args.outcome)))
-    return Selection(names, tuple(conditions), SHOWN.get(args.sort, args.sort), args.descending, args.limit)
+    return RowSelection(names, tuple(conditions), SHOWN.get(args.sort, args.sort), args.descending, args.limit)
 
 
 def reading_options(args: argparse.Namespace, settings: RecordSettings | None = None) -> RecordSettings:

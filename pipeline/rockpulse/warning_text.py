@@ -1,4 +1,4 @@
-"""Remarks on records and results: a code and values, and the English text that is made of both."""
+"""Warnings on records and results: a code and values, and the English text that is made of both."""
 
 import json
 import re
@@ -54,15 +54,15 @@ WARNINGS = {
     # a sequence in place of a record
     "demand_not_compared": "a sequence has no PGA, nor any other strength to bring to the demand of the site "
     "([[demand]]): nothing is compared with it",
-    # a remark on another record, behind this one
-    "of_vertical": "vertical channel: {remark}",
-    "of_channel": "{channel}: {remark}",
+    # a warning on another record, behind this one
+    "of_vertical": "vertical channel: {warning}",
+    "of_channel": "{channel}: {warning}",
 }
 
-#: The text of each code of a remark on results.
+#: The text of each code of a warning on results.
 STATEMENTS = {
     "plain": "{text}",
-    # parts of a remark
+    # parts of a warning
     "record": "{count:d} record",
     "records": "{count:d} records",
     "event": "{count:d} event",
@@ -147,62 +147,62 @@ TEMPLATES = WARNINGS | STATEMENTS
 PLAIN = "plain"
 
 
-class Remark(str):
-    """A remark as its English text, with its code, a key of `TEMPLATES` (``of_vertical/clipped`` for one in another).
+class WarningText(str):
+    """A warning as its English text, with its code, a key of `TEMPLATES` (``of_vertical/clipped`` for one in another).
 
-    >>> Remark("clipped", count=8, end="largest")
+    >>> WarningText("clipped", count=8, end="largest")
     '8 samples in a row at the largest value: the record may be clipped'
     """
 
     code: str
     values: dict[str, Any]
 
-    def __new__(cls, code: str, /, **values: Any) -> "Remark":
-        """The remark of a code, with what its template asks for."""
+    def __new__(cls, code: str, /, **values: Any) -> "WarningText":
+        """The warning of a code, with what its template asks for."""
         shown = {name: ", ".join(one) if isinstance(one, list) else one for name, one in values.items()}
-        remark = super().__new__(cls, TEMPLATES[code].format_map(shown))
-        remark.code = f"{code}/{code_of(values['remark'])}" if "remark" in values else code
-        remark.values = values
-        return remark
+        warning = super().__new__(cls, TEMPLATES[code].format_map(shown))
+        warning.code = f"{code}/{code_of(values['warning'])}" if "warning" in values else code
+        warning.values = values
+        return warning
 
     def __getnewargs_ex__(self) -> tuple[tuple[str], dict[str, Any]]:
         return (self.code.partition("/")[0],), self.values
 
 
 def code_of(text: str) -> str:
-    """The code of a remark; `PLAIN` for any other text."""
-    return text.code if isinstance(text, Remark) else PLAIN
+    """The code of a warning; `PLAIN` for any other text."""
+    return text.code if isinstance(text, WarningText) else PLAIN
 
 
-def find(remarks: Iterable[str], code: str) -> Remark | None:
-    """The first remark of a code."""
-    return next((one for one in remarks if isinstance(one, Remark) and one.code == code), None)
+def find(warnings: Iterable[str], code: str) -> WarningText | None:
+    """The first warning of a code."""
+    return next((one for one in warnings if isinstance(one, WarningText) and one.code == code), None)
 
 
-def remarked(codes: str, *wanted: str) -> bool:
+def has_warning(codes: str, *wanted: str) -> bool:
     """Whether one of some codes is among stored ones, be it of a channel behind the record."""
     return not set(wanted).isdisjoint(re.split("[ /]", codes))
 
 
-def with_codes(remarks: Iterable[str]) -> tuple[str, str]:
-    """Remarks as they are stored: their texts, one a line, and a code for each line, with blanks between them."""
-    lines = [(line, code_of(one)) for one in remarks for line in one.splitlines() if line]
+def with_codes(warnings: Iterable[str]) -> tuple[str, str]:
+    """Warnings as they are stored: their texts, one a line, and a code for each line, with blanks between them."""
+    lines = [(line, code_of(one)) for one in warnings for line in one.splitlines() if line]
     return "\n".join(line for line, _ in lines), " ".join(code for _, code in lines)
 
 
-def counted(count: int, noun: str) -> Remark:
-    """A number and what is counted, "record" or "event", as a part of a remark."""
-    return Remark(noun if count == 1 else f"{noun}s", count=int(count))
+def counted(count: int, noun: str) -> WarningText:
+    """A number and what is counted, "record" or "event", as a part of a warning."""
+    return WarningText(noun if count == 1 else f"{noun}s", count=int(count))
 
 
-def as_stored(remarks: Iterable[str]) -> str:
-    """Remarks by their codes and values, as JSON; another text as one of the code `PLAIN`."""
-    coded = (one if isinstance(one, Remark) else Remark(PLAIN, text=one) for one in remarks)
+def as_stored(warnings: Iterable[str]) -> str:
+    """Warnings by their codes and values, as JSON; another text as one of the code `PLAIN`."""
+    coded = (one if isinstance(one, WarningText) else WarningText(PLAIN, text=one) for one in warnings)
     return json.dumps([_packed(one) for one in coded], ensure_ascii=False)
 
 
 def _packed(value: Any) -> Any:
-    if isinstance(value, Remark):
+    if isinstance(value, WarningText):
         return {
             "code": value.code.partition("/")[0],
             "values": {name: _packed(one) for name, one in value.values.items()},
@@ -210,10 +210,10 @@ def _packed(value: Any) -> Any:
     return [_packed(one) for one in value] if isinstance(value, list) else value
 
 
-def restored(stored: str) -> list[Remark]:
-    """The remarks that :func:`as_stored` stored; none of an empty text."""
+def restored(stored: str) -> list[WarningText]:
+    """The warnings that :func:`as_stored` stored; none of an empty text."""
     return json.loads(stored, object_hook=_unpacked) if stored else []
 
 
 def _unpacked(found: dict[str, Any]) -> Any:
-    return Remark(found["code"], **found["values"]) if set(found) == {"code", "values"} else found
+    return WarningText(found["code"], **found["values"]) if set(found) == {"code", "values"} else found

@@ -19,12 +19,12 @@ from rockpulse.errors import RecordRefused, TooWeak
 from rockpulse.record.half_wave import half_waves
 from rockpulse.record.measures import IMPULSE, MEASURES, STORED_LEVELS, RecordOnBodies
 from rockpulse.record.record import Record
-from rockpulse.remark import Remark, find
 from rockpulse.run.analysis import Part, Watch
 from rockpulse.selection.directions import Motion
 from rockpulse.storage.variables.site import OF_RECORDS
 from rockpulse.storage.variables.summary import facts_of
 from rockpulse.studies.site.design import PARAMETERS
+from rockpulse.warning_text import WarningText, find
 
 #: Smallest recorded peak in a misfit: just after uplift no sequence is comparable [-].
 SMALLEST_PEAK = 0.01
@@ -32,7 +32,7 @@ SMALLEST_PEAK = 0.01
 USUAL_FACTORS = (0.25, 4.0)
 
 
-def measured(name: str, record: Record, config: Config) -> float:
+def measured_value(name: str, record: Record, config: Config) -> float:
     """A measure of a conditioned record."""
     return float(MEASURES[name].value(RecordOnBodies(record, partial(half_waves, record, **config.half_waves))))
 
@@ -42,7 +42,7 @@ def scale_factor(record: Record, config: Config) -> float:
     settings = config.calibration
     if settings.scale_to == "none" or settings.target is None:
         return 1.0
-    measure = measured(settings.scale_to, record, config)
+    measure = measured_value(settings.scale_to, record, config)
     if not (math.isfinite(measure) and measure > 0.0):
         raise RecordRefused(f"{record.id}: its {settings.scale_to} is {measure:g}: it cannot be scaled to a target")
     return settings.target / measure
@@ -110,9 +110,9 @@ def scaled_motion(motion: Motion, config: Config) -> tuple[Record, float]:
     conditioned, factor, scale_to = motion.record, scale_factor(motion.record, config), config.calibration.scale_to
     if not USUAL_FACTORS[0] <= factor <= USUAL_FACTORS[1]:
         low, high = USUAL_FACTORS
-        conditioned = conditioned.with_warning(Remark("scaled_far", factor=factor, low=low, high=high))
+        conditioned = conditioned.with_warning(WarningText("scaled_far", factor=factor, low=low, high=high))
     if scale_to != "none" and MEASURES[scale_to].drifts and find(conditioned.warnings, "baseline_drift"):
-        conditioned = conditioned.with_warning(Remark("scaled_to_drift"))
+        conditioned = conditioned.with_warning(WarningText("scaled_to_drift"))
     return scaled(conditioned, factor), factor
 
 
@@ -125,8 +125,8 @@ def facts_of_record(record: Record, factor: float, config: Config) -> dict[str, 
         "warnings": "\n".join(record.warnings),
         "processing": "\n".join(record.processing),
         "scale_factor": factor,
-        **{one.name: measured(one.name, record, config) for one in STORED_LEVELS},
-        "largest_impulse": measured(IMPULSE, record, config),
+        **{one.name: measured_value(one.name, record, config) for one in STORED_LEVELS},
+        "largest_impulse": measured_value(IMPULSE, record, config),
         **facts_of(SimpleNamespace(record=record)),
     }
 

@@ -98,7 +98,7 @@ def _acting(scene: Scene, model: str) -> tuple[Equation, np.ndarray | None]:
     return equation, MODELS[model].vertical_of(scene)
 
 
-class Lanes(NamedTuple):
+class BodyLanes(NamedTuple):
     """The (m,) lanes of all bodies."""
 
     block: Block
@@ -107,7 +107,7 @@ class Lanes(NamedTuple):
 
 
 def motion_capacity(
-    motion: Motion, watch: Watch, lanes: Lanes, config: Config, selection: Selection | None = None
+    motion: Motion, watch: Watch, lanes: BodyLanes, config: Config, selection: Selection | None = None
 ) -> Part:
     """The capacities of (m,) lanes under one motion, as arrays.
 
@@ -217,7 +217,7 @@ def _capacity(
     return {"measures": measures, "factors": factors, "reached": np.where(near, looked, NOT_KNOWN)}
 
 
-def nothing(lanes: int, config: Config, selection: Selection | None = None) -> Part:
+def empty_capacity(lanes: int, config: Config, selection: Selection | None = None) -> Part:
     """Every array of :func:`motion_capacity`, and "event", without a row."""
     settings = config.fragility
     ida, states = settings.data == "ida", len(settings.limit_states)
