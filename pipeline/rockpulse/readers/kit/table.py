@@ -20,6 +20,7 @@ _WORDS = re.compile(r"[\s\"'*#%!/=<>(\[;,:_~-]*+(?!(?:nan|inf)(?![a-z]))[^\W\d_]
 _COMMA_DECIMAL = re.compile(r"[+-]?\d++(?:,\d++)?(?:[eEdD][+-]?\d++)?", re.ASCII)
 _AS_PYTHON = str.maketrans({",": ".", "d": "e", "D": "e"})
 _SHOWN = 80
+_OF_RSPMATCH = 3  # numbers of the line above the samples
 _PART = 2000  # rows that are read, and blamed, together
 _COUNT = re.compile(r"\d{1,9}", re.ASCII)
 _STEP = re.compile(r"\d{0,3}[.,]\d{1,12}(?:[eE][+-]?\d{1,2})?", re.ASCII)
@@ -203,7 +204,12 @@ def number_lines(name: str, lines: Sequence[str], layout: Layout, timed: bool) -
 
 
 def _count_and_step(fields: Sequence[str]) -> tuple[int, float | None]:
-    """Count and interval from one or two fields, in either order; 0 and None where they are no such numbers."""
+    """Count and interval from one or two fields, in either order; 0 and None where they are no such numbers.
+
+    Of three, the output of RspMatch, they are the first two.
+    """
+    if len(fields) == _OF_RSPMATCH and _COUNT.fullmatch(fields[0]) and _STEP.fullmatch(fields[1]):
+        fields = fields[:2]
     counts = [field for field in fields if _COUNT.fullmatch(field)]
     steps = [field for field in fields if _STEP.fullmatch(field)]
     if len(counts) > 1 or len(steps) > 1 or len(counts) + len(steps) != len(fields):
