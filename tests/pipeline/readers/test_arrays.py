@@ -95,8 +95,9 @@ def test_a_workbook_beside_the_records_is_skipped(tmp_path):
     assert [row.kind for row in read_all(tmp_path)[1]] == ["skipped"]
 
 
-def at(second: int, name: str = "") -> str:
-    return f"SITE CODE= E0001 {name}\n SAMPLING RATE= 100Hz\n UNIT  = gal\nINITIAL TIME = 2024 01 01 16 10 {second:02d}\n NS\n"
+def at(second: int) -> str:
+    start = f"INITIAL TIME = 2024 01 01 16 10 {second:02d}"
+    return f"SITE CODE= E0001 Town\n SAMPLING RATE= 100Hz\n UNIT  = gal\n{start}\n NS\n"
 
 
 @pytest.mark.parametrize(("second", "joined"), [(4, True), (5, False), (3, False)])
