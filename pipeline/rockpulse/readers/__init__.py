@@ -16,10 +16,6 @@ from rockpulse.record.record import Record
 __all__ = ["FORMATS", "UNITS", "FileSettings", "Format", "ReadOptions", "read", "read_source"]
 
 
-#: Suffixes that tell nothing of a format.
-_ANY = (".txt", ".csv", ".dat", ".asc")
-
-
 def read_source(file: SourceFile, options: ReadOptions = ReadOptions()) -> list[Record]:  # noqa: B008
     """Read every channel of an opened file, as `read` does for a path."""
     tables = text_tables(file)
@@ -38,15 +34,7 @@ def _read_text(file: SourceFile, options: ReadOptions) -> list[Record]:
             options.check(records)
             return records
     kind = Unrecognised if may_be_record(file) else NoRecord
-    raise kind(f"{file.name}: no reader recognises the file; {advice(file)}{_near(file)}")
-
-
-def _near(file: SourceFile) -> str:
-    """The formats whose files have the suffix of a file that no reader recognises, for the message about it."""
-    suffix = file.path.suffix.lower()
-    near = [row.name for row in FORMATS if suffix not in ("", *_ANY) and row.example.lower().endswith(suffix)]
-    listed = f"files {suffix} are read as {', '.join(near)}; " if near else ""
-    return f" ({listed}'rockpulse formats' lists what is read)"
+    raise kind(f"{file.name}: no reader recognises the file; {advice(file)} ('rockpulse formats' lists what is read)")
 
 
 def read(

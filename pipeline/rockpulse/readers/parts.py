@@ -11,6 +11,7 @@ from itertools import pairwise
 import numpy as np
 
 from rockpulse.errors import Failure
+from rockpulse.readers.integrals import without_integrals
 from rockpulse.readers.kit.facts import later
 from rockpulse.readers.source import SourceFile
 from rockpulse.record.record import BETWEEN, Record, distinct_ids, record_id
@@ -64,12 +65,16 @@ def sample_digest(record: Record) -> str:
 def settled(
     records: Sequence[Record], digest: Callable[[Record], str]
 ) -> tuple[list[tuple[Record, tuple[Record, ...]]], list[Failure]]:
-    """Each content once, as `digest` tells, cut records joined, sorted, with the records each is made of; copies."""
+    """Each content once, as `digest` tells, cut records joined, sorted, with the records each is made of.
+
+    Second: rows for copies, and for files that are the integral of another.
+    """
     kept, duplicates, twins = _without_duplicates(sorted(records, key=_place), digest)
+    kept, integrals = without_integrals(kept)
     whole = sorted(whole_records(kept), key=lambda item: _place(item[0]))
     told = [record.with_warning(twins[id(pieces[0])]) if id(pieces[0]) in twins else record for record, pieces in whole]
     named = distinct_ids(told)
-    return [(record, pieces) for record, (_, pieces) in zip(named, whole, strict=True)], duplicates
+    return [(record, pieces) for record, (_, pieces) in zip(named, whole, strict=True)], [*duplicates, *integrals]
 
 
 def _place(record: Record) -> tuple[str, str]:

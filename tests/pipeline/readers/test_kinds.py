@@ -73,6 +73,20 @@ def test_a_folder_of_three_kinds_gives_its_accelerations_only(tmp_path):
     assert skipped == {(".vel", "skipped", True), (".disp", "skipped", False)}
 
 
+def test_the_integrals_of_a_file_without_words_are_skipped(tmp_path):
+    rng = np.random.default_rng(3)
+    motion = np.convolve(rng.normal(size=2000), np.hanning(21), "same")
+    velocity = np.cumsum(motion) * STEP
+    for name, values in zip(("x1", "x2", "x3"), (np.cumsum(velocity) * STEP, velocity, motion), strict=True):
+        (tmp_path / f"{name}.txt").write_text("".join(f"{value:.9e}\n" for value in values), encoding="ascii")
+    other = np.convolve(rng.normal(size=2000), np.hanning(21), "same")
+    (tmp_path / "x4.txt").write_text("".join(f"{value:.9e}\n" for value in other), encoding="ascii")
+    records, failures = read_all(tmp_path, units="m/s2", dt=STEP)
+    assert [Path(one.source).stem for one in records] == ["x3", "x4"]
+    assert [(Path(row.file).stem, row.kind) for row in failures] == [("x1", "skipped"), ("x2", "skipped")]
+    assert "the samples of x3.txt" in failures[1].reason
+
+
 def test_a_name_and_a_header_of_two_kinds_are_told(tmp_path):
     path = tmp_path / "m.vel"
     path.write_text(rows(pulse()), encoding="ascii")

@@ -53,11 +53,6 @@ def test_a_file_that_is_no_record_names_the_command_that_lists_the_formats(tmp_p
         read(write(tmp_path, content, name))
 
 
-def test_a_file_of_a_known_suffix_that_no_reader_recognises_names_the_formats_of_the_suffix(tmp_path):
-    with pytest.raises(Unrecognised, match=r"\(files .at2 are read as at2; 'rockpulse formats'"):
-        read(write(tmp_path, b"no line of a count\n", "a.AT2"))
-
-
 def test_the_largest_sample_is_parsed_in_a_fraction_of_a_second(samples):
     import time
 

@@ -8,6 +8,7 @@ import numpy as np
 from rockpulse.errors import RecordFormatError
 from rockpulse.readers import kit
 from rockpulse.readers.format import Format, ReadOptions
+from rockpulse.readers.integrals import of_unstated_kind
 from rockpulse.readers.kit.columns import column_directions, column_units, same_directions, stated_peak
 from rockpulse.readers.kit.direction import BRACKET
 from rockpulse.readers.kit.headings import Heading, column_headings
@@ -132,7 +133,7 @@ def read_columns(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]
     notes += [WarningText("scale_stated", factor=said.value) for said in kit.stated_scales(prose)]
     notes += same_directions(headings, facing)
     peaks = stated_peak(columns.table, units, prose)
-    return [
+    records = [
         kit.build_record(
             file,
             samples,
@@ -151,6 +152,9 @@ def read_columns(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]
             zip(columns.table.T, headings, units, facing, strict=True), 1
         )
     ]
+    worded = any(heading.kind for heading in headings) or "acceleration" in kit.stated_kinds(prose)
+    stated = worded or kit.kind_of_name(file)
+    return records if stated else [of_unstated_kind(record) for record in records]
 
 
 def _columns(
