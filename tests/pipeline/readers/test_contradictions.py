@@ -46,7 +46,16 @@ def test_two_units_are_refused_and_both_named(put, header):
 
 
 @pytest.mark.parametrize(
-    "header", ["units: V\n", "Unit: counts\n", "Units = mm\n", "t [s],acc [V]\n", "t [s],acc N (mV)\n"]
+    "header",
+    [
+        "Data in volts\n",
+        "Samples are in counts\n",
+        "units: V\n",
+        "Unit: counts\n",
+        "Units = mm\n",
+        "t [s],acc [V]\n",
+        "t [s],acc N (mV)\n",
+    ],
 )
 @pytest.mark.parametrize("asked", ["g", "m/s2"])
 def test_a_unit_of_no_acceleration_is_refused_with_any_option(put, header, asked):

@@ -190,6 +190,30 @@ def test_prose_names_the_columns(tmp_path, prose):
     assert [records[2].orientation, records[0].dt, records[0].source_unit] == ["vertical", 0.01, "cm/s2"]
 
 
+@pytest.mark.parametrize(
+    ("prose", "orientation"),
+    [
+        ("Component: U-D", "vertical"),
+        ("Direction = N-S", "horizontal"),
+        ("Vertical component of a station", "vertical"),
+    ],
+)
+def test_prose_states_the_direction_of_one_column(tmp_path, prose, orientation):
+    table = "".join(f"{value:.5f}\n" for value in pulse())
+    (tmp_path / "a.txt").write_text(f"units: gal\ndt = 0.01 s\n{prose}\n{table}", encoding="ascii")
+    assert read(tmp_path / "a.txt")[0].orientation == orientation
+
+
+def test_a_file_name_and_prose_that_differ_leave_the_direction_unknown_or_vertical(tmp_path):
+    table = "".join(f"{value:.5f}\n" for value in pulse())
+    for name, orientation in (("a_E.txt", "horizontal"), ("a_Z.txt", "vertical")):
+        (tmp_path / name).write_text(f"units: gal\ndt = 0.01 s\ncomponent: N\n{table}", encoding="ascii")
+        (record,) = read(tmp_path / name)
+        assert record.orientation == orientation
+        assert np.isnan(record.azimuth)
+        assert any("another direction" in note for note in record.warnings)
+
+
 def test_two_columns_of_one_axis_and_copies_are_told(tmp_path):
     values = pulse()
     cells = (f"{0.01 * at:.2f},{one},{0.5 * one},{-one}\n" for at, one in enumerate(values))

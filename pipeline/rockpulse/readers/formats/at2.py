@@ -14,6 +14,7 @@ import numpy as np
 from rockpulse.errors import RecordFormatError, RockpulseError, UnitError
 from rockpulse.readers import kit
 from rockpulse.readers.format import Format, ReadOptions
+from rockpulse.readers.kit.prose import stated_direction
 from rockpulse.warning_text import WarningText
 
 _HEADER_LIMIT = 10
@@ -114,7 +115,7 @@ def read_at2(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]:
         raise RecordFormatError(f"{file.name}:{end + 1}: expected a positive DT in s, found {header[end].strip()!r}")
     stop, behind = _numbers_stop(file.name, lines, first, count)
     samples, warnings = _samples(file.name, lines[:stop], first, count)
-    facing, direction_notes = _facing(file, facing)
+    facing, direction_notes = _facing(file, header, facing)
     peak = next((match[1] for line in header if (match := _PEAK.search(line))), "")
     written = _WRITTEN.match(header[0])
     # PEER records are corrected, rockpulse writes it into the title, others do not tell.
@@ -180,11 +181,13 @@ def _component_direction(words: str) -> kit.Direction:
     return facing if facing.orientation != "unknown" else kit.heading_direction(words)
 
 
-def _facing(file: kit.SourceFile, titled: kit.Direction) -> tuple[kit.Direction, list[str]]:
+def _facing(file: kit.SourceFile, header: Sequence[str], titled: kit.Direction) -> tuple[kit.Direction, list[str]]:
     """The direction by the title, else by the file's name; vertical where only one of the two says so, with a note."""
     if titled.orientation != "unknown" and file.path.stem[-1:].isdecimal():
         return titled, []
     named = kit.name_direction(file)
+    if titled.orientation == "unknown":
+        titled = stated_direction(header)
     if titled.orientation == "unknown" or named.orientation == "unknown":
         return (named if titled.orientation == "unknown" else titled), []
     if named.orientation == titled.orientation:

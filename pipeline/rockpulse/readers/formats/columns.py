@@ -131,7 +131,7 @@ def read_columns(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]
         note for said in kit.stated_durations(prose) for note in kit.held_length(said.wording, len(columns.table), dt)
     ]
     notes += [WarningText("scale_stated", factor=said.value) for said in kit.stated_scales(prose)]
-    notes += same_directions(headings, facing)
+    notes += [*kit.reversed_polarity(prose), *same_directions(headings, facing)]
     peaks = stated_peak(columns.table, units, prose)
     records = [
         kit.build_record(
@@ -144,7 +144,8 @@ def read_columns(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]
             component=heading.name or toward.label,
             facing=toward,
             channel=BRACKET.sub("", heading.name).strip() or toward.label or str(number),
-            start_time=start_time,
+            station_name=kit.stated_station(prose),
+            start_time=start_time or kit.stated_start(prose),
             warnings=notes,
             **peaks.get(number, {}),
         )
@@ -174,7 +175,8 @@ def _columns(
     filled = [index for index, row in enumerate(rows) if row.strip()]
     last = kit.split_row(rows[filled[-1]], layout.delimiter)
     values = (len(filled) - 1) * layout.width + len(last)
-    said = {round(count.value) for count in kit.stated_counts(prose)}
+    stated = kit.stated_counts(prose)
+    said = {round(count.value) for count in stated}
     counts = {numbered.count, *said}
     warnings = _behind(name, len(lines) + 1, behind, layout, complete=not counts.isdisjoint({values, len(filled)}))
     is_series = layout.width > 1 and not headings and values in counts and len(filled) not in counts
@@ -200,7 +202,9 @@ def _columns(
             left = len(table) - numbered.count
             warnings += (f"{left} rows beyond the {numbered.count} of the first line were left out",)
         table = table[: numbered.count]
-    elif said and (min(said) > len(table) or (kit.stated_npts(prose) and not counts & {len(table), values})):
+    elif said and (
+        min(said) > len(table) or (any(map(kit.surely_counts, stated)) and not counts & {len(table), values})
+    ):
         warnings += (_other_count(said, len(table), "rows"),)
     return _Columns(table, headings, warnings)
 

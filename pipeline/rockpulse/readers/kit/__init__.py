@@ -25,14 +25,17 @@ from rockpulse.readers.kit.kinds import kind_of_name
 from rockpulse.readers.kit.prose import (
     other_units,
     positive_downwards,
+    reversed_polarity,
     stated_counts,
     stated_durations,
     stated_kinds,
-    stated_npts,
     stated_peaks,
     stated_scales,
+    stated_start,
+    stated_station,
     stated_steps,
     stated_units,
+    surely_counts,
 )
 from rockpulse.readers.kit.spacing import Block, declared_points, make_even, pair_block, pair_unit, printed_at
 from rockpulse.readers.kit.table import end_of_numbers, runs_on, split_row

@@ -12,7 +12,7 @@ from rockpulse.readers.format import ReadOptions
 from rockpulse.readers.kit.checks import held_direction
 from rockpulse.readers.kit.direction import Direction, heading_direction, name_direction
 from rockpulse.readers.kit.headings import Heading
-from rockpulse.readers.kit.prose import other_units, positive_downwards, stated_peaks, stated_units
+from rockpulse.readers.kit.prose import other_units, positive_downwards, stated_direction, stated_peaks, stated_units
 from rockpulse.readers.kit.text import UNITS, canonical_unit, for_such_files, printed_number, spelled_unit
 from rockpulse.readers.source import SourceFile
 from rockpulse.warning_text import WarningText
@@ -24,11 +24,12 @@ def column_directions(file: SourceFile, headings: Sequence[Heading], prose: Sequ
     """The direction of each column by its heading; that of a single one by the name of the file too."""
     found = [heading_direction(heading.name) for heading in headings]
     if len(found) == 1:
-        named = name_direction(file)
-        note = f"the heading says {headings[0].name!r}, the name of the file another direction"
-        found = [held_direction(found[0], named, note)]
-        if "vertical" in (named.orientation, found[0].orientation) and found[0].orientation == "unknown":
-            found = [replace(found[0], orientation="vertical")]
+        for told, whose in ((stated_direction(prose), "prose"), (name_direction(file), "name of the file")):
+            note = f"the {whose} states another direction, {told.label}, than {found[0].label} elsewhere; it is unknown"
+            upright = "vertical" in (told.orientation, found[0].orientation)
+            found = [held_direction(found[0], told, note)]
+            if upright and found[0].orientation == "unknown":
+                found = [replace(found[0], orientation="vertical")]
     if positive_downwards(prose):
         found = [replace(one, sign=-1.0) if one.orientation == "vertical" else one for one in found]
     return found

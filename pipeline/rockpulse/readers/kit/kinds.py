@@ -21,7 +21,7 @@ _KINDS = {
     "velocity": rf"{_short('vels?')}|veloc|velocity|velocit(?:a|ies)|velocidad(?:e|es)?|vitesses?|hiz(?:i|lar)?|hyz|"
     r"geschwindigkeit(?:en)?|velocimet(?:er|ro|ri)|velocigrams?|velocimetria|viteza|viteze|brzina|brzine|hitrost|"
     r"ταχυτητα|ταχυτητες|скорост(?:ь|и)",
-    "displacement": rf"{_short('disps?|displ|despl|spost|depl')}|dis|dsp|dspl|displacements?|desplazamientos?|"
+    "displacement": rf"{_short('disps?|displ|despl?|spost|depl')}|dis|dsp|dspl|displacements?|desplazamientos?|"
     r"spostament[io]|deplacements?|verschiebung(?:en)?|auslenkung|deslocamentos?|deplasman|yerdegistirme|deplasare|"
     r"pomak|pomaci|pomik|μετατοπιση|μετακινηση|μετατοπισεις|перемещени[ея]|смещени[ея]",
     "spectrum": r"p?s[av]|sd|spectr(?:um|al|a|e|es)|espectros?|spettr[oi]|spektr(?:um|en)|fas|fft|fourier|"

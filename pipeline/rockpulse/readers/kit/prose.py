@@ -2,9 +2,11 @@
 
 import re
 from collections.abc import Sequence
+from datetime import datetime
 from typing import NamedTuple
 
-from rockpulse.readers.kit.direction import direction
+from rockpulse.readers.kit.direction import Direction, direction, heading_direction
+from rockpulse.readers.kit.facts import written
 from rockpulse.readers.kit.kinds import plain, prose_kinds
 from rockpulse.readers.kit.text import mentioned_units, quantity_of
 
@@ -38,7 +40,6 @@ _COUNT = re.compile(
     r"(?<![\w.,])(\d{1,9}) (?:samples|points|pts|values|data points|muestras|puntos|punti|campioni|punkte|werte)\b"
     r"(?! ?/| per| (?:across|wide|(?:to|in|on) (?:a|each|one) (?:row|line)))"
 )
-_NPTS = re.compile(r"(?<![a-z])(?:npts|nsamp|(?:no|nr|number|num)\.? (?:of )?(?:samples|points|data)) ?[=:]? ?\d")
 _UNIT = re.compile(
     r"(?<![a-z])(?:in|units?|unidad(?:es)?|unita|einheit|unites?|birim|unidade)\b[ =:]{0,4}(?:of|are|is)? ?"
 )
@@ -56,7 +57,7 @@ _OF_SAMPLES = re.compile(r"(?:acc\w*|data|samples?|values?|amplitude|physical|th
 _PEAKS = re.compile(
     r"(?<![a-z])(?:pga|peak(?: ground)? acc\w*|peak(?: value)?|a_?max|acc\.? ?max|max(?:imum|\.)? ?(?:abs\w* )?"
     r"(?:ground )?acc\w*|aceleracion maxima|accelerazione massima|acceleration maximale|maximale beschleunigung|"
-    r"en buyuk ivme) ?(?:[(\[](?P<before>[^)\]]{1,12})[)\]])? ?(?:[=:]|is) ?-?"
+    r"en buyuk ivme)\.? ?(?:[(\[](?P<before>[^)\]]{1,12})[)\]])? ?(?P<sign>[=:]|is)? ?-?"
     + _NUMBER
     + r" ?[(\[]?(?P<unit>[a-z/^*0-9]{1,12})?"
 )
@@ -70,6 +71,18 @@ _SCALES = re.compile(
     r"multipl(?:y|ied)(?: \w+)? by|factor de escala|fattore di scala|skalierungsfaktor|facteur d.echelle|olcek faktoru)"
     r" ?(?:[=:]|is|of)? ?" + _NUMBER
 )
+_FEWEST_SAMPLES = 50  # a smaller number of points may be that of a filter or of a row
+_REVERSED = re.compile(r"polarity ?[=:]? ?(?:is )?(?:reversed|inverted|negative|-1?\b)|(?:reversed|inverted) polarity")
+_ONE_COMPONENT = re.compile(
+    r"(?:component|componente|composante|komponente|direction|direccion|direzione|richtung|orientation|orientacion|"
+    r"bilesen|yon|comp|dir) ?[=:] ?(.{1,30})|(\S{1,20})[ -](?:component|componente|komponente|bilesen)"
+)
+_OF_DATA = re.compile(r"\b(?:data|values?|samples?|acc\w*|amplitudes?|records?|series|history|given)(?: is| are)?\s*$")
+_START = re.compile(
+    r"(?:first sample|start(?:ing)? ?time|record start|start of record|initial time|begin\w* (?:of record|time)|"
+    r"hora de inicio|ora di inizio)(.{8,60})"
+)
+_STATION = re.compile(r"(?i)\s*\W{0,3}station(?:[ _](?:name|code|id))?\s*[:=]\s*(\S.{0,40}?)\s*$")
 _DOWNWARDS = re.compile(
     r"positive (?:is |= ?)?down|down(?:wards?)? (?:is |= ?)?(?:positive|\+)|positiv[oa] (?:hacia )?abajo|"
     r"positiv[oa] verso il basso|positiv nach unten|positif vers le bas"
@@ -156,7 +169,9 @@ def other_units(header: Sequence[str]) -> list[Statement]:
         text = plain(line)
         for match in _UNIT.finditer(text):
             word = _ONE_UNIT.match(text, match.end())
-            if match[0].startswith("in") or word is None or not _OF_SAMPLES.fullmatch(text[: match.start()]):
+            before = text[: match.start()]
+            of_samples = _OF_DATA.search(before) if match[0].startswith("in") else _OF_SAMPLES.fullmatch(before)
+            if word is None or not of_samples:
                 continue
             wording = word[0].strip("([])")
             found += [Statement(number, wording)] if _NO_UNIT.fullmatch(wording) else []
@@ -194,15 +209,16 @@ def stated_counts(header: Sequence[str]) -> list[Statement]:
     return [Statement(number, match[0], float(match[1] or match[2])) for number, match in counts]
 
 
-def stated_npts(header: Sequence[str]) -> bool:
-    """Whether a header states the number of samples by a word that means nothing else."""
-    return any(_NPTS.search(plain(line)) for line in header)
+def surely_counts(said: Statement) -> bool:
+    """Whether a count is stated by words that mean nothing else, and is no number of a few values."""
+    return said.value >= _FEWEST_SAMPLES and not re.match(r"n ?[=:]? ?\d", said.wording)
 
 
 def stated_peaks(header: Sequence[str]) -> list[Peak]:
     """Peaks of acceleration that the prose of a header states."""
     matches = (match for line in header for match in _PEAKS.finditer(plain(line)))
-    return [Peak(match["value"].replace(",", "."), _peak_unit(match)) for match in matches if match["power"] is None]
+    found = [(Peak(match["value"].replace(",", "."), _peak_unit(match)), match) for match in matches]
+    return [peak for peak, match in found if match["power"] is None and (match["sign"] or peak.unit)]
 
 
 def _peak_unit(match: re.Match[str]) -> str:
@@ -230,6 +246,33 @@ def stated_scales(header: Sequence[str]) -> list[Statement]:
 def positive_downwards(header: Sequence[str]) -> bool:
     """Whether the prose of a header says that the vertical motion is positive downwards."""
     return any(_DOWNWARDS.search(plain(line)) for line in header)
+
+
+def reversed_polarity(header: Sequence[str]) -> list[str]:
+    """A warning where the prose of a header says that the polarity is reversed."""
+    lines = [number for number, line in enumerate(header, 1) if _REVERSED.search(plain(line))]
+    return [f"line {number} speaks of a reversed polarity; the sign is that of the file" for number in lines]
+
+
+def stated_direction(header: Sequence[str]) -> Direction:
+    """The one direction of a file of one column that its prose states: "component: N-S", "vertical component"."""
+    found = []
+    for line in header:
+        for match in _ONE_COMPONENT.finditer(plain(line)):
+            found.append(heading_direction((match[1] or match[2]).upper()))
+    known = {(one.orientation, one.azimuth, one.sign): one for one in found if one.orientation != "unknown"}
+    return next(iter(known.values())) if len(known) == 1 else Direction()
+
+
+def stated_start(header: Sequence[str]) -> datetime | None:
+    """The time of the first sample [UTC] that the prose of a header states; None where none or its zone is unknown."""
+    texts = (match[1].upper() for line in header if (match := _START.search(plain(line))))
+    return next((moment for text in texts if (moment := written(text))), None)
+
+
+def stated_station(header: Sequence[str]) -> str:
+    """The name of the station that the prose of a header states; empty where none is."""
+    return next((match[1] for line in header if (match := _STATION.match(line[:_LINE]))), "")
 
 
 def stated_columns(header: Sequence[str], width: int) -> list[str]:

@@ -8,7 +8,8 @@ from rockpulse.readers.kit.facts import written
 
 #: 2024-01-31T12:00:00.125Z, 2024/01/31,12:00:00,125, or the time of day alone, in quotes or not, and the delimiter.
 _STAMP = re.compile(
-    r"[\s\"']{0,20}(?:(?P<year>\d{4})[-/.](?P<month>\d\d)[-/.](?P<day>\d\d)(?:T|[ ,;\t]\s{0,3}))?"
+    r"[\s\"']{0,20}(?:(?:(?P<year>\d{4})[-/.](?P<month>\d\d)[-/.](?P<day>\d\d)|"
+    r"(?P<first>\d\d)[/.-](?P<middle>\d\d)[/.-](?P<last>\d{4}))(?:T|[ ,;\t]\s{0,3}))?"
     r"(?P<hour>\d{1,2}):(?P<minute>\d\d):(?P<second>\d\d)(?:[.,](?P<part>\d{1,9}))?"
     r"\s{0,2}(?P<zone>Z|UTC|GMT|[+-]\d\d:?\d\d)?[\"']?(?=[,;\s]|$)",
     re.ASCII,
@@ -52,6 +53,8 @@ def _nanoseconds(match: re.Match[str]) -> int | None:
     """Nanoseconds of a stamp from the year 1, or from midnight; None where it is no date."""
     try:
         day = date(int(match["year"]), int(match["month"]), int(match["day"])).toordinal() if match["year"] else 0
+        if match["last"]:  # day first; a record that begins in the night of two days is rare
+            day = date(int(match["last"]), int(match["middle"]), int(match["first"])).toordinal()
     except ValueError:
         return None
     clock = (day * 24 + int(match["hour"])) * 3600 + int(match["minute"]) * 60 + int(match["second"])
