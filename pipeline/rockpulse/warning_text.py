@@ -26,7 +26,7 @@ WARNINGS = {
     "odd_peak": "peak {peak:.3g} g in the unit {unit}; the values would be {readings}",
     "scale_stated": "the header states a scale factor of {factor:g}; the samples are used as they stand in the file",
     "same_direction": "channels {first} and {second} have one direction; check their names",
-    "same_samples": "the samples are those of channel {other}{turned}: one of them is a copy",
+    "same_samples": "the samples are those of {other}{turned}: one of them is a copy",
     "resampled_clock": "the times of the file are uneven by up to {uneven:.2g} of a step: interpolated at their mean "
     "interval of {interval:.6g} s",
     "long_interval": "a sampling interval of {interval:g} s is long for an accelerogram; is it in s?",

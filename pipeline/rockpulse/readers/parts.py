@@ -10,7 +10,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from rockpulse.errors import Failure
+from rockpulse.errors import Failure, last_part
 from rockpulse.readers.integrals import without_integrals
 from rockpulse.readers.kit.facts import later
 from rockpulse.readers.source import SourceFile
@@ -102,8 +102,8 @@ def _without_duplicates(
             if first is None:
                 twin = next((one for one in kept if one.source != record.source), None)
                 if twin is not None and not find(record.warnings, "dead_channel"):
-                    twins.setdefault(id(twin), WarningText("same_samples", other=record.source, turned=""))
-                    twins[id(record)] = WarningText("same_samples", other=twin.source, turned="")
+                    twins.setdefault(id(twin), WarningText("same_samples", other=last_part(record.source), turned=""))
+                    twins[id(record)] = WarningText("same_samples", other=last_part(twin.source), turned="")
                 kept.append(record)
                 continue
             told = f"channel {record.channel}: same samples and interval as {first.id} of {first.source}"

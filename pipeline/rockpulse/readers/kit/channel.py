@@ -196,8 +196,12 @@ def copies_told(records: Sequence[Record]) -> list[Record]:
             (words for sign, words in _SIGNS if np.array_equal(one.acceleration, sign * other.acceleration)), "-"
         )
         if turned != "-":
-            notes.setdefault(at, []).append(WarningText("same_samples", other=other.channel, turned=turned))
-            notes.setdefault(behind, []).append(WarningText("same_samples", other=one.channel, turned=turned))
+            notes.setdefault(at, []).append(
+                WarningText("same_samples", other=f"channel {other.channel}", turned=turned)
+            )
+            notes.setdefault(behind, []).append(
+                WarningText("same_samples", other=f"channel {one.channel}", turned=turned)
+            )
     return [replace(one, warnings=(*one.warnings, *notes.get(at, ()))) for at, one in enumerate(records)]
 
 
