@@ -19,7 +19,7 @@ from rockpulse.readers.format import Format, ReadOptions, begins_with
 _TITLE = re.compile(r"[^\0]{0,2000}?ARCHIVO EST.{0,2}NDAR DE ACELERACI", re.ASCII | re.IGNORECASE)
 _VALUES = re.compile(r"\s*DATOS DE ACELERACI", re.IGNORECASE)
 _CHANNELS = re.compile(r"CANAL-?\s*(\d{1,2})", re.ASCII | re.IGNORECASE)
-_LAYOUT = re.compile(r"\(?\s*(\d{1,2})\s*(?:\d?P)?\(?\s*[FEDG]S?\s*(\d{1,2})\.\d{1,2}", re.ASCII | re.IGNORECASE)
+_LAYOUT = re.compile(r"\(?\s*(\d{1,2})\s*\(?\s*(?:\dP)?\s*[FEDG]S?\s*(\d{1,2})\.\d{1,2}", re.ASCII | re.IGNORECASE)
 _NUMBER = re.compile(r"[+-]?(?:\d{1,9}\.?\d{0,9}|\.\d{1,9})", re.ASCII)
 #: Year first, or day first with the month as a number or a word (21/JUL/2000).
 _DATE = re.compile(

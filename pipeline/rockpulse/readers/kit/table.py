@@ -199,17 +199,16 @@ def number_lines(name: str, lines: Sequence[str], layout: Layout, timed: bool) -
         if not found or not all(NUMBER.fullmatch(field) for field in found):
             break
         fields = [*found, *fields]
+    if len(fields) == _OF_RSPMATCH and all("." not in text for text in fields[::2]):
+        filled = [line for line in lines[row:] if line.strip()]
+        values = (len(filled) - 1) * layout.width + len(split_row(filled[-1], layout.delimiter))
+        fields = fields[:2] if fields[0] == str(values) else fields
     count, step = _count_and_step(fields)
     return Numbered(row, count, step) if count else Numbered(row)
 
 
 def _count_and_step(fields: Sequence[str]) -> tuple[int, float | None]:
-    """Count and interval from one or two fields, in either order; 0 and None where they are no such numbers.
-
-    Of three, the output of RspMatch, they are the first two.
-    """
-    if len(fields) == _OF_RSPMATCH and _COUNT.fullmatch(fields[0]) and _STEP.fullmatch(fields[1]):
-        fields = fields[:2]
+    """Count and interval from one or two fields, in either order; 0 and None where they are no such numbers."""
     counts = [field for field in fields if _COUNT.fullmatch(field)]
     steps = [field for field in fields if _STEP.fullmatch(field)]
     if len(counts) > 1 or len(steps) > 1 or len(counts) + len(steps) != len(fields):
