@@ -1,4 +1,4 @@
-"""The demands of a site, and the factors that bring a motion to them."""
+"""The demands of a site, and the factors that scale a record to them."""
 
 import math
 from collections.abc import Sequence
@@ -14,12 +14,12 @@ from rockpulse.record.half_wave import half_waves
 from rockpulse.record.measures import ROWS, RecordOnBodies
 from rockpulse.record.record import Record
 
-#: Factors on a record between which it still stands for a recorded earthquake of that strength (docs/limits.md).
+#: Range of scale factors within which a record still represents an earthquake of that strength (docs/limits.md).
 FARTHEST = (0.25, 4.0)
 
 
 class SiteDemand(NamedTuple):
-    """The strength that a site asks for in a limit state: its value, and measure and value in words."""
+    """Demand of a site in a limit state: its value, and measure and value as text."""
 
     value: float
     limit_state: str
@@ -27,7 +27,7 @@ class SiteDemand(NamedTuple):
 
 
 def stored_demands(summary: xr.Dataset) -> dict[str, SiteDemand]:
-    """The demands of the node /summary by their names."""
+    """Return the demands of the node /summary by name."""
     if "demand" not in summary.dims:
         return {}
     found = {}
@@ -41,7 +41,7 @@ def stored_demands(summary: xr.Dataset) -> dict[str, SiteDemand]:
 
 
 def demand_factors(channels: Sequence[Record], blocks: Block, config: Config) -> np.ndarray:
-    """Factors (m, d) [-] that bring the geometric mean of conditioned channels to d demands, for (m,) blocks."""
+    """Factors (m, d) [-] that scale the geometric mean of conditioned channels to d demands, for (m,) blocks."""
     on = [RecordOnBodies.slender(one, partial(half_waves, one, **config.half_waves), blocks) for one in channels]
     found = np.empty((*blocks.shape, len(config.demands)))
     for place, demand in enumerate(config.demands):

@@ -1,4 +1,4 @@
-"""``rockpulse assess``: records or a design sequence and blocks in, a results file and a table of verdicts out."""
+"""``rockpulse assess``: assess blocks under records or a design sequence; write results and print verdicts."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ def _run(args: argparse.Namespace) -> int:
 
 
 def _under_sequence(args: argparse.Namespace, config: Config) -> xr.DataTree:
-    """The results of the bodies under the design sequence of a site file, written."""
+    """Assess bodies under the design sequence of a site file and write the results."""
     from rockpulse.storage.hdf5.atomic import check_target
     from rockpulse.storage.hdf5.results_file import load, save
     from rockpulse.studies.site.calibration import load_design

@@ -1,4 +1,4 @@
-"""``rockpulse calibrate``: make the design of a site from its records, and show its uncertainty."""
+"""``rockpulse calibrate``: calibrate the design of a site on its records, and show its uncertainty."""
 
 import argparse
 import sys

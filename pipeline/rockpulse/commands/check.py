@@ -1,4 +1,4 @@
-"""``rockpulse check``: what codes say of bodies, beside what the time histories say."""
+"""``rockpulse check``: check bodies by design codes, and compare with time histories."""
 
 import argparse
 from pathlib import Path

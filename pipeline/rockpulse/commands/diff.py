@@ -1,4 +1,4 @@
-"""``rockpulse diff``: the changes between two results files."""
+"""``rockpulse diff``: show the changes between two results files."""
 
 import argparse
 import math

@@ -1,4 +1,4 @@
-"""``rockpulse export``: answers of a results file as a table, with a README of its columns."""
+"""``rockpulse export``: write a results file as a table, with a README of its columns."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def _run(args: argparse.Namespace) -> int:
 
 
 def _demands(file: ResultsFile, table: LongTable) -> str:
-    """The demands, which have a dimension of their own and then no column in the table."""
+    """Return the names of the demands if they are a dimension without a column in the table."""
     from rockpulse.assessment.site_demands import stored_demands
 
     if "demand_acceleration" not in table.left_out:

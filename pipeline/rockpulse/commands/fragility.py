@@ -1,4 +1,4 @@
-"""``rockpulse fragility``: records and blocks in, fragility curves with their bands out."""
+"""``rockpulse fragility``: compute fragility curves of blocks under records, with their bands."""
 
 from __future__ import annotations
 

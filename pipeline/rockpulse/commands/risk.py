@@ -1,4 +1,4 @@
-"""``rockpulse risk``: a fragility file, or results and an inventory, and a hazard in, annual frequencies out."""
+"""``rockpulse risk``: compute annual frequencies from a hazard and a fragility file, or results and an inventory."""
 
 import argparse
 import sys
@@ -32,7 +32,7 @@ def _run(args: argparse.Namespace) -> int:
             f"--age: it says that bodies still stand, so expected --limit-state overturning, found {limit_state}"
         )
     files = [] if args.output is None else [Path(args.output)]
-    if files and args.bodies is None:  # the share of each bin of levels
+    if files and args.bodies is None:  # share of each bin of levels
         files.append(files[0].with_name(f"{files[0].stem}_levels{files[0].suffix}"))
     for path in files:
         check_file(path, args.overwrite)

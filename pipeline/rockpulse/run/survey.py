@@ -1,4 +1,4 @@
-"""The first reading of every file: its records without samples, and the places of the samples."""
+"""The first reading of every file: its records without samples, and the locations of the samples."""
 
 import hashlib
 import logging
@@ -20,30 +20,30 @@ from rockpulse.record.record import Record
 
 @dataclass(frozen=True, slots=True)
 class SamplesLocation:
-    """The place of the samples of one channel, and their checksums."""
+    """Location of the samples of one channel, with checksums."""
 
     path: str  # the file, or the zip archive
-    member: int | None  # place of the file in the archive; None outside archives
-    channel: int  # number of the channel in the file, from 0
+    member: int | None  # index of the file in the archive; None outside archives
+    channel: int  # index of the channel in the file, from 0
     source_sha256: str  # of the file
     digest: str  # of samples and interval (`rockpulse.readers.parts.sample_digest`)
 
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Located:
-    """A record without its samples; small, and picklable."""
+    """A record without its samples; small and picklable."""
 
-    record: Record  # zeros in place of the samples, in the memory of one
-    parts: tuple[SamplesLocation, ...]  # several for a record in several files
+    record: Record  # zeros instead of the samples, in the memory of one number
+    parts: tuple[SamplesLocation, ...]  # several for a record split over several files
 
     @property
     def digest(self) -> str:
-        """The same for two records of the same samples and interval."""
+        """Digest that is equal for records with the same samples and interval."""
         digests = [part.digest for part in self.parts]
         return digests[0] if len(digests) == 1 else hashlib.sha256(" ".join(digests).encode()).hexdigest()
 
     def read(self, options: ReadOptions) -> Record:
-        """The record with its samples, read with the options of the survey.
+        """Read the record with its samples, with the options of the survey.
 
         Raises RecordRefused if a file has changed since the survey, RockpulseError or OSError if it cannot be read.
         """
@@ -53,7 +53,7 @@ class Located:
 
 def _samples(part: SamplesLocation, options: ReadOptions, source: str) -> np.ndarray:
     file = Path(part.path).stat()
-    state = (file.st_mtime_ns, file.st_size, file.st_ino)  # changes when the content does
+    state = (file.st_mtime_ns, file.st_size, file.st_ino)  # changes with the content
     records = _channels(part.path, part.member, state, options)
     found = records[part.channel] if part.channel < len(records) else None
     if found is None or found.source_sha256 != part.source_sha256 or sample_digest(found) != part.digest:
@@ -67,7 +67,7 @@ def _samples(part: SamplesLocation, options: ReadOptions, source: str) -> np.nda
 
 @lru_cache(maxsize=2)
 def _channels(path: str, member: int | None, state: tuple[int, int, int], options: ReadOptions) -> tuple[Record, ...]:
-    """Every channel of a file; cached, as the tasks of a file follow one another."""
+    """Read every channel of a file; cached, as the tasks of a file follow each other."""
     if member is None:
         return tuple(read_source(open_source(Path(path)), options))
     archive = _archive(path, state)
@@ -78,7 +78,7 @@ def _channels(path: str, member: int | None, state: tuple[int, int, int], option
 
 @lru_cache(maxsize=1)
 def _archive(path: str, state: tuple[int, int, int]) -> Archive:
-    """The archive, opened once for all its members."""
+    """Open an archive once for all its members."""
     return Archive(Path(path))
 
 
@@ -86,14 +86,14 @@ def _archive(path: str, state: tuple[int, int, int]) -> Archive:
 class FileSurvey:
     """The content of a file or archive without samples."""
 
-    located: tuple[Located, ...] = ()  # its channels in order
-    failures: tuple[Failure, ...] = ()  # of the file or its members
+    located: tuple[Located, ...] = ()  # the channels in order
+    failures: tuple[Failure, ...] = ()  # failures of the file or its members
     messages: tuple[tuple[int, str], ...] = ()  # level and text of every line for the log
-    broken_off: int = 0  # files and members to read again, after an error of the file system or of memory
+    broken_off: int = 0  # number of files and members to read again after an error of the file system or memory
 
 
 def survey_file(found: Found, options: ReadOptions) -> FileSurvey:
-    """Reads a file or every member of an archive, without keeping samples; every error is a row of failures."""
+    """Read a file or every member of an archive without keeping samples; every error becomes a row of failures."""
     located: list[Located] = []
     failures: list[Failure] = []
     messages: list[tuple[int, str]] = []
@@ -101,7 +101,7 @@ def survey_file(found: Found, options: ReadOptions) -> FileSurvey:
 
     def leave_out(name: str, fault: Exception) -> None:
         if isinstance(fault, MemoryError) or (isinstance(fault, OSError) and fault.errno is not None):
-            broken_off.append(name)  # an OSError without a number is about what is in the file
+            broken_off.append(name)  # an OSError without a number concerns the content of the file
         if not isinstance(fault, RockpulseError | OSError):
             messages.append((logging.ERROR, f"{name}: {traceback.format_exc()}"))
             fault = unexpected_fault(fault)
@@ -122,7 +122,7 @@ def survey_file(found: Found, options: ReadOptions) -> FileSurvey:
 
 
 def unexpected_fault(fault: BaseException) -> RuntimeError:
-    """The error reported for a fault that no input should cause."""
+    """Return the error to report for an exception that no input should cause."""
     if isinstance(fault, MemoryError):
         return RuntimeError("out of memory; use fewer workers, or a machine with more of it")
     return RuntimeError(f"unexpected {type(fault).__name__}: {fault}; please report it with this file")
@@ -131,7 +131,7 @@ def unexpected_fault(fault: BaseException) -> RuntimeError:
 def gather_survey(
     found: Sequence[Found], surveys: Iterable[tuple[Found, FileSurvey]], failures: Iterable[Failure]
 ) -> tuple[list[Located], list[Failure]]:
-    """All records of all files as of ``read_all``, without samples, and rows of failures; surveys come in any order."""
+    """Collect all records as ``read_all`` does, without samples, and failures; surveys may come in any order."""
     by_file = {str(one.path): survey for one, survey in surveys}
     ordered = [by_file[str(one.path)] for one in found if str(one.path) in by_file]
     located = {id(one.record): one for survey in ordered for one in survey.located}

@@ -1,4 +1,4 @@
-"""The variables of a site file, by the sequences of its records or by their overturning spectra."""
+"""The variables of a site file, for a design by sequences or by overturning spectra."""
 
 from dataclasses import replace
 
@@ -19,10 +19,10 @@ PARAMETER: dict[str, tuple[str, str]] = {
     "duration": ("s", "time within which main impulses act; NaN without a limit"),
 }
 
-#: What stands for the unit where it differs from parameter to parameter.
+#: Unit entry for values whose unit depends on the parameter.
 _OF_PARAMETER = "parameter_unit"
 
-#: Of every record, whatever is worked out from it.
+#: Variables of every record, for both methods.
 OF_RECORDS: Declared = along(
     ("record",),
     source=text("file the record was read from"),
@@ -37,8 +37,8 @@ OF_RECORDS: Declared = along(
     **FACTS,
 )
 
-#: Of a site by the sequences of its records: of the whole site, of its parameters, records, blocks and events, in
-#: the order of the file.
+#: Variables of a design by sequences: of the site, its parameters, records, blocks and events, in the order of the
+#: file.
 VARIABLES: Declared = {
     "quantile": real("share of the recorded rotations that the design is to cover"),
     "confidence": real("confidence of all intervals"),
@@ -143,7 +143,7 @@ COORDINATES: Declared = {
 
 
 def _with_interval(name: str, units: str, meaning: str, explanation: str = "") -> dict[str, StoredVariable]:
-    """A variable and both ends of its interval."""
+    """Declare a variable and both ends of its interval."""
     return {
         name: real(meaning, units, explanation=explanation),
         **{

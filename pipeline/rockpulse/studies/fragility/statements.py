@@ -1,4 +1,4 @@
-"""Whether the data determine a fragility curve and a band, and the statement if they do not."""
+"""Tests of whether the data determine a fragility curve and a band, and statements of the reason if not."""
 
 import math
 from collections.abc import Callable
@@ -10,12 +10,12 @@ from rockpulse.storage.variables.fragility import Band, Extrapolated, Status
 from rockpulse.studies.fragility.likelihood import ABOVE, EXACT, NOT_ABOVE, Observations, has_maximum
 from rockpulse.warning_text import WarningText, counted
 
-#: Relative difference of capacities that is rounding.
+#: Capacities with a smaller relative difference count as equal.
 EQUAL = 1e-9
 
 
 def missing(rows: Observations) -> Status:
-    """The status of the data before any fit."""
+    """Return the status of the data before a fit."""
     known = rows.level[rows.kind == EXACT]
     reached = rows.kind != ABOVE
     if rows.level.size == 0:
@@ -26,7 +26,7 @@ def missing(rows: Observations) -> Status:
         return Status.NOTHING_REACHED
     if np.all(rows.kind == NOT_ABOVE):
         return Status.EVERYTHING_REACHED
-    if np.unique(rows.record[reached]).size == 1:  # of any number of rows: levels, or bodies together
+    if np.unique(rows.record[reached]).size == 1:  # with several rows per record: levels, or several bodies
         return Status.ONE_REACHED
     if known.size and np.ptp(known) <= EQUAL * known[0]:
         above, below = rows.level[rows.kind == ABOVE], rows.level[rows.kind == NOT_ABOVE]
@@ -38,7 +38,7 @@ def missing(rows: Observations) -> Status:
 
 
 def band_statement(band: Band, rows: Observations, slopes: np.ndarray) -> list[WarningText]:
-    """The statement on a missing band; `slopes` (1 + events,) are b of all rows, then without each event."""
+    """Explain a missing band; `slopes` (1 + events,) are b from all rows, then with each event left out."""
     if band == Band.GIVEN:
         return []
     if band == Band.RESTS_ON_ONE_EVENT:
@@ -48,7 +48,7 @@ def band_statement(band: Band, rows: Observations, slopes: np.ndarray) -> list[W
 
 
 def extrapolated(median: float, rows: Observations) -> Extrapolated:
-    """Whether the median of a curve, in the unit of the measure, lies above or below all levels."""
+    """Return whether the median of a curve, in the unit of the measure, is above or below all levels."""
     if median > np.max(rows.level):
         return Extrapolated.ABOVE
     if median < np.min(rows.level):
@@ -57,7 +57,7 @@ def extrapolated(median: float, rows: Observations) -> Extrapolated:
 
 
 def extrapolation_statement(median: float, rows: Observations) -> list[WarningText]:
-    """The statement on a median beyond all levels; none if it lies among them."""
+    """Explain a median outside the range of levels; empty if it is inside."""
     side = extrapolated(median, rows)
     if side == Extrapolated.NO:
         return []
@@ -97,7 +97,7 @@ def _separated(rows: Observations) -> WarningText:
     return WarningText("not_stronger")
 
 
-#: The statement where there is no curve, by the status.
+#: The statement for a missing curve, by status.
 STATEMENTS: dict[Status, Callable[[Observations], WarningText]] = {
     Status.NO_RECORD: lambda rows: WarningText("no_record"),
     Status.ONE_RECORD: _one_record,

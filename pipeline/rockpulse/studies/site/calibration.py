@@ -1,4 +1,4 @@
-"""The design of a site from its records, with uncertainties."""
+"""Calibration of the design of a site on its records, with uncertainties."""
 
 import math
 import os
@@ -38,8 +38,8 @@ def calibrate(
 ) -> xr.DataTree:
     """Calibrate the design of a site on a set of records.
 
-    By default it is a quantile over earthquakes of the overturning spectra of the records, with a sequence for every
-    body; by ``[calibration] method`` one sequence for all bodies, from the statistics of the half-waves.
+    By default the design is a quantile over earthquakes of the overturning spectra of the records, with a sequence for
+    every body; ``[calibration] method`` can select one sequence for all bodies, from the statistics of the half-waves.
 
     Parameters
     ----------
@@ -48,8 +48,8 @@ def calibrate(
     config : Config or path, optional
         Sections records, conditioning, half_waves, intense_phase, sequence, calibration, run and the bodies.
     bodies : mapping of str to (width, height), Block or BlockSettings, or sequence of BlockSettings, optional
-        The bodies of the design, in place of those of the configuration. Without any, the spectrum is stored alone, and
-        one sequence covers a family of 100 (:func:`rockpulse.studies.site.site_records.block_family`).
+        The bodies of the design, instead of those of the configuration. Without bodies only the spectrum is stored, and
+        a single sequence is designed for 100 bodies (:func:`rockpulse.studies.site.site_records.block_family`).
     failures, progress
         As for :func:`rockpulse.assess`.
 
@@ -62,7 +62,7 @@ def calibrate(
     Raises
     ------
     ConfigError
-        For two records of one id, or tables of events or weights that do not fit.
+        For two records with the same id, or tables of events or weights that do not match the records.
     RecordRefused
         If no record could be calibrated, or the records make no design sequence: nothing rocks, or one record has no
         quantile. Too few earthquakes for a quantile of the spectrum are a line of `site_warnings`.
@@ -84,7 +84,7 @@ def calibrate(
 
 
 class NothingCalibrated(RecordRefused):
-    """No record could be calibrated; ``failures`` are the rows of all."""
+    """Error: no record could be calibrated; ``failures`` has a row for each record."""
 
     def __init__(self, message: str, failures: Sequence[Failure]) -> None:
         super().__init__(message)
@@ -92,7 +92,7 @@ class NothingCalibrated(RecordRefused):
 
 
 class SiteCalibration(Analysis):
-    """The overturning spectrum or the sequence of every motion, and the design of a site from all."""
+    """Computes the overturning spectrum or the sequence of every record, and the design of the site from all."""
 
     name = "calibrate"
     doing = "calibrating"
@@ -106,25 +106,25 @@ class SiteCalibration(Analysis):
 
     @property
     def work(self) -> Work:
-        """Computes the spectrum or the sequence of a motion."""
+        """Return the function that computes the spectrum or the sequence of one record."""
         if self.lanes is None or self.by_spectrum:
             return partial(site_spectrum_record, config=self.config)
         return partial(site_record, blocks=self.lanes, config=self.config)
 
     @property
     def by_spectrum(self) -> bool:
-        """Whether the site has overturning spectra, in place of sequences."""
+        """Whether the site has overturning spectra instead of sequences."""
         return self.config.calibration.method == "spectrum"
 
     @cached_property
     def nothing(self) -> Part:
-        """Every array of a motion's spectrum or sequence, without a row."""
+        """Empty arrays of spectra or sequences, for a record without results."""
         if self.lanes is None or self.by_spectrum:
             return no_spectrum_record()
         return no_site_record(self.lanes)
 
     def _bodies(self, blocks: Blocks) -> tuple[list[str], Block | None]:
-        """Names and lanes of the bodies; a family of 100 for a sequence without bodies."""
+        """Return names and lanes of the bodies, or 100 standard bodies for a sequence without bodies."""
         if not blocks and self.by_spectrum:
             return [], None
         if not blocks:
@@ -143,7 +143,7 @@ class SiteCalibration(Analysis):
         return names, lanes
 
     def plan(self, records: Iterable[Record], failures: Iterable[Failure] = ()) -> Plan:
-        """Plans the motions; refuses a record without a weight at once if its id is known."""
+        """Plan the records; raise an error for a record without a weight as soon as its id is known."""
         plan = super().plan(records, failures)
         known = [name for one in plan.planned for name in planned_ids(one, self.config)]
         if self.weights is not None and known:
@@ -151,7 +151,7 @@ class SiteCalibration(Analysis):
         return plan
 
     def collect(self, parts: Sequence[Part], planned: Sequence[PlannedMotion], failures: list[Failure]) -> xr.DataTree:
-        """Describes the distribution over the records, and chooses the design."""
+        """Compute the distribution over the records and the design."""
         if not parts:
             rows = [row for row in failures if row.kind != "vertical"]
             reasons = "".join(f"\n  {reasons_in_words(group)}" for group in alike(rows))
@@ -178,7 +178,7 @@ class SiteCalibration(Analysis):
 
 
 def load_design(path: str | Path) -> DesignSpectrum | ImpulseSequence:
-    """The design of a site file of ``rockpulse calibrate``: a design spectrum, or one sequence for all bodies.
+    """Read the design from a site file of ``rockpulse calibrate``: a design spectrum, or one sequence for all bodies.
 
     Parameters
     ----------
@@ -192,7 +192,7 @@ def load_design(path: str | Path) -> DesignSpectrum | ImpulseSequence:
     Raises
     ------
     ResultsError
-        For another file, or one of too few earthquakes for a design.
+        For a file of another kind, or one with too few earthquakes for a design.
     OSError
         If the file cannot be opened.
     """
@@ -204,7 +204,7 @@ def load_design(path: str | Path) -> DesignSpectrum | ImpulseSequence:
 
 
 def design_of(tree: xr.DataTree, name: str = "site") -> DesignSpectrum | ImpulseSequence:
-    """The design of a site in memory, as by :func:`load_design`; `name` is that of the site in messages."""
+    """Return the design of a site in memory as :func:`load_design` does; `name` is the site's name in messages."""
     site = tree["site"].to_dataset()
     if site.attrs["method"] == "spectrum":
         spectra = tree["spectra"].to_dataset()

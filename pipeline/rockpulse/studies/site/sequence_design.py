@@ -1,4 +1,4 @@
-"""The design of a site by sequences: distributions, the design sequence, and its coverage of records left out."""
+"""Design of a site by sequences: distributions, the design sequence, and its coverage of records left out."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -34,14 +34,14 @@ NOT_COUNTED = -1
 
 
 class Coverage(NamedTuple):
-    """Coverage by designs that were fitted without the earthquake they are judged on; NaN without a design."""
+    """Coverage of each earthquake by a design fitted without it; NaN without a design."""
 
-    covered: np.ndarray  # (n, m) values of :func:`rockpulse.studies.site.design.covered_rotations`
+    covered: np.ndarray  # (n, m) codes of :func:`rockpulse.studies.site.design.covered_rotations`
     main: np.ndarray  # (n,) main impulse of that design [m/s]
 
 
 def leave_one_event_out(sample: SiteSample, quantile: float) -> Coverage:
-    """Judges the design of all earthquakes but one on the records of that one."""
+    """Test the design fitted to all earthquakes except one on the records of that one."""
     marks, mains = np.full(sample.peaks.shape, math.nan), np.full(sample.weights.size, math.nan)
     for event in np.unique(sample.events):
         out = sample.events == event
@@ -50,7 +50,7 @@ def leave_one_event_out(sample: SiteSample, quantile: float) -> Coverage:
             continue
         try:
             sequence = design_sequence(sample.part(others), quantile)
-        except RecordRefused:  # the others make no design
+        except RecordRefused:  # the other earthquakes give no design
             continue
         marks[out] = covered_rotations(sample.part(out), sequence)
         mains[out] = sequence.main
@@ -58,7 +58,7 @@ def leave_one_event_out(sample: SiteSample, quantile: float) -> Coverage:
 
 
 def judged(marks: np.ndarray, sample: SiteSample, standing: bool = True) -> np.ndarray:
-    """Pairs (n, m) of record and block in :func:`coverage_of`."""
+    """Mask (n, m) of the pairs of record and block that count in :func:`coverage_of`."""
     counted: np.ndarray = ~np.isnan(marks) & (sample.weights[:, np.newaxis] > 0.0)
     if standing:
         counted &= marks != BEYOND
@@ -68,7 +68,7 @@ def judged(marks: np.ndarray, sample: SiteSample, standing: bool = True) -> np.n
 def coverage_of(
     marks: np.ndarray, sample: SiteSample, confidence: float, standing: bool = True
 ) -> tuple[float, float, float]:
-    """Weighted share of covered pairs (of blocks left `standing`), with its event-clustered interval; NaN for none."""
+    """Weighted share of covered pairs (of surviving blocks if `standing`), with its event-clustered interval."""
     counted = judged(marks, sample, standing)
     rows = np.nonzero(counted)[0]
     if rows.size == 0:
@@ -77,7 +77,7 @@ def coverage_of(
 
 
 def unjudged_events(found: Coverage, sample: SiteSample) -> dict[int, str]:
-    """Events without a judgement of standing blocks, and the code of the reason."""
+    """Return the events that could not be tested on surviving blocks, with the code of the reason."""
     rests, lifts, counted = judged(found.covered, sample).any(axis=1), ~np.isnan(sample.peaks), sample.weights > 0.0
     reasons = {}
     for event in np.unique(sample.events[counted & ~np.isin(sample.events, sample.events[rests])]).tolist():
@@ -99,7 +99,7 @@ def sequence_design(
     config: Config,
     warnings: Sequence[str],
 ) -> dict[str, xr.Dataset]:
-    """Fits, designs, judges: nodes of a site file by path, weights of mean one; RecordRefused without a design."""
+    """Compute distributions, design and coverage: nodes of a site file by path; RecordRefused without a design."""
     settings = config.calibration
     names, numbers = np.unique(done["event"], return_inverse=True)
     peaks = done["peaks"]
@@ -111,7 +111,7 @@ def sequence_design(
         blocks=blocks,
         spacing=config.sequence.spacing,
     )
-    # Records of no weight are in the file, but not in the statistics.
+    # Records of zero weight are in the file, but not in the statistics.
     fitted = sample.part(weights > 0.0)
     draws = draw_earthquakes(int(fitted.events.max()) + 1, settings.bootstrap, [config.run.seed, *b"site"])
     design = design_sequence(fitted, settings.quantile)

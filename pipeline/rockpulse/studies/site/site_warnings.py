@@ -1,4 +1,4 @@
-"""Warnings on a site whose records are few or unusual."""
+"""Warnings on a site with few or unusual records."""
 
 import math
 from collections.abc import Mapping
@@ -9,22 +9,22 @@ import numpy as np
 from rockpulse.studies.site.site_records import USUAL_FACTORS
 from rockpulse.warning_text import WarningText
 
-#: Fewest records and events for usable intervals.
+#: Smallest number of records and events for usable intervals.
 FEWEST_RECORDS, FEWEST_EVENTS = 10, 5
-#: Width of the interval of a coverage that is hardly known [-].
+#: Coverage with a wider interval gets a warning [-].
 WIDE = 0.5
-#: Fewest records beyond a quantile.
+#: Smallest number of records beyond a quantile.
 FEWEST_BEYOND = 2.0
-#: Most names in a warning.
+#: Largest number of names in a warning.
 LISTED = 5
-#: Share of lifted pairs that is few [-].
+#: A share of lifted pairs below this gets a warning [-].
 FEW_LIFTED = 0.1
 
 
 def site_warnings(
     site: Mapping[str, Any], factors: np.ndarray, events: np.ndarray, weights: np.ndarray, unjudged: Mapping[str, str]
 ) -> list[WarningText]:
-    """The warnings of a site file from its scalars, and a code for each event that is `unjudged`, the gravest first."""
+    """Return the warnings of a site file from its scalars, most serious first; `unjudged` has a code for each event."""
     records, count, quantile = site["record_count"], site["event_count"], float(site["quantile"])
     warnings = []
     if count == 1:
@@ -59,7 +59,7 @@ def site_warnings(
 
 
 def scaled_far(factors: np.ndarray) -> list[WarningText]:
-    """The warning on unusual scale factors (n,), if there are any."""
+    """Return a warning of unusual scale factors (n,), if there are any."""
     low, high = USUAL_FACTORS
     odd = int(np.count_nonzero((factors < low) | (factors > high)))
     if not odd:
@@ -69,7 +69,7 @@ def scaled_far(factors: np.ndarray) -> list[WarningText]:
 
 
 def _tail(records: int, quantile: float) -> WarningText:
-    """The warning on the tail of a quantile of few records."""
+    """Return a warning if few records lie beyond a quantile."""
     beyond, side = (records * (1.0 - quantile), "above") if quantile >= 0.5 else (records * quantile, "below")
     if beyond < FEWEST_BEYOND:
         return WarningText(f"tail_{side}", beyond=float(beyond), quantile=quantile)
@@ -77,7 +77,7 @@ def _tail(records: int, quantile: float) -> WarningText:
 
 
 def _judged(site: Mapping[str, Any], unjudged: Mapping[str, str]) -> list[WarningText]:
-    """The warning on few data of the coverage."""
+    """Return a warning if the coverage is based on few data."""
     groups = []
     for reason in dict.fromkeys(unjudged.values()):
         every = [name for name, why in unjudged.items() if why == reason]
