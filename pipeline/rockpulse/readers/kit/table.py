@@ -193,14 +193,13 @@ def number_lines(name: str, lines: Sequence[str], layout: Layout, timed: bool) -
             count, step = _count_and_step(fields)
             if count and step:
                 return Numbered(row + 1, count, step)
-    fields: list[str] = []
-    found: list[str] = []
+    fields, rows = [], 0
     for line in [line for line in lines[:row] if line.strip()][:-3:-1]:
         found = [field for field in re.split(r"[\s,;]+", line[:LINE_LIMIT].strip(" \t#%")) if field]
         if not found or not all(NUMBER.fullmatch(field) for field in found):
             break
-        fields = [*found, *fields]
-    if len(fields) == len(found) == _OF_RSPMATCH and all("." not in text for text in fields[::2]):
+        fields, rows = [*found, *fields], rows + 1
+    if rows == 1 and len(fields) == _OF_RSPMATCH and all("." not in text for text in fields[::2]):
         filled = [line for line in lines[row:] if line.strip()]
         values = (len(filled) - 1) * layout.width + len(split_row(filled[-1], layout.delimiter))
         fields = fields[:2] if fields[0] == str(values) else fields
