@@ -124,10 +124,24 @@ def test_three_digits_are_an_azimuth_beside_a_file_a_right_angle_apart():
 
 
 @pytest.mark.parametrize(
-    ("heading", "azimuth"), [("acc N-S [g]", 0.0), ("E/W", 90.0), ("H1_90", 90.0), ("Norte (gal)", 0.0), ("W-E", 90.0)]
+    ("heading", "azimuth"),
+    [
+        ("acc N-S [g]", 0.0),
+        ("E/W", 90.0),
+        ("H1_90", 90.0),
+        ("Norte (gal)", 0.0),
+        ("W-E", 90.0),
+        ("acc (N) [g]", 0.0),
+        ("accEW", 90.0),
+    ],
 )
 def test_words_of_a_heading_are_one_direction(heading, azimuth):
     assert heading_direction(heading).azimuth == azimuth
+
+
+@pytest.mark.parametrize("heading", ["az (m/s2)", "acc (V) [g]", "AccUD", "gFz", "accel_z", "acc Up [g]"])
+def test_a_vertical_heading_is_one_however_it_is_glued(heading):
+    assert heading_direction(heading).orientation == "vertical"
 
 
 TITLES = [

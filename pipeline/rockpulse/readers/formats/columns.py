@@ -1,5 +1,6 @@
 """Plain columns of numbers (CSV, TXT), with or without times: statements must agree, and nothing is guessed."""
 
+import re
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 
@@ -10,7 +11,7 @@ from rockpulse.readers import kit
 from rockpulse.readers.format import Format, ReadOptions
 from rockpulse.readers.integrals import of_unstated_kind
 from rockpulse.readers.kit.columns import column_directions, column_units, same_directions, stated_peak
-from rockpulse.readers.kit.direction import BRACKET
+from rockpulse.readers.kit.direction import BRACKET, is_direction
 from rockpulse.readers.kit.headings import Heading, column_headings
 from rockpulse.readers.kit.kinds import means_size
 from rockpulse.readers.kit.spacing import agreed_step, at_even_times, climbs, counts_rows, names_time, time_column_step
@@ -143,7 +144,7 @@ def read_columns(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]
             processed=None,
             component=heading.name or toward.label,
             facing=toward,
-            channel=BRACKET.sub("", heading.name).strip() or toward.label or str(number),
+            channel=BRACKET.sub(_direction_in, heading.name).strip() or toward.label or str(number),
             station_name=kit.stated_station(prose),
             start_time=start_time or kit.stated_start(prose),
             warnings=notes,
@@ -156,6 +157,11 @@ def read_columns(file: kit.SourceFile, options: ReadOptions) -> list[kit.Record]
     worded = any(heading.kind for heading in headings) or "acceleration" in kit.stated_kinds(prose)
     stated = worded or kit.kind_of_name(file)
     return records if stated else [of_unstated_kind(record) for record in records]
+
+
+def _direction_in(bracket: re.Match[str]) -> str:
+    """What stands in brackets, if it is a direction and no unit."""
+    return bracket[1] if is_direction(bracket[1].strip()) else ""
 
 
 def _columns(

@@ -59,6 +59,11 @@ _AXIS = re.compile(
     r"NORD-SUD|NORTE-SUR|EST-OUEST|EST-OVEST|ESTE-OESTE|OST-WEST|FAULT-(?:NORMAL|PARALLEL))(?![A-Za-z])",
     re.IGNORECASE,
 )
+#: A word for acceleration that ends in its direction.
+_WITH_AXIS = re.compile(
+    r"(?:(?<![a-z])(?:acc|accel|acceleration|acel)|(?<![a-z])(?:a|gf)(?=z))(ns|ew|ud|up|z|e|v|(?-i:N))(?![a-z])",
+    re.IGNORECASE,
+)
 #: Suffixes of files, in lower letters, that are no direction; others may be one (.NS, .00U, .e).
 _TEXT_SUFFIXES = frozenset(
     [
@@ -173,7 +178,15 @@ def heading_direction(name: str) -> Direction:
         whole = direction(piece) if _AXIS.fullmatch(piece) else Direction()
         words = re.split(r"[-/]+|(?<!\d)\.|\.(?!\d)", piece) if whole.orientation == "unknown" else []
         found += [whole, *(direction(word) for word in words if len(word) > 1 or word in _LETTERS)]
+    if not any(facing.orientation != "unknown" for facing in found):  # acc (N), az, accEW
+        found += [direction(text.strip()) for text in BRACKET.findall(name) if is_direction(text.strip())]
+        found += [direction(match[1]) for match in _WITH_AXIS.finditer(wording)]
     return _one_of(found)
+
+
+def is_direction(text: str) -> bool:
+    """Whether what stands in brackets is a direction rather than a unit."""
+    return (len(text) > 1 or text in _LETTERS) and direction(text).orientation != "unknown"
 
 
 def _one_of(found: Sequence[Direction]) -> Direction:

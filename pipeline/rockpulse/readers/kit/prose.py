@@ -75,7 +75,7 @@ _FEWEST_SAMPLES = 50  # a smaller number of points may be that of a filter or of
 _REVERSED = re.compile(r"polarity ?[=:]? ?(?:is )?(?:reversed|inverted|negative|-1?\b)|(?:reversed|inverted) polarity")
 _ONE_COMPONENT = re.compile(
     r"(?:component|componente|composante|komponente|direction|direccion|direzione|richtung|orientation|orientacion|"
-    r"bilesen|yon|comp|dir) ?[=:] ?(.{1,30})|(\S{1,20})[ -](?:component|componente|komponente|bilesen)"
+    r"bilesen|yon|comp|dir) ?[=:] ?(.{1,30})|(\S{1,20})[ -](?:component|componente|komponente|bilesen|acc\w*|motion)\b"
 )
 _OF_DATA = re.compile(r"\b(?:data|values?|samples?|acc\w*|amplitudes?|records?|series|history|given)(?: is| are)?\s*$")
 _START = re.compile(
