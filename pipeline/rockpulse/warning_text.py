@@ -24,6 +24,11 @@ WARNINGS = {
     "header_peak_near": "the header states a peak of {stated:.4g} g, the data have {found:.4g} g: {share:.1f} % "
     "{sense}",
     "odd_peak": "peak {peak:.3g} g in the unit {unit}; the values would be {readings}",
+    "scale_stated": "the header states a scale factor of {factor:g}; the samples are used as they are in the file",
+    "same_direction": "channels {first} and {second} have one direction; check their names",
+    "same_samples": "the samples are those of {other}{turned}: one of them is a copy",
+    "resampled_clock": "the times of the file are uneven by up to {uneven:.2g} of a step: interpolated at their mean "
+    "interval of {interval:.6g} s",
     "long_interval": "a sampling interval of {interval:g} s is long for an accelerogram; check that it is in s",
     "part_of_record": "part {part:d} of a record that is split into several files; give all of them together",
     "vertical_by_code": "the channel code {channel} says vertical, the header {told}; taken as vertical",
