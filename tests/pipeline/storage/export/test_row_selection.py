@@ -104,7 +104,7 @@ def test_a_variable_that_is_known_of_no_answer_is_no_condition(summary):
     ("selection", "message"),
     [
         (RowSelection({"block": ("colum",)}), r'no block "colum" in these results; did you mean "column"'),
-        (RowSelection({"block": ("LUM",)}), r"; 1 of 3 hold it, the pattern '\*lum\*' takes:\n  column$"),
+        (RowSelection({"block": ("LUM",)}), r"1 of 3 hold it, the pattern '\*lum\*' takes:\n  column$"),
         (where("outcom = rocks"), r"no variable 'outcom' .* did you mean \"outcome\""),
         (where("outcome = falls"), r"outcome: expected one of at_rest, rocks, overturns, unresolved"),
         (where("outcome = rock"), r"unresolved, found 'rock'; did you mean \"rocks\"\?$"),
