@@ -87,7 +87,7 @@ def main() -> None:
         for how, counts, call in (("processes", args.records, run), ("dask", args.dask, on_dask)):
             for count in counts:
                 one = fresh(call, paths[:count], config, output, args.workers)
-                _told(how, one)
+                _print_run(how, one)
                 if how == "processes":
                     found.append(one)
         _on_paper(found, args.workers, args.cores)
@@ -97,7 +97,7 @@ def _written(start: int, folder: Path, most: int, seconds: float) -> None:
     write_records(start, folder, min(start + 5000, most), seconds)
 
 
-def _told(how: str, one: Run) -> None:
+def _print_run(how: str, one: Run) -> None:
     """A line of the table."""
     parts = [f"{1e3 * seconds / one.records:.2f}" for seconds in (one.survey, one.work, one.assembly)]
     inside = sum(one.seconds.values())

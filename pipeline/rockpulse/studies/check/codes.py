@@ -71,7 +71,7 @@ def circolare_2009(
             asked / settings.q,
             statement="of Circolare 617/2009 the displacement aloft is left out: its formula could not be established",
         )
-    allowed = ULTIMATE * body.furthest
+    allowed = ULTIMATE * body.collapse_displacement
     slowest = SECANT * allowed
     pull = body.capacity(slowest) * body.gravity / (body.share * settings.confidence_factor)
     period = 2.0 * math.pi * math.sqrt(slowest / pull)
@@ -88,7 +88,7 @@ def circolare_2019(
     """Analysis with q, and displacement check, of Circolare 7/2019, C8.7.1.2.1."""
     activation, asked = _activation(body, settings), max(spectrum.ground, floor_peak(spectrum, floors))
     part, factor, damping = STATES[settings.limit_state]
-    allowed = part * body.furthest
+    allowed = part * body.collapse_displacement
     pull = body.capacity(allowed) * body.gravity / (body.share * settings.confidence_factor)
     if pull <= 0.0:  # a tie breaks before the displacement that the weights alone allow
         return Checked(activation, asked / settings.q, allowed, statement="no resistance is left at the displacement")

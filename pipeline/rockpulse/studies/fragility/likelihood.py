@@ -66,7 +66,7 @@ class Observations:
         """Number of records."""
         return int(np.unique(self.record).size)
 
-    def having(self, column: int) -> np.ndarray:
+    def with_property(self, column: int) -> np.ndarray:
         """Mask (n,) of the rows whose property in a column has a finite logarithm."""
         values = self.qualities[:, column]
         return np.isfinite(values) & (values > 0.0)

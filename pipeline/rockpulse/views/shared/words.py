@@ -102,7 +102,7 @@ class _Numerals(Formatter):
 
     def get_value(self, key: int | str, args: Sequence[Any], kwargs: Mapping[str, Any]) -> Any:
         """Return a value; a warning is translated."""
-        return _told(super().get_value(key, args, kwargs))
+        return _translated(super().get_value(key, args, kwargs))
 
     def format_field(self, value: Any, format_spec: str) -> Any:
         """Format a value as text."""
@@ -110,10 +110,10 @@ class _Numerals(Formatter):
         return numerals(shown) if isinstance(value, int | float) else shown
 
 
-def _told(value: Any) -> Any:
+def _translated(value: Any) -> Any:
     if isinstance(value, WarningText):
         return warning_words(value)
-    return ", ".join(map(_told, value)) if isinstance(value, list) else value
+    return ", ".join(map(_translated, value)) if isinstance(value, list) else value
 
 
 def warning_words(warning: WarningText) -> str:

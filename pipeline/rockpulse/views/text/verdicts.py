@@ -267,5 +267,5 @@ def governing(answers: Answers) -> str:
         return ""
     if len(ruled) > NAMED:
         told.append(f"  and {several(len(ruled) - NAMED, 'other record')}")
-    what = f"of the smallest {factor_name(answers.factor)}" if answers.told else "that overturns"
+    what = f"of the smallest {factor_name(answers.factor)}" if answers.has_factor else "that overturns"
     return "\n".join([f"What governs (the record {what}, by the {answers.model} model):", *told])

@@ -1,4 +1,4 @@
-"""What the workers of the crew tests do; here, so that a worker process can import it."""
+"""What the workers of the pool tests do; here, so that a worker process can import it."""
 
 import multiprocessing.connection
 import os
