@@ -1,11 +1,16 @@
 """The changes between two results files as text."""
 
 import math
+import os
 from collections.abc import Sequence
+from contextlib import ExitStack
+from pathlib import Path
 
-from rockpulse.storage.hdf5.results_file import ResultsFile
+import xarray as xr
+
+from rockpulse.storage.hdf5.results_file import ResultsFile, of_tree, open_results
 from rockpulse.views.diff.answer_changes import Changes
-from rockpulse.views.diff.differences import CAPACITY, FACTOR, OUTCOME, SAFETY, Differences, OnlyIn
+from rockpulse.views.diff.differences import CAPACITY, FACTOR, OUTCOME, SAFETY, Differences, OnlyIn, compare_results
 from rockpulse.views.shared.formatting import ABSENT, paragraph, shortened
 from rockpulse.views.shared.table import Cell, Heading, Table, lines, number_cell, table_text
 
@@ -22,6 +27,60 @@ CROSSED = {
     SAFETY: "Safety factors that crossed 1 (below it a weaker copy of the record overturns)",
     CAPACITY: "Capacities over demand that crossed 1 (below it the record overturns before it reaches the demand)",
 }
+
+
+def diff(
+    before: xr.DataTree | str | os.PathLike[str],
+    after: xr.DataTree | str | os.PathLike[str],
+    rtol: float = 1e-9,
+    atol: float = 0.0,
+    ignore: str | Sequence[str] = (),
+    limit: int | None = None,
+    full: bool = False,
+) -> Differences:
+    """The changes between two results of the same kind, which ``print`` shows as ``rockpulse diff`` does.
+
+    Parameters
+    ----------
+    before, after : xarray.DataTree or path
+        Results of one kind; rows are matched by name.
+    rtol, atol : float
+        Numbers may differ by `rtol` times the larger [-], and by `atol` in the unit of each variable.
+    ignore : str or sequence of str
+        Variables that are not compared, as ``name`` or ``/group/name``.
+    limit : int, optional
+        Most flipped verdicts and crossed ratios that are named; by default 3, with `full` 20.
+    full : bool
+        Every variable, name and line that differs, in place of one screen of them.
+
+    Returns
+    -------
+    Differences
+        `same` says whether the results are the same; `bodies`, `variables`, `only` hold what differs.
+
+    Raises
+    ------
+    ResultsError
+        For results of two kinds, or an unknown name in `ignore`.
+
+    Examples
+    --------
+    >>> import numpy as np, rockpulse as rp
+    >>> sine = rp.Record(3.0 * np.sin(np.arange(0.0, 40.0, 0.1)), dt=0.1, id="sine", processed=True)
+    >>> before, after = (rp.assess(sine, bodies={"wall": (width, 2.2)}) for width in (0.25, 0.8))
+    >>> rp.diff(before, after).same, rp.diff(before, before).same
+    (False, True)
+    """
+    with ExitStack() as stack:
+        first, second = (
+            of_tree(one, name) if isinstance(one, xr.DataTree) else stack.enter_context(open_results(Path(one)))
+            for one, name in ((before, "before"), (after, "after"))
+        )
+        names = (ignore,) if isinstance(ignore, str) else ignore
+        found = compare_results(first, second, rtol, atol, names, limit or (20 if full else 3))
+        tolerance = f"rtol {rtol:g}" + (f", atol {atol:g}" if atol else "")
+        found.text = difference_overview(found, first, second, tolerance, full)
+    return found
 
 
 def difference_overview(

@@ -28,7 +28,7 @@ FACTOR = "/summary/factor_10"
 LISTED = 8
 #: Root attributes with the origin of a file; a change in these does not count as a difference.
 ABOUT = ("title", "site_description")
-APART = ("history", "configuration", "kind", "Conventions", "run_id", "run_digest", *ABOUT)
+APART = ("history", "configuration", "kind", "Conventions", "run_id", "run_digest", "_NCProperties", *ABOUT)
 
 
 @dataclass(frozen=True)
@@ -44,7 +44,7 @@ class VariableDifference:
     after: str
 
 
-@dataclass
+@dataclass(repr=False)
 class Differences:
     """The changes between two files; ``sides`` are the changed verdicts and crossed ratios, by variable."""
 
@@ -57,6 +57,14 @@ class Differences:
     bodies: list[str] = field(default_factory=list)  # changes of margins by that model
     sides: dict[str, Changes] = field(default_factory=dict)
     compared: int = 0  # values
+    text: str = field(default="", repr=False)  # of :func:`rockpulse.diff`
+
+    def __str__(self) -> str:
+        return self.text
+
+    def __repr__(self) -> str:
+        found = f"{len(self.variables)} variables differ" if not self.same else "the same"
+        return f"<Differences {found}, {self.compared} values compared>"
 
     @property
     def same(self) -> bool:

@@ -20,7 +20,7 @@ from rockpulse.option import hint
 from rockpulse.record.half_wave import HalfWaves
 from rockpulse.record.record import Record
 from rockpulse.storage.hdf5.atomic import ASSESSMENT, kind_in_words
-from rockpulse.storage.hdf5.results_file import load
+from rockpulse.storage.hdf5.results_file import given_results
 from rockpulse.storage.variables.fragility import FRAGILITY
 from rockpulse.storage.variables.site import SITE_KIND
 from rockpulse.views.plots import ground_motion, selection, style
@@ -40,6 +40,8 @@ from rockpulse.views.shared.words import say
 
 #: Largest number of records whose spectra are recomputed for a picture, which takes some seconds.
 MARCHED = 12
+#: Options of which there may be several.
+SEVERAL = ("model", "limit_state")
 #: Default pictures of results, by the kind of file.
 FIRST = {ASSESSMENT: ("spectrum", "bodies"), FRAGILITY: ("fragility",), SITE_KIND: ("calibration",)}
 
@@ -158,7 +160,7 @@ def draw(tree: xr.DataTree, kind: str, **options: Any) -> Figure:
     kind : str
         One of :data:`~rockpulse.plots.KINDS`.
     **options
-        Options of the kind: `record`, `block`, `demand`, `measure` (names), `models`, `limit_states` (sequences of
+        Options of the kind: `record`, `block`, `demand`, `measure` (names), `model`, `limit_state` (a name or several
         names), `case` (number of the restitution, from 1), `factor` (on the record), `restitution` (a number or
         "housner"). None is the default. A record or a block may be omitted if there is only one; a pattern (* and ?)
         that matches a single name stands for that name.
@@ -177,7 +179,7 @@ def draw(tree: xr.DataTree, kind: str, **options: Any) -> Figure:
     --------
     >>> import rockpulse as rp
     >>> record = rp.read("data/samples/records/CICLC.v1")[0]
-    >>> results = rp.assess([record], rp.Config(blocks=[rp.BlockSettings("wall", width=0.5, height=4.0)]))
+    >>> results = rp.assess([record], rp.Config(bodies=[rp.BlockSettings("wall", width=0.5, height=4.0)]))
     >>> rp.plots.draw(results, "bodies").axes[0].get_title()
     'wall'
     """
@@ -190,11 +192,14 @@ def draw(tree: xr.DataTree, kind: str, **options: Any) -> Figure:
         without = f" without the group {row.group}" if found == row.file else ""
         raise ResultsError(f"{kind}: expected a file of '{row.command}', found {kind_in_words(found)} file{without}")
     given = {name: value for name, value in options.items() if value is not None}
-    for name in given:
+    for name in list(given):
         if name not in row.options:
             flags = ", ".join(OPTIONS[option] for option in row.options)
             takes = f"it takes {', '.join(row.options)} ({flags})" if flags else "the picture is always the same"
             raise ResultsError(f"{kind}: there is no {name} to choose; {takes}")
+        if name in SEVERAL:
+            value = given.pop(name)
+            given[f"{name}s"] = [value] if isinstance(value, str) else value
     return style.whole_figure(DRAWERS[kind](tree, **given))
 
 
@@ -242,7 +247,7 @@ def plot(
     '2.2 m'
     """
     if isinstance(what, (xr.DataTree, str, os.PathLike)):
-        tree = what if isinstance(what, xr.DataTree) else load(what)
+        tree = given_results(what)
         return draw(tree, kind or _first(tree), block=block, **options)
     if not isinstance(what, tuple(_BY_TYPE)):
         raise TypeError(

@@ -145,7 +145,7 @@ def probability_bars(ax: Axes, place: int, factors: Sequence[float], begin: floa
 def label_without_factor(ax: Axes, place: int, end: float, at_end: bool) -> None:
     """Write the label of a row without a factor, at the end of the search or beside the line at 1."""
     words, (where, side) = (
-        say("plot.rows.label_without_factor", factor=six_digits(end)),
+        say("plot.rows.none_up_to", factor=six_digits(end)),
         (end, "right") if at_end else (1.0, "left"),
     )
     ax.text(where, place, f"  {words}  ", fontsize=SMALL - 0.5, color=BLACK, ha=side, va="center")

@@ -31,7 +31,7 @@ KINDS = {
         "limit accelerogram of a block and its secondary sequence (the paper's Figures 1 and 2)",
     ),
     "rotation-history": PictureKind(
-        ("record", "block", "models", "case", "factor"),
+        ("record", "block", "model", "case", "factor"),
         "rotation of a block under a record by several models, impacts and overturning",
         _STORED,
     ),
@@ -46,17 +46,17 @@ KINDS = {
         group="spectra",
     ),
     "overturning-map": PictureKind(
-        ("record", "block", "models"),
+        ("record", "block", "model"),
         "factors on the input that overturn, of all blocks under a record or all records on a block",
     ),
     "probability": PictureKind(
         ("demand",), "probability that each record, as it is or brought to a demand, overturns each body"
     ),
     "critical-scale": PictureKind(
-        ("block", "models", "case"), "smallest factor on every record that overturns a block, by each model"
+        ("block", "model", "case"), "smallest factor on every record that overturns a block, by each model"
     ),
     "fragility": PictureKind(
-        ("block", "measure", "limit_states"),
+        ("block", "measure", "limit_state"),
         "fragility curves of a block, and the band of one of them, in p PGV/(g tan alpha) and PGA",
         "rockpulse fragility",
         FRAGILITY,
@@ -69,10 +69,10 @@ KINDS = {
     ),
 }
 
-#: Options of the command line, in the singular, by the keywords of :func:`~rockpulse.plots.draw`.
+#: Options of the command line by the keywords of :func:`~rockpulse.plots.draw`.
 OPTIONS = {
-    name: f"--{name.removesuffix('s').replace('_', '-')}"
-    for name in ("record", "block", "models", "demand", "case", "factor", "measure", "limit_states", "restitution")
+    name: f"--{name.replace('_', '-')}"
+    for name in ("record", "block", "model", "demand", "case", "factor", "measure", "limit_state", "restitution")
 }
 
 

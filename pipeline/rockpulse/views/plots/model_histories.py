@@ -8,6 +8,7 @@ import numpy as np
 import xarray as xr
 
 from rocking.body.block import Block
+from rocking.pictures import one_line
 from rocking.response import IMPACT_CUTOFF, Outcome, Response
 from rockpulse.assessment.scene import acting, floor_record
 from rockpulse.config.block_settings import floors_from_text
@@ -42,6 +43,9 @@ class ModelHistory(NamedTuple):
     overturning: float = math.nan  # time at which overturning is certain [s]; NaN without overturning
     peak: float = math.nan  # theta_max/alpha_c [-]; inf if the block overturns, NaN without a result
     warning: str = ""  # doubts about the motion
+
+    def __repr__(self) -> str:
+        return one_line(self)
 
 
 def histories(

@@ -37,7 +37,8 @@ def one_name(dataset: xr.Dataset, dimension: str, name: str | None) -> str:
         raise ResultsError(
             f'{dimension}: "{name}" is met by {len(met)} in these results, the picture is of one: {_listed(met)}'
         )
-    near = get_close_matches(name, known, n=3, cutoff=0.4)
+    spelt = {label.lower(): label for label in known}
+    near = [spelt[label] for label in get_close_matches(name.lower(), list(spelt), n=3, cutoff=0.4)]
     nearest, there = f"the nearest: {_listed(near)}; " if near else "", f"there are: {_listed(known)}"
     if near and len(known) > LISTED:
         there = f"there are {len(known)} (rockpulse inspect --{dimension}s)"

@@ -75,7 +75,7 @@ def _by_severity(one: BodyVerdict) -> tuple[float, float, float]:
 def drawings(tree: xr.DataTree) -> list[Drawing]:
     """Return the drawing of every block of the results on its pedestals."""
     summary, configuration = tree["summary"].to_dataset(), str(tree.attrs.get("configuration", ""))
-    blocks = config_from_text(configuration).blocks if configuration else ()
+    blocks = config_from_text(configuration).bodies if configuration else ()
     below = {one.name: [(part.width, part.height) for part in one.pedestals] for one in blocks if one.pedestals}
     names = [str(name) for name in summary["block"].values]
     alone = summary["pedestal_of"].values.tolist() if "pedestal_of" in summary else [""] * len(names)

@@ -14,7 +14,7 @@ from pathlib import Path
 
 import xarray as xr
 
-from rockpulse.config.configuration import Config
+from rockpulse.config.configuration import Config, given_config
 from rockpulse.errors import ResultsError
 from rockpulse.files import FileSet
 from rockpulse.foreign_text import escaped
@@ -67,12 +67,12 @@ PRINTING = (
 
 def report(
     results: xr.DataTree | str | Path,
-    path: str | Path,
+    output: str | Path = "report.html",
     site: xr.DataTree | str | Path | None = None,
     fragility: xr.DataTree | str | Path | None = None,
     overwrite: bool = False,
     language: str = "en",
-    config: Config | None = None,
+    config: Config | str | Path | None = None,
 ) -> Path:
     """Write the report of an assessment as one file: HTML without external resources, or PDF.
 
@@ -80,7 +80,7 @@ def report(
     ----------
     results : xarray.DataTree or path
         Results of :func:`rockpulse.assess` or :func:`rockpulse.assess_sequence`, or a file of ``rockpulse assess``.
-    path : str or Path
+    output : str or Path
         File to write, `.html` or `.pdf`; a PDF is printed by the Chrome, Chromium or Edge of this machine.
     site : xarray.DataTree or path, optional
         A site calibration to include (:func:`rockpulse.calibrate`).
@@ -90,7 +90,7 @@ def report(
         Whether an existing report may be replaced; other files are never replaced.
     language : str
         Language of texts and numbers: "en" or "it". Warnings and reasons of readers stay English.
-    config : Config, optional
+    config : Config or path, optional
         Configuration whose author, client, project and logo ([report]) replace those in the results.
 
     Returns
@@ -107,14 +107,14 @@ def report(
     OSError
         If a file cannot be read or written.
     """
-    target = check_report_target(path, overwrite)
+    target = check_report_target(output, overwrite)
     as_pdf = target.suffix.lower() == ".pdf"
     if as_pdf:
         browser()  # checked before any work
-    page = report_page(results, site, fragility, language, config)
+    page = report_page(results, site, fragility, language, None if config is None else given_config(config))
     with FileSet() as parts:
         parts.add(target, printed(page) + PDF_MARK if as_pdf else page.encode("utf-8", "replace"))
-        check_report_target(path, overwrite)  # another process may have written it in the meantime
+        check_report_target(output, overwrite)  # another process may have written it in the meantime
         parts.commit()
     return target
 
