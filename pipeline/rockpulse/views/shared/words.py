@@ -66,7 +66,7 @@ def say(key: str, /, **fields: object) -> str:
 
 
 def section(name: str) -> dict[str, str]:
-    """Return the texts of a section, unfilled."""
+    """Return the texts of a section with unfilled fields."""
     texts = table(language()).items()
     return {key.removeprefix(f"{name}."): text for key, text in texts if key.startswith(f"{name}.")}
 
