@@ -1,4 +1,4 @@
-"""A national inventory in the small: cost a record from 1,000 to 100,000 short ones, ``python benchmarks/scale.py``.
+"""Run time per record for 1,000 to 100,000 short records: ``python benchmarks/scale.py``.
 
 Synthetic records of ``--seconds`` (seeded; PEER AT2 files, 0.2 to 0.6 g, events of 20 stations) on three bodies by the
 nonlinear model alone, nothing stored but the answers: next to no work for the solvers, so that what a record costs

@@ -255,16 +255,16 @@ def test_a_worker_that_cannot_start_is_an_error_that_says_what_to_do(monkeypatch
 
 
 def test_any_executor_will_do_and_stays_open():
-    with ThreadPoolExecutor(2) as pool:
-        with WorkerPool.through(pool) as pool:
+    with ThreadPoolExecutor(2) as executor:
+        with WorkerPool.through(executor) as pool:
             assert pool.size >= 1
             assert sorted(pool.run(toys.square, range(5))) == [(number, number**2) for number in range(5)]
             with pytest.raises(KeyError, match="three"):
                 list(pool.run(toys.refuse, range(5)))
-        assert pool.submit(toys.square, 4).result() == 16
+        assert executor.submit(toys.square, 4).result() == 16
 
 
-def test_a_crew_has_at_least_one_worker():
+def test_a_pool_has_at_least_one_worker():
     with pytest.raises(ValueError, match="workers"):
         WorkerPool.local(0)
 
