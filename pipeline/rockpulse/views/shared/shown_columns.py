@@ -313,6 +313,6 @@ def answer_columns(answers: Answers) -> dict[str, list[Cell]]:
 
 def factor_columns(answers: Answers) -> tuple[Column, ...]:
     """Return the columns of the probability and the factors of overturning; empty if unknown."""
-    if not answers.told:
+    if not answers.has_factor:
         return ()
     return columns("overturning_probability", "factor_10") if answers.probable else columns("safety_factor")
