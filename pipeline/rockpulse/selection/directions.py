@@ -21,7 +21,6 @@ from rockpulse.selection.twins import (
     clock_candidates,
     compared,
     component_comparisons,
-    label_faults,
     partners,
 )
 from rockpulse.selection.votes import Twin
@@ -169,21 +168,19 @@ def swept_directions(planned: Iterable[PlannedMotion], config: Config) -> dict[s
 def _with_comparisons(
     planned: Iterable[PlannedMotion], horizontal: Sequence[Record], twins: Iterable[Twin]
 ) -> list[PlannedMotion]:
-    """Return the planned motions with the records that they are compared with, and warnings on contradictory labels."""
+    """Return the planned motions with the records that they are compared with."""
     of_voter: dict[str, list[Twin]] = defaultdict(list)
     for twin in twins:
         of_voter[twin.voter.id].append(twin)
-    partner, clocks, faults = partners(horizontal), clock_candidates(horizontal), label_faults(horizontal)
+    partner, clocks = partners(horizontal), clock_candidates(horizontal)
     found = []
     for one in planned:
         comparisons = list(component_comparisons(one.channels, partner))
-        warnings = list(one.warnings)
         for place, channel in enumerate(one.channels):
             comparisons += [Comparison("volume", place, twin.record, twin.beside) for twin in of_voter[channel.id]]
             if id(channel) in clocks:
                 comparisons.append(Comparison("clock", place, clocks[id(channel)]))
-            warnings += faults.get(id(channel), [])
-        found.append(replace(one, comparisons=tuple(comparisons), warnings=tuple(warnings)))
+        found.append(replace(one, comparisons=tuple(comparisons)))
     return found
 
 
@@ -299,7 +296,7 @@ def _options(channels: Sequence[Record]) -> str:
 
 def _advice(channels: Sequence[Record]) -> str:
     return (
-        f"A peak above {CREDIBLE_PEAK_G[1]:g} g after conditioning does not count before it is confirmed: correct the "
+        f"A peak above {CREDIBLE_PEAK_G[1]:g} g after conditioning is rejected unless it is confirmed: correct the "
         "unit (--units, units under [records] or [[records.file]], or the file), or, if it is right, give "
         f"{_options(channels)}"
     )

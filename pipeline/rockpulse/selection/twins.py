@@ -4,7 +4,6 @@ import math
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from itertools import combinations
 from typing import Literal
 
 import numpy as np
@@ -25,7 +24,7 @@ LEAST_TURN = 45.0
 BAND, BAND_SHARE = (0.5, 10.0), 0.4
 #: A clock is off by no more than this [s]; the correlation, and the agreement of the times of the energy, that tell so.
 CLOCK_S, CLOCK_CORRELATION, CLOCK_SHARE = 86400.0 + 60.0, 0.95, 0.02
-#: Azimuths within this of each other, or of the opposite, are of one line [degrees].
+#: Width of the classes of azimuths in which candidates are looked for [degrees].
 SAME_LINE = 5.0
 #: Causes of a ratio of two peaks, within 1.5 %.
 CAUSES = {
@@ -226,25 +225,4 @@ def clock_candidates(records: Sequence[Record]) -> dict[int, Record]:
                     found.setdefault(id(record), other)
                     found.setdefault(id(other), record)
                     break
-    return found
-
-
-def label_faults(records: Sequence[Record]) -> dict[int, list[WarningText]]:
-    """Warnings, by identity of the record, on horizontal channels of one file with equal samples or one direction."""
-    found: dict[int, list[WarningText]] = defaultdict(list)
-    files: dict[str, list[Record]] = defaultdict(list)
-    for record in records:
-        if record.orientation in ("horizontal", "unknown"):
-            files[record.source].append(record)
-    for channels in files.values():
-        for one, other in combinations(channels, 2):
-            first, second = outline_of(one), outline_of(other)
-            code = ""
-            if _between(one, other) <= SAME_LINE and concurrent(one, other):
-                code, sign = "same_direction", " or the opposite one"
-            elif first and np.allclose(first, second or math.nan, rtol=1e-6, atol=0.0):
-                code, sign = "same_samples", " or of opposite sign"
-            if code:
-                found[id(one)].append(WarningText(code, other=other.id, sign=sign))
-                found[id(other)].append(WarningText(code, other=one.id, sign=sign))
     return found

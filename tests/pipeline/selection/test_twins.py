@@ -126,21 +126,6 @@ def test_beside_a_channel_of_noise_the_sound_one_counts():
     assert "a.N: no earthquake" in reason
 
 
-@pytest.mark.parametrize("sign", [1.0, -1.0])
-def test_equal_or_opposite_samples_in_two_directions_are_told(sign):
-    found, _, _, warnings = seen(volume("a", east=sign * NORTH))
-    assert found == ["a.E", "a.N"]
-    assert sum("the same samples as" in text for text in warnings) == 2
-    assert not any("the same samples as" in text for text in seen(volume("a"))[3])
-
-
-def test_two_columns_of_one_line_are_told():
-    plain = [replace(one, station="", start_time=None) for one in volume("a", azimuths=(0.0, 180.0))]
-    found, _, _, warnings = seen(plain)
-    assert found == ["a.E", "a.N"]
-    assert sum("has the same direction" in text for text in warnings) == 2
-
-
 def test_the_outline_of_a_record_stays_with_it_without_its_samples():
     (one, _) = volume("a")
     assert outline_of(one.without_samples()) == outline_of(one)
