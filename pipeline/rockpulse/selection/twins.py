@@ -4,6 +4,7 @@ import math
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from pathlib import PurePath
 from typing import Literal
 
 import numpy as np
@@ -150,7 +151,11 @@ def _volumes(channel: Record, against: Comparison) -> WarningText | None:
         return None
     told = "; ".join(said)
     return WarningText(
-        "twin_differs", other=against.other.id, source=against.other.source, differences=told, decides=True
+        "twin_differs",
+        other=against.other.id,
+        source=PurePath(against.other.source).name,
+        differences=told,
+        decides=True,
     )
 
 

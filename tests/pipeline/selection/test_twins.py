@@ -29,7 +29,7 @@ class Ids(Analysis):
         return lambda motion, watch: {"record": [motion.record.id], "warnings": motion.record.warnings}
 
     @property
-    def nothing(self):
+    def empty_part(self):
         return {}
 
     def of_event(self, part, event):
