@@ -109,6 +109,7 @@ def test_a_name_and_a_header_of_two_kinds_are_told(tmp_path):
         *(("a_vert.csv", "vertical", np.nan), ("a_N-S.txt", "horizontal", 0.0), ("accEW.txt", "horizontal", 90.0)),
         *(("KUZEY.txt", "horizontal", 0.0), ("a_EW1.txt", "horizontal", 90.0), ("a_E_raw.txt", "horizontal", 90.0)),
         *(("TCU068.txt", "unknown", np.nan), ("TCU068-V.txt", "vertical", np.nan), ("SETUP.txt", "unknown", np.nan)),
+        *(("rec.V", "vertical", np.nan), ("rec.L", "horizontal", np.nan), ("rec_T.txt", "horizontal", np.nan)),
         *(("120111.txt", "unknown", np.nan), ("San_E_Street.txt", "unknown", np.nan)),
     ],
 )
