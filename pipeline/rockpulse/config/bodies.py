@@ -112,9 +112,7 @@ def gather_bodies(blocks: Blocks, records: RecordSettings | None = None) -> Bodi
         given |= dict(zip(own, [one, *(replace(one, friction=part.friction) for part in one.pedestals)], strict=True))
         alone |= {name: one.name for name in own if name != one.name}
     if not named:
-        raise ConfigError(
-            "no block to assess: give [[block]] entries in the configuration or --block NAME=WIDTHxHEIGHT"
-        )
+        raise ConfigError("no body to assess: give [[block]] entries in the configuration or --block NAME=WIDTHxHEIGHT")
     lengths = {name: block.shape[0] for name, block in named.items() if block.shape}
     if len(set(lengths.values())) > 1:
         raise ConfigError(f"restitution: expected lists of one length in all blocks, found {lengths}")

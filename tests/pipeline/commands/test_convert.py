@@ -45,7 +45,7 @@ def test_a_unit_is_asked_for_and_taken(tmp_path, capsys):
     assert main(arguments) == 1
     captured = capsys.readouterr()
     assert "do not state their unit" in captured.err
-    assert "not one record could be read" in captured.err
+    assert "no record could be read" in captured.err
     assert not (tmp_path / "out.AT2").exists()
     assert main([*arguments, "--units", "g", "--dt", "0.02"]) == 0
     assert read(tmp_path / "out.AT2")[0].dt == 0.02

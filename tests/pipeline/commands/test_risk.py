@@ -67,17 +67,17 @@ def test_bodies_that_have_stood_are_a_test_of_the_hazard(fragility, capsys):
     # At three times the age at which lambda T is one: exp(-3) = 0.0498, ln 20 = 2.9957 and the factor 0.99858.
     assert main(["risk", str(fragility), "--resamples", "0", "--age", f"{3.0 / frequency:.8g}"]) == 0
     shown = capsys.readouterr().out
-    row = shown.split("Bodies that have stood")[1].split("stele")[1].splitlines()[0].split()
+    row = shown.split("Bodies that have survived")[1].split("stele")[1].splitlines()[0].split()
     assert float(row[0]) == pytest.approx(0.0498, rel=2e-2)
     assert float(row[2]) == pytest.approx(0.9986, rel=6e-3)
     assert main(["risk", str(fragility), "--age", "100", "--limit-state", "uplift"]) == 2
-    assert "--age: it says that bodies still stand" in capsys.readouterr().err
+    assert "--age: expected --limit-state overturning" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("option", [["--limit-state", "0.4"], ["--resamples", "3"]])
 def test_what_an_inventory_does_not_know_is_refused(fragility, option, capsys):
     assert main(["risk", str(fragility), "--bodies", "bodies.csv", *option]) == 2
-    assert "--bodies: it does not go with --limit-state or --resamples" in capsys.readouterr().err
+    assert "--bodies: cannot be combined with --limit-state or --resamples" in capsys.readouterr().err
 
 
 def test_wrong_arguments_are_told(fragility, tmp_path, capsys):

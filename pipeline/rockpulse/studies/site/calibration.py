@@ -158,7 +158,7 @@ class SiteCalibration(Analysis):
         if not parts:
             rows = [row for row in failures if row.kind != "vertical"]
             reasons = "".join(f"\n  {reasons_in_words(group)}" for group in alike(rows))
-            what = f"not one record could be calibrated, so there is no site to describe{reasons}"
+            what = f"no record could be calibrated, so there is no site to describe{reasons}"
             raise NothingCalibrated(what, failures)
         done = joined(parts)
         ids, events = done["record"].tolist(), done["event"].tolist()

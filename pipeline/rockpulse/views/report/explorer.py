@@ -3,7 +3,7 @@
 import base64
 import json
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -68,8 +68,8 @@ class Explorer(NamedTuple):
     model: str
 
 
-def explorer(tree: xr.DataTree, file: str = "results.h5") -> Explorer | None:
-    """Return the motions of the interactive part; None for a design sequence or a model without histories."""
+def explorer(tree: xr.DataTree, file: str = "results.h5", stored: Sequence[str] = ()) -> Explorer | None:
+    """Return the motions of the interactive part, or None without histories; `stored`: block names in the file."""
     answers, told = Answers(tree["summary"].to_dataset()), section("explorer")
     if answers.model not in FOLLOWING or not answers.bodies or not (answers["npts"] >= 0).any():
         return None
@@ -88,7 +88,7 @@ def explorer(tree: xr.DataTree, file: str = "results.h5") -> Explorer | None:
         "bodies": [
             {
                 "name": body.name,
-                "block": body.block,
+                "block": stored[body.place] if stored else body.block,
                 "case": body.case + 1 if body.several else 0,
                 **_outline(block_of(answers.summary, body.block, body.case + 1)),
                 "scenes": scenes.of_body(lane, body) if lane in shown else [],

@@ -74,7 +74,7 @@ def limits(said: Sequence[Limit], found: Sequence[BodyVerdict], motions: Motions
     else:
         counts = [one.deciding.earthquakes if one.deciding else motions.event_count for one in found]
         fewest = min(counts, default=motions.event_count)
-        most = ratio(float(probability_interval(0.0, fewest)[1]))
+        most = share(float(probability_interval(0.0, fewest)[1]))
         lines.append(say("limits.earthquakes", events=counted_words(fewest, "earthquake"), most=most))
     return [*lines, say("limits.not_covered")]
 
@@ -116,7 +116,7 @@ def _confidence(motions: Motions, site: xr.Dataset | None) -> Limit:
         "limits",
         "confidence",
         events=events,
-        most=ratio(float(probability_interval(0.0, motions.event_count)[1])),
+        most=share(float(probability_interval(0.0, motions.event_count)[1])),
         confidence=share(CONFIDENCE),
         few=few if motions.event_count < FEWEST_EVENTS else "",
         unknown=of_unknown_event(motions),

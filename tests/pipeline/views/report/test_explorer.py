@@ -107,7 +107,7 @@ def test_the_slider_has_the_record_as_it_is_and_the_factors_of_ten_and_fifty_per
 def test_factors_too_near_to_each_other_are_one_and_the_demand_is_its_own():
     answers = Answers(probable([0.5], factor_10=[1.01]))  # f_50 is 1.313
     steps = steps_on(answers, 0, 0, CONTROLS)
-    assert steps == {0.5: "", 0.7: "", 1.0: "as recorded", 1.31: "f_50", 2.0: ""}
+    assert steps == {0.5: "", 0.7: "", 1.0: "as recorded", 1.31: "P = 50 %", 2.0: ""}
     answers = Answers(probable([0.0], factor_10=[np.inf], demand=2.5, at_demand=[0.07]))
     steps = steps_on(answers, 0, 0, CONTROLS)
     assert steps[2.5] == "demand ULS"
