@@ -84,7 +84,7 @@ def test_the_integrals_of_a_file_without_words_are_skipped(tmp_path):
     records, failures = read_all(tmp_path, units="m/s2", dt=STEP)
     assert [Path(one.source).stem for one in records] == ["x3", "x4"]
     assert [(Path(row.file).stem, row.kind) for row in failures] == [("x1", "skipped"), ("x2", "skipped")]
-    assert "the samples of x3.txt" in failures[1].reason
+    assert "its derivative is x3.txt" in failures[1].reason
 
 
 def test_a_name_and_a_header_of_two_kinds_are_told(tmp_path):
