@@ -1,4 +1,4 @@
-"""One table for each concept: what a row can do is asked from the row, and no name of one stands in another module.
+"""One table per concept: properties are read from its rows, and no other module repeats the names of its rows.
 
 Read from the source text. A name that is a word of something else there too is allowed by module, with the reason.
 """

@@ -101,7 +101,7 @@ def _fill(values: dict[str, np.ndarray], scene: Scene, bodies: Bodies, config: C
         put(others, own)
         at_demand[others] = own.overturning(asked[others])
     at_demand[~near] = np.nan
-    worse = found.likelier(rows["overturning_probability"], rows["factor_10"])
+    worse = found.higher_probability(rows["overturning_probability"], rows["factor_10"])
     values.update({name: own[worse] for name, own in rows.items()})
     return stored
 

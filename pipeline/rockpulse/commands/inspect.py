@@ -83,11 +83,11 @@ def _cases(summary: xr.Dataset, args: argparse.Namespace) -> str:
     from dataclasses import replace
 
     from rockpulse.assessment.answers import Answers
-    from rockpulse.views.text.lists import case_list, worst_first
+    from rockpulse.views.text.lists import case_list, sorted_by_factor
 
     selection = read_selection(args)
     if args.worst or selection.sort is None:
-        selection = worst_first(Answers(summary), selection)
+        selection = sorted_by_factor(Answers(summary), selection)
     return case_list(summary, replace(selection, limit=args.worst or selection.limit or CASES))
 
 

@@ -20,10 +20,10 @@ def tell(text: str, file: TextIO | None = None) -> None:
     try:
         print(escaped(text), file=file, flush=True)
     except BrokenPipeError:
-        forsake(file)
+        discard_output(file)
 
 
-def forsake(file: TextIO) -> None:
+def discard_output(file: TextIO) -> None:
     """Discard all further text to standard output or standard error."""
     nowhere = os.open(os.devnull, os.O_WRONLY)
     os.dup2(nowhere, file.fileno())
@@ -43,7 +43,7 @@ def progress_bars(quiet: bool) -> Callable[..., Any]:
 
 
 @contextmanager
-def compiling_told(quiet: bool) -> Iterator[None]:
+def announce_compilation(quiet: bool) -> Iterator[None]:
     """Context manager that announces on a terminal the first kernel that is compiled, not one loaded from the cache."""
     if quiet or not sys.stderr.isatty():
         yield

@@ -167,7 +167,7 @@ def carry_out(task: Task, work: Work, stage: str, config: Config) -> Done:
     parts: list[bytes] = []
     failures: list[Failure] = []
     at, fingerprint = "read", task.fingerprint
-    with _heard() as messages:
+    with _log_lines() as messages:
         try:
             with watch("read"):
                 planned = task.read(read_options(config))
@@ -188,7 +188,7 @@ def carry_out(task: Task, work: Work, stage: str, config: Config) -> Done:
 
 
 @contextmanager
-def _heard() -> Iterator[list[tuple[int, str]]]:
+def _log_lines() -> Iterator[list[tuple[int, str]]]:
     """Collect level and text of the log lines of this thread, which the parent process writes."""
     messages: list[tuple[int, str]] = []
     thread = get_ident()

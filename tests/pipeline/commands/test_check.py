@@ -76,7 +76,7 @@ def test_a_file_of_another_kind_is_refused(golden, capsys):
     assert "site.h5: expected an assessment of rockpulse, found a site calibration" in capsys.readouterr().err
 
 
-def test_wrong_arguments_are_told(site, tmp_path, capsys):
+def test_wrong_arguments_are_reported(site, tmp_path, capsys):
     assert main(["check"]) == 2
     assert "expected a results file or --config" in capsys.readouterr().err
     with pytest.raises(SystemExit) as error:

@@ -6,7 +6,7 @@ import sys
 
 import pytest
 
-from rockpulse.commands.terminal import COMPILING, compiling_told, progress_bars
+from rockpulse.commands.terminal import COMPILING, announce_compilation, progress_bars
 
 
 class Terminal(io.StringIO):
@@ -52,7 +52,7 @@ def test_quiet_is_quiet_and_so_is_what_is_no_terminal(monkeypatch):
 def test_compiling_is_told_once_and_loading_never(monkeypatch):
     terminal = on_terminal(monkeypatch)
     event = pytest.importorskip("numba.core.event")
-    with compiling_told(quiet=False):
+    with announce_compilation(quiet=False):
         assert terminal.getvalue() == ""
         for _ in range(2):
             with event.trigger_event("numba:compile"):
@@ -68,6 +68,6 @@ def test_a_kernel_that_is_compiled_is_such_an_event(monkeypatch):
     numba = pytest.importorskip("numba")
     if numba.config.DISABLE_JIT:
         pytest.skip("nothing is compiled without the compiler")
-    with compiling_told(quiet=False):
+    with announce_compilation(quiet=False):
         numba.njit(lambda x: x + 1)(2)
     assert terminal.getvalue() == f"{COMPILING}\n"

@@ -93,7 +93,7 @@ def test_the_first_sentence_of_the_report_has_the_count(assessed, tmp_path, monk
 
 
 @pytest.mark.parametrize("quiet", [True, False])
-def test_where_nothing_can_be_used_the_count_and_the_reason_are_told(folder, tmp_path, capsys, quiet):
+def test_where_nothing_can_be_used_the_count_and_the_reason_are_reported(folder, tmp_path, capsys, quiet):
     given = ["assess", str(folder / "m*"), *BLOCK, "-o", str(tmp_path / "results.h5"), *(["--quiet"] if quiet else [])]
     assert main(given) == 1
     said = capsys.readouterr().err

@@ -33,7 +33,9 @@ class Largest(Analysis):
     kind = "measure"
 
     work = staticmethod(largest)
-    nothing = MappingProxyType({"record": np.zeros(0, dtype=str), "event": np.zeros(0, dtype=str), "pga": np.zeros(0)})
+    empty_part = MappingProxyType(
+        {"record": np.zeros(0, dtype=str), "event": np.zeros(0, dtype=str), "pga": np.zeros(0)}
+    )
 
     def collect(self, parts, planned, failures):
         tree = xr.DataTree()

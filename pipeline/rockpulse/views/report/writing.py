@@ -171,7 +171,7 @@ def report_page(
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    environment.filters["typeset"] = typeset
+    environment.filters["with_symbols"] = with_symbols
     script = "".join(map(_text, ("report.js", "explorer_drawing.js", "explorer.js")))
     with writing(language):
         content = page_content(tree, *beside)
@@ -212,7 +212,7 @@ def _in_language(tree: xr.DataTree) -> xr.DataTree:
     return tree.map_over_datasets(renamed)
 
 
-def typeset(words: str) -> str:
+def with_symbols(words: str) -> str:
     """Replace terminal spellings by Greek letters and powers."""
     return re.sub(rf"\b({'|'.join(LETTERS)})\b", lambda found: LETTERS[found[0]], words)
 

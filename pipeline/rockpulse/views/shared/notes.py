@@ -7,7 +7,7 @@ import numpy as np
 
 from rocking.response import Outcome, Reason
 from rockpulse.assessment.answers import Answers, Motions, searched_up_to
-from rockpulse.assessment.verdict import BodyVerdict, sliding, worse_screens
+from rockpulse.assessment.verdict import BodyVerdict, sliding, worse_with_pedestal
 from rockpulse.model_table import MODELS, UPPER_BOUND, is_upper_bound
 from rockpulse.views.shared.formatting import ratio, several
 from rockpulse.views.shared.shown_columns import NONE_UP_TO, OUTSIDE, doubt_notes, factor_cell, record_cells
@@ -38,7 +38,7 @@ def uncertain(answers: Answers) -> str:
 
 def factor_notes(answers: Answers, swept: bool = False) -> list[str]:
     """Explain the columns of :func:`factor_columns`; in the table of a sweep, the smallest over direction."""
-    if not answers.told:
+    if not answers.has_factor:
         return []
     factor = answers[answers.factor]
     of = "the main impulse (I_s/I kept)" if answers.motions.kind == "sequence" else "the record"
@@ -126,7 +126,7 @@ def body_notes(answers: Answers, found: Sequence[BodyVerdict]) -> list[str]:
         f"{alone}: assessed alone and with its pedestal as one body; {worst.body.name} is the worse of the two "
         f"({worst.word}, {ratio(worst.decides.value)}) and decides; simultaneous motions of both parts are not "
         f"modelled."
-        for alone, worst in worse_screens(answers, found)
+        for alone, worst in worse_with_pedestal(answers, found)
     ]
     notes += [
         f"{one.body.name}: {one.above} of {several(one.total, 'record')} require more friction than {one.friction:g} "

@@ -50,7 +50,7 @@ class Column:
 
     @property
     def heading(self) -> Heading:
-        """The heading with its small print."""
+        """Heading with its small print."""
         title = (
             say(f"column.{self.name}.head")
             if self.title is None
@@ -73,7 +73,7 @@ def tabulated(
     return Table(key, caption, headed(selected), tuple(filled(selected, rows)), notes)
 
 
-#: Columns with small print below their heading.
+#: Columns with small print below the heading.
 _NOTED = frozenset({"restitution", "overturning_probability"})
 
 
@@ -313,6 +313,6 @@ def answer_columns(answers: Answers) -> dict[str, list[Cell]]:
 
 def factor_columns(answers: Answers) -> tuple[Column, ...]:
     """Return the columns of the probability and the factors of overturning; empty if unknown."""
-    if not answers.told:
+    if not answers.has_factor:
         return ()
     return columns("overturning_probability", "factor_10") if answers.probable else columns("safety_factor")

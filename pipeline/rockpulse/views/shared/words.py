@@ -68,7 +68,7 @@ def say(key: str, /, **fields: object) -> str:
 
 
 def section(name: str) -> dict[str, str]:
-    """Return the texts of a section, unfilled."""
+    """Return the texts of a section with unfilled fields."""
     texts = table(language()).items()
     return {key.removeprefix(f"{name}."): text for key, text in texts if key.startswith(f"{name}.")}
 
@@ -121,7 +121,7 @@ class _Numerals(Formatter):
 
     def get_value(self, key: int | str, args: Sequence[Any], kwargs: Mapping[str, Any]) -> Any:
         """Return a value; a warning is translated."""
-        return _told(super().get_value(key, args, kwargs))
+        return _translated(super().get_value(key, args, kwargs))
 
     def format_field(self, value: Any, format_spec: str) -> Any:
         """Format a value as text."""
@@ -131,10 +131,10 @@ class _Numerals(Formatter):
         return shown
 
 
-def _told(value: Any) -> Any:
+def _translated(value: Any) -> Any:
     if isinstance(value, WarningText):
         return warning_words(value)
-    return ", ".join(map(_told, value)) if isinstance(value, list) else value
+    return ", ".join(map(_translated, value)) if isinstance(value, list) else value
 
 
 def warning_words(warning: WarningText) -> str:

@@ -53,7 +53,7 @@ def left_out(tree: xr.DataTree, brief: bool = False) -> str:
     return "\n".join([*lines, *(paragraph(words + like, "      ", f"  {record}: ") for record, words, like in kinds)])
 
 
-def left_out_in_short(tree: xr.DataTree) -> str:
+def skipped_summary(tree: xr.DataTree) -> str:
     """Return the number of rows of each kind, the reasons of failures, and a line for some kinds of warnings."""
     found, beside = apart(failure_rows(tree))
     summary = tree["summary"].to_dataset()

@@ -49,9 +49,9 @@ class _Points:
         return self._found[name]
 
 
-def worst_first(answers: Answers, selection: RowSelection) -> RowSelection:
+def sorted_by_factor(answers: Answers, selection: RowSelection) -> RowSelection:
     """Sort a selection by the factor, or by the rotation if no factor is known."""
-    if answers.told:
+    if answers.has_factor:
         return replace(selection, sort=answers.factor, descending=False)
     return replace(selection, sort="peak_rotation_ratio", descending=True)
 

@@ -17,8 +17,8 @@ from rockpulse.views.shared.record_facts import Known
 from rockpulse.views.shared.shown_columns import doubt, doubt_notes, record_cells
 from rockpulse.views.shared.table import Cell, Heading, Table, number_cell, table_text
 from rockpulse.views.text import verdicts
-from rockpulse.views.text.left_out import left_out, left_out_in_short, unused
-from rockpulse.views.text.lists import case_list, worst_first
+from rockpulse.views.text.left_out import left_out, skipped_summary, unused
+from rockpulse.views.text.lists import case_list, sorted_by_factor
 from rockpulse.views.text.margins import capacities, direction_table, smallest_capacities
 
 #: Largest number of bodies and motions on one screen.
@@ -38,7 +38,7 @@ def overview(tree: xr.DataTree, whole: bool = False) -> str:
     directions = tree["directions"].to_dataset() if "directions" in tree.children else None
     if not whole and answers.motions.kind != "sequence":
         bodies = verdicts.body_verdicts(answers, BODIES if len(answers.bodies) > BODIES else None)
-        parts += [bodies, verdicts.worst_motions(answers, MOTIONS), left_out_in_short(tree)]
+        parts += [bodies, verdicts.worst_motions(answers, MOTIONS), skipped_summary(tree)]
         parts.append("Every record, body and model: rockpulse inspect RESULTS --all")
     elif is_large(answers):
         parts += [_large(answers, directions), left_out(tree, brief=True), HINTS]
@@ -65,7 +65,7 @@ def headline(tree: xr.DataTree) -> str:
     return "\n".join(lines)
 
 
-#: The commands that show more of large results.
+#: Commands that show more of large results.
 HINTS = """More: rockpulse inspect RESULTS
   --records, --blocks                     all records, all bodies; --sort VARIABLE, --limit N
   --record ID, --block NAME               one record or body in detail
@@ -82,7 +82,7 @@ def _large(answers: Answers, directions: xr.Dataset | None) -> str:
     """Return strength of the records, verdicts by model, worst blocks, and worst cases or pairs of a sweep."""
     parts = [_record_strength(answers), _verdicts(answers), verdicts.body_verdicts(answers, WORST)]
     if directions is None:
-        parts.append(case_list(answers.summary, worst_first(answers, RowSelection(limit=WORST))))
+        parts.append(case_list(answers.summary, sorted_by_factor(answers, RowSelection(limit=WORST))))
     else:
         parts.append(_pairs(answers, directions))
     parts.append(verdicts.governing(answers))
@@ -139,7 +139,7 @@ def _verdicts(answers: Answers) -> str:
 def _pairs(answers: Answers, directions: xr.Dataset) -> str:
     """Return a table of the worst pairs of channels of a sweep."""
     key = answers.least_over_direction[0]
-    if not answers.told:
+    if not answers.has_factor:
         key = -lanes(directions, "largest_rotation_ratio", answers.bodies, answers.model)
     order, blocks = (
         np.sort(np.argsort(np.fmin.reduce(table, axis=axis), kind="stable")[:most])
@@ -216,7 +216,7 @@ def _page(title: str, rows: list[tuple[str, str]], answers: Answers, of: str) ->
         words = (outcome.name.lower().replace("_", " ") for outcome in Outcome)
         told = ", ".join(f"{count} {word}" for count, word in zip(answers.counts, words, strict=True))
         heading = f"{sum(answers.counts)} verdicts by the {answers.model} model: {told}."
-        worst = case_list(answers.summary, worst_first(answers, RowSelection(limit=CASES)))
+        worst = case_list(answers.summary, sorted_by_factor(answers, RowSelection(limit=CASES)))
         return "\n".join([*head, heading, "", worst])
     factors = verdicts.probability_table(answers) + verdicts.factor_table(answers)
     return "\n".join([*head, verdicts.verdict_table(answers.summary), "", *capacities(answers, of), factors])

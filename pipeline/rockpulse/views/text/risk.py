@@ -86,7 +86,7 @@ def risk_overview(risk: xr.Dataset) -> str:
     told += [f"{name}: {statement}." for name, statement in named if statement]
     told += [f"! {words}." for words in risk_warnings(risk)]
     title = f"Frequency of {risk.attrs['limit_state']}, {several(len(levels), 'body')}; hazard: {risk.attrs['hazard']}"
-    return _told(title, selected, risk.assign(levels=("block", levels)), told)
+    return _table_text(title, selected, risk.assign(levels=("block", levels)), told)
 
 
 def _levels(one: xr.Dataset) -> str:
@@ -145,7 +145,7 @@ def inventory_overview(risk: xr.Dataset) -> str:
         )
     told += [f"! {words}." for words in inventory_warnings(risk)]
     title = f"Frequency of overturning, {several(frequency.size, 'body')}; hazard: {risk.attrs['hazard']}"
-    return _told(title, selected, risk.isel(body=order), told)
+    return _table_text(title, selected, risk.isel(body=order), told)
 
 
 def inventory_warnings(risk: xr.Dataset) -> list[str]:
@@ -187,14 +187,14 @@ def standing_overview(standing: xr.Dataset) -> str:
         f"below 1 "
         f"contradicts the hazard at a confidence of {share(confidence)}."
     )
-    return _told(f"Bodies that have survived {age:g} years", selected, standing.isel({dim: order}), [note])
+    return _table_text(f"Bodies that have survived {age:g} years", selected, standing.isel({dim: order}), [note])
 
 
 def _assumed(risk: xr.Dataset) -> list[str]:
     return [f"fragility: {risk.attrs['fragility']}.", f"hazard: {risk.attrs['hazard_conditions']}."]
 
 
-def _told(title: str, selected: Sequence[Column], rows: xr.Dataset, notes: Sequence[str]) -> str:
+def _table_text(title: str, selected: Sequence[Column], rows: xr.Dataset, notes: Sequence[str]) -> str:
     table = lines(tabulated("", "", selected, rows))
     return "\n".join([paragraph(title), *table, *(paragraph(line, "  ") for line in notes)])
 

@@ -274,11 +274,13 @@ def worst_motions(answers: Answers, most: int) -> str:
     note = f"Worst body: the one most likely to overturn{', with its P and scale factor' if answers.probable else ''}."
     if np.isinf(factor[at][order]).any() and not math.isnan(limit):
         note += f" {col.factor_cell(math.inf, limit).marked}: no overturning up to the largest that was searched."
-    return "\n".join([f"{which} {what}, as recorded:", *table, *([paragraph(note, "  ")] if answers.told else [])])
+    return "\n".join(
+        [f"{which} {what}, as recorded:", *table, *([paragraph(note, "  ")] if answers.has_factor else [])]
+    )
 
 
 def governing(answers: Answers) -> str:
-    """The records of the smallest scale factors, or that overturn, with their bodies; empty where none is known."""
+    """Describe the records with the smallest factors, or that overturn, with their bodies; empty if unknown."""
     ruled: dict[int, dict[str, None]] = {}
     for one in verdicts(answers):
         if one.governing >= 0:
@@ -292,5 +294,5 @@ def governing(answers: Answers) -> str:
         return ""
     if len(ruled) > NAMED:
         told.append(f"  and {several(len(ruled) - NAMED, 'other record')}")
-    what = f"with the smallest {factor_name(answers.factor)}" if answers.told else "that overturns"
+    what = f"with the smallest {factor_name(answers.factor)}" if answers.has_factor else "that overturns"
     return "\n".join([f"Governing records (the one {what}, {answers.model} model):", *told])

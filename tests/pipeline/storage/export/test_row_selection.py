@@ -7,7 +7,7 @@ from results_tree import BLOCKS, RECORDS, results_tree
 
 from rockpulse.errors import ResultsError
 from rockpulse.storage.export.row_selection import SHOWN, Condition, RowSelection, positions_matching, rows
-from rockpulse.storage.hdf5.netcdf4 import pointwise, slab, worded
+from rockpulse.storage.hdf5.netcdf4 import flags_as_words, pointwise, slab
 from rockpulse.storage.variables.summary import SUMMARY
 
 DIMS = ("record", "block", "model")
@@ -104,7 +104,7 @@ def test_a_variable_that_is_known_of_no_answer_is_no_condition(summary):
     ("selection", "message"),
     [
         (RowSelection({"block": ("colum",)}), r'no block "colum" in these results; did you mean "column"'),
-        (RowSelection({"block": ("LUM",)}), r"; 1 of 3 hold it, the pattern '\*lum\*' takes:\n  column$"),
+        (RowSelection({"block": ("LUM",)}), r"1 of 3 hold it, the pattern '\*lum\*' takes:\n  column$"),
         (where("outcom = rocks"), r"no variable 'outcom' .* did you mean \"outcome\""),
         (where("outcome = falls"), r"outcome: expected one of at_rest, rocks, overturns, unresolved"),
         (where("outcome = rock"), r"unresolved, found 'rock'; did you mean \"rocks\"\?$"),
@@ -174,4 +174,4 @@ def test_boxes_and_places_are_the_same_values_as_plain_indexing():
     places = {"record": at, "block": np.array([0, 4, 1]), "model": np.array([1, 1, 0]), "case": at}
     assert pointwise(variable, places).tolist() == [values[6, 0, 1], values[2, 4, 1], values[2, 1, 0]]
     assert pointwise(variable, dict.fromkeys(variable.dims, at[:0])).shape == (0,)
-    assert worded(np.zeros((0,), dtype=np.int8), {0: "no"}).shape == (0,)
+    assert flags_as_words(np.zeros((0,), dtype=np.int8), {0: "no"}).shape == (0,)

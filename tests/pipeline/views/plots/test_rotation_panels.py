@@ -94,7 +94,7 @@ def test_stored_histories_are_those_computed_again(assessed, with_histories, fir
         assert np.array_equal(stored.rotation, computed.rotation)
 
 
-def test_what_the_model_could_not_say_and_a_vertical_that_is_not_stored_are_told(changed, assessed, first):
+def test_what_the_model_could_not_say_and_a_vertical_that_is_not_stored_are_reported(changed, assessed, first):
     outcome = assessed["summary"]["outcome"].values.copy()
     outcome[..., 3] = 3
     found = histories(changed(outcome=outcome), first, "wall", ["nonlinear", "linear"])

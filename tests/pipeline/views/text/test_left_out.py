@@ -98,7 +98,7 @@ def test_warnings_of_one_code_are_alike_whatever_they_name():
 @pytest.mark.parametrize(
     ("name", "title"), [("", "read, not assessed (vertical): 1"), ("up", "vertical channels, acting on 2 records: 1")]
 )
-def test_a_vertical_channel_that_acted_is_told(name, title):
+def test_a_vertical_channel_that_acted_is_reported(name, title):
     tree = results_tree()
     summary = tree["summary"].to_dataset()
     summary["vertical_channel"] = summary["vertical_channel"].copy(data=np.array([name, name, ""]))

@@ -11,7 +11,7 @@ from rockpulse.storage.export.row_selection import Condition, RowSelection
 from rockpulse.storage.variables import failure_table
 from rockpulse.views.text import overview as overviews
 from rockpulse.views.text.left_out import left_out
-from rockpulse.views.text.lists import block_list, case_list, record_list, worst_first
+from rockpulse.views.text.lists import block_list, case_list, record_list, sorted_by_factor
 from rockpulse.views.text.overview import block_details, overview, record_details
 
 
@@ -39,7 +39,7 @@ def listed(text):
 
 
 def worst(summary, **options):
-    return case_list(summary, worst_first(Answers(summary), RowSelection(**options)))
+    return case_list(summary, sorted_by_factor(Answers(summary), RowSelection(**options)))
 
 
 def test_cases_are_listed_worst_first_by_the_fullest_model_and_equal_ones_once(summary):
