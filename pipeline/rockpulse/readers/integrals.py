@@ -11,6 +11,7 @@ from rockpulse.errors import Failure
 from rockpulse.record.record import Record
 
 _POINTS, _FEWEST = 128, 50  # samples at which two files are compared, and fewest samples of a file
+_BLOCK = 64  # files that are compared with all others at once
 _ALIKE = 0.98  # correlation of the slope of one file with the values of another at which it is its integral
 
 
@@ -51,7 +52,9 @@ def _integrals(group: Sequence[UnstatedKind]) -> dict[int, Failure]:
     values, slopes = (_unit_vectors(np.array([getattr(one, name) for one in group])) for name in ("values", "slopes"))
     rows = {}
     for place, record in enumerate(group):
-        alike = values @ slopes[place]
+        if place % _BLOCK == 0:
+            block = slopes[place : place + _BLOCK] @ values.T
+        alike = block[place % _BLOCK]
         alike[place] = 0.0
         other = int(np.argmax(alike))
         if alike[other] > _ALIKE and slopes[other] @ values[place] <= _ALIKE:
