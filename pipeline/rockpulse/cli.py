@@ -10,7 +10,7 @@ from collections.abc import Sequence
 
 from rockpulse.commands import VERBS
 from rockpulse.commands.parser import Parser
-from rockpulse.commands.terminal import WRITTEN, differing_results, file_fault, forsake, tell
+from rockpulse.commands.terminal import WRITTEN, differing_results, file_fault, forsake, kernels_told, tell
 from rockpulse.errors import ConfigError, RockpulseError, StoppedAtFailure
 from rockpulse.version import __version__
 
@@ -69,7 +69,8 @@ def main(argv: Sequence[str] | None = None) -> int:
                 raise ConfigError(
                     f"{option}: expected the name of a file, found nothing; is a variable of the shell unset?"
                 )
-        code = args.run(args)
+        with kernels_told(getattr(args, "quiet", False)):
+            code = args.run(args)
         sys.stdout.flush()
         return code
     except StoppedAtFailure as error:

@@ -10,9 +10,9 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
 from rocking.body.restraint import FRICTION, GAP, HEIGHT, KIND, NEAR, SIDE, STIFFNESS, ULTIMATE, YIELD_FORCE
+from rocking.kernel_cache import njit
 from rocking.march import corner_event as more
 from rocking.march import slots as row
 
@@ -39,13 +39,13 @@ class Held(NamedTuple):
     # theta > 0 [m]
 
 
-@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+@njit(_nrt=False)
 def sides(f, j):
     """0 where slot j turns about the corner of theta > 0, 1 for the other one; and the sign of theta."""
     return (0, 1.0) if f[row.SIDE + j] > 0.0 else (1, -1.0)
 
 
-@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+@njit(_nrt=False)
 def turn_of(displacement, point):
     """phi at which a point of :class:`Held` has moved outward by a displacement; inf where it cannot."""
     if displacement == 0.0:
@@ -56,14 +56,14 @@ def turn_of(displacement, point):
     return point[2] + math.asin(max(share, -1.0))
 
 
-@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+@njit(_nrt=False)
 def moved(phi, height, distance):
     """Outward displacement of a point at a height and a distance behind the corner [m]."""
     half = math.sin(0.5 * phi)
     return height * math.sin(phi) + distance * 2.0 * half * half
 
 
-@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+@njit(_nrt=False)
 def act(f, j, block, lane, held):
     """Set what acts on slot j by what its elements do: factors of the moment, the range of phi, the longest step."""
     place, side = sides(f, j)
@@ -131,7 +131,7 @@ def act(f, j, block, lane, held):
     f[row.LONGEST + j] = longest
 
 
-@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+@njit(_nrt=False)
 def begin_held(f, j, block, lane, held):
     """The elements of slot j as they are met by its first phi and speed, and what follows from them."""
     place, side = sides(f, j)
@@ -155,7 +155,7 @@ def begin_held(f, j, block, lane, held):
     act(f, j, block, lane, held)
 
 
-@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+@njit(_nrt=False)
 def land(f, j, block, lane, held):
     """Elements of slot j after it has come back to the ground and begins to turn about the corner that it is on now."""
     _, side = sides(f, j)
@@ -173,7 +173,7 @@ def land(f, j, block, lane, held):
     act(f, j, block, lane, held)
 
 
-@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+@njit(_nrt=False)
 def stop(part, held, lane, e, outward, side):
     """An element that yields or slides becomes a spring at an outward displacement [m] of its point."""
     most = part[YIELD_FORCE] / part[STIFFNESS]
@@ -184,7 +184,7 @@ def stop(part, held, lane, e, outward, side):
     held.mode[lane, e] = SPRING
 
 
-@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+@njit(_nrt=False)
 def change(f, j, block, lane, held, direction):
     """Change the elements whose range ends at phi: left outward (`direction` 1), inward (-1), or turned back (0)."""
     place, side = sides(f, j)
@@ -223,7 +223,7 @@ def change(f, j, block, lane, held, direction):
     act(f, j, block, lane, held)
 
 
-@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+@njit(_nrt=False)
 def rest_levels(f, j, block, lane, held, at_rest):
     """Set EXTRA of both corners of slot j on the ground; returns the share of sliding loads, which may keep it up."""
     place, side = sides(f, j)

@@ -2,6 +2,7 @@
 
 import argparse
 import errno
+import logging
 import os
 import sys
 from collections.abc import Callable, Iterator
@@ -30,9 +31,6 @@ def forsake(file: TextIO) -> None:
     os.close(nowhere)
 
 
-COMPILING = "rockpulse: compiling the kernels, once (about 20 s); later runs load them"
-
-
 def progress_bars(quiet: bool) -> Callable[..., Any]:
     """``tqdm.tqdm`` on standard error: silent where that is asked for, or where it is no terminal."""
     from tqdm import tqdm
@@ -42,28 +40,30 @@ def progress_bars(quiet: bool) -> Callable[..., Any]:
     return partial(tqdm, disable=True if quiet else None, **({} if sized else {"ncols": 80, "nrows": 24}))
 
 
+class _KernelLines(logging.Handler):
+    """Prints what the cache of compiled kernels says, above a progress bar; that it compiles only on a terminal."""
+
+    def emit(self, record: logging.LogRecord) -> None:
+        """Print the line of a record."""
+        from tqdm import tqdm
+
+        if record.levelno >= logging.WARNING or sys.stderr.isatty():
+            with tqdm.external_write_mode(file=sys.stderr):
+                tell(f"rockpulse: {record.getMessage()}", sys.stderr)
+
+
 @contextmanager
-def compiling_told(quiet: bool) -> Iterator[None]:
-    """Within it, the first kernel that has to be compiled is told of on a terminal; one from the cache is not."""
-    if quiet or not sys.stderr.isatty():
+def kernels_told(quiet: bool) -> Iterator[None]:
+    """Within it, compiling and faults of the cache of compiled kernels are told on standard error, unless quiet."""
+    logger, handler = logging.getLogger("rockpulse.kernels"), _KernelLines()
+    if not quiet:
+        logger.addHandler(handler)
+        logger.setLevel(logging.INFO)
+    try:
         yield
-        return
-    from numba.core.event import Event, Listener, install_listener
-    from tqdm import tqdm
-
-    class Told(Listener):
-        told = False
-
-        def on_start(self, event: Event) -> None:
-            if not self.told:
-                self.told = True
-                tqdm.write(COMPILING, file=sys.stderr)  # above a bar that is there already
-
-        def on_end(self, event: Event) -> None:
-            pass
-
-    with install_listener("numba:compile", Told()):
-        yield
+    finally:
+        logger.removeHandler(handler)
+        logger.setLevel(logging.NOTSET)
 
 
 #: The command that would make a missing file, by the argument that names the file.

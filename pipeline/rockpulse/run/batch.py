@@ -17,7 +17,7 @@ from rockpulse.run.analysis import Analysis
 from rockpulse.run.assembly import JournalParts, run_of, write_results
 from rockpulse.run.crew import Crew, WorkerLost
 from rockpulse.run.frames import unpack
-from rockpulse.run.journal import UNFINISHED, Journal, journal_path
+from rockpulse.run.journal import UNFINISHED, Journal, Message, journal_path
 from rockpulse.run.options import BatchOptions, BatchReport, Interrupted
 from rockpulse.run.survey import Located, gather, survey_file
 from rockpulse.run.tasks import Task, carry_out, digest_of, read_options, tasks_of, warm_up
@@ -322,6 +322,6 @@ def _is_part(packed: bytes, analysis: Analysis) -> bool:  # anybody can write ot
         return False
 
 
-def _log(messages: Iterable[tuple[int, str]]) -> None:
-    for level, text in messages:
-        logger.log(level, text)
+def _log(messages: Iterable[Message]) -> None:
+    for name, level, text in messages:
+        logging.getLogger(name).log(level, "%s", text)

@@ -76,6 +76,10 @@ def holder(path: Path) -> str:
     return "another process"
 
 
+#: A line for the log: name of the logger, level and text.
+Message = tuple[str, int, str]
+
+
 @dataclass(frozen=True)
 class Done:
     """The outcome of a task."""
@@ -84,7 +88,7 @@ class Done:
     fingerprint: str  # of the task, or UNFINISHED
     parts: tuple[bytes, ...] = ()  # for each motion its Part (rockpulse.run.analysis), packed
     failures: tuple[Failure, ...] = ()  # a row for everything that failed; one alone for a task that broke off
-    messages: tuple[tuple[int, str], ...] = ()  # level and text of every line for the log
+    messages: tuple[Message, ...] = ()  # every line for the log
     seconds: dict[str, float] = field(default_factory=dict)  # time of each step [s]
 
 
